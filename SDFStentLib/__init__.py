@@ -1,0 +1,1 @@
+"""Virtual stenting of vessel surfaces: NumPy in, NumPy out, millimetres everywhere."""

@@ -1,0 +1,139 @@
+"""Checks at the door: convert, check, and say in one sentence what is wrong."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Points = NDArray[np.float64]
+"""(n, 3) array of coordinates, mm."""
+
+Triangles = NDArray[np.int64]
+"""(m, 3) array of indices into the points."""
+
+
+class InputError(ValueError):
+    """Input that cannot be used; the message says what was expected, what came, what to do."""
+
+
+class DeploymentError(RuntimeError):
+    """A deployment that cannot proceed although its input is well formed."""
+
+
+def as_points(values: ArrayLike, name: str = "points", *, minimum: int = 0) -> Points:
+    """Coordinates as a finite float64 array of shape (n, 3).
+
+    Parameters
+    ----------
+    values : array_like, shape (n, 3)
+        Coordinates, mm.
+    name : str
+        What to call them in the error message.
+    minimum : int
+        Fewest points that are accepted.
+
+    Raises
+    ------
+    InputError
+        Wrong shape, not numeric, too few, or a coordinate that is NaN or infinite.
+    """
+    try:
+        points = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name}: expected numbers of shape (n, 3), got {error}.") from error
+    if points.size == 0:
+        points = points.reshape(0, 3)
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise InputError(f"{name}: expected shape (n, 3), got {points.shape}.")
+    if len(points) < minimum:
+        raise InputError(f"{name}: expected at least {minimum} points, got {len(points)}.")
+    bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    if len(bad):
+        raise InputError(
+            f"{name}: expected finite coordinates, got NaN or infinity at {len(bad)} of "
+            f"{len(points)} points, the first is point {bad[0]}; repair the file."
+        )
+    return points
+
+
+def as_point(values: ArrayLike, name: str = "point") -> NDArray[np.float64]:
+    """One finite point as a float64 array of shape (3,); `InputError` otherwise."""
+    return as_points(np.reshape(np.asarray(values, dtype=object), (1, -1)), name)[0]
+
+
+def as_triangles(values: ArrayLike, point_count: int, name: str = "triangles") -> Triangles:
+    """Triangles as an int64 array of shape (m, 3) whose indices exist.
+
+    Raises
+    ------
+    InputError
+        Wrong shape, no triangle, or an index outside `0 .. point_count - 1`.
+    """
+    triangles = np.asarray(values)
+    if triangles.ndim != 2 or triangles.shape[1] != 3 or triangles.dtype.kind not in "iu":
+        raise InputError(
+            f"{name}: expected integers of shape (m, 3), got {triangles.dtype} {triangles.shape}."
+        )
+    if len(triangles) == 0:
+        raise InputError(f"{name}: expected at least one triangle, got none.")
+    if triangles.min() < 0 or triangles.max() >= point_count:
+        raise InputError(
+            f"{name}: expected point indices from 0 to {point_count - 1}, got "
+            f"{triangles.min()} to {triangles.max()}."
+        )
+    return triangles.astype(np.int64, copy=False)
+
+
+def as_number(
+    value: Any,
+    name: str,
+    *,
+    unit: str = "",
+    above: float | None = None,
+    minimum: float | None = None,
+    maximum: float | None = None,
+) -> float:
+    """A finite float inside its range; the bounds `minimum`, `maximum` belong to the range.
+
+    Raises
+    ------
+    InputError
+        Not a number, not finite, or out of range.
+    """
+    wanted = _range_in_words(above, minimum, maximum, unit)
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise InputError(f"{name}: expected {wanted}, got {value!r}.") from None
+    outside = (
+        not np.isfinite(number)
+        or (above is not None and number <= above)
+        or (minimum is not None and number < minimum)
+        or (maximum is not None and number > maximum)
+    )
+    if isinstance(value, bool) or outside:
+        raise InputError(f"{name}: expected {wanted}, got {value!r}.")
+    return number
+
+
+def read_only(array: NDArray[Any]) -> NDArray[Any]:
+    """A write-protected copy, for the fields of immutable values."""
+    copy = np.array(array)
+    copy.setflags(write=False)
+    return copy
+
+
+def _range_in_words(
+    above: float | None, minimum: float | None, maximum: float | None, unit: str
+) -> str:
+    parts = ["a number"]
+    if above is not None:
+        parts.append(f"greater than {above:g}")
+    if minimum is not None:
+        parts.append(f"at least {minimum:g}")
+    if maximum is not None:
+        parts.append(f"at most {maximum:g}")
+    words = parts[0] + (" " + " and ".join(parts[1:]) if len(parts) > 1 else "")
+    return f"{words} ({unit})" if unit else words
