@@ -1,0 +1,177 @@
+"""Triangulated surfaces: areas, normals, volume, orientation; one import with topology and section.
+
+A surface is `points` (n, 3), mm, and `triangles` (m, 3). Faces of a well oriented surface turn
+counterclockwise seen from outside, so that normals point out of the lumen.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .section import SectionLoop, is_inside, plane_section
+from .topology import (
+    Edges,
+    VertexNeighbors,
+    boundary_edges,
+    consistently_wound,
+    edges,
+    face_components,
+    is_closed,
+    is_edge_manifold,
+    is_manifold,
+    is_vertex_manifold,
+    vertex_neighbors,
+)
+from .validation import Points, Triangles, as_points, as_triangles
+
+__all__ = [
+    "Edges",
+    "SectionLoop",
+    "VertexNeighbors",
+    "boundary_edges",
+    "edge_lengths",
+    "edges",
+    "face_areas",
+    "face_centroids",
+    "face_components",
+    "face_normals",
+    "is_closed",
+    "is_edge_manifold",
+    "is_inside",
+    "is_manifold",
+    "is_vertex_manifold",
+    "oriented_triangles",
+    "plane_section",
+    "signed_volume",
+    "vertex_neighbors",
+    "vertex_normals",
+]
+
+Floats = NDArray[np.float64]
+
+
+def face_areas(points: ArrayLike, triangles: ArrayLike) -> Floats:
+    """Area (m,) of every face, mm^2; `InputError` when points and triangles do not fit."""
+    return 0.5 * _lengths(_area_vectors(*_checked(points, triangles)))
+
+
+def face_normals(points: ArrayLike, triangles: ArrayLike) -> Floats:
+    """Unit normals (m, 3); zero for a face without area.
+
+    `InputError` when points and triangles do not fit.
+    """
+    return _unit(_area_vectors(*_checked(points, triangles)))
+
+
+def face_centroids(points: ArrayLike, triangles: ArrayLike) -> Points:
+    """Centroids (m, 3) of the faces, mm; `InputError` when points and triangles do not fit."""
+    points, triangles = _checked(points, triangles)
+    return points[triangles].mean(axis=1)
+
+
+def vertex_normals(points: ArrayLike, triangles: ArrayLike) -> Floats:
+    """Unit normals (n, 3) of the points: the faces' normals, weighted with their areas.
+
+    Zero at a point without a face and where the faces cancel. `InputError` when points and
+    triangles do not fit.
+    """
+    points, triangles = _checked(points, triangles)
+    vectors = np.repeat(_area_vectors(points, triangles), 3, axis=0)
+    corners = triangles.ravel()
+    sums = [np.bincount(corners, weights=column, minlength=len(points)) for column in vectors.T]
+    return _unit(np.stack(sums, axis=1))
+
+
+def edge_lengths(points: ArrayLike, triangles: ArrayLike) -> Floats:
+    """Length (e,) of every unique edge, mm, in the order of `edges`.
+
+    `InputError` when points and triangles do not fit.
+    """
+    points, triangles = _checked(points, triangles)
+    ends = edges(triangles).vertices
+    return _lengths(points[ends[:, 1]] - points[ends[:, 0]])
+
+
+def signed_volume(points: ArrayLike, triangles: ArrayLike) -> float:
+    """Volume inside a closed surface, mm^3; positive when the faces look outward.
+
+    Of an open surface: the volume of the cone over it from the centre of its points, whatever
+    that says. `InputError` when points and triangles do not fit.
+    """
+    points, triangles = _checked(points, triangles)
+    return float(_cone_volumes(points - points[triangles].mean(axis=(0, 1)), triangles).sum())
+
+
+def oriented_triangles(
+    points: ArrayLike, triangles: ArrayLike, inside: ArrayLike | None = None
+) -> Triangles:
+    """Triangles with one winding per connected part, outward where that can be told.
+
+    A closed part is turned so that its volume is positive. An open part is turned away from the
+    nearest of the `inside` points; without them it keeps the winding of the majority of its
+    faces. A part that cannot be oriented keeps what it came with. Corners are reordered within
+    their triangle only.
+
+    Parameters
+    ----------
+    points, triangles : array_like, shapes (n, 3) and (m, 3)
+    inside : array_like, shape (k, 3), optional
+        Points in the lumen, for instance the centerline, mm.
+
+    Raises
+    ------
+    InputError
+        Points and triangles do not fit, or `inside` is not of shape (k, 3).
+    """
+    points, triangles = _checked(points, triangles)
+    triangles, part = consistently_wound(triangles)
+    centered = points - points[triangles].mean(axis=(0, 1))
+    outward = np.bincount(part, weights=_cone_volumes(centered, triangles))
+
+    found = edges(triangles)
+    is_free = np.zeros(len(outward), dtype=bool)
+    is_free[part[found.sides[found.offsets[:-1][found.face_counts % 2 == 1]] // 3]] = True
+    outward[is_free] = 0.0
+    if inside is not None and is_free.any():
+        away = _outward_flux(points, triangles, as_points(inside, "inside", minimum=1))
+        outward[is_free] = np.bincount(part, weights=away)[is_free]
+
+    turn = (outward < 0)[part]
+    triangles[turn] = triangles[turn][:, ::-1]
+    return triangles
+
+
+def _checked(points: ArrayLike, triangles: ArrayLike) -> tuple[Points, Triangles]:
+    points = as_points(points)
+    return points, as_triangles(triangles, len(points))
+
+
+def _area_vectors(points: Points, triangles: Triangles) -> Floats:
+    """Normals (m, 3) whose length is twice the area."""
+    first, second, third = points[triangles.T]
+    return np.cross(second - first, third - first)
+
+
+def _lengths(vectors: Floats) -> Floats:
+    return np.sqrt(np.einsum("ij,ij->i", vectors, vectors))
+
+
+def _unit(vectors: Floats) -> Floats:
+    lengths = _lengths(vectors)
+    return vectors / np.where(lengths > 0, lengths, 1.0)[:, None]
+
+
+def _cone_volumes(points: Points, triangles: Triangles) -> Floats:
+    first, second, third = points[triangles.T]
+    return np.einsum("ij,ij->i", first, np.cross(second, third)) / 6.0
+
+
+def _outward_flux(points: Points, triangles: Triangles, inside: Points) -> Floats:
+    """Per face: positive when its normal points away from the nearest inside point."""
+    # Imported here: scipy costs half a second, which a first frame should not pay.
+    from scipy.spatial import cKDTree
+
+    centers = points[triangles].mean(axis=1)
+    nearest = inside[cKDTree(inside).query(centers)[1]]
+    return np.einsum("ij,ij->i", _area_vectors(points, triangles), _unit(centers - nearest))

@@ -1,0 +1,262 @@
+"""How the triangles of a surface hang together: edges, fans, components; no coordinates here.
+
+`surface.py` offers all of these names again, so that one import serves shape and topology.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .validation import Triangles, as_triangles
+
+Indices = NDArray[np.int64]
+
+
+class Edges(NamedTuple):
+    """The unique edges of a surface and the faces at each.
+
+    Attributes
+    ----------
+    vertices : (e, 2) array
+        End points of each edge, the lower index first, in ascending order.
+    face_edges : (m, 3) array
+        Edge of every triangle side; side k runs from corner k to corner (k + 1) % 3.
+    offsets, sides : (e + 1,) and (3 m,) arrays
+        The sides at edge i are `sides[offsets[i]:offsets[i + 1]]`, side 3 f + k being side k of
+        face f.
+    """
+
+    vertices: Indices
+    face_edges: Indices
+    offsets: Indices
+    sides: Indices
+
+    @property
+    def face_counts(self) -> Indices:
+        """(e,) number of triangle sides at each edge; 2 everywhere on a closed manifold."""
+        return np.diff(self.offsets)
+
+    @property
+    def faces(self) -> Indices:
+        """(3 m,) face of every entry of `sides`."""
+        return self.sides // 3
+
+    @property
+    def paired_sides(self) -> Indices:
+        """(p, 2) the two sides at every edge that has exactly two."""
+        first = self.offsets[:-1][self.face_counts == 2]
+        return np.stack([self.sides[first], self.sides[first + 1]], axis=1)
+
+
+class VertexNeighbors(NamedTuple):
+    """Vertices joined to each vertex by an edge, in compressed rows.
+
+    Attributes
+    ----------
+    offsets : (n + 1,) array
+    indices : (k,) array
+        The neighbours of vertex i are `indices[offsets[i]:offsets[i + 1]]`, ascending.
+    """
+
+    offsets: Indices
+    indices: Indices
+
+
+def edges(triangles: ArrayLike) -> Edges:
+    """Unique edges of a surface with the faces at each.
+
+    Parameters
+    ----------
+    triangles : array_like, shape (m, 3)
+        Indices of the corners.
+
+    Raises
+    ------
+    InputError
+        `triangles` are not integers of shape (m, 3).
+    """
+    triangles = _as_triangles(triangles)
+    first = triangles.ravel()
+    second = triangles[:, [1, 2, 0]].ravel()
+    base = int(triangles.max()) + 1
+    keys = np.minimum(first, second) * base + np.maximum(first, second)
+
+    sides = np.argsort(keys, kind="stable")
+    keys = keys[sides]
+    is_first = np.r_[True, keys[1:] != keys[:-1]]
+    offsets = np.r_[np.flatnonzero(is_first), len(keys)]
+    face_edges = np.empty(len(keys), dtype=np.int64)
+    face_edges[sides] = np.cumsum(is_first) - 1
+    vertices = np.stack(np.divmod(keys[is_first], base), axis=1)
+    return Edges(vertices, face_edges.reshape(-1, 3), offsets, sides)
+
+
+def boundary_edges(triangles: ArrayLike) -> Indices:
+    """Edges (b, 2) at which there is only one face, in the direction of that face.
+
+    `InputError` as in `edges`.
+    """
+    triangles = _as_triangles(triangles)
+    found = edges(triangles)
+    single = found.sides[found.offsets[:-1][found.face_counts == 1]]
+    return np.stack([triangles.ravel()[single], _side_ends(triangles)[single]], axis=1)
+
+
+def is_closed(triangles: ArrayLike) -> bool:
+    """Whether no edge is free: every edge has an even number of triangle sides (two, if manifold).
+
+    `InputError` as in `edges`.
+    """
+    return bool(np.all(edges(triangles).face_counts % 2 == 0))
+
+
+def is_edge_manifold(triangles: ArrayLike) -> bool:
+    """Whether no edge has more than two faces and no triangle names a point twice.
+
+    `InputError` as in `edges`.
+    """
+    found = edges(triangles)
+    has_length = found.vertices[:, 0] != found.vertices[:, 1]
+    return bool(np.all(found.face_counts <= 2) and np.all(has_length))
+
+
+def is_vertex_manifold(triangles: ArrayLike) -> bool:
+    """Whether the faces at every vertex form one fan, each joined to the next by an edge.
+
+    False for two cones that meet in their tips. `InputError` as in `edges`.
+    """
+    triangles = _as_triangles(triangles)
+    found = edges(triangles)
+    corners = triangles.ravel()
+    later = _later_sides(found)
+    side, other = found.sides[later], found.sides[later - 1]
+    # Side 3 f + k starts at corner 3 f + k and ends at the following corner of the same face;
+    # two corners belong to one fan when they sit at the same end of a shared edge.
+    same_way = corners[side] == corners[other]
+    fans = _component_labels(
+        len(corners),
+        np.r_[side, _following(side)],
+        np.r_[
+            np.where(same_way, other, _following(other)),
+            np.where(same_way, _following(other), other),
+        ],
+    )
+    return int(fans.max()) + 1 == len(np.unique(corners))
+
+
+def is_manifold(triangles: ArrayLike) -> bool:
+    """Whether the surface is manifold, with or without boundary, at its edges and its vertices.
+
+    `InputError` as in `edges`.
+    """
+    return is_edge_manifold(triangles) and is_vertex_manifold(triangles)
+
+
+def face_components(triangles: ArrayLike) -> Indices:
+    """Number (m,) of the connected part each face belongs to; parts are joined by edges.
+
+    Parts are numbered from 0 in the order of their first face. `InputError` as in `edges`.
+    """
+    found = edges(triangles)
+    later = _later_sides(found)
+    return _component_labels(len(found.face_edges), found.faces[later], found.faces[later - 1])
+
+
+def vertex_neighbors(triangles: ArrayLike, point_count: int | None = None) -> VertexNeighbors:
+    """Neighbours of every vertex.
+
+    Parameters
+    ----------
+    triangles : array_like, shape (m, 3)
+    point_count : int, optional
+        Number of points; by default up to the highest index in use. Points without a triangle
+        have no neighbours.
+
+    Raises
+    ------
+    InputError
+        As in `edges`, or an index not below `point_count`.
+    """
+    if point_count is not None:
+        triangles = as_triangles(triangles, point_count)
+    pairs = edges(triangles).vertices
+    pairs = pairs[pairs[:, 0] != pairs[:, 1]]
+    count = int(pairs.max(initial=-1)) + 1 if point_count is None else point_count
+    start = np.r_[pairs[:, 0], pairs[:, 1]]
+    end = np.r_[pairs[:, 1], pairs[:, 0]]
+    order = np.lexsort((end, start))
+    offsets = np.r_[0, np.cumsum(np.bincount(start, minlength=count))]
+    return VertexNeighbors(offsets, end[order])
+
+
+def consistently_wound(triangles: ArrayLike) -> tuple[Triangles, Indices]:
+    """Triangles whose neighbours all agree in winding, and the part each belongs to.
+
+    In each part the fewer faces are turned (the first face keeps its winding when both are as
+    many). Only edges with exactly two faces carry winding across. A part that cannot be oriented
+    (a Moebius band) keeps the winding it came with. `InputError` as in `edges`.
+
+    Returns
+    -------
+    triangles : (m, 3) array
+    part : (m,) array
+        Faces with the same number are joined through edges with two faces.
+    """
+    triangles = _as_triangles(triangles)
+    count = len(triangles)
+    sides = edges(triangles).paired_sides
+    left, right = sides[:, 0] // 3, sides[:, 1] // 3
+    disagree = triangles.ravel()[sides[:, 0]] == triangles.ravel()[sides[:, 1]]
+    # Every face stands twice in the graph, as it is (f) and turned (f + count). Faces that agree
+    # are joined as they are and as turned; faces that disagree, one as it is, the other turned.
+    label = _component_labels(
+        2 * count,
+        np.r_[left, left + count],
+        np.r_[right + count * disagree, right + count * ~disagree],
+    )
+    as_is, turned = label[:count], label[count:]
+    part = np.unique(np.minimum(as_is, turned), return_inverse=True)[1].reshape(-1)
+    # Each part is a pair of mirrored sheets; `as_is > turned` marks one side of the split.
+    minority = as_is > turned
+    share = np.bincount(part, weights=minority) / np.bincount(part)
+    turn = (minority ^ (share > 0.5)[part]) & (as_is != turned)
+    result = triangles.copy()
+    result[turn] = result[turn][:, ::-1]
+    return result, part
+
+
+def _as_triangles(triangles: ArrayLike) -> Triangles:
+    array = np.asarray(triangles)
+    highest = int(array.max()) if array.size and array.dtype.kind in "iu" else 0
+    return as_triangles(array, highest + 1)
+
+
+def _side_ends(triangles: Triangles) -> Indices:
+    return triangles[:, [1, 2, 0]].ravel()
+
+
+def _later_sides(found: Edges) -> Indices:
+    """Positions in `found.sides` of every side but the first at its edge."""
+    is_later = np.ones(len(found.sides), dtype=bool)
+    is_later[found.offsets[:-1]] = False
+    return np.flatnonzero(is_later)
+
+
+def _following(side: Indices) -> Indices:
+    return side - side % 3 + (side + 1) % 3
+
+
+def _component_labels(count: int, start: Indices, end: Indices) -> Indices:
+    # Imported here: scipy costs half a second, which a first frame should not pay.
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    graph = coo_matrix((np.ones(len(start), dtype=np.int32), (start, end)), shape=(count, count))
+    labels = connected_components(graph, directed=False)[1].astype(np.int64)
+    _, first, number = np.unique(labels, return_index=True, return_inverse=True)
+    rank = np.empty(len(first), dtype=np.int64)
+    rank[np.argsort(first)] = np.arange(len(first))
+    return rank[number.reshape(-1)]
