@@ -1,0 +1,135 @@
+"""`Host`: the application as a test sees it."""
+
+import importlib.util
+import logging
+import os
+import sys
+import time
+import types
+from pathlib import Path
+
+os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
+
+import slicer
+from PySide6 import QtCore, QtTest, QtWidgets
+
+from . import mrml, slicer_stand_in
+from .qmrml_widgets import qMRMLWidget
+from .qt_stand_in import wrapped
+
+
+class Host:
+    """One per process: `Host.start()` returns the same object each time."""
+
+    _instance = None
+
+    @classmethod
+    def start(cls):
+        if cls._instance is None:
+            cls._instance = cls()
+        return cls._instance
+
+    def __init__(self):
+        self.qtApplication = QtWidgets.QApplication.instance() or QtWidgets.QApplication([])
+        self.qtApplication.setStyle("Fusion")
+        self.application = mrml.Application()
+        self.files = []
+        slicer_stand_in.install(self.application, self.files)
+        slicer.util.reloadScriptedModule = lambda name: self.loadModule(
+            getattr(slicer.modules, name.lower()).path
+        )
+        self.pythonErrors = []
+        sys.excepthook = self._onException  # slots and VTK observers report here, not to the caller
+        self._panels = []
+        self.application.errorLog.clear()  # what Slicer's own start-up says is not the module's
+
+    @property
+    def scene(self):
+        return self.application.scene
+
+    def loadModule(self, path):
+        """Execute a module file as Slicer's factory does: its folder on the path, its class made with a parent."""
+        path = Path(path).resolve()
+        if str(path.parent) not in sys.path:
+            sys.path.append(str(path.parent))
+        spec = importlib.util.spec_from_file_location(path.stem, path)
+        python = importlib.util.module_from_spec(spec)
+        sys.modules[path.stem] = python
+        spec.loader.exec_module(python)
+        parent = types.SimpleNamespace(path=str(path))
+        entry = types.SimpleNamespace(path=str(path), name=path.stem, python=python, parent=parent)
+        setattr(slicer.modules, path.stem.lower(), entry)
+        entry.module = getattr(python, path.stem)(parent)
+        for function in slicer.app.startupFunctions:
+            function()
+        slicer.app.startupFunctions.clear()
+        return entry
+
+    def openPanel(self, entry, width=520, height=1000):
+        """The module's widget, set up and entered, in a window of the given size."""
+        parent = wrapped(qMRMLWidget)()
+        QtWidgets.QVBoxLayout(parent)
+        parent.isEntered = True
+        panel = getattr(entry.python, entry.name + "Widget")(parent)
+        panel.setup()
+        panel.enter()
+        parent.resize(width, height)
+        parent.show()
+        self._panels.append(panel)
+        self.process()
+        return panel
+
+    def closePanel(self, panel):
+        panel.exit()
+        panel.cleanup()
+        self._panels.remove(panel)
+        panel.parent.close()
+        panel.parent.deleteLater()
+        self.process()
+
+    def newScene(self):
+        """Close the scene, as File / Close Scene does."""
+        self.scene.Clear(0)
+        self.process()
+
+    def process(self, seconds=0.0):
+        """Let Qt deliver its events, timers included."""
+        end = time.perf_counter() + seconds
+        while True:
+            self.qtApplication.processEvents(QtCore.QEventLoop.AllEvents, 10)
+            if time.perf_counter() >= end:
+                return
+
+    def processUntil(self, condition, seconds=20.0):
+        """Let Qt run until the condition holds; fails after `seconds`."""
+        end = time.perf_counter() + seconds
+        while not condition():
+            if time.perf_counter() > end:
+                raise TimeoutError(f"Still waiting after {seconds} s.")
+            self.qtApplication.processEvents(QtCore.QEventLoop.AllEvents, 10)
+
+    def click(self, button):
+        """A left click in the middle of a button that the user can see and press."""
+        if not button.isEnabled():
+            raise AssertionError(f"{button.objectName} is disabled: {button.toolTip}")
+        QtTest.QTest.mouseClick(button, QtCore.Qt.LeftButton)
+        self.process()
+
+    def grab(self, widget, path):
+        """What the widget shows, as a PNG file."""
+        self.process()
+        if not widget.grab().save(str(path)):
+            raise OSError(f"Could not write {path}")
+        return Path(path)
+
+    def errors(self):
+        """Everything that went wrong since the last call: VTK's and MRML's log, Python errors in slots and observers."""
+        found = [line for line in self.application.errorLog.text().splitlines() if line.strip()]
+        found += self.pythonErrors
+        self.application.errorLog.clear()
+        self.pythonErrors = []
+        return found
+
+    def _onException(self, kind, value, traceback):
+        logging.getLogger("host").error("in a slot or observer", exc_info=(kind, value, traceback))
+        self.pythonErrors.append(f"{kind.__name__}: {value}")

@@ -1,0 +1,164 @@
+"""A real MRML scene with its logics, as the application would bring it up (no Qt)."""
+
+import tempfile
+from pathlib import Path
+
+import slicer
+import vtk
+
+LOGIC_CLASSES = {
+    "Units": "vtkSlicerUnitsLogic",
+    "SubjectHierarchy": "vtkSlicerSubjectHierarchyModuleLogic",
+    "Models": "vtkSlicerModelsLogic",
+    "Markups": "vtkSlicerMarkupsLogic",
+    "Segmentations": "vtkSlicerSegmentationsModuleLogic",
+    "Transforms": "vtkSlicerTransformLogic",
+    "Tables": "vtkSlicerTablesLogic",
+    "Plots": "vtkSlicerPlotsLogic",
+}
+DISPLAYABLE_MANAGERS = (
+    "vtkMRMLCameraDisplayableManager",
+    "vtkMRMLViewDisplayableManager",
+    "vtkMRMLModelDisplayableManager",
+    "vtkMRMLMarkupsDisplayableManager",
+    "vtkMRMLColorLegendDisplayableManager",
+)
+
+
+class ErrorLog:
+    """Everything that VTK and MRML would write to the console since `clear`."""
+
+    def __init__(self):
+        self._window = vtk.vtkStringOutputWindow()
+        vtk.vtkLogger.SetStderrVerbosity(vtk.vtkLogger.VERBOSITY_OFF)
+        vtk.vtkOutputWindow.SetInstance(self._window)
+        self._start = 0
+
+    def clear(self):
+        self._start = len(self._window.GetOutput())
+
+    def text(self):
+        return self._window.GetOutput()[self._start :]
+
+
+class Application:
+    """Scene, application logic and module logics. Keep it alive as long as the scene is used."""
+
+    def __init__(self):
+        self.errorLog = ErrorLog()
+        self.folder = tempfile.TemporaryDirectory(prefix="host-")
+        self.scene = slicer.vtkMRMLScene()
+        self.applicationLogic = slicer.vtkSlicerApplicationLogic()
+        self._makeColorFolder()
+        self.applicationLogic.SetMRMLScene(self.scene)
+        self.logics = {name: self._addLogic(name, cls) for name, cls in LOGIC_CLASSES.items()}
+        self.logics["Colors"] = self.applicationLogic.GetColorLogic()
+        self.logics["Colors"].SetMRMLScene(self.scene)
+        self.logics["Colors"].AddDefaultColorNodes()
+        self._io = self._makeDataIO()
+        slicer.mrmlScene = self.scene
+
+    def render(self, path, size=(900, 675), *, viewNode=None, focus=None):
+        """The 3D view drawn by the real displayable managers into a PNG file."""
+        view = View(self, size, viewNode)
+        view.render(focus)
+        view.save(path)
+        view.close()
+        return Path(path)
+
+    def _addLogic(self, name, className):
+        logic = getattr(slicer, className)()
+        logic.SetMRMLApplicationLogic(self.applicationLogic)
+        logic.SetMRMLScene(self.scene)
+        self.applicationLogic.SetModuleLogic(name, logic)
+        return logic
+
+    def _makeColorFolder(self):
+        # The color logic logs an error unless this folder exists; slicer-core ships no color files.
+        (Path(self.folder.name) / "share" / "ColorFiles").mkdir(parents=True)
+        self.applicationLogic.SetHomeDirectory(self.folder.name)
+        self.applicationLogic.SetShareDirectory("share")
+
+    def _makeDataIO(self):
+        # Reading .mrb files goes through the data manager, which wants a cache folder.
+        remote = slicer.vtkMRMLRemoteIOLogic()
+        remote.SetMRMLScene(self.scene)
+        remote.SetMRMLApplicationLogic(self.applicationLogic)
+        cache = Path(self.folder.name) / "cache"
+        cache.mkdir()
+        (cache / ".slicer-cache").touch()  # the cache manager warns about a folder without it
+        remote.GetCacheManager().SetRemoteCacheDirectory(str(cache))
+        manager = slicer.vtkDataIOManagerLogic()
+        manager.SetMRMLScene(self.scene)
+        manager.SetMRMLApplicationLogic(self.applicationLogic)
+        manager.SetAndObserveDataIOManager(remote.GetDataIOManager())
+        remote.AddDataIOToScene()
+        return remote, manager
+
+
+class View:
+    """An off-screen 3D view that shows the scene through the real displayable managers."""
+
+    def __init__(self, application, size=(900, 675), viewNode=None):
+        self.node = viewNode or _viewNode(application.scene)
+        self.renderer = vtk.vtkRenderer()
+        self.renderer.SetBackground(1.0, 1.0, 1.0)
+        self.window = vtk.vtkRenderWindow()
+        self.window.SetOffScreenRendering(True)
+        self.window.SetMultiSamples(0)
+        self.window.SetSize(*size)
+        self.window.AddRenderer(self.renderer)
+        interactor = vtk.vtkRenderWindowInteractor()
+        interactor.SetRenderWindow(self.window)
+        factory = slicer.vtkMRMLThreeDViewDisplayableManagerFactory.GetInstance()
+        factory.SetMRMLApplicationLogic(application.applicationLogic)
+        for name in DISPLAYABLE_MANAGERS:
+            if not factory.IsDisplayableManagerRegistered(name):
+                factory.RegisterDisplayableManager(name)
+        self._interactor = interactor
+        self.group = slicer.vtkMRMLDisplayableManagerGroup()
+        self.group.Initialize(factory, self.renderer)
+        self.group.SetMRMLDisplayableNode(self.node)
+
+    def look(self, bounds, direction=(0.0, -1.0, 0.15), up=(0.0, 0.0, 1.0), zoom=1.4):
+        """Point the camera at a box, along `direction`."""
+        camera = self.renderer.GetActiveCamera()
+        center = [(bounds[i] + bounds[i + 1]) / 2 for i in (0, 2, 4)]
+        camera.SetFocalPoint(center)
+        camera.SetPosition([c - 100 * d for c, d in zip(center, direction, strict=True)])
+        camera.SetViewUp(up)
+        self.renderer.ResetCamera(bounds)
+        camera.Zoom(zoom)
+        self.renderer.ResetCameraClippingRange()
+
+    def render(self, focus=None):
+        if focus is not None:
+            self.look(focus)
+        self.window.Render()
+
+    def save(self, path):
+        grabber = vtk.vtkWindowToImageFilter()
+        grabber.SetInput(self.window)
+        grabber.ReadFrontBufferOff()
+        writer = vtk.vtkPNGWriter()
+        writer.SetFileName(str(path))
+        writer.SetInputConnection(grabber.GetOutputPort())
+        writer.Write()
+
+    def close(self):
+        self.group.SetMRMLDisplayableNode(None)
+        self.window.Finalize()
+
+
+def _viewNode(scene):
+    node = scene.GetFirstNodeByClass("vtkMRMLViewNode")
+    if node is None:
+        node = slicer.vtkMRMLViewNode()
+        node.SetName("View1")
+        node.SetLayoutName("1")
+        node.SetBackgroundColor(1, 1, 1)
+        node.SetBackgroundColor2(1, 1, 1)
+        node.SetBoxVisible(False)
+        node.SetAxisLabelsVisible(False)
+        node = scene.AddNode(node)
+    return node

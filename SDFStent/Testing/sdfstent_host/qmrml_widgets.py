@@ -1,0 +1,268 @@
+"""Look-alikes of the qMRML widgets that panels use most: their properties, slots and signals, real nodes inside.
+
+A stand-in offers only what the real widget has. `check_panel.py` holds the panel against the real headers as well.
+"""
+
+import slicer
+from PySide6.QtCore import Property, Signal
+from PySide6.QtWidgets import QComboBox, QHBoxLayout, QPushButton, QVBoxLayout, QWidget
+
+
+class qMRMLWidget(QWidget):
+    mrmlSceneChanged = Signal(object)
+
+    def __init__(self, parent=None):
+        super().__init__(parent)
+        self._scene = None
+
+    def mrmlScene(self):
+        return self._scene
+
+    def setMRMLScene(self, scene):
+        if scene is not self._scene:
+            self._scene = scene
+            self.mrmlSceneChanged.emit(scene)
+
+
+class SceneObserver:
+    """Calls back on every change of the scene's content, and lets go of the scene again."""
+
+    EVENTS = ("NodeAddedEvent", "NodeRemovedEvent", "EndCloseEvent", "EndImportEvent")
+
+    def __init__(self, callback):
+        self._callback, self._scene, self._tags = callback, None, []
+
+    def observe(self, scene):
+        if self._scene is not None:
+            for tag in self._tags:
+                self._scene.RemoveObserver(tag)
+        self._scene = scene
+        self._tags = (
+            [scene.AddObserver(getattr(scene, e), self._callback) for e in self.EVENTS]
+            if scene
+            else []
+        )
+
+
+class qMRMLNodeComboBox(QWidget):
+    currentNodeChanged = Signal(object)
+    nodeAddedByUser = Signal(object)
+
+    def __init__(self, parent=None):
+        super().__init__(parent)
+        self._box = QComboBox(self)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.addWidget(self._box)
+        self._scene, self._currentID, self._ids = None, None, []
+        self._nodeTypes, self._flags, self._texts = [], {}, {}
+        self._observer = SceneObserver(lambda *_: self._refresh())
+        self._box.activated.connect(self._onActivated)
+        self.destroyed.connect(lambda observer=self._observer: observer.observe(None))
+
+    def mrmlScene(self):
+        return self._scene
+
+    def setMRMLScene(self, scene):
+        self._scene = scene
+        self._observer.observe(scene)
+        self._refresh()
+
+    def currentNode(self):
+        return self._scene.GetNodeByID(self._currentID) if self._scene and self._currentID else None
+
+    def setCurrentNode(self, node):
+        self.setCurrentNodeID(node.GetID() if node else None)
+
+    def setCurrentNodeID(self, nodeID):
+        nodeID = nodeID or None
+        changed = nodeID != self._currentID
+        self._currentID = nodeID
+        self._refresh()
+        if changed:
+            self.currentNodeChanged.emit(self.currentNode())
+
+    def addNode(self):
+        node = self._scene.AddNewNodeByClass(self._nodeTypes[0], self.baseName or "")
+        self.setCurrentNode(node)
+        self.nodeAddedByUser.emit(node)
+        return node
+
+    def _onActivated(self, index):
+        if index < len(self._ids):
+            self.setCurrentNodeID(self._ids[index])
+        elif self._texts.get("createText") == self._box.itemText(index):
+            self.addNode()
+
+    def _refresh(self):
+        if self._scene is None:
+            return
+        nodes = [
+            n
+            for t in self._nodeTypes
+            for n in slicer.util.getNodesByClass(t)
+            if self._accepts(n, t)
+        ]
+        ids = [n.GetID() for n in nodes]
+        if self._currentID is not None and self._scene.GetNodeByID(self._currentID) is None:
+            self._currentID = None
+            self.currentNodeChanged.emit(None)
+        if not self._flags.get("noneEnabled") and self._currentID is None and ids:
+            self._currentID = ids[0]
+            self.currentNodeChanged.emit(nodes[0])
+        labels = [n.GetName() for n in nodes]
+        if self._flags.get("noneEnabled") or not ids:
+            ids, labels = [None, *ids], [self._texts.get("noneDisplay") or "None", *labels]
+        self._ids = ids
+        self._box.blockSignals(True)
+        self._box.clear()
+        self._box.addItems(labels)
+        if self._flags.get("addEnabled"):
+            self._texts["createText"] = f"Create new {self._texts.get('baseName') or 'node'}"
+            self._box.addItem(self._texts["createText"])
+        self._box.setCurrentIndex(ids.index(self._currentID) if self._currentID in ids else 0)
+        self._box.blockSignals(False)
+
+    def _accepts(self, node, nodeType):
+        if node.GetHideFromEditors() and not self._flags.get("showHidden"):
+            return False
+        return self._flags.get("showChildNodeTypes", True) or node.GetClassName() == nodeType
+
+    def _getNodeTypes(self):
+        return self._nodeTypes
+
+    def _setNodeTypes(self, nodeTypes):
+        self._nodeTypes = list(nodeTypes)
+        self._refresh()
+
+    def _flag(name):
+        return Property(
+            bool,
+            lambda self: self._flags.get(name, False),
+            lambda self, v: (self._flags.update({name: v}), self._refresh())[0],
+        )
+
+    def _string(name):
+        return Property(
+            str,
+            lambda self: self._texts.get(name, ""),
+            lambda self, v: (self._texts.update({name: v}), self._refresh())[0],
+        )
+
+    nodeTypes = Property("QStringList", _getNodeTypes, _setNodeTypes)
+    noneEnabled = _flag("noneEnabled")
+    addEnabled = _flag("addEnabled")
+    removeEnabled = _flag("removeEnabled")
+    renameEnabled = _flag("renameEnabled")
+    editEnabled = _flag("editEnabled")
+    showHidden = _flag("showHidden")
+    showChildNodeTypes = _flag("showChildNodeTypes")
+    selectNodeUponCreation = _flag("selectNodeUponCreation")
+    baseName = _string("baseName")
+    noneDisplay = _string("noneDisplay")
+
+
+class qMRMLSegmentSelectorWidget(QWidget):
+    currentSegmentChanged = Signal(str)
+
+    def __init__(self, parent=None):
+        super().__init__(parent)
+        self._box = QComboBox(self)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.addWidget(self._box)
+        self._node, self._scene, self._ids, self._flags = None, None, [], {}
+        self._box.currentIndexChanged.connect(
+            lambda *_: self.currentSegmentChanged.emit(self.currentSegmentID())
+        )
+
+    def mrmlScene(self):
+        return self._scene
+
+    def setMRMLScene(self, scene):
+        self._scene = scene
+
+    def currentNode(self):
+        return self._node
+
+    def setCurrentNode(self, node):
+        if node is self._node:
+            return
+        self._node = node
+        self._ids = list(node.GetSegmentation().GetSegmentIDs()) if node else []
+        self._box.clear()
+        self._box.addItems([node.GetSegmentation().GetSegment(i).GetName() for i in self._ids])
+
+    def currentSegmentID(self):
+        index = self._box.currentIndex()
+        return self._ids[index] if 0 <= index < len(self._ids) else ""
+
+    def setCurrentSegmentID(self, segmentID):
+        if segmentID in self._ids:
+            self._box.setCurrentIndex(self._ids.index(segmentID))
+
+    def _flag(name):
+        return Property(
+            bool,
+            lambda self: self._flags.get(name, False),
+            lambda self, v: self._flags.update({name: v}),
+        )
+
+    noneEnabled = _flag("noneEnabled")
+    multiSelection = _flag("multiSelection")
+    segmentationNodeSelectorVisible = _flag("segmentationNodeSelectorVisible")
+
+
+class qSlicerMarkupsPlaceWidget(QWidget):
+    activeMarkupsPlaceModeChanged = Signal(bool)
+
+    def __init__(self, parent=None):
+        super().__init__(parent)
+        layout = QHBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        self._button = QPushButton("Place", self)
+        self._button.setCheckable(True)
+        self._button.toggled.connect(self._setPlaceModeEnabled)
+        layout.addWidget(self._button)
+        self._node, self._scene, self._flags = None, None, {}
+
+    def mrmlScene(self):
+        return self._scene
+
+    def setMRMLScene(self, scene):
+        self._scene = scene
+
+    def currentNode(self):
+        return self._node
+
+    def setCurrentNode(self, node):
+        self._node = node
+        self._button.setEnabled(node is not None)
+
+    def _isPlaceModeEnabled(self):
+        return self._button.isChecked()
+
+    def _setPlaceModeEnabled(self, enabled):
+        self._button.setChecked(enabled and self._node is not None)
+        self.activeMarkupsPlaceModeChanged.emit(self._button.isChecked())
+
+    def setPlaceModeEnabled(self, enabled):
+        self._setPlaceModeEnabled(enabled)
+
+    def _flag(name):
+        return Property(
+            bool,
+            lambda self: self._flags.get(name, True),
+            lambda self, v: self._flags.update({name: v}),
+        )
+
+    placeModeEnabled = Property(bool, _isPlaceModeEnabled, _setPlaceModeEnabled)
+    placeModePersistency = _flag("placeModePersistency")
+    buttonsVisible = _flag("buttonsVisible")
+    deleteAllControlPointsOptionVisible = _flag("deleteAllControlPointsOptionVisible")
+
+
+QMRML_WIDGETS = {
+    c.__name__: c
+    for c in (qMRMLWidget, qMRMLNodeComboBox, qMRMLSegmentSelectorWidget, qSlicerMarkupsPlaceWidget)
+}

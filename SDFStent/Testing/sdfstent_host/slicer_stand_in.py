@@ -1,0 +1,212 @@
+"""The Python layer of Slicer that slicer-core does not have: module base classes, `slicer.app`, `slicer.modules`, SampleData."""
+
+import sys
+import types
+import unittest
+from pathlib import Path
+
+import slicer
+from PySide6 import QtWidgets
+
+from . import parameter_node, qmrml_widgets, ui_loader
+from .qt_stand_in import ctkModule, qtModule, wrapped
+
+
+class ScriptedLoadableModule:
+    def __init__(self, parent):
+        self.parent = parent
+        self.moduleName = type(self).__name__
+        parent.title, parent.categories, parent.dependencies, parent.contributors = "", [], [], []
+        parent.helpText = parent.acknowledgementText = ""
+
+    def resourcePath(self, name):
+        return str(Path(self.parent.path).parent / "Resources" / name)
+
+    def getDefaultModuleDocumentationLink(self, docPage=None):
+        return ""
+
+
+class ScriptedLoadableModuleWidget:
+    def __init__(self, parent=None):
+        self.moduleName = type(self).__name__.removesuffix("Widget")
+        self.developerMode = False
+        self.parent = parent
+        self.layout = QtWidgets.QWidget.layout(parent)
+
+    def resourcePath(self, name):
+        return str(Path(slicer.util.modulePath(self.moduleName)).parent / "Resources" / name)
+
+    def setup(self):
+        pass
+
+    def cleanup(self):
+        pass
+
+    def onReload(self):
+        slicer.util.reloadScriptedModule(self.moduleName)
+
+
+class ScriptedLoadableModuleLogic:
+    def __init__(self, parent=None):
+        self.moduleName = type(self).__name__.removesuffix("Logic")
+        self.isSingletonParameterNode = True
+
+    def getParameterNode(self):
+        if self.isSingletonParameterNode:
+            node = slicer.mrmlScene.GetSingletonNode(self.moduleName, "vtkMRMLScriptedModuleNode")
+            if node is not None:
+                node.SetAttribute("ModuleName", self.moduleName)
+                return node
+        for node in self.getAllParameterNodes():
+            return node
+        return slicer.mrmlScene.AddNode(self.createParameterNode())
+
+    def getAllParameterNodes(self):
+        nodes = slicer.util.getNodesByClass("vtkMRMLScriptedModuleNode")
+        return [node for node in nodes if node.GetAttribute("ModuleName") == self.moduleName]
+
+    def createParameterNode(self):
+        node = slicer.mrmlScene.CreateNodeByClass("vtkMRMLScriptedModuleNode")
+        node.UnRegister(None)
+        if self.isSingletonParameterNode:
+            node.SetSingletonTag(self.moduleName)
+        node.SetAttribute("ModuleName", self.moduleName)
+        node.SetName(slicer.mrmlScene.GenerateUniqueName(self.moduleName))
+        return node
+
+
+class ScriptedLoadableModuleTest(unittest.TestCase):
+    def delayDisplay(self, message, requestedDelay=None, msec=None):
+        pass
+
+    def runTest(self, **_):
+        for name in (n for n in dir(self) if n.startswith("test")):
+            self.setUp()
+            getattr(self, name)()
+            self.tearDown()
+
+
+class Settings(dict):
+    def value(self, key, default=None):
+        return self.get(key, default)
+
+    def setValue(self, key, value):
+        self[key] = value
+
+
+class App:
+    """`slicer.app`: only what modules may reasonably ask for."""
+
+    testingEnabled = staticmethod(lambda: True)
+
+    def __init__(self, application):
+        self._application, self._settings = application, Settings()
+        self.startupFunctions, self.temporaryPath = [], application.folder.name
+
+    def connect(self, signature, function):
+        if signature.startswith("startupCompleted"):
+            self.startupFunctions.append(function)
+
+    def applicationLogic(self):
+        return self._application.applicationLogic
+
+    def layoutManager(self):
+        return None  # as with --no-main-window
+
+    def settings(self):
+        return self._settings
+
+    def moduleManager(self):
+        return None
+
+    def processEvents(self, *_):
+        QtWidgets.QApplication.processEvents()
+
+
+class SampleDataLogic:
+    """`SampleData.SampleDataLogic`: a registry of sources, downloads only through custom downloaders."""
+
+    sources = types.SimpleNamespace()
+
+    @classmethod
+    def registerCustomSampleDataSource(
+        cls,
+        category="Custom",
+        sampleName=None,
+        thumbnailFileName=None,
+        customDownloader=None,
+        **rest,
+    ):
+        vars(cls.sources)[sampleName] = types.SimpleNamespace(
+            category=category,
+            sampleName=sampleName,
+            thumbnailFileName=thumbnailFileName,
+            customDownloader=customDownloader,
+            **rest,
+        )
+
+    @classmethod
+    def download(cls, sampleName):
+        source = vars(cls.sources)[sampleName]
+        return source.customDownloader(source)
+
+
+def install(application, files):
+    """Put the stand-ins where modules look for them. `files` are what file dialogs answer with, in order."""
+    module = types.ModuleType
+    qt, ctk, sampleData = qtModule(), ctkModule(), module("SampleData")
+    sampleData.SampleDataLogic = SampleDataLogic
+    base, i18n, parameters = (
+        module(f"slicer.{n}") for n in ("ScriptedLoadableModule", "i18n", "parameterNodeWrapper")
+    )
+    for cls in (
+        ScriptedLoadableModule,
+        ScriptedLoadableModuleWidget,
+        ScriptedLoadableModuleLogic,
+        ScriptedLoadableModuleTest,
+    ):
+        setattr(base, cls.__name__, cls)
+    base.__all__ = [n for n in vars(base) if n.startswith("Scripted")]
+    i18n.tr, i18n.translate = (lambda text: text), (lambda context, text: text)
+    for name in (
+        "parameterNodeWrapper",
+        "parameterPack",
+        "WithinRange",
+        "Minimum",
+        "Choice",
+        "Default",
+    ):
+        setattr(parameters, name, getattr(parameter_node, name))
+    for stand_in in (qt, ctk, sampleData, base, i18n, parameters):
+        sys.modules[stand_in.__name__] = stand_in
+    slicer.ScriptedLoadableModule, slicer.i18n, slicer.parameterNodeWrapper = base, i18n, parameters
+    slicer.app, slicer.selfTests = App(application), {}
+    slicer.modules = types.SimpleNamespace()
+    for name, logic in application.logics.items():
+        setattr(
+            slicer.modules,
+            name.lower(),
+            types.SimpleNamespace(logic=lambda logic=logic: logic, name=name),
+        )
+    for name, cls in qmrml_widgets.QMRML_WIDGETS.items():
+        setattr(slicer, name, wrapped(cls))
+    qt.QFileDialog = _fileDialog(files)
+    _patchUtil()
+
+
+def _fileDialog(files):
+    class FileDialog:
+        getOpenFileName = staticmethod(lambda *_: files.pop(0))
+        getSaveFileName = staticmethod(lambda *_: files.pop(0))
+
+    return FileDialog
+
+
+def _patchUtil():
+    util = slicer.util
+    util.loadUI, util.childWidgetVariables = ui_loader.loadUI, ui_loader.ChildWidgets
+    util.modulePath = lambda name: getattr(slicer.modules, name.lower()).path
+    util.settingsValue = lambda key, default, converter=None: default
+    util.shownErrors, util.shownMessages = [], []
+    util.errorDisplay = lambda text, *_, **__: util.shownErrors.append(text)
+    util.showStatusMessage = lambda text, *_: util.shownMessages.append(text)
