@@ -1,0 +1,214 @@
+"""Triangles of a surface that cross, touch or cover one another where they are not joined.
+
+Two triangles intersect when they have a point in common that does not lie on a corner or a side
+which both have. So crossing, a corner or side that touches another face, coplanar overlap, a
+neighbour folded flat onto its neighbour and a doubled triangle all count. Corners at exactly equal
+coordinates are the same corner, whatever their numbers: the two banks of a seam are neighbours,
+not intersections. Triangles without area are left out (`certificate.py` counts them by
+themselves). The decision is exact for the coordinates as they are stored.
+
+The way there: boxes that overlap (`triangle_pairs.py`); pairs inside a fan that is spread out flat
+are cleared together; the rest is decided pair by pair (`triangle_contact.py`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import ArrayLike, DTypeLike, NDArray
+
+from .triangle_contact import certain_contact, exact_contact, first_shared
+from .triangle_pairs import face_boxes, overlapping_pairs
+from .validation import InputError, Points, as_number, as_points, as_triangles
+
+Indices = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+
+_BLOCK = 1 << 14
+"""Pairs decided at once: their corners fit into the cache of one core."""
+
+_FLAT = 16 * 2.0**-53
+"""Bound on the rounding of a plane triangle's area, over the square of its longest difference."""
+
+
+def self_intersecting_triangles(
+    points: ArrayLike,
+    triangles: ArrayLike,
+    among: ArrayLike | None = None,
+    *,
+    dtype: DTypeLike = np.float64,
+    scale: float = 1.0,
+) -> Indices:
+    """Triangles that intersect another triangle of the surface, in ascending order.
+
+    Parameters
+    ----------
+    points, triangles : array_like, shapes (n, 3) and (m, 3)
+        Surface, mm.
+    among : array_like, optional
+        Indices, or a mask (m,), of the triangles that moved: only pairs with at least one of them
+        are looked at. By default all.
+    dtype, scale
+        Type and unit of the stored coordinates, `points * scale`; the decision is on these.
+
+    Raises
+    ------
+    InputError
+        Arrays that do not fit, a `dtype` that is no floating type, or a `scale` not above 0.
+    """
+    return np.unique(intersecting_pairs(points, triangles, among, dtype=dtype, scale=scale))
+
+
+def intersecting_pairs(
+    points: ArrayLike,
+    triangles: ArrayLike,
+    among: ArrayLike | None = None,
+    *,
+    dtype: DTypeLike = np.float64,
+    scale: float = 1.0,
+) -> Indices:
+    """Pairs (k, 2) of triangles that intersect; parameters as in `self_intersecting_triangles`.
+
+    The lower index stands first; pairs are in ascending order.
+    """
+    points = stored_points(points, dtype, scale)
+    triangles = as_triangles(triangles, len(points))
+    is_moved = _as_mask(among, len(triangles))
+    found = [np.empty((0, 2), dtype=np.int64)]
+    if is_moved.any():
+        boxes = face_boxes(points, triangles, is_moved)
+        corners = np.ascontiguousarray(triangles[boxes.faces].T)
+        is_clear = _is_in_flat_fans(points, corners)
+        columns = np.ascontiguousarray(points.T)
+        for one, other in overlapping_pairs(boxes):
+            for shared, first, second, rows in _by_shared_corners(corners, is_clear, one, other):
+                meets = _decided(columns, shared, first, second)
+                pair = np.stack([one[rows[meets]], other[rows[meets]]], axis=1)
+                found.append(np.sort(boxes.faces[pair], axis=1))
+    pairs = np.concatenate(found)
+    return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
+
+
+def stored_points(points: ArrayLike, dtype: DTypeLike, scale: float) -> Points:
+    """The numbers that a file of this type and unit would hold, as float64 (n, 3).
+
+    `InputError` for points not of shape (n, 3), a `dtype` that is no floating type, or a `scale`
+    not above 0.
+    """
+    points = as_points(points)
+    scale = as_number(scale, "scale", above=0)
+    kind = np.dtype(dtype)
+    if kind.kind != "f":
+        raise InputError(f"dtype: expected a floating type such as float32, got {kind}.")
+    return (points if scale == 1 else points * scale).astype(kind).astype(np.float64)
+
+
+def _as_mask(among: ArrayLike | None, count: int) -> Flags:
+    if among is None:
+        return np.ones(count, dtype=bool)
+    chosen = np.asarray(among)
+    if chosen.dtype == bool and chosen.shape == (count,):
+        return chosen
+    mask = np.zeros(count, dtype=bool)
+    if chosen.size == 0:
+        return mask
+    if chosen.ndim != 1 or chosen.dtype.kind not in "iu":
+        raise InputError(
+            f"among: expected indices or a mask of {count} triangles, got {chosen.dtype} "
+            f"{chosen.shape}."
+        )
+    if chosen.min() < 0 or chosen.max() >= count:
+        raise InputError(
+            f"among: expected triangle indices from 0 to {count - 1}, got {chosen.min()} to "
+            f"{chosen.max()}."
+        )
+    mask[chosen] = True
+    return mask
+
+
+def _is_in_flat_fans(points: Points, corners: Indices) -> Flags:
+    """Faces (b,) that cannot intersect any face they share a corner with.
+
+    Seen along one coordinate axis, all faces round a vertex turn the same way, form one closed
+    ring and go round once: then they lie side by side. A face is clear when this holds at all
+    its corners, with all faces there among those given.
+    """
+    used, local = np.unique(corners, return_inverse=True)
+    local = local.reshape(corners.shape)
+    columns = np.ascontiguousarray(points[used].T)
+    normals, certainty = _axis_areas(columns, local)
+    count = len(used)
+    at = local.ravel()
+
+    sums = np.stack([np.bincount(at, np.tile(n, 3), minlength=count) for n in normals])
+    axis = np.argmax(np.abs(sums), axis=0)
+    sign = np.where(np.take_along_axis(sums, axis[None], axis=0)[0] > 0, 1.0, -1.0)
+
+    faces = np.arange(corners.shape[1])
+    after, before = local[[1, 2, 0]].ravel(), local[[2, 0, 1]].ravel()
+    turned = normals[axis[at], np.tile(faces, 3)] * sign[at] <= np.tile(certainty, 3)
+    across = (axis + 2) % 3
+    height = columns[across, np.arange(count)][at]
+    rises = (columns[across[at], after] < height) & (columns[across[at], before] >= height)
+    # Power sums of the numbers met going round, entering minus leaving, vanish on a closed ring.
+    gap = (after - before).astype(np.float64)
+    is_flat = np.bincount(at, turned, minlength=count) == 0
+    is_flat &= np.bincount(at, rises, minlength=count) == 1
+    is_flat &= np.bincount(at, gap, minlength=count) == 0
+    is_flat &= np.bincount(at, gap * (after + before), minlength=count) == 0
+    return np.asarray(is_flat[local].all(axis=0))
+
+
+def _axis_areas(columns: NDArray[np.float64], corners: Indices) -> tuple[NDArray, NDArray]:
+    """Twice the areas (3, b) seen along each axis, and the bound on their rounding."""
+    first, second, third = columns[:, corners[0]], columns[:, corners[1]], columns[:, corners[2]]
+    one, other = second - first, third - first
+    areas = np.stack(
+        [
+            one[(k + 1) % 3] * other[(k + 2) % 3] - one[(k + 2) % 3] * other[(k + 1) % 3]
+            for k in range(3)
+        ]
+    )
+    size = np.maximum(np.abs(one).max(axis=0), np.abs(other).max(axis=0))
+    return areas, _FLAT * size**2
+
+
+def _by_shared_corners(
+    corners: Indices, is_clear: Flags, one: Indices, other: Indices
+) -> Iterator[tuple[int, Indices, Indices, Indices]]:
+    """Undecided pairs by their number of shared corners.
+
+    Yields (number, corners of the one (3, k), corners of the other (3, k), rows), shared corners
+    first.
+    """
+    for start in range(0, len(one), _BLOCK):
+        rows = np.arange(start, min(start + _BLOCK, len(one)))
+        first, second = corners[:, one[rows]], corners[:, other[rows]]
+        equal = first[:, None] == second[None]
+        shared = equal.reshape(9, -1).sum(axis=0)
+        is_open = (shared == 0) | ~(is_clear[one[rows]] | is_clear[other[rows]])
+        for number in range(4):
+            chosen = np.flatnonzero(is_open & (shared == number))
+            if not len(chosen):
+                continue
+            left, right = first[:, chosen], second[:, chosen]
+            if number in (1, 2):
+                left = _turned(left, first_shared(equal[..., chosen].any(axis=1)))
+                right = _turned(right, first_shared(equal[..., chosen].any(axis=0)))
+            yield number, left, right, rows[chosen]
+
+
+def _turned(corners: Indices, start: Indices) -> Indices:
+    return np.take_along_axis(corners, (start + np.arange(3)[:, None]) % 3, axis=0)
+
+
+def _decided(columns: NDArray[np.float64], shared: int, first: Indices, second: Indices) -> Flags:
+    one = columns[:, first].swapaxes(0, 1)
+    other = columns[:, second].swapaxes(0, 1)
+    if shared == 3:
+        return exact_contact(one, other)
+    meets, is_open = certain_contact(one, other, shared)
+    if is_open.any():
+        meets[is_open] = exact_contact(one[..., is_open], other[..., is_open])
+    return meets
