@@ -25,7 +25,7 @@ from .validation import InputError, Points, as_number, as_points, as_triangles
 Indices = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
-_BLOCK = 1 << 14
+_BLOCK = 1 << 15
 """Pairs decided at once: their corners fit into the cache of one core."""
 
 _FLAT = 16 * 2.0**-53
@@ -183,20 +183,23 @@ def _by_shared_corners(
     first.
     """
     for start in range(0, len(one), _BLOCK):
-        rows = np.arange(start, min(start + _BLOCK, len(one)))
-        first, second = corners[:, one[rows]], corners[:, other[rows]]
-        equal = first[:, None] == second[None]
-        shared = equal.reshape(9, -1).sum(axis=0)
-        is_open = (shared == 0) | ~(is_clear[one[rows]] | is_clear[other[rows]])
+        left, right = one[start : start + _BLOCK], other[start : start + _BLOCK]
+        first, second = corners.take(left, axis=1), corners.take(right, axis=1)
+        shared = np.zeros(len(left), dtype=np.uint8)
+        for corner in first:
+            for opposite in second:
+                shared += corner == opposite
+        is_open = (shared == 0) | ~(is_clear[left] | is_clear[right])
         for number in range(4):
             chosen = np.flatnonzero(is_open & (shared == number))
             if not len(chosen):
                 continue
-            left, right = first[:, chosen], second[:, chosen]
+            some, others = first.take(chosen, axis=1), second.take(chosen, axis=1)
             if number in (1, 2):
-                left = _turned(left, first_shared(equal[..., chosen].any(axis=1)))
-                right = _turned(right, first_shared(equal[..., chosen].any(axis=0)))
-            yield number, left, right, rows[chosen]
+                equal = some[:, None] == others[None]
+                some = _turned(some, first_shared(equal.any(axis=1)))
+                others = _turned(others, first_shared(equal.any(axis=0)))
+            yield number, some, others, start + chosen
 
 
 def _turned(corners: Indices, start: Indices) -> Indices:
@@ -204,8 +207,8 @@ def _turned(corners: Indices, start: Indices) -> Indices:
 
 
 def _decided(columns: NDArray[np.float64], shared: int, first: Indices, second: Indices) -> Flags:
-    one = columns[:, first].swapaxes(0, 1)
-    other = columns[:, second].swapaxes(0, 1)
+    one = columns.take(first, axis=1).swapaxes(0, 1)
+    other = columns.take(second, axis=1).swapaxes(0, 1)
     if shared == 3:
         return exact_contact(one, other)
     meets, is_open = certain_contact(one, other, shared)

@@ -65,6 +65,39 @@ class VertexNeighbors(NamedTuple):
     indices: Indices
 
 
+class Topology(NamedTuple):
+    """What the triangles alone say about a surface.
+
+    Attributes
+    ----------
+    is_closed : bool
+        No edge is free.
+    is_edge_manifold, is_vertex_manifold : bool
+        At most two faces at every edge; one fan of faces at every vertex.
+    is_consistently_wound : bool
+        The two faces at an edge run along it in opposite directions, at every edge.
+    boundary_edge_count, component_count : int
+        Edges with one face; parts joined by edges.
+    """
+
+    is_closed: bool
+    is_edge_manifold: bool
+    is_vertex_manifold: bool
+    is_consistently_wound: bool
+    boundary_edge_count: int
+    component_count: int
+
+    @property
+    def is_manifold(self) -> bool:
+        """Manifold, with or without boundary, at edges and vertices."""
+        return self.is_edge_manifold and self.is_vertex_manifold
+
+    @property
+    def is_watertight(self) -> bool:
+        """Closed and manifold: the surface bounds a volume without a leak."""
+        return self.is_closed and self.is_manifold
+
+
 def edges(triangles: ArrayLike) -> Edges:
     """Unique edges of a surface with the faces at each.
 
@@ -110,7 +143,7 @@ def is_closed(triangles: ArrayLike) -> bool:
 
     `InputError` as in `edges`.
     """
-    return bool(np.all(edges(triangles).face_counts % 2 == 0))
+    return surface_topology(triangles).is_closed
 
 
 def is_edge_manifold(triangles: ArrayLike) -> bool:
@@ -118,9 +151,7 @@ def is_edge_manifold(triangles: ArrayLike) -> bool:
 
     `InputError` as in `edges`.
     """
-    found = edges(triangles)
-    has_length = found.vertices[:, 0] != found.vertices[:, 1]
-    return bool(np.all(found.face_counts <= 2) and np.all(has_length))
+    return surface_topology(triangles).is_edge_manifold
 
 
 def is_vertex_manifold(triangles: ArrayLike) -> bool:
@@ -128,23 +159,7 @@ def is_vertex_manifold(triangles: ArrayLike) -> bool:
 
     False for two cones that meet in their tips. `InputError` as in `edges`.
     """
-    triangles = _as_triangles(triangles)
-    found = edges(triangles)
-    corners = triangles.ravel()
-    later = _later_sides(found)
-    side, other = found.sides[later], found.sides[later - 1]
-    # Side 3 f + k starts at corner 3 f + k and ends at the following corner of the same face;
-    # two corners belong to one fan when they sit at the same end of a shared edge.
-    same_way = corners[side] == corners[other]
-    fans = _component_labels(
-        len(corners),
-        np.r_[side, _following(side)],
-        np.r_[
-            np.where(same_way, other, _following(other)),
-            np.where(same_way, _following(other), other),
-        ],
-    )
-    return int(fans.max()) + 1 == len(np.unique(corners))
+    return surface_topology(triangles).is_vertex_manifold
 
 
 def is_manifold(triangles: ArrayLike) -> bool:
@@ -152,7 +167,25 @@ def is_manifold(triangles: ArrayLike) -> bool:
 
     `InputError` as in `edges`.
     """
-    return is_edge_manifold(triangles) and is_vertex_manifold(triangles)
+    return surface_topology(triangles).is_manifold
+
+
+def surface_topology(triangles: ArrayLike) -> Topology:
+    """All that the triangles alone say about a surface; `InputError` as in `edges`."""
+    triangles = _as_triangles(triangles)
+    found = edges(triangles)
+    counts = found.face_counts
+    has_length = found.vertices[:, 0] != found.vertices[:, 1]
+    corners = triangles.ravel()
+    sides = found.paired_sides
+    return Topology(
+        is_closed=bool(np.all(counts % 2 == 0)),
+        is_edge_manifold=bool(np.all(counts <= 2) and np.all(has_length)),
+        is_vertex_manifold=_fan_count(corners, found) == len(np.unique(corners)),
+        is_consistently_wound=not np.any(corners[sides[:, 0]] == corners[sides[:, 1]]),
+        boundary_edge_count=int(np.count_nonzero(counts == 1)),
+        component_count=int(_face_components(found).max()) + 1,
+    )
 
 
 def face_components(triangles: ArrayLike) -> Indices:
@@ -160,9 +193,7 @@ def face_components(triangles: ArrayLike) -> Indices:
 
     Parts are numbered from 0 in the order of their first face. `InputError` as in `edges`.
     """
-    found = edges(triangles)
-    later = _later_sides(found)
-    return _component_labels(len(found.face_edges), found.faces[later], found.faces[later - 1])
+    return _face_components(edges(triangles))
 
 
 def vertex_neighbors(triangles: ArrayLike, point_count: int | None = None) -> VertexNeighbors:
@@ -192,40 +223,18 @@ def vertex_neighbors(triangles: ArrayLike, point_count: int | None = None) -> Ve
     return VertexNeighbors(offsets, end[order])
 
 
-def consistently_wound(triangles: ArrayLike) -> tuple[Triangles, Indices]:
-    """Triangles whose neighbours all agree in winding, and the part each belongs to.
+def component_labels(count: int, start: Indices, end: Indices) -> Indices:
+    """Number (count,) of the connected part of each node, in the order of the first node."""
+    # Imported here: scipy costs half a second, which a first frame should not pay.
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
 
-    In each part the fewer faces are turned (the first face keeps its winding when both are as
-    many). Only edges with exactly two faces carry winding across. A part that cannot be oriented
-    (a Moebius band) keeps the winding it came with. `InputError` as in `edges`.
-
-    Returns
-    -------
-    triangles : (m, 3) array
-    part : (m,) array
-        Faces with the same number are joined through edges with two faces.
-    """
-    triangles = _as_triangles(triangles)
-    count = len(triangles)
-    sides = edges(triangles).paired_sides
-    left, right = sides[:, 0] // 3, sides[:, 1] // 3
-    disagree = triangles.ravel()[sides[:, 0]] == triangles.ravel()[sides[:, 1]]
-    # Every face stands twice in the graph, as it is (f) and turned (f + count). Faces that agree
-    # are joined as they are and as turned; faces that disagree, one as it is, the other turned.
-    label = _component_labels(
-        2 * count,
-        np.r_[left, left + count],
-        np.r_[right + count * disagree, right + count * ~disagree],
-    )
-    as_is, turned = label[:count], label[count:]
-    part = np.unique(np.minimum(as_is, turned), return_inverse=True)[1].reshape(-1)
-    # Each part is a pair of mirrored sheets; `as_is > turned` marks one side of the split.
-    minority = as_is > turned
-    share = np.bincount(part, weights=minority) / np.bincount(part)
-    turn = (minority ^ (share > 0.5)[part]) & (as_is != turned)
-    result = triangles.copy()
-    result[turn] = result[turn][:, ::-1]
-    return result, part
+    graph = coo_matrix((np.ones(len(start), dtype=np.int32), (start, end)), shape=(count, count))
+    labels = connected_components(graph, directed=False)[1].astype(np.int64)
+    _, first, number = np.unique(labels, return_index=True, return_inverse=True)
+    rank = np.empty(len(first), dtype=np.int64)
+    rank[np.argsort(first)] = np.arange(len(first))
+    return rank[number.reshape(-1)]
 
 
 def _as_triangles(triangles: ArrayLike) -> Triangles:
@@ -238,6 +247,29 @@ def _side_ends(triangles: Triangles) -> Indices:
     return triangles[:, [1, 2, 0]].ravel()
 
 
+def _fan_count(corners: Indices, found: Edges) -> int:
+    """Number of fans: faces round one vertex that follow each other across edges."""
+    later = _later_sides(found)
+    side, other = found.sides[later], found.sides[later - 1]
+    # Side 3 f + k starts at corner 3 f + k and ends at the following corner of the same face;
+    # two corners belong to one fan when they sit at the same end of a shared edge.
+    same_way = corners[side] == corners[other]
+    fans = component_labels(
+        len(corners),
+        np.r_[side, _following(side)],
+        np.r_[
+            np.where(same_way, other, _following(other)),
+            np.where(same_way, _following(other), other),
+        ],
+    )
+    return int(fans.max()) + 1
+
+
+def _face_components(found: Edges) -> Indices:
+    later = _later_sides(found)
+    return component_labels(len(found.face_edges), found.faces[later], found.faces[later - 1])
+
+
 def _later_sides(found: Edges) -> Indices:
     """Positions in `found.sides` of every side but the first at its edge."""
     is_later = np.ones(len(found.sides), dtype=bool)
@@ -247,16 +279,3 @@ def _later_sides(found: Edges) -> Indices:
 
 def _following(side: Indices) -> Indices:
     return side - side % 3 + (side + 1) % 3
-
-
-def _component_labels(count: int, start: Indices, end: Indices) -> Indices:
-    # Imported here: scipy costs half a second, which a first frame should not pay.
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-
-    graph = coo_matrix((np.ones(len(start), dtype=np.int32), (start, end)), shape=(count, count))
-    labels = connected_components(graph, directed=False)[1].astype(np.int64)
-    _, first, number = np.unique(labels, return_index=True, return_inverse=True)
-    rank = np.empty(len(first), dtype=np.int64)
-    rank[np.argsort(first)] = np.arange(len(first))
-    return rank[number.reshape(-1)]
