@@ -1,0 +1,372 @@
+"""Synthetic vessels: surfaces that any mesher takes, and truths in closed form."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+
+import numpy as np
+import pytest
+
+from SDFStentLib import phantoms
+from SDFStentLib.phantom_axis import helical_axis, inscribed_radii, narrowing, planar_axis
+from SDFStentLib.phantom_field import Tube, TubeUnion
+from SDFStentLib.phantom_junction import branching_tube
+from SDFStentLib.phantoms import Phantom
+from SDFStentLib.surface import (
+    edge_lengths,
+    face_areas,
+    face_components,
+    face_normals,
+    is_closed,
+    is_manifold,
+    signed_volume,
+)
+from SDFStentLib.validation import InputError
+
+EDGE_LENGTH = {
+    "straight_tube": 0.8,
+    "stenosed_tube": 0.8,
+    "bent_tube": 0.8,
+    "helix_tube": 0.8,
+    "hairpin_tube": 0.8,
+    "arch_with_coarctation": 1.0,
+    "branching_pulmonary_artery": 0.9,
+    "tube_with_neighbor": 0.8,
+}
+NAMES = list(EDGE_LENGTH)
+SWEPT = [name for name in NAMES if name != "branching_pulmonary_artery"]
+
+
+@cache
+def phantom(name: str) -> Phantom:
+    return getattr(phantoms, name)()
+
+
+def corner_angles(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    corners = points[triangles]
+    ahead = np.roll(corners, -1, axis=1) - corners
+    behind = np.roll(corners, 1, axis=1) - corners
+    cosine = np.einsum("ijk,ijk->ij", ahead, behind)
+    cosine /= np.linalg.norm(ahead, axis=2) * np.linalg.norm(behind, axis=2)
+    return np.degrees(np.arccos(np.clip(cosine, -1, 1)))
+
+
+def nearest_on_axis(vessel: phantoms.Vessel, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Arc length of the nearest axis point and the distance to it, on a fine sampling."""
+    from scipy.spatial import KDTree
+
+    samples = vessel.axis.sampled(0.002)
+    distance, index = KDTree(vessel.axis.point(samples)).query(points)
+    return samples[index], distance
+
+
+def wall_points(made: Phantom, face_id: int = 1) -> np.ndarray:
+    return made.points[np.unique(made.triangles[made.face_ids == face_id])]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_phantom_is_closed_manifold_and_oriented_outward(name: str) -> None:
+    made = phantom(name)
+    assert is_closed(made.triangles)
+    assert is_manifold(made.triangles)
+    for component in range(face_components(made.triangles).max() + 1):
+        own = made.triangles[face_components(made.triangles) == component]
+        assert signed_volume(made.points, own) > 0
+    assert len(np.unique(made.triangles)) == len(made.points)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_meshlab_finds_no_self_intersection(name: str) -> None:
+    pymeshlab = pytest.importorskip("pymeshlab")
+    made = phantom(name)
+    meshes = pymeshlab.MeshSet()
+    meshes.add_mesh(pymeshlab.Mesh(made.points, made.triangles.astype(np.int32)))
+    meshes.compute_selection_by_self_intersections_per_face()
+    assert meshes.current_mesh().selected_face_number() == 0
+    measures = meshes.get_topological_measures()
+    assert measures["is_mesh_two_manifold"]
+    assert measures["boundary_edges"] == 0
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_tetgen_meshes_a_phantom_and_keeps_its_surface(name: str) -> None:
+    tetgen = pytest.importorskip("tetgen")
+    made = phantom(name)
+    mesher = tetgen.TetGen(made.points, made.triangles.astype(np.int32))
+    nodes, elements = mesher.tetrahedralize(switches="pq1.4Y")[:2]
+    # Y forbids points on the surface: the given points come first, unchanged.
+    np.testing.assert_array_equal(nodes[: len(made.points)], made.points)
+    edges = nodes[elements[:, 1:]] - nodes[elements[:, :1]]
+    volume = np.abs(np.linalg.det(edges)).sum() / 6
+    # The tetrahedra fill the surface: sums of 1e4 terms, rounding only.
+    assert volume == pytest.approx(signed_volume(made.points, made.triangles), rel=1e-9)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_triangles_have_good_angles_and_the_requested_size(name: str) -> None:
+    made = phantom(name)
+    assert corner_angles(made.points, made.triangles).min() > 20
+    lengths = edge_lengths(made.points, made.triangles)
+    # Caps and throats are finer; bends stretch their outer side by up to a half.
+    assert np.median(lengths) == pytest.approx(EDGE_LENGTH[name], rel=0.1)
+    assert lengths.max() < 1.9 * EDGE_LENGTH[name]
+    assert lengths.min() > 0.3 * EDGE_LENGTH[name]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_caps_are_flat_round_and_carry_their_face_ids(name: str) -> None:
+    made = phantom(name)
+    walls = {1, 4} if name == "tube_with_neighbor" else {1}
+    assert {opening.face_id for opening in made.openings} | walls == set(made.face_ids.tolist())
+    for opening in made.openings:
+        cap = made.triangles[made.face_ids == opening.face_id]
+        offset = made.points[np.unique(cap)] - opening.center
+        np.testing.assert_allclose(offset @ opening.outward, 0, atol=1e-9)
+        assert np.linalg.norm(offset, axis=1).max() == pytest.approx(opening.radius, abs=1e-9)
+        assert (face_normals(made.points, cap) @ opening.outward > 1 - 1e-9).all()
+        # A polygon with sides of one edge length: less than the circle by (h / r)^2 / 6.
+        lost = (EDGE_LENGTH[name] / opening.radius) ** 2 / 4
+        circle = np.pi * opening.radius**2
+        assert circle * (1 - lost) < face_areas(made.points, cap).sum() < circle
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_openings_start_with_the_inlet_and_lie_at_the_ends_of_the_centerline(name: str) -> None:
+    made = phantom(name)
+    assert made.openings[0].is_inlet
+    assert not made.openings[1].is_inlet
+    children = np.bincount(made.centerline.parent[made.centerline.parent >= 0])
+    leaves = np.flatnonzero(np.r_[children, np.zeros(len(made.centerline.points))] == 0)
+    ends = np.r_[np.flatnonzero(made.centerline.parent < 0), leaves[leaves < len(children) + 1]]
+    for opening in made.openings:
+        distance = np.linalg.norm(made.centerline.points[ends] - opening.center, axis=1)
+        assert distance.min() < 1e-9
+
+
+@pytest.mark.parametrize("name", SWEPT)
+def test_wall_points_lie_at_the_closed_form_radius_from_the_axis(name: str) -> None:
+    made = phantom(name)
+    for number, vessel in enumerate(made.vessels):
+        at, distance = nearest_on_axis(vessel, wall_points(made, 3 * number + 1))
+        # The samples are 0.002 mm apart: (0.001)^2 / 2 r and 0.001 of the radius' slope (< 0.8).
+        np.testing.assert_allclose(distance, made.radius_at(at, number), atol=1e-3)
+
+
+def test_away_from_the_junction_the_branches_have_their_closed_form_radius() -> None:
+    made = phantom("branching_pulmonary_artery")
+    wall = wall_points(made)
+    (at, distance), (side_at, side_distance) = (nearest_on_axis(v, wall) for v in made.vessels)
+    gap, side_gap = distance - made.radius_at(at), side_distance - made.radius_at(side_at, 1)
+    is_main, is_side = gap < side_gap - 2.0, side_gap < gap - 2.0
+    assert is_main.mean() > 0.5
+    assert is_side.mean() > 0.25
+    # Where a line becomes an arc, the table of the axis is off by its spacing^2 / 2 over the
+    # bend's radius (3e-4 mm), amplified where the surface is pinched.
+    np.testing.assert_allclose(gap[is_main], 0, atol=2e-3)
+    np.testing.assert_allclose(side_gap[is_side], 0, atol=2e-3)
+    # In between the blend widens the lumen by at most a quarter of its width.
+    union_gap = np.minimum(gap, side_gap)
+    assert union_gap.min() > -2e-3
+    assert 0.3 < union_gap.max() <= 0.5 + 2e-3
+
+
+def test_the_throat_lies_inside_the_left_branch_and_takes_forty_percent() -> None:
+    made = phantom("branching_pulmonary_artery")
+    throat = made.throat
+    assert throat is not None
+    assert throat.diameter == pytest.approx(0.6 * throat.reference_diameter)
+    at = np.linspace(0, made.vessels[0].axis.length, 2001)
+    assert at[np.argmin(made.radius_at(at))] == pytest.approx(throat.arc_length, abs=0.05)
+    junction = np.linalg.norm(made.axis_at(at) - made.axis_at([0.0], 1), axis=1).argmin()
+    # The narrowing has begun in the main artery and ends in the branch.
+    assert made.radius_at([at[junction]])[0] < 0.8 * 3.5
+    assert 0 < throat.arc_length - at[junction] < 11
+
+
+@pytest.mark.parametrize("name", SWEPT)
+def test_the_volume_is_that_of_the_swept_circles(name: str) -> None:
+    made = phantom(name)
+    exact, smallest = 0.0, np.inf
+    for vessel in made.vessels:
+        at = vessel.axis.sampled(0.01)
+        # Pappus: the axis runs through the centers of the circles, so bends do not matter.
+        exact += np.trapezoid(np.pi * vessel.radius(at) ** 2, at)
+        smallest = min(smallest, vessel.radius(at).max())
+    missing = 1 - signed_volume(made.points, made.triangles) / exact
+    # Chords instead of circles: (h / r)^2 / 6 is lost.
+    assert 0 < missing < (EDGE_LENGTH[name] / smallest) ** 2 / 4
+
+
+def test_the_volume_converges_with_the_square_of_the_edge_length() -> None:
+    exact = np.pi * 9 * (40 - 2 * 0.4 * 8 + 0.4**2 * 0.75 * 8)  # raised cosine, integrated by hand
+    lost = [
+        exact - signed_volume(made.points, made.triangles)
+        for made in (phantoms.stenosed_tube(edge_length=h) for h in (0.8, 0.4))
+    ]
+    assert lost[0] / lost[1] == pytest.approx(4, rel=0.1)
+
+
+def test_the_branching_phantom_can_be_refined() -> None:
+    fine = phantoms.branching_pulmonary_artery(edge_length=0.5)
+    assert is_closed(fine.triangles)
+    assert is_manifold(fine.triangles)
+    assert np.median(edge_lengths(fine.points, fine.triangles)) == pytest.approx(0.5, rel=0.1)
+    assert corner_angles(fine.points, fine.triangles).min() > 20
+    coarse = phantom("branching_pulmonary_artery")
+    volumes = [signed_volume(made.points, made.triangles) for made in (coarse, fine)]
+    # Facets lose (h / r)^2 / 6 of the volume, 1 % at 0.9 mm.
+    assert volumes[0] < volumes[1] < 1.02 * volumes[0]
+
+
+def test_a_phantom_is_the_same_every_time() -> None:
+    again = phantoms.branching_pulmonary_artery()
+    np.testing.assert_array_equal(again.points, phantom("branching_pulmonary_artery").points)
+    np.testing.assert_array_equal(again.triangles, phantom("branching_pulmonary_artery").triangles)
+
+
+def test_a_phantom_cannot_be_changed() -> None:
+    with pytest.raises(ValueError, match="read-only"):
+        phantom("straight_tube").points[0] = 0
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_centerline_lies_on_the_exact_axes(name: str) -> None:
+    made = phantom(name)
+    distance = np.min(
+        [nearest_on_axis(vessel, made.centerline.points)[1] for vessel in made.vessels], axis=0
+    )
+    assert distance.max() <= 1e-3  # half the spacing of the samples
+    child = np.flatnonzero(made.centerline.parent >= 0)
+    steps = made.centerline.points[child] - made.centerline.points[made.centerline.parent[child]]
+    assert np.linalg.norm(steps, axis=1).max() < 0.5 + 1e-9
+
+
+def test_the_right_branch_leaves_the_centerline_at_the_junction() -> None:
+    made = phantom("branching_pulmonary_artery")
+    forks = np.flatnonzero(np.bincount(made.centerline.parent[1:]) == 2)
+    assert len(forks) == 1
+    np.testing.assert_allclose(
+        made.centerline.points[forks[0]], made.axis_at([0.0], 1)[0], atol=1e-9
+    )
+
+
+def test_the_neighbor_has_a_root_of_its_own() -> None:
+    assert (phantom("tube_with_neighbor").centerline.parent == -1).sum() == 2
+
+
+@pytest.mark.parametrize("name", ["stenosed_tube", "bent_tube", "branching_pulmonary_artery"])
+def test_the_inscribed_radius_is_the_distance_to_the_wall(name: str) -> None:
+    from scipy.spatial import KDTree
+
+    build: Callable[..., Phantom] = getattr(phantoms, name)
+    fine = build(edge_length=0.35)
+    distance, _ = KDTree(wall_points(fine)).query(fine.centerline.points)
+    # The nearest point of the mesh is at most one edge from the touching point, h^2 / 2 r.
+    excess = distance - fine.centerline.inscribed_radius
+    assert excess.min() > -1e-3
+    assert excess.max() < 0.35**2 / 2 / 2
+    assert np.median(excess) < 0.005
+
+
+def test_a_sphere_in_a_changing_tube_is_smaller_than_its_circle() -> None:
+    axis = planar_axis([(20.0, 0.0)])
+    cone = inscribed_radii(axis, lambda at: 2 + 0.2 * np.asarray(at), np.array([10.0]))
+    assert cone[0] == pytest.approx(4 / np.hypot(1, 0.2), abs=1e-4)  # distance to a slanted line
+
+
+def test_the_neighbor_stands_two_millimetres_from_the_wall() -> None:
+    from scipy.spatial import KDTree
+
+    made = phantom("tube_with_neighbor")
+    distance, _ = KDTree(wall_points(made, 1)).query(wall_points(made, 4))
+    assert distance.min() == pytest.approx(2.0, abs=0.8**2 / 2 / 3)  # between points, not walls
+
+
+def test_the_legs_of_the_hairpin_run_parallel_at_the_gap() -> None:
+    made = phantoms.hairpin_tube(radius=3.0, gap=1.5)
+    end = made.vessels[0].axis.length
+    legs = made.axis_at([0.0, 10.0, end, end - 10.0])
+    assert np.linalg.norm(legs[0] - legs[2]) == pytest.approx(7.5, abs=1e-9)
+    assert np.linalg.norm(legs[1] - legs[3]) == pytest.approx(7.5, abs=1e-9)
+
+
+def test_a_hairpin_with_a_wide_gap_is_a_plain_half_circle() -> None:
+    made = phantoms.hairpin_tube(radius=2.0, gap=8.0, leg_length=10.0)
+    assert made.vessels[0].axis.length == pytest.approx(20 + np.pi * 6)
+
+
+def test_a_vessel_too_thin_for_the_edges_is_refused() -> None:
+    axes = [
+        planar_axis([(30.0, 0.0)]),
+        planar_axis([(12.0, 0.0)], start=(0, 0, 15), heading=(1, 0, 0), toward=(0, 1, 0)),
+    ]
+    thin = [Tube(axis, lambda at: np.full(np.shape(at), 0.35)) for axis in axes]
+    with pytest.raises(InputError, match="edge_length: 1 mm is too long for the narrowest places"):
+        branching_tube(TubeUnion(thin, blend_width=0.2, beyond=4.0), 1.0)
+
+
+AXES = {
+    "planar": planar_axis(
+        [(5, 0), (9, 0.1), (4, -0.2), (3, 0)], heading=(1, 2, 3), toward=(0, 1, 0)
+    ),
+    "helix": helical_axis(8.0, 14.0, 1.5),
+}
+
+
+@pytest.mark.parametrize("name", list(AXES))
+def test_an_axis_is_run_through_at_unit_speed_without_twist(name: str) -> None:
+    axis = AXES[name]
+    at = axis.sampled(0.001, beyond=2.0)
+    tangent, normal = axis.tangent(at), axis.normal(at)
+    np.testing.assert_allclose(np.einsum("ij,ij->i", tangent, normal), 0, atol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(normal, axis=1), 1, atol=1e-12)
+    # Central differences: the curvature (below 0.2 / mm) times the step where pieces join.
+    velocity = np.gradient(axis.point(at), at, axis=0)
+    np.testing.assert_allclose(velocity, tangent, atol=3e-4)
+    turning = np.gradient(normal, at, axis=0)
+    twist = np.einsum("ij,ij->i", turning, np.cross(tangent, normal))
+    np.testing.assert_allclose(twist, 0, atol=1e-3)
+
+
+def test_an_axis_goes_on_straight_beyond_its_ends() -> None:
+    axis = AXES["planar"]
+    beyond = axis.point([axis.length, axis.length + 3.0])
+    np.testing.assert_allclose(beyond[1] - beyond[0], 3 * axis.tangent([axis.length])[0])
+
+
+def test_a_narrowing_is_one_at_its_ends_and_deepest_at_its_throat() -> None:
+    factor = narrowing([0.0, 6.0, 10.0, 14.0, 30.0], 10.0, 4.0, 0.4)
+    np.testing.assert_allclose(factor, [1, 1, 0.6, 1, 1], atol=1e-15)
+    assert narrowing([8.0], 10.0, 4.0, 0.4)[0] == pytest.approx(0.8)  # half depth halfway
+
+
+@pytest.mark.parametrize(
+    ("build", "message"),
+    [
+        (lambda: phantoms.straight_tube(radius=0), "radius: expected a number greater than 0"),
+        (lambda: phantoms.straight_tube(length=-1), "length: expected a number greater than 0"),
+        (lambda: phantoms.straight_tube(edge_length=4), "edge_length: expected .* at most 3"),
+        (lambda: phantoms.straight_tube(edge_length=np.nan), "edge_length: .* got nan"),
+        (lambda: phantoms.stenosed_tube(throat_radius=4), "throat_radius: .* at most 3"),
+        (lambda: phantoms.stenosed_tube(length=10), "length: expected a number at least 16"),
+        (lambda: phantoms.bent_tube(bend_radius=3), "bend_radius: .* greater than 3.6"),
+        (lambda: phantoms.bent_tube(angle_deg=200), "angle_deg: .* at most 180"),
+        (lambda: phantoms.helix_tube(pitch=5), "pitch: turns 5 mm apart touch .* more than 5.3"),
+        (lambda: phantoms.helix_tube(turns=0), "turns: expected a number greater than 0"),
+        (lambda: phantoms.helix_tube(coil_radius=2), "coil_radius: .* greater than 3"),
+        (lambda: phantoms.hairpin_tube(gap=0), "gap: expected a number greater than 0"),
+        (lambda: phantoms.hairpin_tube(bend_radius=1), "bend_radius: .* at least 4"),
+        (lambda: phantoms.arch_with_coarctation(arch_radius=5), "arch_radius: .* greater than 8.4"),
+        (lambda: phantoms.arch_with_coarctation(descending_length=5), "descending_length: "),
+        (lambda: phantoms.branching_pulmonary_artery(1.5), "edge_length: .* at most 1.2"),
+        (lambda: planar_axis([(9, 0)], toward=(0, 0, 2)), "toward: expected a direction that diff"),
+        (lambda: phantoms.tube_with_neighbor(length=5), "length: .* at least 16"),
+        (lambda: phantoms.tube_with_neighbor(edge_length=2), "edge_length: .* at most 1.8"),
+    ],
+)
+def test_a_vessel_that_cannot_be_is_refused_in_one_sentence(
+    build: Callable[[], object], message: str
+) -> None:
+    with pytest.raises(InputError, match=message):
+        build()
