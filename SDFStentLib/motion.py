@@ -1,0 +1,156 @@
+"""The points that a deployment can move, and what one radius step needs to know of them.
+
+This is the mutable working state of a running deployment; it never leaves the library.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .blending import Profile
+from .capsule_chain import CapsuleChain
+from .validation import Points
+
+BIN_SIZE = 3.0
+"""Edge of the cubes that group resting points, mm; changes the speed, never the result."""
+
+
+class Motion:
+    """Positions of the active points with their stored field.
+
+    Attributes
+    ----------
+    indices : (n,) array
+        Position of every active point in the caller's array: the wall first, then points that
+        are only dragged along, each ordered for spatial coherence.
+    positions, direction : (n, 3) arrays
+        Current coordinates, mm, and unit direction of motion.
+    level : (n,) array
+        Distance field minus the tissue offset, mm: the stent radius that reaches the point.
+    slope : (n,) array
+        Rate at which `level` grows when the point moves along its direction.
+    offset : (n,) array
+        Tissue thickness kept between the stent and the point, mm.
+    touchable : (n,) bool array
+        Whether the stent can touch the point (wall) or only drag it along (centerline).
+    """
+
+    def __init__(self, chain: CapsuleChain, points: Points, touchable: NDArray[np.bool_]) -> None:
+        order = _spatial_order(points, touchable)
+        field = chain.field(points[order])
+        self.chain = chain
+        self.indices = order
+        self.positions = points[order].copy()
+        self.level = field.distance
+        self.direction = field.direction
+        self.slope = field.slope
+        self.offset = np.zeros(len(points))
+        self.touchable = touchable[order]
+        self.resting = RestingPoints(self.positions)
+
+    def restricted(self, keep: NDArray[np.bool_]) -> None:
+        """Drop the points that are not kept."""
+        for name in (
+            "indices", "positions", "level", "direction", "slope", "offset", "touchable"
+        ):  # fmt: skip
+            setattr(self, name, getattr(self, name)[keep])
+        self.resting = RestingPoints(self.positions)
+
+    def set_offset(self, offset: NDArray[np.float64]) -> None:
+        """Keep a tissue thickness, mm, between the stent and every point."""
+        self.level += self.offset - offset
+        self.offset = offset
+
+    def moved_to(self, where: NDArray[Any], positions: Points) -> None:
+        """Put some points elsewhere and evaluate their field there."""
+        field = self.chain.field(positions)
+        self.positions[where] = positions
+        self.level[where] = field.distance - self.offset[where]
+        self.direction[where] = field.direction
+        self.slope[where] = field.slope
+
+    def snapped(self, where: NDArray[Any], level: float | NDArray[np.float64]) -> None:
+        """Move some points along their direction onto a level, without a new field value."""
+        distance = level - self.level[where]
+        self.positions[where] += distance[:, None] * self.direction[where]
+        self.level[where] = level
+
+
+class RestingPoints:
+    """Points that have not moved yet, in cubes, so that far ones are skipped together.
+
+    A point outside the influence distance of every contact point rests, hence its cube keeps its
+    size. A cube wakes, for good, when a contact point comes nearer to its centre than the influence
+    distance plus its radius; only awake points are searched one by one. Skipping is exact.
+    """
+
+    def __init__(self, positions: Points) -> None:
+        cubes = np.floor(positions / BIN_SIZE).astype(np.int64)
+        change = np.any(np.diff(cubes, axis=0) != 0, axis=1)
+        starts = np.concatenate([[0], np.flatnonzero(change) + 1]).astype(np.int64)
+        if len(positions) == 0:
+            starts = starts[:0]
+        counts = np.diff(np.append(starts, len(positions)))
+        sums = np.add.reduceat(positions, starts, axis=0) if len(starts) else np.empty((0, 3))
+        self._centres = sums / counts[:, None]
+        self._cube = np.repeat(np.arange(len(starts)), counts)
+        offsets = positions - self._centres[self._cube]
+        squares = np.einsum("ij,ij->i", offsets, offsets)
+        reach = np.maximum.reduceat(squares, starts) if len(starts) else squares
+        self._reach = np.sqrt(reach)
+        self._asleep = np.arange(len(starts))
+        self.awake = np.zeros(len(positions), dtype=bool)
+
+    def wake(self, tree: Any, influence_distance: float) -> None:
+        """Wake the cubes that a contact point may influence; `tree` holds the contact points."""
+        if not len(self._asleep):
+            return
+        reach = self._reach[self._asleep] + influence_distance
+        distances, _ = tree.query(self._centres[self._asleep], distance_upper_bound=reach.max())
+        woken = distances <= reach
+        if woken.any():
+            cubes = np.zeros(len(self._centres), dtype=bool)
+            cubes[self._asleep[woken]] = True
+            self.awake |= cubes[self._cube]
+            self._asleep = self._asleep[~woken]
+
+
+def contact_tree(points: Points) -> Any:
+    """A k-d tree for nearest-contact queries.
+
+    SciPy's spatial package takes half a second to import, so it is imported when first needed.
+    An unbalanced tree without compact nodes builds in half the time and answers as fast.
+    """
+    from scipy.spatial import cKDTree
+
+    return cKDTree(points, balanced_tree=False, compact_nodes=False)
+
+
+def influence_rates(
+    level_above: NDArray[np.float64],
+    contact_distance: NDArray[np.float64],
+    influence_distance: float,
+    falloff: Profile,
+    blend: Profile,
+) -> NDArray[np.float64]:
+    """Motion per radius step of points that are not in contact, in [0, 1].
+
+    Parameters
+    ----------
+    level_above : (n,) array
+        Signed distance to the stent, mm.
+    contact_distance : (n,) array
+        Distance to the nearest contact point, mm; infinite where there is none.
+    """
+    near = np.minimum(contact_distance / influence_distance, 1)
+    above = np.clip(level_above / influence_distance, 0, 1)
+    return falloff(above) * blend(near)
+
+
+def _spatial_order(points: Points, touchable: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Wall before companions, each by the cube it is in, so that neighbors are worked together."""
+    cubes = np.floor(points / BIN_SIZE).astype(np.int64)
+    return np.lexsort((cubes[:, 2], cubes[:, 1], cubes[:, 0], ~touchable))

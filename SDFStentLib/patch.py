@@ -1,0 +1,88 @@
+"""The part of a surface that a deployment can move, in numbers of its own.
+
+Everything after culling works on this patch, so that the cost follows the stent, not the vessel.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .surface import vertex_normals
+from .topology import consistently_wound
+from .validation import Points, Triangles, read_only
+
+
+@dataclass(frozen=True)
+class Patch:
+    """Faces with at least one active vertex. Immutable.
+
+    Attributes
+    ----------
+    faces : (m,) array
+        Their numbers in the whole surface.
+    triangles : (m, 3) array
+        The same faces in patch numbers: first the active vertices, then the rim.
+    vertices : (n,) array
+        Numbers of the patch's vertices in the whole surface.
+    active_count : int
+        Active vertices are `0 .. active_count - 1`; the others never move.
+    """
+
+    faces: NDArray[np.int64]
+    triangles: Triangles
+    vertices: NDArray[np.int64]
+    active_count: int
+
+    @classmethod
+    def around(cls, triangles: Triangles, active: NDArray[np.int64], point_count: int) -> Patch:
+        """The patch of the given active vertices of a surface with `point_count` points."""
+        number = np.full(point_count, -1, dtype=np.int64)
+        number[active] = np.arange(len(active))
+        faces = np.flatnonzero((number[triangles] >= 0).any(axis=1))
+        corners = triangles[faces]
+        rim = np.unique(corners[number[corners] < 0])
+        number[rim] = len(active) + np.arange(len(rim))
+        return cls(
+            read_only(faces),
+            read_only(number[corners]),
+            read_only(np.concatenate([active, rim])),
+            len(active),
+        )
+
+    def points(self, whole: Points, active: Points) -> Points:
+        """Coordinates of the patch's vertices: the active ones as given, the rim as it was."""
+        return np.concatenate([active, whole[self.vertices[self.active_count :]]])
+
+    def outward_normals(
+        self, points: Points, direction: Points, distance: NDArray[np.float64]
+    ) -> Points:
+        """Unit normals of the active vertices that point out of the lumen.
+
+        The winding is made consistent first, because files exist with mixed or inward winding.
+        The wall nearest to the stent axis tells which side the lumen is on: there the outward
+        normal points away from the axis. This also works for open surfaces.
+
+        Parameters
+        ----------
+        points : (n, 3) array
+            The patch's vertices, mm.
+        direction : (active_count, 3) array
+            Unit directions away from the axis.
+        distance : (active_count,) array
+            Distance to the axis, mm.
+        """
+        triangles, part = consistently_wound(self.triangles)
+        normals = vertex_normals(points, triangles)[: self.active_count]
+        facing = np.einsum("ij,ij->i", normals, direction)
+        vertex_part = np.zeros(len(points), dtype=np.int64)
+        vertex_part[triangles] = part[:, None]
+        vertex_part = vertex_part[: self.active_count]
+        for label in np.unique(vertex_part):
+            members = np.flatnonzero(vertex_part == label)
+            nearest = members[np.argsort(distance[members])[: max(1, len(members) // 20)]]
+            if facing[nearest].sum() < 0:
+                normals[members] *= -1
+        return normals
