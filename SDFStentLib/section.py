@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .ragged import blocks_of, ranges
 from .validation import InputError, Points, Triangles, as_point, as_points, as_triangles
 
 Floats = NDArray[np.float64]
@@ -108,9 +109,9 @@ def is_inside(queries: ArrayLike, points: ArrayLike, triangles: ArrayLike) -> ND
     counts = np.searchsorted(sorted_queries[:, 0], highest, side="right") - first
 
     crossings = np.zeros(len(queries), dtype=np.int64)
-    for faces in _blocks_of(counts, _BLOCK):
+    for faces in blocks_of(counts, _BLOCK):
         face = np.repeat(faces, counts[faces])
-        query = _ranges(first[faces], counts[faces])
+        query = ranges(first[faces], counts[faces])
         hit = _is_crossed_upward(sorted_queries[query], points, triangles[face])
         crossings += np.bincount(query[hit], minlength=len(queries))
     result = np.empty(len(queries), dtype=bool)
@@ -155,21 +156,6 @@ def _without_repeats(corners: Points, is_loop: bool) -> SectionLoop:
 
 def _extent(values: Floats) -> tuple[Floats, Floats]:
     return values.min(axis=1), values.max(axis=1)
-
-
-def _blocks_of(counts: NDArray[np.int64], size: int) -> Iterator[NDArray[np.int64]]:
-    """Consecutive indices whose counts add up to about `size`, those with count 0 left out."""
-    used = np.flatnonzero(counts)
-    number = np.cumsum(counts[used]) // size
-    for block in np.split(used, np.flatnonzero(np.diff(number)) + 1):
-        if len(block):
-            yield block
-
-
-def _ranges(first: NDArray[np.int64], counts: NDArray[np.int64]) -> NDArray[np.int64]:
-    """`first[i], first[i] + 1, ...` (`counts[i]` of them) for every i, one after the other."""
-    ends = np.cumsum(counts)
-    return np.arange(ends[-1] if len(ends) else 0) + np.repeat(first - ends + counts, counts)
 
 
 def _is_crossed_upward(queries: Floats, points: Points, triangles: Triangles) -> NDArray[np.bool_]:

@@ -15,7 +15,7 @@ from .topology import (
     Topology,
     VertexNeighbors,
     boundary_edges,
-    component_labels,
+    consistently_wound,
     edges,
     face_components,
     is_closed,
@@ -145,42 +145,6 @@ def oriented_triangles(
     turn = (outward < 0)[part]
     triangles[turn] = triangles[turn][:, ::-1]
     return triangles
-
-
-def consistently_wound(triangles: ArrayLike) -> tuple[Triangles, NDArray[np.int64]]:
-    """Triangles whose neighbours all agree in winding, and the part each belongs to.
-
-    In each part the fewer faces are turned (the first face keeps its winding when both are as
-    many). Only edges with exactly two faces carry winding across. A part that cannot be oriented
-    (a Moebius band) keeps the winding it came with. `InputError` as in `edges`.
-
-    Returns
-    -------
-    triangles : (m, 3) array
-    part : (m,) array
-        Faces with the same number are joined through edges with two faces.
-    """
-    found = edges(triangles)
-    triangles = np.asarray(triangles).astype(np.int64)
-    count = len(triangles)
-    sides = found.paired_sides
-    left, right = sides[:, 0] // 3, sides[:, 1] // 3
-    disagree = triangles.ravel()[sides[:, 0]] == triangles.ravel()[sides[:, 1]]
-    # Every face stands twice in the graph, as it is (f) and turned (f + count). Faces that agree
-    # are joined as they are and as turned; faces that disagree, one as it is, the other turned.
-    label = component_labels(
-        2 * count,
-        np.r_[left, left + count],
-        np.r_[right + count * disagree, right + count * ~disagree],
-    )
-    as_is, turned = label[:count], label[count:]
-    part = np.unique(np.minimum(as_is, turned), return_inverse=True)[1].reshape(-1)
-    # Each part is a pair of mirrored sheets; `as_is > turned` marks one side of the split.
-    minority = as_is > turned
-    share = np.bincount(part, weights=minority) / np.bincount(part)
-    turn = (minority ^ (share > 0.5)[part]) & (as_is != turned)
-    triangles[turn] = triangles[turn][:, ::-1]
-    return triangles, part
 
 
 def _checked(points: ArrayLike, triangles: ArrayLike) -> tuple[Points, Triangles]:

@@ -181,10 +181,10 @@ def surface_topology(triangles: ArrayLike) -> Topology:
     return Topology(
         is_closed=bool(np.all(counts % 2 == 0)),
         is_edge_manifold=bool(np.all(counts <= 2) and np.all(has_length)),
-        is_vertex_manifold=_fan_count(corners, found) == len(np.unique(corners)),
+        is_vertex_manifold=_fan_count(corners, found) == np.count_nonzero(np.bincount(corners)),
         is_consistently_wound=not np.any(corners[sides[:, 0]] == corners[sides[:, 1]]),
         boundary_edge_count=int(np.count_nonzero(counts == 1)),
-        component_count=int(_face_components(found).max()) + 1,
+        component_count=_connected(len(triangles), *_joined_faces(found))[0],
     )
 
 
@@ -193,7 +193,8 @@ def face_components(triangles: ArrayLike) -> Indices:
 
     Parts are numbered from 0 in the order of their first face. `InputError` as in `edges`.
     """
-    return _face_components(edges(triangles))
+    found = edges(triangles)
+    return component_labels(len(found.face_edges), *_joined_faces(found))
 
 
 def vertex_neighbors(triangles: ArrayLike, point_count: int | None = None) -> VertexNeighbors:
@@ -223,18 +224,58 @@ def vertex_neighbors(triangles: ArrayLike, point_count: int | None = None) -> Ve
     return VertexNeighbors(offsets, end[order])
 
 
+def consistently_wound(triangles: ArrayLike) -> tuple[Triangles, Indices]:
+    """Triangles whose neighbours all agree in winding, and the part each belongs to.
+
+    In each part the fewer faces are turned (the first face keeps its winding when both are as
+    many). Only edges with exactly two faces carry winding across. A part that cannot be oriented
+    (a Moebius band) keeps the winding it came with. `InputError` as in `edges`.
+
+    Returns
+    -------
+    triangles : (m, 3) array
+    part : (m,) array
+        Faces with the same number are joined through edges with two faces.
+    """
+    result = _as_triangles(triangles).copy()
+    count = len(result)
+    sides = edges(triangles).paired_sides
+    left, right = sides[:, 0] // 3, sides[:, 1] // 3
+    disagree = result.ravel()[sides[:, 0]] == result.ravel()[sides[:, 1]]
+    # Every face stands twice in the graph, as it is (f) and turned (f + count). Faces that agree
+    # are joined as they are and as turned; faces that disagree, one as it is, the other turned.
+    label = component_labels(
+        2 * count,
+        np.r_[left, left + count],
+        np.r_[right + count * disagree, right + count * ~disagree],
+    )
+    as_is, turned = label[:count], label[count:]
+    part = np.unique(np.minimum(as_is, turned), return_inverse=True)[1].reshape(-1)
+    # Each part is a pair of mirrored sheets; `as_is > turned` marks one side of the split.
+    minority = as_is > turned
+    share = np.bincount(part, weights=minority) / np.bincount(part)
+    turn = (minority ^ (share > 0.5)[part]) & (as_is != turned)
+    result[turn] = result[turn][:, ::-1]
+    return result, part
+
+
 def component_labels(count: int, start: Indices, end: Indices) -> Indices:
     """Number (count,) of the connected part of each node, in the order of the first node."""
+    labels = _connected(count, start, end)[1]
+    _, first, number = np.unique(labels, return_index=True, return_inverse=True)
+    rank = np.empty(len(first), dtype=np.int64)
+    rank[np.argsort(first)] = np.arange(len(first))
+    return rank[number.reshape(-1)]
+
+
+def _connected(count: int, start: Indices, end: Indices) -> tuple[int, Indices]:
     # Imported here: scipy costs half a second, which a first frame should not pay.
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 
     graph = coo_matrix((np.ones(len(start), dtype=np.int32), (start, end)), shape=(count, count))
-    labels = connected_components(graph, directed=False)[1].astype(np.int64)
-    _, first, number = np.unique(labels, return_index=True, return_inverse=True)
-    rank = np.empty(len(first), dtype=np.int64)
-    rank[np.argsort(first)] = np.arange(len(first))
-    return rank[number.reshape(-1)]
+    number, labels = connected_components(graph, directed=False)
+    return int(number), labels
 
 
 def _as_triangles(triangles: ArrayLike) -> Triangles:
@@ -254,20 +295,19 @@ def _fan_count(corners: Indices, found: Edges) -> int:
     # Side 3 f + k starts at corner 3 f + k and ends at the following corner of the same face;
     # two corners belong to one fan when they sit at the same end of a shared edge.
     same_way = corners[side] == corners[other]
-    fans = component_labels(
+    return _connected(
         len(corners),
         np.r_[side, _following(side)],
         np.r_[
             np.where(same_way, other, _following(other)),
             np.where(same_way, _following(other), other),
         ],
-    )
-    return int(fans.max()) + 1
+    )[0]
 
 
-def _face_components(found: Edges) -> Indices:
+def _joined_faces(found: Edges) -> tuple[Indices, Indices]:
     later = _later_sides(found)
-    return component_labels(len(found.face_edges), found.faces[later], found.faces[later - 1])
+    return found.faces[later], found.faces[later - 1]
 
 
 def _later_sides(found: Edges) -> Indices:

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .ragged import blocks_of, ranges
 from .validation import Points, Triangles
 
 Indices = NDArray[np.int64]
@@ -89,21 +90,6 @@ def overlapping_pairs(boxes: Boxes) -> Iterator[tuple[Indices, Indices]]:
         marks |= boxes.is_moved[box].astype(np.int64) << 2
         place = (row << 32) | (column << 16)
         yield from _sweep(boxes, box, place, marks.astype(np.uint8))
-
-
-def blocks_of(counts: Indices, size: int) -> Iterator[Indices]:
-    """Consecutive indices whose counts add up to about `size`; those with count 0 left out."""
-    used = np.flatnonzero(counts)
-    number = np.cumsum(counts[used]) // size
-    for block in np.split(used, np.flatnonzero(np.diff(number)) + 1):
-        if len(block):
-            yield block
-
-
-def ranges(first: Indices, counts: Indices) -> Indices:
-    """`first[i], first[i] + 1, ...` (`counts[i]` of them) for every i, one after the other."""
-    ends = np.cumsum(counts)
-    return np.arange(ends[-1] if len(ends) else 0) + np.repeat(first - ends + counts, counts)
 
 
 def _sweep(
