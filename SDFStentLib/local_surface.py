@@ -1,0 +1,77 @@
+"""The part of a surface that lies near some centres."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .distance import NearPairs, SurfaceIndex
+from .validation import Points, Triangles
+
+Floats = NDArray[np.float64]
+
+_THINNED_ABOVE, _THINNING = 4000, 8
+"""A surface with more triangles than this is thinned to one in so many."""
+
+
+class LocalSurface:
+    """The part of a surface near some centres; grows when they ask for more."""
+
+    def __init__(self, points: Points, triangles: Triangles, centers: Points) -> None:
+        self._points, self._triangles, self._centers = points, triangles, centers
+        self.lowest, self.highest = points.min(axis=0), points.max(axis=0)
+        # Any vertex in use bounds the distance to the wall; some thousand bound it well enough.
+        some = points[triangles[:: max(1, len(triangles) // 5000), 0]]
+        squared = ((centers[:, None] - some) ** 2).sum(axis=2).min(axis=1)
+        self._grow(2.5 * float(np.sqrt(squared.max())))
+
+    def near(self, centers: Points, radii: Floats) -> NearPairs:
+        while not self._covers(centers, radii):
+            self._grow(2 * self._margin)
+        return self.index.near(centers, radii)
+
+    def distances(self, centers: Points) -> Floats:
+        distance = self.index.distances(centers).distance
+        while not self._covers(centers, distance):
+            self._grow(2 * self._margin)
+            distance = self.index.distances(centers).distance
+        return distance
+
+    def thinned(self) -> LocalSurface | None:
+        """A random part of the triangles; None where there are too few to be worth it."""
+        if len(self._triangles) < _THINNED_ABOVE:
+            return None
+        # A regular choice could leave out whole sides of a regular mesh.
+        count = len(self._triangles)
+        chosen = np.random.default_rng(0).integers(0, count, count // _THINNING)
+        return LocalSurface(self._points, self._triangles[chosen], self._centers)
+
+    def _grow(self, margin: float) -> None:
+        self._margin = margin
+        self._low = self._centers.min(axis=0) - margin
+        self._high = self._centers.max(axis=0) + margin
+        kept = self._triangles
+        if not self._is_whole():
+            kept = kept[_may_meet_box(self._points, kept, self._low, self._high)]
+        if len(kept) == 0:
+            return self._grow(2 * margin)
+        self.index = SurfaceIndex(self._points, kept)
+
+    def _is_whole(self) -> bool:
+        return bool(np.all(self._low <= self.lowest) and np.all(self._high >= self.highest))
+
+    def _covers(self, centers: Points, radii: Floats) -> bool:
+        reach = radii[:, None]
+        inside = (centers - reach >= self._low).all() and (centers + reach <= self._high).all()
+        return bool(inside) or self._is_whole()
+
+
+def _may_meet_box(
+    points: Points, triangles: Triangles, low: Floats, high: Floats
+) -> NDArray[np.bool_]:
+    """False for triangles that lie wholly beyond one side of the box."""
+    code = np.zeros(len(points), dtype=np.uint8)
+    for axis in range(3):
+        code |= (points[:, axis] < low[axis]).astype(np.uint8) << (2 * axis)
+        code |= (points[:, axis] > high[axis]).astype(np.uint8) << (2 * axis + 1)
+    return (code[triangles[:, 0]] & code[triangles[:, 1]] & code[triangles[:, 2]]) == 0

@@ -1,0 +1,474 @@
+"""Distances, inscribed spheres, diameters, stenosis, stretch and coverage."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from SDFStentLib.coverage import branch_ostia
+from SDFStentLib.cross_section import equivalent_diameters
+from SDFStentLib.distance import closest_points_on_triangles, distances_to_surface
+from SDFStentLib.inscribed import inscribed_spheres
+from SDFStentLib.metrics import DiameterProfile, diameter_profile, radius_along, stenosis
+from SDFStentLib.stretch import displacements, face_stretches
+from SDFStentLib.validation import InputError
+
+ROUNDING = 1e-9  # mm: algebra on coordinates below 100 mm
+
+
+def a_tube(outline, heights):
+    """Open tube with the cross-section `outline` (k, 2), scaled by nothing, at `heights`."""
+    outline, heights = np.asarray(outline, float), np.asarray(heights, float)
+    count = len(outline)
+    points = np.concatenate(
+        [np.column_stack([outline, np.full(count, height)]) for height in heights]
+    )
+    ring = np.arange(count)
+    after = (ring + 1) % count
+    layers = [
+        np.concatenate(
+            [
+                np.column_stack([base + ring, base + after, base + count + after]),
+                np.column_stack([base + ring, base + count + after, base + count + ring]),
+            ]
+        )
+        for base in range(0, count * (len(heights) - 1), count)
+    ]
+    return points, np.concatenate(layers)
+
+
+def an_ellipse(count, a, b, turn=0.0):
+    angle = np.linspace(0, 2 * np.pi, count, endpoint=False) + turn
+    return np.column_stack([a * np.cos(angle), b * np.sin(angle)])
+
+
+def a_round_tube(radius=4.0, count=40, length=40.0, spacing=1.0):
+    return a_tube(an_ellipse(count, radius, radius), np.arange(0, length + spacing / 2, spacing))
+
+
+def stations(*rows):
+    return np.array(rows, dtype=float)
+
+
+def upward(count):
+    return np.tile([0.0, 0.0, 1.0], (count, 1))
+
+
+def largest_circle_in_convex_polygon(outline):
+    """Chebyshev centre by linear programming: an oracle that shares nothing with the search."""
+    from scipy.optimize import linprog
+
+    sides = np.roll(outline, -1, axis=0) - outline
+    normals = np.column_stack([sides[:, 1], -sides[:, 0]])
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    limits = np.einsum("ij,ij->i", normals, outline)
+    solved = linprog(
+        [0, 0, -1],
+        A_ub=np.column_stack([normals, np.ones(len(outline))]),
+        b_ub=limits,
+        bounds=[(None, None)] * 3,
+    )
+    return -solved.fun
+
+
+def a_random_mesh(seed, count=300):
+    """Triangles of very different sizes: needles, crumbs, segments and points among them."""
+    rng = np.random.default_rng(seed)
+    size = 10.0 ** rng.uniform(-3, 1, (count, 1, 1))
+    corners = rng.uniform(-10, 10, (count, 1, 3)) + size * rng.normal(size=(count, 3, 3))
+    corners[:10, 2] = corners[:10, 1]
+    corners[10:15] = corners[10:15, :1]
+    corners[15:25, 2] = (corners[15:25, 0] + corners[15:25, 1]) / 2
+    return corners.reshape(-1, 3), np.arange(3 * count).reshape(-1, 3)
+
+
+# Distance to a surface
+
+
+def test_the_distance_to_a_surface_is_that_of_the_plain_search_over_all_triangles():
+    points, triangles = a_random_mesh(seed=3)
+    queries = np.random.default_rng(4).uniform(-15, 15, (200, 3))
+    found = distances_to_surface(queries, points, triangles)
+    every = np.stack(
+        [
+            np.linalg.norm(
+                queries - closest_points_on_triangles(queries, np.tile(corners, (200, 1, 1))),
+                axis=1,
+            )
+            for corners in points[triangles]
+        ]
+    )
+    np.testing.assert_allclose(found.distance, every.min(axis=0), rtol=0, atol=ROUNDING)
+    np.testing.assert_allclose(
+        np.linalg.norm(queries - found.closest_point, axis=1), found.distance, atol=ROUNDING
+    )
+
+
+def test_the_nearest_point_of_a_triangle_is_no_farther_than_any_sample_of_it():
+    rng = np.random.default_rng(5)
+    corners, queries = rng.normal(size=(200, 3, 3)), 2 * rng.normal(size=(200, 3))
+    closest = closest_points_on_triangles(queries, corners)
+    weights = rng.dirichlet(np.ones(3), size=2000)
+    samples = np.einsum("sk,nkj->nsj", weights, corners)
+    sampled = np.linalg.norm(samples - queries[:, None], axis=2).min(axis=1)
+    distance = np.linalg.norm(queries - closest, axis=1)
+    assert (distance <= sampled + ROUNDING).all()
+    # 2000 samples of a triangle with sides of about 2 lie within 0.3 of any of its points.
+    assert (sampled - distance).max() < 0.3
+
+
+def test_a_triangle_without_area_counts_as_the_segment_that_it_is():
+    points = stations([0, 0, 0], [1, 0, 0], [2, 0, 0])
+    found = distances_to_surface([[1.5, 1, 0], [3, 0, 0]], points, [[0, 1, 2]])
+    np.testing.assert_allclose(found.distance, [1, 1], atol=ROUNDING)
+
+
+def test_queries_that_are_not_points_are_refused():
+    with pytest.raises(InputError, match=r"queries: expected shape \(n, 3\)"):
+        distances_to_surface([[0.0, 1.0]], *a_round_tube())
+
+
+# Inscribed spheres
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.5, 0.9, 0.999])
+def test_the_sphere_in_a_tube_has_the_apothem_of_its_facets_from_any_start(offset):
+    points, triangles = a_round_tube(radius=4.0, count=24)
+    apothem = 4.0 * np.cos(np.pi / 24)
+    found = inscribed_spheres(
+        points,
+        triangles,
+        stations([offset * apothem, 0, 19.3], [0, -offset * apothem, 21.0]),
+        upward(2),
+    )
+    np.testing.assert_allclose(found.radii, apothem, rtol=0, atol=1e-5)
+    np.testing.assert_allclose(found.centers[:, :2], 0, atol=1e-4)
+    np.testing.assert_allclose(found.centers[:, 2], [19.3, 21.0], atol=ROUNDING)
+
+
+@pytest.mark.parametrize(("a", "b", "turn"), [(3, 1, 0.1), (5, 4.9, 0.0), (2, 6, 0.05)])
+def test_the_sphere_in_an_ellipse_is_the_largest_circle_of_its_polygon(a, b, turn):
+    outline = an_ellipse(150, a, b, turn)
+    points, triangles = a_tube(outline, np.arange(0, 41, 0.5))
+    starts = stations([0.6 * a, 0, 20], [0, 0.7 * b, 20.2], [0.5 * a, -0.4 * b, 19.9], [0, 0, 21])
+    found = inscribed_spheres(points, triangles, starts, upward(4))
+    # 1e-4 mm is what is promised; the search stops at a promised gain of 1e-6 mm.
+    expected = largest_circle_in_convex_polygon(outline)
+    np.testing.assert_allclose(found.radii, expected, rtol=0, atol=1e-4)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_sphere_in_a_random_convex_polygon_is_its_largest_circle(seed):
+    from scipy.spatial import ConvexHull
+
+    scattered = np.random.default_rng(seed).normal(size=(14, 2)) * [4, 2]
+    outline = scattered[ConvexHull(scattered).vertices]
+    points, triangles = a_tube(outline, np.arange(0, 61, 3.0))
+    starts = np.array([np.append(w @ outline, 30.0) for w in _weights(seed, len(outline), 6)])
+    found = inscribed_spheres(points, triangles, starts, upward(6))
+    expected = largest_circle_in_convex_polygon(outline)
+    np.testing.assert_allclose(found.radii, expected, rtol=0, atol=1e-4)
+
+
+def _weights(seed, corners, count):
+    return np.random.default_rng(seed + 100).dirichlet(np.ones(corners), size=count)
+
+
+def test_the_radius_is_the_distance_from_the_centre_to_the_surface():
+    points, triangles = a_round_tube(count=30)
+    points = points + 0.1 * np.random.default_rng(0).normal(size=points.shape)
+    found = inscribed_spheres(points, triangles, np.linspace([1, 0, 8], [0, 1, 30], 23))
+    measured = distances_to_surface(found.centers, points, triangles).distance
+    np.testing.assert_allclose(found.radii, measured, rtol=0, atol=ROUNDING)
+
+
+def test_a_large_surface_is_searched_with_the_result_of_a_small_one(monkeypatch):
+    points, triangles = a_round_tube(count=90, length=60, spacing=0.6)
+    points = points * [1.0, 0.8, 1.0]
+    starts = np.linspace([2.0, 0.5, 20], [-1.5, 0, 40], 12)
+    thinned = inscribed_spheres(points, triangles, starts)
+    monkeypatch.setattr("SDFStentLib.local_surface._THINNED_ABOVE", 10**9)
+    plain = inscribed_spheres(points, triangles, starts)
+    np.testing.assert_allclose(thinned.radii, plain.radii, rtol=0, atol=1e-4)
+
+
+def test_a_sphere_does_not_pass_through_the_wall_into_a_larger_vessel_beside():
+    narrow, wide = an_ellipse(24, 1, 1), an_ellipse(48, 6, 6) + np.array([7.05, 0])
+    first, first_triangles = a_tube(narrow, np.arange(0, 41, 0.5))
+    second, second_triangles = a_tube(wide, np.arange(0, 41, 0.5))
+    points = np.concatenate([first, second])
+    triangles = np.concatenate([first_triangles, second_triangles + len(first)])
+    assert len(triangles) > 4000, "large enough that the search is first made on a part of it"
+    found = inscribed_spheres(points, triangles, stations([0.9, 0, 20], [0, 0.5, 21]), upward(2))
+    np.testing.assert_allclose(found.radii, np.cos(np.pi / 24), rtol=0, atol=1e-5)
+
+
+def test_rigid_motion_moves_the_spheres_along_and_scaling_scales_them():
+    from scipy.spatial.transform import Rotation
+
+    points, triangles = a_round_tube(count=20)
+    points = points * [1, 0.7, 1] + 0.05 * np.random.default_rng(1).normal(size=points.shape)
+    starts = np.linspace([0.5, 0.3, 10], [0, 0, 30], 9)
+    rotation = Rotation.from_euler("xyz", [0.4, -1.0, 2.0])
+    before = inscribed_spheres(points, triangles, starts)
+    after = inscribed_spheres(
+        2 * rotation.apply(points) + 7, triangles, 2 * rotation.apply(starts) + 7
+    )
+    np.testing.assert_allclose(after.radii, 2 * before.radii, rtol=0, atol=1e-4)
+
+
+def test_there_is_no_sphere_outside_and_none_but_a_point_on_the_wall():
+    points, triangles = a_round_tube(radius=4.0, count=4)
+    found = inscribed_spheres(points, triangles, stations([30, 0, 20], [2, 2, 20]), upward(2))
+    assert np.isnan(found.radii[0])
+    assert np.isnan(found.centers[0]).all()
+    assert found.radii[1] == pytest.approx(0, abs=1e-9)
+
+
+def test_no_centres_give_no_spheres():
+    found = inscribed_spheres(*a_round_tube(), np.empty((0, 3)), np.empty((0, 3)))
+    assert found.radii.shape == (0,)
+
+
+def test_spheres_are_refused_without_a_direction_across_which_to_search():
+    tube = a_round_tube()
+    with pytest.raises(InputError, match="at least 2 points or a tangent for each, got 1"):
+        inscribed_spheres(*tube, [[0, 0, 20]])
+    with pytest.raises(InputError, match="got zero at point 1; remove repeated axis points"):
+        inscribed_spheres(*tube, [[0, 0, 20], [0, 0, 21]], [[0, 0, 1], [0, 0, 0]])
+    with pytest.raises(InputError, match="one for each of the 1 centers, got 2"):
+        inscribed_spheres(*tube, [[0, 0, 20]], upward(2))
+    with pytest.raises(InputError, match="tolerance: expected a number greater than 0"):
+        inscribed_spheres(*tube, [[0, 0, 20]], upward(1), tolerance=0)
+
+
+# Cross-sections and profiles
+
+
+def test_the_equivalent_diameter_is_that_of_the_polygon_round_the_axis_point():
+    points, triangles = a_round_tube(radius=4.0, count=24)
+    area = 24 / 2 * 16 * np.sin(2 * np.pi / 24)
+    found = equivalent_diameters(points, triangles, stations([1, 2, 20.5], [0, 0, 3]), upward(2))
+    np.testing.assert_allclose(found, 2 * np.sqrt(area / np.pi), rtol=0, atol=ROUNDING)
+
+
+def test_other_vessels_in_the_plane_do_not_count_not_even_larger_ones_round_it():
+    small, small_triangles = a_round_tube(radius=2.0, count=32)
+    beside, triangles = a_round_tube(radius=6.0, count=32)
+    around = beside.copy()
+    points = np.concatenate([small, beside + np.array([9, 0, 0]), around])
+    every = np.concatenate([small_triangles, triangles + len(small), triangles + 2 * len(small)])
+    alone = equivalent_diameters(small, small_triangles, [[0, 0, 20.5]], upward(1))
+    together = equivalent_diameters(points, every, [[0, 0, 20.5]], upward(1))
+    np.testing.assert_allclose(together, alone, rtol=0, atol=ROUNDING)
+
+
+def test_outside_every_loop_there_is_no_equivalent_diameter():
+    tube = a_round_tube(radius=4.0)
+    found = equivalent_diameters(*tube, stations([5, 0, 20], [0, 0, 90]), upward(2))
+    assert np.isnan(found).all()
+    with pytest.raises(InputError, match="directions: expected one for each of the 1 centers"):
+        equivalent_diameters(*tube, [[0, 0, 1]], upward(2))
+
+
+def test_a_profile_measures_both_diameters_at_equal_distances_with_both_ends():
+    points, triangles = a_round_tube(radius=4.0, count=24)
+    profile = diameter_profile(points, triangles, [[1, 0, 10], [1, 0, 30.3]], spacing=1.0)
+    np.testing.assert_allclose(profile.arc_length, np.linspace(0, 20.3, 21), atol=ROUNDING)
+    np.testing.assert_allclose(profile.inscribed_diameter, 8 * np.cos(np.pi / 24), atol=1e-5)
+    extent = [profile.minimum, profile.mean, profile.maximum]
+    np.testing.assert_allclose(extent, 8 * np.cos(np.pi / 24), atol=1e-5)
+    assert profile.sd == pytest.approx(0, abs=1e-5)
+    assert profile.gaps == ()
+    assert not profile.centers.flags.writeable
+
+
+def test_the_part_of_a_profile_holds_the_stations_between_two_positions():
+    profile = a_profile([8, 6, 4, 6, 8])
+    part = profile.over(1, 3)
+    np.testing.assert_array_equal(part.inscribed_diameter, [6, 4, 6])
+    np.testing.assert_array_equal(part.arc_length, [1, 2, 3])
+    with pytest.raises(InputError, match=r"a part of 0 to 4 mm that holds a station, got 1\.2 to"):
+        profile.over(1.2, 1.8)
+
+
+def test_stations_outside_the_surface_have_no_diameter_and_it_is_said_where():
+    points, triangles = a_round_tube(radius=4.0, length=20)
+    profile = diameter_profile(points, triangles, [[0, 0, -5], [0, 0, 25]], spacing=1.0)
+    outside = (profile.arc_length < 4) | (profile.arc_length > 26)
+    inside = (profile.arc_length > 6) & (profile.arc_length < 24)
+    assert np.isnan(profile.inscribed_diameter[outside]).all()
+    assert np.isnan(profile.equivalent_diameter[outside]).all()
+    assert np.isfinite(profile.inscribed_diameter[inside]).all()
+    assert any("No inscribed diameter at" in gap and "0.0 to" in gap for gap in profile.gaps)
+    assert profile.minimum > 0
+
+
+def test_a_profile_that_lies_nowhere_in_the_lumen_has_no_statistics():
+    profile = diameter_profile(*a_round_tube(), [[50, 0, 0], [50, 0, 9]])
+    assert np.isnan([profile.minimum, profile.mean, profile.sd, profile.maximum]).all()
+    assert np.isnan(profile.minimum_arc_length)
+    result = stenosis(profile)
+    assert np.isnan([result.percent_diameter, result.percent_area]).all()
+
+
+def test_the_radius_along_a_centerline_is_the_distance_to_the_wall_of_a_tube():
+    points, triangles = a_round_tube(radius=4.0, count=36)
+    radius = radius_along(points, triangles, np.linspace([0, 0, 6], [0.5, 0, 34], 100))
+    # The line leans by 1 degree: its planes cut the tube 0.02 % wider.
+    np.testing.assert_allclose(radius, 4 * np.cos(np.pi / 36), rtol=1e-3)
+
+
+# Stenosis
+
+
+def a_profile(inscribed, equivalent=None):
+    inscribed = np.array(inscribed, dtype=float)
+    equivalent = inscribed if equivalent is None else np.array(equivalent, dtype=float)
+    count = len(inscribed)
+    return DiameterProfile(np.arange(count), np.zeros((count, 3)), inscribed, equivalent)
+
+
+def test_half_the_diameter_is_75_percent_of_the_area():
+    result = stenosis(a_profile([8, 6, 4, 6, 8]))
+    assert result.reference == "mean of the two ends"
+    assert result.percent_diameter == pytest.approx(50)
+    assert result.percent_area == pytest.approx(75)
+    assert (result.minimum_diameter, result.minimum_arc_length) == (4, 2)
+
+
+@pytest.mark.parametrize(
+    ("reference", "diameter"),
+    [("proximal", 10), ("distal", 6), ("mean of the two ends", 8), ("interpolated", 9)],
+)
+def test_the_reference_is_the_one_that_is_named(reference, diameter):
+    result = stenosis(a_profile([10, 3, 8, 8, 6]), reference)
+    assert result.reference_diameter == pytest.approx(diameter)
+    assert result.percent_diameter == pytest.approx(100 * (1 - 3 / diameter))
+
+
+def test_the_ends_are_the_outermost_stations_that_have_a_diameter():
+    result = stenosis(a_profile([np.nan, 8, 4, 6, np.nan]), "mean of the two ends")
+    assert result.reference_diameter == pytest.approx(7)
+
+
+def test_what_is_left_is_measured_against_the_vessel_before():
+    before, after = a_profile([8, 4, 8]), a_profile([10, 9, 10])
+    assert stenosis(after, reference_profile=before).percent_diameter == pytest.approx(-12.5)
+
+
+def test_an_unknown_reference_is_refused():
+    with pytest.raises(InputError, match=r"expected one of 'mean of the two ends', .*'nearest'"):
+        stenosis(a_profile([1, 2]), "nearest")
+
+
+# Stretch
+
+
+def test_stretches_of_an_affine_map_are_its_singular_values():
+    rng = np.random.default_rng(7)
+    points = np.column_stack([rng.normal(size=(60, 2)), np.zeros(60)])
+    triangles = np.arange(60).reshape(-1, 3)
+    gradient = rng.normal(size=(3, 2))
+    after = points[:, :2] @ gradient.T + [1, 2, 3]
+    largest, smallest = np.linalg.svd(gradient, compute_uv=False)
+    found = face_stretches(points, after, triangles)
+    np.testing.assert_allclose(found.largest, largest, rtol=1e-8)
+    # The difference of two nearly equal roots loses some digits in needles.
+    np.testing.assert_allclose(found.smallest, smallest, rtol=1e-6)
+    np.testing.assert_allclose(found.area, largest * smallest, rtol=1e-6)
+
+
+def test_rigid_motion_stretches_nothing_and_a_face_without_area_has_no_stretch():
+    points = stations([0, 0, 0], [1, 0, 0], [0, 2, 0], [3, 0, 0])
+    triangles = [[0, 1, 2], [0, 1, 3]]
+    moved = points[:, [2, 0, 1]] + 5
+    found = face_stretches(points, moved, triangles)
+    # Roots of a difference that is zero but for rounding: sqrt(1e-16).
+    np.testing.assert_allclose([found.area[0], found.largest[0], found.smallest[0]], 1, atol=1e-7)
+    assert np.isnan([found.area[1], found.largest[1], found.smallest[1]]).all()
+
+
+def test_displacements_are_lengths_and_need_two_states_of_one_mesh():
+    np.testing.assert_allclose(displacements([[0, 0, 0]], [[3, 4, 0]]), 5)
+    with pytest.raises(InputError, match="expected the 1 points of the state before, got 2"):
+        displacements([[0, 0, 0]], [[3, 4, 0], [0, 0, 0]])
+
+
+# Branches
+
+
+def a_tree():
+    """A vessel of radius 3 along x with branches of radius 1 upward at x = 10, 30 and 60."""
+    vessel = np.column_stack([np.arange(81.0), np.zeros(81), np.zeros(81)])
+    parent, points, radius = list(range(-1, 80)), [vessel], [3.0] * 81
+    for x in (10, 30, 60):
+        rise = np.arange(0.5, 10, 0.5)
+        points.append(np.column_stack([np.full(19, x), np.zeros(19), rise]))
+        start = len(parent)
+        parent += [x, *range(start, start + 18)]
+        radius += [1.0] * 19
+    return np.concatenate(points), np.array(parent), np.array(radius)
+
+
+def test_branches_under_the_stent_are_covered_and_those_beside_it_are_free():
+    points, parent, radius = a_tree()
+    found = branch_ostia(points, parent, [[12, 0, 0], [50, 0, 0]], radius, margin=15)
+    assert [branch.is_covered for branch in found] == [False, True, False]
+    inside = [branch.distance_inside_proximal_end for branch in found]
+    np.testing.assert_allclose(inside, [-2, 18, 48], atol=ROUNDING)
+    np.testing.assert_allclose(
+        [branch.distance_inside_distal_end for branch in found], [40, 20, -10], atol=ROUNDING
+    )
+    # The first point of the branch's centerline that the vessel's spheres do not hold.
+    np.testing.assert_allclose(found[1].position, [30, 0, 3], atol=ROUNDING)
+
+
+def test_an_ostium_that_the_stent_touches_with_its_edge_is_covered():
+    points, parent, radius = a_tree()
+    (branch,) = branch_ostia(points, parent, [[30.5, 0, 0], [40, 0, 0]], radius, margin=5)
+    assert branch.is_covered
+    assert branch.distance_inside_proximal_end == pytest.approx(-0.5)
+
+
+def test_branches_beyond_the_margin_are_not_listed():
+    points, parent, radius = a_tree()
+    assert branch_ostia(points, parent, [[40, 0, 0], [50, 0, 0]], radius, margin=5) == ()
+
+
+def test_without_radii_the_branch_begins_on_the_centerline():
+    points, parent, _ = a_tree()
+    (branch,) = branch_ostia(points, parent, [[25, 0, 0], [35, 0, 0]], margin=4)
+    np.testing.assert_allclose(branch.position, [30, 0, 0])
+    assert np.isnan(branch.radius)
+    assert branch.is_covered
+
+
+def test_the_direction_of_the_stent_decides_which_end_is_proximal():
+    points, parent, radius = a_tree()
+    (branch,) = branch_ostia(points, parent, [[40, 0, 0], [25, 0, 0]], radius, margin=4)
+    assert branch.distance_inside_proximal_end == pytest.approx(10)
+
+
+def test_the_stented_vessel_may_turn_into_a_branch():
+    points, parent, radius = a_tree()
+    axis = [[20, 0, 0], [30, 0, 0], [30, 0, 8]]
+    found = branch_ostia(points, parent, axis, radius, margin=5)
+    assert len(found) == 1, "the vessel that goes on is the side branch then"
+    np.testing.assert_allclose(found[0].position[1:], 0, atol=ROUNDING)
+    assert found[0].position[0] > 30
+
+
+def test_a_tree_that_is_none_is_refused():
+    points, parent, radius = a_tree()
+    axis = [[20, 0, 0], [30, 0, 0]]
+    with pytest.raises(InputError, match="parent: expected 138 integers"):
+        branch_ostia(points, parent[:-1], axis)
+    with pytest.raises(InputError, match="parent: expected -1 to 137, got -1 to 500"):
+        branch_ostia(points, np.where(parent == 5, 500, parent), axis)
+    with pytest.raises(InputError, match="inscribed_radius: expected one for each of 138 points"):
+        branch_ostia(points, parent, axis, radius[:3])
+    with pytest.raises(InputError, match="two separate trees"):
+        branch_ostia(points, np.where(parent == 24, -1, parent), axis)
+    with pytest.raises(InputError, match="expected two different points at least"):
+        branch_ostia(points, parent, [[1, 0, 0], [1, 0, 0]])
