@@ -1,0 +1,335 @@
+"""The report: its document, its page and its figure."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from dataclasses import replace
+from html.parser import HTMLParser
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from SDFStentLib.coverage import BranchOstium
+from SDFStentLib.metrics import DiameterProfile
+from SDFStentLib.report import (
+    Report,
+    StentResult,
+    report_json,
+    write_report,
+    write_report_figure,
+)
+from SDFStentLib.report_html import certificate_sentence, html_page
+from SDFStentLib.report_plot import diameter_plot
+from SDFStentLib.validation import InputError
+
+CLEAN = {
+    "watertight": True,
+    "manifold": True,
+    "inverted_triangles": [],
+    "self_intersections": {"before": 3, "after": 3, "new": 0, "triangles": []},
+}
+
+
+def a_profile(inscribed, wider=1.0):
+    inscribed = np.array(inscribed, dtype=float)
+    count = len(inscribed)
+    return DiameterProfile(np.arange(count), np.zeros((count, 3)), inscribed, wider * inscribed)
+
+
+def a_report(**changes):
+    stent = StentResult(
+        description={"device": "generic <10>", "deployed_length_mm": 4.0, "axis": {"length_mm": 4}},
+        before=a_profile([8, 6, 4, 6, 8]),
+        after=a_profile([8.4, 8.2, 8, 8.2, 8.4], wider=1.01),
+        prescribed_diameter=np.array(8.5),
+        branches=(BranchOstium(np.array([1.0, 2.0, 3.0]), math.nan, 2.0, -1.0, True),),
+    )
+    report = Report(
+        inputs=({"file": "/data/a & b.vtp", "sha256": "0f", "points": 12000, "units": "cm"},),
+        stents=(stent,),
+        certificate=CLEAN,
+        warnings=("The stent was shortened.",),
+        timings={"read": 0.25},
+        created="2026-01-02T03:04:05Z",
+        version="0.1.0",
+    )
+    return replace(report, **changes)
+
+
+def with_gaps():
+    stent = replace(
+        a_report().stents[0],
+        before=a_profile([math.nan, 6, 4, math.nan, 8]),
+        after=a_profile([math.nan] * 5),
+    )
+    return a_report(stents=(stent,))
+
+
+class PageReader(HTMLParser):
+    """Collects text, and tags that would load or run something."""
+
+    def __init__(self, page):
+        super().__init__()
+        self.text, self.loads, self.open = "", [], []
+        self.feed(page)
+
+    def handle_starttag(self, tag, attrs):
+        if tag in ("script", "link", "img", "iframe", "object"):
+            self.loads.append(tag)
+        self.loads += [name for name, _ in attrs if name in ("src", "href") or name[:2] == "on"]
+        if tag not in ("meta", "br"):
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attrs):
+        pass
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag, "tags close in the order in which they open"
+
+    def handle_data(self, data):
+        self.text += data
+
+
+# The document
+
+
+def test_the_document_names_its_schema_and_says_research_use_only():
+    document = json.loads(report_json(a_report()))
+    assert (document["schema"], document["schema_version"]) == ("sdfstent-report", 1)
+    assert document["notice"] == "Research use only, not a medical device."
+
+
+def test_the_document_holds_the_lumen_before_and_after():
+    diameters = a_report().as_dict()["diameters"]
+    assert diameters["minimum_lumen"] == {
+        "before_mm": 4.0,
+        "before_at_mm": 2.0,
+        "after_mm": 8.0,
+        "after_at_mm": 2.0,
+    }
+    assert diameters["along"]["prescribed_mm"] == [8.5] * 5
+    assert diameters["over_stented_length"]["after"]["mean_mm"] == pytest.approx(8.24)
+    error = diameters["over_stented_length"]["mean_after_minus_prescribed_mm"]
+    assert error == pytest.approx(-0.26)
+
+
+def test_stenosis_after_is_measured_against_the_named_reference_before():
+    degree = a_report().as_dict()["diameters"]["stenosis"]
+    assert degree["reference"] == "mean of the two ends"
+    assert degree["reference_diameter_mm"] == pytest.approx(8)
+    assert degree["percent_diameter_before"] == pytest.approx(50)
+    assert degree["percent_area_before"] == pytest.approx(75)
+    assert degree["percent_diameter_after"] == pytest.approx(0)
+
+
+def test_what_is_not_known_is_null_and_never_nan():
+    text = report_json(with_gaps())
+    assert "NaN" not in text
+    assert "Infinity" not in text
+    document = json.loads(text)
+    assert document["diameters"]["along"]["mis_before_mm"] == [None, 6.0, 4.0, None, 8.0]
+    assert document["diameters"]["minimum_lumen"]["after_mm"] is None
+    assert document["branches"][0]["radius_mm"] is None
+
+
+def test_every_length_in_the_document_carries_its_unit():
+    def keys(value):
+        if isinstance(value, dict):
+            for key, item in value.items():
+                yield key, item
+                yield from keys(item)
+        elif isinstance(value, list):
+            for item in value:
+                yield from keys(item)
+
+    document = a_report().as_dict()
+    measured = {key: document[key] for key in ("diameters", "branches", "timings")}
+    for key, value in keys(measured):
+        if isinstance(value, float):
+            assert key.endswith(("_mm", "_mm2", "_s")) or key.startswith("percent"), key
+
+
+def test_certificates_and_numbers_of_any_kind_become_plain_values():
+    class Certificate:
+        def as_dict(self):
+            return {"watertight": np.bool_(True), "faces": np.array([1, 2]), "ids": {3, 1}}
+
+    document = a_report(certificate=Certificate()).as_dict()
+    assert document["certificate"] == {"watertight": True, "faces": [1, 2], "ids": [1, 3]}
+
+
+def test_a_value_without_a_place_in_json_is_refused_by_name():
+    with pytest.raises(InputError, match=r"certificate\.faces: expected numbers.* got function"):
+        a_report(certificate={"faces": lambda: 0}).as_dict()
+
+
+def test_several_stents_each_have_their_diameters():
+    first = a_report().stents[0]
+    document = a_report(stents=(first, replace(first, reference="distal"))).as_dict()
+    references = [stent["diameters"]["stenosis"]["reference"] for stent in document["stents"]]
+    assert references == ["mean of the two ends", "distal"]
+    assert [branch["stent"] for branch in document["branches"]] == [1, 2]
+    assert "Stent 2 of 2" in html_page(document)
+
+
+def test_profiles_at_different_stations_are_refused():
+    with pytest.raises(InputError, match="after: expected the stations of the profile before"):
+        StentResult({}, a_profile([1, 2, 3]), a_profile([1, 2]), np.array(5.0))
+    with pytest.raises(InputError, match="prescribed_diameter: expected one number or 3"):
+        StentResult({}, a_profile([1, 2, 3]), a_profile([1, 2, 3]), np.array([5.0, 6.0]))
+
+
+# Files
+
+
+def test_the_suffix_decides_between_json_and_page(tmp_path):
+    write_report(a_report(), tmp_path / "r.json")
+    write_report(a_report(), tmp_path / "r.HTML")
+    assert json.loads((tmp_path / "r.json").read_text("utf-8")) == a_report().as_dict()
+    assert (tmp_path / "r.HTML").read_text("utf-8") == html_page(a_report().as_dict())
+
+
+def test_another_suffix_is_refused_and_nothing_is_written(tmp_path):
+    with pytest.raises(InputError, match=r"ends in \.json or \.html, got '\.pdf'"):
+        write_report(a_report(), tmp_path / "r.pdf")
+    assert list(tmp_path.iterdir()) == []
+
+
+# The page
+
+
+def test_the_page_made_from_the_written_json_is_the_same():
+    report = a_report()
+    assert html_page(json.loads(report_json(report))) == html_page(report.as_dict())
+
+
+def test_the_page_says_what_a_clinician_reads_first():
+    text = PageReader(html_page(a_report().as_dict())).text
+    for words in (
+        "Research use only, not a medical device.",
+        "4.00 mm",
+        "8.00 mm",
+        "50 %",
+        "mean of the two ends",
+        "8.24 ± 0.15 mm",
+        "Certified: watertight, manifold",
+        "The stent was shortened.",
+        "largest sphere that fits into the lumen",
+    ):
+        assert words in text
+
+
+def test_the_page_is_well_formed_loads_nothing_and_escapes_names():
+    page = html_page(a_report().as_dict())
+    reader = PageReader(page)
+    assert reader.loads == []
+    assert reader.open == []
+    assert "generic <10>" in reader.text
+    assert "a & b.vtp" in reader.text
+
+
+def test_a_page_without_any_diameter_or_stent_still_says_so():
+    text = PageReader(html_page(with_gaps().as_dict())).text
+    assert "not known" in text
+    assert "nan" not in text.lower()
+    bare = PageReader(html_page(a_report(stents=(), certificate=None, warnings=()).as_dict()))
+    assert "was not checked" in bare.text
+
+
+def test_a_lumen_wider_than_its_reference_is_no_stenosis():
+    stent = replace(a_report().stents[0], after=a_profile([10, 10, 10, 10, 10]))
+    text = PageReader(html_page(a_report(stents=(stent,)).as_dict())).text
+    assert "none (25 % above reference)" in text
+
+
+@pytest.mark.parametrize(
+    ("change", "passed", "words"),
+    [
+        ({}, True, "no new crossing"),
+        ({"watertight": False}, False, "NOT certified: the deployed surface is not watertight"),
+        ({"watertight": False, "passed": True}, True, "is not watertight, which the input was"),
+        ({"manifold": None}, False, "is not known to be manifold"),
+        ({"inverted_triangles": [4]}, False, "has 1 inverted triangle."),
+        ({"self_intersections": {"new": [7, 9]}}, False, "has 2 new self-intersecting triangles"),
+        ({"self_intersections": None}, False, "was not tested for self-intersections"),
+        ({"passed": False}, False, "failed its check"),
+    ],
+)
+def test_the_certificate_sentence_never_claims_more_than_was_found(change, passed, words):
+    said_passed, sentence = certificate_sentence({**CLEAN, **change})
+    assert said_passed is passed
+    assert words in sentence
+
+
+def test_the_sentence_of_a_certificate_is_repeated_with_its_verdict():
+    assert certificate_sentence({"passed": False, "sentence": "It folds."}) == (False, "It folds.")
+
+
+# The plot
+
+
+def test_the_curves_of_the_plot_are_the_measured_diameters():
+    diameters = a_report().as_dict()["diameters"]
+    lines = ElementTree.fromstring(diameter_plot(diameters)).findall("polyline")
+    assert len(lines) == 5
+    heights = np.array(
+        [[float(pair.split(",")[1]) for pair in line.get("points").split()] for line in lines]
+    )
+    expected = np.array(
+        [
+            diameters["along"][key]
+            for key in (
+                "equivalent_before_mm",
+                "equivalent_after_mm",
+                "mis_before_mm",
+                "mis_after_mm",
+                "prescribed_mm",
+            )
+        ]
+    )
+    slope, floor = np.polyfit(expected.ravel(), heights.ravel(), 1)
+    # The plot is written with two decimals of a pixel.
+    np.testing.assert_allclose(heights, floor + slope * expected, atol=0.011)
+    assert slope < 0, "larger diameters are drawn higher"
+
+
+def test_a_curve_is_interrupted_where_nothing_was_measured():
+    picture = ElementTree.fromstring(diameter_plot(with_gaps().as_dict()["diameters"]))
+    # Before, both diameters: the run of two stations; a single station makes no line.
+    assert [len(line.get("points").split()) for line in picture.findall("polyline")] == [2, 2, 5]
+
+
+def test_a_plot_of_nothing_says_so():
+    nothing = {key: [None] for key in ("mis_before_mm", "mis_after_mm", "prescribed_mm")}
+    along = {
+        **nothing,
+        "equivalent_before_mm": [None],
+        "equivalent_after_mm": [None],
+        "arc_length_mm": [0.0],
+    }
+    assert "No diameter could be measured" in diameter_plot({"along": along})
+
+
+# The figure
+
+
+def test_the_figure_is_a_picture_in_the_format_of_its_suffix(tmp_path):
+    pytest.importorskip("matplotlib", reason="figures are an extra: pip install sdfstent[figures]")
+    write_report_figure(with_gaps(), tmp_path / "f.png")
+    write_report_figure(a_report(), tmp_path / "f.svg")
+    assert (tmp_path / "f.png").read_bytes().startswith(b"\x89PNG\r\n")
+    assert "<svg" in (tmp_path / "f.svg").read_text("utf-8")
+
+
+def test_a_figure_that_cannot_be_drawn_is_refused_and_leaves_no_file(tmp_path, monkeypatch):
+    with pytest.raises(InputError, match=r"ends in \.png, \.svg, \.pdf, got '\.gif'"):
+        write_report_figure(a_report(), tmp_path / "f.gif")
+    with pytest.raises(InputError, match="at least one stent, got none"):
+        write_report_figure(a_report(stents=()), tmp_path / "f.png")
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
+    with pytest.raises(InputError, match=r"pip install sdfstent\[figures\]"):
+        write_report_figure(a_report(), tmp_path / "f.png")
+    assert list(tmp_path.iterdir()) == []
