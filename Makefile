@@ -1,0 +1,46 @@
+# Everything works from nothing but Python 3.10 or later: the environment is made in .venv.
+PYTHON ?= python3
+BIN := .venv/bin
+PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
+
+.PHONY: demo test lint bench clean
+
+demo: .venv/ready
+	@$(BIN)/sdfstent demo -o sdfstent-demo
+
+test: .venv/ready-test
+	@QT_QPA_PLATFORM=offscreen $(BIN)/python -m pytest
+
+lint: .venv/ready-lint
+	@$(BIN)/ruff check .
+	@$(BIN)/ruff format --check .
+	@$(BIN)/mypy
+
+bench: .venv/ready-bench
+	@$(BIN)/python -m benchmarks
+
+clean:
+	rm -rf .venv build sdfstent-demo *.egg-info .pytest_cache .hypothesis .ruff_cache .mypy_cache
+
+# A stamp per purpose, so that a second run starts at once. Relative paths only: make cannot name
+# targets in folders with spaces.
+.venv/ready: pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10))' || \
+	  { echo "Python 3.10 or later is needed, got $$($(PYTHON) --version); name one: make PYTHON=python3.12" >&2; exit 1; }
+	@$(PYTHON) -m venv .venv || \
+	  { echo "Python's venv module is needed (on Debian: apt-get install python3-venv)" >&2; exit 1; }
+	@echo "Installing into .venv; the first time takes a minute."
+	@$(PIP) --editable '.[figures]'
+	@touch $@
+
+.venv/ready-test: .venv/ready
+	@$(PIP) --editable '.[figures,progress,test,slicer]'
+	@touch $@
+
+.venv/ready-lint: .venv/ready
+	@$(PIP) --editable '.[lint]'
+	@touch $@
+
+.venv/ready-bench: .venv/ready
+	@$(PIP) --editable '.[bench,test]'
+	@touch $@
