@@ -43,6 +43,8 @@ def equivalent_diameters(
             f"directions: expected one for each of the {len(centers)} centers, "
             f"got {len(directions)}."
         )
+    if len(directions) and not directions.any(axis=1).all():
+        raise InputError("directions: expected no zero vector; remove repeated axis points.")
     areas = [
         _lumen_area(points, triangles, center, direction)
         for center, direction in zip(centers, directions, strict=True)
@@ -51,10 +53,12 @@ def equivalent_diameters(
 
 
 def _lumen_area(points: Points, triangles: Triangles, center: Floats, direction: Floats) -> float:
-    # Only the cut triangles go on; the signs alone are quick even on a large surface.
-    above = (points @ direction) >= center @ direction
-    a, b, c = above[triangles[:, 0]], above[triangles[:, 1]], above[triangles[:, 2]]
-    cut = triangles[(a != b) | (b != c)]
+    # Only triangles that may be cut go on, which is quick even on a large surface. The bits say
+    # "below" and "above"; who is as near to the plane as rounding is neither, and goes on.
+    heights = (points - center) @ (direction / np.linalg.norm(direction))
+    margin = 1e-9 * max(1.0, float(np.abs(center).max()))
+    side = (heights < -margin).astype(np.uint8) | (heights > margin).astype(np.uint8) << 1
+    cut = triangles[(side[triangles[:, 0]] & side[triangles[:, 1]] & side[triangles[:, 2]]) == 0]
     if len(cut) == 0:
         return float("nan")
     used, compact = np.unique(cut, return_inverse=True)

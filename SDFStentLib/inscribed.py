@@ -79,8 +79,9 @@ def inscribed_spheres(
     Notes
     -----
     The maximum is the one that a climb from the axis point reaches. In a cross-section with
-    several pockets it is the pocket of the axis; near a junction the sphere grows into it as far
-    as the plane allows.
+    several pockets it is the pocket of the axis, and where a flat lumen has a rough wall the
+    result may stay below the largest sphere by about the height of the roughness. Near a junction
+    the sphere grows into it as far as the plane allows.
 
     Raises
     ------

@@ -17,20 +17,29 @@ _THINNED_ABOVE, _THINNING = 4000, 8
 class LocalSurface:
     """The part of a surface near some centres; grows when they ask for more."""
 
-    def __init__(self, points: Points, triangles: Triangles, centers: Points) -> None:
+    def __init__(
+        self,
+        points: Points,
+        triangles: Triangles,
+        centers: Points,
+        extent: tuple[Floats, Floats] | None = None,
+    ) -> None:
         self._points, self._triangles, self._centers = points, triangles, centers
-        self.lowest, self.highest = points.min(axis=0), points.max(axis=0)
-        # Any vertex in use bounds the distance to the wall; some thousand bound it well enough.
-        some = points[triangles[:: max(1, len(triangles) // 5000), 0]]
-        squared = ((centers[:, None] - some) ** 2).sum(axis=2).min(axis=1)
-        self._grow(2.5 * float(np.sqrt(squared.max())))
+        self.lowest, self.highest = extent or (points.min(axis=0), points.max(axis=0))
+        # Any vertex in use bounds the distance to the wall; a thousand bound it well enough.
+        some = points[triangles[:: max(1, len(triangles) // 1000), 0]]
+        offset = (centers[:, None] - some).reshape(-1, 3)
+        squared = np.einsum("ij,ij->i", offset, offset).reshape(len(centers), -1)
+        self._grow(2.5 * float(np.sqrt(squared.min(axis=1).max())))
 
     def near(self, centers: Points, radii: Floats) -> NearPairs:
+        """`SurfaceIndex.near`, complete; triangle numbers change when `index` does."""
         while not self._covers(centers, radii):
             self._grow(2 * self._margin)
         return self.index.near(centers, radii)
 
     def distances(self, centers: Points) -> Floats:
+        """Distance (n,) from centres to the whole surface."""
         distance = self.index.distances(centers).distance
         while not self._covers(centers, distance):
             self._grow(2 * self._margin)
@@ -44,7 +53,8 @@ class LocalSurface:
         # A regular choice could leave out whole sides of a regular mesh.
         count = len(self._triangles)
         chosen = np.random.default_rng(0).integers(0, count, count // _THINNING)
-        return LocalSurface(self._points, self._triangles[chosen], self._centers)
+        extent = (self.lowest, self.highest)
+        return LocalSurface(self._points, self._triangles[chosen], self._centers, extent)
 
     def _grow(self, margin: float) -> None:
         self._margin = margin

@@ -252,6 +252,22 @@ def test_the_equivalent_diameter_is_that_of_the_polygon_round_the_axis_point():
     np.testing.assert_allclose(found, 2 * np.sqrt(area / np.pi), rtol=0, atol=ROUNDING)
 
 
+def test_a_plane_through_vertices_still_finds_its_closed_loop():
+    from scipy.spatial.transform import Rotation
+
+    points, triangles = a_round_tube(radius=4.0, count=24)
+    area = 24 / 2 * 16 * np.sin(2 * np.pi / 24)
+    rotation = Rotation.from_euler("xyz", [0.3, 1.1, -0.7])
+    centers = np.column_stack([np.zeros((30, 2)), np.arange(5.0, 35.0)])
+    found = equivalent_diameters(
+        rotation.apply(points) + 3,
+        triangles,
+        rotation.apply(centers) + 3,
+        rotation.apply(upward(30)),
+    )
+    np.testing.assert_allclose(found, 2 * np.sqrt(area / np.pi), rtol=0, atol=1e-6)
+
+
 def test_other_vessels_in_the_plane_do_not_count_not_even_larger_ones_round_it():
     small, small_triangles = a_round_tube(radius=2.0, count=32)
     beside, triangles = a_round_tube(radius=6.0, count=32)
@@ -269,6 +285,8 @@ def test_outside_every_loop_there_is_no_equivalent_diameter():
     assert np.isnan(found).all()
     with pytest.raises(InputError, match="directions: expected one for each of the 1 centers"):
         equivalent_diameters(*tube, [[0, 0, 1]], upward(2))
+    with pytest.raises(InputError, match="directions: expected no zero vector"):
+        equivalent_diameters(*tube, [[0, 0, 1]], [[0, 0, 0]])
 
 
 def test_a_profile_measures_both_diameters_at_equal_distances_with_both_ends():
