@@ -20,6 +20,10 @@ _BLOCK = 1 << 19
 """Pairs of query and triangle that are looked at together; some 50 MB of temporaries."""
 
 
+_REPEAT = 1e-9
+"""Corners of a section nearer to each other than this, mm, are one corner."""
+
+
 class SectionLoop(NamedTuple):
     """One connected piece of a plane section.
 
@@ -148,7 +152,7 @@ def _chains(segments: NDArray[np.int64], count: int) -> Iterator[tuple[list[int]
 
 def _without_repeats(corners: Points, is_loop: bool) -> SectionLoop:
     previous = np.roll(corners, 1, axis=0)
-    is_new = np.any(corners != previous, axis=1)
+    is_new = np.any(np.abs(corners - previous) > _REPEAT, axis=1)
     if not is_loop:
         is_new[0] = True
     return SectionLoop(corners[is_new], is_loop)

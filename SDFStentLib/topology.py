@@ -177,11 +177,12 @@ def surface_topology(triangles: ArrayLike) -> Topology:
     counts = found.face_counts
     has_length = found.vertices[:, 0] != found.vertices[:, 1]
     corners = triangles.ravel()
+    used = np.bincount(corners)
     sides = found.paired_sides
     return Topology(
         is_closed=bool(np.all(counts % 2 == 0)),
         is_edge_manifold=bool(np.all(counts <= 2) and np.all(has_length)),
-        is_vertex_manifold=_fan_count(corners, found) == np.count_nonzero(np.bincount(corners)),
+        is_vertex_manifold=bool(_fan_count(corners, found) == np.count_nonzero(used)),
         is_consistently_wound=not np.any(corners[sides[:, 0]] == corners[sides[:, 1]]),
         boundary_edge_count=int(np.count_nonzero(counts == 1)),
         component_count=_connected(len(triangles), *_joined_faces(found))[0],

@@ -1,0 +1,266 @@
+"""Certificates of spheres that are dented, folded, opened and flattened in known ways."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from SDFStentLib.certificate import certify, check_surface
+from SDFStentLib.face_quality import (
+    degenerate_triangles,
+    inverted_triangles,
+    places,
+    sliver_triangles,
+)
+from SDFStentLib.validation import InputError
+
+
+def _sphere(rings=16, around=24, radius=10.0):
+    polar = np.pi * np.arange(1, rings)[:, None] / rings
+    turn = 2 * np.pi * (np.arange(around) + 0.5 * np.arange(rings - 1)[:, None]) / around
+    x, y, z = np.sin(polar) * np.cos(turn), np.sin(polar) * np.sin(turn), np.cos(polar) + 0 * turn
+    points = np.vstack([np.stack([x, y, z], axis=-1).reshape(-1, 3), [0, 0, 1], [0, 0, -1]])
+    i, j = (a.ravel() for a in np.mgrid[: rings - 2, :around])
+    a, b = i * around + j, i * around + (j + 1) % around
+    c, d = a + around, b + around
+    k, top = np.arange(around), (rings - 1) * around
+    last = k + (rings - 2) * around
+    after = (k + 1) % around
+    triangles = np.r_[
+        np.c_[a, c, b],
+        np.c_[b, c, d],
+        np.c_[np.full(around, top), k, after],
+        np.c_[np.full(around, top + 1), after + (rings - 2) * around, last],
+    ]
+    return radius * points, triangles
+
+
+@pytest.fixture(scope="module")
+def sphere():
+    return _sphere()
+
+
+def _pushed_through(points, height=-15.0):
+    """The pole is pushed out through the opposite wall."""
+    after = points.copy()
+    cap = points[:, 2] > 9.5
+    after[cap, 2] = height + 0.1 * points[cap, 2]
+    return after
+
+
+def test_a_sphere_is_sound(sphere):
+    check = check_surface(*sphere)
+    assert check.passed
+    assert check.is_watertight
+    assert check.is_manifold
+    assert check.is_outward
+    assert check.sentence() == "The surface is watertight and has no self-intersection."
+    assert check.topology.component_count == 1
+    assert json.loads(json.dumps(check.as_dict()))["self_intersecting_triangles"] == []
+
+
+def test_a_sphere_turned_inside_out_is_sound_but_not_outward(sphere):
+    check = check_surface(sphere[0], sphere[1][:, ::-1])
+    assert check.passed
+    assert not check.is_outward
+
+
+def test_mixed_windings_are_not_taken_for_inverted_faces(sphere):
+    points, triangles = sphere
+    mixed = triangles.copy()
+    mixed[::3] = mixed[::3][:, ::-1]
+    check = check_surface(points, mixed)
+    assert check.passed
+    assert not check.topology.is_consistently_wound
+    assert not check.is_outward
+
+
+def test_moving_rigidly_changes_nothing(sphere):
+    points, triangles = sphere
+    turn = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0]
+    certificate = certify(points, points @ turn + 5, triangles)
+    assert certificate.passed
+    assert certificate.moved_points == len(points)
+    assert certificate.sentence().startswith("Certified: the surface is watertight")
+
+
+def test_nothing_moved_is_certified(sphere):
+    points, triangles = sphere
+    certificate = certify(points, points, triangles)
+    assert certificate.passed
+    assert certificate.moved_points == 0
+    # Below the precision of the stored file nothing has moved either.
+    assert certify(points, points * (1 + 1e-12), triangles).moved_points == 0
+
+
+def test_a_wall_pushed_through_the_other_is_named_with_its_place(sphere):
+    points, triangles = sphere
+    certificate = certify(points, _pushed_through(points), triangles)
+    assert not certificate.passed
+    assert len(certificate.self_intersecting_before) == 0
+    new = certificate.new_self_intersecting
+    # The tube of pulled faces crosses the far wall in a ring about the axis.
+    assert len(new) > 24
+    x, y, z = certificate.places[0].center
+    assert abs(x) < 0.5
+    assert abs(y) < 0.5
+    assert -10 < z < 10
+    sentence = certificate.sentence()
+    assert sentence.startswith(f"Not certified: the surface has {len(new)} triangles that newly")
+    assert f"near {certificate.places[0]}" in sentence
+    record = json.loads(json.dumps(certificate.as_dict()))
+    assert record["self_intersections"] == {
+        "before": 0,
+        "after": len(new),
+        "new": len(new),
+        "triangle_ids": new.tolist(),
+    }
+
+
+def test_the_same_with_the_points_named_or_the_input_checked(sphere):
+    points, triangles = sphere
+    after = _pushed_through(points)
+    plain = certify(points, after, triangles)
+    moved = np.flatnonzero(np.any(after != points, axis=1))
+    mask = np.any(after != points, axis=1)
+    check = check_surface(points, triangles, dtype=np.float32)
+    for changes in ({"moved": moved}, {"moved": mask}, {"check": check}):
+        again = certify(points, after, triangles, **changes)
+        assert again.as_dict() == plain.as_dict()
+
+
+def test_what_intersected_before_is_not_new(sphere):
+    points, triangles = sphere
+    before = _pushed_through(points)
+    certificate = certify(before, before * 1.05, triangles)
+    assert certificate.passed
+    assert len(certificate.self_intersecting_after) > 0
+    assert "intersected already in the input" in certificate.sentence()
+    faulty = check_surface(before, triangles, dtype=np.float32)
+    assert not faulty.passed
+    assert "intersecting" in faulty.sentence()
+    assert certify(before, before * 1.05, triangles, check=faulty).as_dict() == (
+        certificate.as_dict()
+    )
+
+
+def test_a_point_drawn_across_its_neighborhood_inverts_faces(sphere):
+    points, triangles = sphere
+    point = 7 * 24
+    after = points.copy()
+    # Along the sphere by 1.5 edges: the faces on the far side turn over, and nothing else does.
+    after[point] = points[point + 1] + 0.5 * (points[point + 1] - points[point])
+    after[point] *= 10.05 / np.linalg.norm(after[point])
+    certificate = certify(points, after, triangles)
+    outward = np.cross(
+        after[triangles[:, 1]] - after[triangles[:, 0]],
+        after[triangles[:, 2]] - after[triangles[:, 0]],
+    )
+    expected = np.einsum("ij,ij->i", outward, after[triangles].mean(axis=1)) < 0
+    assert 0 < expected.sum() <= 4
+    assert certificate.new_inverted.tolist() == np.flatnonzero(expected).tolist()
+    assert "newly turned over" in certificate.sentence()
+
+
+def test_a_dent_and_a_sharp_ridge_are_not_inverted(sphere):
+    points, triangles = sphere
+    dent = points.copy()
+    dent[points[:, 2] > 7, 2] = 14 - points[points[:, 2] > 7, 2]
+    assert certify(points, dent, triangles).passed
+    ridge = points * [0.02, 1, 1]
+    assert certify(points, ridge, triangles).passed
+    assert len(inverted_triangles(ridge, triangles)) == 0
+
+
+def test_a_collapsed_face_is_new_without_area(sphere):
+    points, triangles = sphere
+    after = points.copy()
+    a, b, c = triangles[100]
+    after[c] = 0.5 * (after[a] + after[b])
+    stored = after.astype(np.float32).astype(float)
+    collapsed = stored.copy()
+    collapsed[c] = collapsed[a]
+    certificate = certify(points, collapsed, triangles)
+    assert 100 in certificate.new_degenerate
+    assert not certificate.passed
+    assert "newly without area" in certificate.sentence()
+
+
+def test_an_open_surface_passes_and_is_called_open(sphere):
+    points, triangles = sphere
+    certificate = certify(points, 1.1 * points, triangles[1:])
+    assert certificate.passed
+    assert not certificate.is_watertight
+    assert certificate.is_manifold
+    assert "open (3 boundary edges), as it was" in certificate.sentence()
+    assert "open" in check_surface(points, triangles[1:]).sentence()
+
+
+def test_a_surface_that_is_not_manifold_is_called_so(sphere):
+    points, triangles = sphere
+    doubled = np.r_[triangles, triangles[:1]]
+    check = check_surface(points, doubled)
+    assert not check.passed
+    assert not check.is_manifold
+    assert check.self_intersecting_triangles.tolist() == [0, len(triangles)]
+    assert "not manifold" in check.sentence()
+
+
+def test_the_certificate_holds_for_the_stored_file():
+    # In float64 mm the flap stays above the plate; float32 in a unit of km puts it through.
+    points = np.array([[0, 0, 0], [4, 0, 0], [0, 4, 0], [1, 1, 1], [1, 1, 3], [2, 1, 3.0]]) + 1000
+    after = points.copy()
+    after[3, 2] -= 1 - 1e-8
+    triangles = [[0, 1, 2], [3, 4, 5]]
+    assert certify(points, after, triangles, dtype=np.float64).passed
+    assert not certify(points, after, triangles, dtype=np.float32).passed
+    assert not certify(points, after, triangles, dtype=np.float32, scale=1e-6).passed
+
+
+def test_slivers_and_faces_without_area():
+    def corner(angle_deg):
+        return [np.cos(np.deg2rad(angle_deg)), np.sin(np.deg2rad(angle_deg)), 0]
+
+    points = np.array([[0, 0, 0], [1, 0, 0], corner(0.99), corner(1.01), corner(30), [2, 0, 0]])
+    triangles = np.array([[0, 1, 2], [0, 1, 3], [0, 1, 4], [0, 1, 5]])
+    assert sliver_triangles(points, triangles).tolist() == [0, 3]
+    assert degenerate_triangles(points, triangles).tolist() == [3]
+    assert degenerate_triangles(points, np.array([[0, 1, 1], [0, 1, 2]])).tolist() == [0]
+
+
+def test_places_gather_faces_by_corner_and_by_pair():
+    points = np.arange(27, dtype=float).reshape(9, 3)
+    triangles = np.arange(9).reshape(3, 3)
+    apart = places(points, triangles, np.array([2, 0]), np.empty((0, 2), dtype=np.int64))
+    assert [spot.triangles for spot in apart] == [(0,), (2,)]
+    assert apart[0].center == (3.0, 4.0, 5.0)
+    together = places(points, triangles, np.array([0, 1, 2]), np.array([[0, 2]]))
+    assert [spot.triangles for spot in together] == [(0, 2), (1,)]
+    assert str(apart[0]) == "(3.0, 4.0, 5.0) mm"
+
+
+def test_several_places_are_counted(sphere):
+    points, triangles = sphere
+    both = np.r_[triangles, triangles + len(points)]
+    aside = np.array([40, 0, 0])
+    before = np.r_[points, points + aside]
+    after = np.r_[_pushed_through(points), _pushed_through(points) + aside]
+    assert "at 2 places, most of them near" in certify(before, after, both).sentence()
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"after": np.zeros((4, 3))}, "points as before, got 4"),
+        ({"moved": [100000]}, "moved: expected indices or a mask"),
+        ({"moved": [0.5]}, "moved: expected indices or a mask"),
+        ({"dtype": np.int64}, "a floating type such as float32"),
+    ],
+)
+def test_bad_input_is_named(sphere, changes, message):
+    points, triangles = sphere
+    after = changes.pop("after", points)
+    with pytest.raises(InputError, match=message):
+        certify(points, after, triangles, **changes)

@@ -1,0 +1,337 @@
+"""The detector against exact rational arithmetic, by construction, and against MeshLab."""
+
+from __future__ import annotations
+
+import itertools
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from SDFStentLib.intersections import intersecting_pairs, self_intersecting_triangles
+from SDFStentLib.triangle_contact import certain_contact, exact_contact
+from SDFStentLib.validation import InputError
+
+# ------------------------------------------------------------- the plain form, all in fractions
+
+
+def _minus(one, other):
+    return [a - b for a, b in zip(one, other, strict=True)]
+
+
+def _dot(one, other):
+    return sum(a * b for a, b in zip(one, other, strict=True))
+
+
+def _cross(one, other):
+    return [
+        one[1] * other[2] - one[2] * other[1],
+        one[2] * other[0] - one[0] * other[2],
+        one[0] * other[1] - one[1] * other[0],
+    ]
+
+
+def _normal(triangle):
+    return _cross(_minus(triangle[1], triangle[0]), _minus(triangle[2], triangle[0]))
+
+
+def _part_inside(start, end, triangle):
+    """End points of the part of a segment that lies in a closed triangle (none, or two)."""
+    normal, along = _normal(triangle), _minus(end, start)
+    half_spaces = [(normal, triangle[0]), ([-x for x in normal], triangle[0])]
+    half_spaces += [
+        (_cross(normal, _minus(triangle[(k + 1) % 3], triangle[k])), triangle[k]) for k in range(3)
+    ]
+    first, last = Fraction(0), Fraction(1)
+    for direction, corner in half_spaces:
+        value, rate = _dot(direction, _minus(start, corner)), _dot(direction, along)
+        if rate > 0:
+            first = max(first, -value / rate)
+        elif rate < 0:
+            last = min(last, -value / rate)
+        elif value < 0:
+            return []
+    if first > last:
+        return []
+    return [[a + f * d for a, d in zip(start, along, strict=True)] for f in (first, last)]
+
+
+def _meet(one, other):
+    """Whether two triangles have a point in common besides shared corners and sides."""
+    if not any(_normal(one)) or not any(_normal(other)):
+        return False
+    shared = [corner for corner in one if corner in other]
+    if len(shared) == 3:
+        return True
+    common = []
+    for k in range(3):
+        common += _part_inside(one[k], one[(k + 1) % 3], other)
+        common += _part_inside(other[k], other[(k + 1) % 3], one)
+    if not shared:
+        return bool(common)
+    side = _minus(shared[-1], shared[0])
+    return any(any(_cross(side, _minus(p, shared[0]))) or
+               (len(shared) == 1 and p != shared[0]) for p in common)  # fmt: skip
+
+
+def _plain_pairs(points, triangles):
+    exact = [[Fraction(float(x)) for x in point] for point in points]
+    corners = [[exact[i] for i in triangle] for triangle in triangles]
+    pairs = itertools.combinations(range(len(triangles)), 2)
+    return [[i, j] for i, j in pairs if _meet(corners[i], corners[j])]
+
+
+# ------------------------------------------------------------------------- against the plain form
+
+
+@st.composite
+def _soups(draw):
+    """Few points on a small lattice, so that touching, overlap and repeats are the rule."""
+    count = draw(st.integers(4, 9))
+    lattice = st.integers(0, draw(st.integers(1, 4)))
+    points = draw(st.lists(st.tuples(lattice, lattice, lattice), min_size=count, max_size=count))
+    corner = st.integers(0, count - 1)
+    triangles = draw(st.lists(st.tuples(corner, corner, corner), min_size=2, max_size=10))
+    return np.array(points, dtype=float), np.array(triangles)
+
+
+@settings(max_examples=120, deadline=None)
+@given(_soups(), st.sampled_from([(1.0, 0.0), (0.1, 100.3), (1e-20, 0.0), (1e25, 3e25)]))
+def test_lattice_soups_agree_with_exact_rationals(soup, map_to):
+    points, triangles = soup
+    points = points * map_to[0] + map_to[1]
+    assert intersecting_pairs(points, triangles).tolist() == _plain_pairs(points, triangles)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_soups_in_a_tilted_plane_agree_with_exact_rationals(seed):
+    # Rounding leaves these coplanar but for the last digits: float64 alone would have to guess.
+    rng = np.random.default_rng(seed)
+    turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    points = np.c_[rng.integers(0, 4, (10, 2)), np.zeros(10)] @ turn + 10 * rng.normal(size=3)
+    triangles = rng.integers(0, 10, (14, 3))
+    assert intersecting_pairs(points, triangles).tolist() == _plain_pairs(points, triangles)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_random_soups_agree_with_exact_rationals(seed):
+    rng = np.random.default_rng(seed)
+    points, triangles = rng.normal(size=(10, 3)), rng.integers(0, 10, (14, 3))
+    assert intersecting_pairs(points, triangles).tolist() == _plain_pairs(points, triangles)
+
+
+@pytest.mark.parametrize("step", [1, 2, 3])
+@pytest.mark.parametrize("height", [0.0, 0.05, 1.0])
+def test_fans_that_go_round_several_times_agree_with_exact_rationals(step, height):
+    # A fan of seven faces that goes round once is clear; the star {7/2} or {7/3} is not.
+    angle = 2 * np.pi * step * np.arange(7) / 7
+    points = np.vstack([[0, 0, height], np.c_[np.cos(angle), np.sin(angle), np.zeros(7)]])
+    triangles = np.array([[0, 1 + k, 1 + (k + 1) % 7] for k in range(7)])
+    expected = _plain_pairs(points, triangles)
+    assert intersecting_pairs(points, triangles).tolist() == expected
+    assert (len(expected) > 0) == (step > 1)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_only_pairs_with_a_moved_triangle_are_looked_at(seed):
+    rng = np.random.default_rng(seed)
+    points, triangles = rng.normal(size=(30, 3)), rng.integers(0, 30, (40, 3))
+    moved = rng.random(40) < 0.3
+    everything = intersecting_pairs(points, triangles)
+    expected = everything[moved[everything].any(axis=1)]
+    assert len(expected) > 0
+    assert np.array_equal(intersecting_pairs(points, triangles, moved), expected)
+    assert np.array_equal(intersecting_pairs(points, triangles, np.flatnonzero(moved)), expected)
+
+
+def test_the_answer_survives_any_order_of_points_and_triangles():
+    rng = np.random.default_rng(5)
+    points, triangles = rng.normal(size=(60, 3)), rng.integers(0, 60, (50, 3))
+    found = self_intersecting_triangles(points, triangles)
+    new_place, order = rng.permutation(60), rng.permutation(50)
+    shuffled = np.empty_like(points)
+    shuffled[new_place] = points
+    again = self_intersecting_triangles(shuffled, new_place[triangles][order][:, [1, 2, 0]])
+    assert np.array_equal(np.sort(order[again]), found)
+
+
+def test_certain_answers_are_never_contradicted_by_exact_arithmetic():
+    rng = np.random.default_rng(8)
+    first, second = rng.integers(0, 4, (2, 3, 3, 4000)) + rng.choice([0, 1e-15], (2, 3, 3, 4000))
+    meets, is_open = certain_contact(first, second, 0)
+    exact = exact_contact(first, second)
+    assert np.array_equal(meets[~is_open], exact[~is_open])
+    assert 0 < is_open.sum() < 4000
+
+
+# ------------------------------------------------------------------------------- by construction
+
+FLAT = [[0, 0, 0], [4, 0, 0], [0, 4, 0]]
+
+
+@pytest.mark.parametrize(
+    ("other", "meets"),
+    [
+        ([[1, 1, -1], [1, 1, 1], [9, 9, 1]], True),
+        ([[1, 1, 0], [1, 1, 3], [2, 1, 3]], True),
+        ([[2, 0, 0], [2, -1, 3], [3, -1, 3]], True),
+        ([[1, 1, 0], [2, 1, 0], [1, 2, 0]], True),
+        ([[-9, -9, 0], [20, -9, 0], [-9, 20, 0]], True),
+        ([[1, 1, 1e-12], [1, 1, 3], [2, 1, 3]], False),
+        ([[3, 3, 0], [5, 3, 0], [3, 5, 0]], False),
+        ([[0, 0, 1], [4, 0, 1], [0, 4, 1]], False),
+    ],
+    ids=["crosses", "corner on face", "corner on side", "lies within, coplanar",
+         "covers, coplanar", "just above", "beside, coplanar", "parallel"],
+)  # fmt: skip
+def test_two_separate_triangles(other, meets):
+    points = np.array(FLAT + other, dtype=float)
+    found = self_intersecting_triangles(points, [[0, 1, 2], [3, 4, 5]])
+    assert found.tolist() == ([0, 1] if meets else [])
+
+
+@pytest.mark.parametrize(
+    ("corners", "meets"),
+    [
+        ([[2, 2, -1], [2, 2, 1]], True),
+        ([[1, 1, 0], [1, 1, 3]], True),
+        ([[1, 2, 0], [2, 1, 0]], True),
+        ([[-1, 1, 0], [9, 1, 0]], True),
+        ([[-4, 0, 0], [0, -4, 0]], False),
+        ([[2, 2, 1], [2, 2, 3]], False),
+        ([[-1, -1, -1], [-1, -1, 1]], False),
+    ],
+    ids=["crosses beyond", "side along the face", "within, coplanar", "across, coplanar",
+         "opposite, coplanar", "above", "away"],
+)  # fmt: skip
+def test_two_triangles_with_one_shared_corner(corners, meets):
+    points = np.array(FLAT + corners, dtype=float)
+    found = self_intersecting_triangles(points, [[0, 1, 2], [0, 3, 4]])
+    assert found.tolist() == ([0, 1] if meets else [])
+
+
+@pytest.mark.parametrize(
+    ("corner", "meets"),
+    [([1, 1, 0], True), ([9, 9, 0], True), ([1, 1, 1e-9], False), ([2, -4, 0], False)],
+    ids=["folded flat", "folded flat over it", "nearly folded", "flat neighbor"],
+)
+def test_two_triangles_with_a_shared_side(corner, meets):
+    points = np.array([*FLAT, corner], dtype=float)
+    for second in ([1, 0, 3], [0, 1, 3], [3, 1, 0]):
+        found = self_intersecting_triangles(points, [[0, 1, 2], second])
+        assert found.tolist() == ([0, 1] if meets else [])
+
+
+def test_a_doubled_triangle_is_reported_whichever_way_it_turns():
+    points = np.array(FLAT, dtype=float)
+    assert self_intersecting_triangles(points, [[0, 1, 2], [2, 1, 0]]).tolist() == [0, 1]
+
+
+def test_the_banks_of_a_seam_are_neighbors_and_not_intersections():
+    points = np.array([*FLAT, [4, 0, 0], [0, 4, 0], [4, 4, 1]], dtype=float)
+    assert len(self_intersecting_triangles(points, [[0, 1, 2], [3, 5, 4]])) == 0
+    doubled = np.vstack([FLAT, FLAT]).astype(float)
+    assert self_intersecting_triangles(doubled, [[0, 1, 2], [3, 4, 5]]).tolist() == [0, 1]
+
+
+def test_triangles_without_area_are_left_out():
+    points = np.array([*FLAT, [1, 1, -1], [1, 1, 1], [1, 1, 3]], dtype=float)
+    assert len(self_intersecting_triangles(points, [[0, 1, 2], [3, 4, 5], [3, 4, 4]])) == 0
+    assert len(self_intersecting_triangles(points, [[0, 1, 2], [0, 0, 0]], among=[1])) == 0
+
+
+def test_the_decision_is_made_on_the_stored_coordinates():
+    # In mm the corner stays clear of the face; a float32 file in cm brings both to one height.
+    points = np.array([*FLAT, [1, 1, 1e-7], [1, 1, 3], [2, 1, 3]], dtype=float)
+    points[:, 2] += 100
+    triangles = [[0, 1, 2], [3, 4, 5]]
+    assert len(self_intersecting_triangles(points, triangles)) == 0
+    stored = self_intersecting_triangles(points, triangles, dtype=np.float32, scale=0.1)
+    assert stored.tolist() == [0, 1]
+
+
+def test_a_large_triangle_among_many_small_ones_is_found():
+    rng = np.random.default_rng(2)
+    spread = rng.uniform(0, 100, (3000, 1, 3))
+    points = (spread + 0.05 * rng.normal(size=(3000, 3, 3))).reshape(-1, 3)
+    points = np.vstack([points, [[-200, -200, 50], [400, -200, 50], [50, 400, 50]]])
+    triangles = np.arange(9003).reshape(-1, 3)
+    low, high = points[:, 2][triangles].min(axis=1), points[:, 2][triangles].max(axis=1)
+    crossing = np.flatnonzero((low <= 50) & (high >= 50))
+    found = self_intersecting_triangles(points, triangles)
+    assert len(crossing) > 1
+    assert set(crossing) <= set(found.tolist())
+    assert np.array_equal(self_intersecting_triangles(points, triangles, [3000]), crossing)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"among": [0, 7]}, "triangle indices from 0 to 1"),
+        ({"among": [0.5]}, "indices or a mask of 2"),
+        ({"dtype": np.int32}, "a floating type such as float32"),
+        ({"scale": 0.0}, "scale"),
+        ({"scale": 1e308}, "too large for"),
+    ],
+)
+def test_bad_input_is_named(changes, message):
+    points = np.array([*FLAT, [1, 1, 1]], dtype=float)
+    with pytest.raises(InputError, match=message):
+        self_intersecting_triangles(points, [[0, 1, 2], [0, 1, 3]], **changes)
+
+
+# ----------------------------------------------------------------------- real vessels and MeshLab
+
+
+def _vessel(data_dir, name, unit):
+    reader_module = pytest.importorskip("vtkmodules.vtkIOXML")
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+
+    reader = reader_module.vtkXMLPolyDataReader()
+    reader.SetFileName(str(data_dir / name))
+    reader.Update()
+    surface = reader.GetOutput()
+    triangles = vtk_to_numpy(surface.GetPolys().GetConnectivityArray()).reshape(-1, 3)
+    return unit * vtk_to_numpy(surface.GetPoints().GetData()).astype(float), triangles
+
+
+VESSELS = [
+    ("aorta_iliac_surface_cm.vtp", 10.0),
+    ("pulmonary_surface_cm.vtp", 10.0),
+    ("vmtk_aorta_surface_mm.vtp", 1.0),
+]
+
+
+@pytest.mark.parametrize(("name", "unit"), VESSELS)
+def test_untouched_vessels_have_no_intersection(data_dir, name, unit):
+    points, triangles = _vessel(data_dir, name, unit)
+    assert len(self_intersecting_triangles(points, triangles, dtype=np.float32)) == 0
+
+
+def test_coplanar_neighbors_of_a_subdivided_vessel_are_no_intersections(data_dir):
+    points, triangles = _vessel(data_dir, *VESSELS[2])
+    sides = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    unique, middle = np.unique(sides, axis=0, return_inverse=True)
+    middle = len(points) + middle.reshape(-1, 3)
+    points = np.vstack([points, points[unique].mean(axis=1)])
+    a, b, c, ab, bc, ca = *triangles.T, *middle.T
+    finer = np.stack([a, ab, ca, ab, b, bc, ca, bc, c, ab, bc, ca], axis=1).reshape(-1, 3)
+    for dtype in (np.float32, np.float64):
+        assert len(self_intersecting_triangles(points, finer, dtype=dtype)) == 0
+
+
+@pytest.mark.parametrize(("name", "unit"), VESSELS)
+@pytest.mark.parametrize("noise", [0.1, 0.3])
+def test_crumpled_vessels_get_the_faces_that_meshlab_selects(data_dir, name, unit, noise):
+    pymeshlab = pytest.importorskip("pymeshlab")
+    points, triangles = _vessel(data_dir, name, unit)
+    edge = np.median(np.linalg.norm(points[triangles[:, 0]] - points[triangles[:, 1]], axis=1))
+    points = points + noise * edge * np.random.default_rng(4).normal(size=points.shape)
+    points = points.astype(np.float32).astype(float)
+    judge = pymeshlab.MeshSet()
+    judge.add_mesh(pymeshlab.Mesh(points, triangles))
+    judge.compute_selection_by_self_intersections_per_face()
+    expected = np.flatnonzero(judge.current_mesh().face_selection_array())
+    assert np.array_equal(self_intersecting_triangles(points, triangles), expected)
