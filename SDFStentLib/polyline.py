@@ -263,29 +263,35 @@ def _normal_to(tangent: Floats, wanted: ArrayLike | None) -> Floats:
     return normal / np.linalg.norm(normal)
 
 
-def minimum_bend_radius(points: ArrayLike, spacing: float | None = None) -> float:
+def minimum_bend_radius(points: ArrayLike, window: float | None = None) -> float:
     """Radius of the tightest bend, mm; infinity when straight.
 
     Parameters
     ----------
     points : array_like, shape (n, 3)
         Polyline, mm.
-    spacing : float, optional
-        Resample to this spacing (mm) first, so that jitter of a dense centerline does not count
-        as a bend. A corner of angle a then has the radius `spacing / (2 sin(a / 2))`.
+    window : float, optional
+        Arc length (mm) from the middle to the outer ones of the three points that are compared,
+        so that jitter of a dense centerline does not count as a bend; at most half the length.
+        A corner of angle a then has the radius `window / (2 sin(a / 2))`. Default: neighbors.
 
     Returns
     -------
     float
-        Smallest radius of the circles through three points in a row (exact on a circular arc).
+        Smallest radius of the circles through three points (exact on a circular arc).
     """
     polyline = without_repeats(points)
     if len(polyline) < 3:
         return float("inf")
-    if spacing is not None:
-        count = round(length(polyline) / as_number(spacing, "spacing", unit="mm", above=0))
-        polyline = resampled_to(polyline, max(2, count) + 1)
-    first, second = polyline[1:-1] - polyline[:-2], polyline[2:] - polyline[1:-1]
+    before, middle, after = polyline[:-2], polyline[1:-1], polyline[2:]
+    if window is not None:
+        total = length(polyline)
+        reach = min(as_number(window, "window", unit="mm", above=0), total / 2.0)
+        # Steps of an eighth of the window (a corner is met to a sixteenth), memory bounded.
+        count = 2 + int(min(8.0 * (total - 2.0 * reach) / reach, 50_000))
+        at = np.linspace(reach, total - reach, count)
+        before, middle, after = (point_at(polyline, at + shift) for shift in (-reach, 0.0, reach))
+    first, second = middle - before, after - middle
     sides = [np.linalg.norm(side, axis=1) for side in (first, second, first + second)]
     product = sides[0] * sides[1] * sides[2]
     twice = 2.0 * np.linalg.norm(np.cross(first, second), axis=1)

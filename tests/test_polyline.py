@@ -160,19 +160,21 @@ def test_frames_find_a_normal_when_none_or_a_parallel_one_is_given():
         assert abs(polyline.frames(line, wanted)[0, 1, 0]) < ROUNDING
 
 
-@pytest.mark.parametrize("spacing", [None, 0.5, 3.0])
-def test_the_bend_radius_of_an_arc_is_its_radius(spacing):
+@pytest.mark.parametrize("window", [None, 0.5, 3.0])
+def test_the_bend_radius_of_an_arc_is_its_radius(window):
     # Points on chords of a fine arc lie inside it by the chord height, 8e-5 mm at 0.08 mm steps,
-    # which over a resampling step of 0.5 mm turns into 4 * 8e-5 * (10 / 0.5)^2 = 0.13 mm.
-    assert polyline.minimum_bend_radius(an_arc(), spacing) == pytest.approx(10, abs=0.13)
+    # which over a window of 0.5 mm turns into 4 * 8e-5 * (10 / 0.5)^2 = 0.13 mm.
+    assert polyline.minimum_bend_radius(an_arc(), window) == pytest.approx(10, abs=0.13)
 
 
 def test_the_bend_radius_of_lines_corners_and_hairpins():
     assert polyline.minimum_bend_radius(CORNER[:2]) == np.inf
     assert polyline.minimum_bend_radius([[0, 0, 0], [1, 0, 0], [5, 0, 0]]) == np.inf
     assert polyline.minimum_bend_radius([[0, 0, 0], [1, 0, 0], [0.5, 0, 0]]) == 0
-    corner = polyline.minimum_bend_radius([[0, 0, 0], [4, 0, 0], [4, 4, 0]], spacing=2.0)
-    assert corner == pytest.approx(2 / (2 * np.sin(np.pi / 4)))
+    corner = polyline.minimum_bend_radius([[0, 0, 0], [4, 0, 0], [4, 4, 0]], window=2.0)
+    # The corner is met to a sixteenth of the window, which is second order in the radius.
+    assert corner == pytest.approx(2 / (2 * np.sin(np.pi / 4)), rel=1 / 16**2 * 2)
+    assert polyline.minimum_bend_radius(an_arc(), window=1e-9) > 0
 
 
 @pytest.mark.parametrize(
@@ -187,6 +189,7 @@ def test_the_bend_radius_of_lines_corners_and_hairpins():
         (lambda: polyline.cut(CORNER, 5, 5), "expected a start before the end"),
         (lambda: polyline.cut(CORNER, 8, 9), "on a polyline of 7 mm, got 8 to 9 mm"),
         (lambda: polyline.cut(CORNER, np.nan, 2), "expected a start before the end"),
+        (lambda: polyline.minimum_bend_radius(CORNER, 0), "window: expected a number greater"),
         (lambda: polyline.without_repeats(CORNER * np.nan), "got NaN or infinity"),
         (lambda: polyline.closest_point(CORNER, [0, 0, np.inf]), "query: expected finite"),
     ],
