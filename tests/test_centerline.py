@@ -1,0 +1,567 @@
+"""Centerlines: every form of file, trees with closed forms, identities, degenerate input."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from SDFStentLib.centerline import Centerline
+from SDFStentLib.polyline import length, resampled
+from SDFStentLib.segments import closest_on_segments
+from SDFStentLib.validation import InputError
+
+# Lengths up to 1000 mm: rounding of sums of a thousand terms stays below this, mm.
+ROUNDING = 1e-9
+
+INLET, FORK = np.array([0.0, 0, 0]), np.array([0.0, 0, -40])
+WIDE_OUTLET, LONG_OUTLET = np.array([20.0, 0, -60]), np.array([-30.0, 0, -70])
+
+
+def a_line(start: np.ndarray, end: np.ndarray, step: float = 1.0) -> np.ndarray:
+    return resampled(np.array([start, end]), step)
+
+
+def fork_lines(trunk_step: float = 1.0) -> list[np.ndarray]:
+    """Two polylines from the inlet, each all the way, as vmtkcenterlines writes them."""
+    trunk = a_line(INLET, FORK, trunk_step)
+    return [np.concatenate([trunk, a_line(FORK, end)[1:]]) for end in (WIDE_OUTLET, LONG_OUTLET)]
+
+
+def fork_radius(points: np.ndarray) -> np.ndarray:
+    """5 in the trunk, 4 in the wide daughter, 3 in the long one."""
+    below = points[:, 2] < FORK[2] - 1e-6
+    return np.where(below, np.where(points[:, 0] > 0, 4.0, 3.0), 5.0)
+
+
+def stacked(lines: list[np.ndarray]) -> tuple[np.ndarray, list[np.ndarray]]:
+    """Unshared points and their index lists."""
+    ends = np.cumsum([len(line) for line in lines])
+    indices = [np.arange(end - len(line), end) for end, line in zip(ends, lines, strict=True)]
+    return np.concatenate(lines), indices
+
+
+def a_fork(**options: object) -> Centerline:
+    points, lines = stacked(fork_lines())
+    return Centerline.from_lines(points, lines, fork_radius(points), **options)
+
+
+def total_length(tree: Centerline) -> float:
+    return sum(length(tree.points[branch]) for branch in tree.branches)
+
+
+FORK_LENGTH = 40 + np.linalg.norm(WIDE_OUTLET - FORK) + np.linalg.norm(LONG_OUTLET - FORK)
+
+
+def assert_is_the_fork(tree: Centerline, tolerance: float = 1e-6) -> None:
+    assert len(tree.roots) == 1
+    np.testing.assert_allclose(tree.points[tree.roots[0]], INLET, atol=tolerance)
+    ends = tree.points[tree.leaves]
+    assert len(ends) == 2
+    for outlet in (WIDE_OUTLET, LONG_OUTLET):
+        assert np.linalg.norm(ends - outlet, axis=1).min() <= tolerance
+    assert len(tree.junctions) == 1
+    # Daughters 45 degrees and more apart part within 0.1 radius / sin: below 1 mm from the fork.
+    assert np.linalg.norm(tree.points[tree.junctions[0]] - FORK) < 1.0
+    assert total_length(tree) == pytest.approx(FORK_LENGTH, abs=1.0)
+
+
+# ---- the forms of design section 5
+
+
+def test_overlapping_lines_from_the_inlet_become_a_fork():
+    tree = a_fork()
+    assert_is_the_fork(tree)
+    assert set(tree.inscribed_radius) == {3.0, 4.0, 5.0}
+
+
+def test_points_stored_against_the_cells_and_out_of_order_become_the_same_fork():
+    points, lines = stacked(fork_lines())
+    order = np.random.default_rng(3).permutation(len(points))
+    position = np.argsort(order)
+    tree = Centerline.from_lines(
+        points[order], [position[line] for line in lines], fork_radius(points[order])
+    )
+    assert_is_the_fork(tree)
+    flipped = Centerline.from_lines(
+        points[::-1], [len(points) - 1 - line for line in lines], fork_radius(points[::-1])
+    )
+    assert_is_the_fork(flipped)
+
+
+def test_lines_that_run_to_the_inlet_instead_of_from_it_have_the_same_root():
+    points, lines = stacked(fork_lines())
+    tree = Centerline.from_lines(points, [line[::-1] for line in lines], fork_radius(points))
+    assert_is_the_fork(tree)
+
+
+def test_a_trunk_sampled_differently_by_each_line_is_one_trunk():
+    points, lines = stacked([fork_lines(1.0)[0], fork_lines(0.77)[1]])
+    assert_is_the_fork(Centerline.from_lines(points, lines, fork_radius(points)))
+
+
+def test_a_trunk_that_the_lines_follow_with_small_differences_is_one_trunk():
+    points, lines = stacked(fork_lines())
+    points = points + 1e-3 * np.random.default_rng(5).normal(size=points.shape)
+    tree = Centerline.from_lines(points, lines, fork_radius(points))
+    assert_is_the_fork(tree, tolerance=0.01)
+
+
+def test_two_point_cells_in_any_order_and_direction_become_the_same_fork():
+    points, lines = stacked(fork_lines())
+    trunk = 41
+    shared = np.concatenate([points[lines[0]], points[lines[1]][trunk:]])
+    second = np.r_[trunk - 1, len(lines[0]) : len(shared)]
+    cells = np.concatenate(
+        [np.column_stack([chain[:-1], chain[1:]]) for chain in (np.arange(len(lines[0])), second)]
+    )
+    rng = np.random.default_rng(11)
+    cells = rng.permutation(cells)
+    turned = rng.random(len(cells)) < 0.5
+    cells[turned] = cells[turned, ::-1]
+    for coordinates in (shared, shared.astype(np.float32)):
+        assert_is_the_fork(
+            Centerline.from_lines(coordinates, list(cells), fork_radius(shared)), 1e-4
+        )
+
+
+def test_two_point_cells_whose_first_point_is_no_end_start_at_the_widest_end():
+    points = np.array([[5.0, 0, 0], [0, 0, 0], [10, 0, 0]])
+    tree = Centerline.from_lines(points, [[0, 1], [0, 2]], [2, 1, 3])
+    assert tree.points[tree.roots].tolist() == [[10, 0, 0]]
+    unknown = Centerline.from_lines(points, [[0, 1], [0, 2]])
+    assert unknown.points[unknown.roots].tolist() == [[0, 0, 0]]
+
+
+def test_tracts_that_repeat_a_group_per_centerline_become_one_tree():
+    tracts = []
+    for line in fork_lines():
+        tracts += [line[:30], line[29:45], line[44:]]
+    points, lines = stacked(tracts)
+    assert_is_the_fork(Centerline.from_lines(points, lines, fork_radius(points)))
+
+
+def test_pieces_are_joined_across_a_gap_below_the_local_radius():
+    wide, long = fork_lines()
+    points, lines = stacked([wide, long[43:]])  # 3 steps from the fork, radius 5 there
+    tree = Centerline.from_lines(points, lines, fork_radius(points))
+    assert_is_the_fork(tree)
+
+
+def test_a_daughter_curve_that_starts_beside_a_coarse_trunk_is_joined_to_its_segment():
+    points, lines = stacked(
+        [np.array([INLET, [0.0, 0, -80]]), a_line(FORK + np.array([0.2, 0, 0]), WIDE_OUTLET)]
+    )
+    tree = Centerline.from_lines(points, lines)
+    assert (len(tree.leaves), len(tree.junctions)) == (2, 1)
+    np.testing.assert_allclose(tree.points[tree.junctions[0]], FORK, atol=ROUNDING)
+    np.testing.assert_array_equal(tree.points[tree.roots[0]], INLET)
+
+
+def test_a_line_that_touches_the_inside_of_a_segment_is_joined_there_without_a_gap():
+    points = np.array([[0.0, 0, 0], [10, 0, 0], [5, 0, 0], [5, 60, 0], [5, -60, 0]])
+    tree = Centerline.from_lines(points, [[0, 1], [3, 2, 4]], np.full(5, 0.1))
+    assert len(tree.points) == 5
+    assert tree.points[tree.junctions].tolist() == [[5, 0, 0]]
+    assert len(tree.children(int(tree.junctions[0]))) == 3
+
+
+def test_pieces_too_far_apart_are_refused_with_gap_and_place():
+    wide, long = fork_lines()
+    points, lines = stacked([wide[:36], long[46:]])
+    message = r"got 2 pieces with a gap of 10\.2 mm at \(-2.143, .* the 5 mm that are bridged there"
+    with pytest.raises(InputError, match=message):
+        Centerline.from_lines(points, lines, fork_radius(points))
+
+
+def test_the_inlet_option_chooses_the_root():
+    tree = a_fork(inlet=LONG_OUTLET + 3)
+    np.testing.assert_allclose(tree.points[tree.roots[0]], LONG_OUTLET)
+    assert len(tree.leaves) == 2
+    assert total_length(tree) == pytest.approx(total_length(a_fork()))
+
+
+def test_a_plain_curve_keeps_its_points_and_starts_where_it_was_drawn_first():
+    curve = np.array([[0.0, 0, 0], [1, 2, 3], [1, 2, 3], [4, 4, 4]])
+    for tree in (Centerline.from_polyline(curve), Centerline.from_lines(curve, [[0, 1, 2, 3]])):
+        np.testing.assert_array_equal(tree.points, curve[[0, 1, 3]])
+        assert tree.parent.tolist() == [-1, 0, 1]
+        assert np.isnan(tree.inscribed_radius).all()
+
+
+def test_a_second_pass_over_the_branches_changes_nothing():
+    tree = a_fork()
+    again = Centerline.from_lines(tree.points, tree.branches, tree.inscribed_radius)
+    np.testing.assert_array_equal(again.points, tree.points)
+    np.testing.assert_array_equal(again.parent, tree.parent)
+
+
+# ---- real files
+
+
+def read_lines(path, scale):
+    vtk = pytest.importorskip("vtk")
+    from vtk.util.numpy_support import vtk_to_numpy
+
+    reader = vtk.vtkXMLPolyDataReader()
+    reader.SetFileName(str(path))
+    reader.Update()
+    data = reader.GetOutput()
+    cells = vtk_to_numpy(data.GetLines().GetConnectivityArray())
+    lines = np.split(cells, vtk_to_numpy(data.GetLines().GetOffsetsArray())[1:-1])
+    radius = vtk_to_numpy(data.GetPointData().GetArray("MaximumInscribedSphereRadius"))
+    return scale * vtk_to_numpy(data.GetPoints().GetData()).astype(float), lines, scale * radius
+
+
+REAL_FILES = [  # file, scale to mm, inlet, longest and shortest way to an outlet
+    ("vmtk_aorta_centerline_mm.vtp", 1, (222.1, 175.9, 21.7), (77.8, 76.2)),
+    ("vmtk_aorta_centerline_branches_mm.vtp", 1, (222.1, 175.9, 21.7), (77.8, 76.2)),
+    ("aorta_iliac_centerline_cm.vtp", 10, (-19.6, -16.3, 129.2), (449.0, 429.4)),
+    ("pulmonary_centerline_cm.vtp", 10, (30.1, -68.5, 61.4), (159.8, 143.4)),
+]
+
+
+@pytest.mark.parametrize(("name", "scale", "inlet", "ways"), REAL_FILES)
+@pytest.mark.parametrize("reversed_lines", [False, True])
+@pytest.mark.parametrize("with_radius", [True, False])
+def test_real_centerlines_have_one_inlet_and_two_outlets(
+    data_dir, name, scale, inlet, ways, reversed_lines, with_radius
+):
+    points, lines, radius = read_lines(data_dir / name, scale)
+    lines = [line[::-1] for line in lines] if reversed_lines else lines
+    tree = Centerline.from_lines(points, lines, radius if with_radius else None)
+    assert (len(tree.roots), len(tree.leaves), len(tree.junctions)) == (1, 2, 1)
+    np.testing.assert_allclose(tree.points[tree.roots[0]], inlet, atol=0.06)  # rounded literals
+    # The second line of a fork bends to the first one where they part: up to 0.1 radius, 0.9 mm.
+    np.testing.assert_allclose(np.sort(tree.arc_length[tree.leaves])[::-1], ways, atol=0.9)
+    below = np.flatnonzero(tree.parent >= 0)
+    used = points[np.unique(np.concatenate(lines))]
+    found = closest_on_segments(tree.points[tree.parent[below]], tree.points[below], used)
+    assert found.distances.max() <= 0.1 * np.nanmax(radius)
+
+
+def test_real_two_point_cells_with_unshared_points_become_the_same_tree(data_dir):
+    points, lines, radius = read_lines(data_dir / "pulmonary_centerline_cm.vtp", 10)
+    cells = np.random.default_rng(1).permutation(np.array(lines))
+    unshared = np.arange(2 * len(cells)).reshape(-1, 2)
+    tree = Centerline.from_lines(
+        points[cells].reshape(-1, 3), list(unshared), radius[cells].ravel()
+    )
+    expected = Centerline.from_lines(points, lines, radius)
+    assert len(tree.points) == len(expected.points)
+    assert sorted(tree.arc_length[tree.leaves]) == pytest.approx(
+        sorted(expected.arc_length[expected.leaves]), abs=1e-6
+    )
+
+
+def test_building_a_tree_of_fifty_branches_is_quick():
+    trunk = np.array([[0.0, 0, 0], [0, 0, 100]])
+    lines = [resampled(trunk, 0.5)]
+    for k in range(1, 51):
+        side = [np.cos(k), np.sin(k), 0.3]
+        start = np.array([0, 0, 2.0 * k - 1])
+        lines.append(
+            np.concatenate(
+                [a_line(trunk[0], start), a_line(start, start + 30 * np.array(side))[1:]]
+            )
+        )
+    points, indices = stacked(lines)
+    times = []
+    for _ in range(3):
+        started = time.perf_counter()
+        tree = Centerline.from_lines(points, indices, np.ones(len(points)))
+        times.append(time.perf_counter() - started)
+    assert len(tree.leaves) == 51
+    # 4,100 points; the slack is for a loaded machine, a quadratic algorithm would need seconds.
+    assert min(times) < 1.0
+
+
+# ---- what the tree answers
+
+
+def test_branches_leaves_and_ancestry_of_a_fork():
+    tree = a_fork()
+    assert len(tree.branches) == 3
+    junction = int(tree.junctions[0])
+    assert sorted(int(branch[0]) for branch in tree.branches) == sorted(
+        [int(tree.roots[0]), junction, junction]
+    )
+    assert len(tree.children(junction)) == 2
+    for leaf in tree.leaves:
+        chain = tree.ancestry(int(leaf))
+        assert chain[0] == tree.roots[0]
+        assert (tree.parent[chain[1:]] == chain[:-1]).all()
+        assert length(tree.points[chain]) == pytest.approx(tree.arc_length[leaf])
+
+
+def test_arc_length_does_not_depend_on_the_order_of_points():
+    tree = a_fork()
+    order = np.random.default_rng(2).permutation(len(tree.points))
+    new_index = np.append(np.argsort(order), -1)
+    shuffled = Centerline(
+        tree.points[order], tree.inscribed_radius[order], new_index[tree.parent[order]]
+    )
+    np.testing.assert_allclose(shuffled.arc_length, tree.arc_length[order], atol=ROUNDING)
+    assert len(shuffled.branches) == 3
+
+
+def test_projection_falls_on_segments_and_mixes_the_radius():
+    tree = Centerline.from_polyline([[0, 0, 0], [10, 0, 0]], [2.0, 4.0])
+    place = tree.project([2.5, 3, 0])
+    assert place.point.tolist() == [2.5, 0, 0]
+    assert (place.distance, place.arc_length, place.inscribed_radius) == (3, 2.5, 2.5)
+    half_known = tree.with_inscribed_radius([np.nan, 4.0])
+    assert half_known.project([2.5, 3, 0]).inscribed_radius == 4
+
+
+def test_a_path_from_daughter_to_daughter_crosses_the_junction():
+    tree = a_fork()
+    path = tree.path(WIDE_OUTLET, LONG_OUTLET)
+    assert path.length == pytest.approx(FORK_LENGTH - 40, abs=0.5)
+    assert np.linalg.norm(path.points - tree.points[tree.junctions[0]], axis=1).min() == 0
+    assert path.inscribed_radius[[0, -1]].tolist() == [4, 3]
+
+
+def test_a_path_within_one_segment_is_that_piece():
+    tree = Centerline.from_polyline([[0, 0, 0], [10, 0, 0]])
+    assert tree.path([7, 1, 0], [2, 0, 0]).points.tolist() == [[7, 0, 0], [2, 0, 0]]
+    assert tree.path([7, 1, 0], [7, 0, 2]).points.tolist() == [[7, 0, 0]]
+
+
+inside = st.floats(0.0, 1.0)
+
+
+def on_tree(tree: Centerline, fraction: float) -> np.ndarray:
+    """Some place on the tree, over all branches in turn."""
+    below = np.flatnonzero(tree.parent >= 0)
+    index = below[min(int(fraction * len(below)), len(below) - 1)]
+    part = (fraction * len(below)) % 1.0
+    return (1 - part) * tree.points[tree.parent[index]] + part * tree.points[index]
+
+
+@settings(max_examples=60)
+@given(inside, inside)
+def test_a_path_and_its_way_back_are_the_same(one, other):
+    tree = a_fork()
+    start, end = on_tree(tree, one), on_tree(tree, other)
+    there, back = tree.path(start, end), tree.path(end, start)
+    assert there.length == pytest.approx(back.length, abs=ROUNDING)
+    if len(there.points) == len(back.points):
+        np.testing.assert_allclose(there.points, back.reversed().points, atol=1e-8)
+
+
+@settings(max_examples=60)
+@given(inside, inside)
+def test_arc_lengths_along_a_line_of_descent_add_up(one, other):
+    tree = a_fork()
+    place, root = tree.project(on_tree(tree, one)), tree.points[tree.roots[0]]
+    assert tree.path(root, place).length == pytest.approx(place.arc_length, abs=1e-7)
+    middle = tree.project(tree.path(root, place).points[0] * (1 - other) + other * place.point)
+    ways = tree.path(root, middle).length + tree.path(middle, place).length
+    assert ways >= tree.path(root, place).length - 1e-7
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.integers(0, 10_000), st.floats(1e-2, 1e2))
+def test_rigid_motion_and_scaling_commute_with_building_and_paths(seed, scale):
+    rng = np.random.default_rng(seed)
+    q, r = np.linalg.qr(rng.normal(size=(3, 3)))
+    rotation, shift = q * np.sign(np.diag(r)), rng.normal(size=3) * 50
+    points, lines = stacked(fork_lines())
+    tree = a_fork()
+    moved = Centerline.from_lines(
+        scale * points @ rotation.T + shift, lines, scale * fork_radius(points)
+    )
+    np.testing.assert_array_equal(moved.parent, tree.parent)
+    np.testing.assert_allclose(
+        moved.points, scale * tree.points @ rotation.T + shift, atol=1e-9 * max(scale, 1) * 100
+    )
+    center = scale * rotation @ np.array([1.0, 2, -30]) + shift
+    path = moved.path_around(center, 30 * scale)
+    expected = tree.path_around([1, 2, -30], 30)
+    np.testing.assert_allclose(
+        path.points, scale * expected.points @ rotation.T + shift, atol=1e-6 * max(scale, 1)
+    )
+
+
+def test_a_path_around_a_point_has_half_on_either_side_and_follows_the_wide_daughter():
+    path = a_fork().path_around([0, 1, -30], 30)
+    np.testing.assert_allclose(path.points[0], [0, 0, -15], atol=ROUNDING)
+    assert path.length == pytest.approx(30, abs=ROUNDING)
+    assert path.points[-1][0] > 0
+    assert [choice.by_radius for choice in path.choices] == [True]
+
+
+def test_without_radius_the_longest_daughter_is_followed():
+    tree = a_fork().with_inscribed_radius(np.full(len(a_fork().points), np.nan))
+    path = tree.path_around([0, 1, -30], 30)
+    assert path.points[-1][0] < 0
+    assert [choice.by_radius for choice in path.choices] == [False]
+
+
+def test_a_point_on_a_daughter_keeps_to_it_and_chooses_nothing():
+    at = 0.7 * FORK + 0.3 * LONG_OUTLET
+    path = a_fork().path_around(at, 40)
+    assert path.points[-1][0] < -3
+    assert path.choices == ()
+
+
+def test_paths_from_an_end_go_up_or_down_and_stop_where_the_centerline_does():
+    tree = a_fork()
+    up = tree.path_from_distal(LONG_OUTLET, 10)
+    np.testing.assert_allclose(up.points[-1], LONG_OUTLET)
+    assert up.length == pytest.approx(10)
+    down = tree.path_from_proximal([0, 0, -10], 10)
+    np.testing.assert_allclose(down.points[[0, -1]], [[0, 0, -10], [0, 0, -20]], atol=ROUNDING)
+    assert tree.path_from_distal([0, 0, -10], 99).length == pytest.approx(10)
+    assert tree.path_from_proximal(WIDE_OUTLET, 9).length == 0
+
+
+def test_a_path_down_from_a_root_with_two_children_chooses_there():
+    points = np.array([[0.0, 0, 0], [5, 0, 0], [-8, 0, 0]])
+    tree = Centerline(points, [2, 2, 3], [-1, 0, 0])
+    path = tree.path_from_proximal([0, 1, 0], 4)
+    assert path.points.tolist() == [[0, 0, 0], [-4, 0, 0]]
+    assert len(path.choices) == 1
+
+
+def test_resampling_keeps_roots_junctions_and_leaves_and_the_length_of_straight_branches():
+    tree = a_fork()
+    coarse = tree.resampled(3.0)
+    for special in ("roots", "junctions", "leaves"):
+        here, there = (t.points[getattr(t, special)] for t in (coarse, tree))
+        assert sorted(here.tolist()) == sorted(there.tolist())
+    for branch in coarse.branches:
+        steps = np.linalg.norm(np.diff(coarse.points[branch], axis=0), axis=1)
+        # Equal along the branch; the daughter's first step bends by up to 0.1 radius.
+        assert np.ptp(steps) < 0.2
+    assert total_length(coarse) == pytest.approx(total_length(tree), abs=0.2)
+
+
+def test_the_value_cannot_be_changed_and_copies_its_input():
+    points = np.array([[0.0, 0, 0], [1, 0, 0]])
+    tree = Centerline(points, [1, 1], [-1, 0])
+    points[0] = 9
+    assert tree.points[0].tolist() == [0, 0, 0]
+    for array in (tree.points, tree.inscribed_radius, tree.parent, tree.arc_length):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1
+    moved = tree.with_points(tree.points + 1)
+    assert moved.points[0].tolist() == [1, 1, 1]
+    assert tree.points[0].tolist() == [0, 0, 0]
+
+
+# ---- degenerate input
+
+
+def test_a_loop_is_opened_where_it_is_farthest_from_the_root():
+    angles = np.linspace(0, 2 * np.pi, 41)[:-1]
+    ring = 10 * np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])
+    points = np.concatenate([[[30.0, 0, 0]], ring])
+    tree = Centerline.from_lines(points, [[0, 1], [*range(1, 41), 1]], np.ones(41))
+    assert tree.points[tree.roots].tolist() == [[30, 0, 0]]
+    assert len(tree.points) == 41
+    assert (tree.points[tree.leaves][:, 0] < -9).all()
+
+
+def test_a_small_loop_inside_the_lumen_leaves_no_spur():
+    points = np.array([[0.0, 0, 0], [10, 0, 0], [11, 1, 0], [11, -1.1, 0], [12, 0, 0], [30, 0, 0]])
+    lines = [[0, 1, 2, 4, 5], [1, 3, 4]]
+    tree = Centerline.from_lines(points, lines, np.full(6, 5.0))
+    assert len(tree.leaves) == 1
+    assert len(tree.junctions) == 0
+
+
+def test_a_closed_curve_without_any_end_starts_at_its_first_point():
+    square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    tree = Centerline.from_lines(square, [[0, 1, 2, 3, 0]])
+    assert tree.points[tree.roots].tolist() == [[0, 0, 0]]
+
+
+def test_repeated_points_zero_segments_and_duplicate_lines_change_nothing():
+    points, lines = stacked(fork_lines())
+    repeated = [np.repeat(line, 2) for line in lines]
+    tree = Centerline.from_lines(
+        points, [*repeated, lines[0][::-1], lines[1][:20]], fork_radius(points)
+    )
+    assert_is_the_fork(tree)
+
+
+grid_points = st.lists(st.tuples(*[st.integers(0, 3)] * 3), min_size=2, max_size=12)
+
+
+@settings(max_examples=300, deadline=None)
+@given(grid_points, st.data())
+def test_whatever_the_lines_the_answer_is_one_tree_or_a_sentence(points, data):
+    indices = st.integers(0, len(points) - 1)
+    lines = data.draw(st.lists(st.lists(indices, min_size=1, max_size=8), max_size=5))
+    radius = data.draw(st.sampled_from([None, 0.1, 1.0, 3.0]))
+    radii = None if radius is None else np.full(len(points), radius)
+    try:
+        tree = Centerline.from_lines(points, lines, radii)
+    except InputError:  # the sentences have tests of their own, below
+        return
+    assert len(tree.roots) == 1
+    assert len(tree.points) >= 2
+    below = np.flatnonzero(tree.parent >= 0)
+    assert (tree.arc_length[below] > tree.arc_length[tree.parent[below]]).all()
+    assert len(tree.ancestry(int(tree.leaves[0]))) >= 2
+
+
+def test_radii_that_are_no_radii_are_unknown():
+    tree = Centerline.from_polyline(np.eye(3), [0.0, -1.0, np.inf])
+    assert np.isnan(tree.inscribed_radius).all()
+
+
+ONE_LINE = [[0, 1]]
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: Centerline.from_lines([[0, 0, 0]], [[0]]), r"got 1 point\(s\) at one place"),
+        (lambda: Centerline.from_lines(np.ones((4, 3)), [[0, 1, 2, 3]]), "two different points"),
+        (lambda: Centerline.from_lines(np.eye(3), []), "got 3 points and no line"),
+        (lambda: Centerline.from_lines(np.eye(3), [[]]), "got 3 points and no line"),
+        (lambda: Centerline.from_lines([], []), "got 0 points and no line"),
+        (lambda: Centerline.from_lines(np.eye(3), [[0, 3]]), "indices from 0 to 2, got 0 to 3"),
+        (lambda: Centerline.from_lines(np.eye(3), [[0, -1]]), "got -1 to 0"),
+        (lambda: Centerline.from_lines(np.eye(3), [[0.5, 1]]), "line 0: expected a list of point"),
+        (lambda: Centerline.from_lines(np.eye(3) * np.nan, ONE_LINE), "NaN or infinity at 3"),
+        (
+            lambda: Centerline.from_lines(np.eye(3), ONE_LINE, [1, 2]),
+            r"3 centerline points.*\(2,\)",
+        ),
+        (
+            lambda: Centerline.from_lines(np.eye(3), ONE_LINE, list("abc")),
+            "radius: expected numbers",
+        ),
+        (lambda: Centerline.from_lines(np.eye(3), ONE_LINE, inlet=[1, 2]), "inlet: expected shape"),
+        (lambda: Centerline(np.eye(3)[:1], [1], [-1]), "at least 2 points, got 1"),
+        (lambda: Centerline(np.eye(3), [1, 1, 1], [1, 2, 0]), "circle that holds point 2"),
+        (lambda: Centerline(np.eye(3), [1, 1, 1], [-1, 0, 3]), "expected -1 to 2, got -1 to 3"),
+        (lambda: Centerline(np.eye(3), [1, 1, 1], [-1, 0]), "expected 3 integers"),
+        (lambda: Centerline(np.eye(3), [1, 1, 1], [-1, -1, -1]), "got roots only"),
+        (lambda: Centerline.from_polyline([[1, 2, 3]]), "at least 2 points, got 1"),
+        (lambda: Centerline.from_polyline(np.ones((3, 3))), "at least 2 points, got 1"),
+        (lambda: a_fork().project([1, 2, np.nan]), "point: expected finite coordinates"),
+        (lambda: a_fork().path_around(FORK, 0), "length: expected a number greater than 0"),
+        (lambda: a_fork().path_from_distal(FORK, np.nan), "length: expected a number"),
+        (lambda: a_fork().resampled(-1), "spacing: expected a number greater than 0"),
+        (lambda: a_fork().with_points(np.eye(3)), "integers"),
+    ],
+)
+def test_unusable_input_gives_one_sentence(call, message):
+    with pytest.raises(InputError, match=message):
+        call()
+
+
+def test_points_on_different_trees_have_no_path():
+    points = np.array([[0.0, 0, 0], [1, 0, 0], [9, 0, 0], [10, 0, 0]])
+    forest = Centerline(points, np.ones(4), [-1, 0, -1, 2])
+    assert forest.roots.tolist() == [0, 2]
+    with pytest.raises(InputError, match="trees with different roots"):
+        forest.path([0, 0, 0], [10, 0, 0])
