@@ -1,0 +1,354 @@
+"""Stents: sizes, placements, junctions, ends of the centerline, bends, straightening."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from SDFStentLib.centerline import Centerline
+from SDFStentLib.polyline import length, minimum_bend_radius, resampled
+from SDFStentLib.stent import (
+    AlongAxis,
+    AtCenter,
+    AtDistalEnd,
+    AtProximalEnd,
+    BetweenPoints,
+    Stent,
+    StentAxis,
+    stent_axis,
+    straightened,
+)
+from SDFStentLib.validation import InputError
+
+ROUNDING = 1e-9  # algebra on coordinates of 100 mm
+
+INLET, FORK = [0.0, 0, 0], [0.0, 0, -40]
+WIDE_OUTLET, LONG_OUTLET = [20.0, 0, -60], [-30.0, 0, -70]
+
+
+def a_tube(radius: float = 3.0) -> Centerline:
+    """A straight centerline of 100 mm, root at z = 0, down to z = -100."""
+    points = resampled([[0, 0, 0], [0, 0, -100]], 2.0)
+    return Centerline.from_polyline(points, np.full(len(points), radius))
+
+
+def a_fork(known_radius: bool = True) -> Centerline:
+    """A trunk that forks into a wide short and a narrow long daughter."""
+    trunk, wide, long = (
+        resampled(np.array(ends), 1.0)
+        for ends in ([INLET, FORK], [FORK, WIDE_OUTLET], [FORK, LONG_OUTLET])
+    )
+    points = np.concatenate([trunk, wide[1:], long[1:]])
+    first_wide, first_long = len(trunk), len(trunk) + len(wide) - 1
+    parent = np.arange(len(points)) - 1
+    parent[first_long] = len(trunk) - 1
+    radius = np.full(len(points), 5.0)
+    radius[first_wide:first_long], radius[first_long:] = 4.0, 3.0
+    return Centerline(points, radius if known_radius else np.full(len(points), np.nan), parent)
+
+
+def an_arc(radius: float, degrees: float = 180.0) -> np.ndarray:
+    angles = np.radians(np.linspace(0, degrees, 400))
+    return radius * np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])
+
+
+# ---- placements
+
+
+def test_at_the_center_half_of_the_deployed_length_lies_on_either_side():
+    stent = Stent(6.0, placement=AtCenter([1, 0, -50]), length=20, foreshortening_fraction=0.1)
+    axis = stent_axis(stent, a_tube())
+    np.testing.assert_allclose(axis.points[[0, -1]], [[0, 0, -41], [0, 0, -59]], atol=ROUNDING)
+    assert (axis.nominal_length, axis.prescribed_length) == (20, 18)
+    assert axis.deployed_length == pytest.approx(18)
+    assert axis.chord == pytest.approx(18)
+    assert axis.inscribed_radius.tolist() == [3] * len(axis.points)
+    assert axis.warnings == ()
+
+
+def test_at_the_distal_end_it_reaches_up_and_at_the_proximal_end_down():
+    ends = []
+    for place in (AtDistalEnd, AtProximalEnd):
+        stent = Stent(6.0, placement=place([0, 1, -50]), length=20, foreshortening_fraction=0)
+        ends.append(stent_axis(stent, a_tube()).points[[0, -1], 2].tolist())
+    np.testing.assert_allclose(ends, [[-30, -50], [-50, -70]], atol=ROUNDING)
+
+
+@pytest.mark.parametrize("swapped", [False, True])
+def test_between_two_points_the_order_of_the_points_is_free(swapped):
+    ends = [[0, 1, -20], [0, 1, -55]]
+    axis = stent_axis(Stent(6.0, placement=BetweenPoints(*ends[:: -1 if swapped else 1])), a_tube())
+    np.testing.assert_allclose(axis.points[[0, -1]], [[0, 0, -20], [0, 0, -55]], atol=ROUNDING)
+    assert axis.prescribed_length == axis.nominal_length == pytest.approx(35)
+
+
+def test_between_daughters_the_axis_crosses_the_junction_from_the_end_nearer_the_root():
+    fork = a_fork()
+    for ends in ([WIDE_OUTLET, LONG_OUTLET], [LONG_OUTLET, WIDE_OUTLET]):
+        axis = stent_axis(Stent(6.0, placement=BetweenPoints(*ends)), fork)
+        np.testing.assert_allclose(axis.points[[0, -1]], [WIDE_OUTLET, LONG_OUTLET], atol=1e-6)
+        assert np.linalg.norm(axis.points - FORK, axis=1).min() == 0
+
+
+def test_an_axis_of_ones_own_is_used_whole_and_without_a_centerline():
+    curve = an_arc(20.0)
+    axis = stent_axis(Stent(6.0, placement=AlongAxis(curve)))
+    np.testing.assert_array_equal(axis.points, curve)
+    assert axis.prescribed_length == pytest.approx(length(curve))
+    assert np.isnan(axis.inscribed_radius).all()
+
+
+def test_an_axis_with_a_length_is_cut_about_its_middle():
+    curve = [[0, 0, 0], [100, 0, 0]]
+    axis = stent_axis(Stent(6.0, placement=AlongAxis(curve), length=20))
+    np.testing.assert_allclose(axis.points, [[41, 0, 0], [59, 0, 0]], atol=ROUNDING)
+    assert axis.warnings == ()
+
+
+def test_foreshortening_is_a_tenth_only_where_a_nominal_length_is_given():
+    whole, point = AlongAxis([[0, 0, 0], [9, 0, 0]]), AtCenter([0, 0, 0])
+    assert Stent(6.0, placement=whole).foreshortening == 0
+    assert Stent(6.0, placement=BetweenPoints([0, 0, 0], [1, 0, 0])).foreshortening == 0
+    assert Stent(6.0, placement=point, length=20).foreshortening == 0.10
+    assert Stent(6.0, placement=whole, length=20).foreshortening == 0.10
+    assert Stent(6.0, placement=whole, length=20, foreshortening_fraction=0).foreshortening == 0
+
+
+def test_foreshortening_between_two_points_shortens_about_the_middle():
+    stent = Stent(
+        6.0, placement=BetweenPoints([0, 0, -20], [0, 0, -40]), foreshortening_fraction=0.2
+    )
+    axis = stent_axis(stent, a_tube())
+    np.testing.assert_allclose(axis.points[[0, -1], 2], [-22, -38], atol=ROUNDING)
+    assert axis.inscribed_radius.tolist() == [3] * len(axis.points)
+
+
+@settings(max_examples=50)
+@given(st.floats(0, 100), st.floats(1, 60), st.floats(-0.2, 0.5))
+def test_the_deployed_length_is_the_prescribed_one_or_is_said_to_be_shorter(at, nominal, lost):
+    stent = Stent(
+        6.0, placement=AtCenter([0, 0, -at]), length=nominal, foreshortening_fraction=lost
+    )
+    axis = stent_axis(stent, a_tube())
+    half = nominal * (1 - lost) / 2
+    expected = min(at + half, 100) - max(at - half, 0)
+    assert axis.deployed_length == pytest.approx(expected, abs=1e-8)
+    assert bool(axis.warnings) == (expected < 2 * half - 1e-6)
+    assert (np.diff(axis.points[:, 2]) < 0).all()
+
+
+@settings(max_examples=25)
+@given(st.integers(0, 9999), st.floats(0.1, 10))
+def test_rigid_motion_and_scaling_commute_with_placement(seed, scale):
+    rng = np.random.default_rng(seed)
+    q, r = np.linalg.qr(rng.normal(size=(3, 3)))
+    rotation, shift = q * np.sign(np.diag(r)), rng.normal(size=3) * 50
+    fork = a_fork()
+    moved = fork.with_points(scale * fork.points @ rotation.T + shift).with_inscribed_radius(
+        scale * fork.inscribed_radius
+    )
+    center = np.array([1.0, 1, -33])
+    here = stent_axis(Stent(6.0, placement=AtCenter(center), length=30), fork)
+    there = stent_axis(
+        Stent(6 * scale, placement=AtCenter(scale * rotation @ center + shift), length=30 * scale),
+        moved,
+    )
+    np.testing.assert_allclose(
+        there.points, scale * here.points @ rotation.T + shift, atol=1e-8 * max(scale, 1)
+    )
+    assert len(there.warnings) == len(here.warnings)
+
+
+# ---- junctions
+
+
+def test_at_a_junction_downstream_the_widest_branch_is_followed_and_said():
+    axis = stent_axis(Stent(6.0, placement=AtCenter([0, 0, -35]), length=20), a_fork())
+    assert axis.points[-1, 0] > 0
+    assert len(axis.warnings) == 1
+    assert "near (0, 0, -40) the stent follows the widest branch" in axis.warnings[0]
+    assert "--from, --to" in axis.warnings[0]
+
+
+def test_without_radii_the_longest_branch_is_followed_and_said():
+    stent = Stent(6.0, placement=AtProximalEnd([0, 0, -35]), length=20)
+    axis = stent_axis(stent, a_fork(known_radius=False))
+    assert axis.points[-1, 0] < 0
+    assert "follows the longest branch" in axis.warnings[0]
+
+
+@pytest.mark.parametrize("place", [AtCenter, AtDistalEnd, AtProximalEnd])
+def test_a_point_on_a_daughter_keeps_the_stent_in_that_daughter(place):
+    on_long = 0.5 * np.array(FORK) + 0.5 * np.array(LONG_OUTLET)
+    axis = stent_axis(Stent(6.0, placement=place(on_long), length=12), a_fork())
+    assert axis.points[:, 0].max() < 0
+    assert axis.warnings == ()
+
+
+def test_a_distal_end_on_a_daughter_may_reach_across_the_junction_into_the_trunk():
+    on_long = 0.9 * np.array(FORK) + 0.1 * np.array(LONG_OUTLET)
+    axis = stent_axis(Stent(6.0, placement=AtDistalEnd(on_long), length=30), a_fork())
+    assert axis.points[0, 0] == 0
+    assert axis.points[0, 2] > -30
+    assert axis.warnings == ()
+
+
+# ---- what is said
+
+
+def test_a_stent_longer_than_the_centerline_is_shortened_and_said():
+    axis = stent_axis(Stent(6.0, placement=AtCenter([0, 0, -50]), length=200), a_tube())
+    assert axis.deployed_length == pytest.approx(100)
+    assert axis.warnings == (
+        "The stent is shortened: 180.0 mm were prescribed, 100.0 mm of centerline are available "
+        "there.",
+    )
+
+
+def test_an_axis_shorter_than_the_stent_is_used_whole_and_said():
+    axis = stent_axis(Stent(6.0, placement=AlongAxis([[0, 0, 0], [9, 0, 0]]), length=20))
+    assert axis.deployed_length == 9
+    assert "18.0 mm were prescribed, 9.0 mm" in axis.warnings[0]
+
+
+@pytest.mark.parametrize(
+    ("bend", "warned"), [(2.0, True), (2.9, True), (3.2, False), (50.0, False)]
+)
+def test_a_bend_tighter_than_the_stent_radius_is_said(bend, warned):
+    axis = stent_axis(Stent(6.0, placement=AlongAxis(an_arc(bend))))
+    # Points on the chords of a fine arc: right to well below one percent.
+    assert axis.minimum_bend_radius(3.0) == pytest.approx(bend, rel=0.01)
+    assert [f"{bend:.1f} mm against 3.0 mm" in text for text in axis.warnings] == [True] * warned
+
+
+@pytest.mark.parametrize(("angle", "warned"), [(45, False), (57, False), (65, True), (120, True)])
+@pytest.mark.parametrize("shift", [0.0, 0.11, 0.37])
+def test_a_corner_counts_as_too_tight_above_sixty_degrees_wherever_it_lies(angle, warned, shift):
+    turn = np.radians(angle)
+    corner = np.array([10.0 + shift, 0, 0])
+    curve = np.array([[0, 0, 0], corner, corner + 9.7 * np.array([np.cos(turn), np.sin(turn), 0])])
+    assert bool(stent_axis(Stent(6.0, placement=AlongAxis(curve))).warnings) == warned
+
+
+def test_jitter_of_a_dense_centerline_is_no_bend():
+    points = resampled([[0, 0, 0], [60, 0, 0]], 0.1)
+    points = points + 0.02 * np.random.default_rng(4).normal(size=points.shape)
+    axis = stent_axis(Stent(6.0, placement=AlongAxis(points)))
+    assert minimum_bend_radius(points) < 1
+    assert axis.warnings == ()
+
+
+# ---- straightening
+
+
+def test_straightening_moves_points_by_the_fraction_towards_the_chord_and_keeps_the_ends():
+    arc = an_arc(10.0, 90)
+    half, straight = straightened(arc, 0.5), straightened(arc, 1.0)
+    np.testing.assert_array_equal(straightened(arc, 0), arc)
+    np.testing.assert_allclose(half, (arc + straight) / 2, atol=ROUNDING)
+    for result in (half, straight):
+        np.testing.assert_array_equal(result[[0, -1]], arc[[0, -1]])
+    assert length(straight) == pytest.approx(np.linalg.norm(arc[-1] - arc[0]))
+    assert (np.diff(straight @ (arc[-1] - arc[0])) > 0).all()
+
+
+def test_a_straightened_axis_loses_its_bend_and_its_warning():
+    stent = Stent(6.0, placement=AlongAxis(an_arc(2.5, 120)))
+    bent, straight = stent_axis(stent), stent_axis(stent, straightening_fraction=1.0)
+    assert len(bent.warnings) == 1
+    assert straight.warnings == ()
+    assert straight.deployed_length == pytest.approx(bent.chord)
+
+
+# ---- values
+
+
+def test_stents_placements_and_axes_cannot_be_changed():
+    curve = np.array([[0.0, 0, 0], [9, 0, 0]])
+    stent = Stent(6.0, placement=AlongAxis(curve))
+    curve[0] = 5
+    assert stent.placement.points[0].tolist() == [0, 0, 0]
+    with pytest.raises(AttributeError):
+        stent.diameter = 7.0
+    axis = stent_axis(stent)
+    for array in (stent.placement.points, axis.points, AtCenter([1, 2, 3]).point):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1
+    assert isinstance(axis, StentAxis)
+    assert stent.radius == 3
+
+
+# ---- degenerate and wrong input
+
+CENTER = AtCenter([0, 0, -50])
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: Stent(0, placement=CENTER, length=9), "stent diameter: .* greater than 0"),
+        (lambda: Stent(np.nan, placement=CENTER, length=9), "stent diameter: expected"),
+        (lambda: Stent(600, placement=CENTER, length=9), r"at most 100 \(mm\), got 600"),
+        (lambda: Stent("x", placement=CENTER, length=9), "stent diameter: .* got 'x'"),
+        (lambda: Stent(6, placement=CENTER, length=-1), "stent length: .* greater than 0"),
+        (lambda: Stent(6, placement=CENTER, length=np.inf), "stent length: expected a number"),
+        (lambda: Stent(6, placement=CENTER, length=5000), r"at most 500 \(mm\), got 5000"),
+        (
+            lambda: Stent(6, placement=CENTER, length=9, foreshortening_fraction=10),
+            "foreshortening: expected a number at least -0.2 and at most 0.5, got 10",
+        ),
+        (lambda: Stent(6, placement=CENTER), "expected a length in mm for a placement by one"),
+        (
+            lambda: Stent(6, placement=BetweenPoints([0, 0, 0], [1, 0, 0]), length=9),
+            "expected none between two points",
+        ),
+        (lambda: Stent(6, placement=[0, 0, 0]), "expected one of AtCenter, .* got list"),
+        (lambda: AtCenter([0, 0]), "center: expected shape"),
+        (lambda: AtDistalEnd([0, 0, np.nan]), "distal end: expected finite"),
+        (lambda: BetweenPoints([0, 0, 0], ["a", 0, 0]), "stent end: expected numbers"),
+        (lambda: AlongAxis([[1, 2, 3]]), r"got 1 point\(s\) at one place"),
+        (lambda: AlongAxis(np.ones((4, 3))), r"got 4 point\(s\) at one place"),
+        (lambda: AlongAxis([]), "stent axis: expected at least 1 points, got 0"),
+        (lambda: stent_axis(Stent(6, placement=CENTER, length=9)), "expected a centerline"),
+        (lambda: straightened(an_arc(5), 1.5), "straightening fraction: .* at most 1, got 1.5"),
+        (lambda: straightened(np.ones((3, 3)), 0.5), "stent axis: expected two different points"),
+    ],
+)
+def test_unusable_input_gives_one_sentence(call, message):
+    with pytest.raises(InputError, match=message):
+        call()
+
+
+@pytest.mark.parametrize(("radius", "limit"), [(3.0, 6.0), (np.nan, 20.0)])
+def test_a_placement_far_from_the_vessel_is_refused_with_its_distance(radius, limit):
+    tube = a_tube(radius)
+    near, far = AtCenter([0.99 * limit, 0, -50]), AtCenter([limit + 1, 0, -50])
+    assert stent_axis(Stent(6.0, placement=near, length=9), tube).deployed_length > 8
+    message = rf"center: .* within {limit:g} mm .* {limit + 1:g} mm away; check .* unit"
+    with pytest.raises(InputError, match=message):
+        stent_axis(Stent(6.0, placement=far, length=9), tube)
+
+
+def test_two_points_at_one_place_and_ends_without_centerline_beyond_are_refused():
+    for placement, size in (
+        (BetweenPoints([0, 1, -50], [1, 0, -50]), None),
+        (AtDistalEnd([0, 0, 0]), 9.0),
+        (AtProximalEnd([0, 0, -100]), 9.0),
+    ):
+        with pytest.raises(InputError, match=r"expected some length of centerline .* got none at"):
+            stent_axis(Stent(6.0, placement=placement, length=size), a_tube())
+
+
+def test_stents_go_into_real_pulmonary_arteries(data_dir):
+    from test_centerline import read_lines
+
+    points, lines, radius = read_lines(data_dir / "pulmonary_centerline_cm.vtp", 10)
+    tree = Centerline.from_lines(points, lines, radius)
+    for leaf in tree.leaves:
+        middle = tree.points[tree.ancestry(int(leaf))[-300]]
+        axis = stent_axis(Stent(8.0, placement=AtCenter(middle), length=20), tree)
+        assert axis.deployed_length == pytest.approx(18, abs=1e-6)
+        assert np.linalg.norm(np.diff(axis.points, axis=0), axis=1).min() > 1e-9
+        assert np.isfinite(axis.inscribed_radius).all()
