@@ -315,15 +315,20 @@ class Centerline:
 
     def _preferred(self, junction: int, below: Indices) -> tuple[Indices, bool]:
         """Children from the preferred one on, and whether the radius decided."""
-        reaches = [self._reach(int(child)) for child in below]
+        reaches = self._reaches[below]
         radii = [self._radius_beyond(junction, int(child)) for child in below]
         by_radius = bool(np.isfinite(radii).all())
         order = np.lexsort((reaches, radii)) if by_radius else np.argsort(reaches, kind="stable")
         return below[order[::-1]], by_radius
 
-    def _reach(self, index: int) -> float:
-        """Largest arc length below a point, mm."""
-        return max(float(self.arc_length[i]) for i in self.leaves if index in self.ancestry(i))
+    @cached_property
+    def _reaches(self) -> Floats:
+        """Per point the largest arc length among the leaves below it, mm."""
+        reaches = self.arc_length.copy()
+        for leaf in self.leaves:
+            chain = self.ancestry(int(leaf))
+            reaches[chain] = np.maximum(reaches[chain], self.arc_length[leaf])
+        return reaches
 
     def _radius_beyond(self, junction: int, child: int) -> float:
         """Mean radius of a branch from one to three junction radii beyond its junction, mm.
