@@ -316,7 +316,7 @@ class Centerline:
     def _preferred(self, junction: int, below: Indices) -> tuple[Indices, bool]:
         """Children from the preferred one on, and whether the radius decided."""
         reaches = self._reaches[below]
-        radii = [self._radius_beyond(junction, int(child)) for child in below]
+        radii = np.array([self._radius_beyond(junction, int(child)) for child in below])
         by_radius = bool(np.isfinite(radii).all())
         order = np.lexsort((reaches, radii)) if by_radius else np.argsort(reaches, kind="stable")
         return below[order[::-1]], by_radius
