@@ -26,7 +26,7 @@ class ctkCollapsibleButton(QWidget):
         self._collapsed = False
 
     def resizeEvent(self, event):
-        self._header.setGeometry(0, 0, self.width(), self._header.sizeHint().height())
+        self._header.setGeometry(0, 0, event.size().width(), self._header.sizeHint().height())
 
     def _text(self):
         return self._header.text()

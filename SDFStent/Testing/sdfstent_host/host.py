@@ -1,5 +1,6 @@
 """`Host`: the application as a test sees it."""
 
+import ctypes
 import importlib.util
 import logging
 import os
@@ -9,8 +10,17 @@ import types
 from pathlib import Path
 
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
+if not os.environ.get("DISPLAY"):
+    # Without a screen VTK finds this window by itself, but only after a warning.
+    os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
 
 import slicer
+
+if sys.version_info < (3, 12):
+    # PySide6 6.12 gives back None without counting it, which only later Pythons, where None is immortal, allow:
+    # after some ten thousand calls the interpreter would abort ("deallocating None").
+    ctypes.c_ssize_t.from_address(id(None)).value += 1 << 40
+
 from PySide6 import QtCore, QtTest, QtWidgets
 
 from . import mrml, slicer_stand_in

@@ -15,6 +15,7 @@ LOGIC_CLASSES = {
     "Transforms": "vtkSlicerTransformLogic",
     "Tables": "vtkSlicerTablesLogic",
     "Plots": "vtkSlicerPlotsLogic",
+    "Colors": "vtkSlicerColorLogic",
 }
 DISPLAYABLE_MANAGERS = (
     "vtkMRMLCameraDisplayableManager",
@@ -52,8 +53,6 @@ class Application:
         self._makeColorFolder()
         self.applicationLogic.SetMRMLScene(self.scene)
         self.logics = {name: self._addLogic(name, cls) for name, cls in LOGIC_CLASSES.items()}
-        self.logics["Colors"] = self.applicationLogic.GetColorLogic()
-        self.logics["Colors"].SetMRMLScene(self.scene)
         self.logics["Colors"].AddDefaultColorNodes()
         self._io = self._makeDataIO()
         slicer.mrmlScene = self.scene

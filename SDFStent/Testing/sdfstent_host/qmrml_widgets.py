@@ -58,7 +58,7 @@ class qMRMLNodeComboBox(QWidget):
         self._nodeTypes, self._flags, self._texts = [], {}, {}
         self._observer = SceneObserver(lambda *_: self._refresh())
         self._box.activated.connect(self._onActivated)
-        self.destroyed.connect(lambda observer=self._observer: observer.observe(None))
+        self.destroyed.connect(lambda *_, observer=self._observer: observer.observe(None))
 
     def mrmlScene(self):
         return self._scene

@@ -49,7 +49,9 @@ def wrapped(qtClass):
     meta = qtClass.staticMetaObject
     for i in range(meta.propertyCount()):
         name = meta.property(i).name()
-        if name not in NOT_AS_ATTRIBUTE and name not in qtClass.__dict__.get("_keep", ()):
+        if name not in NOT_AS_ATTRIBUTE and not isinstance(
+            getattr(qtClass, name, None), QtCore.Property
+        ):
             members[name] = _attribute(name)
     members["objectName"] = members["name"] = _attribute("objectName")
     members["className"] = lambda self: qtClass.__name__

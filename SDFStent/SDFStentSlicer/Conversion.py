@@ -1,0 +1,212 @@
+"""Scene to library: the only place where nodes become arrays, and where frames are settled.
+
+Everything handed to the library is in world coordinates (RAS, mm), whatever transforms the nodes are under.
+"""
+
+from itertools import pairwise
+
+import numpy as np
+import slicer
+import vtk
+
+from SDFStentLib.centerline import Centerline
+from SDFStentLib.polydata import inscribed_radius_from_polydata, lines_from_polydata
+from SDFStentLib.validation import InputError
+
+
+def vesselPolyData(node, segmentID=""):
+    """The vessel's wall as triangles in world coordinates: a copy, the node is not changed.
+
+    Raises `InputError` with a sentence that names the node.
+    """
+    if node is None:
+        raise InputError(
+            "Vessel: expected a model or a segmentation, got none; select one in Inputs."
+        )
+    _checkTransform(node)
+    if node.IsA("vtkMRMLSegmentationNode"):
+        surface = _segmentSurface(node, segmentID)
+    else:
+        surface = _toWorld(node, _modelSurface(node))
+    if surface.GetNumberOfPolys() == 0:
+        raise InputError(
+            f"Vessel {node.GetName()}: expected a surface of triangles, got none; select another node."
+        )
+    return _triangulated(surface)
+
+
+def centerlineOf(node):
+    """The library's centerline of a model, a curve, or a curve with its branches below it in the subject hierarchy."""
+    if node is None:
+        raise InputError(
+            "Centerline: expected a model or a markups curve, got none; select one in Inputs."
+        )
+    _checkTransform(node)
+    if node.IsA("vtkMRMLModelNode"):
+        return _centerlineOfModel(node)
+    pieces = [curvePoints(curve) for curve in [node, *_branchCurves(node)]]
+    starts = np.cumsum([0] + [len(p) for p in pieces])
+    lines = [np.arange(a, b) for a, b in pairwise(starts)]
+    # A curve's measurement "Radius" may be shifted by one sample (VTK 9.3 and later): measured on the wall instead.
+    return Centerline.from_lines(np.concatenate(pieces), lines)
+
+
+def curvePoints(node):
+    """The points of a markups curve (n, 3), at least two."""
+    points = (
+        slicer.util.arrayFromMarkupsCurvePoints(node, world=True)
+        if node.GetNumberOfControlPoints()
+        else np.empty((0, 3))
+    )
+    if points is None or len(points) < 2:
+        count = node.GetNumberOfControlPoints()
+        raise InputError(
+            f"Curve {node.GetName()}: expected at least two points, got {count}; place more points."
+        )
+    return np.array(points, dtype=np.float64)
+
+
+def handlePoints(node, count, label):
+    """The first `count` placed points of a stent's handle, (count, 3)."""
+    if node is None:
+        raise InputError(
+            f"{label}: expected a handle, got none; choose a point list or press Add again."
+        )
+    _checkTransform(node)
+    defined = [i for i in range(node.GetNumberOfControlPoints()) if _isDefined(node, i)]
+    if len(defined) < count:
+        words = "one point" if count == 1 else f"{count} points"
+        raise InputError(
+            f"{label}: expected {words} in {node.GetName()}, got {len(defined)}; place them in a view."
+        )
+    return np.array([node.GetNthControlPointPositionWorld(i) for i in defined[:count]])
+
+
+def changeStamp(node):
+    """A value that changes whenever the node's content or its transform does; None for no node."""
+    if node is None:
+        return None
+    transform = node.GetParentTransformNode()
+    stamps = [node.GetID(), _content(node)]
+    while transform is not None:
+        stamps += [transform.GetID(), transform.GetTransformToWorldMTime()]
+        transform = transform.GetParentTransformNode()
+    return tuple(stamps)
+
+
+def _content(node):
+    if node.IsA("vtkMRMLMarkupsNode"):  # moving a point does not touch the node's modification time
+        count = node.GetNumberOfControlPoints()
+        return tuple(
+            (node.GetNthControlPointPositionStatus(i), *node.GetNthControlPointPosition(i))
+            for i in range(count)
+        )
+    if node.IsA("vtkMRMLSegmentationNode"):
+        segmentation = node.GetSegmentation()
+        return max(
+            [segmentation.GetMTime()]
+            + [_segmentTime(segmentation, i) for i in segmentation.GetSegmentIDs()]
+        )
+    return node.GetMesh().GetMTime() if node.GetMesh() is not None else 0
+
+
+def _segmentTime(segmentation, segmentID):
+    name = segmentation.GetSourceRepresentationName()
+    representation = segmentation.GetSegment(segmentID).GetRepresentation(name)
+    return representation.GetMTime() if representation is not None else 0
+
+
+def _isDefined(node, index):
+    return node.GetNthControlPointPositionStatus(index) == slicer.vtkMRMLMarkupsNode.PositionDefined
+
+
+def _checkTransform(node):
+    transform = node.GetParentTransformNode()
+    if transform is None or not transform.IsTransformToWorldLinear():
+        return
+    matrix = vtk.vtkMatrix4x4()
+    transform.GetMatrixTransformToWorld(matrix)
+    if abs(matrix.Determinant()) < 1e-9:
+        raise InputError(
+            f"{node.GetName()}: expected a transform that can be inverted, got {transform.GetName()}, which flattens space; "
+            "change or remove the transform."
+        )
+
+
+def _modelSurface(node):
+    surface = node.GetPolyData()
+    if surface is None or surface.GetNumberOfPoints() == 0:
+        raise InputError(
+            f"Vessel {node.GetName()}: expected a surface, got an empty model; select another node."
+        )
+    return surface
+
+
+def _segmentSurface(node, segmentID):
+    segmentation = node.GetSegmentation()
+    if segmentation.GetNumberOfSegments() == 0:
+        raise InputError(
+            f"Vessel {node.GetName()}: expected a segment, the segmentation has none; select another node."
+        )
+    if segmentation.GetSegment(segmentID or "") is None:
+        raise InputError(
+            f"Vessel {node.GetName()}: expected a segment, got none; select one in Inputs."
+        )
+    surface = vtk.vtkPolyData()
+    # The logic converts a copy of the segment where it has no surface yet, and applies the node's transform.
+    slicer.vtkSlicerSegmentationsModuleLogic.GetSegmentClosedSurfaceRepresentation(
+        node, segmentID, surface
+    )
+    return surface
+
+
+def _triangulated(surface):
+    if (
+        surface.GetNumberOfPolys() == surface.GetNumberOfCells()
+        and surface.GetPolys().IsHomogeneous() == 3
+    ):
+        copy = vtk.vtkPolyData()
+        copy.DeepCopy(surface)
+        return copy
+    triangulate = vtk.vtkTriangleFilter()
+    triangulate.PassLinesOff()
+    triangulate.PassVertsOff()
+    triangulate.SetInputData(surface)
+    triangulate.Update()
+    return triangulate.GetOutput()
+
+
+def _toWorld(node, polyData):
+    transform = node.GetParentTransformNode()
+    if transform is None:
+        return polyData
+    toWorld = vtk.vtkGeneralTransform()
+    slicer.vtkMRMLTransformNode.GetTransformBetweenNodes(transform, None, toWorld)
+    mover = vtk.vtkTransformPolyDataFilter()
+    mover.SetTransform(toWorld)
+    mover.SetInputData(polyData)
+    mover.Update()
+    return mover.GetOutput()
+
+
+def _centerlineOfModel(node):
+    surface = node.GetPolyData()
+    if surface is None or surface.GetNumberOfLines() == 0:
+        raise InputError(
+            f"Centerline {node.GetName()}: expected a model of lines, got none; select a centerline model."
+        )
+    surface = _toWorld(node, surface)
+    points, lines = lines_from_polydata(surface, f"Centerline {node.GetName()}")
+    return Centerline.from_lines(points, lines, inscribed_radius_from_polydata(surface))
+
+
+def _branchCurves(node):
+    """Curves below this one in the subject hierarchy, as Extract Centerline leaves them."""
+    hierarchy = slicer.vtkMRMLSubjectHierarchyNode.GetSubjectHierarchyNode(node.GetScene())
+    item = hierarchy.GetItemByDataNode(node)
+    if not item:
+        return []
+    children = vtk.vtkIdList()
+    hierarchy.GetItemChildren(item, children, True)
+    nodes = [hierarchy.GetItemDataNode(children.GetId(i)) for i in range(children.GetNumberOfIds())]
+    return [n for n in nodes if n is not None and n.IsA("vtkMRMLMarkupsCurveNode")]

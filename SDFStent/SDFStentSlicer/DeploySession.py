@@ -1,0 +1,108 @@
+"""When to deploy: on request, and again while something changes."""
+
+import qt
+
+from .SteppedRun import SteppedRun
+
+DEBOUNCE_MS = 10
+SETTLE_MS = 250
+RESTART_AFTER_S = 0.3
+
+
+class DeploySession:
+    """One deployment at a time, never re-entrant; the latest values always win.
+
+    A change that arrives while a deployment runs is remembered: a short run is finished first, so that something is seen while
+    the user drags, a long one is dropped. After the end the inputs are compared with those of the run, so the final state is
+    never lost. While the user drags the library's preview runs; once nothing has changed for a moment, the full method with
+    measurements and certificate takes its place.
+    """
+
+    def __init__(self, logic, onStart, onProgress, onDone):
+        self._logic, self._onStart, self._onProgress, self._onDone = (
+            logic,
+            onStart,
+            onProgress,
+            onDone,
+        )
+        self._parameterNode = self._run = self._signature = None
+        self._live = False
+        self._timer = _singleShot(DEBOUNCE_MS, self._update)
+        self._settleTimer = _singleShot(SETTLE_MS, self._settle)
+
+    @property
+    def isRunning(self):
+        return self._run is not None
+
+    @property
+    def isBusy(self):
+        """Whether something runs or is about to."""
+        return self._run is not None or self._timer.isActive() or self._settleTimer.isActive()
+
+    def setParameterNode(self, parameterNode):
+        """Work for another parameter node, or for none; whatever runs is stopped."""
+        self.cancel()
+        self._parameterNode, self._signature = parameterNode, None
+
+    def start(self):
+        """Deploy now, in full."""
+        self.cancel()
+        self._begin(live=False)
+
+    def request(self):
+        """Deploy soon if something that matters has changed since the last deployment began."""
+        self._timer.start()
+
+    def cancel(self):
+        """Stop at once; what is shown stays."""
+        self._timer.stop()
+        self._settleTimer.stop()
+        if self._run is not None:
+            self._run.cancel()
+            self._run = None
+
+    @property
+    def _hasChanged(self):
+        parameterNode = self._parameterNode
+        if parameterNode is None or self._logic.missing(parameterNode):
+            return False
+        return self._logic.signature(parameterNode) != self._signature
+
+    def _update(self):
+        if not self._hasChanged:
+            return
+        if self._run is not None:
+            if self._run.age < RESTART_AFTER_S:
+                return  # looked at again when the run ends
+            self.cancel()
+        self._begin(live=True)
+
+    def _settle(self):
+        if self._run is None and not self._hasChanged:
+            self._begin(live=False)
+
+    def _begin(self, live):
+        self._settleTimer.stop()
+        self._signature, self._live = self._logic.signature(self._parameterNode), live
+        self._run = SteppedRun(
+            self._logic.steps(self._parameterNode, live=live), self._onProgress, self._finished
+        )
+        self._onStart()
+
+    def _finished(self, error):
+        self._run = None
+        self._onDone(error)
+        if self._parameterNode is None or not self._parameterNode.autoUpdate:
+            return
+        if self._hasChanged:
+            self._timer.start()
+        elif self._live and error is None:
+            self._settleTimer.start()
+
+
+def _singleShot(milliseconds, function):
+    timer = qt.QTimer()
+    timer.setSingleShot(True)
+    timer.setInterval(milliseconds)
+    timer.connect("timeout()", function)
+    return timer

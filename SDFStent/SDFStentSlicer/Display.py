@@ -1,0 +1,218 @@
+"""Library to scene: output nodes, made once and updated in place, and how they look."""
+
+import numpy as np
+import slicer
+import vtk
+from slicer.i18n import tr as _
+from vtk.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+
+from SDFStentLib.polydata import polydata_from_lines
+from SDFStentLib.polyline import resampled
+
+VESSEL_COLOR = (0.88, 0.47, 0.42)
+STENT_COLOR = (0.72, 0.76, 0.80)
+CENTERLINE_COLOR = (0.15, 0.35, 0.75)
+VESSEL_OPACITY = 0.55
+TUBE_SIDES = 24
+TUBE_SPACING = 1.5
+TUBE_SHRINK = 0.97
+"""Stents are drawn a little inside the wall that they touch, so that both can be seen."""
+
+
+class SurfaceOutput:
+    """A model node whose points follow the deployment: same polydata, same point array, one `Modified` per change."""
+
+    def __init__(self, node, polyData):
+        """Show `polyData` (which becomes the node's own) unless the node already shows the same mesh."""
+        self.node, self.template = node, None
+        _withNormals(polyData)
+        node.SetAndObservePolyData(polyData)
+        self._polyData = polyData
+        self._skeleton = vtk.vtkPolyData()
+        self._skeleton.SetPoints(polyData.GetPoints())
+        self._skeleton.SetPolys(polyData.GetPolys())
+        self._normals = vtk.vtkTriangleMeshPointNormals()
+        self._normals.SetInputData(self._skeleton)
+
+    @property
+    def isValid(self):
+        """False when the node was deleted or given another mesh by somebody else."""
+        return self.node.GetScene() is not None and self.node.GetPolyData() is self._polyData
+
+    def show(self, points, indices=None, coordinates=None):
+        """Set all points, then some of them, and the normals; observers hear of it once."""
+        array = vtk_to_numpy(self._polyData.GetPoints().GetData())
+        array[:] = points
+        if indices is not None:
+            array[indices] = coordinates
+        self._polyData.GetPoints().GetData().Modified()
+        self._updateNormals()
+        self._polyData.Modified()
+
+    def _updateNormals(self):
+        self._skeleton.Modified()
+        self._normals.Update()
+        target = self._polyData.GetPointData().GetNormals()
+        vtk_to_numpy(target)[:] = vtk_to_numpy(
+            self._normals.GetOutput().GetPointData().GetNormals()
+        )
+        target.Modified()
+
+
+def _withNormals(polyData):
+    """Give a surface one float normal per point, whatever it brought along."""
+    polyData.GetPointData().RemoveArray("Normals")
+    normals = numpy_to_vtk(np.zeros((polyData.GetNumberOfPoints(), 3), dtype=np.float32), deep=True)
+    normals.SetName("Normals")
+    polyData.GetPointData().SetNormals(normals)
+
+
+def outputModel(parameterNode, role, name, color):
+    """The model node of a role: the one in use, or a new one."""
+    node = getattr(parameterNode, role)
+    if node is None:
+        scene = parameterNode.parameterNode.GetScene()
+        node = scene.AddNewNodeByClass("vtkMRMLModelNode", scene.GenerateUniqueName(name))
+        setattr(parameterNode, role, node)
+    if node.GetDisplayNode() is None:
+        node.CreateDefaultDisplayNodes()
+        node.GetDisplayNode().SetColor(*color)
+        node.GetDisplayNode().SetVisibility2D(False)
+    return node
+
+
+def hideModel(node):
+    """Hide a model that another one is shown in place of; a segmentation stays as it is."""
+    if node is not None and node.IsA("vtkMRMLModelNode") and node.GetDisplayNode() is not None:
+        node.GetDisplayNode().SetVisibility(False)
+
+
+def showLines(node, points, lines):
+    """Put poly-lines into a model node, in place."""
+    _replaceContent(node, polydata_from_lines(points, lines))
+    node.GetDisplayNode().SetLineWidth(3)
+
+
+def showTubes(node, axes):
+    """Put one open tube per (points, radius) into a model node, in place."""
+    appended = vtk.vtkAppendPolyData()
+    for points, radius in axes:
+        spine = resampled(points, TUBE_SPACING)
+        tube = vtk.vtkTubeFilter()
+        tube.SetInputData(polydata_from_lines(spine, [np.arange(len(spine))]))
+        tube.SetRadius(TUBE_SHRINK * radius)
+        tube.SetNumberOfSides(TUBE_SIDES)
+        tube.CappingOff()
+        appended.AddInputConnection(tube.GetOutputPort())
+    if axes:
+        appended.Update()
+    _replaceContent(node, appended.GetOutput() if axes else vtk.vtkPolyData())
+    display = node.GetDisplayNode()
+    display.SetRepresentation(slicer.vtkMRMLDisplayNode.SurfaceRepresentation)
+    display.SetEdgeVisibility(True)
+    display.SetEdgeColor(0.25, 0.3, 0.35)
+
+
+def _replaceContent(node, polyData):
+    if node.GetPolyData() is None:
+        node.SetAndObservePolyData(polyData)
+    else:
+        node.GetPolyData().ShallowCopy(polyData)
+        node.GetPolyData().Modified()
+
+
+def showMap(node, name, values, onCells, title):
+    """Color a model by an array, with a legend; `name` "" takes both away."""
+    display = node.GetDisplayNode()
+    legend = slicer.vtkSlicerColorLogic.GetColorLegendDisplayNode(node)
+    if not name:
+        display.SetScalarVisibility(False)
+        if legend is not None:
+            legend.SetVisibility(False)
+        return
+    setArray(node, name, values, onCells)
+    place = vtk.vtkAssignAttribute.CELL_DATA if onCells else vtk.vtkAssignAttribute.POINT_DATA
+    display.SetActiveScalar(name, place)
+    display.SetAndObserveColorNodeID(_mapColors(node.GetScene()).GetID())
+    display.SetScalarRangeFlag(slicer.vtkMRMLDisplayNode.UseManualScalarRange)
+    finite = values[np.isfinite(values)]
+    low, high = (float(finite.min()), float(finite.max())) if len(finite) else (0.0, 1.0)
+    display.SetScalarRange(low, max(high, low + 1e-6))
+    display.SetScalarVisibility(True)
+    if legend is None:
+        legend = slicer.vtkSlicerColorLogic.AddDefaultColorLegendDisplayNode(node)
+    legend.SetTitleText(title)
+    legend.SetLabelFormat("%.2f")
+    legend.SetVisibility(True)
+
+
+def setArray(node, name, values, onCells):
+    """Write a point or cell array of a model in place, or add it."""
+    data = node.GetPolyData().GetCellData() if onCells else node.GetPolyData().GetPointData()
+    array = data.GetArray(name)
+    if array is not None and array.GetNumberOfTuples() == len(values):
+        vtk_to_numpy(array)[:] = values
+        array.Modified()
+    else:
+        array = numpy_to_vtk(np.asarray(values, dtype=np.float32), deep=True)
+        array.SetName(name)
+        data.AddArray(array)
+    node.GetPolyData().Modified()
+
+
+def _mapColors(scene):
+    """A color node of ours, saved with the scene: white over yellow and red to dark red."""
+    node = scene.GetFirstNode("SDFStent map", "vtkMRMLProceduralColorNode")
+    if node is None:
+        node = scene.AddNewNodeByClass("vtkMRMLProceduralColorNode", "SDFStent map")
+        transfer = node.GetColorTransferFunction()
+        for at, color in (
+            (0.0, (0.97, 0.95, 0.92)),
+            (0.35, (0.99, 0.80, 0.36)),
+            (0.7, (0.85, 0.23, 0.16)),
+            (1.0, (0.40, 0.0, 0.15)),
+        ):
+            transfer.AddRGBPoint(255 * at, *color)
+    return node
+
+
+def fillTable(parameterNode, columns):
+    """The table of diameters: `columns` maps a title to (values, unit)."""
+    scene, node = parameterNode.parameterNode.GetScene(), parameterNode.outputTable
+    if node is None:
+        node = scene.AddNewNodeByClass(
+            "vtkMRMLTableNode", scene.GenerateUniqueName(_("Stent diameters"))
+        )
+        parameterNode.outputTable = node
+    slicer.util.updateTableFromArray(
+        node, [values for values, _unit in columns.values()], list(columns)
+    )
+    for title, (_values, unit) in columns.items():
+        node.SetColumnUnitLabel(title, unit)
+    return node
+
+
+def showChart(parameterNode, x, series):
+    """The plot chart over the table's column `x`: `series` maps a column to its color."""
+    scene, chart = parameterNode.parameterNode.GetScene(), parameterNode.outputChart
+    if chart is None:
+        chart = scene.AddNewNodeByClass(
+            "vtkMRMLPlotChartNode", scene.GenerateUniqueName(_("Stent diameters chart"))
+        )
+        chart.SetTitle(_("Diameter along the stent"))
+        chart.SetXAxisTitle(_("From the proximal end (mm)"))
+        chart.SetYAxisTitle(_("Diameter (mm)"))
+        for column, color in series.items():
+            node = scene.AddNewNodeByClass("vtkMRMLPlotSeriesNode", column)
+            node.SetPlotType(slicer.vtkMRMLPlotSeriesNode.PlotTypeScatter)
+            node.SetMarkerStyle(slicer.vtkMRMLPlotSeriesNode.MarkerStyleNone)
+            node.SetColor(*color)
+            chart.AddAndObservePlotSeriesNodeID(node.GetID())
+        parameterNode.outputChart = chart
+    for index, column in enumerate(series):
+        node = chart.GetNthPlotSeriesNode(index)
+        if node is not None:
+            node.SetAndObserveTableNodeID(parameterNode.outputTable.GetID())
+            node.SetXColumnName(x)
+            node.SetYColumnName(column)
+    return chart

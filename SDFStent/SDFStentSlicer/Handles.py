@@ -1,0 +1,84 @@
+"""The markups that place a stent: made on the centerline, snapped to it, fitted to the kind of placement."""
+
+import numpy as np
+import slicer
+from slicer.i18n import tr as _
+
+from . import Conversion
+from .ParameterNode import Placement
+
+HANDLE_ATTRIBUTE = "SDFStent.Handle"
+COLOR = (0.1, 0.55, 0.95)
+
+
+def createHandle(scene, label, points):
+    """A markups point list of ours, one control point per row of `points`."""
+    node = scene.AddNewNodeByClass("vtkMRMLMarkupsFiducialNode", scene.GenerateUniqueName(label))
+    node.SetAttribute(HANDLE_ATTRIBUTE, "1")
+    node.CreateDefaultDisplayNodes()
+    display = node.GetDisplayNode()
+    if display is not None:
+        display.SetSelectedColor(*COLOR)
+        display.SetPointLabelsVisibility(False)
+        display.SetPropertiesLabelVisibility(False)
+        display.SetUseGlyphScale(False)
+        display.SetGlyphSize(2.5)
+        display.SetOccludedVisibility(True)
+        display.SetOccludedOpacity(0.7)
+    for point in points:
+        node.AddControlPointWorld(*point)
+    return node
+
+
+def removeHandle(node):
+    """Take a handle out of the scene if this module made it; a user's own markups stays."""
+    if node is not None and node.GetAttribute(HANDLE_ATTRIBUTE):
+        display = node.GetDisplayNode()
+        if display is not None:
+            node.GetScene().RemoveNode(display)
+        node.GetScene().RemoveNode(node)
+
+
+def middlePoint(centerline):
+    """The middle of the longest way down the centerline, (3,)."""
+    leaf = centerline.leaves[np.argmax(centerline.arc_length[centerline.leaves])]
+    chain = centerline.ancestry(leaf)
+    at = centerline.arc_length[chain]
+    return centerline.points[chain[np.argmin(abs(at - at[-1] / 2))]]
+
+
+def endsAround(centerline, point, length):
+    """Two points on the centerline, about half of `length` up and down from `point`, (2, 3)."""
+    path = centerline.path_around(point, length)
+    return path.points[[0, -1]]
+
+
+def fitHandle(node, placement, centerline, length):
+    """Give a handle the points that a placement needs; further points of a point list of ours are dropped."""
+    if node is None or placement == Placement.ALONG_CURVE or node.IsA("vtkMRMLMarkupsCurveNode"):
+        return
+    count = node.GetNumberOfControlPoints()
+    with slicer.util.NodeModify(node):
+        if placement == Placement.BETWEEN_POINTS and count == 1:
+            ends = endsAround(centerline, node.GetNthControlPointPositionWorld(0), length)
+            node.SetNthControlPointPositionWorld(0, *ends[0])
+            node.AddControlPointWorld(*ends[1])
+        elif placement.pointCount == 1 and count > 1 and node.GetAttribute(HANDLE_ATTRIBUTE):
+            middle = np.mean(
+                [node.GetNthControlPointPositionWorld(i) for i in range(count)], axis=0
+            )
+            for index in reversed(range(1, count)):
+                node.RemoveNthControlPoint(index)
+            node.SetNthControlPointPositionWorld(0, *centerline.project(middle).point)
+
+
+def snapHandle(node, placement, centerline):
+    """Move the placed points of a handle onto the centerline; a curve stays as it is drawn."""
+    if placement == Placement.ALONG_CURVE or node.IsA("vtkMRMLMarkupsCurveNode"):
+        return
+    points = Conversion.handlePoints(node, placement.pointCount, _("Stent"))
+    with slicer.util.NodeModify(node):
+        for index, point in enumerate(points):
+            snapped = centerline.project(point).point
+            if np.linalg.norm(snapped - point) > 1e-6:
+                node.SetNthControlPointPositionWorld(index, *snapped)

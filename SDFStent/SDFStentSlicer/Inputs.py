@@ -1,0 +1,55 @@
+"""The vessel and the centerline of a parameter node as arrays, converted only when the nodes have changed."""
+
+import numpy as np
+
+from SDFStentLib.polydata import arrays_from_polydata
+from SDFStentLib.triangulation import triangulated_polydata
+from SDFStentLib.validation import InputError
+
+from . import Conversion
+
+
+class Inputs:
+    """Remembers the last conversion of each kind."""
+
+    def __init__(self):
+        self._vessel = self._centerline = (None, None)
+
+    def vessel(self, parameterNode):
+        """Points, triangles and triangulated polydata of the vessel in world coordinates.
+
+        The polydata is shared: copy it before changing it.
+        """
+        node, segmentID = parameterNode.vessel, parameterNode.segmentID
+        stamp = (Conversion.changeStamp(node), segmentID)
+        if node is None or stamp != self._vessel[0]:
+            surface = Conversion.vesselPolyData(node, segmentID)
+            name = f"Vessel {node.GetName()}"
+            polyData = triangulated_polydata(surface, name).polydata
+            points, triangles = arrays_from_polydata(polyData, name)
+            self._vessel = (stamp, (points, triangles, polyData))
+        return self._vessel[1]
+
+    def centerline(self, parameterNode):
+        """The library's centerline."""
+        node = parameterNode.centerline
+        stamp = Conversion.changeStamp(node)
+        if node is None or stamp != self._centerline[0]:
+            self._centerline = (stamp, Conversion.centerlineOf(node))
+        return self._centerline[1]
+
+    def sizeLimits(self, parameterNode):
+        """Largest sensible diameter and length of a stent for this vessel, mm."""
+        try:
+            centerline = self.centerline(parameterNode)
+        except InputError:
+            return 40.0, 120.0
+        radius = centerline.inscribed_radius[np.isfinite(centerline.inscribed_radius)]
+        diameter = float(np.ceil(4 * np.max(radius))) if len(radius) else 40.0
+        return min(60.0, diameter), min(300.0, float(np.ceil(np.max(centerline.arc_length))))
+
+    def suggestedDiameter(self, parameterNode):
+        """A diameter that fits the vessel where a new stent is put, mm; 8 where the radius is unknown."""
+        radius = self.centerline(parameterNode).inscribed_radius
+        known = radius[np.isfinite(radius)]
+        return float(round(2 * np.median(known), 1)) if len(known) else 8.0

@@ -1,0 +1,316 @@
+"""What the module does, without widgets: the panel and the Python console both use this."""
+
+import sys
+
+import slicer
+import vtk
+from slicer.i18n import tr as _
+from slicer.ScriptedLoadableModule import ScriptedLoadableModuleLogic
+from vtk.util.numpy_support import vtk_to_numpy
+
+from SDFStentLib.validation import DeploymentError, InputError
+
+from . import Conversion, Display, Handles, Plans, Results
+from .Inputs import Inputs
+from .ParameterNode import STENT_FIELDS, MethodParameters, Placement, SDFStentParameterNode
+from .Stenting import Stenting
+from .StentList import StentList
+
+
+class SDFStentLogic(ScriptedLoadableModuleLogic):
+    """Deploys the stents of a parameter node.
+
+        logic = SDFStentLogic()
+        parameters = logic.getParameterNode()
+        parameters.vessel, parameters.centerline = vesselModel, centerlineModel
+        logic.addStent(parameters, diameter=8, length=20)
+        result = logic.deploy(parameters)
+        print(result.results[0].summary(), result.certificate)
+
+    `deploy` is `steps` run to its end; `steps` can be stopped at any time. The inputs are never changed.
+    """
+
+    def __init__(self):
+        ScriptedLoadableModuleLogic.__init__(self)
+        self._wrapper = None
+        self.forget()
+
+    def forget(self):
+        """Let go of everything that belongs to the scene."""
+        self._runs, self._surfaces, self._inputs = {}, {}, Inputs()
+
+    def getParameterNode(self):
+        node = super().getParameterNode()
+        if self._wrapper is None or self._wrapper.parameterNode is not node:
+            self._wrapper = SDFStentParameterNode(node)
+        return self._wrapper
+
+    # The plan's stents
+
+    @staticmethod
+    def stentList(parameterNode):
+        """The ordered list of stents, to add, copy, remove, move and switch them."""
+        return StentList(parameterNode)
+
+    def addStent(self, parameterNode, **values):
+        """Append a stent, with a handle at the middle of the centerline unless `handle` is given; returns the handle."""
+        unknown = set(values) - set(STENT_FIELDS)
+        if unknown:
+            raise InputError(
+                f"Stent: expected values of {', '.join(STENT_FIELDS)}, got {', '.join(sorted(unknown))}."
+            )
+        stents = StentList(parameterNode)
+        if "handle" not in values:
+            placement = values.get("placement", Placement.CENTER)
+            centerline = self._inputs.centerline(parameterNode)
+            values.setdefault("diameter", self._inputs.suggestedDiameter(parameterNode))
+            name = values.get("label", _("Stent {number}").format(number=len(stents) + 1))
+            values["handle"] = Handles.createHandle(
+                slicer.mrmlScene, name, [Handles.middlePoint(centerline)]
+            )
+            Handles.fitHandle(values["handle"], placement, centerline, values.get("length", 20.0))
+        stents.add(**values)
+        return values["handle"]
+
+    def copyStent(self, parameterNode):
+        """Append a copy of the selected stent with a handle of its own."""
+        handle = parameterNode.stent.handle
+        points = (
+            [
+                handle.GetNthControlPointPositionWorld(i)
+                for i in range(handle.GetNumberOfControlPoints())
+            ]
+            if handle
+            else []
+        )
+        StentList(parameterNode).copy(
+            Handles.createHandle(slicer.mrmlScene, parameterNode.stent.label, points)
+        )
+
+    def removeStent(self, parameterNode):
+        """Remove the selected stent, and its handle if this module made it."""
+        handle = parameterNode.stent.handle
+        StentList(parameterNode).remove()
+        if handle not in [stent.handle for stent in parameterNode.stents]:
+            Handles.removeHandle(handle)
+
+    def fitHandle(self, parameterNode):
+        """Give the selected stent's handle the points that its placement needs."""
+        stent = parameterNode.stent
+        if stent.handle is not None and parameterNode.centerline is not None:
+            Handles.fitHandle(
+                stent.handle, stent.placement, self._inputs.centerline(parameterNode), stent.length
+            )
+
+    def snapHandle(self, parameterNode, handle):
+        """Move a handle's points onto the centerline."""
+        placements = [stent.placement for stent in parameterNode.stents if stent.handle is handle]
+        if placements and parameterNode.centerline is not None and not self.missing(parameterNode):
+            Handles.snapHandle(handle, placements[0], self._inputs.centerline(parameterNode))
+
+    def restoreMethod(self, parameterNode):
+        """Set the method back to its defaults."""
+        parameterNode.method = MethodParameters()
+
+    def loadPlan(self, path, parameterNode):
+        """Replace stents and method by those of a plan document."""
+        Plans.load(path, parameterNode)
+
+    def savePlan(self, path, parameterNode):
+        """Write stents and method as a plan document."""
+        Plans.save(path, parameterNode)
+
+    # What a deployment depends on
+
+    def inputNodes(self, parameterNode):
+        """Every node that the result depends on."""
+        handles = [stent.handle for stent in parameterNode.stents]
+        nodes = [parameterNode.vessel, parameterNode.centerline, *handles]
+        return [node for i, node in enumerate(nodes) if node is not None and node not in nodes[:i]]
+
+    def missing(self, parameterNode):
+        """What has to be chosen before Deploy, as a sentence; "" when nothing is. Changes nothing."""
+        stents = [stent for stent in parameterNode.stents if stent.enabled]
+        needsCenterline = any(stent.placement != Placement.ALONG_CURVE for stent in stents)
+        if parameterNode.vessel is None:
+            return _("Select a vessel: a surface model or a segmentation.")
+        if parameterNode.centerline is None and (needsCenterline or not stents):
+            return _("Select a centerline: a model or a markups curve.")
+        if not stents:
+            return _("Add a stent, or switch one on.")
+        for stent in stents:
+            if stent.handle is None:
+                return _("{label}: choose a handle.").format(label=stent.label)
+            if stent.placement == Placement.ALONG_CURVE and not stent.handle.IsA(
+                "vtkMRMLMarkupsCurveNode"
+            ):
+                return _("{label}: choose a markups curve as its handle.").format(label=stent.label)
+            if stent.handle.GetNumberOfDefinedControlPoints() < stent.placement.pointCount:
+                return _("{label}: place {count} point(s) of its handle in a view.").format(
+                    label=stent.label, count=stent.placement.pointCount
+                )
+        return ""
+
+    def signature(self, parameterNode):
+        """A value that differs whenever the result would."""
+        method = parameterNode.method
+        return (
+            Conversion.changeStamp(parameterNode.vessel),
+            parameterNode.segmentID,
+            Conversion.changeStamp(parameterNode.centerline),
+            tuple(getattr(method, name) for name in MethodParameters.allParameters),
+            tuple(
+                (
+                    s.label,
+                    s.diameter,
+                    s.length,
+                    s.foreshortening,
+                    s.placement,
+                    Conversion.changeStamp(s.handle),
+                )
+                for s in parameterNode.stents
+                if s.enabled
+            ),
+        )
+
+    def sizeLimits(self, parameterNode):
+        """Largest sensible diameter and length for the sliders, mm."""
+        return self._inputs.sizeLimits(parameterNode)
+
+    # Deploying
+
+    def deploy(self, parameterNode=None):
+        """Everything in one call; returns the `Stenting` with its results.
+
+        Raises `InputError` or `DeploymentError` with a sentence for the user.
+        """
+        parameterNode = parameterNode or self.getParameterNode()
+        for _fraction in self.steps(parameterNode):
+            pass
+        return self._runs[parameterNode.parameterNode.GetID()]
+
+    def steps(self, parameterNode, live=False):
+        """Deploy step by step: an iterator over the fraction done that shows every step in the output.
+
+        `live` leaves out measuring and certifying; `measure` does it later.
+        """
+        missing = self.missing(parameterNode)
+        if missing:
+            raise InputError(missing)
+        points, triangles, template = self._inputs.vessel(parameterNode)
+        centerline = (
+            None if parameterNode.centerline is None else self._inputs.centerline(parameterNode)
+        )
+        run = Stenting(
+            points,
+            triangles,
+            centerline,
+            Plans.stentsOf(parameterNode),
+            Plans.settingsOf(parameterNode, live),
+            straightening=parameterNode.method.straightening / 100,
+            dtype=vtk_to_numpy(template.GetPoints().GetData()).dtype,
+        )
+        surface = self._surface(parameterNode, template)
+        self._runs[parameterNode.parameterNode.GetID()] = run
+        parameterNode.status = ""
+        for fraction in run.steps():
+            step = run.recorded[-1]
+            surface.show(run.bases[step.stent], step.indices, step.coordinates)
+            yield fraction
+        surface.show(run.points)
+        Results.showEnd(parameterNode, run)
+        Results.showMap(parameterNode, run)
+        if not live:
+            yield from self.measure(parameterNode)
+
+    def measure(self, parameterNode):
+        """Diameters, certificate, table and plot of the last deployment; an iterator as `steps`."""
+        run = self._runs.get(parameterNode.parameterNode.GetID())
+        if run is None or not run.recorded:
+            return
+        for _part in run.measure():
+            yield 1.0
+        Results.showMeasured(parameterNode, run)
+
+    def hasSteps(self, parameterNode):
+        """Whether there is a deployment to go back and forth over."""
+        run = self._runs.get(parameterNode.parameterNode.GetID())
+        return run is not None and bool(run.recorded) and parameterNode.outputVessel is not None
+
+    def showStep(self, parameterNode, percent):
+        """Show the last deployment at a percentage of its steps."""
+        run = self._runs.get(parameterNode.parameterNode.GetID())
+        surface = self._surfaces.get(parameterNode.parameterNode.GetID())
+        if run is None or surface is None or not surface.isValid:
+            return
+        points, tubes = run.end() if percent >= 100 else run.at(percent)
+        surface.show(points)
+        Results.showStents(parameterNode, tubes)
+
+    def reset(self, parameterNode):
+        """Show the vessel without stents again."""
+        self.showStep(parameterNode, 0)
+        with slicer.util.NodeModify(parameterNode):
+            parameterNode.expansion = 0.0
+            parameterNode.lumenSummary = parameterNode.certificateSummary = ""
+
+    # Showing
+
+    def updateDisplay(self, parameterNode):
+        """Bring what is shown into line with the parameters; makes no nodes."""
+        if (
+            parameterNode.outputStents is not None
+            and parameterNode.outputStents.GetDisplayNode() is not None
+        ):
+            parameterNode.outputStents.GetDisplayNode().SetVisibility(parameterNode.showStents)
+        run = self._runs.get(parameterNode.parameterNode.GetID())
+        if run is not None and run.shownMap != parameterNode.map:
+            Results.showMap(parameterNode, run)
+
+    def showPlot(self, parameterNode):
+        """Show the chart in a layout that has a plot."""
+        slicer.modules.plots.logic().ShowChartInLayout(parameterNode.outputChart)
+
+    def showTable(self, parameterNode):
+        """Show the table in a layout that has one."""
+        selection = slicer.app.applicationLogic().GetSelectionNode()
+        selection.SetReferenceActiveTableID(parameterNode.outputTable.GetID())
+        slicer.app.applicationLogic().PropagateTableSelection()
+
+    @staticmethod
+    def sentence(error):
+        """What the user reads about an error."""
+        if isinstance(error, (InputError, DeploymentError)):
+            return str(error)
+        return _("Unexpected error: {kind}: {text}").format(kind=type(error).__name__, text=error)
+
+    @staticmethod
+    def dropLoadedPackages():
+        """Make the next import read both halves again (used by Reload)."""
+        for name in [
+            n for n in sys.modules if n.split(".")[0] in ("SDFStentLib", "SDFStentSlicer")
+        ]:
+            del sys.modules[name]
+
+    def _surface(self, parameterNode, template):
+        """The output of a parameter node, showing the template's mesh; kept while the mesh stays the same."""
+        key = parameterNode.parameterNode.GetID()
+        surface = self._surfaces.get(key)
+        isNew = parameterNode.outputVessel is None
+        node = Display.outputModel(
+            parameterNode, "outputVessel", _("Stented vessel"), Display.VESSEL_COLOR
+        )
+        if isNew:
+            node.GetDisplayNode().SetOpacity(Display.VESSEL_OPACITY)
+            Display.hideModel(parameterNode.vessel)
+        if (
+            surface is None
+            or surface.node is not node
+            or surface.template is not template
+            or not surface.isValid
+        ):
+            copy = vtk.vtkPolyData()
+            copy.DeepCopy(template)
+            surface = self._surfaces[key] = Display.SurfaceOutput(node, copy)
+            surface.template = template
+        return surface

@@ -1,0 +1,130 @@
+"""The module's typed parameters: everything a user chooses, stored in the scene."""
+
+import enum
+from typing import Annotated
+
+from slicer import (
+    vtkMRMLMarkupsCurveNode,
+    vtkMRMLMarkupsFiducialNode,
+    vtkMRMLModelNode,
+    vtkMRMLPlotChartNode,
+    vtkMRMLSegmentationNode,
+    vtkMRMLTableNode,
+)
+from slicer.i18n import tr as _
+from slicer.parameterNodeWrapper import Choice, WithinRange, parameterNodeWrapper, parameterPack
+
+
+class Placement(enum.Enum):
+    """What the points of a stent's handle mean."""
+
+    CENTER = "center"
+    DISTAL_END = "distal"
+    PROXIMAL_END = "proximal"
+    BETWEEN_POINTS = "between"
+    ALONG_CURVE = "axis"
+
+    def label(self):
+        """The text in the panel."""
+        return {
+            Placement.CENTER: _("Middle at a point"),
+            Placement.DISTAL_END: _("Distal end at a point"),
+            Placement.PROXIMAL_END: _("Proximal end at a point"),
+            Placement.BETWEEN_POINTS: _("Between two points"),
+            Placement.ALONG_CURVE: _("Along a curve"),
+        }[self]
+
+    @property
+    def usesHandleLength(self):
+        """Whether the handle alone says how long the stent is."""
+        return self in (Placement.BETWEEN_POINTS, Placement.ALONG_CURVE)
+
+    @property
+    def pointCount(self):
+        """How many placed points the handle needs."""
+        return 1 if self in (Placement.CENTER, Placement.DISTAL_END, Placement.PROXIMAL_END) else 2
+
+
+class SurfaceMap(enum.Enum):
+    """What colors the stented vessel."""
+
+    NONE = ""
+    DISPLACEMENT = "Displacement"
+    AREA_STRETCH = "AreaStretch"
+
+    def label(self):
+        """The text in the panel."""
+        return {
+            SurfaceMap.NONE: _("None"),
+            SurfaceMap.DISPLACEMENT: _("Displacement of the wall (mm)"),
+            SurfaceMap.AREA_STRETCH: _("Stretch of the wall (area, new / old)"),
+        }[self]
+
+
+@parameterPack
+class StentParameters:
+    """One stent of the plan. Sizes in mm; foreshortening in percent, as on screen."""
+
+    label: str = "Stent"
+    enabled: bool = True
+    diameter: Annotated[float, WithinRange(0.5, 60.0)] = 8.0
+    length: Annotated[float, WithinRange(1.0, 300.0)] = 20.0
+    foreshortening: Annotated[float, WithinRange(0.0, 50.0)] = 10.0
+    placement: Placement = Placement.CENTER
+    handle: vtkMRMLMarkupsFiducialNode | vtkMRMLMarkupsCurveNode | None
+
+
+@parameterPack
+class MethodParameters:
+    """How the wall follows the stent; the library's defaults. A step of 0 stands for the rule's own."""
+
+    influenceDistance: Annotated[float, WithinRange(0.5, 30.0)] = 6.5
+    smoothingWidth: Annotated[float, WithinRange(0.0, 3.0)] = 0.4
+    capsuleLength: Annotated[float, WithinRange(0.2, 5.0)] = 1.0
+    tissueGap: Annotated[float, WithinRange(0.0, 5.0)] = 0.4
+    rule: Annotated[str, Choice(["events", "published"])] = "events"
+    step: Annotated[float, WithinRange(0.0, 2.0)] = 0.0
+    straightening: Annotated[float, WithinRange(0.0, 100.0)] = 0.0
+    falloff: Annotated[str, Choice(["compact", "wendland", "cosine"])] = "compact"
+
+
+@parameterNodeWrapper
+class SDFStentParameterNode:
+    """Inputs, the plan, what is shown, and the nodes that hold the results.
+
+    `stents` is the plan's ordered list; `stent` is the selected one while it is edited, kept equal to `stents[selected]` by
+    `StentList`.
+    """
+
+    vessel: vtkMRMLModelNode | vtkMRMLSegmentationNode | None
+    segmentID: str = ""
+    centerline: vtkMRMLModelNode | vtkMRMLMarkupsCurveNode | None
+
+    stents: list[StentParameters]
+    selected: int = -1
+    stent: StentParameters
+    method: MethodParameters
+
+    autoUpdate: bool = False
+    expansion: Annotated[float, WithinRange(0.0, 100.0)] = 100.0
+    map: SurfaceMap = SurfaceMap.NONE
+    showStents: bool = True
+
+    outputVessel: vtkMRMLModelNode | None
+    outputCenterline: vtkMRMLModelNode | None
+    outputStents: vtkMRMLModelNode | None
+    outputTable: vtkMRMLTableNode | None
+    outputChart: vtkMRMLPlotChartNode | None
+
+    status: str = ""
+    lumenSummary: str = ""
+    certificateSummary: str = ""
+    planDocument: str = ""
+
+
+STENT_FIELDS = ("label", "enabled", "diameter", "length", "foreshortening", "placement", "handle")
+
+
+def stentValues(stent):
+    """The values of a stent as a dictionary, free of the node it may live in."""
+    return {name: getattr(stent, name) for name in STENT_FIELDS}

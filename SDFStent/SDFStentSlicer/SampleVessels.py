@@ -1,0 +1,67 @@
+"""Synthetic vessels in Slicer's Sample Data, made on the spot: nothing is downloaded."""
+
+import pathlib
+
+import numpy as np
+import slicer
+from slicer.i18n import tr as _
+
+from SDFStentLib.polydata import add_arrays, polydata_from_arrays, polydata_from_lines
+
+CATEGORY = "SDF Stent"
+
+
+def registerSampleData():
+    """Offer both vessels in the Sample Data module."""
+    import SampleData
+
+    icons = pathlib.Path(__file__).resolve().parents[1] / "Resources" / "Icons"
+    for name, phantomName in (
+        ("StenosedPulmonaryArtery", "branching_pulmonary_artery"),
+        ("AortaWithCoarctation", "arch_with_coarctation"),
+    ):
+        SampleData.SampleDataLogic.registerCustomSampleDataSource(
+            category=CATEGORY,
+            sampleName=name,
+            thumbnailFileName=str(icons / "SDFStent.svg"),
+            uris="",
+            fileNames="",
+            nodeNames="",
+            customDownloader=lambda source, phantomName=phantomName, name=name: addSampleVessel(
+                phantomName, name
+            ),
+        )
+
+
+def addSampleVessel(phantomName, name, scene=None):
+    """A phantom of the library as two nodes: vessel model and centerline model, returned in this order."""
+    from SDFStentLib import phantoms
+
+    scene = scene or slicer.mrmlScene
+    phantom = getattr(phantoms, phantomName)()
+    vessel = _addModel(
+        scene, name, polydata_from_arrays(phantom.points.astype(np.float32), phantom.triangles)
+    )
+    vessel.GetDisplayNode().SetOpacity(0.5)
+    vessel.GetDisplayNode().SetColor(0.85, 0.45, 0.4)
+    centerline = _addModel(
+        scene, _("{name} centerline").format(name=name), _lines(phantom.centerline)
+    )
+    centerline.GetDisplayNode().SetLineWidth(3)
+    return [vessel, centerline]
+
+
+def _addModel(scene, name, polyData):
+    node = scene.AddNewNodeByClass("vtkMRMLModelNode", scene.GenerateUniqueName(name))
+    node.SetAndObservePolyData(polyData)
+    node.CreateDefaultDisplayNodes()
+    node.GetDisplayNode().SetVisibility2D(True)
+    return node
+
+
+def _lines(centerline):
+    """The library's centerline as poly-lines with the array `Radius`, as Extract Centerline makes them."""
+    lines = [centerline.ancestry(leaf) for leaf in centerline.leaves]
+    polyData = polydata_from_lines(centerline.points.astype(np.float32), lines)
+    add_arrays(polyData, {"Radius": centerline.inscribed_radius}, None)
+    return polyData

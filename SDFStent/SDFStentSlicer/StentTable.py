@@ -1,0 +1,66 @@
+"""The table of the plan's stents in the panel."""
+
+import qt
+from slicer.i18n import tr as _
+
+
+class StentTable:
+    """Shows a `StentList` in `ui.stentTable`; reports what the user selects and switches on or off."""
+
+    def __init__(self, ui, onSelect, onEnable):
+        self.ui, self._onSelect, self._onEnable = ui, onSelect, onEnable
+        self._updating = False
+        self._shown = None
+        self.ui.stentTable.connect("itemSelectionChanged()", self._selectionChanged)
+        self.ui.stentTable.connect("itemChanged(QTableWidgetItem*)", self._itemChanged)
+
+    def show(self, stents, selected):
+        """Fill the table; does nothing when it shows this already."""
+        rows = [_texts(values) for values in stents]
+        if self._shown == (rows, selected):
+            return
+        self._updating = True
+        try:
+            self.ui.stentTable.setRowCount(len(rows))
+            for row, texts in enumerate(rows):
+                self._fill(row, texts, stents[row]["enabled"])
+            if 0 <= selected < len(rows):
+                self.ui.stentTable.selectRow(selected)
+            else:
+                self.ui.stentTable.clearSelection()
+        finally:
+            self._updating = False
+        self._shown = (rows, selected)
+
+    def _fill(self, row, texts, enabled):
+        for column, text in enumerate(texts[:-1]):
+            item = qt.QTableWidgetItem(text)
+            if column == 0:
+                item.setFlags(
+                    qt.Qt.ItemIsEnabled | qt.Qt.ItemIsSelectable | qt.Qt.ItemIsUserCheckable
+                )
+                item.setCheckState(qt.Qt.Checked if enabled else qt.Qt.Unchecked)
+                item.setToolTip(_("Tick to deploy this stent, untick to leave it out."))
+            self.ui.stentTable.setItem(row, column, item)
+
+    def _selectionChanged(self):
+        row = self.ui.stentTable.currentRow()
+        if not self._updating and row >= 0:
+            self._onSelect(row)
+
+    def _itemChanged(self, item):
+        if not self._updating and item.column() == 0:
+            self._onEnable(item.row(), item.checkState() == qt.Qt.Checked)
+
+
+def _texts(values):
+    length = (
+        _("as placed") if values["placement"].usesHandleLength else f"{values['length']:.1f} mm"
+    )
+    return (
+        values["label"],
+        f"{values['diameter']:.1f} mm",
+        length,
+        values["placement"].label(),
+        values["enabled"],
+    )

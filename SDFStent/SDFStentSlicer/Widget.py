@@ -1,0 +1,295 @@
+"""The panel: wires widgets to the logic and enables what can be done."""
+
+import qt
+import slicer
+import vtk
+from slicer.i18n import tr as _
+from slicer.ScriptedLoadableModule import ScriptedLoadableModuleWidget
+from slicer.util import VTKObservationMixin
+
+from .DeploySession import DeploySession
+from .Logic import SDFStentLogic
+from .StentList import StentList
+from .StentTable import StentTable
+
+
+class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
+    """See `SDFStentLogic` for everything that is computed; this class knows only how it is asked for and shown."""
+
+    def __init__(self, parent=None, logic=None):
+        ScriptedLoadableModuleWidget.__init__(self, parent)
+        VTKObservationMixin.__init__(self)
+        self.logic = logic
+        self.session = self.stents = self.table = None
+        self._parameterNode = self._guiTag = None
+        self._observedInputs = []
+
+    # Life cycle
+
+    def setup(self):
+        ScriptedLoadableModuleWidget.setup(self)
+        uiWidget = slicer.util.loadUI(self.resourcePath("UI/SDFStent.ui"))
+        self.layout.addWidget(uiWidget)
+        self.ui = slicer.util.childWidgetVariables(uiWidget)
+        uiWidget.setMRMLScene(slicer.mrmlScene)
+        self.logic = self.logic or SDFStentLogic()
+        self.session = DeploySession(self.logic, self._onStart, self._onProgress, self._onDone)
+        self.table = StentTable(self.ui, self._onSelectStent, self._onEnableStent)
+        self._connect()
+        self.addObserver(slicer.mrmlScene, slicer.mrmlScene.StartCloseEvent, self.onSceneStartClose)
+        self.addObserver(slicer.mrmlScene, slicer.mrmlScene.EndCloseEvent, self.onSceneEndClose)
+        self.addObserver(slicer.mrmlScene, slicer.mrmlScene.EndImportEvent, self.onSceneEndImport)
+        self.initializeParameterNode()
+
+    def cleanup(self):
+        self.setParameterNode(None)
+        self.removeObservers()
+
+    def enter(self):
+        self.initializeParameterNode()
+
+    def exit(self):
+        self.setParameterNode(None)
+
+    def onSceneStartClose(self, caller=None, event=None):
+        self.setParameterNode(None)
+        self.logic.forget()
+
+    def onSceneEndClose(self, caller=None, event=None):
+        if self.parent.isEntered:
+            self.initializeParameterNode()
+
+    def onSceneEndImport(self, caller=None, event=None):
+        self.setParameterNode(None)
+        self.onSceneEndClose()
+
+    def onReload(self):
+        self.logic.dropLoadedPackages()
+        ScriptedLoadableModuleWidget.onReload(self)
+
+    # Parameter node
+
+    def initializeParameterNode(self):
+        self.setParameterNode(self.logic.getParameterNode())
+
+    def setParameterNode(self, parameterNode):
+        """Show and observe another parameter node, or none."""
+        if parameterNode is self._parameterNode:
+            return
+        if self._parameterNode is not None:
+            self._parameterNode.disconnectGui(self._guiTag)
+            self.removeObserver(
+                self._parameterNode.parameterNode,
+                vtk.vtkCommand.ModifiedEvent,
+                self.onParameterNodeModified,
+            )
+            self._observeInputs([])
+        self._parameterNode = parameterNode
+        self.session.setParameterNode(parameterNode)
+        self.stents = None
+        if parameterNode is not None:
+            self.stents = StentList(parameterNode)
+            self._guiTag = parameterNode.connectGui(self.ui)
+            self.addObserver(
+                parameterNode.parameterNode,
+                vtk.vtkCommand.ModifiedEvent,
+                self.onParameterNodeModified,
+            )
+            self.onParameterNodeModified()
+
+    def onParameterNodeModified(self, caller=None, event=None):
+        if self._parameterNode is None or self.stents.synchronize():
+            return  # synchronizing has called this again
+        self._observeInputs(self.logic.inputNodes(self._parameterNode))
+        self._updatePanel()
+        self._requestUpdate()
+
+    def _observeInputs(self, nodes):
+        """Follow every node that the result depends on; nothing is done when they are the same as before."""
+        if nodes == self._observedInputs:
+            return
+        for node in self._observedInputs:
+            for event in self._eventsOf(node):
+                self.removeObserver(node, event, self.onInputModified)
+            if node.IsA("vtkMRMLMarkupsNode"):
+                self.removeObserver(node, node.PointEndInteractionEvent, self.onHandleReleased)
+        self._observedInputs = nodes
+        for node in nodes:
+            for event in self._eventsOf(node):
+                self.addObserver(node, event, self.onInputModified)
+            if node.IsA("vtkMRMLMarkupsNode"):
+                self.addObserver(node, node.PointEndInteractionEvent, self.onHandleReleased)
+
+    @staticmethod
+    def _eventsOf(node):
+        events = [slicer.vtkMRMLTransformableNode.TransformModifiedEvent]
+        if node.IsA("vtkMRMLMarkupsNode"):
+            events += [
+                node.PointModifiedEvent,
+                node.PointPositionDefinedEvent,
+                node.PointRemovedEvent,
+            ]
+        elif node.IsA("vtkMRMLModelNode"):
+            events.append(slicer.vtkMRMLModelNode.MeshModifiedEvent)
+        else:
+            events.append(vtk.vtkCommand.ModifiedEvent)
+        return events
+
+    def onInputModified(self, caller=None, event=None):
+        self._updateEnabled()
+        self._requestUpdate()
+
+    def onHandleReleased(self, caller=None, event=None):
+        if self._parameterNode is not None:
+            self.logic.snapHandle(self._parameterNode, caller)
+
+    def _requestUpdate(self):
+        if self._parameterNode is not None and self._parameterNode.autoUpdate:
+            self.session.request()
+
+    # What the panel shows
+
+    def _updatePanel(self):
+        parameterNode = self._parameterNode
+        self.table.show(self.stents.values(), parameterNode.selected)
+        isSegmentation = parameterNode.vessel is not None and parameterNode.vessel.IsA(
+            "vtkMRMLSegmentationNode"
+        )
+        self.ui.segmentSelector.visible = self.ui.segmentSelectorLabel.visible = isSegmentation
+        self.ui.segmentSelector.setCurrentNode(parameterNode.vessel if isSegmentation else None)
+        if isSegmentation and parameterNode.segmentID:
+            self.ui.segmentSelector.setCurrentSegmentID(parameterNode.segmentID)
+        self.ui.placeWidget.setCurrentNode(parameterNode.stent.handle if len(self.stents) else None)
+        self._updateLimits()
+        self._updateEnabled()
+        self.logic.updateDisplay(parameterNode)
+
+    def _updateLimits(self):
+        """Sliders reach as far as this vessel makes sense, and never less far than the value that is set."""
+        stent = self._parameterNode.stent
+        diameter, length = self.logic.sizeLimits(self._parameterNode)
+        self.ui.diameterSlider.maximum = max(diameter, stent.diameter)
+        self.ui.lengthSlider.maximum = max(length, stent.length)
+
+    def _updateEnabled(self):
+        if self._parameterNode is None:
+            return
+        running, count = self.session.isRunning, len(self.stents)
+        missing = self.logic.missing(self._parameterNode)
+        self.ui.deployButton.enabled = not missing and not running
+        self.ui.deployButton.toolTip = missing or _(
+            "Expand the stents and show the stented vessel."
+        )
+        self.ui.cancelButton.enabled = running
+        self.ui.resetButton.enabled = self.logic.hasSteps(self._parameterNode) and not running
+        self.ui.expansionSlider.enabled = self.logic.hasSteps(self._parameterNode) and not running
+        self.ui.stentEditor.enabled = count > 0
+        self.ui.lengthSlider.enabled = not self._parameterNode.stent.placement.usesHandleLength
+        self.ui.foreshorteningSlider.enabled = (
+            not self._parameterNode.stent.placement.usesHandleLength
+        )
+        self.ui.addStentButton.enabled = self._parameterNode.centerline is not None
+        self.ui.copyStentButton.enabled = self.ui.removeStentButton.enabled = count > 0
+        self.ui.moveUpButton.enabled = self._parameterNode.selected > 0
+        self.ui.moveDownButton.enabled = 0 <= self._parameterNode.selected < count - 1
+        self.ui.savePlanButton.enabled = not missing
+        self.ui.showPlotButton.enabled = self._parameterNode.outputChart is not None
+        self.ui.showTableButton.enabled = self._parameterNode.outputTable is not None
+        self.ui.statusLabel.text = missing or self._parameterNode.status
+
+    # Deploying
+
+    def _onStart(self):
+        self.ui.progressBar.value = 0
+        self._updateEnabled()
+
+    def _onProgress(self, fraction):
+        self.ui.progressBar.value = int(100 * fraction)
+        self._updateEnabled()
+
+    def _onDone(self, error):
+        self.ui.progressBar.value = 0 if error else 100
+        if error is not None:
+            self._showError(error)
+        self._updateEnabled()
+
+    def _showError(self, error):
+        self._parameterNode.status = self.logic.sentence(error)
+        self._updateEnabled()
+
+    # Buttons
+
+    def _connect(self):
+        self.ui.segmentSelector.connect("currentSegmentChanged(QString)", self.onSegmentChanged)
+        self.ui.addStentButton.connect("clicked()", self.onAddStent)
+        self.ui.copyStentButton.connect("clicked()", self.onCopyStent)
+        self.ui.removeStentButton.connect("clicked()", self.onRemoveStent)
+        self.ui.moveUpButton.connect("clicked()", lambda: self.stents.move(-1))
+        self.ui.moveDownButton.connect("clicked()", lambda: self.stents.move(1))
+        self.ui.loadPlanButton.connect("clicked()", self.onLoadPlan)
+        self.ui.savePlanButton.connect("clicked()", self.onSavePlan)
+        self.ui.deployButton.connect("clicked()", lambda: self.session.start())
+        self.ui.cancelButton.connect("clicked()", self.onCancel)
+        self.ui.resetButton.connect("clicked()", lambda: self.logic.reset(self._parameterNode))
+        self.ui.expansionSlider.connect("valueChanged(double)", self.onExpansionChanged)
+        self.ui.showPlotButton.connect(
+            "clicked()", lambda: self.logic.showPlot(self._parameterNode)
+        )
+        self.ui.showTableButton.connect(
+            "clicked()", lambda: self.logic.showTable(self._parameterNode)
+        )
+        self.ui.defaultsButton.connect(
+            "clicked()", lambda: self.logic.restoreMethod(self._parameterNode)
+        )
+        self.ui.placementComboBox.connect("currentIndexChanged(int)", self.onPlacementChanged)
+
+    def onSegmentChanged(self, segmentID):
+        if self._parameterNode is not None and self.ui.segmentSelector.currentNode() is not None:
+            self._parameterNode.segmentID = segmentID
+
+    def _onSelectStent(self, row):
+        self.stents.select(row)
+
+    def _onEnableStent(self, row, enabled):
+        self.stents.enable(row, enabled)
+
+    def onAddStent(self):
+        self._attempt(lambda: self.logic.addStent(self._parameterNode))
+
+    def onCopyStent(self):
+        self._attempt(lambda: self.logic.copyStent(self._parameterNode))
+
+    def onRemoveStent(self):
+        self.logic.removeStent(self._parameterNode)
+
+    def onPlacementChanged(self, index=None):
+        if self._parameterNode is not None and len(self.stents):
+            self._attempt(lambda: self.logic.fitHandle(self._parameterNode))
+
+    def onExpansionChanged(self, percent):
+        if self._parameterNode is not None and not self.session.isRunning:
+            self.logic.showStep(self._parameterNode, percent)
+
+    def onCancel(self):
+        self.session.cancel()
+        self.ui.progressBar.value = 0
+        self._updateEnabled()
+
+    def onLoadPlan(self):
+        path = qt.QFileDialog.getOpenFileName(self.parent, _("Load plan"), "", _("Plan (*.json)"))
+        if path:
+            self._attempt(lambda: self.logic.loadPlan(path, self._parameterNode))
+
+    def onSavePlan(self):
+        path = qt.QFileDialog.getSaveFileName(
+            self.parent, _("Save plan"), "plan.json", _("Plan (*.json)")
+        )
+        if path:
+            self._attempt(lambda: self.logic.savePlan(path, self._parameterNode))
+
+    def _attempt(self, action):
+        """Do what a button asks for; when the input does not allow it, say the library's sentence."""
+        try:
+            action()
+        except (ValueError, RuntimeError, OSError) as error:
+            self._showError(error)

@@ -1,0 +1,1 @@
+"""The Slicer half of SDFStent: nodes, panel and display around the library SDFStentLib."""

@@ -1,0 +1,87 @@
+"""Fixtures for the module's tests: one host per process, a new scene per test, and a log that has to stay clean."""
+
+import os
+from pathlib import Path
+
+import pytest
+from sdfstent_host import missingLibraries
+
+MODULE = Path(__file__).parents[1] / "SDFStent.py"
+
+
+@pytest.fixture(scope="session")
+def host():
+    """The stand-in for the Slicer application."""
+    missing = missingLibraries()
+    if missing:
+        pytest.fail("\n".join(missing), pytrace=False)
+    from sdfstent_host import Host
+
+    return Host.start()
+
+
+@pytest.fixture(scope="session")
+def theModule(host):
+    """SDFStent.py, loaded as Slicer would."""
+    return host.loadModule(MODULE)
+
+
+@pytest.fixture
+def aScene(host, theModule):
+    """An empty scene; afterwards nothing may have been logged."""
+    host.newScene()
+    host.errors()
+    yield host.scene
+    assert host.errors() == []
+
+
+@pytest.fixture
+def aPanel(host, aScene, theModule):
+    """The module's panel, entered."""
+    panel = host.openPanel(theModule)
+    yield panel
+    host.closePanel(panel)
+
+
+@pytest.fixture
+def aLogic(aScene, theModule):
+    """A logic without a panel."""
+    return theModule.python.SDFStentLogic()
+
+
+@pytest.fixture
+def aVessel(aScene, theModule):
+    """The synthetic pulmonary artery: vessel model and centerline model."""
+    from SDFStentSlicer.SampleVessels import addSampleVessel
+
+    return addSampleVessel("branching_pulmonary_artery", "Artery")
+
+
+@pytest.fixture
+def theParameters(aLogic, aVessel):
+    """Parameters with one stent at the throat, ready to deploy."""
+    parameters = aLogic.getParameterNode()
+    parameters.vessel, parameters.centerline = aVessel
+    handle = aLogic.addStent(parameters, diameter=8.5, length=14.0)
+    handle.SetNthControlPointPositionWorld(0, *theThroat())
+    return parameters
+
+
+@pytest.fixture
+def thePictures(tmp_path):
+    """Where screenshots go: a folder of one's own by the variable SDFSTENT_PICTURES, else a temporary one."""
+    folder = Path(os.environ.get("SDFSTENT_PICTURES", tmp_path))
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+def theThroat():
+    """The narrowest place of the pulmonary artery."""
+    from SDFStentLib.phantoms import branching_pulmonary_artery
+
+    return branching_pulmonary_artery().throat.point
+
+
+def settle(host, panel, seconds=60.0):
+    """Let a panel run until nothing is under way or about to start."""
+    host.processUntil(lambda: not panel.session.isBusy, seconds)

@@ -1,0 +1,272 @@
+"""The logic on real MRML, without a panel."""
+
+import numpy as np
+import pytest
+import slicer
+import vtk
+from conftest import theThroat
+
+
+def pointsOf(node):
+    return np.array(slicer.util.arrayFromModelPoints(node))
+
+
+def test_the_lumen_gets_the_prescribed_diameter_and_the_input_stays(aLogic, theParameters):
+    before = pointsOf(theParameters.vessel)
+    run = aLogic.deploy(theParameters)
+    profile = run.results[0].after
+    assert profile.mean == pytest.approx(8.5, rel=0.01)
+    assert run.certificate.passed
+    np.testing.assert_array_equal(pointsOf(theParameters.vessel), before)
+    assert np.abs(pointsOf(theParameters.outputVessel) - before).max() > 1
+
+
+def test_every_step_updates_the_same_mesh_with_one_event(aLogic, theParameters):
+    aLogic.deploy(theParameters)
+    node = theParameters.outputVessel
+    mesh, array, events = node.GetPolyData(), node.GetPolyData().GetPoints().GetData(), []
+    node.AddObserver(slicer.vtkMRMLModelNode.MeshModifiedEvent, lambda *_: events.append(1))
+    steps = sum(1 for _ in aLogic.steps(theParameters, live=True))
+    assert node.GetPolyData() is mesh
+    assert mesh.GetPoints().GetData() is array
+    assert len(events) == steps + 1  # one per radius step and one for the end
+
+
+def test_normals_follow_the_surface(aLogic, theParameters):
+    aLogic.deploy(theParameters)
+    mesh = theParameters.outputVessel.GetPolyData()
+    fresh = vtk.vtkTriangleMeshPointNormals()
+    plain = vtk.vtkPolyData()
+    plain.SetPoints(mesh.GetPoints())
+    plain.SetPolys(mesh.GetPolys())
+    fresh.SetInputData(plain)
+    fresh.Update()
+    expected = fresh.GetOutput().GetPointData().GetNormals()
+    shown = mesh.GetPointData().GetNormals()
+    assert np.allclose(
+        vtk.util.numpy_support.vtk_to_numpy(shown), vtk.util.numpy_support.vtk_to_numpy(expected)
+    )
+
+
+def test_outputs_are_reused(aLogic, theParameters, aScene):
+    aLogic.deploy(theParameters)
+    count = aScene.GetNumberOfNodes()
+    aLogic.deploy(theParameters)
+    assert aScene.GetNumberOfNodes() == count
+
+
+def test_nothing_moves_beyond_the_influence_distance(aLogic, theParameters):
+    before = pointsOf(theParameters.vessel)
+    aLogic.deploy(theParameters)
+    far = np.linalg.norm(before - theThroat(), axis=1) > 14 / 2 + 8.5 / 2 + 6.5 + 1
+    np.testing.assert_array_equal(pointsOf(theParameters.outputVessel)[far], before[far])
+
+
+@pytest.mark.parametrize("kind", ["linear", "nonlinear"])
+def test_inputs_under_a_transform_give_the_result_of_hardened_ones(
+    aLogic, theParameters, aScene, kind
+):
+    transform = aScene.AddNewNodeByClass("vtkMRMLTransformNode")
+    if kind == "linear":
+        matrix = vtk.vtkTransform()
+        matrix.Translate(10, -20, 30)
+        matrix.RotateX(40)
+        transform.SetMatrixTransformToParent(matrix.GetMatrix())
+    else:
+        transform.SetAndObserveTransformToParent(aThinPlateSpline())
+    nodes = (theParameters.vessel, theParameters.centerline, theParameters.stent.handle)
+    for node in nodes:
+        node.SetAndObserveTransformNodeID(transform.GetID())
+    run = aLogic.deploy(theParameters)
+    for node in nodes:
+        node.HardenTransform()
+    hardened = aLogic.deploy(theParameters)
+    # Hardening stores coordinates as single precision.
+    np.testing.assert_allclose(run.points, hardened.points, atol=1e-3)
+    assert theParameters.outputVessel.GetParentTransformNode() is None
+
+
+def aThinPlateSpline():
+    source, target = vtk.vtkPoints(), vtk.vtkPoints()
+    rng = np.random.default_rng(4)
+    for corner in 60 * rng.random((8, 3)) - 30:
+        source.InsertNextPoint(corner)
+        target.InsertNextPoint(corner + rng.normal(scale=0.8, size=3))
+    spline = vtk.vtkThinPlateSplineTransform()
+    spline.SetSourceLandmarks(source)
+    spline.SetTargetLandmarks(target)
+    spline.SetBasisToR()
+    return spline
+
+
+def test_a_segmentation_gives_the_surface_of_the_model(aLogic, theParameters, aScene):
+    model = aLogic.deploy(theParameters)
+    segmentation = aScene.AddNewNodeByClass("vtkMRMLSegmentationNode")
+    segmentation.SetSourceRepresentationToClosedSurface()
+    segmentID = segmentation.AddSegmentFromClosedSurfaceRepresentation(
+        theParameters.vessel.GetPolyData(), "lumen"
+    )
+    theParameters.vessel, theParameters.segmentID = segmentation, segmentID
+    np.testing.assert_allclose(aLogic.deploy(theParameters).points, model.points, atol=1e-6)
+
+
+def test_a_curve_tree_is_a_centerline(aLogic, theParameters, aScene):
+    tree = addCurveTree(aScene, theParameters.centerline)
+    theParameters.centerline = tree[0]
+    run = aLogic.deploy(theParameters)
+    assert len(run.centerline.leaves) == 2
+    assert run.results[0].after.mean == pytest.approx(8.5, rel=0.01)
+
+
+def addCurveTree(scene, centerlineNode):
+    """One curve per branch, nested in the subject hierarchy, as Extract Centerline leaves them."""
+    from SDFStentSlicer import Conversion
+
+    hierarchy = slicer.vtkMRMLSubjectHierarchyNode.GetSubjectHierarchyNode(scene)
+    centerline, curves, parent = Conversion.centerlineOf(centerlineNode), [], None
+    for number, branch in enumerate(centerline.branches):
+        curve = scene.AddNewNodeByClass("vtkMRMLMarkupsCurveNode", f"Curve ({number})")
+        curve.SetNumberOfPointsPerInterpolatingSegment(1)
+        slicer.util.updateMarkupsControlPointsFromArray(curve, centerline.points[branch])
+        item = hierarchy.GetItemByDataNode(curve) or hierarchy.CreateItem(
+            hierarchy.GetSceneItemID(), curve
+        )
+        if parent is None:
+            parent = item
+        else:
+            hierarchy.SetItemParent(item, parent)
+        curves.append(curve)
+    return curves
+
+
+def test_a_curve_is_an_axis_without_a_centerline(aLogic, theParameters, aScene):
+    from SDFStentSlicer import Conversion
+    from SDFStentSlicer.ParameterNode import Placement
+
+    path = Conversion.centerlineOf(theParameters.centerline).path_around(theThroat(), 12.0)
+    curve = aScene.AddNewNodeByClass("vtkMRMLMarkupsCurveNode", "Axis")
+    slicer.util.updateMarkupsControlPointsFromArray(curve, path.points[::3])
+    theParameters.centerline = None
+    stents = aLogic.stentList(theParameters)
+    stents.replace([{**stents.values()[0], "placement": Placement.ALONG_CURVE, "handle": curve}], 0)
+    run = aLogic.deploy(theParameters)
+    assert run.results[0].after.mean == pytest.approx(8.5, rel=0.01)
+    assert theParameters.outputCenterline is None
+
+
+def test_two_stents_are_deployed_in_order(aLogic, theParameters):
+    first = aLogic.deploy(theParameters)
+    aLogic.addStent(theParameters, diameter=9.5, length=6.0, handle=theParameters.stent.handle)
+    both = aLogic.deploy(theParameters)
+    np.testing.assert_array_equal(both.bases[1], first.points)
+    assert [result.label for result in both.results] == ["Stent 1", "Stent 2"]
+    assert both.results[1].after.mean == pytest.approx(9.5, rel=0.02)
+    stents = aLogic.stentList(theParameters)
+    stents.enable(1, False)
+    np.testing.assert_array_equal(aLogic.deploy(theParameters).points, first.points)
+
+
+def test_stopping_leaves_what_is_shown_and_steps_can_be_revisited(aLogic, theParameters):
+    before = pointsOf(theParameters.vessel)
+    steps = aLogic.steps(theParameters)
+    next(steps)
+    next(steps)
+    steps.close()
+    aLogic.showStep(theParameters, 0)
+    np.testing.assert_array_equal(pointsOf(theParameters.outputVessel), before)
+    final = aLogic.deploy(theParameters).points
+    seen = []
+    for percent in (0, 50, 80, 100):
+        aLogic.showStep(theParameters, percent)
+        seen.append(np.abs(pointsOf(theParameters.outputVessel) - before).max())
+    assert seen == sorted(seen)
+    np.testing.assert_array_equal(pointsOf(theParameters.outputVessel), final.astype(np.float32))
+
+
+def test_table_and_chart_hold_the_diameters_in_mm(aLogic, theParameters):
+    run = aLogic.deploy(theParameters)
+    table = theParameters.outputTable
+    after = slicer.util.arrayFromTableColumn(table, "After (mm)")
+    np.testing.assert_array_equal(after, run.results[0].after.inscribed_diameter)
+    chart = theParameters.outputChart
+    assert [
+        chart.GetNthPlotSeriesNode(i).GetYColumnName()
+        for i in range(chart.GetNumberOfPlotSeriesNodes())
+    ] == [
+        "Before (mm)",
+        "After (mm)",
+        "Prescribed (mm)",
+    ]
+    assert "8.5 prescribed" in theParameters.lumenSummary
+    assert "watertight" in theParameters.certificateSummary
+
+
+def test_maps_color_the_output_with_a_legend(aLogic, theParameters):
+    from SDFStentSlicer.ParameterNode import SurfaceMap
+
+    run = aLogic.deploy(theParameters)
+    node = theParameters.outputVessel
+    for chosen, expected in (
+        (SurfaceMap.DISPLACEMENT, run.map("Displacement")),
+        (SurfaceMap.AREA_STRETCH, run.map("AreaStretch")),
+    ):
+        theParameters.map = chosen
+        aLogic.updateDisplay(theParameters)
+        assert node.GetDisplayNode().GetActiveScalarName() == chosen.value
+        assert node.GetDisplayNode().GetScalarVisibility()
+        get = (
+            slicer.util.arrayFromModelCellData
+            if expected[1]
+            else slicer.util.arrayFromModelPointData
+        )
+        np.testing.assert_allclose(get(node, chosen.value), expected[0], rtol=1e-6)
+    theParameters.map = SurfaceMap.NONE
+    aLogic.updateDisplay(theParameters)
+    assert not node.GetDisplayNode().GetScalarVisibility()
+
+
+def test_everything_survives_saving_and_loading_the_scene(
+    aLogic, theParameters, aScene, host, tmp_path
+):
+    aLogic.deploy(theParameters)
+    points = pointsOf(theParameters.outputVessel)
+    summary, path = theParameters.lumenSummary, tmp_path / "Szene mit Umlaut ä.mrb"
+    assert aScene.WriteToMRB(str(path))
+    host.newScene()
+    assert aScene.ReadFromMRB(str(path), True)
+    loaded = aLogic.getParameterNode()
+    assert loaded.lumenSummary == summary
+    assert loaded.stents[0].diameter == 8.5
+    assert loaded.stents[0].handle.GetNumberOfControlPoints() == 1
+    np.testing.assert_allclose(
+        pointsOf(loaded.outputVessel), points, atol=1e-4
+    )  # written as text or float
+    assert loaded.outputTable.GetNumberOfRows() > 5
+    count = aScene.GetNumberOfNodes()
+    aLogic.deploy(loaded)
+    assert aScene.GetNumberOfNodes() == count
+
+
+def test_two_parameter_nodes_do_not_disturb_each_other(aLogic, theParameters, aScene, theModule):
+    from SDFStentSlicer.ParameterNode import SDFStentParameterNode
+
+    first = aLogic.deploy(theParameters)
+    node = aScene.AddNewNodeByClass("vtkMRMLScriptedModuleNode", "Second")
+    second = SDFStentParameterNode(node)
+    second.vessel, second.centerline = theParameters.vessel, theParameters.centerline
+    aLogic.addStent(second, diameter=9.0, length=10.0, handle=theParameters.stents[0].handle)
+    aLogic.deploy(second)
+    assert second.outputVessel is not theParameters.outputVessel
+    np.testing.assert_array_equal(
+        pointsOf(theParameters.outputVessel), first.points.astype(np.float32)
+    )
+
+
+def test_the_handle_snaps_to_the_centerline(aLogic, theParameters):
+    from SDFStentSlicer import Conversion
+
+    handle = theParameters.stent.handle
+    handle.SetNthControlPointPositionWorld(0, *(theThroat() + [1.0, 1.0, 0.0]))
+    aLogic.snapHandle(theParameters, handle)
+    snapped = handle.GetNthControlPointPositionWorld(0)
+    assert Conversion.centerlineOf(theParameters.centerline).project(snapped).distance < 1e-6
