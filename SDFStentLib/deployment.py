@@ -278,8 +278,9 @@ class _Attempt:
     def finish(self) -> tuple[int, NDArray[np.int64]]:
         """After the last step: rounds of untangling, and triangles that still fold."""
         deployment, settings = self.deployment, self.deployment.settings
-        projected(self.motion, deployment.target_level)
         if settings.finish:
+            self.motion.refreshed()
+            projected(self.motion, deployment.target_level)
             on_stent = finished(self.motion, deployment.target_level, deployment.radius)
             if settings.facet_compensation:
                 facets_compensated(self.motion, self.patch.triangles, on_stent, deployment.radius)

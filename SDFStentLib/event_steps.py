@@ -21,19 +21,32 @@ from .motion import Motion, contact_tree, influence_rates
 from .step_rule import StepRule
 from .validation import Points
 
-SUBSTEP = 0.05
-"""Substep of the front, mm."""
+SUBSTEPS = 8
+"""Substeps of the front in the longest step; 0.1 mm each by default."""
 
 FRONT_MARGIN = 0.1
 """How far beyond the predicted reach a point still belongs to the front, mm."""
 
-PHASES = 4
-"""Parts of a step whose contact sets are told apart when the contact distance is averaged."""
+FIELD_INTERVAL = 2.0
+"""Growth, mm, after which the field is evaluated anew.
+
+In between it is extrapolated along the direction of motion: the motion follows the gradient, along
+which the distance is linear but for the smooth minimum's ripple.
+"""
+
+ERROR_SHARE = 0.25
+"""Stated error over the difference of two second-order values of one step.
+
+The mean rate over contact times against the trapezoid of both ends. A quarter of the largest
+difference of all steps was never below the measured distance to the converged limit
+(`benchmarks/step_rules.py`).
+"""
 
 FIRST_STEP = 0.25
 """Step after first contact, mm: before it no rate is known to predict with."""
 
 SHORTEST_STEP = 0.1
+"""Adapted steps are not shorter than this, mm."""
 
 
 class Front(NamedTuple):
@@ -64,15 +77,22 @@ def event_steps(motion: Motion, rule: StepRule, start: float, target: float) -> 
     contact = (motion.level - radius <= rule.contact_tolerance) & motion.touchable
     rate = contact.astype(np.float64)
     growth = min(FIRST_STEP, rule.step)
+    evaluated = radius
     while target - radius > 1e-9:
         growth = min(growth, target - radius)
         if target - radius - growth < 0.25 * growth:
             growth = target - radius
         error = _event_step(motion, rule, radius, growth, contact, rate)
+        motion.estimated_error = max(motion.estimated_error, error)
         radius += growth
+        if radius - evaluated > FIELD_INTERVAL:
+            motion.refreshed()
+            evaluated = radius
         yield radius
         factor = np.sqrt(rule.tolerance / max(error, 1e-12))
-        growth = float(np.clip(growth * min(max(factor, 0.5), 2), SHORTEST_STEP, rule.step))
+        growth = float(
+            np.clip(growth * np.clip(factor, 0.5, 2), min(SHORTEST_STEP, rule.step), rule.step)
+        )
 
 
 def _event_step(
@@ -105,26 +125,22 @@ def _event_step(
     mean_rate, end_rate = _passive_rates(
         motion, rule, middle, growth, others, rate[others], tree, front
     )
-    error = growth / 2 * np.abs(end_rate - rate[others]).max(initial=0) * 0.1
+    trapezoid = (rate[others] + end_rate) / 2
+    error = ERROR_SHARE * growth * np.abs(mean_rate - trapezoid).max(initial=0)
 
-    moved = np.concatenate([held, members, others[mean_rate > 0]])
-    positions = np.concatenate(
-        [
-            held_middle + growth / 2 * motion.direction[held],
-            front.positions,
-            (motion.positions[others] + (growth * mean_rate)[:, None] * motion.direction[others])[
-                mean_rate > 0
-            ],
-        ]
-    )
+    motion.advanced(held, growth)
+    motion.placed(members, front.positions, front.level)
+    motion.advanced(others, growth * mean_rate)
     rate[members] = front.rate
     rate[others] = end_rate
-    motion.moved_to(moved, positions)
     reached = radius + growth
     contact[members[hits]] = True
-    contact |= (motion.level - reached < rule.contact_tolerance) & motion.touchable
+    overtaken = motion.level - reached < rule.contact_tolerance
+    overtaken = np.flatnonzero(overtaken & ~contact & motion.touchable)
+    motion.advanced(overtaken, reached + rule.contact_tolerance - motion.level[overtaken])
+    contact[overtaken] = True
     rate[contact] = 1
-    motion.snapped(np.flatnonzero(contact), reached + rule.contact_tolerance)
+    motion.level[contact] = reached + rule.contact_tolerance
     return float(error)
 
 
@@ -157,53 +173,47 @@ def _run_ahead(
         anchor[found] = motion.positions[nearest]
         velocity[found] = motion.direction[nearest]
 
-    count = max(1, int(np.ceil(growth / SUBSTEP - 1e-9)))
+    count = _substeps(growth, rule)
     substep = growth / count
     touching = np.zeros(len(members), dtype=bool)
-    for index in range(count):
+    late = np.zeros(len(members))
+    profiles = rule.influence_distance, rule.falloff, rule.blend
+    for index in range(count + 1):
         elapsed = index * substep
         above = level - (radius + elapsed)
-        apart = np.linalg.norm(position - anchor - elapsed * velocity, axis=1)
-        rate = influence_rates(above, apart, rule.influence_distance, rule.falloff, rule.blend)
+        apart = _lengths(position - anchor - elapsed * velocity)
+        previous, rate = rate, influence_rates(above, apart, *profiles)
         rate[touching] = 1
-        short = above + (rate * slope - 1) * substep - rule.contact_tolerance
+        # A new contact point drags its neighbors from the moment of contact, not from now.
+        amount = late * (rate - previous)
+        if index == count:
+            position += amount[:, None] * direction
+            break
+        amount += rate * substep
+        short = above + amount * slope - substep - rule.contact_tolerance
         hits = (short < 0) & ~touching
-        amount = rate * substep
         # A point that is overtaken ends the substep on the stent.
         onto_stent = substep + rule.contact_tolerance - above
         amount[hits] = np.maximum(onto_stent, amount)[hits]
         position += amount[:, None] * direction
         level += amount * slope
         closing = np.maximum(substep * (1 - rate[hits] * slope[hits]), 1e-12)
-        used = np.clip(1 + short[hits] / closing, 0, 1)
-        contact_radius[hits] = radius + elapsed + used * substep
+        since = np.clip(-short[hits] / closing, 0, 1) * substep
+        contact_radius[hits] = radius + elapsed + substep - since
         touching |= hits
         level[touching] = radius + elapsed + substep + rule.contact_tolerance
-        _hand_over(position, direction, hits, ~touching, elapsed + substep, anchor, velocity)
+        late[:] = 0
+        if hits.any() and not touching.all():
+            sources, receivers = np.flatnonzero(hits), np.flatnonzero(~touching)
+            gap, nearest = contact_tree(position[sources]).query(position[receivers])
+            old = position[receivers] - anchor[receivers]
+            closer = gap < _lengths(old - (elapsed + substep) * velocity[receivers])
+            receivers, nearest = receivers[closer], nearest[closer]
+            late[receivers] = since[nearest]
+            nearest = sources[nearest]
+            velocity[receivers] = direction[nearest]
+            anchor[receivers] = position[nearest] - (elapsed + substep) * direction[nearest]
     return Front(members, position, level, rate, contact_radius)
-
-
-def _hand_over(
-    position: Points,
-    direction: Points,
-    hits: NDArray[np.bool_],
-    waiting: NDArray[np.bool_],
-    elapsed: float,
-    anchor: Points,
-    velocity: Points,
-) -> None:
-    """Let waiting points that are now nearer to a new contact point follow that one."""
-    if not hits.any() or not waiting.any():
-        return
-    sources = np.flatnonzero(hits)
-    receivers = np.flatnonzero(waiting)
-    old = np.linalg.norm(position[receivers] - anchor[receivers] - elapsed * velocity[receivers],
-                         axis=1)  # fmt: skip
-    new, nearest = contact_tree(position[sources]).query(position[receivers])
-    closer = new < old
-    receivers, nearest = receivers[closer], sources[nearest[closer]]
-    velocity[receivers] = direction[nearest]
-    anchor[receivers] = position[nearest] - elapsed * direction[nearest]
 
 
 def _passive_rates(
@@ -226,18 +236,29 @@ def _passive_rates(
         np.minimum(apart, distance, out=apart)
 
     mean = np.zeros(len(others))
-    previous = -np.inf
     half = growth / 2
-    for phase in range(PHASES):
-        until = middle + growth * ((phase + 0.5) / PHASES - 0.5)
-        new = (front.contact_radius > previous) & (front.contact_radius <= until)
-        if new.any():
+    phases = _substeps(growth, rule)
+    length = growth / phases
+    for phase in range(phases):
+        begin = middle - half + phase * length
+        new = np.flatnonzero(
+            (front.contact_radius > begin) & (front.contact_radius <= begin + length)
+        )
+        if len(new):
             hits = front.positions[new] - half * motion.direction[front.members[new]]
-            distance, _ = contact_tree(hits).query(
-                position, distance_upper_bound=rule.influence_distance
-            )
+            distance, nearest = contact_tree(hits).query(position)
+            before = np.append(front.contact_radius[new] - begin, 0.0)[nearest] / length
+            closer = distance < apart
+            mean += np.where(closer, (apart - distance) * before, 0) / phases
             np.minimum(apart, distance, out=apart)
-        mean += apart / PHASES
-        previous = until
+        mean += apart / phases
     profiles = rule.influence_distance, rule.falloff, rule.blend
     return influence_rates(above, mean, *profiles), influence_rates(above, apart, *profiles)
+
+
+def _substeps(growth: float, rule: StepRule) -> int:
+    return max(1, int(np.ceil(SUBSTEPS * growth / rule.step - 1e-9)))
+
+
+def _lengths(vectors: Points) -> NDArray[np.float64]:
+    return np.sqrt(np.einsum("ij,ij->i", vectors, vectors))

@@ -19,6 +19,7 @@ CONTACT_BAND = 0.015
 """Points within this much of the final level, mm, count as lying on the stent."""
 
 FINISH_ROUNDS = 3
+COMPENSATION_PASSES = 2
 COMPENSATION_ROUNDS = 6
 
 
@@ -102,21 +103,24 @@ def facets_compensated(
     wanted = radius + motion.offset[on_stent]
     edge_wanted = np.minimum(wanted[ends[:, 0]], wanted[ends[:, 1]])
     positions = motion.positions[on_stent]
-    direction = motion.direction[on_stent]
-    distance = wanted.copy()
-    for _ in range(COMPENSATION_ROUNDS):
-        middle = positions[ends].mean(axis=1)
-        middle_distance = motion.chain.axis_distance(middle).distance
-        deficit = edge_wanted - _edge_distance(distance[ends], middle_distance)
-        push = np.full(len(positions), -np.inf)
-        np.maximum.at(push, ends.ravel(), np.repeat(deficit, 2))
-        push[np.isneginf(push)] = 0
-        push = np.maximum(push, wanted - distance)
-        positions += push[:, None] * direction
-        distance += push
-        if np.abs(push).max() < 1e-4 * radius:
-            break
-    motion.positions[on_stent] = positions
+    pushed = np.zeros(len(positions))
+    for _ in range(COMPENSATION_PASSES):
+        moved = positions + pushed[:, None] * motion.direction[on_stent]
+        # Between passes the middle of an edge is taken to follow its two ends.
+        middle = motion.chain.axis_distance(moved[ends].mean(axis=1)).distance
+        measured_at = pushed.copy()
+        for _ in range(COMPENSATION_ROUNDS):
+            change = (pushed - measured_at)[ends]
+            deficit = edge_wanted - _edge_distance(
+                (wanted + pushed)[ends], middle + change.mean(axis=1) * middle / edge_wanted
+            )
+            push = np.full(len(positions), -np.inf)
+            np.maximum.at(push, ends.ravel(), np.repeat(deficit, 2))
+            push[np.isneginf(push)] = 0
+            pushed = np.maximum(pushed + push, 0)
+            if np.abs(push).max() < 1e-4 * radius:
+                break
+    motion.positions[on_stent] = positions + pushed[:, None] * motion.direction[on_stent]
 
 
 def _edge_distance(ends: NDArray[np.float64], middle: NDArray[np.float64]) -> NDArray[np.float64]:

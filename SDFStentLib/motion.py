@@ -36,6 +36,9 @@ class Motion:
         Tissue thickness kept between the stent and the point, mm.
     touchable : (n,) bool array
         Whether the stent can touch the point (wall) or only drag it along (centerline).
+    estimated_error : float
+        Largest estimated distance to the converged limit of the steps so far, mm; 0 where the
+        step rule does not estimate it.
     """
 
     def __init__(self, chain: CapsuleChain, points: Points, touchable: NDArray[np.bool_]) -> None:
@@ -49,12 +52,15 @@ class Motion:
         self.slope = field.slope
         self.offset = np.zeros(len(points))
         self.touchable = touchable[order]
+        self.estimated_error = 0.0
+        self._extrapolated = np.zeros(len(points), dtype=bool)
         self.resting = RestingPoints(self.positions)
 
     def restricted(self, keep: NDArray[np.bool_]) -> None:
         """Drop the points that are not kept."""
         for name in (
-            "indices", "positions", "level", "direction", "slope", "offset", "touchable"
+            "indices", "positions", "level", "direction", "slope", "offset", "touchable",
+            "_extrapolated",
         ):  # fmt: skip
             setattr(self, name, getattr(self, name)[keep])
         self.resting = RestingPoints(self.positions)
@@ -71,12 +77,27 @@ class Motion:
         self.level[where] = field.distance - self.offset[where]
         self.direction[where] = field.direction
         self.slope[where] = field.slope
+        self._extrapolated[where] = False
 
-    def snapped(self, where: NDArray[Any], level: float | NDArray[np.float64]) -> None:
-        """Move some points along their direction onto a level, without a new field value."""
-        distance = level - self.level[where]
-        self.positions[where] += distance[:, None] * self.direction[where]
+    def advanced(self, where: NDArray[Any], amount: float | NDArray[np.float64]) -> None:
+        """Move some points along their direction; their level is extrapolated, see `refreshed`."""
+        amount = np.broadcast_to(amount, len(where))
+        self.placed(
+            where,
+            self.positions[where] + amount[:, None] * self.direction[where],
+            self.level[where] + amount * self.slope[where],
+        )
+
+    def placed(self, where: NDArray[Any], positions: Points, level: NDArray[np.float64]) -> None:
+        """Put some points elsewhere with an extrapolated level."""
+        self.positions[where] = positions
         self.level[where] = level
+        self._extrapolated[where] = True
+
+    def refreshed(self) -> None:
+        """Evaluate the field of all points whose level was extrapolated."""
+        where = np.flatnonzero(self._extrapolated)
+        self.moved_to(where, self.positions[where])
 
 
 class RestingPoints:

@@ -34,7 +34,7 @@ class DeploymentSettings:
     step : float, optional
         Radius step, the longest one of rule "events"; by default 0.8 there and 0.1 as published.
     step_tolerance : float
-        Largest estimated error of an adaptive step.
+        Distance to the converged limit, mm, that an adaptive step may have by its own estimate.
     crimped_radius : float
         Radius to start from; lowered where the wall is nearer to the axis than that.
     falloff, blend : str or function
@@ -105,7 +105,7 @@ class DeploymentSettings:
         """The same code path for dragging: longer steps, neither untangled nor certified."""
         return cls(
             step=1.6,
-            step_tolerance=0.5,
+            step_tolerance=0.1,
             finish=False,
             facet_compensation=False,
             untangle=False,
