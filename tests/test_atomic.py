@@ -1,0 +1,126 @@
+import os
+import signal
+import stat
+import subprocess
+import sys
+import time
+
+import pytest
+from mesh_files import PROJECT, RUN_PYTHON
+
+from SDFStentLib.atomic import atomic_path, check_writable, write_bytes
+from SDFStentLib.validation import InputError
+
+
+def test_the_file_appears_when_the_block_ends(tmp_path):
+    target = tmp_path / "größe mit leer.json"
+    with atomic_path(target) as temporary:
+        temporary.write_bytes(b"new")
+        assert temporary.parent == tmp_path
+        assert temporary.suffix == ".json"
+        assert not target.exists()
+    assert target.read_bytes() == b"new"
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_a_failing_block_leaves_the_old_file_and_nothing_else(tmp_path):
+    target = tmp_path / "out.json"
+    target.write_bytes(b"old")
+
+    def write_half():
+        with atomic_path(target) as temporary:
+            temporary.write_bytes(b"half")
+            raise KeyError("stop")
+
+    with pytest.raises(KeyError, match="stop"):
+        write_half()
+    assert target.read_bytes() == b"old"
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_a_link_stays_a_link_and_permissions_stay(tmp_path):
+    target, link = tmp_path / "real", tmp_path / "link"
+    target.write_bytes(b"old")
+    target.chmod(0o640)
+    link.symlink_to(target)
+    write_bytes(link, b"new")
+    assert link.is_symlink()
+    assert target.read_bytes() == b"new"
+    assert stat.S_IMODE(target.stat().st_mode) == 0o640
+
+
+def test_a_new_file_has_the_usual_permissions(tmp_path):
+    write_bytes(tmp_path / "ours", b"")
+    (tmp_path / "theirs").write_bytes(b"")
+    assert (tmp_path / "ours").stat().st_mode == (tmp_path / "theirs").stat().st_mode
+
+
+def test_places_that_cannot_be_written_are_named(tmp_path):
+    with pytest.raises(InputError, match="got a folder"):
+        check_writable(tmp_path)
+    with pytest.raises(InputError, match="expected an existing folder"):
+        check_writable(tmp_path / "none" / "out")
+    with pytest.raises(InputError, match="cannot be written"):
+        check_writable("nul\0l")
+    with pytest.raises(InputError, match="cannot be written"):
+        write_bytes(tmp_path / ("x" * 300), b"")
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(InputError, match="a device or a pipe"):
+        check_writable(tmp_path / "pipe")
+
+
+def test_a_folder_without_permission_is_named(tmp_path, monkeypatch):
+    # As root every folder can be written, so the answer of the system is replaced.
+    monkeypatch.setattr(os, "access", lambda *_: False)
+    with pytest.raises(InputError, match="no permission to write"):
+        check_writable(tmp_path / "out")
+
+
+def test_a_full_disk_is_one_sentence_and_leaves_the_old_file(tmp_path):
+    # A limit on the size of files fails in the same place as a full disk.
+    target = tmp_path / "out"
+    target.write_bytes(b"old")
+    script = """
+import resource, sys
+from SDFStentLib.atomic import write_bytes
+from SDFStentLib.validation import InputError
+resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
+try:
+    write_bytes(sys.argv[1], b"x" * 100_000)
+except InputError as error:
+    print(error)
+"""
+    run = subprocess.run(
+        [*RUN_PYTHON, script, target], cwd=PROJECT, capture_output=True, text=True, check=True
+    )
+    assert "cannot be written (File too large); free space" in run.stdout
+    assert target.read_bytes() == b"old"
+    assert list(tmp_path.iterdir()) == [target]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no SIGKILL")
+def test_a_killed_writer_leaves_the_old_or_the_whole_new_file(tmp_path):
+    target = tmp_path / "out"
+    size = 2_000_000
+    script = f"""
+import sys
+from SDFStentLib.atomic import write_bytes
+print("ready", flush=True)
+letter = 0
+while True:
+    letter = (letter + 1) % 26
+    write_bytes(sys.argv[1], bytes([97 + letter]) * {size})
+"""
+    for delay in (0.0, 0.011, 0.023, 0.037, 0.052, 0.071):
+        with subprocess.Popen(
+            [*RUN_PYTHON, script, target], cwd=PROJECT, stdout=subprocess.PIPE
+        ) as process:
+            process.stdout.readline()
+            time.sleep(delay)
+            process.send_signal(signal.SIGKILL)
+            process.wait()
+        if target.exists():
+            data = target.read_bytes()
+            assert len(data) == size
+            assert data == data[:1] * size
+    assert target.exists()
