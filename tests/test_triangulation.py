@@ -1,0 +1,87 @@
+import numpy as np
+import pytest
+from mesh_files import octahedron
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
+
+from SDFStentLib.polydata import (
+    add_arrays,
+    arrays_from_polydata,
+    polydata_from_arrays,
+    polydata_from_polygons,
+)
+from SDFStentLib.surface import face_areas, face_normals
+from SDFStentLib.triangulation import triangulated_polydata
+from SDFStentLib.validation import InputError
+
+SQUARES = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0, 0], [2, 1, 0], [9, 9, 9.0]])
+
+
+def test_triangles_stay_as_they_are():
+    polydata = polydata_from_arrays(*octahedron())
+    assert triangulated_polydata(polydata) == (polydata, ())
+
+
+def test_polygons_are_cut_and_carry_their_arrays_and_ids():
+    polydata = polydata_from_polygons(
+        SQUARES, np.array([0, 4, 8, 11]), np.array([0, 1, 2, 3, 1, 4, 5, 2, 0, 1, 2])
+    )
+    add_arrays(polydata, None, {"face": np.array([7, 8, 9]), "name": np.array(["a", "b", "c"])})
+    ids = numpy_to_vtk(np.array([70, 80, 90]), deep=True)
+    ids.SetName("GlobalElementID")
+    polydata.GetCellData().SetGlobalIds(ids)
+    cut, warnings = triangulated_polydata(polydata, "vein.ply")
+    points, triangles = arrays_from_polydata(cut)
+    assert len(points) == 7  # the unused one stays
+    assert len(triangles) == 5
+    assert face_areas(points, triangles).sum() == pytest.approx(2.5, abs=1e-12)
+    data = cut.GetCellData()
+    assert vtk_to_numpy(data.GetArray("face")).tolist() == [7, 7, 8, 8, 9]
+    assert vtk_to_numpy(data.GetGlobalIds()).tolist() == [70, 70, 80, 80, 90]
+    strings = data.GetAbstractArray("name")
+    assert [strings.GetValue(i) for i in range(5)] == list("aabbc")
+    assert warnings == ("vein.ply: 2 polygons or strips were cut into triangles, 5 triangles now.",)
+
+
+def test_lines_and_vertices_go_and_strips_are_cut():
+    polydata = polydata_from_arrays(SQUARES, [[0, 1, 2]])
+    verts, lines, strips = vtkCellArray(), vtkCellArray(), vtkCellArray()
+    verts.InsertNextCell(1, [6])
+    lines.InsertNextCell(2, [0, 6])
+    strips.InsertNextCell(4, [0, 1, 3, 2])
+    polydata.SetVerts(verts)
+    polydata.SetLines(lines)
+    polydata.SetStrips(strips)
+    add_arrays(polydata, None, {"cell": np.array([10, 11, 12, 13])})
+    cut, warnings = triangulated_polydata(polydata)
+    points, triangles = arrays_from_polydata(cut)
+    assert face_normals(points, triangles).tolist() == [[0, 0, 1]] * 3  # a strip alternates
+    assert vtk_to_numpy(cut.GetCellData().GetArray("cell")).tolist() == [12, 13, 13]
+    assert len(warnings) == 2
+    assert "2 vertices and lines among the cells were dropped" in warnings[1]
+
+
+def test_a_surface_without_polygons_is_refused():
+    with pytest.raises(InputError, match=r"a.vtp: expected a surface of triangles, got none"):
+        triangulated_polydata(vtkPolyData(), "a.vtp")
+
+
+def test_concave_polygons_are_cut_inside():
+    arrow = np.array([[0, 0, 0], [2, 0, 0], [0.5, 0.5, 0], [0, 2, 0.0]])
+    star = np.array([[0, 0, 0], [4, 0, 0], [4, 4, 0], [2, 1, 0], [0, 4, 0.0]])
+    polydata = polydata_from_polygons(
+        np.concatenate([arrow, arrow, star]),
+        np.array([0, 4, 8, 13]),
+        np.array([0, 1, 2, 3, 5, 6, 7, 4, 8, 9, 10, 11, 12]),
+    )
+    points, triangles = arrays_from_polydata(triangulated_polydata(polydata)[0])
+    assert len(triangles) == 7
+    # Areas: of the arrow 1 (twice), of the square less its notch 16 - 6.
+    assert face_areas(points, triangles).sum() == pytest.approx(12, abs=1e-12)
+    assert (face_normals(points, triangles)[:, 2] == 1).all()
+
+
+def test_a_polygon_that_crosses_itself_still_gives_its_triangles():
+    bow = np.array([[0, 0, 0], [1, 1, 0], [1, 0, 0], [0, 1, 0], [0.5, 2, 0.0]])
+    polydata = polydata_from_polygons(bow, np.array([0, 5]), np.arange(5))
+    assert triangulated_polydata(polydata)[0].GetNumberOfPolys() == 3
