@@ -1,0 +1,43 @@
+"""Polygons as arrays: what the plain formats STL, PLY and OBJ are read into."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+
+@dataclass(frozen=True)
+class PlainMesh:
+    """A mesh of polygons as a plain format has it.
+
+    Attributes
+    ----------
+    points : (n, 3) array of float32 or float64
+        Coordinates in the file's unit and precision.
+    offsets : (m + 1,) array of int64
+        Polygon i has the corners `corners[offsets[i]:offsets[i + 1]]`.
+    corners : array of int64
+        Indices into the points; not checked.
+    point_arrays, cell_arrays : dict of str to array
+        What else the file says of points and polygons.
+    text : str
+        Header or comments.
+    warnings : tuple of str
+        What the file has that is not kept.
+    """
+
+    points: NDArray[Any]
+    offsets: NDArray[np.int64]
+    corners: NDArray[np.int64]
+    point_arrays: dict[str, NDArray[Any]] = field(default_factory=dict)
+    cell_arrays: dict[str, NDArray[Any]] = field(default_factory=dict)
+    text: str = ""
+    warnings: tuple[str, ...] = ()
+
+
+def offsets_of(sizes: ArrayLike) -> NDArray[np.int64]:
+    """Offsets (m + 1,) of polygons with these numbers of corners (m,)."""
+    return np.concatenate([[0], np.cumsum(np.asarray(sizes, dtype=np.int64))]).astype(np.int64)

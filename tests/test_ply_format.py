@@ -1,0 +1,125 @@
+import numpy as np
+import pytest
+from mesh_files import octahedron
+
+from SDFStentLib.ply_format import decode_ply, encode_ply, fits_ply
+from SDFStentLib.validation import InputError
+
+HEADER = """ply
+format {} 1.0
+comment by hand SPACE=RAS
+obj_info nothing
+element vertex 4
+property double x
+property double y
+property double z
+property uchar red
+element face 2
+property list uchar int vertex_indices
+property list uchar float texcoord
+property short part
+element edge 1
+property int vertex1
+end_header
+"""
+
+
+def by_hand(order):
+    vertices = [(0, 0, 0, 1), (1.5, 0, 0, 2), (1, 1, 0, 3), (0, 1, 0, 255)]
+    faces = [([0, 1, 2], [], 5), ([0, 1, 2, 3], [0.5], -6)]
+    if order == "":
+        body = "".join(" ".join(map(str, row)) + "\n" for row in vertices)
+        for corners, texture, part in faces:
+            row = [len(corners), *corners, len(texture), *texture, part]
+            body += " ".join(map(str, row)) + "\n"
+        return (HEADER.format("ascii") + body + "7\n").encode()
+    body = b""
+    for x, y, z, red in vertices:
+        body += np.array([x, y, z], f"{order}f8").tobytes() + bytes([red])
+    for corners, texture, part in faces:
+        body += bytes([len(corners)]) + np.array(corners, f"{order}i4").tobytes()
+        body += bytes([len(texture)]) + np.array(texture, f"{order}f4").tobytes()
+        body += np.array(part, f"{order}i2").tobytes()
+    body += np.array(7, f"{order}i4").tobytes()
+    name = "binary_little_endian" if order == "<" else "binary_big_endian"
+    return HEADER.format(name).encode() + body
+
+
+@pytest.mark.parametrize("order", ["", "<", ">"])
+def test_polygons_of_different_sizes_and_all_properties_are_read(order):
+    mesh = decode_ply(by_hand(order), "a.ply")
+    assert mesh.points.dtype == np.float64
+    assert mesh.points[1, 0] == 1.5
+    assert mesh.corners.tolist() == [0, 1, 2, 0, 1, 2, 3]
+    assert mesh.offsets.tolist() == [0, 3, 7]
+    assert mesh.point_arrays["red"].tolist() == [1, 2, 3, 255]
+    assert mesh.point_arrays["red"].dtype == np.uint8
+    assert mesh.cell_arrays["part"].tolist() == [5, -6]
+    assert "SPACE=RAS" in mesh.text
+    assert mesh.warnings == ("a.ply: texcoord, edge of the PLY file are not kept.",)
+
+
+@pytest.mark.parametrize("order", ["", "<", ">"])
+def test_every_cut_is_noticed(order):
+    data = by_hand(order)
+    # Of text the last digit may be missing without a trace, and the line break.
+    for length in range(1, len(data) - (2 if order == "" else 0), 3):
+        with pytest.raises(InputError, match=r"a\.ply: "):
+            decode_ply(data[:length], "a.ply")
+
+
+@pytest.mark.parametrize("kind", [np.float32, np.float64])
+def test_what_is_written_comes_back(kind):
+    points, triangles = octahedron()
+    points = points.astype(kind)
+    normals = (points / 30).astype(np.float32)
+    labels = np.arange(len(points), dtype=np.int16)
+    faces = np.arange(len(triangles), dtype=np.int32)
+    data = encode_ply(
+        points, triangles, {"label": labels, "Normals": normals}, {"face": faces}, "SPACE=LPS"
+    )
+    mesh = decode_ply(data, "a.ply")
+    assert mesh.points.dtype == kind
+    assert np.array_equal(mesh.points, points)
+    assert np.array_equal(mesh.corners.reshape(-1, 3), triangles)
+    assert np.array_equal(mesh.point_arrays["label"], labels)
+    assert mesh.point_arrays["label"].dtype == np.int16
+    assert np.array_equal(mesh.point_arrays["Normals"], normals)
+    assert np.array_equal(mesh.cell_arrays["face"], faces)
+    assert "SPACE=LPS" in mesh.text
+
+
+def test_what_ply_can_keep():
+    assert fits_ply("red", np.zeros(3, np.uint8), of_points=True)
+    assert fits_ply("Normals", np.zeros((3, 3), np.float32), of_points=True)
+    assert not fits_ply("Normals", np.zeros((3, 3), np.float32), of_points=False)
+    assert not fits_ply("id", np.zeros(3, np.int64), of_points=True)
+    assert not fits_ply("two words", np.zeros(3), of_points=True)
+    assert not fits_ply("x", np.zeros(3), of_points=True)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("ply\n", "plx\n", "it is none"),
+        ("format ascii 1.0\n", "", "expected a line 'format'"),
+        ("property double x", "property quad x", "damaged"),
+        ("vertex 4", "vertex -4", "damaged"),
+        ("vertex 4", "vertex 4000000000", "its data end"),
+        ("property double z", "property double w", "expected PLY vertices with x, y and z"),
+        ("3 0 1 2", "-3 0 1 2", "its data end"),
+        ("1.5", "one", "its data end"),
+    ],
+)
+def test_what_is_no_ply_is_said(old, new, words):
+    data = by_hand("").decode().replace(old, new, 1).encode()
+    with pytest.raises(InputError, match=words):
+        decode_ply(data, "a.ply")
+
+
+def test_points_alone_are_no_error_yet():
+    data = b"ply\nformat ascii 1.0\nelement vertex 1\nproperty int x\nproperty int y\n"
+    data += b"property int z\nend_header\n1 2 3\n"
+    mesh = decode_ply(data, "a.ply")
+    assert mesh.points.tolist() == [[1, 2, 3]]
+    assert len(mesh.corners) == 0
