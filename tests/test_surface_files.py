@@ -1,0 +1,158 @@
+import hashlib
+import time
+
+import numpy as np
+import pytest
+from mesh_files import octahedron, open_tube
+from vtkmodules.vtkCommonDataModel import vtkPolyData
+
+from SDFStentLib.obj_format import encode_obj
+from SDFStentLib.polydata import (
+    arrays_from_polydata,
+    polydata_from_arrays,
+    polydata_from_lines,
+    set_frame_of_polydata,
+)
+from SDFStentLib.stl_format import encode_stl
+from SDFStentLib.surface_files import read_surface
+from SDFStentLib.validation import InputError
+from SDFStentLib.vtk_formats import encode_legacy, encode_vtp
+
+
+def saved(folder, polydata, name="a.vtp"):
+    path = folder / name
+    path.write_bytes(encode_vtp(polydata))
+    return path
+
+
+@pytest.mark.parametrize(("units", "scale"), [("mm", 1), ("cm", 10), ("m", 1000)])
+def test_points_are_millimetres_whatever_the_file_uses(tmp_path, units, scale):
+    points, triangles = octahedron()
+    surface = read_surface(saved(tmp_path, polydata_from_arrays(points / scale, triangles)), units)
+    assert np.allclose(surface.points, points, rtol=1e-15)
+    assert np.array_equal(surface.triangles, triangles)
+    assert surface.units == units
+    assert surface.coordinate_type == np.float64
+    assert surface.sha256 == hashlib.sha256(surface.path.read_bytes()).hexdigest()
+    assert surface.warnings == ()
+
+
+def test_values_cannot_be_changed(tmp_path):
+    surface = read_surface(saved(tmp_path, polydata_from_arrays(*octahedron())))
+    for array in (surface.points, surface.triangles):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1
+    surface.polydata().GetPoints().SetPoint(0, 9, 9, 9)  # a copy
+    assert np.array_equal(arrays_from_polydata(surface.polydata())[0], surface.points)
+
+
+def test_stored_coordinates_are_those_of_the_file(tmp_path):
+    points, triangles = octahedron()
+    single = polydata_from_arrays((points / 10).astype(np.float32), triangles)
+    surface = read_surface(saved(tmp_path, single), "cm")
+    assert surface.coordinate_type == np.float32
+    assert np.array_equal(surface.as_stored(surface.points), surface.points)
+    assert np.array_equal(surface.as_stored([[1 / 3] * 3])[0], [10 * float(np.float32(1 / 30))] * 3)
+
+
+def test_the_frame_tag_is_read_from_every_format(tmp_path):
+    points, triangles = octahedron()
+    polydata = polydata_from_arrays(points, triangles)
+    title = "3D Slicer output. SPACE=LPS"
+    (tmp_path / "a.vtk").write_bytes(encode_legacy(polydata, title))
+    (tmp_path / "a.stl").write_bytes(encode_stl(points, triangles, None, title))
+    (tmp_path / "a.obj").write_bytes(encode_obj(points, triangles, title))
+    header = f"ply\nformat ascii 1.0\ncomment {title}\nelement vertex 3\nproperty float x\n"
+    header += "property float y\nproperty float z\nelement face 1\n"
+    header += "property list uchar int vertex_index\nend_header\n0 0 0 1 0 0 0 1 0 3 0 1 2\n"
+    (tmp_path / "a.ply").write_text(header)
+    saved(tmp_path, polydata, "none.vtp")
+    set_frame_of_polydata(polydata, "LPS")
+    saved(tmp_path, polydata)
+    for suffix in ("vtp", "vtk", "stl", "obj", "ply"):
+        assert read_surface(tmp_path / f"a.{suffix}").frame == "LPS"
+    assert read_surface(tmp_path / "none.vtp").frame is None
+
+
+def test_degenerate_triangles_and_unused_points_stay_and_are_said(tmp_path):
+    points, triangles = octahedron()
+    points = np.concatenate([points, [[1, 1, 1], points[:2].mean(axis=0)]])
+    triangles = np.concatenate([triangles, [[0, 0, 1], [0, 1, len(points) - 1]]])
+    surface = read_surface(saved(tmp_path, polydata_from_arrays(points, triangles)))
+    assert np.array_equal(surface.triangles, triangles)
+    assert len(surface.points) == len(points)
+    assert surface.warnings == (f"{surface.path}: 2 triangles are degenerate (no area).",)
+
+
+def test_integer_coordinates_become_doubles(tmp_path):
+    path = tmp_path / "a.vtk"
+    path.write_text(
+        "# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\n"
+        "POINTS 3 int\n0 0 0 50 0 0 0 50 0\nPOLYGONS 1 4\n3 0 1 2\n"
+    )
+    surface = read_surface(path)
+    assert surface.coordinate_type == np.float64
+    assert "coordinates are integers" in surface.warnings[0]
+
+
+def test_a_size_that_is_no_vessel_names_the_option(tmp_path):
+    points, triangles = octahedron(radius=3)
+    surface = read_surface(saved(tmp_path, polydata_from_arrays(points, triangles)))
+    assert "--units" in surface.warnings[0]
+
+
+def test_bad_files_give_one_sentence_with_their_name(tmp_path):
+    points, triangles = octahedron(rounds=0)
+    bad = polydata_from_arrays(points, triangles)
+    bad.GetPoints().SetPoint(3, 0, float("nan"), 0)
+    saved(tmp_path, bad, "nan.vtp")
+    saved(tmp_path, vtkPolyData(), "nothing.vtp")
+    saved(tmp_path, polydata_from_lines(points, [[0, 1, 2]]), "lines.vtp")
+    (tmp_path / "noise.stl").write_bytes(np.random.default_rng(1).bytes(5000))
+    (tmp_path / "wild.obj").write_bytes(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n")
+    (tmp_path / "pointless.stl").write_bytes(b"\0" * 84)
+    (tmp_path / "words.txt").write_text("words")
+    (tmp_path / "empty.vtp").write_bytes(b"")
+    for name, words in (
+        ("nan.vtp", "got NaN or infinity at 1 of 6 points"),
+        ("nothing.vtp", "expected a surface of triangles, got none"),
+        ("lines.vtp", "expected a surface of triangles, got none"),
+        ("noise.stl", "cut short or no STL file"),
+        ("wild.obj", "expected point indices from 0 to 2 in its faces, got 0 to 8"),
+        ("pointless.stl", "expected a surface of triangles, got none"),
+        ("words.txt", "expected a surface as .vtp, .vtk, .stl, .ply, .obj, got '.txt'"),
+        ("empty.vtp", "got an empty file"),
+        ("missing.vtp", "no such file"),
+        (".", "got a folder"),
+    ):
+        with pytest.raises(InputError, match=words) as caught:
+            read_surface(tmp_path / name)
+        assert str(tmp_path / name) in str(caught.value)
+        assert "\n" not in str(caught.value)
+    with pytest.raises(InputError, match="units: expected one of"):
+        read_surface(tmp_path / "nan.vtp", "inch")
+
+
+def test_real_surfaces_are_read_whole(data_dir):
+    for name, units, points, triangles in (
+        ("pulmonary_surface_cm", "cm", 17188, 34372),
+        ("aorta_iliac_surface_cm", "cm", 9294, 18584),
+        ("vmtk_aorta_surface_mm", "mm", 6468, 12932),
+    ):
+        surface = read_surface(data_dir / f"{name}.vtp", units)
+        assert (len(surface.points), len(surface.triangles)) == (points, triangles)
+        assert surface.warnings == ()
+        assert surface.frame is None
+    # Left in centimetres the pulmonary artery is 13 mm long, and that is said.
+    assert len(read_surface(data_dir / "pulmonary_surface_cm.vtp").warnings) == 1
+
+
+def test_three_hundred_thousand_triangles_are_read_in_a_second(tmp_path):
+    points, triangles = open_tube(length=100, around=300, along=500)
+    path = saved(tmp_path, polydata_from_arrays(points.astype(np.float32), triangles))
+    seconds = []
+    for _ in range(3):
+        start = time.perf_counter()
+        assert len(read_surface(path).triangles) == 300_000
+        seconds.append(time.perf_counter() - start)
+    assert min(seconds) < 1

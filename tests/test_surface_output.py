@@ -1,0 +1,241 @@
+import subprocess
+
+import numpy as np
+import pytest
+from mesh_files import PROJECT, RUN_PYTHON, octahedron
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkIntArray, vtkStringArray
+
+from SDFStentLib.polydata import add_arrays, polydata_from_arrays, set_frame_of_polydata
+from SDFStentLib.surface import face_normals, vertex_normals
+from SDFStentLib.surface_files import read_surface
+from SDFStentLib.surface_output import check_surface_output, polydata_with_points, write_surface
+from SDFStentLib.validation import InputError
+from SDFStentLib.vtk_formats import encode_vtp
+
+MOVED = np.array([4, 17])
+
+
+def rich_surface(folder, kind=np.float32, frame="LPS"):
+    """A surface in centimetres with arrays of many types."""
+    points, triangles = octahedron()
+    polydata = polydata_from_arrays((points / 10).astype(kind), triangles)
+    count = len(points)
+    add_arrays(
+        polydata,
+        {
+            "GlobalNodeID": np.arange(count, dtype=np.int32),
+            "Pressure": np.linspace(0, 1, count),
+            "name": np.array([f"Gefäß {i}" for i in range(count)]),
+            "Normals": vertex_normals(points, triangles).astype(np.float32),
+        },
+        {"ModelFaceID": np.arange(len(triangles), dtype=np.int32) % 5},
+    )
+    ids = numpy_to_vtk(np.arange(len(triangles), dtype=np.int64) + 7, deep=True)
+    ids.SetName("GlobalElementID")
+    polydata.GetCellData().SetGlobalIds(ids)
+    polydata.GetPointData().SetActiveScalars("Pressure")
+    patient, year = vtkStringArray(), vtkIntArray()
+    for array, name, value in ((patient, "patient", "Müller"), (year, "year", 1999)):
+        array.SetName(name)
+        array.InsertNextValue(value)
+        polydata.GetFieldData().AddArray(array)
+    set_frame_of_polydata(polydata, frame)
+    path = folder / "rich.vtp"
+    path.write_bytes(encode_vtp(polydata))
+    return read_surface(path, "cm")
+
+
+def array_bits(polydata, skipped=()):
+    """Name, class and values of every array, to be compared."""
+    found = {}
+    for kind in ("PointData", "CellData", "FieldData"):
+        data = getattr(polydata, f"Get{kind}")()
+        for index in range(data.GetNumberOfArrays()):
+            array = data.GetAbstractArray(index)
+            values = [str(array.GetVariantValue(i)) for i in range(array.GetNumberOfValues())]
+            if array.GetName() not in skipped:
+                key = (kind, array.GetName())
+                found[key] = (array.GetDataTypeAsString(), array.GetNumberOfComponents(), values)
+    return found
+
+
+def coordinates(polydata):
+    return vtk_to_numpy(polydata.GetPoints().GetData())
+
+
+@pytest.mark.parametrize("kind", [np.float32, np.float64])
+@pytest.mark.parametrize("suffix", ["vtp", "vtk"])
+def test_everything_but_the_moved_points_is_kept_bit_by_bit(tmp_path, kind, suffix):
+    surface = rich_surface(tmp_path, kind)
+    path = tmp_path / f"Größe neu.{suffix}"
+    assert write_surface(path, surface, MOVED, surface.points[MOVED] + 1) == ()
+    again = read_surface(path, "cm")
+    before, after = surface.polydata(), again.polydata()
+    kept = np.setdiff1d(np.arange(len(surface.points)), MOVED)
+    assert coordinates(after).dtype == kind
+    assert coordinates(after)[kept].tobytes() == coordinates(before)[kept].tobytes()
+    expected = ((surface.points[MOVED] + 1) / 10).astype(kind)
+    assert np.array_equal(coordinates(after)[MOVED], expected)
+    assert np.array_equal(again.points[MOVED], surface.as_stored(surface.points[MOVED] + 1))
+    assert np.array_equal(again.triangles, surface.triangles)
+    assert again.frame == surface.frame == "LPS"
+    assert array_bits(after, ["Normals"]) == array_bits(before, ["Normals"])
+    assert after.GetCellData().GetGlobalIds().GetName() == "GlobalElementID"
+    assert after.GetPointData().GetScalars().GetName() == "Pressure"
+
+
+@pytest.mark.parametrize("suffix", ["stl", "ply", "obj"])
+def test_plain_formats_keep_the_mesh_and_the_tag_and_name_what_they_lose(tmp_path, suffix):
+    surface = rich_surface(tmp_path)
+    path = tmp_path / f"a b.{suffix}"
+    (said,) = write_surface(path, surface, MOVED, surface.points[MOVED] + 1)
+    assert f".{suffix} cannot keep the arrays" in said
+    assert "name" in said
+    assert "patient" in said
+    assert "SPACE" not in said
+    assert ("Pressure" in said) == (suffix != "ply")
+    again = read_surface(path, "cm")
+    new = surface.points.copy()
+    new[MOVED] += 1
+    corners = again.points[again.triangles]
+    # One rounding to single precision of numbers up to 4 cm.
+    assert np.abs(corners - new[surface.triangles]).max() < 10 * 4 * 2**-24
+    assert len(again.points) == len(surface.points)
+    assert again.frame == "LPS"
+
+
+@pytest.mark.parametrize("suffix", ["vtp", "vtk", "stl", "ply", "obj"])
+def test_writing_what_was_read_from_a_format_changes_nothing(tmp_path, suffix):
+    first, second, third = (tmp_path / f"{number}.{suffix}" for number in range(3))
+    write_surface(first, rich_surface(tmp_path), [], np.zeros((0, 3)))
+    one = read_surface(first, "cm")
+    write_surface(second, one, [], np.zeros((0, 3)))
+    two = read_surface(second, "cm")
+    write_surface(third, two, [], np.zeros((0, 3)))
+    assert two.points.tobytes() == one.points.tobytes()
+    assert np.array_equal(two.triangles, one.triangles)
+    assert second.read_bytes() == third.read_bytes()
+
+
+def test_a_file_without_a_tag_is_written_without(tmp_path):
+    surface = rich_surface(tmp_path, frame=None)
+    for suffix in ("vtp", "vtk", "stl", "ply", "obj"):
+        path = tmp_path / f"a.{suffix}"
+        write_surface(path, surface, [], [])
+        assert b"SPACE" not in path.read_bytes()
+        assert read_surface(path, "cm").frame is None
+
+
+def test_normals_are_those_of_the_new_surface(tmp_path):
+    surface = rich_surface(tmp_path)
+    polydata = polydata_with_points(surface, MOVED, 0.7 * surface.points[MOVED])
+    new = surface.points.copy()
+    new[MOVED] *= 0.7
+    normals = vtk_to_numpy(polydata.GetPointData().GetArray("Normals"))
+    # Single precision, of the coordinates as well.
+    assert np.abs(normals - vertex_normals(new, surface.triangles)).max() < 1e-5
+    assert normals.dtype == np.float32
+
+
+def test_the_surface_that_was_read_is_not_modified(tmp_path):
+    surface = rich_surface(tmp_path)
+    before = array_bits(surface.polydata())
+    write_surface(
+        tmp_path / "b.vtp", surface, MOVED, surface.points[MOVED] + 5, {"d": MOVED[[0] * 66]}
+    )
+    assert array_bits(surface.polydata()) == before
+    assert np.array_equal(10 * coordinates(surface.polydata()).astype(float), surface.points)
+
+
+def test_more_arrays_can_be_written(tmp_path):
+    surface = rich_surface(tmp_path)
+    stretch = np.linspace(1, 2, len(surface.triangles))
+    displacement = np.ones_like(surface.points)
+    path = tmp_path / "b.vtp"
+    write_surface(path, surface, [], [], {"Displacement": displacement}, {"AreaStretch": stretch})
+    polydata = read_surface(path, "cm").polydata()
+    assert np.array_equal(vtk_to_numpy(polydata.GetCellData().GetArray("AreaStretch")), stretch)
+    assert np.array_equal(
+        vtk_to_numpy(polydata.GetPointData().GetArray("Displacement")), displacement
+    )
+    with pytest.raises(InputError, match="cell array a: expected 128 rows"):
+        write_surface(path, surface, [], [], None, {"a": np.zeros(3)})
+
+
+def test_unfit_points_are_refused_and_nothing_is_written(tmp_path):
+    surface = rich_surface(tmp_path)
+    path = tmp_path / "b.vtp"
+    one = np.zeros((1, 3))
+    for indices, points, words in (
+        ([0, 1], one, "indices: expected 1 integers, got 2"),
+        ([0.5], one, "indices: expected 1 integers"),
+        ([66], one, "indices: expected 0 to 65"),
+        ([-1], one, "indices: expected 0 to 65"),
+        ([0], one * np.nan, "coordinates: expected finite"),
+    ):
+        with pytest.raises(InputError, match=words):
+            write_surface(path, surface, indices, points)
+    assert not path.exists()
+
+
+def test_outputs_are_checked_before_anything_is_computed(tmp_path):
+    with pytest.raises(InputError, match=r"expected one of \.vtp, .* got '.vtu'"):
+        check_surface_output(tmp_path / "a.vtu")
+    with pytest.raises(InputError, match="got 'no suffix'"):
+        check_surface_output(tmp_path / "a")
+    with pytest.raises(InputError, match="expected an existing folder"):
+        check_surface_output(tmp_path / "none" / "a.vtp")
+    assert check_surface_output(tmp_path / "A.VTP") == (tmp_path / "A.VTP").resolve()
+
+
+@pytest.mark.parametrize("suffix", ["vtp", "vtk", "stl", "ply", "obj"])
+def test_a_full_disk_is_said_and_the_old_file_stays(tmp_path, suffix):
+    surface = rich_surface(tmp_path)
+    path = tmp_path / f"out.{suffix}"
+    path.write_bytes(b"old")
+    script = """
+import resource, sys
+from SDFStentLib.surface_files import read_surface
+from SDFStentLib.surface_output import write_surface
+surface = read_surface(sys.argv[1], "cm")
+resource.setrlimit(resource.RLIMIT_FSIZE, (500, 500))
+try:
+    write_surface(sys.argv[2], surface, [], [])
+except ValueError as error:
+    print(error)
+"""
+    run = subprocess.run(
+        [*RUN_PYTHON, script, surface.path, path],
+        cwd=PROJECT,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert "cannot be written" in run.stdout
+    assert run.stderr == ""
+    assert path.read_bytes() == b"old"
+    assert {entry.name for entry in tmp_path.iterdir()} == {"rich.vtp", path.name}
+
+
+def test_real_surfaces_go_round_with_all_arrays(tmp_path, data_dir):
+    for name, units in (
+        ("pulmonary_surface_cm", "cm"),
+        ("aorta_iliac_surface_cm", "cm"),
+        ("vmtk_aorta_surface_mm", "mm"),
+    ):
+        surface = read_surface(data_dir / f"{name}.vtp", units)
+        path = tmp_path / f"{name}.vtp"
+        moved = np.arange(100)
+        write_surface(path, surface, moved, surface.points[moved] * 1.001)
+        before, after = surface.polydata(), read_surface(path, units).polydata()
+        assert coordinates(after)[100:].tobytes() == coordinates(before)[100:].tobytes()
+        skipped = ["Normals", "Normals_"]
+        assert array_bits(after, skipped) == array_bits(before, skipped)
+        normals = after.GetCellData().GetArray("Normals")
+        if normals:
+            again = read_surface(path, units)
+            expected = face_normals(again.points, again.triangles)
+            touched = (again.triangles < 100).any(axis=1)
+            # Single precision of coordinates up to 200 mm on edges of 1 mm.
+            assert np.abs(vtk_to_numpy(normals) - expected)[touched].max() < 1e-4

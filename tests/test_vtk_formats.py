@@ -1,0 +1,185 @@
+import subprocess
+import textwrap
+
+import numpy as np
+import pytest
+from mesh_files import PROJECT, RUN_PYTHON, octahedron
+from vtkmodules.vtkCommonCore import vtkLogger, vtkObject, vtkOutputWindow
+from vtkmodules.vtkIOLegacy import vtkPolyDataWriter
+from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
+
+from SDFStentLib.file_input import FileContent, read_content
+from SDFStentLib.polydata import add_arrays, arrays_from_polydata, polydata_from_arrays
+from SDFStentLib.validation import InputError
+from SDFStentLib.vtk_formats import encode_legacy, encode_vtp, read_vtk_polydata, vtk_messages
+
+
+def surface_with_text():
+    points, triangles = octahedron(rounds=1)
+    polydata = polydata_from_arrays(points, triangles, {"label": np.arange(len(points))})
+    add_arrays(polydata, {"name": np.array([f"p{i}" for i in range(len(points))])}, None)
+    return polydata
+
+
+def as_file(polydata, writer, path, mode):
+    writer.SetInputData(polydata)
+    getattr(writer, mode)()
+    writer.SetFileName(str(path))
+    writer.Write()
+    return path
+
+
+def all_kinds(folder):
+    polydata = surface_with_text()
+    for mode in ("SetDataModeToAscii", "SetDataModeToBinary", "SetDataModeToAppended"):
+        yield as_file(polydata, vtkXMLPolyDataWriter(), folder / f"{mode}.vtp", mode)
+    for mode in ("SetFileTypeToASCII", "SetFileTypeToBinary"):
+        yield as_file(polydata, vtkPolyDataWriter(), folder / f"{mode}.vtk", mode)
+    old = vtkPolyDataWriter()
+    old.SetFileVersion(42)  # cells in the form of VTK before 9
+    yield as_file(polydata, old, folder / "old.vtk", "SetFileTypeToBinary")
+    (folder / "ours.vtp").write_bytes(encode_vtp(polydata))
+    (folder / "ours.vtk").write_bytes(encode_legacy(polydata, "title"))
+    yield folder / "ours.vtp"
+    yield folder / "ours.vtk"
+
+
+def test_every_encoding_is_read_with_its_arrays(tmp_path):
+    expected = arrays_from_polydata(surface_with_text())
+    for path in all_kinds(tmp_path):
+        polydata, frame = read_vtk_polydata(read_content(path))
+        found = arrays_from_polydata(polydata)
+        # ASCII has the digits that VTK prints.
+        assert np.allclose(found[0], expected[0], atol=1e-3), path
+        assert np.array_equal(found[1], expected[1])
+        assert polydata.GetPointData().GetAbstractArray("name").GetValue(3) == "p3"
+        assert frame is None
+
+
+def test_all_arrays_of_a_legacy_file_are_read_not_only_the_first_of_a_kind(tmp_path):
+    path = tmp_path / "a.vtk"
+    polydata = surface_with_text()
+    text = as_file(polydata, vtkPolyDataWriter(), path, "SetFileTypeToASCII").read_text()
+    count = polydata.GetNumberOfPoints()
+    start = text.index("POINT_DATA")
+    zeros = "0 0 0\n" * count
+    text = (
+        text[:start] + f"POINT_DATA {count}\nNORMALS one float\n{zeros}VECTORS two float\n{zeros}"
+    )
+    path.write_text(text + f"NORMALS three float\n{zeros}VECTORS four float\n{zeros}")
+    data = read_vtk_polydata(read_content(path))[0].GetPointData()
+    names = {data.GetArrayName(index) for index in range(data.GetNumberOfArrays())}
+    assert names == {"one", "two", "three", "four"}
+
+
+def test_cut_files_and_noise_never_crash_never_print_and_never_pass_for_another_mesh(tmp_path):
+    """In a process of its own, because VTK's reader may crash it."""
+    paths = list(all_kinds(tmp_path))
+    script = textwrap.dedent("""
+        import sys, random
+        from pathlib import Path
+        import numpy as np
+        from SDFStentLib.surface_files import read_surface
+        from SDFStentLib.validation import InputError
+        folder = Path(sys.argv[1])
+        for path in map(Path, sys.argv[2:]):
+            data, whole = path.read_bytes(), read_surface(path)
+            lengths = sorted(random.Random(5).sample(range(1, len(data)), 60))
+            for length in [1, 2, 10, 40, 60, 80, 100, *lengths, len(data) - 1]:
+                cut = folder / f"cut{path.suffix}"
+                cut.write_bytes(data[:length])
+                try:
+                    found = read_surface(cut)
+                except InputError as error:
+                    assert str(cut) in str(error), error
+                    continue
+                # Cut behind the mesh itself: then the mesh is right.
+                assert np.array_equal(found.triangles, whole.triangles), (path, length)
+                assert np.array_equal(found.points, whole.points), (path, length)
+            for seed in range(5):
+                cut.write_bytes(data[:30] + random.Random(seed).randbytes(3000))
+                try:
+                    read_surface(cut)
+                except InputError:
+                    continue
+                raise AssertionError(f"noise passed for {path.suffix}")
+        print("done")
+    """)
+    run = subprocess.run(
+        [*RUN_PYTHON, script, tmp_path, *paths],
+        cwd=PROJECT,
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert run.stderr == ""
+    assert run.stdout == "done\n"
+    assert run.returncode == 0
+
+
+def damaged(name, data):
+    return FileContent(name, data, "")
+
+
+@pytest.mark.parametrize(
+    ("name", "data", "words"),
+    [
+        ("a.vtp", b"solid not XML", "expected a VTP file"),
+        ("a.vtp", b'<VTKFile type="UnstructuredGrid"></VTKFile>', "got UnstructuredGrid"),
+        ("a.vtp", b'<VTKFile type="PolyData"><PolyData>', "its end is missing"),
+        (
+            "a.vtp",
+            b'<VTKFile type="PolyData"><Piece NumberOfPoints="99999999999"/></VTKFile>',
+            "announces 99999999999 elements",
+        ),
+        ("a.vtp", b'<VTKFile type="PolyData"><PolyData></VTKFile>', "the file is damaged"),
+        ("a.vtk", b"<VTKFile>", "expected a legacy VTK file"),
+        ("a.vtk", b"# vtk DataFile Version 3.0\n", "got no data set"),
+        (
+            "a.vtk",
+            b"# vtk DataFile Version 3.0\nx\nASCII\nDATASET STRUCTURED_GRID\n",
+            "got STRUCTURED_GRID",
+        ),
+        ("a.vtk", b"# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\n", "expected POINTS"),
+        (
+            "a.vtk",
+            b"# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\nPOINTS 9999999999 float\n",
+            "expected 29999999997 numbers",
+        ),
+        (
+            "a.vtk",
+            b"# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\nPOINTS 1 float\n0 0 0\n"
+            b"POINT_DATA 1\nFIELD FieldData 1\nname 1 9 string\na\n",
+            "expected 9 numbers or words",
+        ),
+    ],
+)
+def test_what_vtk_would_choke_on_is_said_first(tmp_path, name, data, words):
+    path = tmp_path / name
+    path.write_bytes(data)
+    with pytest.raises(InputError, match=words):
+        read_vtk_polydata(read_content(path))
+
+
+def test_the_title_of_a_legacy_file_names_the_frame(tmp_path):
+    path = tmp_path / "a.vtk"
+    path.write_bytes(encode_legacy(surface_with_text(), "3D Slicer output. SPACE=RAS"))
+    assert read_vtk_polydata(read_content(path))[1] == "RAS"
+
+
+def test_messages_are_collected_and_the_process_is_left_as_it_was(capfd):
+    window, level = vtkOutputWindow.GetInstance(), vtkLogger.GetCurrentVerbosityCutoff()
+    with vtk_messages() as messages:
+        writer = vtkXMLPolyDataWriter()
+        writer.Write()
+    assert len(messages) >= 1
+    assert vtkOutputWindow.GetInstance() is window
+    assert vtkLogger.GetCurrentVerbosityCutoff() == level
+    assert vtkObject.GetGlobalWarningDisplay() == 1
+    captured = capfd.readouterr()
+    assert captured.out + captured.err == ""
+
+
+def test_what_vtk_cannot_write_is_said():
+    with pytest.raises(InputError, match="VTK cannot write it"):
+        encode_vtp(None)
