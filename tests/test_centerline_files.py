@@ -1,0 +1,169 @@
+import json
+
+import numpy as np
+import pytest
+from mesh_files import octahedron
+
+from SDFStentLib.centerline_files import (
+    axis_of,
+    in_frame_of,
+    read_axis,
+    read_centerline,
+    read_lines,
+)
+from SDFStentLib.markups_files import new_markups
+from SDFStentLib.polydata import (
+    add_arrays,
+    polydata_from_arrays,
+    polydata_from_lines,
+    set_frame_of_polydata,
+)
+from SDFStentLib.validation import InputError
+from SDFStentLib.vtk_formats import encode_legacy, encode_vtp
+
+POINTS = np.array([[i, 0.1 * i * i, 2.0] for i in range(20)])
+
+
+def saved(folder, lines, name="c.vtp", frame=None, points=POINTS, radius=None):
+    polydata = polydata_from_lines(points, lines)
+    set_frame_of_polydata(polydata, frame)
+    if radius is not None:
+        add_arrays(polydata, radius, None)
+    path = folder / name
+    path.write_bytes(encode_vtp(polydata))
+    return path
+
+
+def test_lines_points_and_radius_are_those_of_the_file_in_millimetres(tmp_path):
+    backwards = np.arange(20)[::-1]
+    radius = {"Radius": np.linspace(1, 2, 20)}
+    path = saved(tmp_path, [backwards, [0, 5]], radius=radius)
+    for units, scale in (("mm", 1), ("cm", 10)):
+        lines = read_lines(path, units)
+        assert np.array_equal(lines.points, scale * POINTS)
+        assert np.array_equal(lines.inscribed_radius, scale * radius["Radius"])
+        assert [line.tolist() for line in lines.lines] == [backwards.tolist(), [0, 5]]
+    assert read_lines(saved(tmp_path, [backwards])).inscribed_radius is None
+    for array in (lines.points, lines.lines[0], lines.inscribed_radius):
+        assert not array.flags.writeable
+
+
+def test_an_axis_runs_as_its_cell_says(tmp_path):
+    path = saved(tmp_path, [np.arange(20)[::-1]])
+    assert np.array_equal(read_axis(path), POINTS[::-1])
+    with pytest.raises(InputError, match="expected one line as axis, got 2"):
+        read_axis(saved(tmp_path, [[0, 1, 2], [2, 3]]))
+
+
+def test_a_markups_curve_is_an_axis_and_a_centerline(tmp_path):
+    path = tmp_path / "Kurve 1.mrk.json"
+    path.write_bytes(new_markups(POINTS, "RAS", "mm"))
+    lines = read_lines(path, "cm")
+    assert lines.frame == "RAS"
+    assert lines.units == "cm"  # mm is what Slicer always writes, the caller knows better
+    assert np.array_equal(axis_of(lines)[::10], 10 * POINTS)
+    assert len(read_centerline(path).branches) == 1
+
+
+def test_a_markups_file_that_names_another_unit_is_believed(tmp_path):
+    path = tmp_path / "c.mrk.json"
+    path.write_bytes(new_markups(POINTS, "RAS", "cm"))
+    lines = read_lines(path)
+    assert lines.units == "cm"
+    assert np.array_equal(lines.points[::10], 10 * POINTS)
+    assert "it says that it is in cm, not mm" in lines.warnings[0]
+    path.write_bytes(new_markups(POINTS, "RAS", "um"))
+    with pytest.raises(InputError, match="expected mm, cm or m, got 'um'"):
+        read_lines(path)
+
+
+def test_frames_are_brought_together_where_both_are_known(tmp_path):
+    lines = read_lines(saved(tmp_path, [np.arange(20)], frame="LPS"))
+    assert in_frame_of(lines, None) is lines
+    assert in_frame_of(lines, "LPS") is lines
+    turned = in_frame_of(lines, "RAS")
+    assert np.array_equal(turned.points, POINTS * (-1, -1, 1))
+    assert (turned.frame, turned.file_frame) == ("RAS", "LPS")
+    assert "it is in LPS, the surface in RAS; its x and y were negated" in turned.warnings[0]
+    assert np.array_equal(in_frame_of(turned, "LPS").points, POINTS)
+    unknown = read_lines(saved(tmp_path, [np.arange(20)]))
+    assert in_frame_of(unknown, "RAS") is unknown
+
+
+def test_the_title_of_a_legacy_file_names_the_frame(tmp_path):
+    path = tmp_path / "c.vtk"
+    path.write_bytes(encode_legacy(polydata_from_lines(POINTS, [[0, 1]]), "x SPACE=RAS"))
+    assert read_lines(path).frame == "RAS"
+
+
+def test_the_polydata_is_a_copy_in_unit_and_frame_of_the_file(tmp_path):
+    vtp = saved(tmp_path, [np.arange(20)], frame="LPS")
+    markups = tmp_path / "c.mrk.json"
+    markups.write_bytes(new_markups(POINTS, "LPS", "cm"))
+    for path, step in ((vtp, 1), (markups, 10)):
+        polydata = in_frame_of(read_lines(path, "cm"), "RAS").polydata()
+        # Times ten and back is exact to the last bit but one.
+        assert np.allclose(polydata.GetPoint(3 * step), POINTS[3], rtol=1e-15)
+        assert polydata.GetNumberOfLines() == 1
+
+
+def test_bad_files_give_one_sentence_with_their_name(tmp_path):
+    (tmp_path / "points.vtp").write_bytes(encode_vtp(polydata_from_arrays(*octahedron())))
+    saved(tmp_path, [[3]], "one.vtp")
+    saved(tmp_path, [[3, 3]], "same.vtp")
+    saved(tmp_path, [[0, 1]], "nan.vtp", points=np.eye(3))
+    bad = polydata_from_lines(np.eye(3), [[0, 1]])
+    bad.GetPoints().SetPoint(0, float("inf"), 0, 0)
+    (tmp_path / "nan.vtp").write_bytes(encode_vtp(bad))
+    (tmp_path / "c.csv").write_text("1,2,3")
+    (tmp_path / "cut.vtp").write_bytes(saved(tmp_path, [[0, 1]]).read_bytes()[:-40])
+    (tmp_path / "c.json").write_text(json.dumps({"schema": 1}))
+    for name, words in (
+        ("points.vtp", "expected a centerline of lines, got 66 points without a line"),
+        ("one.vtp", "at least two different points, got one point"),
+        ("same.vtp", "at least two different points, got one point"),
+        ("nan.vtp", "got NaN or infinity"),
+        ("c.csv", "expected a centerline as .vtp, .vtk, .mrk.json, got '.csv'"),
+        ("cut.vtp", "its end is missing"),
+        ("c.json", "expected a markups file with a curve"),
+        ("missing.vtp", "no such file"),
+        (".", "got a folder"),
+    ):
+        with pytest.raises(InputError, match=words) as caught:
+            read_lines(tmp_path / name)
+        assert str(tmp_path / name) in str(caught.value)
+        assert "\n" not in str(caught.value)
+    with pytest.raises(InputError, match="units: expected one of"):
+        read_lines(tmp_path / "one.vtp", "ft")
+
+
+def test_radii_that_do_not_fit_are_refused(tmp_path):
+    polydata = polydata_from_lines(POINTS, [[0, 1]])
+    path = tmp_path / "c.vtk"
+    path.write_text(
+        "# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\nPOINTS 2 float\n0 0 0 1 0 0\n"
+        "LINES 1 3\n2 0 1\nPOINT_DATA 3\nFIELD FieldData 1\nRadius 1 3 float\n1 2 3\n"
+    )
+    assert polydata.GetNumberOfLines() == 1
+    with pytest.raises(InputError, match=r"c\.vtk: "):
+        read_lines(path)
+
+
+def test_pieces_too_far_apart_name_the_file(tmp_path):
+    points = np.concatenate([POINTS, POINTS + 1000])
+    path = saved(tmp_path, [np.arange(20), np.arange(20, 40)], points=points)
+    with pytest.raises(InputError, match=r"c\.vtp: "):
+        read_centerline(path)
+
+
+def test_real_centerlines_become_trees(data_dir):
+    for name, units, lines in (
+        ("pulmonary_centerline_cm", "cm", 1496),
+        ("aorta_iliac_centerline_cm", "cm", 1273),
+        ("vmtk_aorta_centerline_mm", "mm", 2),
+        ("vmtk_aorta_centerline_branches_mm", "mm", 6),
+    ):
+        found = read_lines(data_dir / f"{name}.vtp", units)
+        assert len(found.lines) == lines
+        assert 1 < np.nanmedian(found.inscribed_radius) < 15
+        assert len(found.centerline().leaves) == 2
