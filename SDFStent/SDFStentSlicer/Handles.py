@@ -11,9 +11,10 @@ HANDLE_ATTRIBUTE = "SDFStent.Handle"
 COLOR = (0.1, 0.55, 0.95)
 
 
-def createHandle(scene, label, points):
-    """A markups point list of ours, one control point per row of `points`."""
-    node = scene.AddNewNodeByClass("vtkMRMLMarkupsFiducialNode", scene.GenerateUniqueName(label))
+def createHandle(scene, label, points, isCurve=False):
+    """A markups point list or curve of ours, one control point per row of `points`."""
+    className = "vtkMRMLMarkupsCurveNode" if isCurve else "vtkMRMLMarkupsFiducialNode"
+    node = scene.AddNewNodeByClass(className, scene.GenerateUniqueName(label))
     node.SetAttribute(HANDLE_ATTRIBUTE, "1")
     node.CreateDefaultDisplayNodes()
     display = node.GetDisplayNode()
@@ -25,6 +26,8 @@ def createHandle(scene, label, points):
         display.SetGlyphSize(2.5)
         display.SetOccludedVisibility(True)
         display.SetOccludedOpacity(0.7)
+    if isCurve:
+        node.SetCurveTypeToLinear()  # the curve is the polyline of the plan, point by point
     for point in points:
         node.AddControlPointWorld(*point)
     return node
@@ -54,8 +57,12 @@ def endsAround(centerline, point, length):
 
 
 def fitHandle(node, placement, centerline, length):
-    """Give a handle the points that a placement needs; further points of a point list of ours are dropped."""
-    if node is None or placement == Placement.ALONG_CURVE or node.IsA("vtkMRMLMarkupsCurveNode"):
+    """Give a point list of ours the points that a placement needs; the user's own markups stay as they are."""
+    if (
+        node is None
+        or not node.GetAttribute(HANDLE_ATTRIBUTE)
+        or node.IsA("vtkMRMLMarkupsCurveNode")
+    ):
         return
     count = node.GetNumberOfControlPoints()
     with slicer.util.NodeModify(node):
@@ -63,7 +70,7 @@ def fitHandle(node, placement, centerline, length):
             ends = endsAround(centerline, node.GetNthControlPointPositionWorld(0), length)
             node.SetNthControlPointPositionWorld(0, *ends[0])
             node.AddControlPointWorld(*ends[1])
-        elif placement.pointCount == 1 and count > 1 and node.GetAttribute(HANDLE_ATTRIBUTE):
+        elif placement.pointCount == 1 and count > 1:
             middle = np.mean(
                 [node.GetNthControlPointPositionWorld(i) for i in range(count)], axis=0
             )

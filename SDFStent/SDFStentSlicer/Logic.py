@@ -69,6 +69,8 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
                 slicer.mrmlScene, name, [Handles.middlePoint(centerline)]
             )
             Handles.fitHandle(values["handle"], placement, centerline, values.get("length", 20.0))
+        if values.get("placement", Placement.CENTER).usesHandleLength:
+            values.setdefault("foreshortening", 0.0)
         stents.add(**values)
         return values["handle"]
 
@@ -97,6 +99,7 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
     def fitHandle(self, parameterNode):
         """Give the selected stent's handle the points that its placement needs."""
         stent = parameterNode.stent
+        stent.foreshortening = 0.0 if stent.placement.usesHandleLength else 10.0
         if stent.handle is not None and parameterNode.centerline is not None:
             Handles.fitHandle(
                 stent.handle, stent.placement, self._inputs.centerline(parameterNode), stent.length
@@ -110,6 +113,7 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
 
     def restoreMethod(self, parameterNode):
         """Set the method back to its defaults."""
+        parameterNode.planDocument = ""
         parameterNode.method = MethodParameters()
 
     def loadPlan(self, path, parameterNode):
@@ -213,6 +217,8 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
         surface = self._surface(parameterNode, template)
         self._runs[parameterNode.parameterNode.GetID()] = run
         parameterNode.status = ""
+        if not live:
+            Plans.remember(parameterNode)
         for fraction in run.steps():
             step = run.recorded[-1]
             surface.show(run.bases[step.stent], step.indices, step.coordinates)

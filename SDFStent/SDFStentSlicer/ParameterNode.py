@@ -69,8 +69,9 @@ class StentParameters:
     enabled: bool = True
     diameter: Annotated[float, WithinRange(0.5, 60.0)] = 8.0
     length: Annotated[float, WithinRange(1.0, 300.0)] = 20.0
-    foreshortening: Annotated[float, WithinRange(0.0, 50.0)] = 10.0
+    foreshortening: Annotated[float, WithinRange(-20.0, 50.0)] = 10.0
     placement: Placement = Placement.CENTER
+    wholeCurve: bool = True
     handle: vtkMRMLMarkupsFiducialNode | vtkMRMLMarkupsCurveNode | None
 
 
@@ -122,7 +123,7 @@ class SDFStentParameterNode:
     planDocument: str = ""
 
 
-STENT_FIELDS = ("label", "enabled", "diameter", "length", "foreshortening", "placement", "handle")
+STENT_FIELDS = tuple(StentParameters.allParameters)
 
 
 def stentValues(stent):

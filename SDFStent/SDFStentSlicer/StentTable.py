@@ -55,7 +55,9 @@ class StentTable:
 
 def _texts(values):
     length = (
-        _("as placed") if values["placement"].usesHandleLength else f"{values['length']:.1f} mm"
+        _("as placed")
+        if values["placement"].usesHandleLength and values["wholeCurve"]
+        else f"{values['length']:.1f} mm"
     )
     return (
         values["label"],

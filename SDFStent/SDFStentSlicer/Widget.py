@@ -241,7 +241,7 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.ui.defaultsButton.connect(
             "clicked()", lambda: self.logic.restoreMethod(self._parameterNode)
         )
-        self.ui.placementComboBox.connect("currentIndexChanged(int)", self.onPlacementChanged)
+        self.ui.placementComboBox.connect("activated(int)", self.onPlacementActivated)
 
     def onSegmentChanged(self, segmentID):
         if self._parameterNode is not None and self.ui.segmentSelector.currentNode() is not None:
@@ -262,7 +262,11 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
     def onRemoveStent(self):
         self.logic.removeStent(self._parameterNode)
 
-    def onPlacementChanged(self, index=None):
+    def onPlacementActivated(self, index):
+        # The parameter hears of the new index after this slot, so the handle is fitted a moment later.
+        qt.QTimer.singleShot(0, self._fitHandle)
+
+    def _fitHandle(self):
         if self._parameterNode is not None and len(self.stents):
             self._attempt(lambda: self.logic.fitHandle(self._parameterNode))
 

@@ -125,6 +125,12 @@ class Host:
         QtTest.QTest.mouseClick(button, QtCore.Qt.LeftButton)
         self.process()
 
+    def choose(self, comboBox, index):
+        """Pick an item of a combo box, as a user does."""
+        comboBox.currentIndex = index
+        comboBox.activated.emit(index)
+        self.process()
+
     def grab(self, widget, path):
         """What the widget shows, as a PNG file."""
         self.process()

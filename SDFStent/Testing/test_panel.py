@@ -1,0 +1,244 @@
+"""The panel, driven as a user does: clicks, sliders, points that move."""
+
+import numpy as np
+import pytest
+import slicer
+from conftest import settle, theThroat
+
+
+@pytest.fixture
+def theInputs(host, aPanel, aVessel):
+    """The panel with vessel and centerline chosen."""
+    vessel, centerline = aVessel
+    aPanel.ui.vesselSelector.setCurrentNode(vessel)
+    aPanel.ui.centerlineSelector.setCurrentNode(centerline)
+    host.process()
+    return aPanel
+
+
+@pytest.fixture
+def aStent(host, theInputs):
+    """The panel with one stent at the throat."""
+    host.click(theInputs.ui.addStentButton)
+    stent = theInputs._parameterNode.stent
+    stent.handle.SetNthControlPointPositionWorld(0, *theThroat())
+    theInputs.ui.diameterSlider.value = 8.5
+    theInputs.ui.lengthSlider.value = 14.0
+    host.process()
+    return theInputs
+
+
+def deploy(host, panel):
+    host.click(panel.ui.deployButton)
+    settle(host, panel)
+
+
+def test_looking_at_the_panel_makes_no_nodes(host, aScene, theModule):
+    panel = host.openPanel(theModule)
+    count = aScene.GetNumberOfNodes()
+    for _ in range(2):
+        panel.exit()
+        panel.enter()
+        host.process(0.05)
+    assert aScene.GetNumberOfNodes() == count
+    host.closePanel(panel)
+
+
+def test_a_disabled_deploy_button_says_what_is_missing(host, aPanel, aVessel):
+    vessel, centerline = aVessel
+    assert not aPanel.ui.deployButton.enabled
+    assert "vessel" in aPanel.ui.deployButton.toolTip
+    aPanel.ui.vesselSelector.setCurrentNode(vessel)
+    assert "centerline" in aPanel.ui.deployButton.toolTip
+    aPanel.ui.centerlineSelector.setCurrentNode(centerline)
+    assert "stent" in aPanel.ui.deployButton.toolTip
+    assert aPanel.ui.statusLabel.text == aPanel.ui.deployButton.toolTip
+    host.click(aPanel.ui.addStentButton)
+    assert aPanel.ui.deployButton.enabled
+
+
+def test_every_control_has_a_tooltip(aPanel):
+    from PySide6 import QtWidgets
+
+    controls = (
+        QtWidgets.QAbstractButton,
+        QtWidgets.QComboBox,
+        QtWidgets.QLineEdit,
+        QtWidgets.QTableWidget,
+    )
+    custom = ("Selector", "Slider", "Widget", "ComboBox", "Button", "CheckBox", "Edit", "Table")
+    for name, widget in vars(aPanel.ui).items():
+        if isinstance(widget, controls) or name.endswith(custom):
+            if not name.endswith("CollapsibleButton"):
+                assert widget.toolTip, name
+
+
+def test_deploying_shows_the_numbers_and_a_certificate(host, aStent, thePictures):
+    deploy(host, aStent)
+    assert "(8.5 prescribed)" in aStent.ui.lumenLabel.text
+    assert "watertight" in aStent.ui.certificateLabel.text
+    assert aStent.ui.progressBar.value == 100
+    picture = host.grab(aStent.parent, thePictures / "panel.png")
+    assert picture.stat().st_size > 10_000
+
+
+def test_the_3d_view_shows_the_stented_vessel(host, aStent, thePictures):
+    deploy(host, aStent)
+    bounds = aStent._parameterNode.outputVessel.GetPolyData().GetBounds()
+    aStent.ui.expansionSlider.value = 0
+    before = imageOf(host.application.render(thePictures / "before.png", focus=bounds))
+    aStent.ui.expansionSlider.value = 100
+    after = imageOf(host.application.render(thePictures / "after.png", focus=bounds))
+    aStent.ui.mapComboBox.currentIndex = 1
+    host.process()
+    colored = imageOf(host.application.render(thePictures / "displacement.png", focus=bounds))
+    assert (before < 250).mean() > 0.05  # something is drawn on the white background
+    assert (before != after).mean() > 0.01
+    assert (after != colored).mean() > 0.01
+
+
+def imageOf(path):
+    import vtk
+    from vtk.util.numpy_support import vtk_to_numpy
+
+    reader = vtk.vtkPNGReader()
+    reader.SetFileName(str(path))
+    reader.Update()
+    return vtk_to_numpy(reader.GetOutput().GetPointData().GetScalars()).astype(int)
+
+
+def test_sliders_and_parameters_are_bound_both_ways(aStent):
+    parameters = aStent._parameterNode
+    aStent.ui.diameterSlider.value = 7.5
+    assert parameters.stent.diameter == parameters.stents[0].diameter == 7.5
+    parameters.method.influenceDistance = 9.0
+    assert aStent.ui.influenceSlider.value == 9.0
+    aStent.ui.falloffComboBox.currentIndex = 2
+    assert parameters.method.falloff == "cosine"
+    aStent.ui.defaultsButton.click()
+    assert parameters.method.falloff == "compact"
+    assert aStent.ui.influenceSlider.value == 6.5
+
+
+def test_the_table_adds_copies_moves_switches_and_removes(host, aStent):
+    from PySide6.QtCore import Qt
+
+    ui, parameters = aStent.ui, aStent._parameterNode
+    host.click(ui.copyStentButton)
+    host.click(ui.addStentButton)
+    labels = lambda: [stent.label for stent in parameters.stents]  # noqa: E731
+    assert labels() == ["Stent 1", "Stent 2", "Stent 3"]
+    assert parameters.stents[1].diameter == 8.5
+    assert parameters.stents[1].handle is not parameters.stents[0].handle
+    host.click(ui.moveUpButton)
+    assert labels() == ["Stent 1", "Stent 3", "Stent 2"]
+    assert ui.stentTable.currentRow() == 1
+    ui.stentTable.selectRow(0)
+    assert parameters.selected == 0
+    assert ui.nameEdit.text == "Stent 1"
+    ui.stentTable.item(2, 0).setCheckState(Qt.Unchecked)
+    assert [stent.enabled for stent in parameters.stents] == [True, True, False]
+    handle = parameters.stent.handle
+    host.click(ui.removeStentButton)
+    assert labels() == ["Stent 3", "Stent 2"]
+    assert handle.GetScene() is None
+
+
+def test_dragging_the_handle_redeploys_and_ends_with_the_final_place(host, aStent):
+    aStent.ui.autoUpdateCheckBox.checked = True
+    settle(host, aStent)
+    parameters, logic = aStent._parameterNode, aStent.logic
+    centerline = logic._inputs.centerline(parameters)
+    path = centerline.path_around(theThroat(), 12.0).points
+    for point in path:
+        parameters.stent.handle.SetNthControlPointPositionWorld(0, *point)
+        host.process(0.01)
+    settle(host, aStent)
+    shown = np.array(slicer.util.arrayFromModelPoints(parameters.outputVessel))
+    assert "(8.5 prescribed)" in aStent.ui.lumenLabel.text  # the full method came after the preview
+    np.testing.assert_array_equal(shown, logic.deploy(parameters).points.astype(np.float32))
+
+
+def test_a_burst_of_changes_is_debounced(host, aStent):
+    aStent.ui.autoUpdateCheckBox.checked = True
+    settle(host, aStent)
+    begun = []
+    begin = aStent.session._begin
+    aStent.session._begin = lambda live: (begun.append(live), begin(live))
+    for value in np.linspace(6.0, 9.0, 30):
+        aStent.ui.diameterSlider.value = value
+    settle(host, aStent)
+    assert begun == [True, False]  # one preview, then the full method
+    assert "(9.0 prescribed)" in aStent.ui.lumenLabel.text
+
+
+def test_cancel_stops_within_one_tick(host, aStent):
+    host.click(aStent.ui.deployButton)
+    aStent.session.start()
+    assert aStent.ui.cancelButton.enabled
+    host.click(aStent.ui.cancelButton)
+    assert not aStent.session.isBusy
+    assert aStent.ui.lumenLabel.text == ""
+
+
+def test_the_expansion_slider_goes_back_and_forth(host, aStent):
+    deploy(host, aStent)
+    parameters = aStent._parameterNode
+    original = np.array(slicer.util.arrayFromModelPoints(parameters.vessel))
+    final = np.array(slicer.util.arrayFromModelPoints(parameters.outputVessel))
+    aStent.ui.expansionSlider.value = 80
+    between = np.array(slicer.util.arrayFromModelPoints(parameters.outputVessel))
+    assert 0 < np.abs(between - original).max() < np.abs(final - original).max()
+    host.click(aStent.ui.resetButton)
+    np.testing.assert_array_equal(
+        slicer.util.arrayFromModelPoints(parameters.outputVessel), original
+    )
+    aStent.ui.expansionSlider.value = 100
+    np.testing.assert_array_equal(slicer.util.arrayFromModelPoints(parameters.outputVessel), final)
+
+
+def test_placement_between_two_points_needs_and_gets_two_points(host, aStent):
+    host.choose(aStent.ui.placementComboBox, 3)
+    handle = aStent._parameterNode.stent.handle
+    assert handle.GetNumberOfControlPoints() == 2
+    assert not aStent.ui.lengthSlider.enabled
+    deploy(host, aStent)
+    assert "8.5 prescribed" in aStent.ui.lumenLabel.text
+    host.choose(aStent.ui.placementComboBox, 0)
+    assert handle.GetNumberOfControlPoints() == 1
+
+
+def test_slider_limits_fit_the_vessel(theInputs, host):
+    host.click(theInputs.ui.addStentButton)
+    assert 15 < theInputs.ui.diameterSlider.maximum < 30  # four times the widest radius, 5 mm here
+    assert 40 < theInputs.ui.lengthSlider.maximum < 120
+
+
+def test_closing_the_scene_while_deploying_is_clean(host, aStent, aScene):
+    aStent.session.start()
+    aScene.Clear(0)
+    host.process(0.1)
+    assert not aStent.session.isBusy
+    assert not aStent.ui.deployButton.enabled
+
+
+def test_reload_reads_both_halves_again(host, aPanel, theModule):
+    import sys
+
+    before = sys.modules["SDFStentLib.stent"], sys.modules["SDFStentSlicer.Logic"]
+    try:
+        aPanel.onReload()
+        assert sys.modules["SDFStentLib.stent"] is not before[0]
+        assert sys.modules["SDFStentSlicer.Logic"] is not before[1]
+    finally:
+        entry = slicer.modules.sdfstent
+        theModule.python, theModule.module = entry.python, entry.module
+
+
+def test_sample_data_comes_without_network(host, aScene):
+    import SampleData
+
+    for name in ("StenosedPulmonaryArtery", "AortaWithCoarctation"):
+        vessel, centerline = SampleData.SampleDataLogic.download(name)
+        assert vessel.GetPolyData().GetNumberOfPolys() > 1000
+        assert centerline.GetPolyData().GetPointData().HasArray("Radius")
