@@ -34,7 +34,10 @@ def decode_obj(data: bytes, name: str) -> PlainMesh:
     """
     lines = data.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ").splitlines()
     point_rows = [line.split()[1:4] for line in lines if line[:2] in (b"v ", b"v\t")]
-    faces = [re.sub(rb"/\S*", b"", line).split()[1:] for line in lines if line[:2] == b"f "]
+    face_lines = [line for line in lines if line[:2] in (b"f ", b"f\t")]
+    if any(b"/" in line for line in face_lines):  # texture and normal after the point
+        face_lines = re.sub(rb"/[^\s]*", b"", b"\n".join(face_lines)).split(b"\n")
+    faces = [line.split()[1:] for line in face_lines]
     if not point_rows or data.find(b"\0") >= 0:
         raise InputError(f"{name}: expected an OBJ file with points (v x y z), found none.")
     try:
@@ -52,7 +55,7 @@ def decode_obj(data: bytes, name: str) -> PlainMesh:
         )
     corners = _from_one_or_from_the_end(corners, sizes, lines)
     text = "\n".join(line.decode("latin-1") for line in lines[:50] if line[:1] == b"#")
-    return PlainMesh(points, offsets_of(sizes), corners, text=text, warnings=_lost(data, name))
+    return PlainMesh(points, offsets_of(sizes), corners, text=text, warnings=_lost(lines, name))
 
 
 def encode_obj(points: NDArray[np.floating], triangles: Triangles, title: str) -> bytes:
@@ -79,12 +82,13 @@ def _from_one_or_from_the_end(
     if not (corners < 0).any():
         return corners - 1
     kinds = np.array([line[:2] for line in lines], dtype="S2")
-    seen = np.cumsum((kinds == b"v ") | (kinds == b"v\t"))[kinds == b"f "]
+    is_face = (kinds == b"f ") | (kinds == b"f\t")
+    seen = np.cumsum((kinds == b"v ") | (kinds == b"v\t"))[is_face]
     return np.where(corners < 0, corners + np.repeat(seen, sizes), corners - 1)
 
 
-def _lost(data: bytes, name: str) -> tuple[str, ...]:
-    lost = [
-        words for key, words in _LOST.items() if re.search(rb"^" + key + rb"\s", data, re.MULTILINE)
-    ]
+def _lost(lines: list[bytes], name: str) -> tuple[str, ...]:
+    starts = {line[:7] for line in lines if line[:2] not in (b"v ", b"f ")}
+    keys = {start.split()[0] for start in starts if start.strip()}
+    lost = [words for key, words in _LOST.items() if key in keys]
     return (f"{name}: {', '.join(lost)} of the OBJ file are not kept.",) if lost else ()

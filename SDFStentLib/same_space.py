@@ -101,7 +101,9 @@ def size_warnings(
     The extent is the longest side of its box; the lumen of a closed surface is measured by
     four times volume over area, the diameter of a long tube.
     """
-    extent = float(np.ptp(points[np.unique(triangles)], axis=0).max())
+    is_used = np.zeros(len(points), dtype=bool)
+    is_used[triangles] = True
+    extent = float(np.ptp(points[is_used], axis=0).max())
     lumen = None
     if is_closed(triangles):
         area = float(face_areas(points, triangles).sum())
