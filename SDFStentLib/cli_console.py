@@ -1,0 +1,66 @@
+"""What the command line says: results on stdout, everything else on stderr."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from typing import Any, TextIO
+
+
+class Console:
+    """Where sentences go, and how many of them."""
+
+    def __init__(self, *, quiet: bool = False) -> None:
+        self.quiet = quiet
+
+    def say(self, sentence: str = "") -> None:
+        """A line of the result; nothing when quiet."""
+        if not self.quiet:
+            print(sentence)
+
+    def warn(self, sentences: Iterable[str]) -> None:
+        """Each on a line of stderr; nothing when quiet, for the report has them too."""
+        if not self.quiet:
+            for sentence in sentences:
+                print(f"warning: {sentence}", file=sys.stderr)
+
+    @contextmanager
+    def progress(self, what: str) -> Iterator[Any]:
+        """A bar on a terminal; yields what takes the fraction done and a note."""
+        bar = _Bar(what, sys.stderr) if not self.quiet and sys.stderr.isatty() else None
+        try:
+            yield bar.show if bar else _ignored
+        finally:
+            if bar:
+                bar.clear()
+
+
+def error_line(sentence: str) -> None:
+    """The one sentence of a failure."""
+    print(sentence, file=sys.stderr)
+
+
+class _Bar:
+    """One line that is written again and again, and wiped at the end."""
+
+    WIDTH = 30
+
+    def __init__(self, what: str, stream: TextIO) -> None:
+        self.what, self.stream, self.written = what, stream, 0
+
+    def show(self, fraction: float, note: str = "") -> None:
+        filled = round(self.WIDTH * min(max(fraction, 0.0), 1.0))
+        bar = "#" * filled + "." * (self.WIDTH - filled)
+        line = f"{self.what} [{bar}] {100 * fraction:3.0f} % {note}"
+        self.stream.write("\r" + line.ljust(self.written))
+        self.stream.flush()
+        self.written = len(line)
+
+    def clear(self) -> None:
+        self.stream.write("\r" + " " * self.written + "\r")
+        self.stream.flush()
+
+
+def _ignored(fraction: float, note: str = "") -> None:
+    """Not a terminal: no bar."""

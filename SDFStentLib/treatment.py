@@ -1,0 +1,255 @@
+"""Several stents in order: later ones see the vessel as earlier ones left it.
+
+>>> treatment = Treatment(points, triangles, stents, centerline)     # doctest: +SKIP
+>>> for state in treatment:                                        # stop iterating to cancel
+...     show(state.fraction, state.points())
+>>> treatment.result.certificate.passed
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .centerline import Centerline
+from .certificate import Certificate, certify
+from .coverage import BranchOstium, branch_ostia
+from .deployment import Deployment, DeploymentState
+from .metrics import diameter_profile
+from .plan import PlannedStent
+from .settings import DeploymentSettings
+from .stent import Stent, StentAxis, stent_axis
+from .treatment_value import TreatedStent, TreatmentResult, TreatmentState
+from .treatment_warnings import nothing_moved, overlap
+from .untangle import Precision
+from .validation import (
+    DeploymentError,
+    InputError,
+    Points,
+    as_number,
+    as_points,
+    as_triangles,
+    read_only,
+)
+
+PROFILE_SPACING = 1.0
+"""Distance of the stations at which diameters are measured, mm."""
+
+
+class Treatment:
+    """Stents that are deployed one after another. Iterating deploys; `result` also measures.
+
+    Parameters
+    ----------
+    points, triangles : array_like, shapes (n, 3) and (m, 3)
+        Surface of the vessel, mm. Never modified.
+    stents : sequence of Stent or PlannedStent
+        In order; those switched off are skipped and named.
+    centerline : Centerline, optional
+        Needed for every placement but along an axis. It moves along, and later stents are
+        placed on it where it is then.
+    settings : DeploymentSettings, optional
+        With `certify`, one certificate is made at the end for the whole treatment.
+    straightening_fraction : float
+        Share of the way to its chord by which every stent straightens its axis.
+    companions : array_like, shape (c, 3), optional
+        Further points that are dragged along.
+    precision : Precision, optional
+        How the result will be stored.
+
+    Raises
+    ------
+    InputError
+        Arrays that cannot be used, no stent that is switched on, or one that cannot be placed.
+    DeploymentError
+        While iterating: a stent away from the surface.
+    """
+
+    def __init__(
+        self,
+        points: ArrayLike,
+        triangles: ArrayLike,
+        stents: Sequence[Stent | PlannedStent],
+        centerline: Centerline | None = None,
+        settings: DeploymentSettings | None = None,
+        *,
+        straightening_fraction: float = 0.0,
+        companions: ArrayLike | None = None,
+        precision: Precision | None = None,
+    ) -> None:
+        self.points = as_points(points, "surface points", minimum=3)
+        self.triangles = as_triangles(triangles, len(self.points), "surface triangles")
+        self.planned = tuple(
+            PlannedStent(stent) if isinstance(stent, Stent) else stent for stent in stents
+        )
+        self.centerline = centerline
+        self.settings = settings or DeploymentSettings()
+        self.straightening_fraction = as_number(
+            straightening_fraction, "straightening fraction", minimum=0, maximum=1
+        )
+        self.companions = as_points(() if companions is None else companions, "companion points")
+        self.precision = precision or Precision()
+        self._result: TreatmentResult | None = None
+        self._stages: list[_Stage] = []
+        self._enabled = [(n, s) for n, s in enumerate(self.planned, start=1) if s.enabled]
+        if not self._enabled:
+            raise InputError(
+                f"plan: expected at least one stent that is switched on, got {len(self.planned)} "
+                "stents, all switched off; switch one on."
+                if self.planned
+                else "plan: expected at least one stent, got none; add one."
+            )
+        # Fails here rather than after the first stent; the axes are found again as it goes.
+        for number, planned in self._enabled:
+            self._axis(number, planned, centerline)
+
+    def __iter__(self) -> Iterator[TreatmentState]:
+        """Yield the states of every stent in turn."""
+        self._result, self._stages = None, []
+        points, centerline, companions = self.points, self.centerline, self.companions
+        for done, (number, planned) in enumerate(self._enabled):
+            start = perf_counter()
+            axis = self._axis(number, planned, centerline)
+            tree = np.empty((0, 3)) if centerline is None else centerline.points
+            deployment = Deployment(
+                points,
+                self.triangles,
+                axis.points,
+                planned.stent.radius,
+                self.settings.with_changes(certify=False),
+                companions=np.concatenate([tree, companions]),
+                precision=self.precision,
+            )
+            ready = perf_counter()
+            for state in self._states_of(deployment, number):
+                fraction = (done + state.fraction) / len(self._enabled)
+                yield TreatmentState(number, fraction, state, points)
+            result = deployment.result
+            stage = _Stage(number, planned, axis, centerline, result.state, result.warnings)
+            stage.seconds = (ready - start, perf_counter() - ready)
+            self._stages.append(stage)
+            points = result.points
+            moved_tree, companions = np.split(result.state.companions, [len(tree)])
+            centerline = None if centerline is None else centerline.with_points(moved_tree)
+        self._final = (points, centerline, companions)
+
+    @property
+    def result(self) -> TreatmentResult:
+        """The finished treatment, measured and certified; runs it when that has not happened."""
+        if self._result is None:
+            if len(self._stages) < len(self._enabled):
+                for _ in self:
+                    pass
+            self._result = self._measured()
+        return self._result
+
+    def label(self, number: int) -> str:
+        """How a message names a stent; empty when there is only one, without a name."""
+        name = self.planned[number - 1].name
+        if len(self.planned) == 1 and not name:
+            return ""
+        return f"Stent {number} ({name}): " if name else f"Stent {number}: "
+
+    def _axis(self, number: int, planned: PlannedStent, centerline: Centerline | None) -> StentAxis:
+        try:
+            return stent_axis(
+                planned.stent, centerline, straightening_fraction=self.straightening_fraction
+            )
+        except InputError as error:
+            raise InputError(f"{self.label(number)}{error}") from error
+
+    def _states_of(self, deployment: Deployment, number: int) -> Iterator[DeploymentState]:
+        try:
+            yield from deployment
+        except DeploymentError as error:
+            raise DeploymentError(f"{self.label(number)}{error}") from error
+
+    def _measured(self) -> TreatmentResult:
+        points, centerline, companions = self._final
+        clock = perf_counter()
+        treated = tuple(self._treated(stage, points) for stage in self._stages)
+        measured = perf_counter()
+        indices = np.flatnonzero((points != self.points).any(axis=1))
+        certificate = self._certificate(points, indices) if self.settings.certify else None
+        return TreatmentResult(
+            points=read_only(points),
+            indices=read_only(indices),
+            centerline=centerline,
+            companions=read_only(companions),
+            stents=treated,
+            certificate=certificate,
+            warnings=tuple(self._warnings(treated)),
+            timings={
+                "setup": sum(stage.seconds[0] for stage in self._stages),
+                "deploy": sum(stage.seconds[1] for stage in self._stages),
+                "measure": measured - clock,
+                "certify": perf_counter() - measured,
+            },
+        )
+
+    def _treated(self, stage: _Stage, after: Points) -> TreatedStent:
+        axis = stage.axis.points
+        before_profile, after_profile = (
+            diameter_profile(points, self.triangles, axis, PROFILE_SPACING)
+            for points in (self.points, after)
+        )
+        try:
+            branches = stage.branches()
+        except InputError as error:
+            stage.warnings = (*stage.warnings, f"Side branches were not looked for: {error}")
+            branches = ()
+        return TreatedStent(
+            number=stage.number,
+            planned=stage.planned,
+            axis=stage.axis,
+            before=before_profile,
+            after=after_profile,
+            branches=branches,
+            moved_points=len(stage.state.indices),
+        )
+
+    def _certificate(self, after: Points, moved: NDArray[np.int64]) -> Certificate:
+        return certify(
+            self.points,
+            after,
+            self.triangles,
+            moved=moved,
+            dtype=self.precision.dtype,
+            scale=self.precision.scale,
+        )
+
+    def _warnings(self, treated: Sequence[TreatedStent]) -> Iterator[str]:
+        for number, planned in enumerate(self.planned, start=1):
+            if not planned.enabled:
+                yield f"{self.label(number)}it is switched off and was not deployed."
+        for stage, stent in zip(self._stages, treated, strict=True):
+            own = [*stage.axis.warnings, *stage.warnings, nothing_moved(stent)]
+            own += [f"Before treatment: {gap}" for gap in stent.before.gaps]
+            own += [f"After treatment: {gap}" for gap in stent.after.gaps]
+            yield from (self.label(stent.number) + sentence for sentence in own if sentence)
+        for index, second in enumerate(treated):
+            for first in treated[:index]:
+                yield from overlap(first, second)
+
+
+@dataclass
+class _Stage:
+    """One stent as it was deployed, before it is measured."""
+
+    number: int
+    planned: PlannedStent
+    axis: StentAxis
+    centerline: Centerline | None
+    state: DeploymentState
+    warnings: tuple[str, ...]
+    seconds: tuple[float, float] = (0.0, 0.0)
+
+    def branches(self) -> tuple[BranchOstium, ...]:
+        if self.centerline is None:
+            return ()
+        tree = self.centerline
+        return branch_ostia(tree.points, tree.parent, self.axis.points, tree.inscribed_radius)

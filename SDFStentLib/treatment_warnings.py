@@ -1,0 +1,67 @@
+"""Sentences about treated stents: which one did nothing, which ones lie in each other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .polyline import closest_points, length, resampled
+from .treatment_value import TreatedStent
+from .validation import as_points
+
+_SPACING = 0.1
+
+
+def overlap_length(
+    first_axis: ArrayLike, first_radius: float, second_axis: ArrayLike, second_radius: float
+) -> float:
+    """Length of the second stent's axis along which the two stents overlap, mm.
+
+    A place of the second axis counts when it lies beside the first one, between its ends, and
+    nearer to it than the sum of the radii.
+
+    Parameters
+    ----------
+    first_axis, second_axis : array_like, shapes (n, 3) and (m, 3)
+        Axes, mm.
+    first_radius, second_radius : float
+        mm.
+    """
+    first = as_points(first_axis, "first axis", minimum=2)
+    second = resampled(second_axis, _SPACING)
+    # Each piece of the second axis counts by its middle.
+    middles = (second[1:] + second[:-1]) / 2
+    nearest = closest_points(first, middles)
+    beside = (nearest.arc_lengths > 0) & (nearest.arc_lengths < length(first))
+    near = nearest.distances < first_radius + second_radius
+    pieces = np.linalg.norm(np.diff(second, axis=0), axis=1)
+    return float(pieces[beside & near].sum())
+
+
+def nothing_moved(stent: TreatedStent) -> str:
+    """A sentence when a stent moved nothing; empty otherwise."""
+    if stent.moved_points:
+        return ""
+    lumen = stent.before
+    measured = f" ({lumen.minimum:.1f} to {lumen.maximum:.1f} mm)" if lumen.minimum > 0 else ""
+    return (
+        f"Nothing moves: the stent of {stent.planned.stent.diameter:g} mm is not wider than the "
+        f"lumen where it lies{measured}."
+    )
+
+
+def overlap(first: TreatedStent, second: TreatedStent) -> Iterator[str]:
+    """A sentence when two stents overlap."""
+    common = overlap_length(
+        first.axis.points,
+        first.planned.stent.radius,
+        second.axis.points,
+        second.planned.stent.radius,
+    )
+    if common > 0:
+        yield (
+            f"Stents {first.number} and {second.number} overlap over {common:.1f} mm of the "
+            "second one's length; there the wider one determines the lumen."
+        )
