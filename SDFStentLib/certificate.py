@@ -232,6 +232,7 @@ def certify(
     dtype: DTypeLike = np.float32,
     scale: float = 1.0,
     check: SurfaceCheck | None = None,
+    topology: Topology | None = None,
 ) -> Certificate:
     """Whether a surface is as sound after its points moved as it was before.
 
@@ -248,7 +249,10 @@ def certify(
         Type and unit of the stored coordinates, `points * scale`; the judgement is on these.
     check : SurfaceCheck, optional
         `check_surface` of the input, to spare its topology being looked at again, and, when it
-        found no intersection, the search in the input.
+        found no intersection, the search in the input. Without it the input is searched only at
+        the faces that intersect in the result.
+    topology : Topology, optional
+        `surface_topology` of the triangles, when that much is known.
 
     Raises
     ------
@@ -265,11 +269,13 @@ def certify(
     triangles = as_triangles(triangles, len(after))
     has_moved = _moved_points(stored[0], stored[1], moved)
     among = np.flatnonzero(has_moved[triangles].any(axis=1))
-    topology = surface_topology(triangles) if check is None else check.topology
+    if topology is None:
+        topology = surface_topology(triangles) if check is None else check.topology
 
     pairs = intersecting_pairs(stored[1], triangles, among)
     is_clean = check is not None and not len(check.self_intersecting_triangles)
-    earlier = np.unique([] if is_clean else intersecting_pairs(stored[0], triangles, among))
+    searched = np.unique(pairs) if check is None else among
+    earlier = np.unique([] if is_clean else intersecting_pairs(stored[0], triangles, searched))
     earlier = earlier.astype(np.int64)
     new = np.setdiff1d(pairs, earlier)
     inverted, degenerate = (

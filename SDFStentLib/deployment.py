@@ -24,10 +24,12 @@ from .motion import Motion
 from .patch import Patch
 from .published_steps import published_steps
 from .settings import DeploymentSettings
-from .untangle import Precision, untangled
+from .topology import Topology, consistently_wound, surface_topology
+from .untangle import Faults, Precision, untangled
 from .validation import (
     DeploymentError,
     Points,
+    Triangles,
     as_number,
     as_points,
     as_triangles,
@@ -79,15 +81,16 @@ class DeploymentResult:
         None when the settings did not ask for one.
     untangling_rounds : int
         Rounds of local smoothing that were needed; 0 nearly always.
-    warnings : tuple of str
-        Sentences for the user.
+    estimated_error : float
+        Stated distance to the converged limit of the radius steps, mm; 0 for published steps,
+        which do not estimate theirs. It concerns the transition zone, not the finished lumen.
     """
 
     state: DeploymentState
     points: Points
     certificate: Certificate | None
     untangling_rounds: int
-    warnings: tuple[str, ...]
+    estimated_error: float
 
 
 class Deployment:
@@ -107,6 +110,8 @@ class Deployment:
         expanded stent stay.
     precision : Precision, optional
         How the result will be stored; the certificate is about the stored numbers.
+    topology : Topology, optional
+        `surface_topology(triangles)` where known, to look at it once for many deployments.
 
     Raises
     ------
@@ -126,7 +131,9 @@ class Deployment:
         *,
         companions: ArrayLike | None = None,
         precision: Precision | None = None,
+        topology: Topology | None = None,
     ) -> None:
+        self._topology = topology
         self.settings = settings or DeploymentSettings()
         self.points = as_points(points, "surface points", minimum=3)
         self.triangles = as_triangles(triangles, len(self.points), "surface triangles")
@@ -173,35 +180,80 @@ class Deployment:
             return max(self.radius - self.chain.smoothing_width / 4, 0.5 * self.radius)
         return self.radius - radius_correction(self.chain, self.radius)
 
-    def _finish(self, attempt: _Attempt) -> DeploymentResult:
-        """Project, finish, compensate and untangle; with other gaps when a fold stays."""
-        rounds, remaining = attempt.finish()
-        if len(remaining) and self.settings.tissue_gap > 0:
-            for ramp, factor in RETRIES:
-                other = _Attempt(self, ramp, factor * self.settings.tissue_gap)
-                for _ in other.steps():
-                    pass
-                other_rounds, other_remaining = other.finish()
-                if len(other_remaining) < len(remaining):
-                    attempt, rounds, remaining = other, other_rounds, other_remaining
-                if not len(remaining):
-                    break
-        state = attempt.state(self.radius)._replace(fraction=1.0)
-        certificate = None
-        if self.settings.certify:
-            certificate = self._certificate(state)
-        points = read_only(state.applied_to(self.points))
-        return DeploymentResult(state, points, certificate, rounds, ())
+    @cached_property
+    def topology(self) -> Topology:
+        """How the triangles hang together; looked at once."""
+        return self._topology or surface_topology(self.triangles)
 
-    def _certificate(self, state: DeploymentState) -> Certificate:
+    def _finish(self, attempt: _Attempt) -> DeploymentResult:
+        """Finish the lumen; certify, and untangle or retry with other gaps when that fails."""
+        attempt.finish()
+        certificate, rounds = None, 0
+        if self.settings.certify or self.settings.untangle:
+            certificate = self._certificate(attempt)
+        if self.settings.untangle and certificate is not None and not certificate.passed:
+            attempt, certificate, rounds = self._untangled(attempt, certificate)
+        state = attempt.state(self.target_level)._replace(fraction=1.0)
+        return DeploymentResult(
+            state=state,
+            points=read_only(state.applied_to(self.points)),
+            certificate=certificate if self.settings.certify else None,
+            untangling_rounds=rounds,
+            estimated_error=attempt.motion.estimated_error,
+        )
+
+    def _untangled(
+        self, attempt: _Attempt, certificate: Certificate
+    ) -> tuple[_Attempt, Certificate, int]:
+        """The first attempt without a fault, or the one with the fewest."""
+        tried = [(attempt, certificate, 0)]
+        retries = RETRIES if self.settings.tissue_gap > 0 else ()
+        for ramp, factor in ((None, 1.0), *retries):
+            if ramp is not None:
+                attempt = _Attempt(self, ramp, factor * self.settings.tissue_gap)
+                for _ in attempt.steps():
+                    pass
+                attempt.finish()
+                certificate = self._certificate(attempt)
+            rounds = 0
+            if not certificate.passed:
+                rounds = attempt.untangle(_faulty(certificate))
+                certificate = self._certificate(attempt)
+            tried.append((attempt, certificate, rounds))
+            if certificate.passed:
+                break
+        return min(tried, key=lambda one: len(_faulty(one[1])))
+
+    def _certificate(self, attempt: _Attempt) -> Certificate:
+        state = attempt.state(self.target_level)
         return certify(
             self.points,
             state.applied_to(self.points),
-            self.triangles,
+            self.wound_triangles,
             moved=state.indices,
             dtype=self.precision.dtype,
             scale=self.precision.scale,
+            topology=self.topology,
         )
+
+    @cached_property
+    def wound_triangles(self) -> Triangles:
+        """The triangles with one winding; files exist with mixed ones."""
+        if self.topology.is_consistently_wound:
+            return self.triangles
+        return consistently_wound(self.triangles)[0]
+
+
+def _faulty(certificate: Certificate) -> NDArray[np.int64]:
+    return np.unique(
+        np.concatenate(
+            [
+                certificate.new_self_intersecting,
+                certificate.new_inverted,
+                certificate.new_degenerate,
+            ]
+        )
+    )
 
 
 def deploy(
@@ -213,6 +265,7 @@ def deploy(
     *,
     companions: ArrayLike | None = None,
     precision: Precision | None = None,
+    topology: Topology | None = None,
     progress: Callable[[DeploymentState], None] | None = None,
 ) -> DeploymentResult:
     """Run a deployment to its end; parameters and errors as for `Deployment`.
@@ -220,7 +273,14 @@ def deploy(
     `progress` is called with every state.
     """
     deployment = Deployment(
-        points, triangles, axis, radius, settings, companions=companions, precision=precision
+        points,
+        triangles,
+        axis,
+        radius,
+        settings,
+        companions=companions,
+        precision=precision,
+        topology=topology,
     )
     for state in deployment:
         if progress is not None:
@@ -275,26 +335,28 @@ class _Attempt:
             companions=companions,
         )
 
-    def finish(self) -> tuple[int, NDArray[np.int64]]:
-        """After the last step: rounds of untangling, and triangles that still fold."""
+    def finish(self) -> None:
+        """After the last step: put the wall in contact on the prescribed lumen."""
         deployment, settings = self.deployment, self.deployment.settings
-        if settings.finish:
-            self.motion.refreshed()
-            projected(self.motion, deployment.target_level)
-            on_stent = finished(self.motion, deployment.target_level, deployment.radius)
-            if settings.facet_compensation:
-                facets_compensated(self.motion, self.patch.triangles, on_stent, deployment.radius)
-        if not settings.untangle:
-            return 0, np.empty(0, dtype=np.int64)
-        rounds, remaining = untangled(
-            self.motion,
-            self.patch_start,
-            self.patch.triangles,
-            self.wall_count,
-            deployment.target_level,
-            deployment.precision,
-        )
-        return rounds, self.patch.faces[remaining]
+        if not settings.finish:
+            return
+        self.motion.refreshed()
+        projected(self.motion, deployment.target_level)
+        on_stent = finished(self.motion, deployment.target_level, deployment.radius)
+        if settings.facet_compensation:
+            facets_compensated(self.motion, self.patch.triangles, on_stent, deployment.radius)
+
+    def untangle(self, faulty: NDArray[np.int64]) -> int:
+        """Take apart faulty faces of the surface; returns the rounds that it took."""
+        deployment = self.deployment
+        # A fault may lie in a face that is only crossed by a moved one, outside the patch.
+        local = np.flatnonzero(np.isin(self.patch.faces, faulty))
+        if not len(local):
+            return 0
+        faults = Faults(self.patch_start, self.patch.triangles, deployment.precision)
+        return untangled(
+            self.motion, faults, self.wall_count, deployment.target_level, local
+        ).rounds
 
     def _active(self, gap: float) -> tuple[Motion, NDArray[np.int64]]:
         """The points that can move, and their numbers among points and companions."""

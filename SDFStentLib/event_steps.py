@@ -135,8 +135,8 @@ def _event_step(
     rate[others] = end_rate
     reached = radius + growth
     contact[members[hits]] = True
-    overtaken = motion.level - reached < rule.contact_tolerance
-    overtaken = np.flatnonzero(overtaken & ~contact & motion.touchable)
+    is_inside = motion.level - reached < rule.contact_tolerance
+    overtaken = np.flatnonzero(is_inside & ~contact & motion.touchable)
     motion.advanced(overtaken, reached + rule.contact_tolerance - motion.level[overtaken])
     contact[overtaken] = True
     rate[contact] = 1
@@ -235,25 +235,57 @@ def _passive_rates(
         distance, _ = tree.query(position, distance_upper_bound=rule.influence_distance)
         np.minimum(apart, distance, out=apart)
 
-    mean = np.zeros(len(others))
-    half = growth / 2
-    phases = _substeps(growth, rule)
-    length = growth / phases
-    for phase in range(phases):
-        begin = middle - half + phase * length
-        new = np.flatnonzero(
-            (front.contact_radius > begin) & (front.contact_radius <= begin + length)
-        )
-        if len(new):
-            hits = front.positions[new] - half * motion.direction[front.members[new]]
-            distance, nearest = contact_tree(hits).query(position)
-            before = np.append(front.contact_radius[new] - begin, 0.0)[nearest] / length
-            closer = distance < apart
-            mean += np.where(closer, (apart - distance) * before, 0) / phases
-            np.minimum(apart, distance, out=apart)
-        mean += apart / phases
+    ahead_of_middle = growth / 2 * motion.direction[front.members]
+    mean = _mean_distance(
+        position, apart, front.positions - ahead_of_middle, front.contact_radius - middle, growth
+    )
     profiles = rule.influence_distance, rule.falloff, rule.blend
     return influence_rates(above, mean, *profiles), influence_rates(above, apart, *profiles)
+
+
+def _mean_distance(
+    position: Points,
+    apart: NDArray[np.float64],
+    hits: Points,
+    times: NDArray[np.float64],
+    growth: float,
+) -> NDArray[np.float64]:
+    """Distance to the nearest contact point, averaged over a step in which contacts are added.
+
+    Parameters
+    ----------
+    position : (n, 3) array
+        Points asking.
+    apart : (n,) array
+        Distance to the contact points held from before; in place, the distance at the end.
+    hits, times : (k, 3) and (k,) arrays
+        Points that may come into contact, and when: from minus to plus half the growth; infinite
+        for those that do not.
+    """
+    mean = apart.copy()
+    touched = np.flatnonzero(np.isfinite(times))
+    if not len(touched):
+        return mean
+    hits, times = hits[touched], times[touched]
+    bound = float(apart.max(initial=0))
+    distance, _ = contact_tree(hits).query(position, distance_upper_bound=bound)
+    asking = np.flatnonzero(distance < apart)
+    position, current = position[asking], apart[asking]
+    total = np.zeros(len(asking))
+    ends = np.linspace(-growth / 2, growth / 2, SUBSTEPS + 1)[1:-1]
+    phase = np.searchsorted(ends, times)
+    for index in range(SUBSTEPS):
+        new = np.flatnonzero(phase == index)
+        if len(new):
+            distance, nearest = contact_tree(hits[new]).query(position, distance_upper_bound=bound)
+            closer = np.flatnonzero(distance < current)
+            # From its contact to the end of the step the new point is the nearest, for now.
+            remaining = growth / 2 - times[new][nearest[closer]]
+            total[closer] += (distance[closer] - current[closer]) * remaining
+            current[closer] = distance[closer]
+    mean[asking] += total / growth
+    apart[asking] = current
+    return mean
 
 
 def _substeps(growth: float, rule: StepRule) -> int:

@@ -11,7 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from .intersections import self_intersecting_triangles
+from .face_quality import degenerate_triangles, inverted_triangles
+from .intersections import self_intersecting_triangles, stored_points
 from .motion import Motion
 from .topology import VertexNeighbors, vertex_neighbors
 from .validation import Points, Triangles
@@ -29,65 +30,67 @@ class Precision(NamedTuple):
     """File units per mm."""
 
 
+class Faults(NamedTuple):
+    """What must not come anew."""
+
+    before: Points
+    """(n, 3) vertices of the patch before the deployment, mm."""
+    triangles: Triangles
+    """(m, 3), consistently wound."""
+    precision: Precision
+
+    def among(self, after: Points, faces: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Faces that intersect, are turned over or without area now and were not before.
+
+        The state before is looked at only where something is wrong now.
+        """
+        found = self_intersecting_triangles(
+            after, self.triangles, faces, **self.precision._asdict()
+        )
+        known = found
+        if len(found):
+            known = self_intersecting_triangles(
+                self.before, self.triangles, found, **self.precision._asdict()
+            )
+        new = [np.setdiff1d(found, known)]
+        for look in (inverted_triangles, degenerate_triangles):
+            now = look(self._stored(after), self.triangles, faces)
+            new.append(np.setdiff1d(now, look(self._stored(self.before), self.triangles, now)))
+        return np.unique(np.concatenate(new))
+
+    def _stored(self, points: Points) -> Points:
+        return stored_points(points, self.precision.dtype, self.precision.scale)
+
+
 class Untangled(NamedTuple):
     """What came of it."""
 
     rounds: int
     remaining: NDArray[np.int64]
-    """Triangles that still intersect and did not before."""
-
-
-def new_intersections(
-    before: Points,
-    after: Points,
-    triangles: Triangles,
-    among: NDArray[np.int64],
-    precision: Precision,
-) -> NDArray[np.int64]:
-    """Triangles that intersect another one now and did not before.
-
-    The state before is looked at only when something intersects now.
-    """
-    found = self_intersecting_triangles(after, triangles, among, **precision._asdict())
-    if not len(found):
-        return found
-    known = self_intersecting_triangles(before, triangles, found, **precision._asdict())
-    return np.setdiff1d(found, known)
+    """Triangles that still fail and did not before."""
 
 
 def untangled(
-    motion: Motion,
-    before: Points,
-    triangles: Triangles,
-    wall_count: int,
-    level: float,
-    precision: Precision,
+    motion: Motion, faults: Faults, wall_count: int, level: float, bad: NDArray[np.int64]
 ) -> Untangled:
-    """Smooth positions round triangles that intersect anew until none does.
+    """Smooth positions round faulty triangles until there are none.
 
     Parameters
     ----------
     motion : Motion
         The deformed wall; changed in place.
-    before : (n, 3) array
-        All vertices of the patch before the deployment, mm.
-    triangles : (m, 3) array
-        The patch's triangles.
+    faults : Faults
+        The patch and what must not come anew.
     wall_count : int
-        The first so many vertices are the first points of the motion; the others never move.
+        The patch's first so many vertices are the first points of the motion; the others stay.
     level : float
         Field level of the expanded stent, mm: no vertex outside it may enter.
-    precision : Precision
-        How the result will be stored.
+    bad : (k,) array
+        Triangles to begin with.
     """
-    after = np.concatenate([motion.positions[:wall_count], before[wall_count:]])
-    moved = (after != before).any(axis=1)
-    among = np.flatnonzero(moved[triangles].any(axis=1))
-    bad = new_intersections(before, after, triangles, among, precision)
-    if not len(bad):
-        return Untangled(0, bad)
-
-    neighbors = vertex_neighbors(triangles, len(before))
+    triangles = faults.triangles
+    after = np.concatenate([motion.positions[:wall_count], faults.before[wall_count:]])
+    neighbors = vertex_neighbors(triangles, len(after))
     held = motion.chain.field(after[:wall_count]).distance
     floor = np.minimum(held, level + motion.offset[:wall_count])
     for round_ in range(ROUNDS):
@@ -100,10 +103,10 @@ def untangled(
         after[group] = target + short[:, None] * field.direction
         motion.moved_to(group, after[group])
 
-        touched = np.zeros(len(before), dtype=bool)
+        touched = np.zeros(len(after), dtype=bool)
         touched[group] = True
         among = np.union1d(np.flatnonzero(touched[triangles].any(axis=1)), bad)
-        bad = new_intersections(before, after, triangles, among, precision)
+        bad = faults.among(after, among)
         if not len(bad):
             return Untangled(round_ + 1, bad)
     return Untangled(ROUNDS, bad)
