@@ -201,7 +201,8 @@ def _plane(heading: ArrayLike, toward: ArrayLike) -> Floats:
 
 
 def _directions(angles: Floats) -> Floats:
-    return np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+    # Rounded so that a quarter turn is exact, and a cap after it lies in one coordinate plane.
+    return np.round(np.stack([np.cos(angles), np.sin(angles)], axis=-1), 15)
 
 
 def _joints(pieces: Sequence[tuple[float, float]]) -> tuple[Floats, Floats, Floats]:

