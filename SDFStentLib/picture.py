@@ -212,7 +212,7 @@ def _arrays(case: _Case, view: View) -> dict[str, Any]:
         "triangles": case.triangles,
         "colormap": diameter_colors(np.linspace(0, 1, 256)),
         "axis": case.axis,
-        "lattice": stent_lattice(case.axis, case.stent / 2, 0.02 * float(case.stent.mean())),
+        "lattice": stent_lattice(case.axis, case.stent / 2, 0.03 * float(case.stent.mean())),
     }
     reach = 1.15 * max(float(case.stent.max()), *(float(part.max()) for part in case.lumen)) / 2
     place = float(case.stations[case.narrowest])
@@ -237,7 +237,7 @@ def _words(case: _Case, view: View, title: str) -> dict[str, Any]:
         "half_height": view.half_height,
         "size": SIZE,
         "limits": case.limits,
-        "strut": 0.014 * float(case.stent.mean()),
+        "strut": 0.016 * float(case.stent.mean()),
         "title": title,
         "headings": [f"Before: minimum lumen {minima[0]}", f"After: minimum lumen {minima[1]}"],
         "notes": [
@@ -295,6 +295,6 @@ def _no_renderer(code: int, said: bytes) -> str:
     ending = f" (it said: {last[0]})" if last and code > 0 else ""
     return (
         f"The picture could not be rendered: VTK's process ended with code {code}{ending}; it "
-        f"needs an OpenGL library, on Debian and Ubuntu: apt install {PACKAGES}. Everything else "
-        "works without pictures."
+        f"needs an OpenGL library, on Debian and Ubuntu: apt install {PACKAGES} (and VTK 9.4 or later "
+        "where there is no screen). Everything else works without pictures."
     )
