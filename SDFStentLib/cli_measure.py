@@ -23,7 +23,7 @@ from .validation import InputError, Points, as_number
 NOT_SOUND = 3
 
 _PROBE_DIAMETER = 1.0
-"""Of the stent that stands for the place to be measured, mm: so thin that no bend is too tight."""
+"""Of the stent that stands for the place to be measured, mm; it only has to be some number."""
 
 
 @dataclass(frozen=True)
@@ -111,8 +111,12 @@ def _ways(
             surface_name=str(surface.path),
             centerline_name=options.axis,
         )
-    # The axis speaks of a stent; what it says of junctions and lengths holds here as well.
-    told = (sentence.replace("The stent", "The part") for sentence in axis.warnings)
+    # Of what is said about a stent, the junctions and the length hold for a part to measure.
+    told = [
+        sentence.replace("The stent", "The part").replace("the stent", "the part")
+        for sentence in axis.warnings
+        if "bend" not in sentence
+    ]
     return [("Part", axis.points)], [*warnings, *place.warnings, *told]
 
 

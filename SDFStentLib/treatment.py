@@ -18,11 +18,12 @@ from numpy.typing import ArrayLike, NDArray
 from .centerline import Centerline
 from .certificate import Certificate, certify
 from .coverage import BranchOstium, branch_ostia
-from .deployment import Deployment, DeploymentState
+from .deployment import Deployment, DeploymentResult, DeploymentState
 from .metrics import diameter_profile
 from .plan import PlannedStent
 from .settings import DeploymentSettings
 from .stent import Stent, StentAxis, stent_axis
+from .topology import consistently_wound, surface_topology
 from .treatment_value import TreatedStent, TreatmentResult, TreatmentState
 from .treatment_warnings import nothing_moved, overlap
 from .untangle import Precision
@@ -93,6 +94,7 @@ class Treatment:
         )
         self.companions = as_points(() if companions is None else companions, "companion points")
         self.precision = precision or Precision()
+        self._topology = surface_topology(self.triangles)
         self._result: TreatmentResult | None = None
         self._stages: list[_Stage] = []
         self._enabled = [(n, s) for n, s in enumerate(self.planned, start=1) if s.enabled]
@@ -114,22 +116,24 @@ class Treatment:
         for done, (number, planned) in enumerate(self._enabled):
             start = perf_counter()
             axis = self._axis(number, planned, centerline)
+            is_only = len(self._enabled) == 1
             tree = np.empty((0, 3)) if centerline is None else centerline.points
             deployment = Deployment(
                 points,
                 self.triangles,
                 axis.points,
                 planned.stent.radius,
-                self.settings.with_changes(certify=False),
+                self.settings.with_changes(certify=self.settings.certify and is_only),
                 companions=np.concatenate([tree, companions]),
                 precision=self.precision,
+                topology=self._topology,
             )
             ready = perf_counter()
             for state in self._states_of(deployment, number):
                 fraction = (done + state.fraction) / len(self._enabled)
                 yield TreatmentState(number, fraction, state, points)
             result = deployment.result
-            stage = _Stage(number, planned, axis, centerline, result.state, result.warnings)
+            stage = _Stage(number, planned, axis, centerline, result)
             stage.seconds = (ready - start, perf_counter() - ready)
             self._stages.append(stage)
             points = result.points
@@ -209,17 +213,23 @@ class Treatment:
             before=before_profile,
             after=after_profile,
             branches=branches,
-            moved_points=len(stage.state.indices),
+            moved_points=len(stage.result.state.indices),
         )
 
     def _certificate(self, after: Points, moved: NDArray[np.int64]) -> Certificate:
+        """For one stent its own, for several from the input to the end of the last one."""
+        only = self._stages[0].result.certificate
+        if len(self._stages) == 1 and only is not None:
+            return only
+        is_wound = self._topology.is_consistently_wound
         return certify(
             self.points,
             after,
-            self.triangles,
+            self.triangles if is_wound else consistently_wound(self.triangles)[0],
             moved=moved,
             dtype=self.precision.dtype,
             scale=self.precision.scale,
+            topology=self._topology,
         )
 
     def _warnings(self, treated: Sequence[TreatedStent]) -> Iterator[str]:
@@ -244,8 +254,8 @@ class _Stage:
     planned: PlannedStent
     axis: StentAxis
     centerline: Centerline | None
-    state: DeploymentState
-    warnings: tuple[str, ...]
+    result: DeploymentResult
+    warnings: tuple[str, ...] = ()
     seconds: tuple[float, float] = (0.0, 0.0)
 
     def branches(self) -> tuple[BranchOstium, ...]:
