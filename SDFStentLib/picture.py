@@ -295,6 +295,6 @@ def _no_renderer(code: int, said: bytes) -> str:
     ending = f" (it said: {last[0]})" if last and code > 0 else ""
     return (
         f"The picture could not be rendered: VTK's process ended with code {code}{ending}; it "
-        f"needs an OpenGL library, on Debian and Ubuntu: apt install {PACKAGES} (and VTK 9.4 or later "
-        "where there is no screen). Everything else works without pictures."
+        f"needs an OpenGL library, on Debian and Ubuntu: apt install {PACKAGES}, and VTK 9.4 or "
+        "later where there is no screen. Everything else works without pictures."
     )
