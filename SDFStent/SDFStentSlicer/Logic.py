@@ -25,7 +25,7 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
         parameters.vessel, parameters.centerline = vesselModel, centerlineModel
         logic.addStent(parameters, diameter=8, length=20)
         result = logic.deploy(parameters)
-        print(result.results[0].summary(), result.certificate)
+        print(parameters.lumenSummary, result.certificate.sentence())
 
     `deploy` is `steps` run to its end; `steps` can be stopped at any time. The inputs are never changed.
     """
@@ -184,14 +184,14 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
     # Deploying
 
     def deploy(self, parameterNode=None):
-        """Everything in one call; returns the `Stenting` with its results.
+        """Everything in one call; returns the library's `TreatmentResult`.
 
         Raises `InputError` or `DeploymentError` with a sentence for the user.
         """
         parameterNode = parameterNode or self.getParameterNode()
         for _fraction in self.steps(parameterNode):
             pass
-        return self._runs[parameterNode.parameterNode.GetID()]
+        return self._runs[parameterNode.parameterNode.GetID()].result
 
     def steps(self, parameterNode, live=False):
         """Deploy step by step: an iterator over the fraction done that shows every step in the output.
@@ -209,7 +209,7 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
             points,
             triangles,
             centerline,
-            Plans.stentsOf(parameterNode),
+            Plans.plannedOf(parameterNode),
             Plans.settingsOf(parameterNode, live),
             straightening=parameterNode.method.straightening / 100,
             dtype=vtk_to_numpy(template.GetPoints().GetData()).dtype,
@@ -219,10 +219,9 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
         parameterNode.status = ""
         if not live:
             Plans.remember(parameterNode)
-        for fraction in run.steps():
-            step = run.recorded[-1]
-            surface.show(run.bases[step.stent], step.indices, step.coordinates)
-            yield fraction
+        for state in run.steps():
+            surface.show(state.before, state.deployment.indices, state.deployment.coordinates)
+            yield state.fraction
         surface.show(run.points)
         Results.showEnd(parameterNode, run)
         Results.showMap(parameterNode, run)
@@ -231,21 +230,25 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
 
     def measure(self, parameterNode):
         """Diameters, certificate, table and plot of the last deployment; an iterator as `steps`."""
-        run = self._runs.get(parameterNode.parameterNode.GetID())
+        run = self.lastRun(parameterNode)
         if run is None or not run.recorded:
             return
         for _part in run.measure():
             yield 1.0
         Results.showMeasured(parameterNode, run)
 
+    def lastRun(self, parameterNode):
+        """The `Stenting` of the last deployment, with its recorded steps; None before the first."""
+        return self._runs.get(parameterNode.parameterNode.GetID())
+
     def hasSteps(self, parameterNode):
         """Whether there is a deployment to go back and forth over."""
-        run = self._runs.get(parameterNode.parameterNode.GetID())
+        run = self.lastRun(parameterNode)
         return run is not None and bool(run.recorded) and parameterNode.outputVessel is not None
 
     def showStep(self, parameterNode, percent):
         """Show the last deployment at a percentage of its steps."""
-        run = self._runs.get(parameterNode.parameterNode.GetID())
+        run = self.lastRun(parameterNode)
         surface = self._surfaces.get(parameterNode.parameterNode.GetID())
         if run is None or surface is None or not surface.isValid:
             return
@@ -269,7 +272,7 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
             and parameterNode.outputStents.GetDisplayNode() is not None
         ):
             parameterNode.outputStents.GetDisplayNode().SetVisibility(parameterNode.showStents)
-        run = self._runs.get(parameterNode.parameterNode.GetID())
+        run = self.lastRun(parameterNode)
         if run is not None and run.shownMap != parameterNode.map:
             Results.showMap(parameterNode, run)
 

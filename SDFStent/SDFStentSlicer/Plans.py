@@ -8,7 +8,8 @@ import slicer
 from SDFStentLib import placement as library
 from SDFStentLib.deployment import DeploymentSettings
 from SDFStentLib.plan import InputFile, Plan, PlannedStent
-from SDFStentLib.plan_document import load_plan, plan_from_document, plan_text, save_plan
+from SDFStentLib.plan_document import plan_text, save_plan
+from SDFStentLib.plan_reader import load_plan, plan_from_document
 from SDFStentLib.stent import Stent
 from SDFStentLib.validation import InputError
 
@@ -23,9 +24,9 @@ BY_POINT = {
 }
 
 
-def stentsOf(parameterNode):
-    """(label, library stent) of every stent that is switched on, in order."""
-    return [(stent.label, _stentOf(stent)) for stent in parameterNode.stents if stent.enabled]
+def plannedOf(parameterNode):
+    """The stents that are switched on, in order, as the library's planned stents."""
+    return [_plannedOf(stent) for stent in parameterNode.stents if stent.enabled]
 
 
 def settingsOf(parameterNode, live=False):
@@ -100,6 +101,10 @@ def load(path, parameterNode):
 @lru_cache(maxsize=8)
 def _plannedSettings(document):
     return plan_from_document(json.loads(document)).settings if document else DeploymentSettings()
+
+
+def _plannedOf(stent):
+    return PlannedStent(_stentOf(stent), name=stent.label, enabled=stent.enabled)
 
 
 def _stentOf(stent):

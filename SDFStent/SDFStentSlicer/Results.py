@@ -6,6 +6,7 @@ from slicer.i18n import tr as _
 
 from . import Display
 from .ParameterNode import SurfaceMap
+from .Stenting import summary
 
 SERIES = {
     "Before (mm)": (0.85, 0.33, 0.25),
@@ -26,7 +27,6 @@ def showEnd(parameterNode, run):
         Display.showLines(node, run.centerline.points, lines)
     with slicer.util.NodeModify(parameterNode):
         parameterNode.expansion = 100.0
-        parameterNode.status = " ".join(run.warnings)
         parameterNode.lumenSummary = parameterNode.certificateSummary = ""
 
 
@@ -41,21 +41,25 @@ def showMeasured(parameterNode, run):
     """The numbers: sentences, table and plot."""
     with slicer.util.NodeModify(parameterNode):
         showProfile(parameterNode, run)
-        parameterNode.lumenSummary = "\n".join(result.summary() for result in run.results)
-        parameterNode.certificateSummary = run.certificate.sentence()
+        parameterNode.lumenSummary = "\n".join(summary(treated) for treated in run.result.stents)
+        parameterNode.certificateSummary = (
+            run.result.certificate.sentence() if run.result.certificate else _("Not certified.")
+        )
+        parameterNode.status = "\n".join(run.result.warnings)
 
 
 def showProfile(parameterNode, run):
     """Table and plot of the selected stent, or of the first when that one is switched off."""
-    labels = [result.label for result in run.results]
+    treated = run.result.stents
+    labels = [stent.planned.name for stent in treated]
     selected = parameterNode.stent.label
-    result = run.results[labels.index(selected) if selected in labels else 0]
-    before, after = result.before, result.after
+    chosen = treated[labels.index(selected) if selected in labels else 0]
+    before, after = chosen.before, chosen.after
     columns = {
         POSITION: before.arc_length,
         "Before (mm)": before.inscribed_diameter,
         "After (mm)": after.inscribed_diameter,
-        "Prescribed (mm)": np.full(len(before.arc_length), result.diameter),
+        "Prescribed (mm)": np.full(len(before.arc_length), chosen.planned.stent.diameter),
         "Equivalent before (mm)": before.equivalent_diameter,
         "Equivalent after (mm)": after.equivalent_diameter,
     }
@@ -63,7 +67,7 @@ def showProfile(parameterNode, run):
         parameterNode, {title: (values, "mm") for title, values in columns.items()}
     )
     table.SetDescription(
-        _("Diameters along {label}, proximal to distal").format(label=result.label)
+        _("Diameters along {label}, proximal to distal").format(label=chosen.planned.name)
     )
     Display.showChart(parameterNode, POSITION, SERIES)
 

@@ -18,7 +18,7 @@ class SDFStentTest(ScriptedLoadableModuleTest):
         logic, parameters = self.aDeployment()
         before = parameters.vessel.GetPolyData().GetMTime()
         result = logic.deploy(parameters)
-        profile = result.results[0].after
+        profile = result.stents[0].after
         self.assertAlmostEqual(
             profile.mean, parameters.stents[0].diameter, delta=0.02 * profile.mean
         )

@@ -1,157 +1,111 @@
 """One pass over the plan's stents on arrays: every step recorded, then measured and certified. No nodes in here."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from SDFStentLib.certificate import certify
-from SDFStentLib.deployment import Deployment
-from SDFStentLib.metrics import diameter_profile, stenosis
+from SDFStentLib.metrics import stenosis
 from SDFStentLib.stent import stent_axis
 from SDFStentLib.stretch import displacements, face_stretches
+from SDFStentLib.treatment import Treatment
 from SDFStentLib.untangle import Precision
-
-PROFILE_SPACING = 1.0
-
-
-@dataclass(frozen=True)
-class RecordedStep:
-    """What one radius step of one stent left: coordinates of the points that this stent has moved so far."""
-
-    stent: int
-    fraction: float
-    radius: float
-    indices: np.ndarray
-    coordinates: np.ndarray
-
-
-@dataclass(frozen=True)
-class StentResult:
-    """Diameters along one stent before any stent and after all of them, and what to know about its axis."""
-
-    label: str
-    diameter: float
-    before: object
-    after: object
-    warnings: tuple
-
-    def summary(self):
-        """The sentence that a clinician reads first."""
-        narrow = stenosis(self.after, reference_profile=self.before)
-        was = stenosis(self.before)
-        return (
-            f"{self.label}: minimum lumen {self.before.minimum:.1f} \N{RIGHTWARDS ARROW} {self.after.minimum:.1f} mm, "
-            f"mean {self.before.mean:.1f} \N{RIGHTWARDS ARROW} {self.after.mean:.2f} mm ({self.diameter:.1f} prescribed), "
-            f"diameter stenosis {was.percent_diameter:.0f} \N{RIGHTWARDS ARROW} {narrow.percent_diameter:.0f} %"
-        )
 
 
 class Stenting:
-    """Deploys stents in order, each into the vessel as the ones before have left it."""
+    """The library's treatment with all its states kept, so that a slider can go back and forth over them.
+
+    `result` is the library's `TreatmentResult` once `measure` was run to its end; `points` and `centerline` are current after
+    `steps`.
+    """
 
     def __init__(
         self,
         points,
         triangles,
         centerline,
-        stents,
+        planned,
         settings,
         *,
         straightening=0.0,
         dtype=np.float32,
     ):
-        """`stents` is a list of (label, library stent); `dtype` is the type in which the result is stored."""
+        """`planned` is a list of `PlannedStent`; `dtype` is the type in which the result is stored."""
         self.original = self.points = points
         self.triangles, self.centerline = triangles, centerline
-        self._stents, self._straightening, self._precision = (
-            stents,
-            straightening,
-            Precision(dtype=np.dtype(dtype)),
+        self.recorded, self._axes = [], {}
+        self.result = self.shownMap = None
+        self._straightening = straightening
+        self._treatment = Treatment(
+            points,
+            triangles,
+            planned,
+            centerline,
+            settings,
+            straightening_fraction=straightening,
+            precision=Precision(dtype=np.dtype(dtype)),
         )
-        self._settings = settings.with_changes(
-            certify=False
-        )  # the whole plan gets one certificate, in `measure`
-        self.bases, self.axes, self.recorded, self.warnings = [], [], [], []
-        self.results, self.certificate, self.shownMap = (), None, None
 
     def steps(self):
-        """Deploy; yields the fraction done after every radius step, with the step in `recorded`."""
-        for number, (label, stent) in enumerate(self._stents):
-            axis = stent_axis(stent, self.centerline, straightening_fraction=self._straightening)
-            self.bases.append(self.points)
-            self.axes.append(axis)
-            self.warnings += [f"{label}: {warning}" for warning in axis.warnings]
-            yield from self._expand(number, label, axis, stent)
-
-    def _expand(self, number, label, axis, stent):
-        deployment = Deployment(
-            self.points,
-            self.triangles,
-            axis.points,
-            stent.radius,
-            self._settings,
-            companions=None if self.centerline is None else self.centerline.points,
-            precision=self._precision,
-        )
-        for state in deployment:
-            fraction = (number + state.fraction) / len(self._stents)
-            self.recorded.append(
-                RecordedStep(number, fraction, state.radius, state.indices, state.coordinates)
-            )
-            yield fraction
-        result = deployment.result
-        self.points = result.points
-        self.warnings += [f"{label}: {warning}" for warning in result.warnings]
-        if self.centerline is not None:
-            self.centerline = self.centerline.with_points(result.state.companions)
+        """Deploy; yields a `TreatmentState` after every radius step."""
+        for state in self._treatment:
+            if state.number not in self._axes:
+                self._follow()
+                stent = self._treatment.planned[state.number - 1].stent
+                axis = stent_axis(
+                    stent, self.centerline, straightening_fraction=self._straightening
+                )
+                self._axes[state.number] = (axis.points, stent.radius)
+            self.recorded.append(state)
+            yield state
+        self._follow()
 
     def measure(self):
-        """Diameters, then the certificate; yields between the parts so that others get a turn."""
-        results = []
-        for (label, stent), axis in zip(self._stents, self.axes, strict=True):
-            before = diameter_profile(self.original, self.triangles, axis.points, PROFILE_SPACING)
-            yield
-            after = diameter_profile(self.points, self.triangles, axis.points, PROFILE_SPACING)
-            results.append(StentResult(label, stent.diameter, before, after, axis.warnings))
-            yield
-        self.results = tuple(results)
-        self.certificate = certify(
-            self.original, self.points, self.triangles, dtype=self._precision.dtype
-        )
-        yield
+        """Diameters and certificate of the finished treatment; yields when it is done."""
+        self.result = self._treatment.result
+        yield self.result
 
     def at(self, percent):
         """All points at a percentage of the way, and the (axis points, radius) of every stent that is there by then.
 
         Between two recorded steps of a stent both are interpolated.
         """
-        reached = [step for step in self.recorded if step.fraction <= percent / 100]
+        reached = [state for state in self.recorded if state.fraction <= percent / 100 + 1e-9]
         if not reached:
             return self.original, []
-        step = reached[-1]
-        points, radius = self._pointsOf(step), step.radius
-        if len(reached) < len(self.recorded) and self.recorded[len(reached)].stent == step.stent:
+        state = reached[-1]
+        points, radius = state.points(), state.deployment.radius
+        if len(reached) < len(self.recorded) and self.recorded[len(reached)].number == state.number:
             following = self.recorded[len(reached)]
-            share = (percent / 100 - step.fraction) / (following.fraction - step.fraction)
-            points = points + share * (self._pointsOf(following) - points)
-            radius += share * (following.radius - radius)
-        return points, self._tubes(step.stent, radius)
+            share = (percent / 100 - state.fraction) / (following.fraction - state.fraction)
+            points = points + share * (following.points() - points)
+            radius += share * (following.deployment.radius - radius)
+        done = [tube for number, tube in self._axes.items() if number < state.number]
+        return points, [*done, (self._axes[state.number][0], radius)]
 
     def end(self):
-        """The final points and tubes."""
-        return self.points, self._tubes(len(self._stents) - 1, self._stents[-1][1].radius)
-
-    def _pointsOf(self, step):
-        points = self.bases[step.stent].copy()
-        points[step.indices] = step.coordinates
-        return points
-
-    def _tubes(self, stent, radius):
-        done = [(self.axes[i].points, self._stents[i][1].radius) for i in range(stent)]
-        return [*done, (self.axes[stent].points, radius)]
+        """The final points, and (axis points, radius) of every stent."""
+        return self.points, list(self._axes.values())
 
     def map(self, name):
         """Values of a surface map and whether they belong to the cells."""
         if name == "Displacement":
             return displacements(self.original, self.points), False
         return face_stretches(self.original, self.points, self.triangles).area, True
+
+    def _follow(self):
+        """Take over surface and centerline from the last recorded state."""
+        if self.recorded:
+            self.points = self.recorded[-1].points()
+            if self.centerline is not None:
+                self.centerline = self.centerline.with_points(
+                    self.recorded[-1].deployment.companions
+                )
+
+
+def summary(treated):
+    """The sentence about a treated stent that a clinician reads first."""
+    before, after, planned = treated.before, treated.after, treated.planned
+    narrow = stenosis(after, reference_profile=before)
+    return (
+        f"{planned.name}: minimum lumen {before.minimum:.1f} \N{RIGHTWARDS ARROW} {after.minimum:.1f} mm, "
+        f"mean {before.mean:.1f} \N{RIGHTWARDS ARROW} {after.mean:.1f} mm ({planned.stent.diameter:.1f} prescribed), "
+        f"diameter stenosis {stenosis(before).percent_diameter:.0f} \N{RIGHTWARDS ARROW} {narrow.percent_diameter:.0f} %"
+    )

@@ -1,6 +1,7 @@
 """Fixtures for the module's tests: one host per process, a new scene per test, and a log that has to stay clean."""
 
 import os
+from functools import lru_cache
 from pathlib import Path
 
 import pytest
@@ -18,6 +19,15 @@ def host():
     from sdfstent_host import Host
 
     return Host.start()
+
+
+@pytest.fixture(scope="session", autouse=True)
+def thePhantoms(theModule):
+    """Make each synthetic vessel once: they take a second."""
+    from SDFStentLib import phantoms
+
+    for name in ("branching_pulmonary_artery", "arch_with_coarctation"):
+        setattr(phantoms, name, lru_cache(getattr(phantoms, name)))
 
 
 @pytest.fixture(scope="session")
