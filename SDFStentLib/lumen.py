@@ -87,40 +87,49 @@ def finished(motion: Motion, level: float, radius: float) -> NDArray[np.int64]:
 def facets_compensated(
     motion: Motion, triangles: Triangles, on_stent: NDArray[np.int64], radius: float
 ) -> None:
-    """Push vertices on the stent out until the edges between them reach the prescribed radius.
+    """Push vertices out until the edges at the stent reach the prescribed radius.
 
     The distance to a straight axis is convex, so a facet is nearest to it on one of its edges;
     along an edge its square is a parabola through the two ends and the middle. Every vertex moves
-    by the largest deficit of its edges, inward again where all of them are too far out, but never
-    inside the prescribed radius. What remains is measured, not assumed: see `metrics.py`.
+    by the largest deficit of its edges, back again where all of them are too far out, but never
+    further in than it was. Vertices beside the stent take part, because an edge from one of them
+    to the stent can cut into the lumen as well. What remains is measured: see `metrics.py`.
     """
-    number = np.full(max(len(motion.positions), int(triangles.max(initial=-1)) + 1), -1)
-    number[on_stent] = np.arange(len(on_stent))
-    ends = number[edges(triangles).vertices]
-    ends = ends[(ends >= 0).all(axis=1)]
+    ends = edges(triangles).vertices
+    ends = ends[(ends < len(motion.positions)).all(axis=1)]
+    is_on_stent = np.zeros(len(motion.positions), dtype=bool)
+    is_on_stent[on_stent] = True
+    ends = ends[is_on_stent[ends].any(axis=1)]
     if not len(ends):
         return
-    wanted = radius + motion.offset[on_stent]
-    edge_wanted = np.minimum(wanted[ends[:, 0]], wanted[ends[:, 1]])
-    positions = motion.positions[on_stent]
-    pushed = np.zeros(len(positions))
+    group = np.zeros(len(motion.positions), dtype=bool)
+    group[ends] = True
+    group = np.flatnonzero(group)
+    number = np.empty(len(motion.positions), dtype=np.int64)
+    number[group] = np.arange(len(group))
+    ends = number[ends]
+
+    edge_wanted = radius + motion.offset[group][ends].min(axis=1)
+    positions, direction = motion.positions[group], motion.direction[group]
+    distance = motion.chain.axis_distance(positions).distance
+    pushed = np.zeros(len(group))
     for _ in range(COMPENSATION_PASSES):
-        moved = positions + pushed[:, None] * motion.direction[on_stent]
+        moved = positions + pushed[:, None] * direction
         # Between passes the middle of an edge is taken to follow its two ends.
         middle = motion.chain.axis_distance(moved[ends].mean(axis=1)).distance
         measured_at = pushed.copy()
         for _ in range(COMPENSATION_ROUNDS):
-            change = (pushed - measured_at)[ends]
+            change = (pushed - measured_at)[ends].mean(axis=1)
             deficit = edge_wanted - _edge_distance(
-                (wanted + pushed)[ends], middle + change.mean(axis=1) * middle / edge_wanted
+                (distance + pushed)[ends], middle + change * middle / edge_wanted
             )
-            push = np.full(len(positions), -np.inf)
+            push = np.full(len(group), -np.inf)
             np.maximum.at(push, ends.ravel(), np.repeat(deficit, 2))
-            push[np.isneginf(push)] = 0
-            pushed = np.maximum(pushed + push, 0)
+            push = np.maximum(push, -pushed)
+            pushed += push
             if np.abs(push).max() < 1e-4 * radius:
                 break
-    motion.positions[on_stent] = positions + pushed[:, None] * motion.direction[on_stent]
+    motion.positions[group] = positions + pushed[:, None] * direction
 
 
 def _edge_distance(ends: NDArray[np.float64], middle: NDArray[np.float64]) -> NDArray[np.float64]:
