@@ -31,6 +31,15 @@ def test_every_shipped_file_is_listed_once_and_every_listed_file_exists(folder):
     assert sorted(listed(folder)) == on_disk(folder)
 
 
+@pytest.mark.parametrize("folder", sorted(SHIPPED))
+def test_every_list_is_handed_to_the_macro_that_installs(folder):
+    text = re.sub(r"#[^\n]*", "", (ROOT / folder / "CMakeLists.txt").read_text())
+    call = re.search(r"slicerMacroBuildScriptedModule\(([^)]*)\)", text).group(1)
+    for variable in re.findall(r"set\((\w+_(?:SCRIPTS|RESOURCES))\s", text):
+        assert f"${{{variable}}}" in call
+    assert f"add_subdirectory({folder})" in (ROOT / "CMakeLists.txt").read_text()
+
+
 def test_the_project_is_called_as_the_index_entry_and_the_module():
     project = re.search(r"project\((\w+)\)", (ROOT / "CMakeLists.txt").read_text()).group(1)
     assert (ROOT / f"{project}.json").is_file()

@@ -141,6 +141,7 @@ def showMap(node, name, values, onCells, title):
     display.SetScalarVisibility(True)
     if legend is None:
         legend = slicer.vtkSlicerColorLogic.AddDefaultColorLegendDisplayNode(node)
+    legend.SetAndObserveColorNodeID(display.GetColorNodeID())
     legend.SetTitleText(title)
     legend.SetLabelFormat("%.2f")
     legend.SetVisibility(True)

@@ -1,6 +1,7 @@
 """What the module does, without widgets: the panel and the Python console both use this."""
 
 import sys
+import weakref
 
 import slicer
 import vtk
@@ -32,11 +33,15 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
 
     def __init__(self):
         ScriptedLoadableModuleLogic.__init__(self)
-        self._wrapper = None
         self.forget()
+        logic = weakref.ref(self)  # the scene outlives this object and must not keep it
+        for event in (slicer.mrmlScene.EndCloseEvent, slicer.mrmlScene.EndImportEvent):
+            slicer.mrmlScene.AddObserver(event, lambda *_: logic() and logic().forget())
 
     def forget(self):
-        """Let go of everything that belongs to the scene."""
+        """Let go of everything that belongs to the scene, which was closed or has got other content."""
+        # A wrapper that lived through an import may have cached references that were not resolved yet.
+        self._wrapper = None
         self._runs, self._surfaces, self._inputs = {}, {}, Inputs()
 
     def getParameterNode(self):

@@ -45,7 +45,7 @@ def addSampleVessel(phantomName, name, scene=None):
     vessel.GetDisplayNode().SetOpacity(0.5)
     vessel.GetDisplayNode().SetColor(0.85, 0.45, 0.4)
     centerline = _addModel(
-        scene, _("{name} centerline").format(name=name), _lines(phantom.centerline)
+        scene, _("{name} centerline").format(name=name), centerlinePolyData(phantom.centerline)
     )
     centerline.GetDisplayNode().SetLineWidth(3)
     return [vessel, centerline]
@@ -59,7 +59,7 @@ def _addModel(scene, name, polyData):
     return node
 
 
-def _lines(centerline):
+def centerlinePolyData(centerline):
     """The library's centerline as poly-lines with the array `Radius`, as Extract Centerline makes them."""
     lines = [centerline.ancestry(leaf) for leaf in centerline.leaves]
     polyData = polydata_from_lines(centerline.points.astype(np.float32), lines)

@@ -9,6 +9,7 @@ from slicer.util import VTKObservationMixin
 
 from .DeploySession import DeploySession
 from .Logic import SDFStentLogic
+from .ParameterNode import Placement
 from .StentList import StentList
 from .StentTable import StentTable
 
@@ -184,9 +185,11 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.ui.resetButton.enabled = self.logic.hasSteps(self._parameterNode) and not running
         self.ui.expansionSlider.enabled = self.logic.hasSteps(self._parameterNode) and not running
         self.ui.stentEditor.enabled = count > 0
-        self.ui.lengthSlider.enabled = not self._parameterNode.stent.placement.usesHandleLength
-        self.ui.foreshorteningSlider.enabled = (
-            not self._parameterNode.stent.placement.usesHandleLength
+        stent = self._parameterNode.stent
+        isCurve = stent.placement == Placement.ALONG_CURVE
+        self.ui.wholeCurveCheckBox.visible = isCurve
+        self.ui.lengthSlider.enabled = not stent.placement.usesHandleLength or (
+            isCurve and not stent.wholeCurve
         )
         self.ui.addStentButton.enabled = self._parameterNode.centerline is not None
         self.ui.copyStentButton.enabled = self.ui.removeStentButton.enabled = count > 0
@@ -223,7 +226,7 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.ui.segmentSelector.connect("currentSegmentChanged(QString)", self.onSegmentChanged)
         self.ui.addStentButton.connect("clicked()", self.onAddStent)
         self.ui.copyStentButton.connect("clicked()", self.onCopyStent)
-        self.ui.removeStentButton.connect("clicked()", self.onRemoveStent)
+        self.ui.removeStentButton.connect("clicked()", lambda: self.logic.removeStent(self._parameterNode))
         self.ui.moveUpButton.connect("clicked()", lambda: self.stents.move(-1))
         self.ui.moveDownButton.connect("clicked()", lambda: self.stents.move(1))
         self.ui.loadPlanButton.connect("clicked()", self.onLoadPlan)
@@ -258,9 +261,6 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
 
     def onCopyStent(self):
         self._attempt(lambda: self.logic.copyStent(self._parameterNode))
-
-    def onRemoveStent(self):
-        self.logic.removeStent(self._parameterNode)
 
     def onPlacementActivated(self, index):
         # The parameter hears of the new index after this slot, so the handle is fitted a moment later.

@@ -5,6 +5,7 @@ from functools import lru_cache
 from pathlib import Path
 
 import pytest
+from panel_helpers import theThroat
 from sdfstent_host import missingLibraries
 
 MODULE = Path(__file__).parents[1] / "SDFStent.py"
@@ -83,15 +84,3 @@ def thePictures(tmp_path):
     folder = Path(os.environ.get("SDFSTENT_PICTURES", tmp_path))
     folder.mkdir(parents=True, exist_ok=True)
     return folder
-
-
-def theThroat():
-    """The narrowest place of the pulmonary artery."""
-    from SDFStentLib.phantoms import branching_pulmonary_artery
-
-    return branching_pulmonary_artery().throat.point
-
-
-def settle(host, panel, seconds=60.0):
-    """Let a panel run until nothing is under way or about to start."""
-    host.processUntil(lambda: not panel.session.isBusy, seconds)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import slicer
 import vtk
-from conftest import settle
+from panel_helpers import settle
 
 from SDFStentLib.validation import InputError
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import slicer
 import vtk
-from conftest import theThroat
+from panel_helpers import theThroat
 
 
 def pointsOf(node):

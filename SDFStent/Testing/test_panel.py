@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import slicer
-from conftest import settle, theThroat
+from panel_helpers import settle, theThroat
 
 
 @pytest.fixture
@@ -202,6 +202,7 @@ def test_placement_between_two_points_needs_and_gets_two_points(host, aStent):
     handle = aStent._parameterNode.stent.handle
     assert handle.GetNumberOfControlPoints() == 2
     assert not aStent.ui.lengthSlider.enabled
+    assert not aStent.ui.wholeCurveCheckBox.visible
     deploy(host, aStent)
     assert "8.5 prescribed" in aStent.ui.lumenLabel.text
     host.choose(aStent.ui.placementComboBox, 0)

@@ -29,7 +29,10 @@ from .qt_stand_in import wrapped
 
 
 class Host:
-    """One per process: `Host.start()` returns the same object each time."""
+    """One per process: `Host.start()` returns the same object each time.
+
+    The environment variable SLICER_CHECKOUT may name a folder of Slicer's sources: its own Python layer is used then.
+    """
 
     _instance = None
 
@@ -44,7 +47,7 @@ class Host:
         self.qtApplication.setStyle("Fusion")
         self.application = mrml.Application()
         self.files = []
-        slicer_stand_in.install(self.application, self.files)
+        slicer_stand_in.install(self.application, self.files, os.environ.get("SLICER_CHECKOUT"))
         slicer.util.reloadScriptedModule = lambda name: self.loadModule(
             getattr(slicer.modules, name.lower()).path
         )

@@ -1,5 +1,6 @@
 """The Python layer of Slicer that slicer-core does not have: module base classes, `slicer.app`, `slicer.modules`, SampleData."""
 
+import importlib
 import sys
 import types
 import unittest
@@ -10,6 +11,8 @@ from PySide6 import QtWidgets
 
 from . import parameter_node, qmrml_widgets, ui_loader
 from .qt_stand_in import ctkModule, qtModule, wrapped
+
+PYTHON_LAYER = ("ScriptedLoadableModule", "i18n", "parameterNodeWrapper")
 
 
 class ScriptedLoadableModule:
@@ -117,7 +120,15 @@ class App:
         return self._settings
 
     def moduleManager(self):
-        return None
+        return types.SimpleNamespace(connect=lambda *_: True, disconnect=lambda *_: True)
+
+    def translate(self, context, text):
+        return text
+
+    def moduleDocumentationUrl(self, name):
+        return ""
+
+    userSettings = settings
 
     def processEvents(self, *_):
         QtWidgets.QApplication.processEvents()
@@ -151,14 +162,36 @@ class SampleDataLogic:
         return source.customDownloader(source)
 
 
-def install(application, files):
-    """Put the stand-ins where modules look for them. `files` are what file dialogs answer with, in order."""
-    module = types.ModuleType
-    qt, ctk, sampleData = qtModule(), ctkModule(), module("SampleData")
+def install(application, files, checkout=None):
+    """Put the stand-ins where modules look for them. `files` are what file dialogs answer with, in order.
+
+    With a Slicer `checkout` its own `ScriptedLoadableModule`, `i18n` and `parameterNodeWrapper` are used.
+    """
+    qt, ctk, sampleData = qtModule(), ctkModule(), types.ModuleType("SampleData")
     sampleData.SampleDataLogic = SampleDataLogic
-    base, i18n, parameters = (
-        module(f"slicer.{n}") for n in ("ScriptedLoadableModule", "i18n", "parameterNodeWrapper")
-    )
+    for stand_in in (qt, ctk, sampleData):
+        sys.modules[stand_in.__name__] = stand_in
+    slicer.app, slicer.selfTests = App(application), {}
+    slicer.modules = types.SimpleNamespace()
+    for name, logic in application.logics.items():
+        setattr(
+            slicer.modules,
+            name.lower(),
+            types.SimpleNamespace(logic=lambda logic=logic: logic, name=name),
+        )
+    for name, cls in qmrml_widgets.QMRML_WIDGETS.items():
+        setattr(slicer, name, wrapped(cls))
+    qt.QFileDialog = _fileDialog(files)
+    _patchUtil()
+    if checkout is None:
+        _installPythonLayer()
+    else:
+        _installPythonLayerOf(Path(checkout), ctk)
+
+
+def _installPythonLayer():
+    """Our own small look-alikes of Slicer's Python packages."""
+    base, i18n, parameters = (types.ModuleType(f"slicer.{name}") for name in PYTHON_LAYER)
     for cls in (
         ScriptedLoadableModule,
         ScriptedLoadableModuleWidget,
@@ -177,21 +210,36 @@ def install(application, files):
         "Default",
     ):
         setattr(parameters, name, getattr(parameter_node, name))
-    for stand_in in (qt, ctk, sampleData, base, i18n, parameters):
+    for name, stand_in in zip(PYTHON_LAYER, (base, i18n, parameters), strict=True):
         sys.modules[stand_in.__name__] = stand_in
-    slicer.ScriptedLoadableModule, slicer.i18n, slicer.parameterNodeWrapper = base, i18n, parameters
-    slicer.app, slicer.selfTests = App(application), {}
-    slicer.modules = types.SimpleNamespace()
-    for name, logic in application.logics.items():
-        setattr(
-            slicer.modules,
-            name.lower(),
-            types.SimpleNamespace(logic=lambda logic=logic: logic, name=name),
-        )
-    for name, cls in qmrml_widgets.QMRML_WIDGETS.items():
-        setattr(slicer, name, wrapped(cls))
-    qt.QFileDialog = _fileDialog(files)
-    _patchUtil()
+        setattr(slicer, name, stand_in)
+
+
+def _installPythonLayerOf(checkout, ctk):
+    """Slicer's own Python packages, from its sources, on the stand-ins for its widgets."""
+
+    def anyWidget(name):
+        return type(name, (), {})
+
+    type(ctk).__getattr__ = _orElse(type(ctk).__getattr__, anyWidget)
+    for name in ("qMRMLRangeWidget", "qMRMLSliderWidget", "qMRMLSpinBox", "qSlicerWidget"):
+        setattr(slicer, name, anyWidget(name))
+    slicer.__path__.append(str(checkout / "Base" / "Python" / "slicer"))
+    for name in PYTHON_LAYER:
+        setattr(slicer, name, importlib.import_module(f"slicer.{name}"))
+
+
+def _orElse(function, fallback):
+    def lookUp(self, name):
+        try:
+            return function(self, name)
+        except AttributeError:
+            if name.startswith("__"):
+                raise
+            setattr(self, name, fallback(name))
+            return getattr(self, name)
+
+    return lookUp
 
 
 def _fileDialog(files):
