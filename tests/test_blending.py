@@ -1,0 +1,147 @@
+"""The smooth minimum and the profiles, against their closed forms."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from oracle import PlainField, fall_off, smin
+
+from SDFStentLib.blending import BLENDS, FALLOFFS, as_profile, smooth_minimum, weight_at
+from SDFStentLib.validation import InputError
+
+DISTANCE = st.floats(-20, 20, allow_nan=False)
+WIDTH = st.floats(0.01, 3)
+ROUNDING = 1e-12  # mm: a few operations on numbers below 20
+
+
+def pair(first, second):
+    return np.array([first], dtype=float), np.array([second], dtype=float)
+
+
+@settings(max_examples=100, deadline=None, derandomize=True)
+@given(DISTANCE, DISTANCE, WIDTH)
+def test_the_smooth_minimum_is_the_papers_first_form(first, second, k):
+    gap = abs(first - second)
+    lowered = k / 4 * (1 - gap / k) ** 2 if gap <= k else 0
+    value = smooth_minimum(*pair(first, second), k).value[0]
+    assert value == pytest.approx(min(first, second) - lowered, abs=ROUNDING)
+
+
+@settings(max_examples=100, deadline=None, derandomize=True)
+@given(DISTANCE, DISTANCE, st.one_of(st.just(0.0), WIDTH))
+def test_the_smooth_minimum_is_the_papers_kernel_form_with_its_chain_rule(first, second, k):
+    a, b = pair(first, second)
+    along_first, along_second = np.array([[1.0, 0, 0]]), np.array([[0.0, 1, 0]])
+    plain = smin(PlainField(a, along_first), PlainField(b, along_second), k)
+    value, weight = smooth_minimum(a, b, k)
+    assert value[0] == pytest.approx(plain.distance[0], abs=ROUNDING)
+    gradient = (1 - weight[0]) * along_first[0] + weight[0] * along_second[0]
+    np.testing.assert_allclose(gradient, plain.gradient[0], atol=1e-10)
+
+
+@settings(max_examples=60, deadline=None, derandomize=True)
+@given(DISTANCE, DISTANCE, WIDTH)
+def test_the_weight_is_the_derivative_of_the_value(first, second, k):
+    h = 1e-5
+    value = lambda x, y: smooth_minimum(*pair(x, y), k).value[0]  # noqa: E731
+    weight = smooth_minimum(*pair(first, second), k).weight[0]
+    # A central difference of a function that is quadratic but for two joints: the error there
+    # is at most h / (4 k).
+    close = 1e-9 / h + h / (4 * k)
+    assert (value(first, second + h) - value(first, second - h)) / (2 * h) == pytest.approx(
+        weight, abs=close
+    )
+    assert (value(first + h, second) - value(first - h, second)) / (2 * h) == pytest.approx(
+        1 - weight, abs=close
+    )
+
+
+@settings(max_examples=60, deadline=None, derandomize=True)
+@given(DISTANCE, DISTANCE, WIDTH, DISTANCE)
+def test_the_smooth_minimum_commutes_with_a_shift_and_with_its_arguments(first, second, k, shift):
+    value = smooth_minimum(*pair(first, second), k).value[0]
+    shifted = smooth_minimum(*pair(first + shift, second + shift), k).value[0]
+    swapped = smooth_minimum(*pair(second, first), k).value[0]
+    assert shifted == pytest.approx(value + shift, abs=ROUNDING)
+    assert swapped == pytest.approx(value, abs=ROUNDING)
+
+
+@settings(max_examples=60, deadline=None, derandomize=True)
+@given(DISTANCE, DISTANCE, WIDTH)
+def test_the_smooth_minimum_stays_within_a_quarter_width_below_the_minimum(first, second, k):
+    value = smooth_minimum(*pair(first, second), k).value[0]
+    assert min(first, second) - k / 4 - ROUNDING <= value <= min(first, second) + ROUNDING
+
+
+def test_equal_distances_are_lowered_by_exactly_a_quarter_of_the_width():
+    assert smooth_minimum(*pair(3.0, 3.0), 0.4).value[0] == pytest.approx(2.9, abs=1e-15)
+
+
+def test_without_width_it_is_the_hard_minimum_and_the_first_of_equals_wins():
+    value, weight = smooth_minimum(np.array([1.0, 2, 5]), np.array([2.0, 2, 3]), 0)
+    assert value.tolist() == [1, 2, 3]
+    assert weight.tolist() == [0, 0, 1]
+
+
+@pytest.mark.parametrize("name", [*FALLOFFS, *BLENDS])
+def test_every_profile_falls_monotonically_from_one_to_zero(name):
+    profile = {**FALLOFFS, **BLENDS}[name]
+    values = profile(np.linspace(0, 1, 1001))
+    # One rounding of a sum of terms near 1.
+    assert values[0] == pytest.approx(1, abs=1e-15)
+    assert values[-1] == pytest.approx(0, abs=1e-15)
+    assert (np.diff(values) < 1e-15).all()
+
+
+@pytest.mark.parametrize("name", list(FALLOFFS))
+def test_every_fall_off_is_flat_at_both_ends_so_that_the_field_has_no_crease(name):
+    h = 1e-4
+    profile = FALLOFFS[name]
+    # Flat: the difference quotient vanishes as h; second derivatives here are below 20.
+    assert abs(profile(np.array([h]))[0] - 1) / h < 20 * h
+    assert abs(profile(np.array([1 - h]))[0]) / h < 20 * h
+
+
+def test_the_default_fall_off_is_the_papers():
+    distance = np.linspace(-2, 9, 200)
+    np.testing.assert_allclose(
+        weight_at(distance, 6.5, FALLOFFS["compact"]), fall_off(distance, 6.5), atol=1e-15
+    )
+
+
+def test_a_weight_is_one_inside_the_stent_and_zero_from_the_influence_distance_on():
+    weights = weight_at(np.array([-3.0, 0.0, 6.5, 100.0]), 6.5, BLENDS["exponential"])
+    assert weights[:2].tolist() == [1, 1]
+    assert weights[2:].tolist() == [0, 0]
+
+
+def test_a_profile_may_be_a_function():
+    def cubic(x):
+        return (1 - x) ** 3
+
+    assert as_profile(cubic, FALLOFFS, "falloff") is cubic
+    assert as_profile("cosine", FALLOFFS, "falloff") is FALLOFFS["cosine"]
+
+
+def test_an_unknown_profile_is_refused_with_the_known_ones():
+    with pytest.raises(InputError, match="blend: expected one of linear, quadratic, exponential"):
+        as_profile("cubic", BLENDS, "blend")
+
+
+@pytest.mark.parametrize(
+    "profile",
+    [
+        lambda x: x,
+        lambda x: 1 - 0.5 * x,
+        lambda x: np.where((x > 0) & (x < 1), 2, 1 - x),
+        lambda x: np.where(x < 0.5, 1 - x, np.nan),
+        lambda x: 1.0,
+        lambda x: np.where((x > 0) & (x < 1), -0.1, 1 - x),
+    ],
+    ids=["rises", "does not reach 0", "above 1", "NaN", "a number", "below 0"],
+)
+def test_a_function_that_is_no_profile_is_refused(profile):
+    with pytest.raises(InputError, match="falloff: expected a function of an array that falls"):
+        as_profile(profile, FALLOFFS, "falloff")

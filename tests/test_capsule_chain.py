@@ -1,0 +1,255 @@
+"""The distance field of a stent, against the plain fold of the paper and closed forms."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from deployment_cases import ANATOMIES, AXES, anatomy_case
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from oracle import field as plain_field
+
+from SDFStentLib.capsule_chain import CapsuleChain
+from SDFStentLib.validation import InputError
+
+EXACT = 1e-9  # mm: what the issue demands; rounding leaves 1e-13
+
+
+def points_round(chain, count=400, seed=1, near=12.0):
+    """Points near the axis, exactly on it, on its nodes, at its ends and far away."""
+    rng = np.random.default_rng(seed)
+    nodes = chain.nodes
+    along = rng.uniform(0, 1, count)[:, None]
+    pick = rng.integers(0, len(nodes) - 1, count)
+    on_axis = nodes[pick] + along * (nodes[pick + 1] - nodes[pick])
+    away = rng.normal(size=(count, 3))
+    away *= (rng.uniform(0, near, count) / np.linalg.norm(away, axis=1))[:, None]
+    ends = nodes[[0, -1]].repeat(20, axis=0) + rng.normal(size=(40, 3))
+    far = nodes.mean(axis=0) + 200 * rng.normal(size=(30, 3))
+    return np.concatenate([on_axis + away, on_axis[:30], nodes, ends, far])
+
+
+def assert_equals_the_plain_fold(chain, points):
+    plain = plain_field(points, chain.nodes, chain.smoothing_width)
+    field = chain.field(points)
+    # The engine subtracts squares of up to (100 mm)^2: rounding of 1e-12 mm^2, hence of
+    # 1e-12 / distance in the distance itself and, on the axis, of its root. No wall is there.
+    off_axis = chain.axis_distance(points).distance > 1e-3
+    np.testing.assert_allclose(
+        field.distance[off_axis], plain.distance[off_axis], rtol=0, atol=EXACT
+    )
+    np.testing.assert_allclose(field.distance, plain.distance, rtol=0, atol=1e-6)
+    # On the axis the direction is undefined, and next to it the quotient of two roundings.
+    slope = np.linalg.norm(plain.gradient, axis=1)
+    np.testing.assert_allclose(field.slope[off_axis], slope[off_axis], rtol=0, atol=1e-8)
+    # Opposite pulls nearly cancel between the legs of a hairpin; there the unit vector amplifies
+    # rounding by one over the slope.
+    steep = off_axis & (slope > 1e-3)
+    np.testing.assert_allclose(
+        field.direction[steep], plain.gradient[steep] / slope[steep, None], rtol=0, atol=1e-8
+    )
+
+
+@pytest.mark.parametrize("k", [0.0, 0.4, 1.5])
+@pytest.mark.parametrize("name", list(AXES))
+def test_the_field_is_the_plain_fold_on_every_axis(name, k):
+    chain = CapsuleChain.along(AXES[name], smoothing_width=k)
+    assert_equals_the_plain_fold(chain, points_round(chain))
+
+
+@pytest.mark.parametrize("capsule_length", [0.3, 2.0, 7.0])
+@pytest.mark.parametrize("name", ["hairpin", "helix"])
+def test_the_field_is_the_plain_fold_for_short_and_long_capsules(name, capsule_length):
+    chain = CapsuleChain.along(AXES[name], capsule_length=capsule_length)
+    assert_equals_the_plain_fold(chain, points_round(chain, 250))
+
+
+@pytest.mark.parametrize("apart", [3.0, 8.0, 14.0])
+def test_the_field_is_exact_between_the_legs_of_a_hairpin(apart):
+    from deployment_cases import hairpin
+
+    chain = CapsuleChain.along(hairpin(apart))
+    x, y, z = np.meshgrid(
+        np.linspace(-2, apart + 2, 13), [0, 0.7, 4], np.linspace(-3, 25, 20), indexing="ij"
+    )
+    assert_equals_the_plain_fold(chain, np.column_stack([x.ravel(), y.ravel(), z.ravel()]))
+
+
+@pytest.mark.parametrize("name", list(ANATOMIES))
+def test_the_field_is_the_plain_fold_on_the_anatomies(data_dir, name):
+    case = anatomy_case(data_dir, name, 30, 40)
+    chain = CapsuleChain.along(case.axis)
+    nearest = np.argsort(chain.axis_distance(case.points).distance)[:2500]
+    assert_equals_the_plain_fold(chain, np.concatenate([case.points[nearest], chain.nodes]))
+
+
+@settings(max_examples=25, deadline=None, derandomize=True)
+@given(st.integers(0, 2**32 - 1), st.sampled_from([0.0, 0.2, 0.4, 2.0]), st.integers(2, 40))
+def test_the_field_is_the_plain_fold_on_random_walks_that_cross_themselves(seed, k, count):
+    rng = np.random.default_rng(seed)
+    chain = CapsuleChain(np.cumsum(rng.normal(size=(count, 3)), axis=0), k)
+    assert_equals_the_plain_fold(chain, points_round(chain, 60, seed))
+
+
+def test_the_field_is_exact_far_from_the_origin():
+    # A vessel a metre from the origin: squared distances must not lose digits to it.
+    shift = np.array([1000.0, -700, 300])
+    chain = CapsuleChain.along(AXES["bent"] + shift)
+    assert_equals_the_plain_fold(chain, points_round(chain))
+
+
+def test_every_block_is_worked_on():
+    chain = CapsuleChain.along(AXES["straight"])
+    assert_equals_the_plain_fold(chain, points_round(chain, 9000))
+
+
+def test_a_point_has_one_value_whatever_is_asked_together_with_it():
+    # Cancelling and previewing re-evaluate subsets; a result may depend on nothing else.
+    chain = CapsuleChain.along(AXES["helix"])
+    points = points_round(chain)
+    whole, part = chain.field(points), chain.field(points[100:150])
+    # Matrix products of other shapes round differently: not bit by bit.
+    np.testing.assert_allclose(part.distance, whole.distance[100:150], rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("k", [0.0, 0.4])
+@pytest.mark.parametrize("name", list(AXES))
+def test_the_gradient_is_that_of_the_distance(name, k):
+    chain = CapsuleChain.along(AXES[name], smoothing_width=k)
+    points = points_round(chain, 150, near=8)
+    away = chain.axis_distance(points).distance
+    points = points[(away > 0.5) & (away < 20)]
+    h = 1e-5
+    field = chain.field(points)
+    quotient = np.stack(
+        [
+            (chain.field(points + step).distance - chain.field(points - step).distance) / (2 * h)
+            for step in h * np.eye(3)
+        ],
+        axis=1,
+    )
+    error = np.abs(quotient - field.slope[:, None] * field.direction).max(axis=1)
+    # Curvature 1/(4k) and 1/distance leave h of error; a joint of the piecewise quadratic, or a
+    # crease of the hard minimum, between two samples may spoil a few points.
+    assert np.quantile(error, 0.95) < 1e-4
+    if k:
+        assert error.max() < 1e-4
+
+
+def test_directions_are_unit_vectors_or_zero_on_the_axis():
+    chain = CapsuleChain.along(AXES["straight"])
+    field = chain.field(np.array([[0.0, 0, 10], [3, 0, 10], [0, 0, -4]]))
+    lengths = np.linalg.norm(field.direction, axis=1)
+    np.testing.assert_allclose(lengths[1:], 1, atol=1e-14)
+    assert lengths[0] == 0
+    assert (field.slope <= 1 + 1e-12).all()
+
+
+def test_without_smoothing_it_is_the_true_distance():
+    chain = CapsuleChain.along(AXES["helix"], smoothing_width=0)
+    points = points_round(chain)
+    np.testing.assert_allclose(
+        chain.field(points).distance, chain.axis_distance(points).distance, rtol=0, atol=1e-6
+    )  # 1e-6 is for points on the axis; see assert_equals_the_plain_fold.
+
+
+def test_the_smooth_distance_lies_less_than_the_width_below_the_true_one():
+    for name, axis in AXES.items():
+        chain = CapsuleChain.along(axis, capsule_length=0.25)
+        points = points_round(chain)
+        short = chain.axis_distance(points).distance - chain.field(points).distance
+        assert short.max() < 0.4, name
+        assert short.min() > -1e-9, name
+
+
+def test_the_signed_distance_falls_by_exactly_the_radius():
+    """phi(p; r) = D(p) - r: the plain fold of capsules with radius 2 is 2 less everywhere."""
+    from oracle import PlainField, capsule_distance, smin
+
+    chain = CapsuleChain.along(AXES["bent"])
+    points = points_round(chain)
+    nodes = chain.nodes[::-1]
+    folded = None
+    for a, b in pairwise(nodes):
+        distance, gradient = capsule_distance(points, a, b)
+        capsule = PlainField(distance - 2, gradient)
+        folded = capsule if folded is None else smin(folded, capsule, 0.4)
+    np.testing.assert_allclose(folded.distance, chain.field(points).distance - 2, atol=EXACT)
+
+
+def test_the_distance_to_one_capsule_is_known_in_closed_form():
+    chain = CapsuleChain(np.array([[0.0, 0, 0], [0, 0, 10]]))
+    points = np.array([[3.0, 4, 5], [3, 0, -4], [0, 5, 22]])
+    np.testing.assert_allclose(chain.field(points).distance, [5, 5, 13], atol=1e-13)
+    field = chain.field(points)
+    expected = [[0.6, 0.8, 0], [0.6, 0, -0.8], [0, 5 / 13, 12 / 13]]
+    np.testing.assert_allclose(field.direction, expected, atol=1e-13)
+    assert chain.axis_distance(points).foot.tolist() == [[0, 0, 5], [0, 0, 0], [0, 0, 10]]
+
+
+def test_the_axis_distance_is_that_of_every_segment_tried():
+    from oracle import capsule_distance
+
+    for axis in AXES.values():
+        chain = CapsuleChain.along(axis)
+        points = points_round(chain)
+        distances = [capsule_distance(points, a, b)[0] for a, b in pairwise(chain.nodes)]
+        found = chain.axis_distance(points)
+        np.testing.assert_allclose(found.distance, np.min(distances, axis=0), atol=EXACT)
+        np.testing.assert_allclose(
+            np.linalg.norm(points - found.foot, axis=1), found.distance, atol=1e-12
+        )
+
+
+def test_capsules_have_equal_lengths_near_the_wanted_one_and_the_ends_are_kept():
+    chain = CapsuleChain.along(AXES["straight"], capsule_length=3)
+    lengths = np.linalg.norm(np.diff(chain.nodes, axis=0), axis=1)
+    np.testing.assert_allclose(lengths, 20 / 7, atol=1e-12)
+    np.testing.assert_allclose(chain.nodes[[0, -1]], AXES["straight"], atol=1e-12)
+    assert chain.length == pytest.approx(20, abs=1e-12)
+
+
+def test_repeated_axis_points_change_nothing():
+    axis = AXES["bent"]
+    doubled = np.repeat(axis, 2, axis=0)
+    np.testing.assert_array_equal(CapsuleChain.along(doubled).nodes, CapsuleChain.along(axis).nodes)
+
+
+def test_no_points_have_an_empty_field():
+    field = CapsuleChain.along(AXES["bent"]).field(np.empty((0, 3)))
+    assert field.distance.shape == (0,)
+    assert field.direction.shape == (0, 3)
+
+
+def test_a_chain_cannot_be_changed():
+    chain = CapsuleChain.along(AXES["straight"])
+    with pytest.raises(ValueError, match="read-only"):
+        chain.nodes[0] = 1
+    with pytest.raises(AttributeError):
+        chain.smoothing_width = 1
+
+
+def test_an_axis_without_length_is_refused():
+    with pytest.raises(InputError, match="stent axis: expected a line with length"):
+        CapsuleChain.along(np.zeros((3, 3)))
+
+
+def test_repeated_nodes_are_refused():
+    with pytest.raises(InputError, match="expected distinct neighbors, got a repeated node"):
+        CapsuleChain(np.array([[0.0, 0, 0], [0, 0, 0], [0, 0, 1]]))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"capsule_length": 0}, "capsule length: expected a number greater than 0"),
+        ({"smoothing_width": -1}, "smoothing width: expected a number at least 0"),
+        ({"axis": [[0, 0, 0]]}, "stent axis: expected at least 2 points"),
+        ({"axis": [[0, 0, np.nan], [0, 0, 1]]}, "stent axis: expected finite coordinates"),
+    ],
+)
+def test_bad_chains_are_refused(arguments, message):
+    with pytest.raises(InputError, match=message):
+        CapsuleChain.along(**{"axis": AXES["straight"], **arguments})
