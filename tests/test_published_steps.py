@@ -1,0 +1,193 @@
+"""The published radius step: the engine leaves out work, never a digit."""
+
+from __future__ import annotations
+
+import numpy as np
+import oracle
+import pytest
+from deployment_cases import ANATOMIES, PHANTOM_STENTS, anatomy_case, phantom_case
+
+from SDFStentLib.capsule_chain import CapsuleChain
+from SDFStentLib.deployment import Deployment
+from SDFStentLib.motion import Motion
+from SDFStentLib.published_steps import published_steps
+from SDFStentLib.settings import DeploymentSettings
+
+EXACT = 1e-9  # mm: what the issue demands; rounding leaves 1e-13
+PUBLISHED = DeploymentSettings.published().with_changes(certify=False)
+
+
+def near_part(case, chain, reach):
+    """Points that could move; the oracle need not look at the rest."""
+    return np.flatnonzero(chain.axis_distance(case.points).distance < reach)
+
+
+def grown(points, chain, start, target, touchable=None, **changes):
+    """The points after published steps alone, and the radii of the steps."""
+    touchable = np.ones(len(points), dtype=bool) if touchable is None else touchable
+    motion = Motion(chain, points, touchable)
+    rule = PUBLISHED.with_changes(**changes).step_rule()
+    radii = list(published_steps(motion, rule, start, target))
+    after = np.array(points)
+    after[motion.indices] = motion.positions
+    return after, radii
+
+
+@pytest.mark.parametrize("name", list(PHANTOM_STENTS))
+def test_a_deployment_in_a_phantom_is_the_plain_method(name):
+    case = phantom_case(name)
+    deployment = Deployment(case.points, case.triangles, case.axis, case.radius, PUBLISHED)
+    final = list(deployment)[-1]
+    nodes, target = deployment.chain.nodes, deployment.target_level
+    nearest = oracle.field(case.points, nodes, 0.4).distance.min()
+    plain = oracle.deployed(case.points, nodes, min(0.4, 0.9 * nearest), target)
+    np.testing.assert_allclose(final.applied_to(case.points), plain, rtol=0, atol=EXACT)
+    np.testing.assert_array_equal(final.applied_to(case.points), deployment.result.points)
+
+
+@pytest.mark.parametrize("name", list(ANATOMIES))
+def test_a_deployment_in_an_anatomy_is_the_plain_method(data_dir, name):
+    case = anatomy_case(data_dir, name, 40, 12, ratio=1.15)
+    deployment = Deployment(case.points, case.triangles, case.axis, case.radius, PUBLISHED)
+    last = list(deployment)[-1]
+    nodes, target = deployment.chain.nodes, deployment.target_level
+    near = near_part(case, deployment.chain, target + 8)
+    start = min(0.4, 0.9 * oracle.field(case.points[near], nodes, 0.4).distance.min())
+    plain = np.array(case.points)
+    plain[near] = oracle.deployed(plain[near], nodes, start, target)
+    np.testing.assert_allclose(last.applied_to(case.points), plain, rtol=0, atol=EXACT)
+    assert np.abs(plain - case.points).max() > 1
+
+
+def test_every_state_on_the_way_is_the_plain_one():
+    case = phantom_case("branching_pulmonary_artery")
+    deployment = Deployment(case.points, case.triangles, case.axis, case.radius, PUBLISHED)
+    states = list(deployment)[:-1]
+    nodes, target = deployment.chain.nodes, deployment.target_level
+    nearest = oracle.field(case.points, nodes, 0.4).distance.min()
+    steps = oracle.radii(min(0.4, 0.9 * nearest), target, 0.1)
+    vertices = np.array(case.points)
+    moved = []
+    for radius, growth in steps:
+        before, vertices = vertices, oracle.step(vertices, nodes, radius, growth)
+        if (before != vertices).any():
+            moved.append((radius + growth, vertices))
+    assert len(states) == len(moved)
+    for state, (radius, plain) in zip(states, moved, strict=True):
+        np.testing.assert_allclose(state.applied_to(case.points), plain, rtol=0, atol=EXACT)
+        # The state tells the stent's radius, the field's level is the inflation less.
+        assert state.radius == pytest.approx(radius + case.radius - target, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"smoothing_width": 0.0},
+        {"smoothing_width": 1.2},
+        {"influence_distance": 2.0},
+        {"influence_distance": 15.0},
+        {"contact_tolerance": 0.2},
+        {"step": 0.37},
+        {"step": 2.8},
+        {"capsule_length": 4.0},
+    ],
+    ids=str,
+)
+def test_other_parameters_are_the_plain_method_too(changes):
+    case = phantom_case("tube_with_neighbor")
+    settings = PUBLISHED.with_changes(**changes)
+    deployment = Deployment(case.points, case.triangles, case.axis, case.radius, settings)
+    last = list(deployment)[-1]
+    nodes, k = deployment.chain.nodes, settings.smoothing_width
+    nearest = oracle.field(case.points, nodes, k).distance.min()
+    plain = oracle.deployed(
+        case.points,
+        nodes,
+        min(0.4, 0.9 * nearest),
+        deployment.target_level,
+        settings.step_rule().step,
+        k=k,
+        influence=settings.influence_distance,
+        contact_threshold=settings.contact_tolerance,
+    )
+    np.testing.assert_allclose(last.applied_to(case.points), plain, rtol=0, atol=EXACT)
+
+
+def test_points_that_can_only_be_dragged_never_touch():
+    rng = np.random.default_rng(4)
+    angle, z = rng.uniform(0, 2 * np.pi, 600), rng.uniform(0, 30, 600)
+    radius = np.r_[np.full(400, 2.0), np.full(200, 2.6)]
+    points = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), z])
+    points[400:] += 0.3 * rng.normal(size=(200, 3))
+    chain = CapsuleChain.along([[0.0, 0, 8], [0, 0, 20]])
+    after, _ = grown(points, chain, 0.4, 3.0, np.arange(600) < 400)
+    plain = oracle.deployed(points, chain.nodes, 0.4, 3.0, wall=400)
+    np.testing.assert_allclose(after, plain, rtol=0, atol=EXACT)
+    assert (plain[400:] != points[400:]).any()
+
+
+def test_the_last_step_is_partial_and_ends_exactly_at_the_target():
+    case = phantom_case("stenosed_tube")
+    chain = CapsuleChain.along(case.axis)
+    after, radii = grown(case.points, chain, 0.43, 2.876)
+    assert radii[-1] == 2.876
+    np.testing.assert_allclose(np.diff(radii)[:-1], 0.1, atol=1e-12)
+    assert 0 < radii[-1] - radii[-2] < 0.1
+    level = chain.field(after).distance
+    # What was in contact stays within the contact tolerance, or was overtaken in the last step.
+    assert 2.876 - (radii[-1] - radii[-2]) <= level.min() <= 2.886
+
+
+@pytest.mark.parametrize("span", [0.3, 0.7, 1.1])
+def test_a_whole_number_of_steps_leaves_no_crumb(span):
+    # 0.4 + 3 * 0.1 differs from 0.7 by a rounding: no step of 1e-16 mm may follow.
+    case = phantom_case("stenosed_tube")
+    chain = CapsuleChain.along(case.axis)
+    start = 2.0
+    _, radii = grown(case.points, chain, start, start + span)
+    assert radii[-1] == pytest.approx(start + span, abs=1e-12)
+    assert np.diff(radii).min(initial=1) > 0.05
+
+
+def test_steps_without_contact_are_skipped():
+    case = phantom_case("straight_tube")
+    chain = CapsuleChain.along(case.axis)
+    nearest = chain.field(case.points).distance.min()
+    _, radii = grown(case.points, chain, 0.4, 3.3)
+    assert radii[0] >= nearest - 0.01
+    _, none = grown(case.points, chain, 0.4, nearest - 0.02)
+    assert none == []
+
+
+def test_a_stent_that_touches_nothing_moves_nothing():
+    case = phantom_case("straight_tube")
+    chain = CapsuleChain.along(case.axis)
+    after, _ = grown(case.points, chain, 0.4, 2.5)
+    np.testing.assert_array_equal(after, case.points)
+
+
+def test_a_target_below_the_start_is_no_step():
+    case = phantom_case("straight_tube")
+    after, radii = grown(case.points, CapsuleChain.along(case.axis), 3.5, 3.0)
+    assert radii == []
+    np.testing.assert_array_equal(after, case.points)
+
+
+def test_points_that_start_deep_inside_are_brought_onto_the_stent_in_one_step():
+    chain = CapsuleChain.along([[0.0, 0, 0], [0, 0, 10]], smoothing_width=0)
+    points = np.array([[0.5, 0, 5], [0, 2.9, 5], [30, 0, 5]])
+    after, _ = grown(points, chain, 3.0, 3.1, smoothing_width=0)
+    # |phi| and then the growth of 0.1.
+    np.testing.assert_allclose(after, [[3.1, 0, 5], [0, 3.1, 5], [30, 0, 5]], atol=1e-9)
+
+
+def test_one_contact_point_drags_its_neighbors_by_the_papers_product():
+    chain = CapsuleChain(np.array([[0.0, 0, 0], [0, 0, 10]]))
+    points = np.array([[3.0, 0, 5], [4.0, 0, 5], [3.0, 0, 9.99], [3.0, 0, 30]])
+    points[2, 0] = 3.5
+    after, _ = grown(points, chain, 3.0, 3.1)
+    fall = lambda d: (1 - (d / 6.5) ** 2) ** 2  # noqa: E731
+    apart = np.hypot(0.5, 4.99)
+    expected = [3.1, 4 + 0.1 * fall(1.0) * (1 - 1 / 6.5), 3.5 + 0.1 * fall(0.5) * (1 - apart / 6.5)]
+    np.testing.assert_allclose(after[:3, 0], expected, atol=1e-12)
+    np.testing.assert_array_equal(after[3], points[3])
