@@ -1,0 +1,130 @@
+"""Parameters of the method: their defaults, presets and refusals."""
+
+from __future__ import annotations
+
+from dataclasses import FrozenInstanceError, fields
+
+import numpy as np
+import pytest
+
+from SDFStentLib.blending import BLENDS, FALLOFFS
+from SDFStentLib.settings import RULES, DeploymentSettings
+from SDFStentLib.validation import InputError
+
+
+def test_the_defaults_are_the_papers_parameters_where_it_names_them():
+    settings = DeploymentSettings()
+    assert settings.influence_distance == 6.5
+    assert settings.smoothing_width == 0.4
+    assert settings.capsule_length == 1.0
+    assert settings.contact_tolerance == 0.01
+    assert (settings.falloff, settings.blend) == ("compact", "linear")
+
+
+def test_the_published_preset_adds_nothing_to_the_paper():
+    settings = DeploymentSettings.published()
+    rule = settings.step_rule()
+    assert rule.step == 0.1
+    assert settings.rule == "published"
+    assert settings.calibration == "paper"
+    assert not settings.finish
+    assert not settings.facet_compensation
+    assert not settings.untangle
+    assert settings.tissue_gap == 0
+
+
+def test_the_preview_differs_from_the_default_only_in_effort():
+    default, preview = DeploymentSettings(), DeploymentSettings.preview()
+    differing = {
+        field.name
+        for field in fields(default)
+        if getattr(default, field.name) != getattr(preview, field.name)
+    }
+    effort = {"step", "step_tolerance", "finish", "facet_compensation", "untangle", "certify"}
+    assert differing <= effort
+    assert preview.rule == default.rule
+
+
+@pytest.mark.parametrize("rule", list(RULES))
+def test_the_step_follows_the_rule_unless_given(rule):
+    assert DeploymentSettings(rule=rule).step_rule().step == RULES[rule]
+    assert DeploymentSettings(rule=rule, step=0.3).step_rule().step == 0.3
+
+
+def test_the_step_rule_carries_the_distances_and_profiles():
+    rule = DeploymentSettings(
+        influence_distance=4, contact_tolerance=0.02, step_tolerance=0.07, falloff="cosine",
+        blend="quadratic",
+    ).step_rule()  # fmt: skip
+    assert rule.influence_distance == 4
+    assert rule.contact_tolerance == 0.02
+    assert rule.tolerance == 0.07
+    assert rule.falloff is FALLOFFS["cosine"]
+    assert rule.blend is BLENDS["quadratic"]
+
+
+def test_a_profile_may_be_a_function():
+    def cubic(x):
+        return (1 - x) ** 3
+
+    assert DeploymentSettings(falloff=cubic).step_rule().falloff is cubic
+
+
+def test_changes_make_a_copy():
+    settings = DeploymentSettings()
+    changed = settings.with_changes(tissue_gap=0, smoothing_width=0)
+    assert (changed.tissue_gap, changed.smoothing_width) == (0, 0)
+    assert settings == DeploymentSettings()
+
+
+def test_settings_cannot_be_changed_in_place():
+    with pytest.raises(FrozenInstanceError):
+        DeploymentSettings().step = 0.2
+
+
+def test_numbers_of_numpy_and_strings_of_digits_become_floats():
+    settings = DeploymentSettings(step=np.float32(0.5), influence_distance=np.int64(5))
+    assert type(settings.step) is float
+    assert type(settings.influence_distance) is float
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["influence_distance", "capsule_length", "contact_tolerance", "step_tolerance",
+     "crimped_radius", "step"],
+)  # fmt: skip
+@pytest.mark.parametrize("value", [0, -1, float("nan"), float("inf"), "much", True])
+def test_lengths_that_are_not_positive_are_refused_by_name(name, value):
+    with pytest.raises(InputError, match=f"{name}: expected a number greater than 0"):
+        DeploymentSettings(**{name: value})
+
+
+@pytest.mark.parametrize("name", ["smoothing_width", "tissue_gap"])
+def test_widths_may_be_zero_but_not_negative(name):
+    assert getattr(DeploymentSettings(**{name: 0}), name) == 0
+    with pytest.raises(InputError, match=f"{name}: expected a number at least 0"):
+        DeploymentSettings(**{name: -0.1})
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"rule": "fast"}, "rule: expected one of events, published, got 'fast'"),
+        ({"calibration": "k/4"}, "calibration: expected one of axis, paper, none, got 'k/4'"),
+        ({"falloff": "gauss"}, "falloff: expected one of compact, wendland, cosine"),
+        ({"blend": lambda x: x}, "blend: expected a function of an array that falls from 1"),
+    ],
+)
+def test_unknown_choices_are_refused_with_the_known_ones(change, message):
+    with pytest.raises(InputError, match=message):
+        DeploymentSettings(**change)
+
+
+def test_an_unknown_setting_is_refused_by_name():
+    with pytest.raises(InputError, match=r"settings: expected one of .*, got 'radius_step'"):
+        DeploymentSettings().with_changes(radius_step=0.1)
+
+
+def test_the_precision_of_a_changed_value_is_checked_too():
+    with pytest.raises(InputError, match="step: expected a number greater than 0"):
+        DeploymentSettings().with_changes(step=-1)

@@ -1,0 +1,195 @@
+"""Taking apart what folds."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from deployment_cases import anatomy_case, phantom_case
+
+from SDFStentLib.capsule_chain import CapsuleChain
+from SDFStentLib.deployment import Deployment
+from SDFStentLib.intersections import self_intersecting_triangles
+from SDFStentLib.motion import Motion
+from SDFStentLib.settings import DeploymentSettings
+from SDFStentLib.untangle import Faults, Precision, untangled
+
+DEFAULT = DeploymentSettings()
+PLAIN = DEFAULT.with_changes(tissue_gap=0, untangle=False)
+
+
+def folds(deployment):
+    return len(deployment.result.certificate.new_self_intersecting)
+
+
+@pytest.fixture(scope="module")
+def folding_case(data_dir):
+    """At the iliac bifurcation the wall of the stented lumen and the carina are swept together."""
+    return anatomy_case(data_dir, "aorta_iliac", 200, 36, radius=12.0)
+
+
+def deployment_of(case, settings):
+    return Deployment(case.points, case.triangles, case.axis, case.radius, settings)
+
+
+def test_the_published_settings_fold_where_the_default_does_not(folding_case):
+    published = deployment_of(folding_case, DeploymentSettings.published())
+    assert folds(published) > 0
+    assert not published.result.certificate.passed
+    default = deployment_of(folding_case, DEFAULT)
+    assert folds(default) == 0
+    assert default.result.certificate.passed
+
+
+def test_untangling_repairs_a_fold_without_the_tissue_gap(folding_case):
+    without = deployment_of(folding_case, PLAIN)
+    assert folds(without) > 0
+    repaired = deployment_of(folding_case, PLAIN.with_changes(untangle=True))
+    assert folds(repaired) == 0
+    assert repaired.result.untangling_rounds > 0
+    moved = np.linalg.norm(repaired.result.points - without.result.points, axis=1)
+    # Local: a few vertices round the fold.
+    assert 0 < (moved > 0).sum() < 100
+    # No vertex enters the stent.
+    level = repaired.chain.field(repaired.result.points).distance
+    before = without.chain.field(without.result.points).distance
+    assert (level - np.minimum(before, repaired.target_level)).min() > -0.01
+
+
+def test_the_tissue_gap_leaves_the_stented_lumen_alone(folding_case):
+    from SDFStentLib.inscribed import inscribed_spheres
+
+    diameters = []
+    for gap in (0.0, 0.4):
+        run = deployment_of(folding_case, PLAIN.with_changes(tissue_gap=gap))
+        spheres = inscribed_spheres(run.result.points, run.triangles, run.chain.nodes)
+        diameters.append(2 * spheres.radii)
+    # Walls that face the stent get no gap; measured 0.001 mm.
+    np.testing.assert_allclose(diameters[1], diameters[0], atol=0.02)
+
+
+def test_nothing_is_touched_where_nothing_folds():
+    case = phantom_case("bent_tube")
+    with_it = deployment_of(case, DEFAULT)
+    without = deployment_of(case, DEFAULT.with_changes(untangle=False))
+    np.testing.assert_array_equal(with_it.result.points, without.result.points)
+    assert with_it.result.untangling_rounds == 0
+
+
+# On a sheet whose fold is known -----------------------------------------------------------------
+
+
+def a_sheet(count=15, spacing=0.5, height=3.0):
+    """A flat grid `height` mm beside an axis along x, and its triangles."""
+    x, y = np.meshgrid(np.arange(count) * spacing, np.arange(count) * spacing, indexing="ij")
+    points = np.column_stack([x.ravel(), (y - y.mean()).ravel(), np.full(count**2, height)])
+    corner = np.arange(count**2).reshape(count, count)
+    a, b = corner[:-1, :-1].ravel(), corner[1:, :-1].ravel()
+    c, d = corner[1:, 1:].ravel(), corner[:-1, 1:].ravel()
+    return points, np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
+
+
+def a_folded_sheet():
+    """The sheet with a few vertices pulled through the faces of others."""
+    points, triangles = a_sheet()
+    rng = np.random.default_rng(3)
+    bent = points + [0, 0, 0.02] * rng.uniform(0, 1, (len(points), 1))
+    middle = len(points) // 2 + np.array([0, 1, 15, 16])
+    bent[middle] += rng.normal(size=(4, 3)) * 0.6 + [0, 0, 0.6]
+    return points, bent, triangles
+
+
+def motion_of(bent, axis):
+    chain = CapsuleChain.along(axis)
+    motion = Motion(chain, bent, np.ones(len(bent), dtype=bool))
+    # The engine numbers patch vertices in motion order; here every vertex is one.
+    return motion, motion.indices
+
+
+def in_order(values, order, triangles):
+    number = np.empty_like(order)
+    number[order] = np.arange(len(order))
+    return values[order], number[triangles]
+
+
+AXIS = np.array([[-1.0, 0, 0], [8.0, 0, 0]])
+
+
+def untangled_sheet(flat, bent, triangles):
+    """What untangling makes of the sheet: motion, faults in its order, outcome."""
+    motion, order = motion_of(bent, AXIS)
+    before, numbered = in_order(flat, order, triangles)
+    faults = Faults(before, numbered, Precision())
+    bad = faults.among(motion.positions, np.arange(len(triangles)))
+    level = float(motion.level.min())
+    return motion, faults, level, untangled(motion, faults, len(flat), level, bad)
+
+
+def test_a_pulled_vertex_is_put_back_and_none_enters_the_stent():
+    flat, bent, triangles = a_folded_sheet()
+    assert len(self_intersecting_triangles(bent, triangles))
+    motion, faults, level, outcome = untangled_sheet(flat, bent, triangles)
+    assert outcome.rounds > 0
+    assert len(outcome.remaining) == 0
+    assert len(self_intersecting_triangles(motion.positions, faults.triangles)) == 0
+    after = motion.chain.field(motion.positions).distance
+    # One Newton step along the field: its curvature leaves a few micrometres.
+    assert after.min() > level - 5e-3
+    np.testing.assert_allclose(motion.level, after, atol=1e-12)
+
+
+def test_only_a_neighborhood_of_the_fold_moves():
+    flat, bent, triangles = a_folded_sheet()
+    motion, _, _, outcome = untangled_sheet(flat, bent, triangles)
+    moved = (motion.positions != bent[motion.indices]).any(axis=1)
+    # One more ring of neighbors every four rounds.
+    assert 0 < moved.sum() <= 60
+    assert outcome.rounds < 20
+
+
+def test_what_was_wrong_before_is_no_new_fault():
+    flat, bent, triangles = a_folded_sheet()
+    everything = np.arange(len(triangles))
+    assert len(Faults(flat, triangles, Precision()).among(bent, everything))
+    assert Faults(bent, triangles, Precision()).among(bent + 0.001, everything).tolist() == []
+
+
+def test_a_face_turned_over_in_the_plane_is_a_fault_though_nothing_crosses():
+    flat, triangles = a_sheet()
+    turned = flat.copy()
+    rng = np.random.default_rng(1)
+    turned[:, 2] += 1e-3 * rng.uniform(size=len(flat))
+    middle = len(flat) // 2
+    turned[middle, :2] += [0.3, 0.65]
+    found = Faults(flat, triangles, Precision()).among(turned, np.arange(len(triangles)))
+    assert np.isin(found, np.flatnonzero((triangles == middle).any(axis=1))).any()
+
+
+def test_a_face_without_area_is_a_fault():
+    flat, triangles = a_sheet()
+    collapsed = flat.copy()
+    collapsed[triangles[40, 0]] = collapsed[triangles[40, 1]]
+    assert 40 in Faults(flat, triangles, Precision()).among(collapsed, np.arange(len(triangles)))
+
+
+def test_what_is_left_after_the_last_round_is_named(monkeypatch):
+    monkeypatch.setattr("SDFStentLib.untangle.ROUNDS", 0)
+    flat, bent, triangles = a_folded_sheet()
+    motion, faults, _, outcome = untangled_sheet(flat, bent, triangles)
+    left = faults.among(motion.positions, np.arange(len(triangles)))
+    assert len(left)
+    np.testing.assert_array_equal(outcome.remaining, left)
+
+
+def test_faults_are_judged_in_the_precision_of_the_stored_file():
+    """Two sheets 1e-4 mm apart are apart in double precision and one in half precision."""
+    points, triangles = a_sheet(6)
+    rng = np.random.default_rng(2)
+    gap = 1e-4 + 1e-5 * rng.uniform(size=len(points))
+    upper = points + np.column_stack([np.full(len(points), 0.21), 0 * gap, gap])
+    both = np.concatenate([points, upper])
+    faces = np.concatenate([triangles, triangles + len(points)])
+    apart = both + np.outer(np.arange(len(both)) >= len(points), [0, 0, 5.0])
+    everything = np.arange(len(faces))
+    assert len(Faults(apart, faces, Precision()).among(both, everything)) == 0
+    # Half precision has steps of 0.002 at 3 mm.
+    assert len(Faults(apart, faces, Precision(np.float16)).among(both, everything)) > 0
