@@ -1,0 +1,307 @@
+"""Random stents in the real anatomies: size of the lumen, folds, and whether it can be meshed.
+
+    python benchmarks/sweep.py --count 60 --seed 1 --ratio 1.05 1.6 [--tetgen] [--anatomy NAME]
+
+Needs `pymeshlab` and, with --tetgen, `tetgen` (both from the extra `test`), and the folder of the
+anatomies (`SDFSTENT_DATA`, else ../shared/data). Every stent follows from seed and number alone:
+`--seed S --only N` repeats one. Prints a row per stent and a summary; exits 1 when a stent fails.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import time
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+PROJECT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(PROJECT))
+
+from SDFStentLib.centerline import Centerline, CenterlinePath  # noqa: E402
+from SDFStentLib.centerline_files import read_centerline  # noqa: E402
+from SDFStentLib.deployment import Deployment, DeploymentResult  # noqa: E402
+from SDFStentLib.inscribed import inscribed_spheres  # noqa: E402
+from SDFStentLib.polyline import arc_lengths, cut  # noqa: E402
+from SDFStentLib.settings import DeploymentSettings  # noqa: E402
+from SDFStentLib.surface_files import read_surface  # noqa: E402
+from SDFStentLib.untangle import Precision  # noqa: E402
+
+DATA_FOLDER = Path(os.environ.get("SDFSTENT_DATA", PROJECT.parent / "shared" / "data"))
+
+ANATOMIES = {
+    "aorta_iliac": ("aorta_iliac_surface_cm.vtp", "aorta_iliac_centerline_cm.vtp", "cm"),
+    "pulmonary": ("pulmonary_surface_cm.vtp", "pulmonary_centerline_cm.vtp", "cm"),
+    "vmtk_aorta": ("vmtk_aorta_surface_mm.vtp", "vmtk_aorta_centerline_mm.vtp", "mm"),
+}
+
+RATIO = (1.05, 1.6)
+LENGTH = (10.0, 40.0)
+END_CLEARANCE = 5.0
+"""Distance of a stent from the ends of the centerline, mm."""
+
+STATION_SPACING = 2.0
+"""Of the inscribed spheres, mm."""
+
+
+class Vessel(NamedTuple):
+    points: np.ndarray
+    triangles: np.ndarray
+    centerline: Centerline
+    precision: Precision
+
+
+class RandomStent(NamedTuple):
+    anatomy: str
+    axis: np.ndarray
+    radius: float
+    ratio: float
+    start: float
+
+
+class Row(NamedTuple):
+    """What became of one stent."""
+
+    number: int
+    anatomy: str
+    length: float
+    diameter: float
+    ratio: float
+    mean: float
+    """Mean inscribed over prescribed diameter."""
+    highest: float
+    inside_highest: float
+    """The same as `highest` where the vessel was narrower than the stent by 5 % or more."""
+    new_folds: int
+    certified: bool
+    """Nothing intersects, is turned over or without area that was sound before."""
+    meshlab: int
+    """New self-intersecting faces by MeshLab."""
+    tetgen: str
+    rounds: int
+    seconds: float
+
+    @property
+    def failed(self) -> bool:
+        return bool(
+            self.new_folds or not self.certified or self.meshlab or self.tetgen not in ("", "yes")
+        )
+
+
+@cache
+def vessel(name: str, folder: Path = DATA_FOLDER) -> Vessel:
+    surface_file, centerline_file, units = ANATOMIES[name]
+    surface = read_surface(folder / surface_file, units=units)
+    scale = {"cm": 0.1, "mm": 1.0}[units]
+    return Vessel(
+        surface.points,
+        surface.triangles,
+        read_centerline(folder / centerline_file, units=units),
+        Precision(surface.coordinate_type, scale),
+    )
+
+
+def random_stent(
+    name: str, seed: int, number: int, ratios: tuple[float, float], folder: Path = DATA_FOLDER
+) -> RandomStent:
+    """Random place on a random root-to-leaf path, 10-40 mm long; size by the widest lumen there."""
+    rng = np.random.default_rng([seed, number])
+    line = vessel(name, folder).centerline
+    leaf = line.leaves[rng.integers(len(line.leaves))]
+    path: CenterlinePath = line.path(line.points[line.roots[0]], line.points[leaf])
+    length = min(rng.uniform(*LENGTH), path.length - 2 * END_CLEARANCE)
+    start = rng.uniform(END_CLEARANCE, path.length - END_CLEARANCE - length)
+    at = arc_lengths(path.points)
+    covered = (at >= start) & (at <= start + length)
+    ratio = rng.uniform(*ratios)
+    return RandomStent(
+        name,
+        cut(path.points, start, start + length),
+        ratio * float(np.nanmax(path.inscribed_radius[covered])),
+        ratio,
+        start,
+    )
+
+
+def deployed(
+    stent: RandomStent, settings: DeploymentSettings, folder: Path = DATA_FOLDER
+) -> tuple[Deployment, DeploymentResult]:
+    where = vessel(stent.anatomy, folder)
+    deployment = Deployment(
+        where.points,
+        where.triangles,
+        stent.axis,
+        stent.radius,
+        settings,
+        precision=where.precision,
+    )
+    return deployment, deployment.result
+
+
+def meshlab_faces(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """Self-intersecting faces as MeshLab finds them."""
+    import pymeshlab
+
+    meshes = pymeshlab.MeshSet()
+    meshes.add_mesh(pymeshlab.Mesh(points, triangles.astype(np.int32)))
+    meshes.compute_selection_by_self_intersections_per_face()
+    return np.flatnonzero(meshes.current_mesh().face_selection_array())
+
+
+def tetgen_verdict(points: np.ndarray, triangles: np.ndarray) -> str:
+    """`yes` when TetGen meshes the surface as it is, kept as for CFD, else its complaint."""
+    import tetgen
+
+    try:
+        mesher = tetgen.TetGen(points, triangles.astype(np.int32))
+        nodes, elements = mesher.tetrahedralize(switches="pq1.4YQ")[:2]
+    except RuntimeError as error:
+        return str(error).splitlines()[0][:60]
+    kept = len(nodes) >= len(points) and np.array_equal(nodes[: len(points)], points)
+    return "yes" if kept and len(elements) else "surface changed"
+
+
+def judged(
+    number: int,
+    stent: RandomStent,
+    settings: DeploymentSettings,
+    *,
+    with_tetgen: bool,
+    folder: Path = DATA_FOLDER,
+) -> Row:
+    where = vessel(stent.anatomy, folder)
+    began = time.perf_counter()
+    deployment, result = deployed(stent, settings, folder)
+    seconds = time.perf_counter() - began
+
+    nodes = deployment.chain.nodes
+    stations = nodes[:: max(1, round(STATION_SPACING / settings.capsule_length))]
+    after = inscribed_spheres(result.points, where.triangles, stations).radii / stent.radius
+    before = inscribed_spheres(where.points, where.triangles, stations).radii / stent.radius
+    narrow = before < 1 / 1.05
+    certificate = result.certificate
+    assert certificate is not None
+    stored = np.asarray(result.points * where.precision.scale, dtype=where.precision.dtype).astype(
+        float
+    )
+    original = np.asarray(where.points * where.precision.scale, dtype=where.precision.dtype).astype(
+        float
+    )
+    faces = meshlab_faces(stored, where.triangles)
+    if len(faces):
+        faces = np.setdiff1d(faces, meshlab_faces(original, where.triangles))
+    return Row(
+        number=number,
+        anatomy=stent.anatomy,
+        length=deployment.chain.length,
+        diameter=2 * stent.radius,
+        ratio=stent.ratio,
+        mean=float(after.mean()),
+        highest=float(after.max()),
+        inside_highest=float(after[narrow].max()) if narrow.any() else float("nan"),
+        new_folds=len(certificate.new_self_intersecting),
+        certified=certificate.passed,
+        meshlab=len(faces),
+        tetgen=tetgen_verdict(stored, where.triangles) if with_tetgen else "",
+        rounds=result.untangling_rounds,
+        seconds=seconds,
+    )
+
+
+def rows(
+    count: int,
+    seed: int,
+    ratios: tuple[float, float] = RATIO,
+    *,
+    anatomies: tuple[str, ...] = tuple(ANATOMIES),
+    only: int | None = None,
+    with_tetgen: bool = True,
+    settings: DeploymentSettings | None = None,
+    folder: Path = DATA_FOLDER,
+) -> Iterator[Row]:
+    """Judged random stents, the anatomies in turn."""
+    for number in range(count) if only is None else [only]:
+        name = anatomies[number % len(anatomies)]
+        stent = random_stent(name, seed, number, ratios, folder)
+        yield judged(
+            number,
+            stent,
+            settings or DeploymentSettings(),
+            with_tetgen=with_tetgen,
+            folder=folder,
+        )
+
+
+def summary(found: list[Row]) -> str:
+    lines = [
+        f"{'anatomy':12} {'stents':>6} {'mean of means':>13} {'lowest':>7} {'highest':>7} "
+        f"{'max anywhere':>12} {'> 1.002':>7} {'folds':>6} {'failed':>6} "
+        f"{'MeshLab':>7} {'TetGen':>7} {'untangled':>9} {'s':>6}"
+    ]
+    for name in [*ANATOMIES, "all"]:
+        part = [row for row in found if name in ("all", row.anatomy)]
+        if not part:
+            continue
+        means = np.array([row.mean for row in part])
+        meshed = [row.tetgen == "yes" for row in part if row.tetgen]
+        lines.append(
+            f"{name:12} {len(part):6} {means.mean():13.4f} {means.min():7.4f} {means.max():7.4f} "
+            f"{max(row.highest for row in part):12.4f} "
+            f"{sum(row.highest > 1.002 for row in part):7} "
+            f"{sum(row.new_folds > 0 for row in part):6} "
+            f"{sum(not row.certified for row in part):6} {sum(row.meshlab > 0 for row in part):7} "
+            f"{f'{sum(meshed)}/{len(meshed)}' if meshed else '-':>7} "
+            f"{sum(row.rounds > 0 for row in part):9} "
+            f"{np.median([row.seconds for row in part]):6.2f}"
+        )
+    return "\n".join(lines)
+
+
+def as_text(row: Row) -> str:
+    return (
+        f"{row.number:4} {row.anatomy:12} {row.length:5.1f} x {row.diameter:5.2f} mm "
+        f"ratio {row.ratio:.2f} mean {row.mean:.4f} max {row.highest:.4f} "
+        f"(narrow {row.inside_highest:.4f}) folds {row.new_folds} "
+        f"{'' if row.certified else 'NOT CERTIFIED '}MeshLab {row.meshlab} "
+        f"TetGen {row.tetgen or '-'} rounds {row.rounds} {row.seconds:.2f} s"
+        + ("  FAILED" if row.failed else "")
+    )
+
+
+def main(arguments: list[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--count", type=int, default=60, help="how many stents (60)")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--only", type=int, help="repeat the stent of this number")
+    parser.add_argument(
+        "--ratio", type=float, nargs=2, default=RATIO, metavar=("LOW", "HIGH"),
+        help="stent radius over the largest local lumen radius (1.05 1.6)",
+    )  # fmt: skip
+    parser.add_argument("--anatomy", choices=list(ANATOMIES), help="only this one")
+    parser.add_argument("--tetgen", action="store_true", help="mesh every result with TetGen")
+    parser.add_argument("--published", action="store_true", help="the method as in the paper")
+    options = parser.parse_args(arguments)
+    found = []
+    for row in rows(
+        options.count,
+        options.seed,
+        tuple(options.ratio),
+        anatomies=(options.anatomy,) if options.anatomy else tuple(ANATOMIES),
+        only=options.only,
+        with_tetgen=options.tetgen,
+        settings=DeploymentSettings.published() if options.published else None,
+    ):
+        print(as_text(row), flush=True)
+        found.append(row)
+    print()
+    print(summary(found))
+    return int(any(row.failed for row in found))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,54 @@
+"""A short, seeded part of the sweep of random stents; the long form is `benchmarks/sweep.py`."""
+
+from __future__ import annotations
+
+import importlib.util
+
+import numpy as np
+import pytest
+from mesh_files import PROJECT
+
+
+@pytest.fixture(scope="module")
+def sweep():
+    pytest.importorskip("pymeshlab")
+    spec = importlib.util.spec_from_file_location("sweep", PROJECT / "benchmarks" / "sweep.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_random_stents_have_the_prescribed_lumen_and_no_new_fold(sweep, data_dir):
+    found = list(sweep.rows(6, seed=1, with_tetgen=False, folder=data_dir))
+    assert {row.anatomy for row in found} == set(sweep.ANATOMIES)
+    for row in found:
+        assert not row.failed, row
+        # The goals of the engine: measured 0.9992 to 0.9998, highest 1.0015.
+        assert 0.998 < row.mean < 1.001, row
+        assert row.highest < 1.002, row
+
+
+def test_a_large_stent_has_no_new_fold_either(sweep, data_dir):
+    for row in sweep.rows(3, seed=5, ratios=(1.6, 2.0), with_tetgen=False, folder=data_dir):
+        assert not row.failed, row
+
+
+def test_a_random_stent_follows_from_its_seed_and_number_alone(sweep, data_dir):
+    first = sweep.random_stent("pulmonary", 1, 4, (1.05, 1.6), data_dir)
+    again = sweep.random_stent("pulmonary", 1, 4, (1.05, 1.6), data_dir)
+    other = sweep.random_stent("pulmonary", 1, 7, (1.05, 1.6), data_dir)
+    np.testing.assert_array_equal(first.axis, again.axis)
+    assert first.radius == again.radius
+    assert first.radius != other.radius
+
+
+def test_the_summary_counts_what_fails(sweep):
+    good = sweep.Row(0, "pulmonary", 20.0, 10.0, 1.2, 0.9995, 1.0, 1.0, 0, True, 0, "yes", 0, 0.1)
+    bad = good._replace(number=1, new_folds=4, meshlab=4, tetgen="no", mean=0.9)
+    assert not good.failed
+    assert bad.failed
+    assert good._replace(tetgen="surface changed").failed
+    assert good._replace(certified=False).failed
+    line = sweep.summary([good, bad]).splitlines()[-1].split()
+    assert line[:4] == ["all", "2", "0.9498", "0.9000"]
+    assert line[6:11] == ["0", "1", "0", "1", "1/2"]
