@@ -56,6 +56,8 @@ def load_plan(path: str | os.PathLike[str], *, accept_changed_inputs: bool = Fal
     """
     from .plan_axis import read_axis_file  # vtk, for plans that name a file only
 
+    if os.path.isfile(path) and os.path.getsize(path) == 0:
+        raise InputError(f"{path}: expected a plan in JSON, got an empty file.")
     content = read_content(path)
     folder = os.path.dirname(os.path.abspath(path))
     try:

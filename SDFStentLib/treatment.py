@@ -25,7 +25,7 @@ from .settings import DeploymentSettings
 from .stent import Stent, StentAxis, stent_axis
 from .topology import consistently_wound, surface_topology
 from .treatment_value import TreatedStent, TreatmentResult, TreatmentState
-from .treatment_warnings import nothing_moved, overlap
+from .treatment_warnings import check_width, nothing_moved, overlap
 from .untangle import Precision
 from .validation import (
     DeploymentError,
@@ -160,9 +160,11 @@ class Treatment:
 
     def _axis(self, number: int, planned: PlannedStent, centerline: Centerline | None) -> StentAxis:
         try:
-            return stent_axis(
+            axis = stent_axis(
                 planned.stent, centerline, straightening_fraction=self.straightening_fraction
             )
+            check_width(planned.stent.diameter, axis, self.points)
+            return axis
         except InputError as error:
             raise InputError(f"{self.label(number)}{error}") from error
 

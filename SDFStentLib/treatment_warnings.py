@@ -1,4 +1,4 @@
-"""Sentences about treated stents: which one did nothing, which ones lie in each other."""
+"""Sentences about stents in a vessel: too wide for it, without effect, or in each other."""
 
 from __future__ import annotations
 
@@ -8,10 +8,46 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .polyline import closest_points, length, resampled
+from .stent import StentAxis
 from .treatment_value import TreatedStent
-from .validation import as_points
+from .validation import InputError, Points, as_points
+
+WIDEST = 4.0
+"""Largest diameter of a stent over that of the lumen; more is another unit or a slip."""
 
 _SPACING = 0.1
+
+
+def check_width(diameter: float, axis: StentAxis, points: Points) -> None:
+    """Refuse a stent that is far wider than the vessel, before hours are spent on it.
+
+    Parameters
+    ----------
+    diameter : float
+        Of the stent, mm.
+    axis : StentAxis
+        Its inscribed radius is believed where it is known.
+    points : (n, 3) array
+        Of the surface, mm; the nearest one stands for the wall where the radius is unknown.
+
+    Raises
+    ------
+    InputError
+        More than `WIDEST` times as wide as the widest lumen along the axis.
+    """
+    radii = axis.inscribed_radius[np.isfinite(axis.inscribed_radius)]
+    if not len(radii):
+        # Late: scipy.spatial costs more to import than the rest of the library together.
+        from scipy.spatial import KDTree
+
+        radii = KDTree(points).query(axis.points)[0]
+    lumen = 2 * float(radii.max())
+    if diameter > WIDEST * lumen:
+        raise InputError(
+            f"stent diameter: expected at most {WIDEST:g} times the lumen of {lumen:.3g} mm where "
+            f"it lies, got {diameter:g} mm; check the diameter, and the unit of the files "
+            "(--units mm, cm or m)."
+        )
 
 
 def overlap_length(

@@ -1,0 +1,23 @@
+"""Two overlapping stents in a branching pulmonary artery, as one treatment with one certificate."""
+
+from SDFStentLib import BetweenPoints, PlannedStent, Stent, Treatment
+from SDFStentLib.phantoms import branching_pulmonary_artery
+
+
+def main():
+    vessel = branching_pulmonary_artery()
+    first, second = (
+        Stent(7.5, placement=BetweenPoints(*vessel.axis_at(ends))) for ends in ((19, 34), (30, 42))
+    )
+    stents = [PlannedStent(first, name="main"), PlannedStent(second, name="left")]
+    treatment = Treatment(vessel.points, vessel.triangles, stents, vessel.centerline)
+    for state in treatment:  # stop iterating to cancel
+        print(f"stent {state.number}: {100 * state.fraction:.0f} %")
+    assert treatment.result.certificate.passed
+    return min(stent.after.minimum for stent in treatment.result.stents)
+
+
+if __name__ == "__main__":
+    minimum = main()
+    assert abs(minimum - 7.5) < 0.1
+    print(f"narrowest lumen under the two stents: {minimum:.2f} mm")
