@@ -141,6 +141,10 @@ def showMap(node, name, values, onCells, title):
     display.SetScalarVisibility(True)
     if legend is None:
         legend = slicer.vtkSlicerColorLogic.AddDefaultColorLegendDisplayNode(node)
+        for text in (legend.GetTitleTextProperty(), legend.GetLabelTextProperty()):
+            text.SetColor(0.0, 0.0, 0.0)  # readable on white and on Slicer's light background
+            text.SetShadow(False)
+            text.SetFontSize(10)
     legend.SetAndObserveColorNodeID(display.GetColorNodeID())
     legend.SetTitleText(title)
     legend.SetLabelFormat("%.2f")

@@ -56,8 +56,8 @@ class SurfaceMap(enum.Enum):
         """The text in the panel."""
         return {
             SurfaceMap.NONE: _("None"),
-            SurfaceMap.DISPLACEMENT: _("Displacement of the wall (mm)"),
-            SurfaceMap.AREA_STRETCH: _("Stretch of the wall (area, new / old)"),
+            SurfaceMap.DISPLACEMENT: _("Displacement (mm)"),
+            SurfaceMap.AREA_STRETCH: _("Area, new / old"),
         }[self]
 
 

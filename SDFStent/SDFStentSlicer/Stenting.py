@@ -101,11 +101,12 @@ class Stenting:
 
 
 def summary(treated):
-    """The sentence about a treated stent that a clinician reads first."""
+    """Two short lines about a treated stent, what a clinician reads first; they fit the panel without wrapping."""
     before, after, planned = treated.before, treated.after, treated.planned
     narrow = stenosis(after, reference_profile=before)
+    arrow = "\N{RIGHTWARDS ARROW}"
     return (
-        f"{planned.name}: minimum lumen {before.minimum:.1f} \N{RIGHTWARDS ARROW} {after.minimum:.1f} mm, "
-        f"mean {before.mean:.1f} \N{RIGHTWARDS ARROW} {after.mean:.1f} mm ({planned.stent.diameter:.1f} prescribed), "
-        f"diameter stenosis {stenosis(before).percent_diameter:.0f} \N{RIGHTWARDS ARROW} {narrow.percent_diameter:.0f} %"
+        f"{planned.name}: minimum lumen {before.minimum:.1f} {arrow} {after.minimum:.1f} mm ({planned.stent.diameter:.1f} prescribed)\n"
+        f"    mean {before.mean:.1f} {arrow} {after.mean:.1f} mm, "
+        f"diameter stenosis {stenosis(before).percent_diameter:.0f} {arrow} {narrow.percent_diameter:.0f} %"
     )

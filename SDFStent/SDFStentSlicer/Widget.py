@@ -226,7 +226,9 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.ui.segmentSelector.connect("currentSegmentChanged(QString)", self.onSegmentChanged)
         self.ui.addStentButton.connect("clicked()", self.onAddStent)
         self.ui.copyStentButton.connect("clicked()", self.onCopyStent)
-        self.ui.removeStentButton.connect("clicked()", lambda: self.logic.removeStent(self._parameterNode))
+        self.ui.removeStentButton.connect(
+            "clicked()", lambda: self.logic.removeStent(self._parameterNode)
+        )
         self.ui.moveUpButton.connect("clicked()", lambda: self.stents.move(-1))
         self.ui.moveDownButton.connect("clicked()", lambda: self.stents.move(1))
         self.ui.loadPlanButton.connect("clicked()", self.onLoadPlan)

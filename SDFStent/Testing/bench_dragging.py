@@ -70,7 +70,6 @@ def main():
     arguments = parser.parse_args()
     host = Host.start()
     entry = host.loadModule(Path(__file__).parents[1] / "SDFStent.py")
-    from sdfstent_host.mrml import View
     from SDFStentSlicer.Display import SurfaceOutput
 
     logic = entry.python.SDFStentLogic()
@@ -82,7 +81,7 @@ def main():
     chain = tree.points[tree.ancestry(leaf)]
     places = chain[np.linspace(0.2 * len(chain), 0.8 * len(chain), MOVES).astype(int)]
     logic.deploy(parameters)
-    view = View(host.application, (900, 675))
+    view = host.application.view
     view.render(parameters.outputVessel.GetPolyData().GetBounds())
     triangles = parameters.outputVessel.GetPolyData().GetNumberOfPolys()
     print(
@@ -114,7 +113,6 @@ def main():
             f"drawn at {drawn}: {MOVES / seconds:.1f} redeployments per second, {steps / seconds:.0f} radius steps per second"
         )
         print("   " + ", ".join(f"{name} {100 * share:.0f} %" for name, share in shares.items()))
-    view.close()
 
 
 if __name__ == "__main__":

@@ -56,13 +56,15 @@ class Application:
         self.logics["Colors"].AddDefaultColorNodes()
         self._io = self._makeDataIO()
         slicer.mrmlScene = self.scene
+        self.view = View(
+            self
+        )  # before any content: the legend's manager draws only legends that it saw being added
 
-    def render(self, path, size=(900, 675), *, viewNode=None, focus=None):
-        """The 3D view drawn by the real displayable managers into a PNG file."""
-        view = View(self, size, viewNode)
-        view.render(focus)
-        view.save(path)
-        view.close()
+    def render(self, path, size=(900, 675), *, focus=None):
+        """The 3D view drawn by the real displayable managers into a PNG file; `focus` is a box to look at."""
+        self.view.window.SetSize(*size)
+        self.view.render(focus)
+        self.view.save(path)
         return Path(path)
 
     def _addLogic(self, name, className):
@@ -98,8 +100,8 @@ class Application:
 class View:
     """An off-screen 3D view that shows the scene through the real displayable managers."""
 
-    def __init__(self, application, size=(900, 675), viewNode=None):
-        self.node = viewNode or _viewNode(application.scene)
+    def __init__(self, application, size=(900, 675)):
+        self.node = _viewNode(application.scene)
         self.renderer = vtk.vtkRenderer()
         self.renderer.SetBackground(1.0, 1.0, 1.0)
         self.window = vtk.vtkRenderWindow()
@@ -131,6 +133,10 @@ class View:
         self.renderer.ResetCameraClippingRange()
 
     def render(self, focus=None):
+        self.node.SetBackgroundColor(1, 1, 1)
+        self.node.SetBackgroundColor2(1, 1, 1)
+        self.node.SetBoxVisible(False)
+        self.node.SetAxisLabelsVisible(False)
         if focus is not None:
             self.look(focus)
         self.window.Render()
@@ -144,20 +150,10 @@ class View:
         writer.SetInputConnection(grabber.GetOutputPort())
         writer.Write()
 
-    def close(self):
-        self.group.SetMRMLDisplayableNode(None)
-        self.window.Finalize()
-
 
 def _viewNode(scene):
-    node = scene.GetFirstNodeByClass("vtkMRMLViewNode")
-    if node is None:
-        node = slicer.vtkMRMLViewNode()
-        node.SetName("View1")
-        node.SetLayoutName("1")
-        node.SetBackgroundColor(1, 1, 1)
-        node.SetBackgroundColor2(1, 1, 1)
-        node.SetBoxVisible(False)
-        node.SetAxisLabelsVisible(False)
-        node = scene.AddNode(node)
-    return node
+    node = slicer.vtkMRMLViewNode()
+    node.SetName("View1")
+    node.SetLayoutName("1")
+    node.SetSingletonTag("1")  # stays when the scene is closed
+    return scene.AddNode(node)
