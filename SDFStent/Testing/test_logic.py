@@ -267,7 +267,7 @@ def test_the_handle_snaps_to_the_centerline(aLogic, theParameters):
     from SDFStentSlicer import Conversion
 
     handle = theParameters.stent.handle
-    handle.SetNthControlPointPositionWorld(0, *(theThroat() + [1.0, 1.0, 0.0]))
+    handle.SetNthControlPointPositionWorld(0, *(theThroat() + np.array([1.0, 1.0, 0.0])))
     aLogic.snapHandle(theParameters, handle)
     snapped = handle.GetNthControlPointPositionWorld(0)
     assert Conversion.centerlineOf(theParameters.centerline).project(snapped).distance < 1e-6

@@ -68,9 +68,9 @@ def test_every_control_has_a_tooltip(aPanel):
     )
     custom = ("Selector", "Slider", "Widget", "ComboBox", "Button", "CheckBox", "Edit", "Table")
     for name, widget in vars(aPanel.ui).items():
-        if isinstance(widget, controls) or name.endswith(custom):
-            if not name.endswith("CollapsibleButton"):
-                assert widget.toolTip, name
+        isControl = isinstance(widget, controls) or name.endswith(custom)
+        if isControl and not name.endswith("CollapsibleButton"):
+            assert widget.toolTip, name
 
 
 def test_deploying_shows_the_numbers_and_a_certificate(host, aStent, thePictures):
