@@ -24,6 +24,7 @@ from .motion import Motion
 from .patch import Patch
 from .published_steps import published_steps
 from .settings import DeploymentSettings
+from .surface import oriented_triangles, signed_volume, vertex_normals
 from .topology import Topology, consistently_wound, surface_topology
 from .untangle import Faults, Precision, untangled
 from .validation import (
@@ -206,30 +207,28 @@ class Deployment:
         self, attempt: _Attempt, certificate: Certificate
     ) -> tuple[_Attempt, Certificate, int]:
         """The first attempt without a fault, or the one with the fewest."""
-        tried = [(attempt, certificate, 0)]
+        rounds = attempt.untangle(_faulty(certificate))
+        best = (attempt, self._certificate(attempt), rounds)
         retries = RETRIES if self.settings.tissue_gap > 0 else ()
-        for ramp, factor in ((None, 1.0), *retries):
-            if ramp is not None:
-                attempt = _Attempt(self, ramp, factor * self.settings.tissue_gap)
-                for _ in attempt.steps():
-                    pass
-                attempt.finish()
-                certificate = self._certificate(attempt)
-            rounds = 0
-            if not certificate.passed:
-                rounds = attempt.untangle(_faulty(certificate))
-                certificate = self._certificate(attempt)
-            tried.append((attempt, certificate, rounds))
-            if certificate.passed:
+        for ramp, factor in retries:
+            if best[1].passed:
                 break
-        return min(tried, key=lambda one: len(_faulty(one[1])))
+            attempt = _Attempt(self, ramp, factor * self.settings.tissue_gap)
+            for _ in attempt.steps():
+                pass
+            attempt.finish()
+            rounds = attempt.untangle(_faulty(self._certificate(attempt)))
+            certificate = self._certificate(attempt)
+            if len(_faulty(certificate)) < len(_faulty(best[1])):
+                best = (attempt, certificate, rounds)
+        return best
 
     def _certificate(self, attempt: _Attempt) -> Certificate:
         state = attempt.state(self.target_level)
         return certify(
             self.points,
             state.applied_to(self.points),
-            self.wound_triangles,
+            self.outward_triangles,
             moved=state.indices,
             dtype=self.precision.dtype,
             scale=self.precision.scale,
@@ -237,11 +236,17 @@ class Deployment:
         )
 
     @cached_property
-    def wound_triangles(self) -> Triangles:
-        """The triangles with one winding; files exist with mixed ones."""
-        if self.topology.is_consistently_wound:
-            return self.triangles
-        return consistently_wound(self.triangles)[0]
+    def outward_triangles(self) -> Triangles:
+        """The triangles wound so that normals point out of the lumen; files exist with others.
+
+        Of a closed surface in one piece the signed volume tells; anything else is turned part by
+        part, open parts away from the stent axis.
+        """
+        shape = self.topology
+        if shape.is_closed and shape.is_consistently_wound and shape.component_count == 1:
+            outward = signed_volume(self.points, self.triangles) > 0
+            return self.triangles if outward else self.triangles[:, ::-1]
+        return oriented_triangles(self.points, self.triangles, inside=self.chain.nodes)
 
 
 def _faulty(certificate: Certificate) -> NDArray[np.int64]:
@@ -342,7 +347,12 @@ class _Attempt:
             return
         self.motion.refreshed()
         projected(self.motion, deployment.target_level)
-        on_stent = finished(self.motion, deployment.target_level, deployment.radius)
+        on_stent = finished(
+            self.motion,
+            deployment.target_level,
+            deployment.radius,
+            settings.contact_tolerance,
+        )
         if settings.facet_compensation:
             facets_compensated(self.motion, self.patch.triangles, on_stent, deployment.radius)
 
@@ -353,10 +363,13 @@ class _Attempt:
         local = np.flatnonzero(np.isin(self.patch.faces, faulty))
         if not len(local):
             return 0
-        faults = Faults(self.patch_start, self.patch.triangles, deployment.precision)
-        return untangled(
-            self.motion, faults, self.wall_count, deployment.target_level, local
-        ).rounds
+        wound, _ = consistently_wound(self.patch.triangles)
+        faults = Faults(self.patch_start, wound, deployment.precision)
+        folded = self.motion.positions.copy()
+        outcome = untangled(self.motion, faults, self.wall_count, deployment.target_level, local)
+        if len(outcome.remaining) >= len(local):
+            self.motion.positions[:] = folded
+        return outcome.rounds
 
     def _active(self, gap: float) -> tuple[Motion, NDArray[np.int64]]:
         """The points that can move, and their numbers among points and companions."""
@@ -378,7 +391,11 @@ class _Attempt:
         """
         wall = slice(0, self.wall_count)
         direction = self.motion.direction[wall]
-        normals = self.patch.outward_normals(self.patch_start, direction, self.motion.level[wall])
+        level = self.motion.level[wall]
+        normals = self.patch.outward_normals(self.patch_start, direction, level)
+        if normals is None:
+            normals = vertex_normals(self.deployment.points, self.deployment.outward_triangles)
+            normals = normals[self.numbers[wall]]
         facing = -np.einsum("ij,ij->i", normals, direction)
         share = np.clip((facing - ramp[0]) / (ramp[1] - ramp[0]), 0, 1)
         offset = np.zeros(len(self.motion.level))

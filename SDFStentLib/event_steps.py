@@ -22,7 +22,7 @@ from .step_rule import StepRule
 from .validation import Points
 
 SUBSTEPS = 8
-"""Substeps of the front in the longest step; 0.1 mm each by default."""
+"""Substeps of the front in every step: 0.1 mm in the longest one by default, finer at first."""
 
 FRONT_MARGIN = 0.1
 """How far beyond the predicted reach a point still belongs to the front, mm."""
@@ -31,7 +31,8 @@ FIELD_INTERVAL = 2.0
 """Growth, mm, after which the field is evaluated anew.
 
 In between it is extrapolated along the direction of motion: the motion follows the gradient, along
-which the distance is linear but for the smooth minimum's ripple.
+which the distance is linear but for the smooth minimum's ripple. Where that is not so, inside a
+bend or between two legs of a hairpin, `Motion.is_curved` is set and the field is followed instead.
 """
 
 ERROR_SHARE = 0.25
@@ -42,7 +43,7 @@ difference of all steps was never below the measured distance to the converged l
 (`benchmarks/step_rules.py`).
 """
 
-FIRST_STEP = 0.25
+FIRST_STEP = 0.1
 """Step after first contact, mm: before it no rate is known to predict with."""
 
 SHORTEST_STEP = 0.1
@@ -54,7 +55,8 @@ class Front(NamedTuple):
 
     members: NDArray[np.int64]
     positions: Points
-    level: NDArray[np.float64]
+    amount: NDArray[np.float64]
+    """How far each moved along its direction, mm."""
     rate: NDArray[np.float64]
     contact_radius: NDArray[np.float64]
     """Stent radius at which each came into contact, mm; infinite for those that did not."""
@@ -78,6 +80,7 @@ def event_steps(motion: Motion, rule: StepRule, start: float, target: float) -> 
     rate = contact.astype(np.float64)
     growth = min(FIRST_STEP, rule.step)
     evaluated = radius
+    motion.look_ahead(FIELD_INTERVAL)
     while target - radius > 1e-9:
         growth = min(growth, target - radius)
         if target - radius - growth < 0.25 * growth:
@@ -87,6 +90,7 @@ def event_steps(motion: Motion, rule: StepRule, start: float, target: float) -> 
         radius += growth
         if radius - evaluated > FIELD_INTERVAL:
             motion.refreshed()
+            motion.look_ahead(FIELD_INTERVAL)
             evaluated = radius
         yield radius
         factor = np.sqrt(rule.tolerance / max(error, 1e-12))
@@ -114,7 +118,7 @@ def _event_step(
     above = motion.level - radius
     reach = rule.contact_tolerance + FRONT_MARGIN + growth * (1 - rate)
     members = np.flatnonzero(~contact & (above < reach) & motion.touchable)
-    front = _run_ahead(motion, rule, radius, growth, members, tree, held)
+    front = _run_ahead(motion, rule, radius, growth, members, rate[members], tree, held)
     hits = np.isfinite(front.contact_radius)
     if hits.any():
         motion.resting.wake(contact_tree(front.positions[hits]), rule.influence_distance + growth)
@@ -128,20 +132,40 @@ def _event_step(
     trapezoid = (rate[others] + end_rate) / 2
     error = ERROR_SHARE * growth * np.abs(mean_rate - trapezoid).max(initial=0)
 
-    motion.advanced(held, growth)
-    motion.placed(members, front.positions, front.level)
-    motion.advanced(others, growth * mean_rate)
+    moved = np.concatenate([held, members, others])
+    amount = np.concatenate([np.full(len(held), growth), front.amount, growth * mean_rate])
+    curved = motion.is_curved[moved] & (amount > 0)
+    straight = moved[~curved]
+    motion.advanced(straight, amount[~curved])
     rate[members] = front.rate
     rate[others] = end_rate
     reached = radius + growth
     contact[members[hits]] = True
+    _follow(motion, moved[curved], amount[curved], contact[moved[curved]], radius, growth)
+
+    settled = straight[contact[straight]]
+    motion.level[settled] = reached + rule.contact_tolerance
     is_inside = motion.level - reached < rule.contact_tolerance
     overtaken = np.flatnonzero(is_inside & ~contact & motion.touchable)
     motion.advanced(overtaken, reached + rule.contact_tolerance - motion.level[overtaken])
     contact[overtaken] = True
     rate[contact] = 1
-    motion.level[contact] = reached + rule.contact_tolerance
     return float(error)
+
+
+def _follow(
+    motion: Motion,
+    where: NDArray[np.int64],
+    amount: NDArray[np.float64],
+    contact: NDArray[np.bool_],
+    radius: float,
+    growth: float,
+) -> None:
+    """Move points along a curved field in short parts, pushing out those that fall inside."""
+    for part in range(SUBSTEPS if len(where) else 0):
+        inside = radius + growth * part / SUBSTEPS - motion.level[where]
+        push = amount / SUBSTEPS + np.where(contact, np.maximum(inside, 0), 0)
+        motion.moved_to(where, motion.positions[where] + push[:, None] * motion.direction[where])
 
 
 def _run_ahead(
@@ -150,6 +174,7 @@ def _run_ahead(
     radius: float,
     growth: float,
     members: NDArray[np.int64],
+    rate: NDArray[np.float64],
     tree: Any,
     held: NDArray[np.int64],
 ) -> Front:
@@ -158,9 +183,9 @@ def _run_ahead(
     level = motion.level[members].copy()
     direction, slope = motion.direction[members], motion.slope[members]
     contact_radius = np.full(len(members), np.inf)
-    rate = np.zeros(len(members))
+    total = np.zeros(len(members))
     if not len(members):
-        return Front(members, position, level, rate, contact_radius)
+        return Front(members, position, total, rate, contact_radius)
 
     # The nearest contact point of every member: a place at the start radius and its velocity.
     anchor = np.full((len(members), 3), np.inf)
@@ -173,23 +198,28 @@ def _run_ahead(
         anchor[found] = motion.positions[nearest]
         velocity[found] = motion.direction[nearest]
 
-    count = _substeps(growth, rule)
-    substep = growth / count
+    substep = growth / SUBSTEPS
     touching = np.zeros(len(members), dtype=bool)
     late = np.zeros(len(members))
     profiles = rule.influence_distance, rule.falloff, rule.blend
-    for index in range(count + 1):
+    for index in range(SUBSTEPS + 1):
         elapsed = index * substep
-        above = level - (radius + elapsed)
-        apart = _lengths(position - anchor - elapsed * velocity)
+        # The rate in the middle of the substep, predicted with the one before; at the end as it is.
+        half = substep / 2 if index < SUBSTEPS else 0.0
+        ahead = half * rate
+        middle = position + ahead[:, None] * direction
+        apart = _lengths(middle - anchor - (elapsed + half) * velocity)
+        above = level + ahead * slope - (radius + elapsed + half)
         previous, rate = rate, influence_rates(above, apart, *profiles)
         rate[touching] = 1
         # A new contact point drags its neighbors from the moment of contact, not from now.
         amount = late * (rate - previous)
-        if index == count:
+        if index == SUBSTEPS:
             position += amount[:, None] * direction
+            total += amount
             break
         amount += rate * substep
+        above = level - (radius + elapsed)
         short = above + amount * slope - substep - rule.contact_tolerance
         hits = (short < 0) & ~touching
         # A point that is overtaken ends the substep on the stent.
@@ -197,6 +227,7 @@ def _run_ahead(
         amount[hits] = np.maximum(onto_stent, amount)[hits]
         position += amount[:, None] * direction
         level += amount * slope
+        total += amount
         closing = np.maximum(substep * (1 - rate[hits] * slope[hits]), 1e-12)
         since = np.clip(-short[hits] / closing, 0, 1) * substep
         contact_radius[hits] = radius + elapsed + substep - since
@@ -213,7 +244,7 @@ def _run_ahead(
             nearest = sources[nearest]
             velocity[receivers] = direction[nearest]
             anchor[receivers] = position[nearest] - (elapsed + substep) * direction[nearest]
-    return Front(members, position, level, rate, contact_radius)
+    return Front(members, position, total, rate, contact_radius)
 
 
 def _passive_rates(
@@ -286,10 +317,6 @@ def _mean_distance(
     mean[asking] += total / growth
     apart[asking] = current
     return mean
-
-
-def _substeps(growth: float, rule: StepRule) -> int:
-    return max(1, int(np.ceil(SUBSTEPS * growth / rule.step - 1e-9)))
 
 
 def _lengths(vectors: Points) -> NDArray[np.float64]:

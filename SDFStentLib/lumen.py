@@ -15,8 +15,8 @@ from .motion import Motion
 from .topology import edges
 from .validation import Triangles
 
-CONTACT_BAND = 0.015
-"""Points within this much of the final level, mm, count as lying on the stent."""
+CONTACT_BAND = 1.5
+"""Points within this many contact tolerances of the final level count as lying on the stent."""
 
 FINISH_ROUNDS = 3
 COMPENSATION_PASSES = 2
@@ -59,24 +59,35 @@ def projected(motion: Motion, level: float) -> None:
         motion.moved_to(inside, target)
 
 
-def finished(motion: Motion, level: float, radius: float) -> NDArray[np.int64]:
+def finished(
+    motion: Motion, level: float, radius: float, contact_tolerance: float
+) -> NDArray[np.int64]:
     """Move the points on the stent to the prescribed true distance from the axis.
 
     Along the field's direction, which keeps the smoothness of the published deformation; this
     takes away ripple, asymmetry in bends, the contact tolerance and the narrowing at the ends.
+
+    Parameters
+    ----------
+    motion : Motion
+        With levels evaluated, not extrapolated; its positions are changed in place.
+    level, radius : float
+        Field level and radius of the expanded stent, mm.
+    contact_tolerance : float
+        Signed distance below which a point is in contact, mm.
 
     Returns
     -------
     (k,) array
         The points on the stent, in motion order.
     """
-    candidates = np.flatnonzero(
-        (motion.level < level + motion.chain.smoothing_width + CONTACT_BAND) & motion.touchable
-    )
-    true_distance = motion.chain.axis_distance(motion.positions[candidates]).distance
-    wanted = radius + motion.offset[candidates]
-    on_stent = (motion.level[candidates] < level + CONTACT_BAND) | (true_distance < wanted)
-    where, wanted, true_distance = candidates[on_stent], wanted[on_stent], true_distance[on_stent]
+    band = level + CONTACT_BAND * contact_tolerance
+    near = motion.level < band + motion.chain.smoothing_width
+    where = np.flatnonzero(near & motion.touchable)
+    true_distance = motion.chain.axis_distance(motion.positions[where]).distance
+    wanted = radius + motion.offset[where]
+    on_stent = (motion.level[where] < band) | (true_distance < wanted)
+    where, wanted, true_distance = where[on_stent], wanted[on_stent], true_distance[on_stent]
     for round_ in range(FINISH_ROUNDS):
         if round_:
             true_distance = motion.chain.axis_distance(motion.positions[where]).distance

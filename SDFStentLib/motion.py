@@ -14,6 +14,9 @@ from .blending import Profile
 from .capsule_chain import CapsuleChain
 from .validation import Points
 
+STRAIGHT = np.cos(np.deg2rad(1.0))
+"""Directions that differ by less count as the same: the smooth minimum's ripple stays below."""
+
 BIN_SIZE = 3.0
 """Edge of the cubes that group resting points, mm; changes the speed, never the result."""
 
@@ -36,6 +39,8 @@ class Motion:
         Tissue thickness kept between the stent and the point, mm.
     touchable : (n,) bool array
         Whether the stent can touch the point (wall) or only drag it along (centerline).
+    is_curved : (n,) bool array
+        Whether the direction changes along the way, see `look_ahead`.
     estimated_error : float
         Largest estimated distance to the converged limit of the steps so far, mm; 0 where the
         step rule does not estimate it.
@@ -52,6 +57,7 @@ class Motion:
         self.slope = field.slope
         self.offset = np.zeros(len(points))
         self.touchable = touchable[order]
+        self.is_curved = np.zeros(len(points), dtype=bool)
         self.estimated_error = 0.0
         self._extrapolated = np.zeros(len(points), dtype=bool)
         self.resting = RestingPoints(self.positions)
@@ -60,7 +66,7 @@ class Motion:
         """Drop the points that are not kept."""
         for name in (
             "indices", "positions", "level", "direction", "slope", "offset", "touchable",
-            "_extrapolated",
+            "is_curved", "_extrapolated",
         ):  # fmt: skip
             setattr(self, name, getattr(self, name)[keep])
         self.resting = RestingPoints(self.positions)
@@ -82,22 +88,20 @@ class Motion:
     def advanced(self, where: NDArray[Any], amount: float | NDArray[np.float64]) -> None:
         """Move some points along their direction; their level is extrapolated, see `refreshed`."""
         amount = np.broadcast_to(amount, len(where))
-        self.placed(
-            where,
-            self.positions[where] + amount[:, None] * self.direction[where],
-            self.level[where] + amount * self.slope[where],
-        )
-
-    def placed(self, where: NDArray[Any], positions: Points, level: NDArray[np.float64]) -> None:
-        """Put some points elsewhere with an extrapolated level."""
-        self.positions[where] = positions
-        self.level[where] = level
+        self.positions[where] += amount[:, None] * self.direction[where]
+        self.level[where] += amount * self.slope[where]
         self._extrapolated[where] = True
 
     def refreshed(self) -> None:
         """Evaluate the field of all points whose level was extrapolated."""
         where = np.flatnonzero(self._extrapolated)
         self.moved_to(where, self.positions[where])
+
+    def look_ahead(self, distance: float) -> None:
+        """Find the points whose direction changes within a distance, mm, along it."""
+        ahead = self.chain.field(self.positions + distance * self.direction)
+        agreement = np.einsum("ij,ij->i", ahead.direction, self.direction)
+        self.is_curved = agreement < STRAIGHT
 
 
 class RestingPoints:

@@ -58,12 +58,13 @@ class Patch:
 
     def outward_normals(
         self, points: Points, direction: Points, distance: NDArray[np.float64]
-    ) -> Points:
-        """Unit normals of the active vertices that point out of the lumen.
+    ) -> Points | None:
+        """Unit normals of the active vertices that point out of the lumen, or None.
 
-        The winding is made consistent first, because files exist with mixed or inward winding.
-        The wall nearest to the stent axis tells which side the lumen is on: there the outward
-        normal points away from the axis. This also works for open surfaces.
+        The wall nearest to the stent axis is that of the stented lumen: its outward normal points
+        away from the axis, in open surfaces too. This tells whether the triangles are wound
+        outward or inward, for all walls alike. None when their winding is mixed, as it is in
+        some files; then the whole surface has to be oriented first.
 
         Parameters
         ----------
@@ -74,15 +75,9 @@ class Patch:
         distance : (active_count,) array
             Distance to the axis, mm.
         """
-        triangles, part = consistently_wound(self.triangles)
-        normals = vertex_normals(points, triangles)[: self.active_count]
-        facing = np.einsum("ij,ij->i", normals, direction)
-        vertex_part = np.zeros(len(points), dtype=np.int64)
-        vertex_part[triangles] = part[:, None]
-        vertex_part = vertex_part[: self.active_count]
-        for label in np.unique(vertex_part):
-            members = np.flatnonzero(vertex_part == label)
-            nearest = members[np.argsort(distance[members])[: max(1, len(members) // 20)]]
-            if facing[nearest].sum() < 0:
-                normals[members] *= -1
-        return normals
+        if not np.array_equal(consistently_wound(self.triangles)[0], self.triangles):
+            return None
+        normals = vertex_normals(points, self.triangles)[: self.active_count]
+        nearest = np.argsort(distance)[: max(1, len(distance) // 20)]
+        facing = np.einsum("ij,ij->i", normals[nearest], direction[nearest]).sum()
+        return normals if facing >= 0 else -normals

@@ -19,7 +19,7 @@ from .validation import Points, Triangles
 
 ROUNDS = 40
 ROUNDS_PER_RING = 4
-RELAXATION = 0.3
+RELAXATION = 0.5
 
 
 class Precision(NamedTuple):
