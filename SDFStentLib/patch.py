@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .surface import vertex_normals
-from .topology import consistently_wound
 from .validation import Points, Triangles, read_only
 
 
@@ -75,9 +74,15 @@ class Patch:
         distance : (active_count,) array
             Distance to the axis, mm.
         """
-        if not np.array_equal(consistently_wound(self.triangles)[0], self.triangles):
+        if not self._is_consistently_wound():
             return None
         normals = vertex_normals(points, self.triangles)[: self.active_count]
         nearest = np.argsort(distance)[: max(1, len(distance) // 20)]
         facing = np.einsum("ij,ij->i", normals[nearest], direction[nearest]).sum()
         return normals if facing >= 0 else -normals
+
+    def _is_consistently_wound(self) -> bool:
+        """No side is run along twice in the same direction."""
+        start, end = self.triangles.ravel(), self.triangles[:, [1, 2, 0]].ravel()
+        keys = np.sort(start * (len(self.vertices) + 1) + end)
+        return not (keys[1:] == keys[:-1]).any()

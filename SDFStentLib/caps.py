@@ -1,0 +1,86 @@
+"""Flat caps of in- and outlets, and whether a stent has bulged them.
+
+A cap is where a simulation prescribes flow or pressure on a plane. A stent that ends in or near it
+pushes it out of its plane; the user has to know.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .surface import face_normals
+from .topology import component_labels, edges
+from .validation import Points, Triangles
+
+FLAT = np.cos(np.deg2rad(1.0))
+"""Faces whose normals differ by less lie in one plane."""
+
+RIM = np.cos(np.deg2rad(45.0))
+"""A cap meets the wall at a steeper angle than this; a flat spot of the wall does not."""
+
+FEWEST_FACES = 6
+NOTICEABLE = 0.05
+"""Motion out of the plane, mm, that is worth a word."""
+
+
+class BulgedCap(NamedTuple):
+    """A flat cap that a deployment has pushed out of its plane."""
+
+    center: tuple[float, float, float]
+    """mm."""
+    height: float
+    """Largest motion out of the plane, mm."""
+
+    def sentence(self) -> str:
+        """What happened and what to do, for the user."""
+        x, y, z = self.center
+        return (
+            f"The flat cap near ({x:.1f}, {y:.1f}, {z:.1f}) mm is pushed up to {self.height:.2f} "
+            "mm out of its plane by the stent; end the stent farther from it, or extend the "
+            "vessel, when a boundary condition belongs there."
+        )
+
+
+def bulged_caps(
+    before: Points, after: Points, triangles: Triangles, moved: NDArray[np.int64]
+) -> tuple[BulgedCap, ...]:
+    """Caps that were flat before and are not any more.
+
+    Parameters
+    ----------
+    before, after : (n, 3) arrays
+        Points of the surface, mm.
+    triangles : (m, 3) array
+    moved : (k,) array
+        Points that moved; only faces at them are looked at.
+    """
+    has_moved = np.zeros(len(before), dtype=bool)
+    has_moved[moved] = True
+    faces = triangles[has_moved[triangles].any(axis=1)]
+    if len(faces) < FEWEST_FACES:
+        return ()
+    normals = face_normals(before, faces)
+    pairs = edges(faces).paired_sides // 3
+    cosine = np.einsum("ij,ij->i", normals[pairs[:, 0]], normals[pairs[:, 1]])
+    flat = pairs[cosine > FLAT]
+    label = component_labels(len(faces), flat[:, 0], flat[:, 1])
+
+    border = label[pairs[:, 0]] != label[pairs[:, 1]]
+    sides, angles = label[pairs[border]], np.repeat(cosine[border, None], 2, axis=1)
+    count = np.bincount(sides.ravel(), minlength=label.max() + 1)
+    steep = np.bincount(sides.ravel(), weights=(angles < RIM).ravel(), minlength=len(count))
+    is_cap = (np.bincount(label) >= FEWEST_FACES) & (steep > 0.8 * count)
+    found = []
+    for number in np.flatnonzero(is_cap):
+        own = label == number
+        corners = np.unique(faces[own])
+        plane = normals[own].mean(axis=0)
+        plane /= np.linalg.norm(plane)
+        height = float(np.abs((after[corners] - before[corners]) @ plane).max())
+        if height > NOTICEABLE:
+            x, y, z = before[corners].mean(axis=0).tolist()
+            found.append(BulgedCap((x, y, z), height))
+    return tuple(found)

@@ -1,0 +1,46 @@
+"""Caps that a stent bulges are found; flat spots of the wall are not caps."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from SDFStentLib import phantoms
+from SDFStentLib.caps import bulged_caps
+from SDFStentLib.deployment import deploy
+
+
+@pytest.fixture(scope="module")
+def a_tube():
+    return phantoms.straight_tube(radius=3.0, length=40.0, edge_length=0.8)
+
+
+def bulged_by(tube, start, end):
+    axis = tube.axis_at(np.linspace(start, end, 20))
+    state = deploy(tube.points, tube.triangles, axis, 3.6).state
+    after = state.applied_to(tube.points)
+    return bulged_caps(tube.points, after, tube.triangles, state.indices)
+
+
+def test_a_stent_that_ends_in_the_outlet_bulges_its_cap(a_tube):
+    (cap,) = bulged_by(a_tube, 25.0, 39.0)
+    outlet = next(opening for opening in a_tube.openings if not opening.is_inlet)
+    assert np.linalg.norm(np.subtract(cap.center, outlet.center)) < 0.5
+    assert cap.height > 0.5
+    assert "out of its plane" in cap.sentence()
+
+
+def test_a_stent_in_the_middle_bulges_no_cap(a_tube):
+    assert bulged_by(a_tube, 14.0, 26.0) == ()
+
+
+def test_flat_spots_of_a_subdivided_wall_are_not_caps():
+    octagon = np.array([[np.cos(a), np.sin(a)] for a in np.arange(8) * np.pi / 4]) * 3
+    rings = np.array([[*corner, z] for z in np.linspace(0, 10, 21) for corner in octagon])
+    ring, corner = np.divmod(np.arange(160), 8)
+    here, right = ring * 8 + corner, ring * 8 + (corner + 1) % 8
+    triangles = np.concatenate(
+        [np.stack([here, right, here + 8], 1), np.stack([right, right + 8, here + 8], 1)]
+    )
+    after = rings * [1.2, 1.2, 1]
+    assert bulged_caps(rings, after, triangles, np.arange(len(rings))) == ()
