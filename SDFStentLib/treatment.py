@@ -25,7 +25,7 @@ from .settings import DeploymentSettings
 from .stent import Stent, StentAxis, stent_axis
 from .topology import consistently_wound, surface_topology
 from .treatment_value import TreatedStent, TreatmentResult, TreatmentState
-from .treatment_warnings import check_width, nothing_moved, overlap
+from .treatment_warnings import check_width, narrowed, nothing_moved, overlap
 from .untangle import Precision
 from .validation import (
     DeploymentError,
@@ -218,6 +218,15 @@ class Treatment:
             moved_points=len(stage.result.state.indices),
         )
 
+    def _narrowed(self, stage: _Stage, stent: TreatedStent) -> str:
+        """A sentence when later stents pushed tissue into this one; measured only if it may be."""
+        if stage is self._stages[-1] or stent.after.minimum > 0.97 * stent.planned.stent.diameter:
+            return ""
+        own = diameter_profile(
+            stage.result.points, self.triangles, stage.axis.points, PROFILE_SPACING
+        )
+        return narrowed(own, stent.after)
+
     def _certificate(self, after: Points, moved: NDArray[np.int64]) -> Certificate:
         """For one stent its own, for several from the input to the end of the last one."""
         only = self._stages[0].result.certificate
@@ -240,6 +249,7 @@ class Treatment:
                 yield f"{self.label(number)}it is switched off and was not deployed."
         for stage, stent in zip(self._stages, treated, strict=True):
             own = [*stage.axis.warnings, *stage.warnings, nothing_moved(stent)]
+            own.append(self._narrowed(stage, stent))
             own += [f"Before treatment: {gap}" for gap in stent.before.gaps]
             own += [f"After treatment: {gap}" for gap in stent.after.gaps]
             yield from (self.label(stent.number) + sentence for sentence in own if sentence)

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .metrics import DiameterProfile
 from .polyline import closest_points, length, resampled
 from .stent import StentAxis
 from .treatment_value import TreatedStent
@@ -15,7 +16,7 @@ from .validation import InputError, Points, as_points
 WIDEST = 4.0
 """Largest diameter of a stent over that of the lumen; more is another unit or a slip."""
 
-_SPACING = 0.1
+_SPACING, _ROUNDING = 0.1, 1e-6
 
 
 def check_width(diameter: float, axis: StentAxis, points: Points) -> None:
@@ -70,7 +71,9 @@ def overlap_length(
     # Each piece of the second axis counts by its middle.
     middles = (second[1:] + second[:-1]) / 2
     nearest = closest_points(first, middles)
-    beside = (nearest.arc_lengths > 0) & (nearest.arc_lengths < length(first))
+    # What lies beyond an end is nearest to that end, up to rounding.
+    inner = np.clip(nearest.arc_lengths, _ROUNDING, length(first) - _ROUNDING)
+    beside = nearest.arc_lengths == inner
     near = nearest.distances < first_radius + second_radius
     pieces = np.linalg.norm(np.diff(second, axis=0), axis=1)
     return float(pieces[beside & near].sum())
@@ -85,6 +88,16 @@ def nothing_moved(stent: TreatedStent) -> str:
     return (
         f"Nothing moves: the stent of {stent.planned.stent.diameter:g} mm is not wider than the "
         f"lumen where it lies{measured}."
+    )
+
+
+def narrowed(own: DiameterProfile, final: DiameterProfile) -> str:
+    """A sentence when a lumen is narrower after later stents than the stent itself left it."""
+    if not final.minimum < 0.97 * own.minimum:
+        return ""
+    return (
+        f"Later stents push tissue into it: its lumen is {final.minimum:.1f} mm at the narrowest, "
+        f"{own.minimum:.1f} mm before them; deploy it after them, or once more."
     )
 
 

@@ -7,7 +7,7 @@ from SDFStentLib.phantoms import branching_pulmonary_artery
 def main():
     vessel = branching_pulmonary_artery()
     first, second = (
-        Stent(7.5, placement=BetweenPoints(*vessel.axis_at(ends))) for ends in ((19, 34), (30, 42))
+        Stent(7.5, placement=BetweenPoints(*vessel.axis_at(ends))) for ends in ((19, 40), (36, 46))
     )
     stents = [PlannedStent(first, name="main"), PlannedStent(second, name="left")]
     treatment = Treatment(vessel.points, vessel.triangles, stents, vessel.centerline)

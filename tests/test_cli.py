@@ -1,0 +1,449 @@
+"""The command line: what it writes, what it says, and how it ends."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
+
+import SDFStentLib.cli_deploy
+from SDFStentLib import polydata, vtk_formats
+from SDFStentLib.certificate import Certificate
+from SDFStentLib.cli import main
+from SDFStentLib.cli_console import Console
+from SDFStentLib.cli_outputs import Outputs
+from SDFStentLib.cli_steps import StepFiles
+from SDFStentLib.phantoms import stenosed_tube
+from SDFStentLib.plan_reader import load_plan
+from SDFStentLib.plan_run import run_plan
+from SDFStentLib.surface_files import read_surface
+from SDFStentLib.validation import InputError
+
+PROJECT = Path(__file__).resolve().parents[1]
+COMMAND = [sys.executable, "-m", "SDFStentLib"]
+PLACE = ["--center", "0", "0", "2", "--length", "20"]  # cm; the throat of the tube
+
+
+@pytest.fixture
+def a_folder(tmp_path, monkeypatch):
+    """A working folder with a stenosed tube, its centerline and an axis, all in cm."""
+    vessel = stenosed_tube(edge_length=1.0)
+    surface = polydata.polydata_from_arrays(
+        (vessel.points / 10).astype(np.float32),
+        vessel.triangles,
+        cell_arrays={"ModelFaceID": vessel.face_ids},
+    )
+    tree = vessel.centerline
+    count = len(tree.points)
+    line = polydata.polydata_from_lines(tree.points / 10, [np.arange(count)])
+    polydata.add_arrays(line, {"MaximumInscribedSphereRadius": tree.inscribed_radius / 10}, {})
+    axis = polydata.polydata_from_lines([[0, 0, 1.2], [0, 0, 2.8]], [np.arange(2)])
+    for name, data in (("tube", surface), ("line", line), ("axis", axis)):
+        (tmp_path / f"{name}.vtp").write_bytes(vtk_formats.encode_vtp(data))
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def deploy(*more, place=PLACE, surface="tube.vtp", line="line.vtp", out="out.vtp", diameter="6"):
+    arguments = ["deploy", surface, "--units", "cm", "--diameter", diameter, *place]
+    if line:
+        arguments += ["--centerline", line]
+    return main([*arguments, "-o", out, *more])
+
+
+def cell_array(path, name):
+    reader = vtkXMLPolyDataReader()
+    reader.SetFileName(str(path))
+    reader.Update()
+    return vtk_to_numpy(reader.GetOutput().GetCellData().GetArray(name))
+
+
+def left_over(folder):
+    return {name for name in os.listdir(folder) if name not in {"tube.vtp", "line.vtp", "axis.vtp"}}
+
+
+def test_deploy_writes_every_output_and_says_what_came_of_it(a_folder, capsys):
+    pytest.importorskip("matplotlib")
+    code = deploy(
+        "--output-centerline", "moved.vtp", "--report", "r.json", "--report", "r.html",
+        "--figure", "f.png", "--steps", "steps", "--arrays", "--save-plan", "p.json",
+    )  # fmt: skip
+    said = capsys.readouterr()
+    assert code == 0
+    assert left_over(a_folder) == {
+        "out.vtp", "moved.vtp", "r.json", "r.html", "f.png", "steps", "p.json"
+    }  # fmt: skip
+    assert "prescribed 6 mm" in said.out
+    assert "Certified: the surface is watertight" in said.out
+    report = json.loads(Path("r.json").read_text())
+    along = report["stents"][0]["diameters"]["along"]
+    assert np.mean(along["mis_after_mm"]) == pytest.approx(6.0, rel=0.01)
+    assert min(along["mis_before_mm"]) < 3.7  # the throat, 3.6 mm
+    assert set(report["timings"]) >= {"read_s", "setup_s", "deploy_s", "certify_s", "write_s"}
+    np.testing.assert_array_equal(
+        cell_array("out.vtp", "ModelFaceID"), cell_array("tube.vtp", "ModelFaceID")
+    )
+    assert len(cell_array("out.vtp", "AreaStretch")) == report["inputs"][0]["triangles"]
+    assert re.findall(r'file="(step_0000\.vtp)"', Path("steps/steps.pvd").read_text())
+
+
+def test_the_same_plan_gives_the_same_file_from_the_shell_and_from_python(a_folder):
+    assert deploy("--save-plan", "p.json", "--quiet") == 0
+    assert main(["run", "p.json", "-o", "again", "--quiet"]) == 0
+    assert left_over(a_folder / "again") == {
+        "tube_stented.vtp", "line_stented.vtp", "report.json", "report.html", "plan.json"
+    }  # fmt: skip
+    assert Path("out.vtp").read_bytes() == Path("again/tube_stented.vtp").read_bytes()
+    assert load_plan("again/plan.json") == load_plan("p.json")
+    written = read_surface("out.vtp", "cm").points
+    result = run_plan(load_plan("p.json"))
+    stored = result.inputs.surface.as_stored(result.treatment.points)
+    np.testing.assert_allclose(written, stored, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("place", "line"),
+    [
+        (["--distal", "0", "0", "2.9", "--length", "20"], "line.vtp"),
+        (["--proximal", "0", "0", "1.1", "--length", "20"], "line.vtp"),
+        (["--from", "0", "0", "1.1", "--to", "0", "0", "2.9"], "line.vtp"),
+        (["--from", "0", "0", "2.9", "--to", "-1e-3", "0", "1.1"], "line.vtp"),
+        (["--axis", "axis.vtp"], None),
+        (["--axis", "axis.vtp", "--length", "15"], "line.vtp"),
+    ],
+)
+def test_every_way_to_say_where_opens_the_throat(a_folder, place, line, capsys):
+    assert deploy(place=place, line=line) == 0
+    found = re.search(r"narrowest ([\d.]+) mm before, ([\d.]+) mm after", capsys.readouterr().out)
+    assert float(found[1]) < 3.7
+    assert float(found[2]) > 5.8  # edges of 1 mm cut 3 % off the circle at the stent's ends
+
+
+def test_steps_can_be_thinned_out_and_replaced_but_nothing_else_is(a_folder, capsys):
+    assert deploy("--steps", "all", "--step", "0.1", "--quiet") == 0
+    assert deploy("--steps", "few", "--every", "1", "--step", "0.1", "--quiet") == 0
+    assert 2 <= len(os.listdir("few")) < len(os.listdir("all"))
+    assert deploy("--steps", "few", "--quiet") == 0
+    Path("few/mine.txt").touch()
+    assert deploy("--steps", "few") == 2
+    assert "expected a new or empty folder, got one that holds mine.txt" in capsys.readouterr().err
+    assert StepFiles.is_own("step_0003.vtp")
+
+
+def test_quiet_says_nothing_and_warnings_go_to_stderr(a_folder, capsys):
+    assert deploy("--quiet") == 0
+    assert capsys.readouterr() == ("", "")
+    assert deploy(diameter="3") == 0
+    said = capsys.readouterr()
+    assert "warning: Nothing moves: the stent of 3 mm is not wider" in said.err
+    assert deploy(place=[*PLACE[:4], "--length", "200"]) == 0
+    assert "The stent is shortened: 180.0 mm were prescribed, 40.0" in capsys.readouterr().err
+
+
+def test_a_certificate_that_fails_is_said_and_gives_three(a_folder, monkeypatch, capsys):
+    monkeypatch.setattr(Certificate, "passed", property(lambda self: False))
+    monkeypatch.setattr(Certificate, "sentence", lambda self: "Not certified: it was told so.")
+    assert deploy() == 3
+    assert "Not certified" in capsys.readouterr().out
+    assert Path("out.vtp").is_file()
+
+
+def bad_files(folder):
+    (folder / "empty.vtp").touch()
+    (folder / "short.vtp").write_bytes((folder / "tube.vtp").read_bytes()[:900])
+    (folder / "noise.stl").write_bytes(bytes(range(256)) * 20)
+    (folder / "folder").mkdir()
+    vessel = stenosed_tube(edge_length=1.0)
+    broken = polydata.polydata_from_arrays(vessel.points / 10, vessel.triangles)
+    vtk_to_numpy(broken.GetPoints().GetData())[7] = np.nan
+    one = [[0.0, 0, 2.0], [0.0, 0, 2.0]]
+    shifted = vessel.centerline.points / 10 + np.array([20.0, 0, 0])
+    for name, data in (
+        ("nan", broken),
+        ("one", polydata.polydata_from_lines(one, [np.arange(2)])),
+        ("away", polydata.polydata_from_lines(shifted, [np.arange(len(shifted))])),
+        (
+            "millimeters",
+            polydata.polydata_from_lines(shifted * 10 - np.array([200.0, 0, 0]),
+                                         [np.arange(len(shifted))]),
+        ),
+    ):  # fmt: skip
+        (folder / f"{name}.vtp").write_bytes(vtk_formats.encode_vtp(data))
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"surface": "none.vtp"}, "none.vtp: no such file"),
+        ({"surface": "empty.vtp"}, "empty.vtp: expected a mesh or a line, got an empty file"),
+        ({"surface": "short.vtp"}, "short.vtp: "),
+        ({"surface": "noise.stl"}, "noise.stl: "),
+        ({"surface": "folder"}, "folder: expected a file, got a folder"),
+        ({"surface": "line.vtp"}, "expected a surface of triangles, got none"),
+        ({"surface": "nan.vtp"}, "expected finite coordinates, got NaN or infinity at 1"),
+        ({"line": "one.vtp"}, "expected a line of at least two different points"),
+        ({"line": "tube.vtp"}, "expected a centerline of lines"),
+        ({"line": "away.vtp"}, "away.vtp: expected it inside tube.vtp"),
+        ({"line": "millimeters.vtp"}, "different units"),
+        ({"place": ["--center", "9", "9", "9", "--length", "9"]}, "center: expected a point with"),
+        ({"place": ["--center", "nan", "0", "0", "--length", "9"]}, "expected three finite"),
+        ({"place": ["--center", "0", "0", "2"]}, "expected --length L (mm) with --center"),
+        ({"place": []}, "expected where the stent goes, got nothing"),
+        ({"place": ["--from", "0", "0", "2"]}, "expected both --from and --to"),
+        ({"place": [*PLACE, "--axis", "axis.vtp"]}, "expected one place, got --center and --axis"),
+        (
+            {"place": ["--from", "0", "0", "1", "--to", "0", "0", "2", "--length", "9"]},
+            "expected no --length between two points",
+        ),
+        ({"line": None}, "expected --centerline FILE with --center"),
+        ({"diameter": "0"}, "stent diameter: expected a number greater than 0"),
+        ({"diameter": "nan"}, "stent diameter: expected a number"),
+        ({"diameter": "101"}, "at most 100 (mm), got 101"),
+        ({"diameter": "90"}, "expected at most 4 times the lumen"),
+        ({"diameter": "wide"}, "argument --diameter: expected a number, got 'wide'"),
+        ({"out": "out.xyz"}, "out.xyz: expected one of .vtp, .vtk, .stl, .ply, .obj"),
+        ({"out": "none/out.vtp"}, "expected an existing folder"),
+        ({"out": "tube.vtp"}, "tube.vtp: expected another file than the input"),
+        ({"more": ["--report", "r.txt"]}, "r.txt: expected a report that ends in .json, .html"),
+        ({"more": ["--report", "r.json", "--report", "r.json"]}, "two outputs have this name"),
+        ({"more": ["--figure", "f.gif"]}, "f.gif: expected a figure that ends in .png"),
+        ({"more": ["--every", "1"]}, "expected --steps DIR with --every"),
+        ({"more": ["--steps", "s", "--every", "0"]}, "--every: expected a number greater than 0"),
+        ({"more": ["--steps", "tube.vtp"]}, "tube.vtp: expected a folder, got a file"),
+        ({"more": ["--steps", "no/s"]}, "no/s: expected an existing folder"),
+        ({"more": ["--influence", "-1"]}, "influence_distance: expected a number greater than 0"),
+        ({"more": ["--straighten", "2"]}, "straightening fraction: expected a number"),
+        ({"more": ["--falloff", "x"]}, "invalid choice: 'x'"),
+        ({"more": ["--foreshortening", "0.9"]}, "foreshortening: expected a number"),
+        ({"more": ["--output-centerline", "c.stl"]}, "c.stl: expected one of .vtp, .vtk"),
+        ({"more": ["--waist", "3"]}, "unrecognized arguments: --waist 3"),
+    ],
+)
+def test_bad_input_gives_one_sentence_and_writes_nothing(a_folder, capsys, changes, words):
+    bad_files(a_folder)
+    before = sorted(os.listdir(a_folder))
+    changes = dict(changes)
+    assert deploy(*changes.pop("more", ()), **changes) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert len(said.err.splitlines()) == 1
+    assert words in said.err
+    assert "Traceback" not in said.err
+    assert sorted(os.listdir(a_folder)) == before
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid"), reason="permissions are those of POSIX")
+def test_a_folder_without_permission_is_said(a_folder, capsys, monkeypatch):
+    monkeypatch.setattr(os, "access", lambda path, mode, **_: mode == os.R_OK)
+    assert deploy() == 2
+    assert "no permission to write" in capsys.readouterr().err
+    with pytest.raises(InputError, match="no permission to write"):
+        Outputs(folder=a_folder / "new")
+
+
+def test_a_full_disk_leaves_the_old_files_and_nothing_else(a_folder, capsys, monkeypatch):
+    Path("out.vtp").write_text("old")
+
+    def full(report, path):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(SDFStentLib.cli_deploy, "write_report", full)
+    assert deploy("--report", "r.json") == 2
+    assert "r.json: cannot be written (No space left on device)" in capsys.readouterr().err
+    assert Path("out.vtp").read_text() == "old"
+    assert left_over(a_folder) == {"out.vtp"}
+
+
+def test_an_interruption_leaves_nothing_and_gives_130(a_folder, capsys, monkeypatch):
+    def interrupted(report, path):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(SDFStentLib.cli_deploy, "write_report", interrupted)
+    assert deploy("--report", "r.json", "--steps", "steps") == 130
+    assert "interrupted; nothing was written" in capsys.readouterr().err
+    assert left_over(a_folder) == set()
+    Path("p.json").unlink(missing_ok=True)
+    monkeypatch.undo()
+
+
+def test_an_unexpected_error_is_one_sentence_and_debug_shows_where(a_folder, capsys, monkeypatch):
+    monkeypatch.setattr(SDFStentLib.cli_deploy, "write_report", lambda *_: 1 / 0)
+    assert deploy("--report", "r.json") == 1
+    said = capsys.readouterr().err
+    assert len(said.splitlines()) == 1
+    assert "unexpected error (ZeroDivisionError: division by zero). Run it again with" in said
+    assert deploy("--report", "r.json", "--debug") == 1
+    assert "Traceback" in capsys.readouterr().err
+    assert left_over(a_folder) == set()
+
+
+def test_run_refuses_a_changed_input_unless_told_otherwise(a_folder, capsys):
+    assert deploy("--save-plan", "p.json", "--quiet") == 0
+    document = json.loads(Path("p.json").read_text())
+    old = document["inputs"]["surface"]["sha256"]
+    document["inputs"]["surface"]["sha256"] = "3" * 64
+    Path("p.json").write_text(json.dumps(document))
+    assert main(["run", "p.json", "-o", "new"]) == 2
+    said = capsys.readouterr().err
+    assert "3" * 64 in said
+    assert old in said
+    assert not Path("new").exists()
+    assert main(["run", "p.json", "-o", "new", "--accept-changed-inputs", "--quiet"]) == 0
+
+
+def test_run_names_what_is_wrong_with_a_plan_or_its_folder(a_folder, capsys):
+    assert deploy("--save-plan", "p.json", "--quiet") == 0
+    for arguments, words in (
+        (["none.json", "-o", "new"], "none.json: no such file"),
+        (["tube.vtp", "-o", "new"], "tube.vtp: expected a"),
+        (["p.json", "-o", "tube.vtp"], "tube.vtp: expected a folder, got a file"),
+        (["p.json", "-o", "a/b"], "a/b: expected an existing folder"),
+    ):
+        assert main(["run", *arguments]) == 2
+        assert words in capsys.readouterr().err
+
+
+def test_measure_prints_a_table_or_json(a_folder, capsys):
+    assert main(["measure", "tube.vtp", "--units", "cm", "--centerline", "line.vtp"]) == 0
+    said = capsys.readouterr().out
+    assert "Branch 1: 40.0 mm, from (0, 0, 0) to (0, 0, 4) cm" in said
+    rows = [line.split() for line in said.splitlines() if re.match(r"\s+\d+\.\d\s", line)]
+    throat = min(rows[5:-5], key=lambda row: float(row[1]))  # caps are nearer at the ends
+    assert float(throat[0]) == pytest.approx(20)
+    assert float(throat[1]) == pytest.approx(3.6, abs=0.1)  # facets lie inside the circle
+    base = ["measure", "tube.vtp", "--units", "cm", "--json"]
+    for more in (["--centerline", "line.vtp", *PLACE], ["--axis", "axis.vtp"]):
+        assert main([*base, *more]) == 0
+        document = json.loads(capsys.readouterr().out)
+        assert document["lines"][0]["minimum_mm"] == pytest.approx(3.6, abs=0.1)
+    for more, words in (
+        ([], "expected --axis FILE or --centerline FILE"),
+        (["--centerline", "line.vtp", "--length", "5"], "expected a place with --length"),
+        (["--axis", "axis.vtp", "--spacing", "0"], "--spacing: expected a number greater than 0"),
+    ):
+        assert main(["measure", "tube.vtp", *more]) == 2
+        assert words in capsys.readouterr().err
+
+
+def test_check_tells_sound_surfaces_from_others(a_folder, capsys):
+    assert main(["check", "tube.vtp", "--units", "cm"]) == 0
+    assert "The surface is watertight and has no self-intersection." in capsys.readouterr().out
+    vessel = stenosed_tube(edge_length=1.0)
+    points = vessel.points.copy()
+    points[np.argmin(np.abs(points[:, 2] - 20) - points[:, 0] * 1e-6)] += (40.0, 0, 0)
+    crossed = np.where(np.arange(len(points))[:, None] % 50 == 3, -points, points)
+    data = polydata.polydata_from_arrays(crossed, vessel.triangles)
+    Path("bad.vtp").write_bytes(vtk_formats.encode_vtp(data))
+    assert main(["check", "bad.vtp", "--json"]) == 3
+    document = json.loads(capsys.readouterr().out)
+    assert document["self_intersecting_triangles"]
+    assert main(["check", "bad.vtp"]) == 3
+    assert "intersect another one" in capsys.readouterr().out
+    assert main(["check", "bad.vtp", "--quiet"]) == 3
+    assert capsys.readouterr().out == ""
+
+
+def test_usage_is_explained(capsys):
+    for arguments, code, words in (
+        (["--help"], 0, "Exit codes"),
+        (["deploy", "--help"], 0, "--foreshortening"),
+        (["--version"], 0, "sdfstent 0."),
+        ([], 2, "arguments are required: COMMAND"),
+        (["devices"], 2, "invalid choice: 'devices'"),
+        (["deploy"], 2, "arguments are required"),
+    ):
+        assert main(arguments) == code
+        said = capsys.readouterr()
+        assert words in said.out + said.err
+        assert (code == 0) == (said.err == "")
+
+
+def test_a_bar_is_drawn_on_a_terminal_only_and_wiped(monkeypatch, capsys):
+    with Console().progress("Deploying") as show:
+        show(0.5, "x")
+    assert capsys.readouterr().err == ""
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
+    with Console().progress("Deploying") as show:
+        show(0.5, "diameter 4.0 mm")
+    drawn = capsys.readouterr().err
+    assert "50 % diameter 4.0 mm" in drawn
+    assert drawn.endswith(" \r")
+
+
+def a_process(arguments, folder, **more):
+    environment = {**os.environ, "PYTHONPATH": str(PROJECT)}
+    return subprocess.Popen(
+        [*COMMAND, *arguments],
+        cwd=folder,
+        env=environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        **more,
+    )
+
+
+def test_processes_end_with_the_code_and_one_sentence(a_folder):
+    for arguments, code, words in (
+        (["check", "tube.vtp", "--units", "cm"], 0, "watertight"),
+        (["check", "none.vtp"], 2, "none.vtp: no such file"),
+        (["measure", "tube.vtp", "--axis", "axis.vtp"], 0, "Part: 1.6 mm"),
+    ):
+        process = a_process(arguments, a_folder)
+        out, err = process.communicate(timeout=60)
+        assert process.returncode == code
+        assert words in out + err
+        assert "Traceback" not in err
+
+
+@pytest.mark.skipif(os.name == "nt", reason="no such signal there")
+def test_control_c_leaves_nothing_half_written(a_folder):
+    process = a_process(
+        ["deploy", "tube.vtp", "--units", "cm", "--centerline", "line.vtp", *PLACE,
+         "--diameter", "6", "-o", "out.vtp", "--step", "0.0005", "--rule", "published"],
+        a_folder,
+    )  # fmt: skip
+    time.sleep(2.0)  # imports are done, thousands of steps are not
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert "interrupted; nothing was written" in err
+    assert left_over(a_folder) == set()
+
+
+def test_a_reader_that_has_seen_enough_is_no_error(a_folder):
+    process = a_process(["measure", "tube.vtp", "--units", "cm", "--axis", "axis.vtp"], a_folder)
+    process.stdout.close()
+    process.wait(timeout=60)
+    assert process.returncode == 0
+    assert "Traceback" not in process.stderr.read()
+
+
+def test_real_anatomies_get_their_diameter_in_every_centerline_form(data_dir, tmp_path, capsys):
+    pulmonary = ["2.7157", "-5.4259", "6.7086"]
+    for surface, line, units, center, diameter in (
+        ("pulmonary_surface_cm", "pulmonary_centerline_cm", "cm", pulmonary, 20),
+        ("vmtk_aorta_surface_mm", "vmtk_aorta_centerline_mm", "mm", ["221.9", "142.7", "23.6"], 18),
+        (
+            "vmtk_aorta_surface_mm", "vmtk_aorta_centerline_branches_mm", "mm",
+            ["221.9", "142.7", "23.6"], 18,
+        ),
+    ):  # fmt: skip
+        code = main(
+            ["deploy", f"{data_dir}/{surface}.vtp", "--units", units,
+             "--centerline", f"{data_dir}/{line}.vtp", "--center", *center,
+             "--length", "25", "--diameter", str(diameter), "-o", f"{tmp_path}/out.vtp"]
+        )  # fmt: skip
+        found = re.search(r"([\d.]+) mm after; prescribed", capsys.readouterr().out)
+        assert code == 0
+        assert float(found[1]) == pytest.approx(diameter, rel=0.01)

@@ -1,0 +1,423 @@
+"""Plans: their document, its strict reader, and carrying them out."""
+
+from __future__ import annotations
+
+import copy
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from SDFStentLib import polydata, vtk_formats
+from SDFStentLib.json_document import scaled, unscaled
+from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube
+from SDFStentLib.placement import (
+    AlongAxis,
+    AtCenter,
+    AtDistalEnd,
+    AtProximalEnd,
+    BetweenPoints,
+)
+from SDFStentLib.plan import InputFile, Plan, PlannedStent, turned
+from SDFStentLib.plan_document import SETTINGS, plan_document, plan_text, save_plan
+from SDFStentLib.plan_reader import load_plan, plan_from_document
+from SDFStentLib.plan_run import run_plan
+from SDFStentLib.settings import DeploymentSettings
+from SDFStentLib.stent import Stent
+from SDFStentLib.treatment import Treatment
+from SDFStentLib.treatment_report import plan_report
+from SDFStentLib.treatment_warnings import overlap_length
+from SDFStentLib.validation import DeploymentError, InputError
+
+SCHEMA = json.loads(
+    (Path(__file__).parents[1] / "SDFStentLib" / "plan.schema.json").read_text(encoding="utf-8")
+)
+RANDOM = np.random.default_rng(20)
+QUICK = DeploymentSettings(certify=False)
+
+
+def a_point():
+    return RANDOM.normal(size=3) * 100 / 3
+
+
+def every_placement():
+    return [
+        (AtCenter(a_point()), 20.0),
+        (AtDistalEnd(a_point()), 0.1 + 0.2),
+        (AtProximalEnd(a_point()), 10.0),
+        (BetweenPoints(a_point(), a_point()), None),
+        (AlongAxis(np.array([a_point() for _ in range(5)])), None),
+        (AlongAxis(np.array([a_point() for _ in range(5)])), 12.5),
+    ]
+
+
+def a_plan(tmp_path, units="mm"):
+    stents = [
+        PlannedStent(Stent(1 / 3 + n, placement=place, length=length), f"ä {n}", n % 2 == 0)
+        for n, (place, length) in enumerate(every_placement())
+    ]
+    return Plan(
+        stents=stents,
+        surface=InputFile(tmp_path / "vessel" / "a.vtp", "0" * 64),
+        centerline=InputFile(tmp_path / "b.vtp"),
+        units=units,
+        frame="LPS",
+        settings=DeploymentSettings(step=0.1, smoothing_width=1 / 7, falloff="cosine"),
+        straightening_fraction=0.25,
+    )
+
+
+def a_document(**stent):
+    return {
+        "schema": "sdfstent-plan",
+        "version": 1,
+        "inputs": {"units": "cm", "surface": {"file": "a.vtp"}},
+        "stents": [{"diameter": 6, "length": 20, "placement": {"center": [1, 2, 3.5]}, **stent}],
+        "settings": {"influence_distance": 5},
+    }
+
+
+@pytest.fixture(scope="module")
+def a_patient(tmp_path_factory):
+    """A folder with the branching phantom as files."""
+    folder = tmp_path_factory.mktemp("patient")
+    vessel = branching_pulmonary_artery(edge_length=1.1)
+    tree = vessel.centerline
+    surface = polydata.polydata_from_arrays(vessel.points, vessel.triangles)
+    lines = polydata.polydata_from_lines(tree.points, [tree.ancestry(i) for i in tree.leaves])
+    axis = polydata.polydata_from_lines(vessel.axis_at(np.arange(20.0, 41.0)), [np.arange(21)])
+    for name, data in (("surface", surface), ("centerline", lines), ("axis", axis)):
+        (folder / f"{name}.vtp").write_bytes(vtk_formats.encode_vtp(data))
+    return folder, vessel
+
+
+@pytest.mark.parametrize("units", ["mm", "cm", "m"])
+def test_a_plan_comes_back_from_its_file_exactly(tmp_path, units):
+    plan = a_plan(tmp_path, units)
+    save_plan(plan, tmp_path / "plan.json")
+    again = load_plan(tmp_path / "plan.json")
+    assert again == plan
+    assert hash(again) == hash(plan)
+    for one, other in zip(again.stents, plan.stents, strict=True):
+        for name, value in vars(other.stent.placement).items():
+            np.testing.assert_array_equal(getattr(one.stent.placement, name), value)
+
+
+def test_plans_that_differ_are_not_equal(tmp_path):
+    plan = a_plan(tmp_path)
+    assert plan != plan.with_stent(plan.stents[0])
+    assert plan != "plan"
+    assert plan.stents[0] != plan.stents[1]
+
+
+def test_changing_the_unit_rounds_nothing():
+    for value in RANDOM.normal(size=500):
+        for factor in (1.0, 10.0, 1000.0):
+            assert scaled(unscaled(value, factor), factor) == value
+    assert scaled(1.1, 10.0) == 11.0  # 1.1 * 10 in floats is 11.000000000000002
+
+
+def test_files_are_relative_to_the_plan_and_absolute_without_one(tmp_path):
+    plan = a_plan(tmp_path)
+    inputs = plan_document(plan, str(tmp_path))["inputs"]
+    assert inputs["surface"]["file"] == "vessel/a.vtp"
+    assert plan_document(plan)["inputs"]["surface"]["file"] == str(tmp_path / "vessel" / "a.vtp")
+
+
+def test_points_stand_in_the_unit_of_the_file_and_sizes_in_mm():
+    plan = plan_from_document(a_document())
+    np.testing.assert_array_equal(plan.stents[0].stent.placement.point, [10, 20, 35])
+    assert plan.stents[0].stent.diameter == 6
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"placement": {"center": [1, 2, 3], "foo": 1}}, "stents[0].placement: unknown key 'foo'"),
+        ({"placement": {"center": [1, 2]}}, "stents[0].placement.center: expected three numbers"),
+        ({"placement": {"center": [1, 2, "x"]}}, "placement.center[2]: expected a number, got 'x'"),
+        ({"placement": {"center": 3}}, "placement.center: expected a list, got 3"),
+        ({"placement": {"center": [1, 2, 1e999]}}, "stents[0].placement: center: expected finite"),
+        ({"placement": {"from": [1, 2, 3]}}, "from with to, or axis, got from"),
+        ({"placement": {}}, "from with to, or axis, got nothing"),
+        ({"placement": {"axis": {}}}, "stents[0].placement.axis: expected either points or a file"),
+        ({"placement": {"axis": {"file": "x.vtp"}}}, "load the plan from its file"),
+        ({"placement": {"axis": {"points": [[1, 2, 3]]}}}, "axis: stent axis: expected a curve"),
+        ({"diameter": -1}, "stents[0]: stent diameter: expected a number greater than 0"),
+        ({"diameter": True}, "stents[0].diameter: expected a number, got true"),
+        ({"length": None}, "stents[0]: stent length: expected a length"),
+        ({"name": 4}, "stents[0].name: expected a text, got 4"),
+        ({"enabled": 1}, "stents[0].enabled: expected true or false, got 1"),
+        ({"device": "x"}, "stents[0]: unknown key 'device'; expected diameter, placement"),
+    ],
+)
+def test_what_does_not_belong_in_a_stent_is_named_with_its_place(change, words):
+    with pytest.raises(InputError, match=re.escape(words)):
+        plan_from_document(a_document(**change))
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "words"),
+    [
+        (("schema",), "other", "schema: expected 'sdfstent-plan', got 'other'"),
+        (("version",), 2, "version: expected 1, got 2; use the version of sdfstent that wrote"),
+        (("foo",), 1, "plan: unknown key 'foo'; expected schema, version, stents"),
+        (("stents",), {}, "stents: expected a list, got an object"),
+        (("stents",), [3], "stents[0]: expected an object with diameter"),
+        (("inputs", "units"), "inch", "inputs.units: expected mm, cm or m, got 'inch'"),
+        (("inputs", "frame"), "ABC", "inputs.frame: expected RAS, LPS or null, got 'ABC'"),
+        (("inputs", "x"), 0, "inputs: unknown key 'x'"),
+        (("inputs", "surface"), {}, "inputs.surface: expected the key 'file', got none"),
+        (("inputs", "surface"), {"file": ""}, "inputs.surface: input file: expected a path"),
+        (("settings", "k"), 0, "settings: unknown key 'k'; expected influence_distance"),
+        (("settings", "rule"), "x", "settings: rule: expected one of events, published"),
+        (("settings", "rule"), 1, "settings.rule: expected a text, got 1"),
+        (("settings", "finish"), "yes", "settings.finish: expected true or false, got 'yes'"),
+        (("settings", "step"), [], "settings.step: expected a number, got a list of 0"),
+        (("settings", "straightening_fraction"), 2, "straightening fraction: expected a number"),
+    ],
+)
+def test_what_does_not_belong_in_a_plan_is_named_with_its_place(path, value, words):
+    document = a_document()
+    section = document
+    for key in path[:-1]:
+        section = section[key]
+    section[path[-1]] = value
+    with pytest.raises(InputError, match=re.escape(words)):
+        plan_from_document(document)
+
+
+def test_what_is_left_out_of_the_settings_has_its_default():
+    settings = plan_from_document(a_document()).settings
+    assert settings == DeploymentSettings(influence_distance=5)
+
+
+@pytest.mark.parametrize(
+    ("data", "words"),
+    [
+        (b"", "got an empty file"),
+        (b"\xff\xfe\x00", "got no text in UTF-8"),
+        (b"{", "expected a JSON document"),
+        (b"[" * 100000, "nested too deeply"),
+        (b"[]", "schema: expected 'sdfstent-plan', got a list of 0; this is no plan"),
+        (b'{"schema": NaN}', "NaN is no number"),
+        (b'{"schema": 1, "schema": 2}', "the key 'schema' stands twice"),
+    ],
+)
+def test_a_file_that_is_no_plan_is_said(tmp_path, data, words):
+    path = tmp_path / "plan.json"
+    path.write_bytes(data)
+    with pytest.raises(InputError, match=re.escape(words)) as caught:
+        load_plan(path)
+    assert str(path) in str(caught.value)
+
+
+def test_a_plan_refuses_what_is_no_plan():
+    with pytest.raises(InputError, match="stent 1 of the plan: expected a PlannedStent, got str"):
+        Plan(stents=("x",))
+    with pytest.raises(InputError, match="expected a Stent, got int"):
+        PlannedStent(3)
+    with pytest.raises(InputError, match="expected a placement along an axis"):
+        PlannedStent(Stent(5, placement=AtCenter(a_point()), length=9), axis_file=InputFile("a"))
+    with pytest.raises(InputError, match="frame: expected RAS, LPS or none"):
+        Plan(frame="XYZ")
+    with pytest.raises(InputError, match="input file: expected a path, got 3"):
+        InputFile(3)
+    own = DeploymentSettings(falloff=lambda x: 1 - x)
+    with pytest.raises(InputError, match=r"settings.falloff: expected a name, got a function"):
+        plan_text(Plan(settings=own))
+
+
+def test_the_schema_knows_the_same_keys_as_the_reader(tmp_path):
+    document = json.loads(plan_text(a_plan(tmp_path)))
+    assert set(SCHEMA["properties"]) == set(document)
+    assert set(SCHEMA["properties"]["inputs"]["properties"]) == set(document["inputs"])
+    settings = SCHEMA["properties"]["settings"]["properties"]
+    assert set(settings) == {*SETTINGS, "straightening_fraction"} == set(document["settings"])
+    stent = SCHEMA["definitions"]["stent"]
+    assert set(stent["properties"]) == set(document["stents"][0])
+    for key in stent["required"]:
+        lacking = a_document()
+        del lacking["stents"][0][key]
+        with pytest.raises(InputError, match=f"expected the key '{key}', got none"):
+            plan_from_document(lacking)
+
+
+def test_the_schema_accepts_what_the_reader_accepts_and_refuses_what_it_refuses(tmp_path):
+    jsonschema = pytest.importorskip("jsonschema")
+    validator = jsonschema.Draft7Validator(SCHEMA)
+    validator.check_schema(SCHEMA)
+    for units in ("mm", "cm"):
+        validator.validate(json.loads(plan_text(a_plan(tmp_path, units))))
+    validator.validate(a_document())
+    for change in ({"diameter": -1}, {"device": "x"}, {"placement": {}}, {"enabled": 1}):
+        assert not validator.is_valid(a_document(**change))
+
+
+def test_two_overlapping_stents_are_deployed_in_order_and_said(a_patient):
+    _, vessel = a_patient
+    stents = [Stent(7.5, placement=BetweenPoints(*vessel.axis_at(e))) for e in ((19, 40), (36, 46))]
+    treatment = Treatment(vessel.points, vessel.triangles, stents, vessel.centerline)
+    fractions = [state.fraction for state in treatment]
+    assert fractions == sorted(fractions)
+    assert fractions[-1] == 1
+    result = treatment.result
+    assert result.certificate.passed
+    assert any(
+        re.match(r"Stents 1 and 2 overlap over (3\.9|4\.0|4\.1) mm", text)
+        for text in result.warnings
+    )
+    for stent in result.stents:
+        assert stent.after.mean == pytest.approx(7.5, rel=0.01)
+    unmoved = np.setdiff1d(np.arange(len(vessel.points)), result.indices)
+    np.testing.assert_array_equal(result.points[unmoved], vessel.points[unmoved])
+
+
+def test_a_later_stent_starts_from_what_the_earlier_one_left(a_patient):
+    _, vessel = a_patient
+    stents = [Stent(7.5, placement=BetweenPoints(*vessel.axis_at(e))) for e in ((19, 40), (36, 46))]
+    both = Treatment(vessel.points, vessel.triangles, stents, vessel.centerline, QUICK).result
+    first = Treatment(vessel.points, vessel.triangles, stents[:1], vessel.centerline, QUICK).result
+    second = Treatment(first.points, vessel.triangles, stents[1:], first.centerline, QUICK).result
+    np.testing.assert_array_equal(second.points, both.points)
+    np.testing.assert_array_equal(second.centerline.points, both.centerline.points)
+
+
+def test_tissue_that_a_later_stent_pushes_into_an_earlier_one_is_said(a_patient):
+    _, vessel = a_patient
+    stents = [Stent(7.5, placement=BetweenPoints(*vessel.axis_at(e))) for e in ((19, 34), (30, 42))]
+    result = Treatment(vessel.points, vessel.triangles, stents, vessel.centerline, QUICK).result
+    is_narrow = result.stents[0].after.minimum < 0.97 * 7.5
+    told = [text for text in result.warnings if "Later stents push tissue into it" in text]
+    assert len(told) == is_narrow
+
+
+def test_a_stent_that_is_switched_off_is_skipped_and_named():
+    vessel = stenosed_tube()
+    stent = Stent(6.0, length=15, placement=AtCenter(vessel.throat.point))
+    on, off = PlannedStent(stent), PlannedStent(stent, name="spare", enabled=False)
+    result = Treatment(vessel.points, vessel.triangles, [off, on], vessel.centerline, QUICK).result
+    assert [treated.number for treated in result.stents] == [2]
+    assert "Stent 1 (spare): it is switched off and was not deployed." in result.warnings
+    for stents, words in (([off], "all switched off"), ([], "at least one stent, got none")):
+        with pytest.raises(InputError, match=words):
+            Treatment(vessel.points, vessel.triangles, stents, vessel.centerline)
+
+
+def test_a_stent_smaller_than_the_lumen_moves_nothing_and_says_so():
+    vessel = stenosed_tube()
+    stent = Stent(3.0, length=15, placement=AtCenter(vessel.throat.point))
+    result = Treatment(vessel.points, vessel.triangles, [stent], vessel.centerline).result
+    assert len(result.indices) == 0
+    assert result.certificate.passed
+    assert any("Nothing moves: the stent of 3 mm" in text for text in result.warnings)
+
+
+def test_a_stent_far_wider_than_the_vessel_or_away_from_it_is_refused():
+    vessel = stenosed_tube()
+    wide = Stent(60.0, length=15, placement=AtCenter(vessel.throat.point))
+    with pytest.raises(InputError, match=r"at most 4 times the lumen of .*\(--units"):
+        Treatment(vessel.points, vessel.triangles, [wide], vessel.centerline)
+    away = Stent(60.0, placement=AlongAxis(np.array([[0, 0, 200.0], [0, 0, 210.0]])))
+    inside = Stent(6.0, length=15, placement=AtCenter(vessel.throat.point))
+    both = Treatment(vessel.points, vessel.triangles, [inside, away], vessel.centerline, QUICK)
+    with pytest.raises(DeploymentError, match="Stent 2: stent: expected the vessel's wall"):
+        list(both)
+    far = Stent(6.0, length=15, placement=AtCenter([300.0, 0, 0]))
+    with pytest.raises(InputError, match="Stent 2: center: expected a point within"):
+        Treatment(vessel.points, vessel.triangles, [inside, far], vessel.centerline)
+
+
+def test_a_bend_tighter_than_the_stent_is_said():
+    from SDFStentLib.phantoms import bent_tube
+
+    vessel = bent_tube(radius=3.0, bend_radius=4.0, angle_deg=120)
+    middle = vessel.vessels[0].axis.length / 2
+    stent = Stent(9.0, length=10, placement=AtCenter(vessel.axis_at(middle)[0]))
+    treatment = Treatment(vessel.points, vessel.triangles, [stent], vessel.centerline, QUICK)
+    assert any("bend tighter than the stent's radius" in text for text in treatment.result.warnings)
+
+
+def test_overlap_is_the_common_length_of_two_axes():
+    first = np.array([[0.0, 0, 0], [20, 0, 0]])
+    for shift, common in ((15.0, 5.0), (20.0, 0.0), (5.0, 10.0), (-6.0, 4.0)):
+        second = np.array([[shift, 0, 0], [shift + 10, 0, 0]])
+        assert overlap_length(first, 3, second, 3) == pytest.approx(common, abs=1e-9)
+    beside = first + np.array([0, 6.1, 0])
+    assert overlap_length(first, 3, beside, 3) == 0
+
+
+def test_a_plan_of_files_gives_the_same_points_as_its_arrays(a_patient):
+    folder, vessel = a_patient
+    stent = Stent(7.5, placement=BetweenPoints(*vessel.axis_at((20, 40))))
+    plan = Plan(
+        stents=(PlannedStent(stent),),
+        surface=InputFile(folder / "surface.vtp"),
+        centerline=InputFile(folder / "centerline.vtp"),
+    )
+    save_plan(plan, folder / "plan.json")
+    states = []
+    result = run_plan(load_plan(folder / "plan.json"), progress=states.append)
+    assert states[-1].fraction == 1
+    centerline = result.inputs.centerline
+    direct = Treatment(result.inputs.surface.points, vessel.triangles, [stent], centerline).result
+    np.testing.assert_allclose(result.treatment.points, direct.points, rtol=0, atol=1e-9)
+    document = plan_report(result).as_dict()
+    assert document["certificate"]["arrays_kept"]
+    assert document["inputs"][1]["role"] == "centerline"
+    assert document["stents"][0]["axis"]["length_mm"] == pytest.approx(20, abs=0.1)
+
+
+def test_an_axis_file_is_read_in_the_folder_of_the_plan_and_noticed_when_changed(a_patient):
+    folder, _ = a_patient
+    document = a_document(length=None, diameter=7.5, placement={"axis": {"file": "axis.vtp"}})
+    document["inputs"] = {"surface": {"file": "surface.vtp"}}
+    path = folder / "axis_plan.json"
+    path.write_text(json.dumps(document))
+    result = run_plan(load_plan(path))
+    assert result.treatment.stents[0].axis.deployed_length == pytest.approx(20, abs=0.05)
+    assert plan_report(result).as_dict()["inputs"][-1]["role"] == "axis"
+    save_plan(result.plan, path)
+    assert load_plan(path) == result.plan
+
+    changed = copy.deepcopy(document)
+    changed["stents"][0]["placement"]["axis"]["sha256"] = "1" * 64
+    path.write_text(json.dumps(changed))
+    with pytest.raises(InputError, match=r"axis.vtp: expected the file .*1{64}.*got another one"):
+        load_plan(path)
+    assert load_plan(path, accept_changed_inputs=True).stents
+
+
+def test_a_changed_input_is_refused_naming_both_hashes_unless_accepted(a_patient):
+    folder, vessel = a_patient
+    plan = Plan(
+        stents=(PlannedStent(Stent(7.5, placement=AlongAxis(vessel.axis_at((20, 30, 40))))),),
+        surface=InputFile(folder / "surface.vtp", "2" * 64),
+        sdfstent_version="0.0.1",
+    )
+    with pytest.raises(InputError, match=rf"{'2' * 64}\), got another one \(sha256 [0-9a-f]"):
+        run_plan(plan)
+    result = run_plan(plan, accept_changed_inputs=True)
+    assert any("accepted as asked" in text for text in result.warnings)
+    assert any("made by sdfstent 0.0.1" in text for text in result.warnings)
+    with pytest.raises(InputError, match="expected a centerline to write, the plan has none"):
+        result.write_centerline(folder / "c.vtp")
+    with pytest.raises(InputError, match=r"inputs.surface: expected a file, the plan names none"):
+        run_plan(Plan(stents=plan.stents))
+
+
+def test_a_plan_in_the_other_frame_is_turned(a_patient):
+    folder, vessel = a_patient
+    stent = PlannedStent(Stent(7.5, placement=BetweenPoints(*vessel.axis_at((20, 40)))))
+    data = polydata.polydata_from_arrays(vessel.points, vessel.triangles)
+    polydata.set_frame_of_polydata(data, "RAS")
+    (folder / "ras.vtp").write_bytes(vtk_formats.encode_vtp(data))
+    files = {
+        "surface": InputFile(folder / "ras.vtp"),
+        "centerline": InputFile(folder / "centerline.vtp"),
+    }
+    same = run_plan(Plan(stents=(stent,), frame="RAS", **files))
+    other = run_plan(Plan(stents=(turned(stent),), frame="LPS", **files))
+    np.testing.assert_allclose(other.treatment.points, same.treatment.points, rtol=0, atol=1e-9)
