@@ -1,0 +1,362 @@
+"""A deployment as a whole: states, cancelling, companions, warnings and refusals."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from deployment_cases import hairpin, phantom, phantom_case
+from mesh_files import open_tube
+
+from SDFStentLib.capsule_chain import CapsuleChain
+from SDFStentLib.deployment import Deployment, deploy
+from SDFStentLib.inscribed import inscribed_spheres
+from SDFStentLib.settings import DeploymentSettings
+from SDFStentLib.topology import surface_topology
+from SDFStentLib.untangle import Precision
+from SDFStentLib.validation import DeploymentError, InputError
+
+DEFAULT = DeploymentSettings()
+PUBLISHED = DeploymentSettings.published()
+both = pytest.mark.parametrize("settings", [DEFAULT, PUBLISHED], ids=["default", "published"])
+
+
+@pytest.fixture(scope="module")
+def case():
+    return phantom_case("branching_pulmonary_artery")
+
+
+def deployment_of(case, settings=DEFAULT, **others):
+    return Deployment(case.points, case.triangles, case.axis, case.radius, settings, **others)
+
+
+# States -----------------------------------------------------------------------------------------
+
+
+@both
+def test_the_stent_grows_from_state_to_state_up_to_the_prescribed_radius(case, settings):
+    states = list(deployment_of(case, settings))
+    radii = np.array([state.radius for state in states])
+    fractions = np.array([state.fraction for state in states])
+    assert (np.diff(radii) >= 0).all()
+    assert radii[-1] == case.radius
+    assert (np.diff(fractions) > 0).all()
+    assert fractions[0] > 0
+    assert (fractions[:-1] < 1).all()
+    assert fractions[-1] == 1
+
+
+@both
+def test_every_state_stays_addressable_as_it_was(case, settings):
+    deployment = deployment_of(case, settings)
+    seen = [
+        (state.radius, state.indices.copy(), state.coordinates.copy(), state.companions.copy())
+        for state in deployment
+    ]
+    assert len(deployment.states) == len(seen)
+    for state, (radius, indices, coordinates, companions) in zip(
+        deployment.states, seen, strict=True
+    ):
+        assert state.radius == radius
+        np.testing.assert_array_equal(state.indices, indices)
+        np.testing.assert_array_equal(state.coordinates, coordinates)
+        np.testing.assert_array_equal(state.companions, companions)
+
+
+def test_a_state_is_laid_over_the_undeformed_points(case):
+    deployment = deployment_of(case)
+    state = next(iter(deployment))
+    shown = state.applied_to(case.points)
+    np.testing.assert_array_equal(shown[state.indices], state.coordinates)
+    rest = np.setdiff1d(np.arange(len(case.points)), state.indices)
+    np.testing.assert_array_equal(shown[rest], case.points[rest])
+    assert (np.diff(state.indices) > 0).all()
+
+
+@both
+def test_cancelling_is_to_stop_iterating(case, settings):
+    deployment = deployment_of(case, settings)
+    running = iter(deployment)
+    for _ in range(2):
+        state = next(running)
+    running.close()
+    assert len(deployment.states) == 2
+    assert state is deployment.states[-1]
+    assert state.fraction < 1
+    # Nothing is left over: the result is that of a deployment that was never stopped.
+    np.testing.assert_array_equal(
+        deployment.result.points, deployment_of(case, settings).result.points
+    )
+
+
+def test_iterating_again_runs_again_and_gives_the_same(case):
+    deployment = deployment_of(case)
+    first = [state.coordinates for state in deployment]
+    second = [state.coordinates for state in deployment]
+    assert len(first) == len(second) == len(deployment.states)
+    for one, other in zip(first, second, strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+def test_two_deployments_may_run_side_by_side(case):
+    other = phantom_case("bent_tube")
+    alone = [state.coordinates for state in deployment_of(case)]
+    together = []
+    neighbor = iter(deployment_of(other))
+    for state in deployment_of(case):
+        together.append(state.coordinates)
+        next(neighbor, None)
+    for one, same in zip(alone, together, strict=True):
+        np.testing.assert_array_equal(one, same)
+
+
+def test_the_result_runs_the_deployment_once(case):
+    deployment = deployment_of(case)
+    assert deployment.result is deployment.result
+    np.testing.assert_array_equal(
+        deployment.result.points, deployment.result.state.applied_to(case.points)
+    )
+    with pytest.raises(ValueError, match="read-only"):
+        deployment.result.points[0] = 0
+
+
+def test_deploy_reports_every_state_and_returns_the_result(case):
+    seen = []
+    result = deploy(case.points, case.triangles, case.axis, case.radius, progress=seen.append)
+    again = list(deployment_of(case))
+    assert seen[-1] is result.state
+    assert [state.radius for state in seen] == [state.radius for state in again]
+    np.testing.assert_array_equal(seen[-1].coordinates, again[-1].coordinates)
+
+
+# Companions -------------------------------------------------------------------------------------
+
+
+def test_companions_inside_the_expanded_stent_stay_and_others_move_with_the_wall():
+    made = phantom("straight_tube", edge_length=1.0)
+    axis = made.axis_at(np.linspace(12, 28, 50))
+    inside = made.axis_at(np.linspace(10, 30, 21)) + np.array([1.5, 0, 0])
+    outside = made.axis_at(np.array([18.0, 20, 22])) + np.array([4.5, 0, 0])
+    far = made.axis_at(np.array([20.0])) + np.array([60.0, 0, 0])
+    companions = np.concatenate([inside, outside, far])
+    run = Deployment(made.points, made.triangles, axis, 3.8, DEFAULT, companions=companions)
+    after = run.result.state.companions
+    np.testing.assert_array_equal(after[:21], inside)
+    np.testing.assert_array_equal(after[24], far[0])
+    pushed = after[21:24] - outside
+    assert (pushed[:, 0] > 0.2).all()
+    np.testing.assert_allclose(pushed[:, 1:], 0, atol=0.05)
+
+
+@both
+def test_companions_do_not_change_what_the_wall_does(case, settings):
+    alone = deployment_of(case, settings).result.points
+    companions = np.concatenate([case.axis, case.points + 0.5])
+    np.testing.assert_allclose(
+        deployment_of(case, settings, companions=companions).result.points,
+        alone,
+        rtol=0,
+        atol=1e-9,
+    )
+
+
+def test_every_state_has_all_companions(case):
+    companions = case.axis + np.array([0, 5.0, 0])
+    run = deployment_of(case, companions=companions)
+    shapes = {state.companions.shape for state in run}
+    assert shapes == {companions.shape}
+    moved = [np.abs(state.companions - companions).max() for state in run.states]
+    assert moved[-1] > moved[0]
+
+
+def test_without_companions_the_array_is_empty(case):
+    assert deployment_of(case).result.state.companions.shape == (0, 3)
+
+
+# The certificate --------------------------------------------------------------------------------
+
+
+def test_the_certificate_is_about_the_points_that_are_returned(case):
+    from SDFStentLib.certificate import certify
+
+    result = deployment_of(case, precision=Precision(np.float32, 0.1)).result
+    again = certify(case.points, result.points, case.triangles, dtype=np.float32, scale=0.1)
+    assert result.certificate.as_dict() == again.as_dict()
+    assert result.certificate.passed
+
+
+def test_the_certificate_can_be_left_out(case):
+    settings = DEFAULT.with_changes(certify=False)
+    result = deployment_of(case, settings).result
+    assert result.certificate is None
+    np.testing.assert_array_equal(result.points, deployment_of(case).result.points)
+
+
+def test_a_known_topology_changes_nothing(case):
+    known = deployment_of(case, topology=surface_topology(case.triangles)).result
+    np.testing.assert_array_equal(known.points, deployment_of(case).result.points)
+    assert known.certificate.as_dict() == deployment_of(case).result.certificate.as_dict()
+
+
+# What is stented --------------------------------------------------------------------------------
+
+
+def test_the_stenosis_is_opened(case):
+    run = deployment_of(case)
+    centers = run.chain.nodes[4:-4]
+    before = inscribed_spheres(case.points, case.triangles, centers).radii
+    after = inscribed_spheres(run.result.points, case.triangles, centers).radii
+    assert before.min() < 0.7 * case.radius
+    # Facets of 1.2 mm, stretched: within 1 %.
+    assert after.min() > 0.99 * case.radius
+
+
+def test_the_neighbor_is_pushed_aside_and_no_wall_crosses_another():
+    # A short influence lets the stented wall catch up with the neighbor's.
+    case = phantom_case("tube_with_neighbor")._replace(radius=5.5)
+    run = deployment_of(case, DEFAULT.with_changes(influence_distance=1.0))
+    assert run.result.certificate.passed
+    neighbor = case.points[:, 0] > 4.0
+    pushed = np.linalg.norm(run.result.points - case.points, axis=1)[neighbor]
+    assert pushed.max() > 0.5
+    # Between the stent's wall and the neighbor's a tissue thickness stays.
+    facing = neighbor & (case.points[:, 0] < 6.5) & (np.abs(case.points[:, 2] - 20) < 8)
+    away = run.chain.axis_distance(run.result.points[facing]).distance
+    assert away.min() > case.radius + 0.35
+
+
+def test_the_tissue_gap_can_be_left_out():
+    case = phantom_case("tube_with_neighbor")._replace(radius=5.5)
+    facing = (np.abs(case.points[:, 0] - 5) < 0.1) & (np.abs(case.points[:, 2] - 20) < 8)
+    distances = []
+    for gap in (0.0, 0.4, 1.0):
+        settings = DEFAULT.with_changes(
+            tissue_gap=gap, influence_distance=1.0, facet_compensation=False, untangle=False
+        )
+        run = deployment_of(case, settings)
+        distances.append(run.chain.axis_distance(run.result.points[facing]).distance.min())
+    assert distances[0] == pytest.approx(5.5, abs=0.02)
+    assert distances[1] == pytest.approx(5.9, abs=0.05)
+    assert distances[2] == pytest.approx(6.5, abs=0.05)
+
+
+def test_an_axis_may_be_given_as_a_chain(case):
+    chain = CapsuleChain.along(case.axis)
+    run = Deployment(case.points, case.triangles, chain, case.radius)
+    assert run.chain is chain
+    np.testing.assert_array_equal(run.result.points, deployment_of(case).result.points)
+
+
+def test_the_capsules_follow_the_settings(case):
+    run = deployment_of(case, DEFAULT.with_changes(capsule_length=2.0, smoothing_width=0.1))
+    assert run.chain.smoothing_width == 0.1
+    lengths = np.linalg.norm(np.diff(run.chain.nodes, axis=0), axis=1)
+    assert lengths.mean() == pytest.approx(2.0, abs=0.2)
+
+
+def test_the_crimped_stent_never_starts_beyond_the_wall(case):
+    """A start beyond the wall would jump; the default and a hundred times as much agree."""
+    wide = deployment_of(case, PUBLISHED.with_changes(crimped_radius=40.0))
+    narrow = deployment_of(case, PUBLISHED.with_changes(crimped_radius=0.4))
+    nearest = wide.chain.field(case.points).distance.min()
+    assert next(iter(wide)).radius < nearest + 0.3
+    # Euler steps begin at other radii: their own error.
+    apart = np.linalg.norm(wide.result.points - narrow.result.points, axis=1)
+    assert apart.max() < 0.2
+
+
+# Shapes that the prototype never saw ------------------------------------------------------------
+
+
+def test_a_stent_may_stick_out_of_an_open_end():
+    points, triangles = open_tube(radius=3.0, length=30.0, around=24, along=40)
+    run = Deployment(points, triangles, [[0.0, 0, 20], [0, 0, 36]], 3.6)
+    assert run.result.certificate.passed
+    rim = points[:, 2] > 29.9
+    away = np.linalg.norm(run.result.points[rim][:, :2], axis=1)
+    assert away.min() > 3.6 - 1e-4
+
+
+def test_a_stent_may_be_longer_than_the_vessel():
+    points, triangles = open_tube(radius=3.0, length=20.0, around=24, along=26)
+    run = Deployment(points, triangles, [[0.0, 0, -10], [0, 0, 30]], 3.5)
+    assert run.result.certificate.passed
+    away = np.linalg.norm(run.result.points[:, :2], axis=1)
+    assert away.min() > 3.5 - 1e-4
+
+
+def test_a_stent_may_end_in_an_outlet_cap():
+    made = phantom("straight_tube", edge_length=1.0)
+    axis = made.axis_at(np.linspace(25, 40, 50))
+    run = Deployment(made.points, made.triangles, axis, 3.6)
+    assert run.result.certificate.passed
+
+
+def test_an_axis_with_a_kink_of_20_degrees_gives_a_sound_surface():
+    made = phantom("straight_tube", edge_length=0.8)
+    bend = np.tan(np.radians(20)) * 6
+    axis = np.array([[0, 0, 12.0], [0, 0, 20], [bend, 0, 26]])
+    run = Deployment(made.points, made.triangles, axis, 4.0)
+    assert run.result.certificate.passed
+    away = run.chain.axis_distance(run.result.points).distance
+    assert away.min() > 4.0 - 1e-3
+
+
+def test_a_stent_round_a_hairpin_gives_a_sound_surface():
+    made = phantom("hairpin_tube", edge_length=1.0)
+    length = made.vessels[0].axis.length
+    axis = made.axis_at(np.linspace(10, length - 10, 400))
+    run = Deployment(made.points, made.triangles, axis, 3.4)
+    assert run.result.certificate.passed
+
+
+@pytest.mark.parametrize("edge_length", [0.25, 3.0])
+def test_meshes_may_be_fine_or_coarse(edge_length):
+    made = phantom("straight_tube", radius=5.0, length=30.0, edge_length=edge_length)
+    run = Deployment(made.points, made.triangles, made.axis_at([11.0, 19.0]), 6.0)
+    assert run.result.certificate.passed
+    spheres = inscribed_spheres(run.result.points, made.triangles, run.chain.nodes)
+    # The fine one to a few micrometres, the coarse one to its own facets.
+    assert spheres.radii.mean() == pytest.approx(6.0, abs=0.01 if edge_length < 1 else 0.3)
+
+
+def test_points_without_a_triangle_are_no_obstacle(case):
+    points = np.concatenate([case.points, case.axis[:5] + 2.0, [[1000.0, 0, 0]]])
+    run = Deployment(points, case.triangles, case.axis, case.radius)
+    assert run.result.certificate.passed
+    assert len(run.result.points) == len(points)
+
+
+# Refusals ---------------------------------------------------------------------------------------
+
+
+def test_a_stent_far_from_the_surface_is_refused_with_what_to_check(case):
+    run = Deployment(case.points, case.triangles, case.axis + 500, case.radius)
+    with pytest.raises(DeploymentError, match=r"expected the vessel's wall within 10\.0 mm"):
+        next(iter(run))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"radius": 0}, "stent radius: expected a number greater than 0 .mm., got 0"),
+        ({"radius": float("nan")}, "stent radius: expected a number"),
+        ({"axis": [[0, 0, 0]]}, "stent axis: expected at least 2 points, got 1"),
+        ({"axis": np.zeros((4, 3))}, "stent axis: expected a line with length"),
+        ({"axis": hairpin()[:, :2]}, "stent axis: expected shape .n, 3."),
+        ({"points": [[0.0, 0, 0]]}, "surface points: expected at least 3 points"),
+        ({"points": np.full((4, 3), np.nan)}, "surface points: expected finite coordinates"),
+        ({"triangles": np.zeros((0, 3), dtype=int)}, "surface triangles: expected at least one"),
+        ({"triangles": [[0, 1, 10**6]]}, "surface triangles: expected point indices from 0"),
+        ({"triangles": [[0.0, 1.0, 2.0]]}, "surface triangles: expected integers"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
+)
+def test_bad_input_is_refused_at_once(case, change, message):
+    arguments = {**case._asdict(), **change}
+    with pytest.raises(InputError, match=message):
+        Deployment(**arguments)
+
+
+def test_bad_companions_are_refused(case):
+    with pytest.raises(InputError, match=r"companion points: expected shape \(n, 3\)"):
+        deployment_of(case, companions=np.zeros((3, 2)))
