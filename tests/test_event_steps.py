@@ -19,6 +19,7 @@ CONVERGED = PUBLISHED.with_changes(step=0.0125)
 CASES = {
     "aorta and iliac, 30 mm": ("aorta_iliac", 200, 30, None),
     "aorta and iliac, 36 mm, radius 12": ("aorta_iliac", 200, 36, 12.0),
+    "pulmonary artery": ("pulmonary", 20, 25, None),
     "branching aorta": ("vmtk_aorta", 20, 25, None),
 }
 
@@ -53,8 +54,9 @@ def test_long_steps_are_closer_to_the_converged_limit_than_the_published_ones(da
         distances[rule.rule] = apart[free]
         steps[rule.rule] = len(run.states) - 1
     published, events = distances["published"], distances["events"]
-    # Measured on these three: mean 0.0047-0.0053 against 0.0078-0.0088, 99th percentile
-    # 0.017-0.021 against 0.024-0.044, largest 0.020-0.029 against 0.027-0.064 mm.
+    # Measured on these four: mean 0.004-0.005 against 0.007-0.009, 99th percentile 0.014-0.027
+    # against 0.019-0.044, largest 0.020-0.042 against 0.023-0.064 mm. Single points are chaotic
+    # (in contact or not), hence the margin for the largest.
     assert events.mean() < 0.8 * published.mean()
     assert np.quantile(events, 0.99) < 0.9 * np.quantile(published, 0.99)
     assert events.max() < 1.1 * published.max()
@@ -65,17 +67,20 @@ def test_long_steps_are_closer_to_the_converged_limit_than_the_published_ones(da
 @pytest.mark.parametrize(
     "name", ["stenosed_tube", "bent_tube", "branching_pulmonary_artery", "tube_with_neighbor"]
 )
-def test_where_whole_rings_touch_at_once_the_distance_stays_within_the_tolerance(name):
-    """Phantoms are the hardest case: few long steps, and many contacts at one radius."""
+def test_few_long_steps_do_where_whole_rings_touch_at_once(name):
+    """Phantoms take the fewest and longest steps, with many contacts at one radius."""
     case = phantom_case(name)
     limit, deployment = deployed(case, CONVERGED)
-    after, _ = deployed(case, EVENTS)
-    level = deployment.chain.field(after).distance
-    free = level > deployment.target_level + 0.05
-    apart = np.linalg.norm(after - limit, axis=1)[free]
-    # `step_tolerance` is 0.05 mm by the rule's own estimate, an estimate and no bound.
-    assert apart.max() < 2 * EVENTS.step_tolerance
-    assert apart[apart > 0].mean() < 0.7 * EVENTS.step_tolerance
+    means = {}
+    for rule in (PUBLISHED, EVENTS):
+        after, _ = deployed(case, rule)
+        free = deployment.chain.field(after).distance > deployment.target_level + 0.05
+        apart = np.linalg.norm(after - limit, axis=1)[free]
+        means[rule.rule] = apart[apart > 0].mean()
+    # Measured 0.001-0.003 against 0.004-0.008 in the mean, 0.017 at most.
+    assert means["events"] < 0.8 * means["published"]
+    # The tolerance is for the rule's own estimate; the true distance keeps it as well.
+    assert apart.max() < EVENTS.step_tolerance
 
 
 def test_shorter_steps_come_closer_to_the_limit():
