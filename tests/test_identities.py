@@ -159,17 +159,38 @@ def test_the_input_is_never_modified(case, name):
         np.testing.assert_array_equal(array, copy)
 
 
-@pytest.mark.parametrize("winding", ["flipped", "mixed"])
-@pytest.mark.parametrize("vessel", ["branching_pulmonary_artery", "tube_with_neighbor"])
+@pytest.mark.parametrize(
+    ("vessel", "winding"),
+    [
+        ("branching_pulmonary_artery", "flipped"),
+        ("branching_pulmonary_artery", "mixed"),
+        ("tube_with_neighbor", "flipped"),
+        ("tube_with_neighbor", "mixed"),
+        pytest.param(
+            "tube_with_neighbor",
+            "one vessel flipped",
+            marks=pytest.mark.xfail(
+                reason="the side of a lumen is told once for all parts of a surface", strict=True
+            ),
+        ),
+    ],
+)
 def test_the_winding_of_the_input_does_not_matter(vessel, winding):
     case = phantom_case(vessel)
+    # A large stent of short influence touches the neighbor, whose side then matters.
+    settings = DEFAULT.with_changes(influence_distance=1.0)
     turned = np.ones(len(case.triangles), dtype=bool)
     if winding == "mixed":
         turned = np.random.default_rng(11).random(len(turned)) < 0.3
+    if winding == "one vessel flipped":
+        turned = case.points[case.triangles[:, 0], 0] > 4
     wound = np.where(turned[:, None], case.triangles[:, [0, 2, 1]], case.triangles)
     # Normals are sums of other roundings.
     np.testing.assert_allclose(
-        deployed(case, DEFAULT, triangles=wound), deployed(case, DEFAULT), rtol=0, atol=1e-9
+        deployed(case, settings, triangles=wound, radius=5.5),
+        deployed(case, settings, radius=5.5),
+        rtol=0,
+        atol=1e-9,
     )
 
 
