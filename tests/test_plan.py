@@ -270,7 +270,8 @@ def test_two_overlapping_stents_are_deployed_in_order_and_said(a_patient):
         for text in result.warnings
     )
     for stent in result.stents:
-        assert stent.after.mean == pytest.approx(7.5, rel=0.01)
+        # The median: at the inlet's side the vessel is wider than the stent from the start.
+        assert np.median(stent.after.inscribed_diameter) == pytest.approx(7.5, rel=0.01)
     unmoved = np.setdiff1d(np.arange(len(vessel.points)), result.indices)
     np.testing.assert_array_equal(result.points[unmoved], vessel.points[unmoved])
 
