@@ -23,7 +23,7 @@ from .metrics import diameter_profile
 from .plan import PlannedStent
 from .settings import DeploymentSettings
 from .stent import Stent, StentAxis, stent_axis
-from .topology import consistently_wound, surface_topology
+from .topology import Topology, consistently_wound, surface_topology
 from .treatment_value import TreatedStent, TreatmentResult, TreatmentState
 from .treatment_warnings import check_width, narrowed, nothing_moved, overlap
 from .untangle import Precision
@@ -61,6 +61,8 @@ class Treatment:
         Further points that are dragged along.
     precision : Precision, optional
         How the result will be stored.
+    topology : Topology, optional
+        `surface_topology(triangles)` where known, to look at it once for many treatments.
 
     Raises
     ------
@@ -81,6 +83,7 @@ class Treatment:
         straightening_fraction: float = 0.0,
         companions: ArrayLike | None = None,
         precision: Precision | None = None,
+        topology: Topology | None = None,
     ) -> None:
         self.points = as_points(points, "surface points", minimum=3)
         self.triangles = as_triangles(triangles, len(self.points), "surface triangles")
@@ -94,7 +97,7 @@ class Treatment:
         )
         self.companions = as_points(() if companions is None else companions, "companion points")
         self.precision = precision or Precision()
-        self._topology = surface_topology(self.triangles)
+        self._topology = topology or surface_topology(self.triangles)
         self._result: TreatmentResult | None = None
         self._stages: list[_Stage] = []
         self._enabled = [(n, s) for n, s in enumerate(self.planned, start=1) if s.enabled]
