@@ -20,15 +20,15 @@ from typing import TYPE_CHECKING, Any
 
 from .capsule_chain import CapsuleChain
 from .centerline import Centerline
-from .certificate import Certificate, certify, check_surface
-from .deployment import Deployment, DeploymentResult, DeploymentState, deploy
-from .metrics import DiameterProfile, diameter_profile, stenosis
+from .certificate import certify, check_surface
+from .deployment import Deployment, deploy
+from .metrics import diameter_profile, stenosis
 from .placement import AlongAxis, AtCenter, AtDistalEnd, AtProximalEnd, BetweenPoints
-from .plan import InputFile, Plan, PlannedStent
+from .plan import Plan, PlannedStent
 from .plan_document import save_plan
 from .plan_reader import load_plan
 from .settings import DeploymentSettings
-from .stent import Stent, StentAxis, stent_axis
+from .stent import Stent, stent_axis
 from .treatment import Treatment
 from .validation import DeploymentError, InputError
 from .version import VERSION as __version__
@@ -49,19 +49,13 @@ __all__ = [
     "BetweenPoints",
     "CapsuleChain",
     "Centerline",
-    "Certificate",
     "Deployment",
     "DeploymentError",
-    "DeploymentResult",
     "DeploymentSettings",
-    "DeploymentState",
-    "DiameterProfile",
     "InputError",
-    "InputFile",
     "Plan",
     "PlannedStent",
     "Stent",
-    "StentAxis",
     "Treatment",
     "__version__",
     "certify",
