@@ -34,7 +34,7 @@ clean:
 	@touch $@
 
 .venv/ready-test: .venv/ready
-	@$(PIP) --editable '.[figures,progress,test,slicer]'
+	@$(PIP) --editable '.[figures,test,slicer]'
 	@touch $@
 
 .venv/ready-lint: .venv/ready

@@ -85,6 +85,8 @@ def check_writable(path: str | os.PathLike[str]) -> Path:
             raise InputError(
                 f"{path}: no permission to write in {target.parent}; choose another folder."
             )
+    except InputError:
+        raise
     except (OSError, ValueError) as error:  # ValueError: a null character in the name
         raise _cannot_write(path, error) from error
     return target

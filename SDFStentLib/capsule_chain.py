@@ -169,7 +169,8 @@ def capsule_distances(
     fractions /= 2 * lengths
     fractions += 0.5
     twice = 2 * fractions
-    np.clip(fractions, 0, 1, out=fractions)
+    np.maximum(fractions, 0, out=fractions)
+    np.minimum(fractions, 1, out=fractions)
     twice -= fractions
     twice *= fractions
     twice *= lengths
@@ -196,16 +197,18 @@ def fold(
     scale = 1 / (2 * smoothing_width)
     value = distances[0] * scale
     weights = distances * -scale
+    weights += 0.5
     weights[0] = 1
-    shift, half = np.empty_like(value), np.empty_like(value)
+    shift, part = np.empty_like(value), np.empty_like(value)
     for row in weights[1:]:
         np.add(value, row, out=shift)
-        shift += 0.5
-        np.clip(shift, 0, 1, out=row)
-        np.multiply(row, 0.5, out=half)
-        shift -= half
-        shift *= row
-        value -= shift
+        # Two calls instead of np.clip, whose wrapper costs more than the work on a small block.
+        np.maximum(shift, 0, out=row)
+        np.minimum(row, 1, out=row)
+        np.multiply(row, -0.5, out=part)
+        part += shift
+        part *= row
+        value -= part
     remaining = 1 - weights[-1]
     for row in weights[-2::-1]:
         row *= remaining

@@ -133,6 +133,12 @@ class Certificate:
         return not self.places
 
     @property
+    def failing_triangles(self) -> Indices:
+        """All triangles with a new fault, ascending."""
+        kinds = (self.new_self_intersecting, self.new_inverted, self.new_degenerate)
+        return np.unique(np.concatenate(kinds))
+
+    @property
     def is_watertight(self) -> bool:
         """Closed and manifold."""
         return self.topology.is_watertight

@@ -35,6 +35,9 @@ which the distance is linear but for the smooth minimum's ripple. Where that is 
 bend or between two legs of a hairpin, `Motion.is_curved` is set and the field is followed instead.
 """
 
+FOLLOWING_PART = 0.2
+"""Length of the parts, mm, in which a curved field is followed."""
+
 ERROR_SHARE = 0.25
 """Stated error over the difference of two second-order values of one step.
 
@@ -80,7 +83,7 @@ def event_steps(motion: Motion, rule: StepRule, start: float, target: float) -> 
     rate = contact.astype(np.float64)
     growth = min(FIRST_STEP, rule.step)
     evaluated = radius
-    motion.look_ahead(FIELD_INTERVAL)
+    motion.look_ahead(target - radius)
     while target - radius > 1e-9:
         growth = min(growth, target - radius)
         if target - radius - growth < 0.25 * growth:
@@ -90,7 +93,6 @@ def event_steps(motion: Motion, rule: StepRule, start: float, target: float) -> 
         radius += growth
         if radius - evaluated > FIELD_INTERVAL:
             motion.refreshed()
-            motion.look_ahead(FIELD_INTERVAL)
             evaluated = radius
         yield radius
         factor = np.sqrt(rule.tolerance / max(error, 1e-12))
@@ -162,9 +164,10 @@ def _follow(
     growth: float,
 ) -> None:
     """Move points along a curved field in short parts, pushing out those that fall inside."""
-    for part in range(SUBSTEPS if len(where) else 0):
-        inside = radius + growth * part / SUBSTEPS - motion.level[where]
-        push = amount / SUBSTEPS + np.where(contact, np.maximum(inside, 0), 0)
+    parts = int(np.ceil(growth / FOLLOWING_PART - 1e-9)) if len(where) else 0
+    for part in range(parts):
+        inside = radius + growth * part / parts - motion.level[where]
+        push = amount / parts + np.where(contact, np.maximum(inside, 0), 0)
         motion.moved_to(where, motion.positions[where] + push[:, None] * motion.direction[where])
 
 

@@ -25,6 +25,8 @@ class LocalSurface:
         extent: tuple[Floats, Floats] | None = None,
     ) -> None:
         self._points, self._triangles, self._centers = points, triangles, centers
+        self.lowest: Floats
+        self.highest: Floats
         self.lowest, self.highest = extent or (points.min(axis=0), points.max(axis=0))
         # Any vertex in use bounds the distance to the wall; a thousand bound it well enough.
         some = points[triangles[:: max(1, len(triangles) // 1000), 0]]

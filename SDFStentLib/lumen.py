@@ -20,7 +20,7 @@ CONTACT_BAND = 1.5
 
 FINISH_ROUNDS = 3
 COMPENSATION_PASSES = 2
-COMPENSATION_ROUNDS = 6
+COMPENSATION_ROUNDS = 5
 
 
 def radius_correction(chain: CapsuleChain, radius: float) -> float:

@@ -14,8 +14,11 @@ from .blending import Profile
 from .capsule_chain import CapsuleChain
 from .validation import Points
 
-STRAIGHT = np.cos(np.deg2rad(1.0))
+STRAIGHT = np.cos(np.deg2rad(2.0))
 """Directions that differ by less count as the same: the smooth minimum's ripple stays below."""
+
+SAMPLE = 4000
+"""Points at which the way ahead is looked at; fewer where there are not so many."""
 
 BIN_SIZE = 3.0
 """Edge of the cubes that group resting points, mm; changes the speed, never the result."""
@@ -98,10 +101,21 @@ class Motion:
         self.moved_to(where, self.positions[where])
 
     def look_ahead(self, distance: float) -> None:
-        """Find the points whose direction changes within a distance, mm, along it."""
-        ahead = self.chain.field(self.positions + distance * self.direction)
-        agreement = np.einsum("ij,ij->i", ahead.direction, self.direction)
-        self.is_curved = agreement < STRAIGHT
+        """Find the points whose direction changes along the way, half and the whole of it, mm.
+
+        Of many points a sample is looked at, and a cube of points is curved when one of its
+        sample is.
+        """
+        sample = np.arange(0, len(self.positions), max(1, len(self.positions) // SAMPLE))
+        direction = self.direction[sample]
+        curved = np.zeros(len(sample), dtype=bool)
+        for share in (0.5, 1.0):
+            ahead = self.chain.field(self.positions[sample] + share * distance * direction)
+            curved |= np.einsum("ij,ij->i", ahead.direction, direction) < STRAIGHT
+        cube = self.resting.cube
+        in_curved_cube = np.zeros(len(self.positions) + 1, dtype=bool)
+        in_curved_cube[cube[sample[curved]]] = True
+        self.is_curved = in_curved_cube[cube]
 
 
 class RestingPoints:
@@ -121,8 +135,8 @@ class RestingPoints:
         counts = np.diff(np.append(starts, len(positions)))
         sums = np.add.reduceat(positions, starts, axis=0) if len(starts) else np.empty((0, 3))
         self._centres = sums / counts[:, None]
-        self._cube = np.repeat(np.arange(len(starts)), counts)
-        offsets = positions - self._centres[self._cube]
+        self.cube = np.repeat(np.arange(len(starts)), counts)
+        offsets = positions - self._centres[self.cube]
         squares = np.einsum("ij,ij->i", offsets, offsets)
         reach = np.maximum.reduceat(squares, starts) if len(starts) else squares
         self._reach = np.sqrt(reach)
@@ -139,7 +153,7 @@ class RestingPoints:
         if woken.any():
             cubes = np.zeros(len(self._centres), dtype=bool)
             cubes[self._asleep[woken]] = True
-            self.awake |= cubes[self._cube]
+            self.awake |= cubes[self.cube]
             self._asleep = self._asleep[~woken]
 
 
@@ -171,7 +185,7 @@ def influence_rates(
         Distance to the nearest contact point, mm; infinite where there is none.
     """
     near = np.minimum(contact_distance / influence_distance, 1)
-    above = np.clip(level_above / influence_distance, 0, 1)
+    above = np.minimum(np.maximum(level_above / influence_distance, 0), 1)
     return falloff(above) * blend(near)
 
 

@@ -15,6 +15,7 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .caps import bulged_caps
 from .centerline import Centerline
 from .certificate import Certificate, certify
 from .coverage import BranchOstium, branch_ostia
@@ -191,7 +192,7 @@ class Treatment:
             companions=read_only(companions),
             stents=treated,
             certificate=certificate,
-            warnings=tuple(self._warnings(treated)),
+            warnings=tuple(self._warnings(treated, points, indices)),
             timings={
                 "setup": sum(stage.seconds[0] for stage in self._stages),
                 "deploy": sum(stage.seconds[1] for stage in self._stages),
@@ -246,7 +247,9 @@ class Treatment:
             topology=self._topology,
         )
 
-    def _warnings(self, treated: Sequence[TreatedStent]) -> Iterator[str]:
+    def _warnings(
+        self, treated: Sequence[TreatedStent], after: Points, moved: NDArray[np.int64]
+    ) -> Iterator[str]:
         for number, planned in enumerate(self.planned, start=1):
             if not planned.enabled:
                 yield f"{self.label(number)}it is switched off and was not deployed."
@@ -259,6 +262,8 @@ class Treatment:
         for index, second in enumerate(treated):
             for first in treated[:index]:
                 yield from overlap(first, second)
+        for cap in bulged_caps(self.points, after, self.triangles, moved):
+            yield cap.sentence()
 
 
 @dataclass

@@ -166,13 +166,7 @@ def test_the_input_is_never_modified(case, name):
         ("branching_pulmonary_artery", "mixed"),
         ("tube_with_neighbor", "flipped"),
         ("tube_with_neighbor", "mixed"),
-        pytest.param(
-            "tube_with_neighbor",
-            "one vessel flipped",
-            marks=pytest.mark.xfail(
-                reason="the side of a lumen is told once for all parts of a surface", strict=True
-            ),
-        ),
+        ("tube_with_neighbor", "one vessel flipped"),
     ],
 )
 def test_the_winding_of_the_input_does_not_matter(vessel, winding):

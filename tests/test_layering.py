@@ -65,7 +65,7 @@ def test_reports_and_pictures_stand_above_plans_and_plans_above_deployment():
     upper = {
         0: ("report", "picture", "treatment_report"),
         1: ("plan", "treatment"),
-        2: ("deployment", "event_steps", "published_steps", "untangle", "lumen"),
+        2: ("deployment", "attempt", "deployment_value", "event_steps", "published_steps", "untangle", "lumen"),
     }
 
     def level(name):

@@ -1,0 +1,150 @@
+"""One run of a deployment: the points that can move, the radius steps, the finished lumen."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .capsule_chain import CapsuleChain
+from .deployment_value import DeploymentState, DeploymentTask
+from .event_steps import event_steps
+from .lumen import facets_compensated, finished, projected
+from .motion import Motion
+from .patch import Patch
+from .published_steps import published_steps
+from .surface import vertex_normals
+from .topology import consistently_wound
+from .untangle import Faults, untangled
+from .validation import DeploymentError, Points
+
+WALL_CLEARANCE = 0.9
+"""The crimped stent never reaches beyond this share of the nearest wall's distance."""
+
+
+class Attempt:
+    """One run of the radius steps with one tissue gap."""
+
+    def __init__(self, task: DeploymentTask, ramp: tuple[float, float], gap: float) -> None:
+        self.task = task
+        self.motion, self.numbers = self._active(gap)
+        self.start = self.motion.positions.copy()
+        self.wall_count = int(self.motion.touchable.sum())
+        if not self.wall_count:
+            raise DeploymentError(
+                "stent: expected the vessel's wall within "
+                f"{task.radius + task.settings.influence_distance:.1f} mm of the stent "
+                "axis, got none; check that surface and axis are in the same unit and frame."
+            )
+        self.patch = Patch.around(task.triangles, self.numbers[: self.wall_count], len(task.points))
+        self.patch_start = self.patch.points(task.points, self.start[: self.wall_count])
+        nearest = float(self.motion.level[: self.wall_count].min())
+        self.start_radius = min(task.settings.crimped_radius, WALL_CLEARANCE * nearest)
+        if gap > 0:
+            self._keep_tissue(ramp, gap)
+
+    def steps(self) -> Iterator[float]:
+        """Run the radius steps; yields the field level reached after each."""
+        settings = self.task.settings
+        run = event_steps if settings.rule == "events" else published_steps
+        return run(self.motion, settings.step_rule(), self.start_radius, self.task.target_level)
+
+    def state(self, level: float) -> DeploymentState:
+        """What has moved so far, in the caller's numbers."""
+        task, target = self.task, self.task.target_level
+        moved = np.flatnonzero((self.motion.positions != self.start).any(axis=1))
+        wall, dragged = np.split(moved, [np.searchsorted(moved, self.wall_count)])
+        companions = task.companions.copy()
+        companions[self.numbers[dragged] - len(task.points)] = self.motion.positions[dragged]
+        wall = wall[np.argsort(self.numbers[wall])]
+        return DeploymentState(
+            radius=min(level + task.radius - target, task.radius),
+            fraction=min(level / target, 1.0) * (1 - 1e-9),
+            indices=self.numbers[wall],
+            coordinates=self.motion.positions[wall],
+            companions=companions,
+        )
+
+    def finish(self) -> None:
+        """After the last step: put the wall in contact on the prescribed lumen."""
+        task, settings = self.task, self.task.settings
+        if not settings.finish:
+            return
+        self.motion.refreshed()
+        projected(self.motion, task.target_level)
+        on_stent = finished(
+            self.motion,
+            task.target_level,
+            task.radius,
+            settings.contact_tolerance,
+        )
+        if settings.facet_compensation:
+            facets_compensated(self.motion, self.patch.triangles, on_stent, task.radius)
+
+    def untangle(self, faulty: NDArray[np.int64]) -> int:
+        """Take apart faulty faces of the surface; returns the rounds that it took."""
+        task = self.task
+        # A fault may lie in a face that is only crossed by a moved one, outside the patch.
+        local = np.flatnonzero(np.isin(self.patch.faces, faulty))
+        if not len(local):
+            return 0
+        wound, _ = consistently_wound(self.patch.triangles)
+        faults = Faults(self.patch_start, wound, task.precision)
+        folded = self.motion.positions.copy()
+        outcome = untangled(self.motion, faults, self.wall_count, task.target_level, local)
+        if len(outcome.remaining) >= len(local):
+            self.motion.positions[:] = folded
+        return outcome.rounds
+
+    def _active(self, gap: float) -> tuple[Motion, NDArray[np.int64]]:
+        """The points that can move, and their numbers among points and companions."""
+        task = self.task
+        everything = np.concatenate([task.points, task.companions])
+        reach = task.target_level + task.settings.influence_distance + gap
+        near = _within(everything, task.chain, reach)
+        motion = Motion(task.chain, everything[near], near < len(task.points))
+        # A companion inside the expanded stent stays; a point beyond reach never moves.
+        keep = motion.touchable | (motion.level >= task.target_level)
+        motion.restricted(keep & (motion.level < reach))
+        return motion, near[motion.indices]
+
+    def _keep_tissue(self, ramp: tuple[float, float], gap: float) -> None:
+        """Let walls of other lumens keep a tissue thickness from the stent.
+
+        Such a wall looks back at the stent: its outward normal does not point along the field.
+        Without the gap it would be swept onto the same surface as the wall of the stented lumen.
+        """
+        wall = slice(0, self.wall_count)
+        direction = self.motion.direction[wall]
+        level = self.motion.level[wall]
+        normals = None
+        if not self.task.has_several_parts:
+            normals = self.patch.outward_normals(self.patch_start, direction, level)
+        if normals is None:
+            normals = vertex_normals(self.task.points, self.task.outward_triangles)
+            normals = normals[self.numbers[wall]]
+        facing = -np.einsum("ij,ij->i", normals, direction)
+        share = np.clip((facing - ramp[0]) / (ramp[1] - ramp[0]), 0, 1)
+        offset = np.zeros(len(self.motion.level))
+        offset[wall] = gap * share**2 * (3 - 2 * share)
+        self.motion.set_offset(offset)
+
+
+def _within(points: Points, chain: CapsuleChain, reach: float) -> NDArray[np.int64]:
+    """Points whose field may be below reach: a box first, then spheres round every few nodes."""
+    # The smooth distance is less than k below the true one.
+    nodes, reach = chain.nodes, reach + chain.smoothing_width
+    near = np.flatnonzero(
+        ((points > nodes.min(axis=0) - reach) & (points < nodes.max(axis=0) + reach)).all(axis=1)
+    )
+    stride = max(1, len(nodes) // 8)
+    sampled = np.append(nodes[::stride], nodes[-1:], axis=0)
+    # No axis point is farther from a sampled node than half the arc between two of them.
+    arcs = np.linalg.norm(np.diff(nodes, axis=0), axis=1)
+    slack = stride * float(arcs.max()) / 2
+    kept = np.zeros(len(near), dtype=bool)
+    for node in sampled:
+        offset = points[near] - node
+        kept |= np.einsum("ij,ij->i", offset, offset) < (reach + slack) ** 2
+    return near[kept]
