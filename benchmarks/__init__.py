@@ -1,0 +1,1 @@
+"""Benchmarks: how fast and how accurate. `python -m benchmarks` runs them all."""
