@@ -4,7 +4,9 @@ import qt
 
 from .SteppedRun import SteppedRun
 
-DEBOUNCE_MS = 10
+COALESCE_MS = 0
+"""A change waits until the application has handled what else has arrived; a longer or restarted wait would starve a fast drag."""
+
 SETTLE_MS = 250
 RESTART_AFTER_S = 0.3
 
@@ -12,8 +14,8 @@ RESTART_AFTER_S = 0.3
 class DeploySession:
     """One deployment at a time, never re-entrant; the latest values always win.
 
-    A change that arrives while a deployment runs is remembered: a short run is finished first, so that something is seen while
-    the user drags, a long one is dropped. After the end the inputs are compared with those of the run, so the final state is
+    A change that arrives while a deployment runs is remembered: a short preview is finished first, so that something is seen
+    while the user drags; a long one, and the full method, are dropped. After the end the inputs are compared with those of the run, so the final state is
     never lost. While the user drags the library's preview runs; once nothing has changed for a moment, the full method with
     measurements and certificate takes its place.
     """
@@ -27,7 +29,7 @@ class DeploySession:
         )
         self._parameterNode = self._run = self._signature = None
         self._live = False
-        self._timer = _singleShot(DEBOUNCE_MS, self._update)
+        self._timer = _singleShot(COALESCE_MS, self._update)
         self._settleTimer = _singleShot(SETTLE_MS, self._settle)
 
     @property
@@ -51,7 +53,8 @@ class DeploySession:
 
     def request(self):
         """Deploy soon if something that matters has changed since the last deployment began."""
-        self._timer.start()
+        if not self._timer.isActive():
+            self._timer.start()
 
     def cancel(self):
         """Stop at once; what is shown stays."""
@@ -72,7 +75,7 @@ class DeploySession:
         if not self._hasChanged:
             return
         if self._run is not None:
-            if self._run.age < RESTART_AFTER_S:
+            if self._live and self._run.age < RESTART_AFTER_S:
                 return  # looked at again when the run ends
             self.cancel()
         self._begin(live=True)

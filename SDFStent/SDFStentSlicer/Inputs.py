@@ -1,12 +1,27 @@
 """The vessel and the centerline of a parameter node as arrays, converted only when the nodes have changed."""
 
+from typing import Any, NamedTuple
+
 import numpy as np
 
 from SDFStentLib.polydata import arrays_from_polydata
+from SDFStentLib.surface import surface_topology
 from SDFStentLib.triangulation import triangulated_polydata
 from SDFStentLib.validation import InputError
 
 from . import Conversion
+
+
+class Vessel(NamedTuple):
+    """A vessel's wall in world coordinates, and how its triangles hang together.
+
+    The polydata is shared: copy it before changing it.
+    """
+
+    points: Any
+    triangles: Any
+    polyData: Any
+    topology: Any
 
 
 class Inputs:
@@ -16,10 +31,7 @@ class Inputs:
         self._vessel = self._centerline = (None, None)
 
     def vessel(self, parameterNode):
-        """Points, triangles and triangulated polydata of the vessel in world coordinates.
-
-        The polydata is shared: copy it before changing it.
-        """
+        """The `Vessel`."""
         node, segmentID = parameterNode.vessel, parameterNode.segmentID
         stamp = (Conversion.changeStamp(node), segmentID)
         if node is None or stamp != self._vessel[0]:
@@ -27,7 +39,8 @@ class Inputs:
             name = f"Vessel {node.GetName()}"
             polyData = triangulated_polydata(surface, name).polydata
             points, triangles = arrays_from_polydata(polyData, name)
-            self._vessel = (stamp, (points, triangles, polyData))
+            vessel = Vessel(points, triangles, polyData, surface_topology(triangles))
+            self._vessel = (stamp, vessel)
         return self._vessel[1]
 
     def centerline(self, parameterNode):

@@ -11,7 +11,7 @@ from vtk.util.numpy_support import vtk_to_numpy
 
 from SDFStentLib.validation import DeploymentError, InputError
 
-from . import Conversion, Display, Handles, Plans, Results
+from . import Dependencies, Display, Handles, Plans, Results
 from .Inputs import Inputs
 from .ParameterNode import STENT_FIELDS, MethodParameters, Placement, SDFStentParameterNode
 from .Stenting import Stenting
@@ -41,14 +41,27 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
     def forget(self):
         """Let go of everything that belongs to the scene, which was closed or has got other content."""
         # A wrapper that lived through an import may have cached references that were not resolved yet.
-        self._wrapper = None
+        self._wrappers = {}
         self._runs, self._surfaces, self._inputs = {}, {}, Inputs()
 
     def getParameterNode(self):
-        node = super().getParameterNode()
-        if self._wrapper is None or self._wrapper.parameterNode is not node:
-            self._wrapper = SDFStentParameterNode(node)
-        return self._wrapper
+        """The parameters that the panel starts with."""
+        return self.parameterSet(super().getParameterNode())
+
+    def parameterSet(self, node):
+        """The parameters in a `vtkMRMLScriptedModuleNode`, always the same object for the same node."""
+        wrapper = self._wrappers.get(node.GetID())
+        if wrapper is None or wrapper.parameterNode is not node:
+            wrapper = self._wrappers[node.GetID()] = SDFStentParameterNode(node)
+        return wrapper
+
+    def addParameterSet(self, name):
+        """Another plan in the same scene, with inputs, stents and outputs of its own; returns its parameters."""
+        node = slicer.mrmlScene.CreateNodeByClass("vtkMRMLScriptedModuleNode")
+        node.UnRegister(None)
+        node.SetName(slicer.mrmlScene.GenerateUniqueName(name))
+        node.SetAttribute("ModuleName", self.moduleName)
+        return self.parameterSet(slicer.mrmlScene.AddNode(node))
 
     # The plan's stents
 
@@ -131,56 +144,9 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
 
     # What a deployment depends on
 
-    def inputNodes(self, parameterNode):
-        """Every node that the result depends on."""
-        handles = [stent.handle for stent in parameterNode.stents]
-        nodes = [parameterNode.vessel, parameterNode.centerline, *handles]
-        return [node for i, node in enumerate(nodes) if node is not None and node not in nodes[:i]]
-
-    def missing(self, parameterNode):
-        """What has to be chosen before Deploy, as a sentence; "" when nothing is. Changes nothing."""
-        stents = [stent for stent in parameterNode.stents if stent.enabled]
-        needsCenterline = any(stent.placement != Placement.ALONG_CURVE for stent in stents)
-        if parameterNode.vessel is None:
-            return _("Select a vessel: a surface model or a segmentation.")
-        if parameterNode.centerline is None and (needsCenterline or not stents):
-            return _("Select a centerline: a model or a markups curve.")
-        if not stents:
-            return _("Add a stent, or switch one on.")
-        for stent in stents:
-            if stent.handle is None:
-                return _("{label}: choose a handle.").format(label=stent.label)
-            if stent.placement == Placement.ALONG_CURVE and not stent.handle.IsA(
-                "vtkMRMLMarkupsCurveNode"
-            ):
-                return _("{label}: choose a markups curve as its handle.").format(label=stent.label)
-            if stent.handle.GetNumberOfDefinedControlPoints() < stent.placement.pointCount:
-                return _("{label}: place {count} point(s) of its handle in a view.").format(
-                    label=stent.label, count=stent.placement.pointCount
-                )
-        return ""
-
-    def signature(self, parameterNode):
-        """A value that differs whenever the result would."""
-        method = parameterNode.method
-        return (
-            Conversion.changeStamp(parameterNode.vessel),
-            parameterNode.segmentID,
-            Conversion.changeStamp(parameterNode.centerline),
-            tuple(getattr(method, name) for name in MethodParameters.allParameters),
-            tuple(
-                (
-                    s.label,
-                    s.diameter,
-                    s.length,
-                    s.foreshortening,
-                    s.placement,
-                    Conversion.changeStamp(s.handle),
-                )
-                for s in parameterNode.stents
-                if s.enabled
-            ),
-        )
+    inputNodes = staticmethod(Dependencies.inputNodes)
+    missing = staticmethod(Dependencies.missing)
+    signature = staticmethod(Dependencies.signature)
 
     def sizeLimits(self, parameterNode):
         """Largest sensible diameter and length for the sliders, mm."""
@@ -201,32 +167,40 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
     def steps(self, parameterNode, live=False):
         """Deploy step by step: an iterator over the fraction done that shows every step in the output.
 
-        `live` leaves out measuring and certifying; `measure` does it later.
+        `live` is for dragging: longer steps of which only the last is shown, neither measured nor certified. Otherwise the
+        iterator also stops every 10 ms during longer calculations, so that whoever runs it can react.
         """
         missing = self.missing(parameterNode)
         if missing:
             raise InputError(missing)
-        points, triangles, template = self._inputs.vessel(parameterNode)
+        vessel = self._inputs.vessel(parameterNode)
         centerline = (
             None if parameterNode.centerline is None else self._inputs.centerline(parameterNode)
         )
         run = Stenting(
-            points,
-            triangles,
+            vessel.points,
+            vessel.triangles,
             centerline,
             Plans.plannedOf(parameterNode),
             Plans.settingsOf(parameterNode, live),
             straightening=parameterNode.method.straightening / 100,
-            dtype=vtk_to_numpy(template.GetPoints().GetData()).dtype,
+            dtype=vtk_to_numpy(vessel.polyData.GetPoints().GetData()).dtype,
+            topology=vessel.topology,
         )
-        surface = self._surface(parameterNode, template)
+        surface = self._surface(parameterNode, vessel.polyData)
         self._runs[parameterNode.parameterNode.GetID()] = run
         parameterNode.status = ""
         if not live:
             Plans.remember(parameterNode)
-        for state in run.steps():
-            surface.show(state.before, state.deployment.indices, state.deployment.coordinates)
-            yield state.fraction
+        fraction = 0.0
+        for state in run.steps(responsive=not live):
+            if state is not None:
+                fraction = state.fraction
+                if not live:
+                    surface.show(
+                        state.before, state.deployment.indices, state.deployment.coordinates
+                    )
+            yield fraction
         surface.show(run.points)
         Results.showEnd(parameterNode, run)
         Results.showMap(parameterNode, run)
@@ -266,7 +240,7 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
         self.showStep(parameterNode, 0)
         with slicer.util.NodeModify(parameterNode):
             parameterNode.expansion = 0.0
-            parameterNode.lumenSummary = parameterNode.certificateSummary = ""
+            Results.clearNumbers(parameterNode)
 
     # Showing
 

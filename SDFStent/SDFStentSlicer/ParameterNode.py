@@ -120,6 +120,7 @@ class SDFStentParameterNode:
     status: str = ""
     lumenSummary: str = ""
     certificateSummary: str = ""
+    warningSummary: str = ""
     planDocument: str = ""
 
 

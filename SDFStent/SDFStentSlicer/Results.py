@@ -4,9 +4,10 @@ import numpy as np
 import slicer
 from slicer.i18n import tr as _
 
+from SDFStentLib.metrics import stenosis
+
 from . import Display
 from .ParameterNode import SurfaceMap
-from .Stenting import summary
 
 SERIES = {
     "Before (mm)": (0.85, 0.33, 0.25),
@@ -27,7 +28,13 @@ def showEnd(parameterNode, run):
         Display.showLines(node, run.centerline.points, lines)
     with slicer.util.NodeModify(parameterNode):
         parameterNode.expansion = 100.0
-        parameterNode.lumenSummary = parameterNode.certificateSummary = ""
+        clearNumbers(parameterNode, _("Not measured yet."))
+
+
+def clearNumbers(parameterNode, text=""):
+    """Take away what was measured; `text` stands in its place."""
+    parameterNode.lumenSummary = text
+    parameterNode.certificateSummary = parameterNode.warningSummary = ""
 
 
 def showStents(parameterNode, tubes):
@@ -41,11 +48,59 @@ def showMeasured(parameterNode, run):
     """The numbers: sentences, table and plot."""
     with slicer.util.NodeModify(parameterNode):
         showProfile(parameterNode, run)
-        parameterNode.lumenSummary = "\n".join(summary(treated) for treated in run.result.stents)
+        parameterNode.lumenSummary = "\n\n".join(stentSummary(s) for s in run.result.stents)
         parameterNode.certificateSummary = (
             run.result.certificate.sentence() if run.result.certificate else _("Not certified.")
         )
-        parameterNode.status = "\n".join(run.result.warnings)
+        parameterNode.warningSummary = "\n".join(
+            _("Warning: {sentence}").format(sentence=sentence) for sentence in run.result.warnings
+        )
+
+
+def stentSummary(treated):
+    """What a clinician reads first about one stent, a line per quantity."""
+    before, after, planned = treated.before, treated.after, treated.planned
+    old, residual = stenosis(before), stenosis(after, reference_profile=before)
+    return "\n".join(
+        (
+            _("{name}, {diameter:.1f} mm").format(
+                name=planned.name, diameter=planned.stent.diameter
+            ),
+            _("Minimum lumen: {before} \N{RIGHTWARDS ARROW} {after} mm").format(
+                before=_number(before.minimum), after=_number(after.minimum)
+            ),
+            _(
+                "Mean \N{PLUS-MINUS SIGN} SD in the stent: {before} \N{RIGHTWARDS ARROW} {after} mm ({prescribed:.1f} prescribed)"
+            ).format(
+                before=_spread(before), after=_spread(after), prescribed=planned.stent.diameter
+            ),
+            _("Diameter stenosis: {before} \N{RIGHTWARDS ARROW} {after}").format(
+                before=degree(old.percent_diameter), after=degree(residual.percent_diameter)
+            ),
+            _("Reference: {reference} before treatment, {diameter} mm").format(
+                reference=residual.reference, diameter=_number(residual.reference_diameter)
+            ),
+        )
+    )
+
+
+def degree(percent):
+    """Percent stenosis in words; below 0 there is none."""
+    if not np.isfinite(percent):
+        return _("not known")
+    if round(percent) >= 0:
+        return f"{max(percent, 0.0):.0f} %"
+    return _("none ({percent:.0f} % wider than the reference)").format(percent=-percent)
+
+
+def _number(value):
+    return f"{value:.1f}" if np.isfinite(value) else _("not known")
+
+
+def _spread(profile):
+    if not np.isfinite(profile.mean):
+        return _("not known")
+    return f"{profile.mean:.1f} \N{PLUS-MINUS SIGN} {profile.sd:.1f}"
 
 
 def showProfile(parameterNode, run):

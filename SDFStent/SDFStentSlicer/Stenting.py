@@ -2,11 +2,12 @@
 
 import numpy as np
 
-from SDFStentLib.metrics import stenosis
 from SDFStentLib.stent import stent_axis
 from SDFStentLib.stretch import displacements, face_stretches
 from SDFStentLib.treatment import Treatment
 from SDFStentLib.untangle import Precision
+
+from .Portions import inPortions
 
 
 class Stenting:
@@ -26,8 +27,12 @@ class Stenting:
         *,
         straightening=0.0,
         dtype=np.float32,
+        topology=None,
     ):
-        """`planned` is a list of `PlannedStent`; `dtype` is the type in which the result is stored."""
+        """`planned` is a list of `PlannedStent`; `dtype` is the type in which the result is stored.
+
+        `topology` is that of the triangles where it is known, to look at it once for many deployments.
+        """
         self.original = self.points = points
         self.triangles, self.centerline = triangles, centerline
         self.recorded, self._axes = [], {}
@@ -41,11 +46,20 @@ class Stenting:
             settings,
             straightening_fraction=straightening,
             precision=Precision(dtype=np.dtype(dtype)),
+            topology=topology,
         )
 
-    def steps(self):
-        """Deploy; yields a `TreatmentState` after every radius step."""
-        for state in self._treatment:
+    def steps(self, responsive=False):
+        """Deploy; yields a `TreatmentState` after every radius step.
+
+        `responsive` yields None as well, about every 10 ms while a step is being computed: the last one of a stent also
+        finishes and certifies the lumen, which may take a second.
+        """
+        states = iter(self._treatment)
+        while True:
+            state = yield from self._computed(lambda: next(states, None), responsive)
+            if state is None:
+                break
             if state.number not in self._axes:
                 self._follow()
                 stent = self._treatment.planned[state.number - 1].stent
@@ -58,9 +72,14 @@ class Stenting:
         self._follow()
 
     def measure(self):
-        """Diameters and certificate of the finished treatment; yields when it is done."""
-        self.result = self._treatment.result
-        yield self.result
+        """Diameters and certificate of the finished treatment; yields None until it is done."""
+        self.result = yield from inPortions(lambda: self._treatment.result)
+
+    @staticmethod
+    def _computed(function, responsive):
+        if responsive:
+            return (yield from inPortions(function))
+        return function()
 
     def at(self, percent):
         """All points at a percentage of the way, and the (axis points, radius) of every stent that is there by then.
@@ -98,15 +117,3 @@ class Stenting:
                 self.centerline = self.centerline.with_points(
                     self.recorded[-1].deployment.companions
                 )
-
-
-def summary(treated):
-    """Two short lines about a treated stent, what a clinician reads first; they fit the panel without wrapping."""
-    before, after, planned = treated.before, treated.after, treated.planned
-    narrow = stenosis(after, reference_profile=before)
-    arrow = "\N{RIGHTWARDS ARROW}"
-    return (
-        f"{planned.name}: minimum lumen {before.minimum:.1f} {arrow} {after.minimum:.1f} mm ({planned.stent.diameter:.1f} prescribed)\n"
-        f"    mean {before.mean:.1f} {arrow} {after.mean:.1f} mm, "
-        f"diameter stenosis {stenosis(before).percent_diameter:.0f} {arrow} {narrow.percent_diameter:.0f} %"
-    )

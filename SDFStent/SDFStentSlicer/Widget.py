@@ -8,6 +8,7 @@ from slicer.ScriptedLoadableModule import ScriptedLoadableModuleWidget
 from slicer.util import VTKObservationMixin
 
 from .DeploySession import DeploySession
+from .InputWatch import InputWatch
 from .Logic import SDFStentLogic
 from .ParameterNode import Placement
 from .StentList import StentList
@@ -23,7 +24,7 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.logic = logic
         self.session = self.stents = self.table = None
         self._parameterNode = self._guiTag = None
-        self._observedInputs = []
+        self._inputs = InputWatch(self.onInputModified, self.onHandleReleased)
 
     # Life cycle
 
@@ -32,6 +33,9 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         uiWidget = slicer.util.loadUI(self.resourcePath("UI/SDFStent.ui"))
         self.layout.addWidget(uiWidget)
         self.ui = slicer.util.childWidgetVariables(uiWidget)
+        self.ui.parameterSetSelector.addAttribute(
+            "vtkMRMLScriptedModuleNode", "ModuleName", self.moduleName
+        )
         uiWidget.setMRMLScene(slicer.mrmlScene)
         self.logic = self.logic or SDFStentLogic()
         self.session = DeploySession(self.logic, self._onStart, self._onProgress, self._onDone)
@@ -71,7 +75,17 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
     # Parameter node
 
     def initializeParameterNode(self):
-        self.setParameterNode(self.logic.getParameterNode())
+        """Show the parameter set that was chosen last, or the module's first."""
+        node = self.ui.parameterSetSelector.currentNode()
+        self.setParameterNode(
+            self.logic.getParameterNode() if node is None else self.logic.parameterSet(node)
+        )
+
+    def onParameterSetSelected(self, node):
+        """Called for the first node as well, when there was none: only a panel that is shown changes over."""
+        if self._parameterNode is not None and node is not self._parameterNode.parameterNode:
+            self.setParameterNode(None)
+            self.initializeParameterNode()
 
     def setParameterNode(self, parameterNode):
         """Show and observe another parameter node, or none."""
@@ -84,11 +98,12 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
                 vtk.vtkCommand.ModifiedEvent,
                 self.onParameterNodeModified,
             )
-            self._observeInputs([])
+            self._inputs.watch([])
         self._parameterNode = parameterNode
         self.session.setParameterNode(parameterNode)
         self.stents = None
         if parameterNode is not None:
+            self.ui.parameterSetSelector.setCurrentNode(parameterNode.parameterNode)
             self.stents = StentList(parameterNode)
             self._guiTag = parameterNode.connectGui(self.ui)
             self.addObserver(
@@ -101,48 +116,17 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
     def onParameterNodeModified(self, caller=None, event=None):
         if self._parameterNode is None or self.stents.synchronize():
             return  # synchronizing has called this again
-        self._observeInputs(self.logic.inputNodes(self._parameterNode))
+        self._inputs.watch(self.logic.inputNodes(self._parameterNode))
         self._updatePanel()
         self._requestUpdate()
 
-    def _observeInputs(self, nodes):
-        """Follow every node that the result depends on; nothing is done when they are the same as before."""
-        if nodes == self._observedInputs:
-            return
-        for node in self._observedInputs:
-            for event in self._eventsOf(node):
-                self.removeObserver(node, event, self.onInputModified)
-            if node.IsA("vtkMRMLMarkupsNode"):
-                self.removeObserver(node, node.PointEndInteractionEvent, self.onHandleReleased)
-        self._observedInputs = nodes
-        for node in nodes:
-            for event in self._eventsOf(node):
-                self.addObserver(node, event, self.onInputModified)
-            if node.IsA("vtkMRMLMarkupsNode"):
-                self.addObserver(node, node.PointEndInteractionEvent, self.onHandleReleased)
-
-    @staticmethod
-    def _eventsOf(node):
-        events = [slicer.vtkMRMLTransformableNode.TransformModifiedEvent]
-        if node.IsA("vtkMRMLMarkupsNode"):
-            events += [
-                node.PointModifiedEvent,
-                node.PointPositionDefinedEvent,
-                node.PointRemovedEvent,
-            ]
-        elif node.IsA("vtkMRMLModelNode"):
-            events.append(slicer.vtkMRMLModelNode.MeshModifiedEvent)
-        else:
-            events.append(vtk.vtkCommand.ModifiedEvent)
-        return events
-
-    def onInputModified(self, caller=None, event=None):
+    def onInputModified(self):
         self._updateEnabled()
         self._requestUpdate()
 
-    def onHandleReleased(self, caller=None, event=None):
+    def onHandleReleased(self, handle):
         if self._parameterNode is not None:
-            self.logic.snapHandle(self._parameterNode, caller)
+            self.logic.snapHandle(self._parameterNode, handle)
 
     def _requestUpdate(self):
         if self._parameterNode is not None and self._parameterNode.autoUpdate:
@@ -199,6 +183,8 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.ui.showPlotButton.enabled = self._parameterNode.outputChart is not None
         self.ui.showTableButton.enabled = self._parameterNode.outputTable is not None
         self.ui.statusLabel.text = missing or self._parameterNode.status
+        self.ui.statusLabel.visible = bool(self.ui.statusLabel.text)
+        self.ui.warningLabel.visible = bool(self._parameterNode.warningSummary)
 
     # Deploying
 
@@ -208,7 +194,6 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
 
     def _onProgress(self, fraction):
         self.ui.progressBar.value = int(100 * fraction)
-        self._updateEnabled()
 
     def _onDone(self, error):
         self.ui.progressBar.value = 0 if error else 100
@@ -223,6 +208,9 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
     # Buttons
 
     def _connect(self):
+        self.ui.parameterSetSelector.connect(
+            "currentNodeChanged(vtkMRMLNode*)", self.onParameterSetSelected
+        )
         self.ui.segmentSelector.connect("currentSegmentChanged(QString)", self.onSegmentChanged)
         self.ui.addStentButton.connect("clicked()", self.onAddStent)
         self.ui.copyStentButton.connect("clicked()", self.onCopyStent)

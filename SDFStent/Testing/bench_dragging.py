@@ -2,9 +2,11 @@
 
 usage: bench_dragging.py [SURFACE CENTERLINE] [--units cm]
 
-Moves the placement point 60 times along the centerline, with stents of 6 to 20 mm, and prints redeployments per second, radius
-steps per second when every step is drawn, and where the time goes: the library, the scene (MRML, normals, markups), the
-drawing (off-screen, software rendering unless there is a GPU). Without arguments the synthetic pulmonary artery is used.
+Moves the placement point 60 times along the centerline, with stents of 6 to 20 mm, through the panel with its timers, then goes
+back and forth over the steps of a deployment. Prints redeployments and shown steps per second, with and without drawing, and
+where the time goes: the library, the scene (MRML, normals, stent model), the drawing, the rest (panel, timers, conversion).
+Drawing is off-screen and, without a GPU, in software; "drawing alone" redraws an unchanged scene and is the limit that the
+machine sets, whatever the module does. Without arguments the synthetic pulmonary artery is used.
 """
 
 import argparse
@@ -13,11 +15,13 @@ import time
 from pathlib import Path
 
 import numpy as np
+import slicer
 
 sys.path.insert(0, str(Path(__file__).parent))
 from sdfstent_host import Host
 
 MOVES = 60
+STEPS = 120
 LENGTHS = (6.0, 10.0, 14.0, 20.0)
 
 
@@ -27,15 +31,42 @@ class Clock:
     def __init__(self):
         self.seconds = {}
 
+    def add(self, name, start):
+        self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - start
+
     def timed(self, name, function):
         def run(*arguments, **keywords):
             start = time.perf_counter()
             try:
                 return function(*arguments, **keywords)
             finally:
-                self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - start
+                self.add(name, start)
 
         return run
+
+    def timedGenerator(self, name, function):
+        """The same for a generator: only the time inside it counts."""
+
+        def run(*arguments, **keywords):
+            iterator = function(*arguments, **keywords)
+            while True:
+                start = time.perf_counter()
+                try:
+                    value = next(iterator)
+                except StopIteration:
+                    return
+                finally:
+                    self.add(name, start)
+                yield value
+
+        return run
+
+    def report(self, title, count, seconds):
+        shares = {name: value / seconds for name, value in self.seconds.items()}
+        shares["rest"] = 1 - sum(shares.values())
+        text = ", ".join(f"{name} {100 * share:.0f} %" for name, share in shares.items())
+        print(f"{title}: {count / seconds:.1f} per second ({text})")
+        self.seconds.clear()
 
 
 def theArtery(arguments):
@@ -43,8 +74,6 @@ def theArtery(arguments):
 
     if not arguments.surface:
         return SampleVessels.addSampleVessel("branching_pulmonary_artery", "Artery")
-    import slicer
-
     from SDFStentLib.centerline_files import read_centerline
     from SDFStentLib.polydata import polydata_from_arrays
     from SDFStentLib.surface_files import read_surface
@@ -62,57 +91,78 @@ def theArtery(arguments):
     return nodes
 
 
+def thePanel(host, arguments):
+    """The panel with a vessel and a stent that were deployed once, and places along the longest branch."""
+    panel = host.openPanel(host.loadModule(Path(__file__).parents[1] / "SDFStent.py"))
+    logic, parameters = panel.logic, panel._parameterNode
+    parameters.vessel, parameters.centerline = theArtery(arguments)
+    logic.addStent(parameters, length=14.0)
+    logic.deploy(parameters)
+    tree = logic._inputs.centerline(parameters)
+    leaf = tree.leaves[np.argmax(tree.arc_length[tree.leaves])]
+    chain = tree.points[tree.ancestry(leaf)]
+    return panel, chain[np.linspace(0.2 * len(chain), 0.8 * len(chain), MOVES).astype(int)]
+
+
+def drag(host, panel, places, draw):
+    """Move the handle, wait until the vessel has followed, draw once."""
+    session, parameters = panel.session, panel._parameterNode
+    for move, place in enumerate(places):
+        with slicer.util.NodeModify(parameters):
+            parameters.stent.length = LENGTHS[move % len(LENGTHS)]
+        parameters.stent.handle.SetNthControlPointPositionWorld(0, *place)
+        host.processUntil(lambda: not session.isRunning and not session._timer.isActive())
+        draw()
+
+
+def step(panel, draw):
+    """Go back and forth over the expansion."""
+    for percent in np.abs(np.linspace(-100, 100, STEPS)):
+        panel.logic.showStep(panel._parameterNode, percent)
+        draw()
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("surface", nargs="?")
     parser.add_argument("centerline", nargs="?")
     parser.add_argument("--units", default="mm")
-    arguments = parser.parse_args()
     host = Host.start()
-    entry = host.loadModule(Path(__file__).parents[1] / "SDFStent.py")
-    from SDFStentSlicer.Display import SurfaceOutput
+    panel, places = thePanel(host, parser.parse_args())
+    view, mesh = host.application.view, panel._parameterNode.outputVessel.GetPolyData()
+    view.render(mesh.GetBounds())
+    print(f"{mesh.GetNumberOfPolys():,} triangles, stents of {LENGTHS[0]:g} to {LENGTHS[-1]:g} mm")
+    print(f"drawn by {renderer(view.window)}, {' x '.join(map(str, view.window.GetSize()))} pixels")
 
-    logic = entry.python.SDFStentLogic()
-    parameters = logic.getParameterNode()
-    parameters.vessel, parameters.centerline = theArtery(arguments)
-    handle = logic.addStent(parameters, length=14.0)
-    tree = logic._inputs.centerline(parameters)
-    leaf = tree.leaves[np.argmax(tree.arc_length[tree.leaves])]
-    chain = tree.points[tree.ancestry(leaf)]
-    places = chain[np.linspace(0.2 * len(chain), 0.8 * len(chain), MOVES).astype(int)]
-    logic.deploy(parameters)
-    view = host.application.view
-    view.render(parameters.outputVessel.GetPolyData().GetBounds())
-    triangles = parameters.outputVessel.GetPolyData().GetNumberOfPolys()
-    print(
-        f"{triangles:,} triangles, {MOVES} moves, stents of {min(LENGTHS):g} to {max(LENGTHS):g} mm"
-    )
+    from SDFStentSlicer import Results
+    from SDFStentSlicer.Display import SurfaceOutput
+    from SDFStentSlicer.Stenting import Stenting
 
     clock = Clock()
+    Stenting.__init__ = clock.timed("library", Stenting.__init__)
+    Stenting.steps = clock.timedGenerator("library", Stenting.steps)
+    Stenting.at = clock.timed("library", Stenting.at)
     SurfaceOutput.show = clock.timed("scene", SurfaceOutput.show)
-    render = clock.timed("drawing", view.render)
-    for drawn in ("end", "every step"):
+    Results.showEnd = clock.timed("scene", Results.showEnd)
+    draw = clock.timed("drawing", view.window.Render)
+    panel._parameterNode.autoUpdate = True
+    for title, count, work in (
+        ("redeployments, drawn", MOVES, lambda: drag(host, panel, places, draw)),
+        ("redeployments, not drawn", MOVES, lambda: drag(host, panel, places, lambda: None)),
+        ("radius steps shown, drawn", STEPS, lambda: step(panel, draw)),
+        ("radius steps shown, not drawn", STEPS, lambda: step(panel, lambda: None)),
+        ("drawing alone, nothing changed", MOVES, lambda: [draw() for _ in range(MOVES)]),
+    ):
         clock.seconds.clear()
-        steps, start = 0, time.perf_counter()
-        for move, place in enumerate(places):
-            handle.SetNthControlPointPositionWorld(0, *place)
-            parameters.stent.length = LENGTHS[move % len(LENGTHS)]
-            logic.stentList(parameters).replace(
-                [{**logic.stentList(parameters).values()[0], "length": parameters.stent.length}], 0
-            )
-            for _fraction in logic.steps(parameters, live=True):
-                steps += 1
-                if drawn == "every step":
-                    render()
-            if drawn == "end":
-                render()
-        seconds = time.perf_counter() - start
-        shares = {name: value / seconds for name, value in clock.seconds.items()}
-        shares["library and module"] = 1 - sum(shares.values())
-        print(
-            f"drawn at {drawn}: {MOVES / seconds:.1f} redeployments per second, {steps / seconds:.0f} radius steps per second"
-        )
-        print("   " + ", ".join(f"{name} {100 * share:.0f} %" for name, share in shares.items()))
+        start = time.perf_counter()
+        work()
+        clock.report(title, count, time.perf_counter() - start)
+        panel.session.cancel()
+
+
+def renderer(window):
+    lines = [line for line in window.ReportCapabilities().splitlines() if "renderer" in line]
+    return lines[0].partition(":")[2].strip() if lines else window.GetClassName()
 
 
 if __name__ == "__main__":

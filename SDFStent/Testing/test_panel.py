@@ -243,3 +243,89 @@ def test_sample_data_comes_without_network(host, aScene):
         vessel, centerline = SampleData.SampleDataLogic.download(name)
         assert vessel.GetPolyData().GetNumberOfPolys() > 1000
         assert centerline.GetPolyData().GetPointData().HasArray("Radius")
+
+
+def test_two_parameter_sets_keep_their_own_plans_and_results(host, aStent):
+    first = aStent._parameterNode
+    deploy(host, aStent)
+    selector = aStent.ui.parameterSetSelector
+    second = selector.addNode()
+    assert second.GetAttribute("ModuleName") == "SDFStent"
+    assert aStent._parameterNode.parameterNode is second
+    assert aStent.ui.stentTable.rowCount == 0
+    assert aStent.ui.lumenLabel.text == ""
+    aStent.ui.vesselSelector.setCurrentNode(first.vessel)
+    aStent.ui.centerlineSelector.setCurrentNode(first.centerline)
+    host.click(aStent.ui.addStentButton)
+    deploy(host, aStent)
+    assert aStent._parameterNode.outputVessel is not first.outputVessel
+    aStent.exit()
+    aStent.enter()
+    assert aStent._parameterNode.parameterNode is second
+    selector.setCurrentNode(first.parameterNode)
+    assert aStent._parameterNode is first
+    assert "(8.5 prescribed)" in aStent.ui.lumenLabel.text
+    slicer.mrmlScene.RemoveNode(second)
+    assert aStent._parameterNode is first
+    slicer.mrmlScene.RemoveNode(first.parameterNode)
+    assert aStent._parameterNode.parameterNode.GetScene() is slicer.mrmlScene
+
+
+def test_cancel_acts_while_measuring_and_nobody_waits(host, aStent):
+    import threading
+    import time
+
+    host.click(aStent.ui.deployButton)
+    host.processUntil(lambda: aStent.ui.lumenLabel.text == "Not measured yet.")
+    assert aStent.session.isRunning
+    start = time.perf_counter()
+    host.click(aStent.ui.cancelButton)
+    assert time.perf_counter() - start < 0.1  # the two measurements alone take longer than this
+    assert not aStent.session.isBusy
+    host.processUntil(lambda: threading.active_count() == 1)
+    assert aStent.ui.lumenLabel.text == "Not measured yet."
+    deploy(host, aStent)
+    assert "(8.5 prescribed)" in aStent.ui.lumenLabel.text
+
+
+def test_no_tick_of_a_full_deployment_is_long(host, aStent):
+    import time
+
+    ticks = []
+    tick = aStent.session._begin
+    aStent.session._begin = lambda live: (tick(live), watch(aStent.session._run))
+
+    def watch(run):
+        function = run._tick
+
+        def timed():
+            start = time.perf_counter()
+            function()
+            ticks.append(time.perf_counter() - start)
+
+        run._timer.timeout.disconnect()
+        run._timer.connect("timeout()", timed)
+
+    deploy(host, aStent)
+    # Budget of a tick 25 ms, a wait 10 ms, the conversion of the vessel at first, a busy machine.
+    assert np.median(ticks) < 0.06
+    assert max(ticks) < 0.3
+
+
+def test_a_negative_stenosis_is_told_in_words(theModule):
+    from SDFStentSlicer.Results import degree
+
+    assert degree(33.4) == "33 %"
+    assert degree(-0.4) == "0 %"
+    assert degree(-38.0) == "none (38 % wider than the reference)"
+    assert degree(float("nan")) == "not known"
+
+
+def test_warnings_stand_with_the_numbers(host, aStent):
+    aStent.ui.diameterSlider.value = 2.0  # narrower than the vessel: nothing moves
+    deploy(host, aStent)
+    assert aStent.ui.warningLabel.visible
+    assert aStent.ui.warningLabel.text.startswith("Warning: ")
+    aStent.ui.diameterSlider.value = 8.5
+    deploy(host, aStent)
+    assert not aStent.ui.warningLabel.visible

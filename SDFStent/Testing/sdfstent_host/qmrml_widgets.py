@@ -56,6 +56,7 @@ class qMRMLNodeComboBox(QWidget):
         layout.addWidget(self._box)
         self._scene, self._currentID, self._ids = None, None, []
         self._nodeTypes, self._flags, self._texts = [], {}, {}
+        self._attributes = {}
         self._observer = SceneObserver(lambda *_: self._refresh())
         self._box.activated.connect(self._onActivated)
         self.destroyed.connect(lambda *_, observer=self._observer: observer.observe(None))
@@ -82,8 +83,18 @@ class qMRMLNodeComboBox(QWidget):
         if changed:
             self.currentNodeChanged.emit(self.currentNode())
 
+    def addAttribute(self, nodeType, name, value=""):
+        """Offer only nodes with this attribute, and give it to new ones."""
+        self._attributes[name] = value
+        self._refresh()
+
     def addNode(self):
-        node = self._scene.AddNewNodeByClass(self._nodeTypes[0], self.baseName or "")
+        node = self._scene.CreateNodeByClass(self._nodeTypes[0])
+        node.UnRegister(None)
+        node.SetName(self._scene.GenerateUniqueName(self.baseName or "Node"))
+        for name, value in self._attributes.items():
+            node.SetAttribute(name, value)
+        node = self._scene.AddNode(node)
         self.setCurrentNode(node)
         self.nodeAddedByUser.emit(node)
         return node
@@ -125,6 +136,8 @@ class qMRMLNodeComboBox(QWidget):
 
     def _accepts(self, node, nodeType):
         if node.GetHideFromEditors() and not self._flags.get("showHidden"):
+            return False
+        if any(node.GetAttribute(name) != value for name, value in self._attributes.items()):
             return False
         return self._flags.get("showChildNodeTypes", True) or node.GetClassName() == nodeType
 

@@ -1,0 +1,61 @@
+"""What a deployment depends on: the nodes, what is missing, and whether anything has changed."""
+
+from slicer.i18n import tr as _
+
+from . import Conversion
+from .ParameterNode import MethodParameters, Placement
+
+
+def inputNodes(parameterNode):
+    """Every node that the result depends on."""
+    handles = [stent.handle for stent in parameterNode.stents]
+    nodes = [parameterNode.vessel, parameterNode.centerline, *handles]
+    return [node for i, node in enumerate(nodes) if node is not None and node not in nodes[:i]]
+
+
+def missing(parameterNode):
+    """What has to be chosen before Deploy, as a sentence; "" when nothing is. Changes nothing."""
+    stents = [stent for stent in parameterNode.stents if stent.enabled]
+    needsCenterline = any(stent.placement != Placement.ALONG_CURVE for stent in stents)
+    if parameterNode.vessel is None:
+        return _("Select a vessel: a surface model or a segmentation.")
+    if parameterNode.centerline is None and (needsCenterline or not stents):
+        return _("Select a centerline: a model or a markups curve.")
+    if not stents:
+        return _("Add a stent, or switch one on.")
+    for stent in stents:
+        if stent.handle is None:
+            return _("{label}: choose a handle.").format(label=stent.label)
+        if stent.placement == Placement.ALONG_CURVE and not stent.handle.IsA(
+            "vtkMRMLMarkupsCurveNode"
+        ):
+            return _("{label}: choose a markups curve as its handle.").format(label=stent.label)
+        if stent.handle.GetNumberOfDefinedControlPoints() < stent.placement.pointCount:
+            return _("{label}: place {count} point(s) of its handle in a view.").format(
+                label=stent.label, count=stent.placement.pointCount
+            )
+    return ""
+
+
+def signature(parameterNode):
+    """A value that differs whenever the result would."""
+    method = parameterNode.method
+    return (
+        Conversion.changeStamp(parameterNode.vessel),
+        parameterNode.segmentID,
+        Conversion.changeStamp(parameterNode.centerline),
+        tuple(getattr(method, name) for name in MethodParameters.allParameters),
+        tuple(
+            (
+                s.label,
+                s.diameter,
+                s.length,
+                s.foreshortening,
+                s.placement,
+                s.wholeCurve,
+                Conversion.changeStamp(s.handle),
+            )
+            for s in parameterNode.stents
+            if s.enabled
+        ),
+    )

@@ -1,0 +1,32 @@
+"""Long calculations without nodes, off the application's thread."""
+
+import threading
+
+WAIT_S = 0.01
+
+
+def inPortions(function):
+    """Run a function on a thread of its own; a generator that yields None until it is done and returns what it returned.
+
+    The function must not touch the scene, VTK or Qt, which belong to the application's thread. Closing the generator does not
+    stop the function, but nobody waits for it or hears of it any more. What it raises is raised here.
+
+    A thread only advances while the application's own thread waits for it, so whoever iterates decides how much time it gets.
+    """
+    outcome = {}
+
+    def run():
+        try:
+            outcome["value"] = function()
+        except BaseException as error:
+            outcome["error"] = error
+
+    thread = threading.Thread(target=run, daemon=True)
+    thread.start()
+    thread.join(WAIT_S)
+    while thread.is_alive():
+        yield None
+        thread.join(WAIT_S)
+    if "error" in outcome:
+        raise outcome["error"]
+    return outcome["value"]
