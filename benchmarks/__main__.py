@@ -10,6 +10,7 @@ markdown. With --quick (small sizes, one run) nothing is written unless --output
 from __future__ import annotations
 
 import argparse
+import importlib
 import importlib.util
 import json
 import subprocess
@@ -43,14 +44,11 @@ def run_one(name: str, quick: bool, largest: int | None) -> tuple[Found, str]:
     command += [] if largest is None else ["--largest", str(largest)]
     with TemporaryDirectory() as folder:
         numbers = Path(folder) / "numbers.json"
-        done = subprocess.run(
-            [*command, "--json", str(numbers)],
-            cwd=PROJECT,
-            check=True,
-            stdout=subprocess.PIPE,
-            text=True,
-        )
-        return json.loads(numbers.read_text(encoding="utf-8")), done.stdout.strip()
+        # The table is made here: some packages print to standard output on their own.
+        command += ["--json", str(numbers)]
+        subprocess.run(command, cwd=PROJECT, check=True, stdout=subprocess.DEVNULL)
+        found = json.loads(numbers.read_text(encoding="utf-8"))
+    return found, importlib.import_module(f"benchmarks.{name}").table(found)
 
 
 def earlier_results(path: Path, here: Found) -> Found:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import importlib
 import json
 import re
@@ -142,6 +143,20 @@ def test_every_benchmark_has_a_title_and_can_run_alone():
         assert re.search(rf"python -m benchmarks\.{name}\b", text)
         assert callable(benchmark(name).measured)
         assert callable(benchmark(name).table)
+
+
+def test_the_method_document_names_every_setting_with_its_default():
+    from SDFStentLib.settings import RULES, DeploymentSettings
+
+    text = (PROJECT / "docs" / "method.md").read_text(encoding="utf-8").split("## Defaults")[1]
+    default, documented = DeploymentSettings(), {}
+    for names, values in re.findall(r"^\| (`[^|]+) \| ([^|]+) \|", text, flags=re.MULTILINE):
+        documented |= dict(zip(re.findall(r"\w+", names), values.split(", "), strict=True))
+    assert set(documented) == {field.name for field in dataclasses.fields(default)}
+    for name, said in documented.items():
+        value = RULES["events"] if name == "step" else getattr(default, name)
+        meant = {"on": True, "off": False}.get(said, said.removesuffix(" mm").strip())
+        assert str(meant) == str(value), name
 
 
 def test_the_machine_is_described():
