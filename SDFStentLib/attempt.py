@@ -31,6 +31,7 @@ class Attempt:
         self.motion, self.numbers = self._active(gap)
         self.start = self.motion.positions.copy()
         self.wall_count = int(self.motion.touchable.sum())
+        self.ascending = np.argsort(self.numbers[: self.wall_count])
         if not self.wall_count:
             raise DeploymentError(
                 "stent: expected the vessel's wall within "
@@ -53,11 +54,11 @@ class Attempt:
     def state(self, level: float) -> DeploymentState:
         """What has moved so far, in the caller's numbers."""
         task, target = self.task, self.task.target_level
-        moved = np.flatnonzero((self.motion.positions != self.start).any(axis=1))
-        wall, dragged = np.split(moved, [np.searchsorted(moved, self.wall_count)])
+        moved = (self.motion.positions != self.start).any(axis=1)
+        wall = self.ascending[moved[self.ascending]]
+        dragged = self.wall_count + np.flatnonzero(moved[self.wall_count :])
         companions = task.companions.copy()
         companions[self.numbers[dragged] - len(task.points)] = self.motion.positions[dragged]
-        wall = wall[np.argsort(self.numbers[wall])]
         return DeploymentState(
             radius=min(level + task.radius - target, task.radius),
             fraction=min(level / target, 1.0) * (1 - 1e-9),

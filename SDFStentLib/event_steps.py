@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .motion import Motion, contact_tree, influence_rates
+from .motion import Motion, contact_tree, influence_rates, nearest_contact
 from .step_rule import StepRule
 from .validation import Points
 
@@ -195,7 +195,7 @@ def _run_ahead(
     velocity = np.zeros((len(members), 3))
     if tree is not None:
         bound = rule.influence_distance + 2 * growth
-        distance, nearest = tree.query(position, distance_upper_bound=bound)
+        distance, nearest = nearest_contact(tree, position, bound)
         found = np.flatnonzero(np.isfinite(distance))
         nearest = held[nearest[found]]
         anchor[found] = motion.positions[nearest]
@@ -207,12 +207,8 @@ def _run_ahead(
     profiles = rule.influence_distance, rule.falloff, rule.blend
     for index in range(SUBSTEPS + 1):
         elapsed = index * substep
-        # The rate in the middle of the substep, predicted with the one before; at the end as it is.
-        half = substep / 2 if index < SUBSTEPS else 0.0
-        ahead = half * rate
-        middle = position + ahead[:, None] * direction
-        apart = _lengths(middle - anchor - (elapsed + half) * velocity)
-        above = level + ahead * slope - (radius + elapsed + half)
+        above = level - (radius + elapsed)
+        apart = _lengths(position - anchor - elapsed * velocity)
         previous, rate = rate, influence_rates(above, apart, *profiles)
         rate[touching] = 1
         # A new contact point drags its neighbors from the moment of contact, not from now.
@@ -222,7 +218,6 @@ def _run_ahead(
             total += amount
             break
         amount += rate * substep
-        above = level - (radius + elapsed)
         short = above + amount * slope - substep - rule.contact_tolerance
         hits = (short < 0) & ~touching
         # A point that is overtaken ends the substep on the stent.
@@ -239,7 +234,8 @@ def _run_ahead(
         late[:] = 0
         if hits.any() and not touching.all():
             sources, receivers = np.flatnonzero(hits), np.flatnonzero(~touching)
-            gap, nearest = contact_tree(position[sources]).query(position[receivers])
+            tree = contact_tree(position[sources])
+            gap, nearest = nearest_contact(tree, position[receivers])
             old = position[receivers] - anchor[receivers]
             closer = gap < _lengths(old - (elapsed + substep) * velocity[receivers])
             receivers, nearest = receivers[closer], nearest[closer]
@@ -266,7 +262,7 @@ def _passive_rates(
     above = motion.level[others] + ahead * motion.slope[others] - middle
     apart = np.full(len(others), rule.influence_distance)
     if tree is not None:
-        distance, _ = tree.query(position, distance_upper_bound=rule.influence_distance)
+        distance, _ = nearest_contact(tree, position, rule.influence_distance)
         np.minimum(apart, distance, out=apart)
 
     ahead_of_middle = growth / 2 * motion.direction[front.members]
@@ -302,7 +298,7 @@ def _mean_distance(
         return mean
     hits, times = hits[touched], times[touched]
     bound = float(apart.max(initial=0))
-    distance, _ = contact_tree(hits).query(position, distance_upper_bound=bound)
+    distance, _ = nearest_contact(contact_tree(hits), position, bound)
     asking = np.flatnonzero(distance < apart)
     position, current = position[asking], apart[asking]
     total = np.zeros(len(asking))
@@ -311,7 +307,7 @@ def _mean_distance(
     for index in range(SUBSTEPS):
         new = np.flatnonzero(phase == index)
         if len(new):
-            distance, nearest = contact_tree(hits[new]).query(position, distance_upper_bound=bound)
+            distance, nearest = nearest_contact(contact_tree(hits[new]), position, bound)
             closer = np.flatnonzero(distance < current)
             # From its contact to the end of the step the new point is the nearest, for now.
             remaining = growth / 2 - times[new][nearest[closer]]

@@ -19,6 +19,9 @@ CONTACT_BAND = 1.5
 """Points within this many contact tolerances of the final level count as lying on the stent."""
 
 FINISH_ROUNDS = 3
+NEGLIGIBLE = 1e-4
+"""Facets that miss the radius by less than this share of it are fine enough as they are."""
+
 COMPENSATION_PASSES = 2
 COMPENSATION_ROUNDS = 5
 
@@ -111,7 +114,10 @@ def facets_compensated(
     is_on_stent = np.zeros(len(motion.positions), dtype=bool)
     is_on_stent[on_stent] = True
     ends = ends[is_on_stent[ends].any(axis=1)]
-    if not len(ends):
+    sides = motion.positions[ends[:, 0]] - motion.positions[ends[:, 1]]
+    longest = np.einsum("ij,ij->i", sides, sides).max(initial=0)
+    # An edge between two points of a circle lies inside it by its length squared over 8 radii.
+    if longest < 8 * NEGLIGIBLE * radius**2:
         return
     group = np.zeros(len(motion.positions), dtype=bool)
     group[ends] = True

@@ -20,6 +20,9 @@ STRAIGHT = np.cos(np.deg2rad(2.0))
 SAMPLE = 4000
 """Points at which the way ahead is looked at; fewer where there are not so many."""
 
+SHARED_QUERIES = 4096
+"""From so many nearest-contact queries on, more than one core answers them."""
+
 BIN_SIZE = 3.0
 """Edge of the cubes that group resting points, mm; changes the speed, never the result."""
 
@@ -148,7 +151,7 @@ class RestingPoints:
         if not len(self._asleep):
             return
         reach = self._reach[self._asleep] + influence_distance
-        distances, _ = tree.query(self._centres[self._asleep], distance_upper_bound=reach.max())
+        distances, _ = nearest_contact(tree, self._centres[self._asleep], float(reach.max()))
         woken = distances <= reach
         if woken.any():
             cubes = np.zeros(len(self._centres), dtype=bool)
@@ -166,6 +169,18 @@ def contact_tree(points: Points) -> Any:
     from scipy.spatial import cKDTree
 
     return cKDTree(points, balanced_tree=False, compact_nodes=False)
+
+
+def nearest_contact(
+    tree: Any, points: Points, bound: float = np.inf
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Distance to, and number of, the nearest point of a contact tree; infinite beyond the bound.
+
+    Many queries are shared among the cores, few would lose more by starting threads.
+    """
+    workers = -1 if len(points) > SHARED_QUERIES else 1
+    distance, number = tree.query(points, distance_upper_bound=bound, workers=workers)
+    return distance, number
 
 
 def influence_rates(

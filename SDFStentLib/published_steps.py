@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from .motion import Motion, contact_tree, influence_rates
+from .motion import Motion, contact_tree, influence_rates, nearest_contact
 from .step_rule import StepRule
 
 
@@ -50,9 +50,7 @@ def _euler_step(motion: Motion, rule: StepRule, radius: float, growth: float) ->
     amount = np.zeros(len(above))
     near_contact = np.zeros(len(above))
     free = np.flatnonzero(near & ~contact)
-    near_contact[free], _ = tree.query(
-        motion.positions[free], distance_upper_bound=rule.influence_distance
-    )
+    near_contact[free], _ = nearest_contact(tree, motion.positions[free], rule.influence_distance)
     active = np.flatnonzero(near | contact)
     amount[active] = growth * influence_rates(
         above[active],
