@@ -12,17 +12,15 @@ error against the converged limit.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .front import SUBSTEPS, Front
 from .motion import Motion, contact_tree, influence_rates, nearest_contact
 from .step_rule import StepRule
 from .validation import Points
-
-SUBSTEPS = 8
-"""Substeps of the front in every step: 0.1 mm in the longest one by default, finer at first."""
 
 FRONT_MARGIN = 0.1
 """How far beyond the predicted reach a point still belongs to the front, mm."""
@@ -51,18 +49,6 @@ FIRST_STEP = 0.1
 
 SHORTEST_STEP = 0.1
 """Adapted steps are not shorter than this, mm."""
-
-
-class Front(NamedTuple):
-    """Points that may come into contact during a step, as they are at its end."""
-
-    members: NDArray[np.int64]
-    positions: Points
-    amount: NDArray[np.float64]
-    """How far each moved along its direction, mm."""
-    rate: NDArray[np.float64]
-    contact_radius: NDArray[np.float64]
-    """Stent radius at which each came into contact, mm; infinite for those that did not."""
 
 
 def event_steps(motion: Motion, rule: StepRule, start: float, target: float) -> Iterator[float]:
@@ -120,8 +106,11 @@ def _event_step(
     above = motion.level - radius
     reach = rule.contact_tolerance + FRONT_MARGIN + growth * (1 - rate)
     members = np.flatnonzero(~contact & (above < reach) & motion.touchable)
-    front = _run_ahead(motion, rule, radius, growth, members, rate[members], tree, held)
-    hits = np.isfinite(front.contact_radius)
+    front = Front(motion, rule, members, rate[members])
+    if tree is not None:
+        front.anchored(tree, held, motion, rule.influence_distance + 2 * growth)
+    front.run(radius, growth)
+    hits = front.has_touched
     if hits.any():
         motion.resting.wake(contact_tree(front.positions[hits]), rule.influence_distance + growth)
 
@@ -169,81 +158,6 @@ def _follow(
         inside = radius + growth * part / parts - motion.level[where]
         push = amount / parts + np.where(contact, np.maximum(inside, 0), 0)
         motion.moved_to(where, motion.positions[where] + push[:, None] * motion.direction[where])
-
-
-def _run_ahead(
-    motion: Motion,
-    rule: StepRule,
-    radius: float,
-    growth: float,
-    members: NDArray[np.int64],
-    rate: NDArray[np.float64],
-    tree: Any,
-    held: NDArray[np.int64],
-) -> Front:
-    """Move the front through the step in substeps, with every contact at its own radius."""
-    position = motion.positions[members].copy()
-    level = motion.level[members].copy()
-    direction, slope = motion.direction[members], motion.slope[members]
-    contact_radius = np.full(len(members), np.inf)
-    total = np.zeros(len(members))
-    if not len(members):
-        return Front(members, position, total, rate, contact_radius)
-
-    # The nearest contact point of every member: a place at the start radius and its velocity.
-    anchor = np.full((len(members), 3), np.inf)
-    velocity = np.zeros((len(members), 3))
-    if tree is not None:
-        bound = rule.influence_distance + 2 * growth
-        distance, nearest = nearest_contact(tree, position, bound)
-        found = np.flatnonzero(np.isfinite(distance))
-        nearest = held[nearest[found]]
-        anchor[found] = motion.positions[nearest]
-        velocity[found] = motion.direction[nearest]
-
-    substep = growth / SUBSTEPS
-    touching = np.zeros(len(members), dtype=bool)
-    late = np.zeros(len(members))
-    profiles = rule.influence_distance, rule.falloff, rule.blend
-    for index in range(SUBSTEPS + 1):
-        elapsed = index * substep
-        above = level - (radius + elapsed)
-        apart = _lengths(position - anchor - elapsed * velocity)
-        previous, rate = rate, influence_rates(above, apart, *profiles)
-        rate[touching] = 1
-        # A new contact point drags its neighbors from the moment of contact, not from now.
-        amount = late * (rate - previous)
-        if index == SUBSTEPS:
-            position += amount[:, None] * direction
-            total += amount
-            break
-        amount += rate * substep
-        short = above + amount * slope - substep - rule.contact_tolerance
-        hits = (short < 0) & ~touching
-        # A point that is overtaken ends the substep on the stent.
-        onto_stent = substep + rule.contact_tolerance - above
-        amount[hits] = np.maximum(onto_stent, amount)[hits]
-        position += amount[:, None] * direction
-        level += amount * slope
-        total += amount
-        closing = np.maximum(substep * (1 - rate[hits] * slope[hits]), 1e-12)
-        since = np.clip(-short[hits] / closing, 0, 1) * substep
-        contact_radius[hits] = radius + elapsed + substep - since
-        touching |= hits
-        level[touching] = radius + elapsed + substep + rule.contact_tolerance
-        late[:] = 0
-        if hits.any() and not touching.all():
-            sources, receivers = np.flatnonzero(hits), np.flatnonzero(~touching)
-            tree = contact_tree(position[sources])
-            gap, nearest = nearest_contact(tree, position[receivers])
-            old = position[receivers] - anchor[receivers]
-            closer = gap < _lengths(old - (elapsed + substep) * velocity[receivers])
-            receivers, nearest = receivers[closer], nearest[closer]
-            late[receivers] = since[nearest]
-            nearest = sources[nearest]
-            velocity[receivers] = direction[nearest]
-            anchor[receivers] = position[nearest] - (elapsed + substep) * direction[nearest]
-    return Front(members, position, total, rate, contact_radius)
 
 
 def _passive_rates(
@@ -316,7 +230,3 @@ def _mean_distance(
     mean[asking] += total / growth
     apart[asking] = current
     return mean
-
-
-def _lengths(vectors: Points) -> NDArray[np.float64]:
-    return np.sqrt(np.einsum("ij,ij->i", vectors, vectors))
