@@ -145,6 +145,8 @@ def showMap(node, name, values, onCells, title):
             text.SetColor(0.0, 0.0, 0.0)  # readable on white and on Slicer's light background
             text.SetShadow(False)
             text.SetFontSize(10)
+        legend.SetSize(0.1, 0.3)
+        legend.SetPosition(0.97, 0.05)
     legend.SetAndObserveColorNodeID(display.GetColorNodeID())
     legend.SetTitleText(title)
     legend.SetLabelFormat("%.2f")
@@ -197,8 +199,8 @@ def fillTable(parameterNode, columns):
     return node
 
 
-def showChart(parameterNode, x, series):
-    """The plot chart over the table's column `x`: `series` maps a column to its color."""
+def showChart(parameterNode, x, series, dashed, top):
+    """The plot chart over the table's column `x` from 0 to `top`: `series` maps a column to its color, one is dashed."""
     scene, chart = parameterNode.parameterNode.GetScene(), parameterNode.outputChart
     if chart is None:
         chart = scene.AddNewNodeByClass(
@@ -212,8 +214,13 @@ def showChart(parameterNode, x, series):
             node.SetPlotType(slicer.vtkMRMLPlotSeriesNode.PlotTypeScatter)
             node.SetMarkerStyle(slicer.vtkMRMLPlotSeriesNode.MarkerStyleNone)
             node.SetColor(*color)
+            node.SetLineWidth(3)
+            if column == dashed:  # seen over a lumen that agrees with it
+                node.SetLineStyle(slicer.vtkMRMLPlotSeriesNode.LineStyleDash)
             chart.AddAndObservePlotSeriesNodeID(node.GetID())
         parameterNode.outputChart = chart
+    chart.SetYAxisRangeAuto(False)
+    chart.SetYAxisRange(0.0, top)
     for index, column in enumerate(series):
         node = chart.GetNthPlotSeriesNode(index)
         if node is not None:

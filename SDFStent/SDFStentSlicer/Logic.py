@@ -103,9 +103,8 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
             if handle
             else []
         )
-        StentList(parameterNode).copy(
-            Handles.createHandle(slicer.mrmlScene, parameterNode.stent.label, points)
-        )
+        stents = StentList(parameterNode)
+        stents.copy(Handles.createHandle(slicer.mrmlScene, stents.freeLabel(), points))
 
     def removeStent(self, parameterNode):
         """Remove the selected stent, and its handle if this module made it."""
@@ -147,6 +146,10 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
     inputNodes = staticmethod(Dependencies.inputNodes)
     missing = staticmethod(Dependencies.missing)
     signature = staticmethod(Dependencies.signature)
+
+    def centerlineOf(self, parameterNode):
+        """The library's centerline of a parameter node, in world coordinates."""
+        return self._inputs.centerline(parameterNode)
 
     def sizeLimits(self, parameterNode):
         """Largest sensible diameter and length for the sliders, mm."""

@@ -12,7 +12,7 @@ from .ParameterNode import SurfaceMap
 SERIES = {
     "Before (mm)": (0.85, 0.33, 0.25),
     "After (mm)": (0.10, 0.45, 0.75),
-    "Prescribed (mm)": (0.45, 0.45, 0.45),
+    "Prescribed (mm)": (0.3, 0.3, 0.3),
 }
 POSITION = "Position (mm)"
 
@@ -124,7 +124,8 @@ def showProfile(parameterNode, run):
     table.SetDescription(
         _("Diameters along {label}, proximal to distal").format(label=chosen.planned.name)
     )
-    Display.showChart(parameterNode, POSITION, SERIES)
+    largest = max(np.nanmax(columns[name], initial=0.0) for name in SERIES)
+    Display.showChart(parameterNode, POSITION, SERIES, dashed="Prescribed (mm)", top=1.1 * largest)
 
 
 def showMap(parameterNode, run):

@@ -29,6 +29,10 @@ class StentList:
         stents.append(stentValues(StentParameters(**values)))
         self.replace(stents, len(stents) - 1)
 
+    def freeLabel(self):
+        """A name that no stent of the list has yet."""
+        return self._freeLabel(self.values())
+
     def copy(self, handle):
         """Append a copy of the selected stent that has a handle of its own, and select it."""
         stents = self.values()

@@ -2,8 +2,8 @@
 
 usage: bench_dragging.py [SURFACE CENTERLINE] [--units cm]
 
-Moves the placement point 60 times along the centerline, with stents of 6 to 20 mm, through the panel with its timers, then goes
-back and forth over the steps of a deployment. Prints redeployments and shown steps per second, with and without drawing, and
+Moves the placement point 60 times along the centerline, with stents of 6 to 20 mm, through the panel with its timers; deploys in
+full at every sixth place; goes back and forth over the steps of a deployment. Prints redeployments and shown steps per second, with and without drawing, and
 where the time goes: the library, the scene (MRML, normals, stent model), the drawing, the rest (panel, timers, conversion).
 Drawing is off-screen and, without a GPU, in software; "drawing alone" redraws an unchanged scene and is the limit that the
 machine sets, whatever the module does. Without arguments the synthetic pulmonary artery is used.
@@ -107,6 +107,7 @@ def thePanel(host, arguments):
 def drag(host, panel, places, draw):
     """Move the handle, wait until the vessel has followed, draw once."""
     session, parameters = panel.session, panel._parameterNode
+    parameters.autoUpdate = True
     for move, place in enumerate(places):
         with slicer.util.NodeModify(parameters):
             parameters.stent.length = LENGTHS[move % len(LENGTHS)]
@@ -115,10 +116,30 @@ def drag(host, panel, places, draw):
         draw()
 
 
+def deploy(panel, places, draw):
+    """Deploy in full at a few places, up to the certificate, every radius step shown; returns how many there were."""
+    parameters, steps = panel._parameterNode, 0
+    for place in places:
+        parameters.stent.handle.SetNthControlPointPositionWorld(0, *place)
+        shown = 0.0
+        for fraction in panel.logic.steps(parameters):
+            if fraction > shown:
+                shown, steps = fraction, steps + 1
+                draw()
+            if fraction == 1.0:
+                break
+    return steps
+
+
 def step(panel, draw):
     """Go back and forth over the expansion."""
     for percent in np.abs(np.linspace(-100, 100, STEPS)):
         panel.logic.showStep(panel._parameterNode, percent)
+        draw()
+
+
+def drawOnly(draw):
+    for _ in range(MOVES):
         draw()
 
 
@@ -145,18 +166,24 @@ def main():
     SurfaceOutput.show = clock.timed("scene", SurfaceOutput.show)
     Results.showEnd = clock.timed("scene", Results.showEnd)
     draw = clock.timed("drawing", view.window.Render)
-    panel._parameterNode.autoUpdate = True
     for title, count, work in (
         ("redeployments, drawn", MOVES, lambda: drag(host, panel, places, draw)),
         ("redeployments, not drawn", MOVES, lambda: drag(host, panel, places, lambda: None)),
+        ("radius steps computed and shown, drawn", 0, lambda: deploy(panel, places[::6], draw)),
+        (
+            "radius steps computed and shown, not drawn",
+            0,
+            lambda: deploy(panel, places[::6], lambda: None),
+        ),
         ("radius steps shown, drawn", STEPS, lambda: step(panel, draw)),
         ("radius steps shown, not drawn", STEPS, lambda: step(panel, lambda: None)),
-        ("drawing alone, nothing changed", MOVES, lambda: [draw() for _ in range(MOVES)]),
+        ("drawing alone, nothing changed", MOVES, lambda: drawOnly(draw)),
     ):
         clock.seconds.clear()
         start = time.perf_counter()
-        work()
+        count = work() or count
         clock.report(title, count, time.perf_counter() - start)
+        panel._parameterNode.autoUpdate = False
         panel.session.cancel()
 
 

@@ -23,7 +23,7 @@ class ctkCollapsibleButton(QWidget):
         self._header.setSizePolicy(QSizePolicy.Expanding, QSizePolicy.Fixed)
         self._header.clicked.connect(lambda: self._setCollapsed(not self._collapsed))
         self.setContentsMargins(0, self._header.sizeHint().height() + 2, 0, 0)
-        self._collapsed = False
+        self._collapsed, self._shown = False, []
 
     def resizeEvent(self, event):
         self._header.setGeometry(0, 0, event.size().width(), self._header.sizeHint().height())
@@ -40,9 +40,13 @@ class ctkCollapsibleButton(QWidget):
     def _setCollapsed(self, collapsed):
         self._collapsed = collapsed
         self._header.setArrowType(Qt.RightArrow if collapsed else Qt.DownArrow)
-        for child in self.findChildren(QWidget, options=Qt.FindDirectChildrenOnly):
-            if child is not self._header:
-                child.setVisible(not collapsed)
+        if collapsed:  # said again once the children are there
+            children = self.findChildren(QWidget, options=Qt.FindDirectChildrenOnly)
+            self._shown += [c for c in children if c is not self._header and not c.isHidden()]
+        for child in self._shown:  # what the panel has hidden itself stays hidden
+            child.setVisible(not collapsed)
+        if not collapsed:
+            self._shown = []
         self.contentsCollapsed.emit(collapsed)
 
     text = Property(str, _text, _setText)

@@ -1,0 +1,186 @@
+"""Makes the pictures of the user guide: drives the panel in the test host and draws the 3D view.
+
+usage: make_pictures.py [FOLDER]          default: docs/images
+
+A picture of a step shows the part of the panel that is meant, beside what the 3D view shows then. They are made by the test host;
+pictures for the extension's index are to be taken in Slicer itself.
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import vtk
+from panel_helpers import settle, theThroat
+from PySide6 import QtCore, QtGui, QtWidgets
+from sdfstent_host import Host
+from vtk.util.numpy_support import vtk_to_numpy
+
+HERE = Path(__file__).resolve().parent
+PANEL_WIDTH = 500
+PANEL_HEIGHT = 1500
+VIEW_SIZE = (700, 520)
+PLOT_SIZE = (760, 420)
+MARGIN = 12
+
+
+class Studio:
+    """The host with a panel, and a folder for pictures."""
+
+    def __init__(self, folder):
+        self.folder = Path(folder)
+        self.folder.mkdir(parents=True, exist_ok=True)
+        self.host = Host.start()
+        self.panel = self.host.openPanel(
+            self.host.loadModule(HERE.parent / "SDFStent.py"),
+            width=PANEL_WIDTH,
+            height=PANEL_HEIGHT,
+        )
+        self.view = self.host.application.view
+        self.view.window.SetSize(*VIEW_SIZE)
+
+    def look(self, points, zoom=1.0):
+        """Point the camera at a cloud of points."""
+        low, high = np.min(points, axis=0), np.max(points, axis=0)
+        self.view.look(np.stack([low, high], axis=1).ravel(), zoom=zoom)
+
+    def take(self, name, *sections):
+        """Save a picture: these sections of the panel (all others closed) at the left, the 3D view at the right."""
+        self._open(sections)
+        self.host.process(0.05)
+        root = self.panel.ui.inputsCollapsibleButton.parentWidget()
+        last = getattr(self.panel.ui, sections[-1] + "CollapsibleButton")
+        first = getattr(self.panel.ui, sections[0] + "CollapsibleButton")
+        top, bottom = geometry(first).top(), geometry(last).bottom()
+        area = QtCore.QRect(0, top, geometry(root).width(), bottom - top)
+        self._save(name, root.grab(area).toImage(), self.image())
+
+    def image(self):
+        """The 3D view."""
+        self.view.render()
+        grabber = vtk.vtkWindowToImageFilter()
+        grabber.SetInput(self.view.window)
+        grabber.ReadFrontBufferOff()
+        grabber.Update()
+        return qImage(grabber.GetOutput())
+
+    def panelPicture(self, name):
+        """The panel alone, with everything but Advanced open."""
+        self._open(("inputs", "stents", "deploy", "results"))
+        self.panel.parent.resize(PANEL_WIDTH, self.panel.parent.sizeHint().height())
+        self.host.process(0.05)
+        self.host.grab(self.panel.parent, self.folder / name)
+        self.panel.parent.resize(PANEL_WIDTH, PANEL_HEIGHT)
+
+    def _open(self, sections):
+        for name in ("inputs", "stents", "deploy", "results", "advanced"):
+            button = getattr(self.panel.ui, name + "CollapsibleButton")
+            if button.collapsed != (name not in sections):
+                button.collapsed = name not in sections
+        self.host.process()
+
+    def _save(self, name, left, right):
+        height = max(left.height(), right.height())
+        picture = QtGui.QImage(
+            left.width() + right.width() + MARGIN, height, QtGui.QImage.Format_RGB32
+        )
+        picture.fill(QtGui.QColor("white"))
+        painter = QtGui.QPainter(picture)
+        painter.drawImage(0, 0, left)
+        painter.drawImage(left.width() + MARGIN, 0, right)
+        painter.end()
+        if not picture.save(str(self.folder / name)):
+            raise OSError(f"Could not write {self.folder / name}")
+
+
+def geometry(widget):
+    """The stand-ins offer it as a property, plain Qt as a method; this works for both."""
+    return QtWidgets.QWidget.geometry(widget)
+
+
+def qImage(imageData):
+    width, height, _depth = imageData.GetDimensions()
+    pixels = vtk_to_numpy(imageData.GetPointData().GetScalars()).reshape(height, width, 3)[::-1]
+    pixels = np.ascontiguousarray(pixels)
+    return QtGui.QImage(pixels.data, width, height, 3 * width, QtGui.QImage.Format_RGB888).copy()
+
+
+def plotPicture(chart, path):
+    """The plot chart of the results, drawn with the classes that Slicer's plot view uses."""
+    view = vtk.vtkContextView()
+    view.GetRenderWindow().SetOffScreenRendering(True)
+    view.GetRenderWindow().SetSize(*PLOT_SIZE)
+    view.GetRenderer().SetBackground(1, 1, 1)
+    drawn = vtk.vtkChartXY()
+    drawn.SetShowLegend(True)
+    drawn.SetTitle(chart.GetTitle())
+    drawn.GetLegend().SetVerticalAlignment(vtk.vtkChartLegend.BOTTOM)
+    if not chart.GetYAxisRangeAuto():
+        drawn.GetAxis(vtk.vtkAxis.LEFT).SetBehavior(vtk.vtkAxis.FIXED)
+        drawn.GetAxis(vtk.vtkAxis.LEFT).SetRange(*chart.GetYAxisRange())
+    drawn.GetAxis(vtk.vtkAxis.BOTTOM).SetTitle(chart.GetXAxisTitle())
+    drawn.GetAxis(vtk.vtkAxis.LEFT).SetTitle(chart.GetYAxisTitle())
+    view.GetScene().AddItem(drawn)
+    for index in range(chart.GetNumberOfPlotSeriesNodes()):
+        series = chart.GetNthPlotSeriesNode(index)
+        line = drawn.AddPlot(vtk.vtkChart.LINE)
+        table = series.GetTableNode().GetTable()
+        line.SetInputData(table, series.GetXColumnName(), series.GetYColumnName())
+        line.SetLabel(series.GetName())
+        line.SetColorF(*series.GetColor())
+        line.SetWidth(3)
+        line.GetPen().SetLineType(series.GetLineStyle())  # the same numbers in both
+    view.GetRenderWindow().Render()
+    grabber = vtk.vtkWindowToImageFilter()
+    grabber.SetInput(view.GetRenderWindow())
+    grabber.Update()
+    qImage(grabber.GetOutput()).save(str(path))
+
+
+def main(folder):
+    studio = Studio(folder)
+    host, panel, ui = studio.host, studio.panel, studio.panel.ui
+    import SampleData
+
+    vessel, centerline = SampleData.SampleDataLogic.download("StenosedPulmonaryArtery")
+    everything = vtk_to_numpy(vessel.GetPolyData().GetPoints().GetData())
+    ui.vesselSelector.setCurrentNode(vessel)
+    ui.centerlineSelector.setCurrentNode(centerline)
+    studio.look(everything, zoom=1.25)
+    studio.take("tutorial-1-inputs.png", "inputs")
+
+    host.click(ui.addStentButton)
+    handle = panel._parameterNode.stent.handle
+    handle.SetNthControlPointPositionWorld(0, *theThroat())
+    ui.diameterSlider.value, ui.lengthSlider.value = 8.5, 14.0
+    studio.take("tutorial-2-stent.png", "stents")
+
+    host.click(ui.deployButton)
+    settle(host, panel)
+    ui.expansionSlider.value = 60
+    studio.take("tutorial-3-expansion.png", "deploy")
+    ui.expansionSlider.value = 100
+    studio.take("tutorial-4-results.png", "deploy", "results")
+    studio.panelPicture("panel.png")
+    plotPicture(panel._parameterNode.outputChart, studio.folder / "tutorial-5-plot.png")
+    ui.mapComboBox.currentIndex = 1
+    host.process()
+    studio.take("tutorial-6-map.png", "results")
+
+    ui.mapComboBox.currentIndex = 0
+    host.click(ui.copyStentButton)
+    near = panel.logic._inputs.centerline(panel._parameterNode)
+    second = near.path_around(theThroat(), 28.0).points[-1]
+    panel._parameterNode.stent.handle.SetNthControlPointPositionWorld(0, *second)
+    ui.diameterSlider.value, ui.lengthSlider.value = 7.0, 12.0
+    host.click(ui.deployButton)
+    settle(host, panel)
+    studio.take("tutorial-7-two-stents.png", "stents", "results")
+    studio.take("reference-advanced.png", "advanced")
+    host.closePanel(panel)
+    if host.errors():
+        raise RuntimeError("Something was logged while the pictures were made.")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1] if len(sys.argv) > 1 else HERE.parents[1] / "docs" / "images")
