@@ -1,0 +1,315 @@
+"""Vessels and stents as nobody would draw them: certified, or refused with the place named."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from deployment_cases import phantom
+from mesh_files import open_tube
+from scipy.spatial import KDTree
+
+from SDFStentLib.capsule_chain import CapsuleChain
+from SDFStentLib.placement import AlongAxis, AtCenter
+from SDFStentLib.settings import DeploymentSettings
+from SDFStentLib.stent import Stent
+from SDFStentLib.treatment import Treatment
+from SDFStentLib.validation import DeploymentError
+
+SETTINGS = DeploymentSettings()
+
+
+def along(axis, diameter):
+    return Stent(diameter, placement=AlongAxis(axis))
+
+
+def treated(points, triangles, *stents, centerline=None):
+    """The finished treatment, after what holds for every one of them has been asserted."""
+    result = Treatment(points, triangles, stents, centerline).result
+    assert result.points.shape == points.shape
+    assert np.isfinite(result.points).all()
+    assert result.certificate.passed or np.isfinite(result.certificate.places[0].center).all()
+    for sentence in [result.certificate.sentence(), *result.warnings]:
+        assert "nan" not in sentence.lower()
+        assert sentence.endswith(".")
+
+    beyond = np.ones(len(points), dtype=bool)
+    for stent in result.stents:
+        reach = stent.planned.stent.radius + SETTINGS.influence_distance + SETTINGS.tissue_gap
+        beyond &= CapsuleChain.along(stent.axis.points).axis_distance(points).distance > reach
+    np.testing.assert_array_equal(result.points[beyond], points[beyond])
+    untouched = np.setdiff1d(np.arange(len(points)), result.indices)
+    assert result.points[untouched].tobytes() == points[untouched].tobytes()
+    return result
+
+
+def seam_width(before, after):
+    """How far points that lay on each other lie apart, at most."""
+    pairs = KDTree(before).query_pairs(1e-9, output_type="ndarray")
+    return np.linalg.norm(after[pairs[:, 0]] - after[pairs[:, 1]], axis=1).max()
+
+
+def a_stenosis():
+    return phantom("stenosed_tube", edge_length=0.8)
+
+
+def its_stent(tube, offset=(0.0, 0.0, 0.0)):
+    return along(tube.axis_at(np.linspace(10, 30, 100)) + offset, 6.0)
+
+
+# What the vessel meets ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("diameter", "swept_walls"), [(14.0, 1), (23.6, 2)])
+def test_a_neighbor_swept_by_a_stent_is_crushed_without_a_crossing(diameter, swept_walls):
+    made = phantom("tube_with_neighbor")
+    axis = made.axis_at(np.linspace(10, 30, 100))
+    radius = diameter / 2
+    beside = (made.points[:, 0] > 4.0) & (np.abs(made.points[:, 2] - 20) < 6)
+    near, far = made.points[beside, 0].min(), made.points[beside, 0].max()
+    assert sum(wall < radius for wall in (near, far)) == swept_walls
+    result = treated(made.points, made.triangles, along(axis, diameter))
+    assert result.certificate.passed
+    away = CapsuleChain.along(axis).axis_distance(result.points).distance
+    # Tissue stays between the lumens.
+    assert away[beside].min() > radius + 0.3
+    # Facets of 0.8 mm, stretched up to fourfold as the circle is: the same share of it.
+    assert result.stents[0].after.minimum == pytest.approx(diameter, rel=0.005)
+    assert result.stents[0].after.maximum == pytest.approx(diameter, rel=0.005)
+
+
+def test_a_stent_over_the_rim_of_an_open_vessel_widens_the_rim():
+    points, triangles = open_tube(radius=3.0, length=30.0, around=24, along=40)
+    result = treated(points, triangles, along([[0.0, 0, 20], [0, 0, 36]], 7.2))
+    assert result.certificate.passed
+    assert "open (48 boundary edges), as it was" in result.certificate.sentence()
+    rim = points[:, 2] > 29.9
+    # The lumen of a 24-sided ring has the prescribed radius, so its corners lie beyond it.
+    away = np.linalg.norm(result.points[rim, :2], axis=1)
+    assert away.min() > 3.6 - 1e-4
+    assert away.max() < 3.6 / np.cos(np.pi / 24) + 0.01
+    # Where the stent is outside, there is no lumen to measure, and that is said.
+    assert any("the axis is outside the lumen there" in words for words in result.warnings)
+
+
+@pytest.mark.parametrize("end", [37.0, 39.0, 46.0])
+def test_a_stent_that_ends_in_an_outlet_cap_is_warned_of_by_place(end):
+    made = phantom("straight_tube", edge_length=0.8)
+    axis = np.array([[0, 0, 25.0], [0, 0, end]])
+    result = treated(made.points, made.triangles, along(axis, 7.2))
+    assert result.certificate.passed
+    (bulged,) = [words for words in result.warnings if "cap" in words]
+    assert "The flat cap near (" in bulged
+    assert "40.0) mm is pushed up to" in bulged
+    inside = (made.points[:, 2] > 28) & (made.points[:, 2] < 34)
+    away = np.linalg.norm(result.points[inside, :2], axis=1)
+    assert away.min() > 3.6 - 1e-3
+
+
+# What the axis does -------------------------------------------------------------------------------
+
+
+def test_a_kink_of_20_degrees_is_stented_to_size():
+    made = phantom("straight_tube", edge_length=0.8)
+    bend = np.tan(np.radians(20)) * 6
+    axis = np.array([[0, 0, 12.0], [0, 0, 20], [bend, 0, 26]])
+    result = treated(made.points, made.triangles, along(axis, 8.0))
+    assert result.certificate.passed
+    assert result.warnings == ()
+    after = result.stents[0].after
+    # At the kink the outer side is a sphere's, a little beyond the tube.
+    assert after.minimum == pytest.approx(8.0, rel=0.01)
+    assert after.maximum < 8.0 * 1.03
+
+
+def test_a_stent_longer_than_the_vessel_is_shortened_and_said():
+    made = phantom("straight_tube", edge_length=0.8)
+    stent = Stent(7.0, placement=AtCenter([0.0, 0, 20]), length=80.0)
+    result = treated(made.points, made.triangles, stent, centerline=made.centerline)
+    assert result.certificate.passed
+    assert (
+        "The stent is shortened: 72.0 mm were prescribed, 40.0 mm of centerline are available "
+        "there." in result.warnings
+    )
+    assert sum("The flat cap near" in words for words in result.warnings) == 2
+    assert result.stents[0].axis.deployed_length == pytest.approx(40.0)
+    inside = np.abs(made.points[:, 2] - 20) < 14
+    assert np.linalg.norm(result.points[inside, :2], axis=1).min() > 3.5 - 1e-3
+
+
+def test_a_stent_along_a_whole_hairpin_keeps_its_legs_apart():
+    made = phantom("hairpin_tube", edge_length=1.0)
+    length = made.vessels[0].axis.length
+    axis = made.axis_at(np.linspace(3, length - 3, 400))
+    # The legs lie 8 mm apart: 7.4 mm leave 0.6 mm of tissue.
+    result = treated(made.points, made.triangles, along(axis, 7.4))
+    assert result.certificate.passed
+    inner = np.array(result.stents[0].after.inscribed_diameter)[5:-5]
+    # Facets of 1 mm on a circle of 3.7 mm, stretched.
+    assert inner.min() > 7.4 * 0.98
+    assert np.median(inner) == pytest.approx(7.4, rel=0.005)
+
+
+def test_a_hairpin_stent_wider_than_its_legs_are_apart_is_not_certified_and_says_where():
+    made = phantom("hairpin_tube", edge_length=1.5)
+    length = made.vessels[0].axis.length
+    axis = made.axis_at(np.linspace(10, length - 10, 200))
+    result = treated(made.points, made.triangles, along(axis, 10.0))
+    assert not result.certificate.passed
+    assert "Not certified: the surface has" in result.certificate.sentence()
+    # Named by a place of the vessel, where the legs press on each other.
+    center = result.certificate.places[0].center
+    assert CapsuleChain.along(axis).axis_distance([center]).distance[0] < 5.0 + 1.0
+    assert f"{result.certificate.places[0]}" in result.certificate.sentence()
+
+
+def test_overlapping_stents_are_certified_together_and_the_wider_one_rules():
+    made = phantom("straight_tube", edge_length=0.8)
+    stents = [
+        Stent(diameter, placement=AtCenter([0.0, 0, at]), length=15.0)
+        for diameter, at in ((7.0, 15.0), (8.0, 24.0))
+    ]
+    result = treated(made.points, made.triangles, *stents, centerline=made.centerline)
+    assert result.certificate.passed
+    assert any("Stents 1 and 2 overlap over 4.5 mm" in words for words in result.warnings)
+    first, second = (stent.after for stent in result.stents)
+    # Facets of 0.8 mm: 0.5 %. The first lumen grows to the second one's where they overlap.
+    assert first.minimum == pytest.approx(7.0, rel=0.005)
+    assert first.maximum == pytest.approx(8.0, rel=0.005)
+    assert second.minimum == pytest.approx(8.0, rel=0.005)
+
+
+def test_a_target_smaller_than_the_lumen_moves_nothing_bit_by_bit_and_says_so():
+    made = phantom("straight_tube", edge_length=0.8)
+    stent = Stent(5.0, placement=AtCenter([0.0, 0, 20]), length=20.0)
+    result = treated(made.points, made.triangles, stent, centerline=made.centerline)
+    assert result.points.tobytes() == made.points.tobytes()
+    assert result.centerline.points.tobytes() == made.centerline.points.tobytes()
+    assert len(result.indices) == 0
+    assert result.certificate.passed
+    assert result.warnings == (
+        "Nothing moves: the stent of 5 mm is not wider than the lumen where it lies "
+        "(5.9 to 6.0 mm).",
+    )
+
+
+def test_an_axis_far_from_the_surface_is_refused_with_what_to_check():
+    made = phantom("straight_tube", edge_length=0.8)
+    treatment = Treatment(made.points, made.triangles, [along([[18.0, 0, 5], [18, 0, 30]], 7.0)])
+    with pytest.raises(
+        DeploymentError,
+        match=r"stent: expected the vessel's wall within 10\.0 mm of the stent axis, got none; "
+        "check that surface and axis are in the same unit and frame",
+    ):
+        list(treatment)
+
+
+# What the mesh is like ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("edge_length", "radius", "tolerance"),
+    # The coarse tube is one of nine sides: its facets, after stretching, miss by 4 % of a sagitta.
+    [(0.2, 2.5, 0.005), (6.0, 8.0, 0.4)],
+)
+def test_edges_of_a_fifth_of_a_millimeter_or_of_six_are_stented_to_size(
+    edge_length, radius, tolerance
+):
+    made = phantom("straight_tube", radius=radius, length=6 * radius, edge_length=edge_length)
+    axis = made.axis_at([2 * radius, 4 * radius])
+    result = treated(made.points, made.triangles, along(axis, 2.4 * radius))
+    assert result.certificate.passed
+    after = np.array(result.stents[0].after.inscribed_diameter)
+    assert np.abs(after - 2.4 * radius).max() < tolerance
+
+
+def test_triangles_that_name_a_corner_twice_change_nothing():
+    tube = a_stenosis()
+    clean = treated(tube.points, tube.triangles, its_stent(tube))
+    twice = tube.triangles[::50][:, [0, 0, 1]]
+    result = treated(tube.points, np.concatenate([tube.triangles, twice]), its_stent(tube))
+    assert result.certificate.passed
+    np.testing.assert_array_equal(result.points, clean.points)
+
+
+def test_triangles_without_area_in_a_watertight_wall_pass_or_are_named():
+    """Every 37th face is cut at the middle of one side, and a flat face closes the gap."""
+    tube = a_stenosis()
+    points, cut = tube.points, tube.triangles[::37]
+    middles = points[cut[:, :2]].mean(axis=1)
+    a, b, c = cut.T
+    new = len(points) + np.arange(len(cut))
+    kept = np.delete(tube.triangles, np.arange(0, len(tube.triangles), 37), axis=0)
+    triangles = np.concatenate(
+        [kept, np.stack([a, new, c], 1), np.stack([new, b, c], 1), np.stack([a, b, new], 1)]
+    )
+    result = treated(np.concatenate([points, middles]), triangles, its_stent(tube))
+    assert result.certificate.is_watertight
+    assert result.certificate.passed or str(result.certificate.places[0]) in (
+        result.certificate.sentence()
+    )
+    # The cut faces are as good as the whole ones.
+    assert result.stents[0].after.minimum > 6.0 * 0.985
+
+
+def test_an_inconsistent_winding_changes_nothing_at_all():
+    tube = a_stenosis()
+    clean = treated(tube.points, tube.triangles, its_stent(tube))
+    flipped = tube.triangles.copy()
+    some = np.random.default_rng(3).random(len(flipped)) < 0.5
+    flipped[some] = flipped[some][:, ::-1]
+    result = treated(tube.points, flipped, its_stent(tube))
+    assert result.certificate.passed
+    np.testing.assert_array_equal(result.points, clean.points)
+
+
+def test_caps_with_points_of_their_own_stay_on_the_wall():
+    """Programs that compute normals split a surface along its sharp edges."""
+    tube = a_stenosis()
+    points, triangles, source = split(tube, tube.face_ids)
+    result = treated(points, triangles, its_stent(tube))
+    assert result.certificate.passed
+    assert seam_width(points, result.points) == 0.0
+    whole = treated(tube.points, tube.triangles, its_stent(tube))
+    np.testing.assert_array_equal(result.points, whole.points[source])
+
+
+@pytest.mark.xfail(strict=True, reason="facet compensation moves each copy by its own faces")
+@pytest.mark.parametrize("parts", ["halves", "every triangle"])
+def test_points_stored_twice_in_the_wall_stay_together(parts):
+    tube = a_stenosis()
+    count = len(tube.triangles)
+    halves = tube.points[tube.triangles].mean(axis=1)[:, 0] > 0
+    points, triangles, source = split(tube, halves if parts == "halves" else np.arange(count))
+    result = treated(points, triangles, its_stent(tube))
+    # Torn open it would be useless, whatever the certificate of an open surface says.
+    assert seam_width(points, result.points) == 0.0
+    whole = treated(tube.points, tube.triangles, its_stent(tube))
+    np.testing.assert_allclose(result.points, whole.points[source], atol=1e-9)
+
+
+def split(tube, label):
+    """The surface with points of its own for every part, and which point each was."""
+    points, triangles, source, count = [], [], [], 0
+    for name in np.unique(label):
+        used, corners = np.unique(tube.triangles[label == name], return_inverse=True)
+        points.append(tube.points[used])
+        triangles.append(corners.reshape(-1, 3) + count)
+        source.append(used)
+        count += len(used)
+    return np.concatenate(points), np.concatenate(triangles), np.concatenate(source)
+
+
+@pytest.mark.parametrize("offset", [(1000.0, 0, 0), (-600.0, 700, -400)])
+def test_a_meter_away_from_the_origin_the_result_is_the_same(offset):
+    tube = a_stenosis()
+    offset = np.array(offset)
+    here = treated(tube.points, tube.triangles, its_stent(tube))
+    there = treated(tube.points + offset, tube.triangles, its_stent(tube, offset))
+    assert there.certificate.passed
+    # Where a curved field is followed is decided by cubes of 3 mm counted from the origin: up to
+    # 0.014 mm in the transition zone, within the stated error of the steps.
+    assert np.abs(there.points - offset - here.points).max() < 0.02
+    for name in ("minimum", "mean", "maximum"):
+        assert getattr(there.stents[0].after, name) == pytest.approx(
+            getattr(here.stents[0].after, name), abs=0.005
+        )
