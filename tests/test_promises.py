@@ -1,0 +1,248 @@
+"""What is promised to whoever types `sdfstent deploy`, as far as no other file shows it."""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from mesh_files import PROJECT
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkStringArray
+
+from SDFStentLib import polydata, vtk_formats
+from SDFStentLib.capsule_chain import CapsuleChain
+from SDFStentLib.phantoms import stenosed_tube
+from SDFStentLib.placement import AtCenter, BetweenPoints
+from SDFStentLib.plan import Plan, PlannedStent
+from SDFStentLib.plan_document import save_plan
+from SDFStentLib.plan_reader import load_plan
+from SDFStentLib.plan_run import input_file, read_input_files, run_plan
+from SDFStentLib.stent import Stent
+from SDFStentLib.surface_files import read_surface
+
+REACH = 3.0 + 6.5 + 0.4
+"""Radius of the stent, influence distance and tissue gap, mm."""
+
+
+@pytest.fixture(scope="module")
+def a_vessel(tmp_path_factory):
+    """A file as SimVascular writes it: cm, single precision, ids of nodes, elements and faces."""
+    folder = tmp_path_factory.mktemp("Gefäß im Ordner")
+    made = stenosed_tube(edge_length=0.8)
+    # Away from the origin, so that single precision shows.
+    shift = np.array([11.0, -7.0, 130.0])
+    points = ((made.points + shift) / 10).astype(np.float32)
+    data = polydata.polydata_from_arrays(
+        points,
+        made.triangles,
+        point_arrays={
+            "GlobalNodeID": np.arange(1, len(points) + 1, dtype=np.int32),
+            "pressure_avg": np.random.default_rng(5).normal(size=len(points)),
+            "wss": np.random.default_rng(6).normal(size=(len(points), 3)).astype(np.float32),
+        },
+        cell_arrays={
+            "ModelFaceID": made.face_ids.astype(np.int32),
+            "GlobalElementID": np.arange(len(made.triangles), dtype=np.int64)[::-1] + 2**40,
+            "CapID": (made.face_ids > 1).astype(np.uint8),
+        },
+    )
+    name, when = vtkStringArray(), numpy_to_vtk(np.array([0.1, 0.2]), deep=True)
+    name.SetName("patient")
+    name.InsertNextValue("Müller, Jörg")
+    when.SetName("TimeValue")
+    data.GetFieldData().AddArray(name)
+    data.GetFieldData().AddArray(when)
+    (folder / "vessel.vtp").write_bytes(vtk_formats.encode_vtp(data))
+    tree = made.centerline
+    line = polydata.polydata_from_lines((tree.points + shift) / 10, [np.arange(len(tree.points))])
+    polydata.add_arrays(line, {"MaximumInscribedSphereRadius": tree.inscribed_radius / 10}, {})
+    (folder / "line.vtp").write_bytes(vtk_formats.encode_vtp(line))
+    return folder
+
+
+def command(*arguments):
+    return [sys.executable, "-m", "SDFStentLib", *map(str, arguments)]
+
+
+def deploy(diameter, out, *more):
+    return command(
+        "deploy", "vessel.vtp", "--units", "cm", "--centerline", "line.vtp",
+        "--center", 1.1, -0.7, 15, "--length", 20, "--diameter", diameter, "-o", out, *more,
+    )  # fmt: skip
+
+
+def run(arguments, folder):
+    return subprocess.run(
+        arguments,
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(PROJECT)},
+        capture_output=True,
+        text=True,
+        encoding="utf-8",
+        timeout=120,
+        check=False,
+    )
+
+
+def arrays_of(data):
+    """Every array by where it is: its type, its shape and its bits."""
+    found = {}
+    for part in ("PointData", "CellData", "FieldData"):
+        attributes = getattr(data, f"Get{part}")()
+        for index in range(attributes.GetNumberOfArrays()):
+            array = attributes.GetAbstractArray(index)
+            if array.IsNumeric():
+                values = vtk_to_numpy(array)
+                bits = (values.shape, values.tobytes())
+            else:
+                bits = tuple(array.GetValue(i) for i in range(array.GetNumberOfValues()))
+            found[part, array.GetName()] = (array.GetDataTypeAsString(), bits)
+    return found
+
+
+def coordinates(data):
+    return vtk_to_numpy(data.GetPoints().GetData())
+
+
+# Nothing is lost ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("more", [(), ("--arrays",)])
+def test_deploying_keeps_arrays_ids_and_untouched_points_bit_by_bit(a_vessel, tmp_path, more):
+    out = tmp_path / "out.vtp"
+    done = run(deploy(6, out, *more), a_vessel)
+    assert done.returncode == 0, done.stderr
+    before = read_surface(a_vessel / "vessel.vtp", "cm")
+    after = read_surface(out, "cm")
+    old, new = coordinates(before.polydata()), coordinates(after.polydata())
+
+    assert new.dtype == np.float32
+    assert new.shape == old.shape
+    np.testing.assert_array_equal(after.triangles, before.triangles)
+    kept = arrays_of(after.polydata())
+    added = set(kept) - set(arrays_of(before.polydata()))
+    assert {key: kept[key] for key in kept if key not in added} == arrays_of(before.polydata())
+    assert {name for _, name in added} == (
+        {"Displacement", "AreaStretch", "PrincipalStretchMax", "PrincipalStretchMin"}
+        if more
+        else set()
+    )
+
+    # The stent of 20 mm loses a tenth of its length; its middle is the throat.
+    axis = np.array([[11.0, -7, 141], [11, -7, 159]])
+    away = CapsuleChain.along(axis).axis_distance(before.points).distance
+    assert new[away > REACH].tobytes() == old[away > REACH].tobytes()
+    changed = (new != old).any(axis=1)
+    assert 0 < changed.sum() < len(old)
+    if more:
+        displacement = vtk_to_numpy(after.polydata().GetPointData().GetArray("Displacement"))
+        # Points that the array does not name have their bits, and the others went where it says.
+        assert not displacement[~changed].any() or np.abs(displacement[~changed]).max() < 1e-5
+        stored = (before.points + displacement) / 10
+        # Half a unit in the last place of single precision at 16 cm.
+        assert np.abs(stored - new).max() < 1e-6
+
+
+def versions_in(folder, old, new):
+    """Which version each output is; fails for anything else."""
+    data = (folder / "out.vtp").read_bytes()
+    assert data in (old, new), "the surface is neither the old nor the new one"
+    # With times in it, a report is never written twice the same; but it is a whole document.
+    report = json.loads((folder / "r.json").read_text(encoding="utf-8"))
+    assert report["certificate"]["manifold"] is True
+    assert report["stents"][0]["lumen_diameter_mm"] in (5.0, 6.0)
+    is_new = report["stents"][0]["lumen_diameter_mm"] == 6.0
+    return ("new" if data == new else "old", "new" if is_new else "old")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no SIGKILL")
+def test_a_deployment_killed_at_any_moment_leaves_old_files_or_whole_new_ones(a_vessel, tmp_path):
+    for name in ("vessel.vtp", "line.vtp"):
+        (tmp_path / name).write_bytes((a_vessel / name).read_bytes())
+    outputs = ("--report", "r.json", "--quiet")
+    surfaces = {}
+    for diameter in (6, 5):
+        assert run(deploy(diameter, "out.vtp", *outputs), tmp_path).returncode == 0
+        surfaces[diameter] = (tmp_path / "out.vtp").read_bytes()
+    assert surfaces[5] != surfaces[6]
+    old_report = (tmp_path / "r.json").read_bytes()
+
+    rng = random.Random(20)
+    seen = []
+    # At once, some while it computes, most from the moment on at which it begins to write.
+    for moment in (0.05, rng.uniform(0.2, 1.0), *["writing"] * 5):
+        (tmp_path / "out.vtp").write_bytes(surfaces[5])
+        (tmp_path / "r.json").write_bytes(old_report)
+        before = set(os.listdir(tmp_path))
+        with subprocess.Popen(
+            deploy(6, "out.vtp", *outputs),
+            cwd=tmp_path,
+            env={**os.environ, "PYTHONPATH": str(PROJECT)},
+        ) as process:
+            if moment == "writing":
+                while process.poll() is None and set(os.listdir(tmp_path)) <= before:
+                    time.sleep(0.0005)
+                moment = rng.uniform(0, 0.05)
+            time.sleep(moment)
+            process.kill()
+        seen.append(versions_in(tmp_path, surfaces[5], surfaces[6]))
+    assert ("old", "old") in seen
+    # What a killed run leaves behind is hidden, and in nobody's way.
+    left = set(os.listdir(tmp_path)) - {"vessel.vtp", "line.vtp", "out.vtp", "r.json"}
+    assert all(name.startswith(".sdfstent-") for name in left)
+    assert run(deploy(6, "out.vtp", *outputs), tmp_path).returncode == 0
+    assert versions_in(tmp_path, surfaces[5], surfaces[6]) == ("new", "new")
+
+
+# The same everywhere ------------------------------------------------------------------------------
+
+
+def test_a_plan_of_several_stents_has_the_same_bits_from_the_shell_and_from_python(
+    a_vessel, tmp_path
+):
+    inputs = read_input_files(a_vessel / "vessel.vtp", a_vessel / "line.vtp", "cm")
+    plan = Plan(
+        stents=(
+            PlannedStent(
+                Stent(6.0, placement=AtCenter([11.0, -7, 147]), length=13.0), name="erster"
+            ),
+            PlannedStent(
+                Stent(6.6, placement=BetweenPoints([11.0, -7, 150], [11.0, -7, 161])),
+                name="zweiter",
+            ),
+            PlannedStent(
+                Stent(9.0, placement=AtCenter([11.0, -7, 150]), length=9.0), enabled=False
+            ),
+        ),
+        surface=input_file(inputs.surface),
+        centerline=input_file(inputs.line_file),
+        units="cm",
+    )
+    document = a_vessel / "Plan für später.json"
+    save_plan(plan, document)
+    done = run(command("run", document.name, "-o", tmp_path), a_vessel)
+    assert done.returncode == 0, done.stderr
+    assert "Stents 1 and 2 overlap" in done.stderr
+
+    result = run_plan(load_plan(document))
+    result.write_surface(tmp_path / "python.vtp")
+    result.write_centerline(tmp_path / "python_line.vtp")
+    for shell, python in (
+        ("vessel_stented.vtp", "python.vtp"),
+        ("line_stented.vtp", "python_line.vtp"),
+    ):
+        assert (tmp_path / shell).read_bytes() == (tmp_path / python).read_bytes()
+    # Before they are rounded for the file as well: this process computes it a second time.
+    again = run_plan(load_plan(document))
+    assert again.treatment.points.tobytes() == result.treatment.points.tobytes()
+    # The document that `run` writes is the plan again, from its new folder.
+    moved = run_plan(load_plan(tmp_path / "plan.json"))
+    assert moved.treatment.points.tobytes() == result.treatment.points.tobytes()
+    assert Path(moved.plan.surface.path).samefile(a_vessel / "vessel.vtp")
