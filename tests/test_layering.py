@@ -65,8 +65,11 @@ def test_reports_and_pictures_stand_above_plans_and_plans_above_deployment():
     upper = {
         0: ("report", "picture", "treatment_report"),
         1: ("plan", "treatment"),
-        2: ("deployment", "attempt", "deployment_value", "event_steps", "published_steps", "untangle", "lumen"),
-    }
+        2: (
+            "deployment", "attempt", "deployment_value", "event_steps", "published_steps",
+            "untangle", "lumen",
+        ),
+    }  # fmt: skip
 
     def level(name):
         if name == "treatment_report" or name.startswith(("report", "picture")):
