@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -412,6 +413,8 @@ def test_control_c_leaves_nothing_half_written(a_folder):
         ["deploy", "tube.vtp", "--units", "cm", "--centerline", "line.vtp", *PLACE,
          "--diameter", "6", "-o", "out.vtp", "--step", "0.0005", "--rule", "published"],
         a_folder,
+        # A test run in the background of a shell ignores the signal, and so would its children.
+        preexec_fn=partial(signal.signal, signal.SIGINT, signal.SIG_DFL),
     )  # fmt: skip
     time.sleep(2.0)  # imports are done, thousands of steps are not
     process.send_signal(signal.SIGINT)
