@@ -3,8 +3,8 @@
     python -m benchmarks.first_frame [--quick] [--largest SUBDIVISIONS]
 
 The fresh time has the interpreter, all imports, reading the mesh (.npz) and the first state; the
-warm one a whole new deployment to its first state, the stent having been moved. svmorph, where
-installed, does its first deformation.
+warm one a new deployment to its first state, the stent having been moved and the topology of the
+triangles being known. svmorph, where installed, does its first deformation.
 """
 
 from __future__ import annotations
