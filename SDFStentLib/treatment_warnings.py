@@ -83,11 +83,15 @@ def nothing_moved(stent: TreatedStent) -> str:
     """A sentence when a stent moved nothing; empty otherwise."""
     if stent.moved_points:
         return ""
-    lumen = stent.before
-    measured = f" ({lumen.minimum:.1f} to {lumen.maximum:.1f} mm)" if lumen.minimum > 0 else ""
+    lumen, diameter = stent.before, stent.planned.stent.diameter
+    if not lumen.maximum > 0:
+        return (
+            f"Nothing moves: the stent of {diameter:g} mm touches no wall, and its axis lies "
+            "outside the lumen; check that surface and axis are in the same unit and frame."
+        )
     return (
-        f"Nothing moves: the stent of {stent.planned.stent.diameter:g} mm is not wider than the "
-        f"lumen where it lies{measured}."
+        f"Nothing moves: the stent of {diameter:g} mm is not wider than the lumen where it lies "
+        f"({lumen.minimum:.1f} to {lumen.maximum:.1f} mm)."
     )
 
 

@@ -203,6 +203,17 @@ def test_an_axis_far_from_the_surface_is_refused_with_what_to_check():
         list(treatment)
 
 
+def test_an_axis_beside_the_vessel_moves_nothing_and_says_why():
+    made = phantom("straight_tube", edge_length=0.8)
+    # 12 mm from the vessel's axis the wall is in reach, but 5.5 mm from the stent.
+    result = treated(made.points, made.triangles, along([[12.0, 0, 5], [12, 0, 30]], 7.0))
+    assert result.points.tobytes() == made.points.tobytes()
+    assert result.warnings[0] == (
+        "Nothing moves: the stent of 7 mm touches no wall, and its axis lies outside the lumen; "
+        "check that surface and axis are in the same unit and frame."
+    )
+
+
 # What the mesh is like ----------------------------------------------------------------------------
 
 
