@@ -222,5 +222,5 @@ def _check_suffix(path: str, what: str, suffixes: Sequence[str]) -> None:
     if Path(path).suffix.lower() not in suffixes:
         raise InputError(
             f"{path}: expected {what} that ends in {', '.join(suffixes)}, got "
-            f"{Path(path).suffix or 'no suffix'!r}."
+            f"{Path(path).suffix or 'no suffix'!r}; rename it."
         )

@@ -18,6 +18,7 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """End with the sentence on stderr and exit code 2."""
+        message = message.replace("3 arguments", "three numbers with spaces between them")
         self.exit(2, f"{self.prog}: {message}; see {self.prog} --help.\n")
 
 

@@ -268,7 +268,7 @@ def _placed(centerline: Centerline, point: Floats, name: str) -> Location:
     if place.distance > limit:
         raise InputError(
             f"{name}: expected a point within {limit:.3g} mm of the centerline, got "
-            f"({point[0]:.4g}, {point[1]:.4g}, {point[2]:.4g}), {place.distance:.3g} mm away; "
+            f"({point[0]:.4g}, {point[1]:.4g}, {point[2]:.4g}) mm, {place.distance:.3g} mm away; "
             "check the point, its unit (mm, cm) and its frame (RAS, LPS)."
         )
     return place
