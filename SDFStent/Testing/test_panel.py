@@ -329,3 +329,18 @@ def test_warnings_stand_with_the_numbers(host, aStent):
     aStent.ui.diameterSlider.value = 8.5
     deploy(host, aStent)
     assert not aStent.ui.warningLabel.visible
+
+
+def test_a_fast_drag_is_followed_while_it_lasts(host, aStent):
+    aStent.ui.autoUpdateCheckBox.checked = True
+    settle(host, aStent)
+    begun = []
+    begin = aStent.session._begin
+    aStent.session._begin = lambda live: (begun.append(live), begin(live))
+    for value in np.linspace(6.0, 9.0, 60):
+        aStent.ui.diameterSlider.value = value
+        host.process(0.004)
+    assert len(begun) >= 3  # a wait that every change restarts would leave none
+    assert all(begun)  # previews only
+    settle(host, aStent)
+    assert "(9.0 prescribed)" in aStent.ui.lumenLabel.text
