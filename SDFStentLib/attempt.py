@@ -54,7 +54,8 @@ class Attempt:
     def state(self, level: float) -> DeploymentState:
         """What has moved so far, in the caller's numbers."""
         task, target = self.task, self.task.target_level
-        moved = (self.motion.positions != self.start).any(axis=1)
+        x, y, z = (self.motion.positions != self.start).T
+        moved = x | y | z
         wall = self.ascending[moved[self.ascending]]
         dragged = self.wall_count + np.flatnonzero(moved[self.wall_count :])
         companions = task.companions.copy()
@@ -120,7 +121,7 @@ class Attempt:
         direction = self.motion.direction[wall]
         level = self.motion.level[wall]
         normals = None
-        if not self.task.has_several_parts:
+        if not (self.patch.has_several_parts and self.task.has_several_parts):
             normals = self.patch.outward_normals(self.patch_start, direction, level)
         if normals is None:
             normals = vertex_normals(self.task.points, self.task.outward_triangles)

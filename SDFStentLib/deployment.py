@@ -145,7 +145,7 @@ class Deployment(DeploymentTask):
         return certify(
             self.points,
             state.applied_to(self.points),
-            self.outward_triangles,
+            self.wound_triangles,
             moved=state.indices,
             dtype=self.precision.dtype,
             scale=self.precision.scale,

@@ -122,6 +122,11 @@ class DeploymentTask:
         known = self._topology is not None or self.settings.certify
         return known and self.topology.component_count > 1
 
+    @property
+    def wound_triangles(self) -> Triangles:
+        """The triangles with one winding, outward or not."""
+        return self.triangles if self.topology.is_consistently_wound else self.outward_triangles
+
     @cached_property
     def outward_triangles(self) -> Triangles:
         """The triangles wound so that normals point out of the lumen; files exist with others.

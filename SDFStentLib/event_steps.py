@@ -69,7 +69,7 @@ def event_steps(motion: Motion, rule: StepRule, start: float, target: float) -> 
     rate = contact.astype(np.float64)
     growth = min(FIRST_STEP, rule.step)
     evaluated = radius
-    motion.look_ahead(target - radius)
+    has_looked_ahead = False
     while target - radius > 1e-9:
         growth = min(growth, target - radius)
         if target - radius - growth < 0.25 * growth:
@@ -81,6 +81,10 @@ def event_steps(motion: Motion, rule: StepRule, start: float, target: float) -> 
             motion.refreshed()
             evaluated = radius
         yield radius
+        if not has_looked_ahead:
+            # Not before the first step: that one is short, and a preview wants to show it.
+            motion.look_ahead(target - radius)
+            has_looked_ahead = True
         factor = np.sqrt(rule.tolerance / max(error, 1e-12))
         growth = float(
             np.clip(growth * np.clip(factor, 0.5, 2), min(SHORTEST_STEP, rule.step), rule.step)

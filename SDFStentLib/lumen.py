@@ -18,7 +18,7 @@ from .validation import Triangles
 CONTACT_BAND = 1.5
 """Points within this many contact tolerances of the final level count as lying on the stent."""
 
-FINISH_ROUNDS = 3
+FINISH_ROUNDS = 2
 NEGLIGIBLE = 1e-4
 """Facets that miss the radius by less than this share of it are fine enough as they are."""
 
@@ -47,7 +47,7 @@ def radius_correction(chain: CapsuleChain, radius: float) -> float:
     on_stent = true_distance > 0.999 * radius
     if not on_stent.any():
         return chain.smoothing_width / 4
-    return float((true_distance - chain.field(samples).distance)[on_stent].mean())
+    return float((true_distance - chain.trusted_field(samples).distance)[on_stent].mean())
 
 
 def projected(motion: Motion, level: float) -> None:

@@ -54,7 +54,7 @@ class Motion:
 
     def __init__(self, chain: CapsuleChain, points: Points, touchable: NDArray[np.bool_]) -> None:
         order = _spatial_order(points, touchable)
-        field = chain.field(points[order])
+        field = chain.trusted_field(points[order])
         self.chain = chain
         self.indices = order
         self.positions = points[order].copy()
@@ -84,7 +84,7 @@ class Motion:
 
     def moved_to(self, where: NDArray[Any], positions: Points) -> None:
         """Put some points elsewhere and evaluate their field there."""
-        field = self.chain.field(positions)
+        field = self.chain.trusted_field(positions)
         self.positions[where] = positions
         self.level[where] = field.distance - self.offset[where]
         self.direction[where] = field.direction
@@ -113,7 +113,7 @@ class Motion:
         direction = self.direction[sample]
         curved = np.zeros(len(sample), dtype=bool)
         for share in (0.5, 1.0):
-            ahead = self.chain.field(self.positions[sample] + share * distance * direction)
+            ahead = self.chain.trusted_field(self.positions[sample] + share * distance * direction)
             curved |= np.einsum("ij,ij->i", ahead.direction, direction) < STRAIGHT
         cube = self.resting.cube
         in_curved_cube = np.zeros(len(self.positions) + 1, dtype=bool)

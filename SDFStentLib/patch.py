@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .surface import vertex_normals
+from .topology import component_labels
 from .validation import Points, Triangles, read_only
 
 
@@ -80,6 +81,13 @@ class Patch:
         nearest = np.argsort(distance)[: max(1, len(distance) // 20)]
         facing = np.einsum("ij,ij->i", normals[nearest], direction[nearest]).sum()
         return normals if facing >= 0 else -normals
+
+    @property
+    def has_several_parts(self) -> bool:
+        """Whether walls come in parts here; they may be joined outside the patch."""
+        start, end = self.triangles[:, :2].T, self.triangles[:, 1:].T
+        label = component_labels(len(self.vertices), start.ravel(), end.ravel())
+        return bool(label.any())
 
     def _is_consistently_wound(self) -> bool:
         """No side is run along twice in the same direction."""
