@@ -38,7 +38,7 @@ class Attempt:
                 f"{task.radius + task.settings.influence_distance:.1f} mm of the stent "
                 "axis, got none; check that surface and axis are in the same unit and frame."
             )
-        self.patch = Patch.around(task.triangles, self.numbers[: self.wall_count], len(task.points))
+        self.patch = Patch.around(task.points, task.triangles, self.numbers[: self.wall_count])
         self.patch_start = self.patch.points(task.points, self.start[: self.wall_count])
         nearest = float(self.motion.level[: self.wall_count].min())
         self.start_radius = min(task.settings.crimped_radius, WALL_CLEARANCE * nearest)
@@ -83,6 +83,7 @@ class Attempt:
         )
         if settings.facet_compensation:
             facets_compensated(self.motion, self.patch.triangles, on_stent, task.radius)
+            self._close_seams()
 
     def untangle(self, faulty: NDArray[np.int64]) -> int:
         """Take apart faulty faces of the surface; returns the rounds that it took."""
@@ -97,7 +98,14 @@ class Attempt:
         outcome = untangled(self.motion, faults, self.wall_count, task.target_level, local)
         if len(outcome.remaining) >= len(local):
             self.motion.positions[:] = folded
+        self._close_seams()
         return outcome.rounds
+
+    def _close_seams(self) -> None:
+        """Put points that are stored more than once where the first of them went."""
+        twin = self.patch.twin[: self.wall_count]
+        if (twin != np.arange(self.wall_count)).any():
+            self.motion.positions[: self.wall_count] = self.motion.positions[twin]
 
     def _active(self, gap: float) -> tuple[Motion, NDArray[np.int64]]:
         """The points that can move, and their numbers among points and companions."""
@@ -125,7 +133,7 @@ class Attempt:
             normals = self.patch.outward_normals(self.patch_start, direction, level)
         if normals is None:
             normals = vertex_normals(self.task.points, self.task.outward_triangles)
-            normals = normals[self.numbers[wall]]
+            normals = normals[self.numbers[wall]][self.patch.twin[wall]]
         facing = -np.einsum("ij,ij->i", normals, direction)
         share = np.clip((facing - ramp[0]) / (ramp[1] - ramp[0]), 0, 1)
         offset = np.zeros(len(self.motion.level))

@@ -24,32 +24,39 @@ class Patch:
     faces : (m,) array
         Their numbers in the whole surface.
     triangles : (m, 3) array
-        The same faces in patch numbers: first the active vertices, then the rim.
+        The same faces in patch numbers: first the active vertices, then the rim. Of vertices at
+        the same coordinates all faces have the first, so that a seam does not open.
     vertices : (n,) array
         Numbers of the patch's vertices in the whole surface.
     active_count : int
         Active vertices are `0 .. active_count - 1`; the others never move.
+    twin : (n,) array
+        The first vertex at the coordinates of each; itself but at seams.
     """
 
     faces: NDArray[np.int64]
     triangles: Triangles
     vertices: NDArray[np.int64]
     active_count: int
+    twin: NDArray[np.int64]
 
     @classmethod
-    def around(cls, triangles: Triangles, active: NDArray[np.int64], point_count: int) -> Patch:
-        """The patch of the given active vertices of a surface with `point_count` points."""
-        number = np.full(point_count, -1, dtype=np.int64)
+    def around(cls, points: Points, triangles: Triangles, active: NDArray[np.int64]) -> Patch:
+        """The patch of the given active vertices of a surface."""
+        number = np.full(len(points), -1, dtype=np.int64)
         number[active] = np.arange(len(active))
         faces = np.flatnonzero((number[triangles] >= 0).any(axis=1))
         corners = triangles[faces]
         rim = np.unique(corners[number[corners] < 0])
         number[rim] = len(active) + np.arange(len(rim))
+        vertices = np.concatenate([active, rim])
+        twin = _twins(points[vertices])
         return cls(
             read_only(faces),
-            read_only(number[corners]),
-            read_only(np.concatenate([active, rim])),
+            read_only(twin[number[corners]]),
+            read_only(vertices),
             len(active),
+            read_only(twin),
         )
 
     def points(self, whole: Points, active: Points) -> Points:
@@ -77,7 +84,7 @@ class Patch:
         """
         if not self._is_consistently_wound():
             return None
-        normals = vertex_normals(points, self.triangles)[: self.active_count]
+        normals = vertex_normals(points, self.triangles)[self.twin[: self.active_count]]
         nearest = np.argsort(distance)[: max(1, len(distance) // 20)]
         facing = np.einsum("ij,ij->i", normals[nearest], direction[nearest]).sum()
         return normals if facing >= 0 else -normals
@@ -87,10 +94,22 @@ class Patch:
         """Whether walls come in parts here; they may be joined outside the patch."""
         start, end = self.triangles[:, :2].T, self.triangles[:, 1:].T
         label = component_labels(len(self.vertices), start.ravel(), end.ravel())
-        return bool(label.any())
+        return bool(label[self.triangles[:, 0]].any())
 
     def _is_consistently_wound(self) -> bool:
         """No side is run along twice in the same direction."""
         start, end = self.triangles.ravel(), self.triangles[:, [1, 2, 0]].ravel()
         keys = np.sort(start * (len(self.vertices) + 1) + end)
         return not (keys[1:] == keys[:-1]).any()
+
+
+def _twins(points: Points) -> NDArray[np.int64]:
+    """The first point at the coordinates of each."""
+    order = np.lexsort(points.T[::-1])
+    repeats = np.zeros(len(points), dtype=bool)
+    repeats[1:] = (points[order[1:]] == points[order[:-1]]).all(axis=1)
+    twin = np.arange(len(points))
+    if repeats.any():
+        # A stable sort keeps the lowest number first among equals.
+        twin[order] = order[np.maximum.accumulate(np.where(repeats, 0, np.arange(len(points))))]
+    return twin

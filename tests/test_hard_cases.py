@@ -284,7 +284,6 @@ def test_caps_with_points_of_their_own_stay_on_the_wall():
     np.testing.assert_array_equal(result.points, whole.points[source])
 
 
-@pytest.mark.xfail(strict=True, reason="facet compensation moves each copy by its own faces")
 @pytest.mark.parametrize("parts", ["halves", "every triangle"])
 def test_points_stored_twice_in_the_wall_stay_together(parts):
     tube = a_stenosis()
