@@ -53,7 +53,7 @@ class DeploymentResult:
     certificate : Certificate or None
         None when the settings did not ask for one.
     untangling_rounds : int
-        Rounds of local smoothing that were needed; 0 nearly always.
+        Rounds of local smoothing that were needed to take folds apart; mostly 0.
     estimated_error : float
         Stated distance to the converged limit of the radius steps, mm; 0 for published steps,
         which do not estimate theirs. It concerns the transition zone, not the finished lumen.
