@@ -39,9 +39,10 @@ FOLLOWING_PART = 0.2
 ERROR_SHARE = 0.25
 """Stated error over the difference of two second-order values of one step.
 
-The mean rate over contact times against the trapezoid of both ends. An estimate, no bound: a quarter
-of the largest difference of all steps was above the measured distance to the converged limit with
-steps up to 0.8 mm, and below it by up to 0.01 mm with 1.6 mm (`benchmarks/step_rules.py`).
+The mean rate over contact times against the trapezoid of both ends. An estimate, no bound: a
+quarter of the largest difference of all steps was above the measured distance to the converged
+limit with steps up to 0.8 mm in the anatomies, and below it by up to 0.01 mm with 1.6 mm
+(`benchmarks/step_rules.py`).
 """
 
 FIRST_STEP = 0.1
