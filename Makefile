@@ -14,7 +14,8 @@ test: .venv/ready-test
 lint: .venv/ready-lint
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check .
-	@$(BIN)/mypy
+	@if $(BIN)/python -c 'import sys; sys.exit(sys.version_info < (3, 11))'; then $(BIN)/mypy; \
+	  else echo "mypy is left out: the numpy that it is checked with needs Python 3.11"; fi
 
 bench: .venv/ready-bench
 	@$(BIN)/python -m benchmarks

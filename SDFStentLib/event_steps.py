@@ -45,8 +45,8 @@ limit with steps up to 0.8 mm in the anatomies, and below it by up to 0.01 mm wi
 (`benchmarks/step_rules.py`).
 """
 
-FIRST_STEP = 0.1
-"""Step after first contact, mm: before it no rate is known to predict with."""
+FIRST_SHARE = 0.125
+"""First step after contact over the longest: before contact no rate is known to predict with."""
 
 SHORTEST_STEP = 0.1
 """Adapted steps are not shorter than this, mm."""
@@ -68,7 +68,7 @@ def event_steps(motion: Motion, rule: StepRule, start: float, target: float) -> 
     radius = max(start, nearest - rule.contact_tolerance)
     contact = (motion.level - radius <= rule.contact_tolerance) & motion.touchable
     rate = contact.astype(np.float64)
-    growth = min(FIRST_STEP, rule.step)
+    growth = FIRST_SHARE * rule.step
     evaluated = radius
     has_looked_ahead = False
     while target - radius > 1e-9:

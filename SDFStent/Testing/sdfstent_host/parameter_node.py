@@ -71,6 +71,7 @@ class Field:
         if (
             not isPack(self.type)
             and isinstance(self.type, type)
+            and typing.get_origin(self.type) is None  # list[str] is a type to Python 3.10
             and not isinstance(value, self.type)
             and not _isNodeType(self.type)
         ):
