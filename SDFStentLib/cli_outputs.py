@@ -22,7 +22,6 @@ class _Job(NamedTuple):
     path: str
     target: Path
     write: Writer
-    is_folder: bool
 
 
 class Outputs:
@@ -53,7 +52,7 @@ class Outputs:
         target = Path(os.path.realpath(path))
         if self._folder is None or target.parent != self._folder or self._folder.is_dir():
             target = check_writable(path)
-        self._add(_Job(os.fspath(path), target, write, False))
+        self._add(_Job(os.fspath(path), target, write))
 
     def add_folder(
         self, path: str | os.PathLike[str], write: Writer, own: Callable[[str], bool]
@@ -66,7 +65,7 @@ class Outputs:
                 f"{path}: expected a new or empty folder, got one that holds {sorted(others)[0]}; "
                 "name another one."
             )
-        self._add(_Job(os.fspath(path), target, write, True))
+        self._add(_Job(os.fspath(path), target, write))
 
     def names(self) -> list[str]:
         """What is written, as the user named it."""

@@ -5,6 +5,7 @@ This is the mutable working state of a running deployment; it never leaves the l
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -67,16 +68,20 @@ class Motion:
         self.is_curved = np.zeros(len(points), dtype=bool)
         self.estimated_error = 0.0
         self._extrapolated = np.zeros(len(points), dtype=bool)
-        self.resting = RestingPoints(self.positions - self._origin, self._origin)
+
+    @cached_property
+    def resting(self) -> RestingPoints:
+        """The points in cubes; made when first asked for, before anything moves."""
+        return RestingPoints(self.positions - self._origin, self._origin)
 
     def restricted(self, keep: NDArray[np.bool_]) -> None:
-        """Drop the points that are not kept."""
+        """Drop the points that are not kept; before anything moves."""
         for name in (
             "indices", "positions", "level", "direction", "slope", "offset", "touchable",
             "is_curved", "_extrapolated",
         ):  # fmt: skip
             setattr(self, name, getattr(self, name)[keep])
-        self.resting = RestingPoints(self.positions - self._origin, self._origin)
+        self.__dict__.pop("resting", None)
 
     def set_offset(self, offset: NDArray[np.float64]) -> None:
         """Keep a tissue thickness, mm, between the stent and every point."""
