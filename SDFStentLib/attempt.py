@@ -110,14 +110,20 @@ class Attempt:
     def _active(self, gap: float) -> tuple[Motion, NDArray[np.int64]]:
         """The points that can move, and their numbers among points and companions."""
         task = self.task
-        everything = np.concatenate([task.points, task.companions])
         reach = task.target_level + task.settings.influence_distance + gap
-        near = _within(everything, task.chain, reach)
-        motion = Motion(task.chain, everything[near], near < len(task.points))
+        wall, near_wall = _within(task.points, task.chain, reach)
+        dragged, near_dragged = _within(task.companions, task.chain, reach)
+        numbers = np.concatenate([wall, len(task.points) + dragged])
+        motion = Motion(
+            task.chain,
+            np.concatenate([task.points[wall], task.companions[dragged]]),
+            np.arange(len(numbers)) < len(wall),
+            np.concatenate([near_wall, near_dragged]),
+        )
         # A companion inside the expanded stent stays; a point beyond reach never moves.
         keep = motion.touchable | (motion.level >= task.target_level)
         motion.restricted(keep & (motion.level < reach))
-        return motion, near[motion.indices]
+        return motion, numbers[motion.indices]
 
     def _keep_tissue(self, ramp: tuple[float, float], gap: float) -> None:
         """Let walls of other lumens keep a tissue thickness from the stent.
@@ -129,8 +135,10 @@ class Attempt:
         direction = self.motion.direction[wall]
         level = self.motion.level[wall]
         normals = None
-        if not (self.patch.has_several_parts and self.task.has_several_parts):
-            normals = self.patch.outward_normals(self.patch_start, direction, level)
+        if not (self.task.has_several_parts and self.patch.has_several_parts):
+            normals = self.patch.outward_normals(
+                self.patch_start, direction, level, self.task.is_known_consistently_wound
+            )
         if normals is None:
             normals = vertex_normals(self.task.points, self.task.outward_triangles)
             normals = normals[self.numbers[wall]][self.patch.twin[wall]]
@@ -141,20 +149,17 @@ class Attempt:
         self.motion.set_offset(offset)
 
 
-def _within(points: Points, chain: CapsuleChain, reach: float) -> NDArray[np.int64]:
-    """Points whose field may be below reach: a box first, then spheres round every few nodes."""
+def _within(
+    points: Points, chain: CapsuleChain, reach: float
+) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
+    """Points whose field may be below reach, and their nearest nodes: a box first, then nodes."""
     # The smooth distance is less than k below the true one.
-    nodes, reach = chain.nodes, reach + chain.smoothing_width
-    near = np.flatnonzero(
-        ((points > nodes.min(axis=0) - reach) & (points < nodes.max(axis=0) + reach)).all(axis=1)
-    )
-    stride = max(1, len(nodes) // 8)
-    sampled = np.append(nodes[::stride], nodes[-1:], axis=0)
-    # No axis point is farther from a sampled node than half the arc between two of them.
-    arcs = np.linalg.norm(np.diff(nodes, axis=0), axis=1)
-    slack = stride * float(arcs.max()) / 2
-    kept = np.zeros(len(near), dtype=bool)
-    for node in sampled:
-        offset = points[near] - node
-        kept |= np.einsum("ij,ij->i", offset, offset) < (reach + slack) ** 2
-    return near[kept]
+    reach = reach + chain.smoothing_width
+    low, high = chain.nodes.min(axis=0) - reach, chain.nodes.max(axis=0) + reach
+    inside = np.flatnonzero((points[:, 0] > low[0]) & (points[:, 0] < high[0]))
+    for axis in (1, 2):
+        column = points[inside, axis]
+        inside = inside[(column > low[axis]) & (column < high[axis])]
+    near, distance = chain.folding.nearest_nodes(points[inside])
+    kept = distance < reach
+    return inside[kept], near[kept]

@@ -12,15 +12,15 @@ error against the converged limit.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .front import SUBSTEPS, Front
-from .motion import Motion, contact_tree, influence_rates, nearest_contact
+from .contact_history import ContactHistory
+from .contact_search import ContactSearch
+from .front import Front
+from .motion import Motion, influence_rates
 from .step_rule import StepRule
-from .validation import Points
 
 FRONT_MARGIN = 0.1
 """How far beyond the predicted reach a point still belongs to the front, mm."""
@@ -101,29 +101,29 @@ def _event_step(
     rate: NDArray[np.float64],
 ) -> float:
     """One step; `contact` and `rate` are updated in place. Returns the estimated error, mm."""
-    middle = radius + growth / 2
     held = np.flatnonzero(contact)
     held_middle = motion.positions[held] + growth / 2 * motion.direction[held]
-    tree = contact_tree(held_middle) if len(held) else None
-    if tree is not None:
-        motion.resting.wake(tree, rule.influence_distance + growth)
+    search = ContactSearch(held_middle) if len(held) else None
 
     above = motion.level - radius
     reach = rule.contact_tolerance + FRONT_MARGIN + growth * (1 - rate)
     members = np.flatnonzero(~contact & (above < reach) & motion.touchable)
     front = Front(motion, rule, members, rate[members])
-    if tree is not None:
-        front.anchored(tree, held, motion, rule.influence_distance + 2 * growth)
+    if search is not None:
+        front.anchored(search, held, motion, rule.influence_distance + 2 * growth)
     front.run(radius, growth)
     hits = front.has_touched
-    if hits.any():
-        motion.resting.wake(contact_tree(front.positions[hits]), rule.influence_distance + growth)
 
+    hits_middle = front.positions[hits] - growth / 2 * motion.direction[members[hits]]
+    times = front.contact_radius[hits] - radius
+    history = ContactHistory(held_middle, search, hits_middle, times, growth)
+    if history.by_the_end is not None:
+        motion.resting.wake(history.by_the_end, rule.influence_distance + growth)
     passive = motion.resting.awake & ~contact & (above - growth < rule.influence_distance)
     passive[members] = False
     others = np.flatnonzero(passive)
     mean_rate, end_rate = _passive_rates(
-        motion, rule, middle, growth, others, rate[others], tree, front
+        motion, rule, radius + growth / 2, growth, others, rate[others], history
     )
     trapezoid = (rate[others] + end_rate) / 2
     error = ERROR_SHARE * growth * np.abs(mean_rate - trapezoid).max(initial=0)
@@ -172,66 +172,12 @@ def _passive_rates(
     growth: float,
     others: NDArray[np.int64],
     rate: NDArray[np.float64],
-    tree: Any,
-    front: Front,
+    history: ContactHistory,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Mean motion per radius over the step, and at its end, of points away from the front."""
     ahead = growth / 2 * rate
     position = motion.positions[others] + ahead[:, None] * motion.direction[others]
     above = motion.level[others] + ahead * motion.slope[others] - middle
-    apart = np.full(len(others), rule.influence_distance)
-    if tree is not None:
-        distance, _ = nearest_contact(tree, position, rule.influence_distance)
-        np.minimum(apart, distance, out=apart)
-
-    ahead_of_middle = growth / 2 * motion.direction[front.members]
-    mean = _mean_distance(
-        position, apart, front.positions - ahead_of_middle, front.contact_radius - middle, growth
-    )
+    mean, end = history.distances(position, rule.influence_distance)
     profiles = rule.influence_distance, rule.falloff, rule.blend
-    return influence_rates(above, mean, *profiles), influence_rates(above, apart, *profiles)
-
-
-def _mean_distance(
-    position: Points,
-    apart: NDArray[np.float64],
-    hits: Points,
-    times: NDArray[np.float64],
-    growth: float,
-) -> NDArray[np.float64]:
-    """Distance to the nearest contact point, averaged over a step in which contacts are added.
-
-    Parameters
-    ----------
-    position : (n, 3) array
-        Points asking.
-    apart : (n,) array
-        Distance to the contact points held from before; in place, the distance at the end.
-    hits, times : (k, 3) and (k,) arrays
-        Points that may come into contact, and when: from minus to plus half the growth; infinite
-        for those that do not.
-    """
-    mean = apart.copy()
-    touched = np.flatnonzero(np.isfinite(times))
-    if not len(touched):
-        return mean
-    hits, times = hits[touched], times[touched]
-    bound = float(apart.max(initial=0))
-    distance, _ = nearest_contact(contact_tree(hits), position, bound)
-    asking = np.flatnonzero(distance < apart)
-    position, current = position[asking], apart[asking]
-    total = np.zeros(len(asking))
-    ends = np.linspace(-growth / 2, growth / 2, SUBSTEPS + 1)[1:-1]
-    phase = np.searchsorted(ends, times)
-    for index in range(SUBSTEPS):
-        new = np.flatnonzero(phase == index)
-        if len(new):
-            distance, nearest = nearest_contact(contact_tree(hits[new]), position, bound)
-            closer = np.flatnonzero(distance < current)
-            # From its contact to the end of the step the new point is the nearest, for now.
-            remaining = growth / 2 - times[new][nearest[closer]]
-            total[closer] += (distance[closer] - current[closer]) * remaining
-            current[closer] = distance[closer]
-    mean[asking] += total / growth
-    apart[asking] = current
-    return mean
+    return influence_rates(above, mean, *profiles), influence_rates(above, end, *profiles)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
-from .motion import Motion, contact_tree, influence_rates, nearest_contact
+from .contact_search import ContactSearch
+from .motion import Motion, influence_rates
 from .step_rule import StepRule
 from .validation import Points
 
@@ -52,9 +51,11 @@ class Front:
         """(n,) which have come into contact."""
         return self._touching
 
-    def anchored(self, tree: Any, held: NDArray[np.int64], motion: Motion, bound: float) -> None:
-        """Tie the points to the nearest of the contact points `held` from before; see `tree`."""
-        distance, nearest = nearest_contact(tree, self.positions, bound)
+    def anchored(
+        self, search: ContactSearch, held: NDArray[np.int64], motion: Motion, bound: float
+    ) -> None:
+        """Tie the points to the nearest of the contact points `held` from before."""
+        distance, nearest = search.nearest(self.positions, bound)
         found = np.flatnonzero(np.isfinite(distance))
         nearest = held[nearest[found]]
         self._anchor[found] = motion.positions[nearest]
@@ -111,10 +112,12 @@ class Front:
     ) -> None:
         """Tie waiting points to new contact points that are nearer than their old one."""
         waiting = np.flatnonzero(~self._touching)
-        tree = contact_tree(self.positions[sources])
-        gap, nearest = nearest_contact(tree, self.positions[waiting])
+        search = ContactSearch(self.positions[sources])
         old = self.positions[waiting] - self._anchor[waiting] - elapsed * self._velocity[waiting]
-        closer = gap < _lengths(old)
+        # Beyond the influence distance a contact point drags nothing.
+        old = np.minimum(_lengths(old), self._rule.influence_distance)
+        gap, nearest = search.nearest(self.positions[waiting], old.max(initial=0))
+        closer = gap < old
         waiting, nearest = waiting[closer], nearest[closer]
         self._late[waiting] = since[nearest]
         nearest = sources[nearest]

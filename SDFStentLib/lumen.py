@@ -43,11 +43,11 @@ def radius_correction(chain: CapsuleChain, radius: float) -> float:
     angles = np.linspace(0, 2 * np.pi, 12, endpoint=False)
     circle = np.cos(angles)[:, None, None] * first + np.sin(angles)[:, None, None] * second
     samples = (middle + radius * circle).reshape(-1, 3)
-    true_distance = chain.axis_distance(samples).distance
+    true_distance = chain.axis_distance(samples)
     on_stent = true_distance > 0.999 * radius
     if not on_stent.any():
         return chain.smoothing_width / 4
-    return float((true_distance - chain.trusted_field(samples).distance)[on_stent].mean())
+    return float((true_distance - chain.field(samples).distance)[on_stent].mean())
 
 
 def projected(motion: Motion, level: float) -> None:
@@ -87,13 +87,13 @@ def finished(
     band = level + CONTACT_BAND * contact_tolerance
     near = motion.level < band + motion.chain.smoothing_width
     where = np.flatnonzero(near & motion.touchable)
-    true_distance = motion.chain.axis_distance(motion.positions[where]).distance
+    true_distance = motion.axis_distance(where, motion.positions[where])
     wanted = radius + motion.offset[where]
     on_stent = (motion.level[where] < band) | (true_distance < wanted)
     where, wanted, true_distance = where[on_stent], wanted[on_stent], true_distance[on_stent]
     for round_ in range(FINISH_ROUNDS):
         if round_:
-            true_distance = motion.chain.axis_distance(motion.positions[where]).distance
+            true_distance = motion.axis_distance(where, motion.positions[where])
         motion.positions[where] += (wanted - true_distance)[:, None] * motion.direction[where]
     return where
 
@@ -128,12 +128,12 @@ def facets_compensated(
 
     edge_wanted = radius + motion.offset[group][ends].min(axis=1)
     positions, direction = motion.positions[group], motion.direction[group]
-    distance = motion.chain.axis_distance(positions).distance
+    distance = motion.axis_distance(group, positions)
     pushed = np.zeros(len(group))
     for _ in range(COMPENSATION_PASSES):
         moved = positions + pushed[:, None] * direction
         # Between passes the middle of an edge is taken to follow its two ends.
-        middle = motion.chain.axis_distance(moved[ends].mean(axis=1)).distance
+        middle = motion.axis_distance(group[ends[:, 0]], moved[ends].mean(axis=1))
         measured_at = pushed.copy()
         for _ in range(COMPENSATION_ROUNDS):
             change = (pushed - measured_at)[ends].mean(axis=1)

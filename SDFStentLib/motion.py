@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 from .blending import Profile
 from .capsule_chain import CapsuleChain
+from .chain_field import Field
+from .contact_search import ContactSearch
 from .validation import Points
 
 STRAIGHT = np.cos(np.deg2rad(2.0))
@@ -26,6 +28,10 @@ BIN_SIZE = 3.0
 
 Skipping resting cubes is exact; which points follow a curved field is decided cube by cube.
 """
+
+
+NODES_PER_BIN = 3
+"""Axis nodes whose points are kept together; then cubes put them in order."""
 
 
 class Motion:
@@ -53,13 +59,22 @@ class Motion:
         step rule does not estimate it.
     """
 
-    def __init__(self, chain: CapsuleChain, points: Points, touchable: NDArray[np.bool_]) -> None:
+    def __init__(
+        self,
+        chain: CapsuleChain,
+        points: Points,
+        touchable: NDArray[np.bool_],
+        near: NDArray[np.int32] | None = None,
+    ) -> None:
         self._origin = chain.nodes[0]
-        order = _spatial_order(points - self._origin, touchable)
-        field = chain.trusted_field(points[order])
+        if near is None:
+            near, _ = chain.folding.nearest_nodes(points)
+        order = _spatial_order(points - self._origin, touchable, near)
         self.chain = chain
         self.indices = order
-        self.positions = points[order].copy()
+        self.positions = points[order]
+        self._near = near[order]
+        field = chain.folding.at(self.positions, self._near)
         self.level = field.distance
         self.direction = field.direction
         self.slope = field.slope
@@ -78,7 +93,7 @@ class Motion:
         """Drop the points that are not kept; before anything moves."""
         for name in (
             "indices", "positions", "level", "direction", "slope", "offset", "touchable",
-            "is_curved", "_extrapolated",
+            "is_curved", "_near", "_extrapolated",
         ):  # fmt: skip
             setattr(self, name, getattr(self, name)[keep])
         self.__dict__.pop("resting", None)
@@ -90,12 +105,20 @@ class Motion:
 
     def moved_to(self, where: NDArray[Any], positions: Points) -> None:
         """Put some points elsewhere and evaluate their field there."""
-        field = self.chain.trusted_field(positions)
+        field = self.field_at(where, positions)
         self.positions[where] = positions
         self.level[where] = field.distance - self.offset[where]
         self.direction[where] = field.direction
         self.slope[where] = field.slope
         self._extrapolated[where] = False
+
+    def field_at(self, where: NDArray[Any], positions: Points) -> Field:
+        """The field that some points would have elsewhere, but near where they are."""
+        return self.chain.folding.at(positions, self._near[where])
+
+    def axis_distance(self, where: NDArray[Any], positions: Points) -> NDArray[np.float64]:
+        """The true distance to the axis, mm, that some points would have elsewhere."""
+        return self.chain.folding.axis_distance(positions, self._near[where])
 
     def advanced(self, where: NDArray[Any], amount: float | NDArray[np.float64]) -> None:
         """Move some points along their direction; their level is extrapolated, see `refreshed`."""
@@ -119,7 +142,7 @@ class Motion:
         direction = self.direction[sample]
         curved = np.zeros(len(sample), dtype=bool)
         for share in (0.5, 1.0):
-            ahead = self.chain.trusted_field(self.positions[sample] + share * distance * direction)
+            ahead = self.field_at(sample, self.positions[sample] + share * distance * direction)
             curved |= np.einsum("ij,ij->i", ahead.direction, direction) < STRAIGHT
         cube = self.resting.cube
         in_curved_cube = np.zeros(len(self.positions) + 1, dtype=bool)
@@ -154,40 +177,18 @@ class RestingPoints:
         self._asleep = np.arange(len(starts))
         self.awake = np.zeros(len(positions), dtype=bool)
 
-    def wake(self, tree: Any, influence_distance: float) -> None:
-        """Wake the cubes that a contact point may influence; `tree` holds the contact points."""
+    def wake(self, contact: ContactSearch, influence_distance: float) -> None:
+        """Wake the cubes that a contact point may influence."""
         if not len(self._asleep):
             return
         reach = self._reach[self._asleep] + influence_distance
-        distances, _ = nearest_contact(tree, self._centres[self._asleep], float(reach.max()))
+        distances, _ = contact.nearest(self._centres[self._asleep], float(reach.max()))
         woken = distances <= reach
         if woken.any():
             cubes = np.zeros(len(self._centres), dtype=bool)
             cubes[self._asleep[woken]] = True
             self.awake |= cubes[self.cube]
             self._asleep = self._asleep[~woken]
-
-
-def contact_tree(points: Points) -> Any:
-    """A k-d tree for nearest-contact queries.
-
-    SciPy's spatial package takes half a second to import, so it is imported when first needed.
-    An unbalanced tree without compact nodes builds in half the time and answers as fast.
-    """
-    from scipy.spatial import cKDTree
-
-    return cKDTree(points, balanced_tree=False, compact_nodes=False)
-
-
-def nearest_contact(
-    tree: Any, points: Points, bound: float = np.inf
-) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Distance to, and number of, the nearest point of a contact tree; infinite beyond the bound.
-
-    In the caller's thread: two workers gained nothing up to 1.2 million triangles.
-    """
-    distance, number = tree.query(points, distance_upper_bound=bound)
-    return distance, number
 
 
 def influence_rates(
@@ -211,7 +212,12 @@ def influence_rates(
     return falloff(above) * blend(near)
 
 
-def _spatial_order(points: Points, touchable: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """Wall before companions, each by the cube it is in, so that neighbors are worked together."""
-    cubes = np.floor(points / BIN_SIZE).astype(np.int64)
-    return np.lexsort((cubes[:, 2], cubes[:, 1], cubes[:, 0], ~touchable))
+def _spatial_order(
+    points: Points, touchable: NDArray[np.bool_], near: NDArray[np.int32]
+) -> NDArray[np.int64]:
+    """Wall before companions, each along the stent and by the cube it is in.
+
+    So that points that are worked on together share capsules and branches of a search tree.
+    """
+    cubes = np.floor(points / BIN_SIZE).astype(np.int32)
+    return np.lexsort((cubes[:, 2], cubes[:, 1], cubes[:, 0], near // NODES_PER_BIN, ~touchable))

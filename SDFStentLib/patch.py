@@ -45,7 +45,10 @@ class Patch:
         """The patch of the given active vertices of a surface."""
         number = np.full(len(points), -1, dtype=np.int64)
         number[active] = np.arange(len(active))
-        faces = np.flatnonzero((number[triangles] >= 0).any(axis=1))
+        is_active = number >= 0
+        # Column by column: a reduction over rows of three takes five times as long.
+        first, second, third = triangles.T
+        faces = np.flatnonzero(is_active[first] | is_active[second] | is_active[third])
         corners = triangles[faces]
         rim = np.unique(corners[number[corners] < 0])
         number[rim] = len(active) + np.arange(len(rim))
@@ -64,7 +67,11 @@ class Patch:
         return np.concatenate([active, whole[self.vertices[self.active_count :]]])
 
     def outward_normals(
-        self, points: Points, direction: Points, distance: NDArray[np.float64]
+        self,
+        points: Points,
+        direction: Points,
+        distance: NDArray[np.float64],
+        is_consistently_wound: bool = False,
     ) -> Points | None:
         """Unit normals of the active vertices that point out of the lumen, or None.
 
@@ -81,11 +88,14 @@ class Patch:
             Unit directions away from the axis.
         distance : (active_count,) array
             Distance to the axis, mm.
+        is_consistently_wound : bool
+            When that is known; otherwise it is looked at.
         """
-        if not self._is_consistently_wound():
+        if not (is_consistently_wound or self._is_consistently_wound()):
             return None
         normals = vertex_normals(points, self.triangles)[self.twin[: self.active_count]]
-        nearest = np.argsort(distance)[: max(1, len(distance) // 20)]
+        count = max(1, len(distance) // 20)
+        nearest = np.argpartition(distance, count - 1)[:count]
         facing = np.einsum("ij,ij->i", normals[nearest], direction[nearest]).sum()
         return normals if facing >= 0 else -normals
 
@@ -105,11 +115,14 @@ class Patch:
 
 def _twins(points: Points) -> NDArray[np.int64]:
     """The first point at the coordinates of each."""
+    twin = np.arange(len(points))
+    # Equal coordinates have equal sums: without equal sums there is nothing to look for.
+    sums = np.sort(points[:, 0] + np.e * points[:, 1] + np.pi * points[:, 2])
+    if not (sums[1:] == sums[:-1]).any():
+        return twin
     order = np.lexsort(points.T[::-1])
     repeats = np.zeros(len(points), dtype=bool)
     repeats[1:] = (points[order[1:]] == points[order[:-1]]).all(axis=1)
-    twin = np.arange(len(points))
-    if repeats.any():
-        # A stable sort keeps the lowest number first among equals.
-        twin[order] = order[np.maximum.accumulate(np.where(repeats, 0, np.arange(len(points))))]
+    # A stable sort keeps the lowest number first among equals.
+    twin[order] = order[np.maximum.accumulate(np.where(repeats, 0, np.arange(len(points))))]
     return twin

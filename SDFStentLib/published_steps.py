@@ -10,7 +10,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from .motion import Motion, contact_tree, influence_rates, nearest_contact
+from .contact_search import ContactSearch
+from .motion import Motion, influence_rates
 from .step_rule import StepRule
 
 
@@ -43,14 +44,14 @@ def _euler_step(motion: Motion, rule: StepRule, radius: float, growth: float) ->
     contact = (above < rule.contact_tolerance) & motion.touchable
     if not contact.any():
         return False
-    tree = contact_tree(motion.positions[contact])
-    motion.resting.wake(tree, rule.influence_distance)
+    search = ContactSearch(motion.positions[contact], is_exact=True)
+    motion.resting.wake(search, rule.influence_distance)
     near = motion.resting.awake & (above < rule.influence_distance)
 
     amount = np.zeros(len(above))
     near_contact = np.zeros(len(above))
     free = np.flatnonzero(near & ~contact)
-    near_contact[free], _ = nearest_contact(tree, motion.positions[free], rule.influence_distance)
+    near_contact[free], _ = search.nearest(motion.positions[free], rule.influence_distance)
     active = np.flatnonzero(near | contact)
     amount[active] = growth * influence_rates(
         above[active],

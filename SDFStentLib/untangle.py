@@ -91,14 +91,14 @@ def untangled(
     triangles = faults.triangles
     after = np.concatenate([motion.positions[:wall_count], faults.before[wall_count:]])
     neighbors = vertex_neighbors(triangles, len(after))
-    held = motion.chain.trusted_field(after[:wall_count]).distance
+    held = motion.field_at(np.arange(wall_count), after[:wall_count]).distance
     floor = np.minimum(held, level + motion.offset[:wall_count])
     for round_ in range(ROUNDS):
         group = _grown(np.unique(triangles[bad]), neighbors, round_ // ROUNDS_PER_RING)
         group = group[group < wall_count]
         smooth = _neighbor_mean(after, neighbors, group)
         target = after[group] + RELAXATION * (smooth - after[group])
-        field = motion.chain.trusted_field(target)
+        field = motion.field_at(group, target)
         short = np.maximum(floor[group] - field.distance, 0)
         after[group] = target + short[:, None] * field.direction
         motion.moved_to(group, after[group])

@@ -49,8 +49,8 @@ def as_points(values: ArrayLike, name: str = "points", *, minimum: int = 0) -> P
         raise InputError(f"{name}: expected shape (n, 3), got {points.shape}.")
     if len(points) < minimum:
         raise InputError(f"{name}: expected at least {minimum} points, got {len(points)}.")
-    bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
-    if len(bad):
+    if not np.isfinite(points).all():
+        bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
         raise InputError(
             f"{name}: expected finite coordinates, got NaN or infinity at {len(bad)} of "
             f"{len(points)} points, the first is point {bad[0]}; repair the file."

@@ -31,10 +31,10 @@ STAGES = {
     "certificate": "_certificate",
 }
 KINDS = {
-    "distance field": "chain_field",
-    "true distance to the axis": "polyline_distance",
+    "distance field": "folded",
+    "true distance to the axis": "axis_distance",
     "nearest-contact queries": "query",
-    "search trees": "contact_tree",
+    "search trees": "_tree",
     "search for intersections": "intersecting_pairs",
 }
 

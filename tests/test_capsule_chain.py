@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from oracle import field as plain_field
 
 from SDFStentLib.capsule_chain import CapsuleChain
+from SDFStentLib.chain_field import Field
 from SDFStentLib.validation import InputError
 
 EXACT = 1e-9  # mm: what the issue demands; rounding leaves 1e-13
@@ -36,7 +37,7 @@ def assert_equals_the_plain_fold(chain, points):
     field = chain.field(points)
     # The engine subtracts squares of up to (100 mm)^2: rounding of 1e-12 mm^2, hence of
     # 1e-12 / distance in the distance itself and, on the axis, of its root. No wall is there.
-    off_axis = chain.axis_distance(points).distance > 1e-3
+    off_axis = chain.axis_distance(points) > 1e-3
     np.testing.assert_allclose(
         field.distance[off_axis], plain.distance[off_axis], rtol=0, atol=EXACT
     )
@@ -81,7 +82,7 @@ def test_the_field_is_exact_between_the_legs_of_a_hairpin(apart):
 def test_the_field_is_the_plain_fold_on_the_anatomies(data_dir, name):
     case = anatomy_case(data_dir, name, 30, 40)
     chain = CapsuleChain.along(case.axis)
-    nearest = np.argsort(chain.axis_distance(case.points).distance)[:2500]
+    nearest = np.argsort(chain.axis_distance(case.points))[:2500]
     assert_equals_the_plain_fold(chain, np.concatenate([case.points[nearest], chain.nodes]))
 
 
@@ -119,7 +120,7 @@ def test_a_point_has_one_value_whatever_is_asked_together_with_it():
 def test_the_gradient_is_that_of_the_distance(name, k):
     chain = CapsuleChain.along(AXES[name], smoothing_width=k)
     points = points_round(chain, 150, near=8)
-    away = chain.axis_distance(points).distance
+    away = chain.axis_distance(points)
     points = points[(away > 0.5) & (away < 20)]
     h = 1e-5
     field = chain.field(points)
@@ -151,7 +152,7 @@ def test_without_smoothing_it_is_the_true_distance():
     chain = CapsuleChain.along(AXES["helix"], smoothing_width=0)
     points = points_round(chain)
     np.testing.assert_allclose(
-        chain.field(points).distance, chain.axis_distance(points).distance, rtol=0, atol=1e-6
+        chain.field(points).distance, chain.axis_distance(points), rtol=0, atol=1e-6
     )  # 1e-6 is for points on the axis; see assert_equals_the_plain_fold.
 
 
@@ -159,7 +160,7 @@ def test_the_smooth_distance_lies_less_than_the_width_below_the_true_one():
     for name, axis in AXES.items():
         chain = CapsuleChain.along(axis, capsule_length=0.25)
         points = points_round(chain)
-        short = chain.axis_distance(points).distance - chain.field(points).distance
+        short = chain.axis_distance(points) - chain.field(points).distance
         assert short.max() < 0.4, name
         assert short.min() > -1e-9, name
 
@@ -186,7 +187,7 @@ def test_the_distance_to_one_capsule_is_known_in_closed_form():
     field = chain.field(points)
     expected = [[0.6, 0.8, 0], [0.6, 0, -0.8], [0, 5 / 13, 12 / 13]]
     np.testing.assert_allclose(field.direction, expected, atol=1e-13)
-    assert chain.axis_distance(points).foot.tolist() == [[0, 0, 5], [0, 0, 0], [0, 0, 10]]
+    np.testing.assert_allclose(chain.axis_distance(points), [5, 5, 13], atol=1e-13)
 
 
 def test_the_axis_distance_is_that_of_every_segment_tried():
@@ -196,11 +197,12 @@ def test_the_axis_distance_is_that_of_every_segment_tried():
         chain = CapsuleChain.along(axis)
         points = points_round(chain)
         distances = [capsule_distance(points, a, b)[0] for a, b in pairwise(chain.nodes)]
+        # On the axis squares cancel; see assert_equals_the_plain_fold.
+        nearest = np.min(distances, axis=0)
+        off_axis = nearest > 1e-3
         found = chain.axis_distance(points)
-        np.testing.assert_allclose(found.distance, np.min(distances, axis=0), atol=EXACT)
-        np.testing.assert_allclose(
-            np.linalg.norm(points - found.foot, axis=1), found.distance, atol=1e-12
-        )
+        np.testing.assert_allclose(found[off_axis], nearest[off_axis], rtol=0, atol=EXACT)
+        np.testing.assert_allclose(found, nearest, rtol=0, atol=1e-6)
 
 
 def test_capsules_have_equal_lengths_near_the_wanted_one_and_the_ends_are_kept():
@@ -253,3 +255,60 @@ def test_repeated_nodes_are_refused():
 def test_bad_chains_are_refused(arguments, message):
     with pytest.raises(InputError, match=message):
         CapsuleChain.along(**{"axis": AXES["straight"], **arguments})
+
+
+def windowed(chain, points, near):
+    """The field from windows round the given nodes, in the order that keeps them together."""
+    order = np.argsort(near, kind="stable")
+    field = chain.folding.at(points[order], near[order])
+    back = np.argsort(order)
+    return Field(field.distance[back], field.direction[back], field.slope[back])
+
+
+@pytest.mark.parametrize("capsule_length", [0.3, 1.0, 2.0])
+@pytest.mark.parametrize("k", [0.0, 0.4, 1.5])
+@pytest.mark.parametrize("name", list(AXES))
+def test_windows_of_capsules_change_nothing(name, k, capsule_length):
+    chain = CapsuleChain.along(AXES[name], capsule_length=capsule_length, smoothing_width=k)
+    points = points_round(chain, 5000)
+    near, _ = chain.folding.nearest_nodes(points)
+    whole, part = chain.field(points), windowed(chain, points, near)
+    np.testing.assert_allclose(part.distance, whole.distance, rtol=0, atol=1e-6)
+    off_axis = chain.axis_distance(points) > 1e-3
+    np.testing.assert_allclose(part.distance[off_axis], whole.distance[off_axis], atol=1e-11)
+    steep = off_axis & (whole.slope > 1e-3)
+    np.testing.assert_allclose(part.direction[steep], whole.direction[steep], atol=1e-9)
+
+
+@pytest.mark.parametrize("name", ["hairpin", "helix"])
+def test_a_wrong_guess_of_the_nearest_node_costs_time_and_nothing_else(name):
+    # Points must prove their window: those with a window at the other end are folded again.
+    chain = CapsuleChain.along(AXES[name])
+    points = points_round(chain, 3000)
+    points = points[chain.axis_distance(points) > 1e-3]
+    guess = np.random.default_rng(3).integers(0, len(chain.nodes), len(points)).astype(np.int32)
+    whole, part = chain.field(points), windowed(chain, points, guess)
+    np.testing.assert_allclose(part.distance, whole.distance, atol=1e-11)
+    order = np.argsort(guess, kind="stable")
+    true = chain.folding.axis_distance(points[order], guess[order])
+    np.testing.assert_allclose(true, chain.axis_distance(points[order]), atol=1e-11)
+
+
+def test_windows_spare_most_capsules_of_a_long_stent():
+    # Otherwise the tests above would compare the whole chain with itself.
+    chain = CapsuleChain(np.linspace([0.0, 0, 0], [0, 0, 100], 101))
+    for near in (0, 50, 100):
+        window = chain.folding.window(np.array([near, near], dtype=np.int32))
+        assert window.stop - window.start < 25
+        assert window.start <= near <= window.stop
+
+
+def test_the_nearest_node_and_a_bound_of_the_distance_are_found_together():
+    chain = CapsuleChain.along(AXES["helix"])
+    points = points_round(chain, 3000)
+    near, bound = chain.folding.nearest_nodes(points)
+    apart = np.linalg.norm(points[:, None] - chain.nodes[::-1], axis=2)
+    np.testing.assert_allclose(apart[np.arange(len(points)), near], apart.min(axis=1), atol=1e-7)
+    distance = chain.axis_distance(points)
+    assert (bound <= distance + 1e-6).all()
+    assert (distance - bound <= 0.51).all()

@@ -35,7 +35,7 @@ def treated(points, triangles, *stents, centerline=None):
     beyond = np.ones(len(points), dtype=bool)
     for stent in result.stents:
         reach = stent.planned.stent.radius + SETTINGS.influence_distance + SETTINGS.tissue_gap
-        beyond &= CapsuleChain.along(stent.axis.points).axis_distance(points).distance > reach
+        beyond &= CapsuleChain.along(stent.axis.points).axis_distance(points) > reach
     np.testing.assert_array_equal(result.points[beyond], points[beyond])
     untouched = np.setdiff1d(np.arange(len(points)), result.indices)
     assert result.points[untouched].tobytes() == points[untouched].tobytes()
@@ -69,7 +69,7 @@ def test_a_neighbor_swept_by_a_stent_is_crushed_without_a_crossing(diameter, swe
     assert sum(wall < radius for wall in (near, far)) == swept_walls
     result = treated(made.points, made.triangles, along(axis, diameter))
     assert result.certificate.passed
-    away = CapsuleChain.along(axis).axis_distance(result.points).distance
+    away = CapsuleChain.along(axis).axis_distance(result.points)
     # Tissue stays between the lumens.
     assert away[beside].min() > radius + 0.3
     # Facets of 0.8 mm, stretched up to fourfold as the circle is: the same share of it.
@@ -158,7 +158,7 @@ def test_a_hairpin_stent_wider_than_its_legs_are_apart_is_not_certified_and_says
     assert "Not certified: the surface has" in result.certificate.sentence()
     # Named by a place of the vessel, where the legs press on each other.
     center = result.certificate.places[0].center
-    assert CapsuleChain.along(axis).axis_distance([center]).distance[0] < 5.0 + 1.0
+    assert CapsuleChain.along(axis).axis_distance([center])[0] < 5.0 + 1.0
     assert f"{result.certificate.places[0]}" in result.certificate.sentence()
 
 

@@ -124,7 +124,7 @@ def test_without_smoothing_the_contact_lies_at_the_hard_minimum(case):
         deployment = Deployment(case.points, case.triangles, case.axis, case.radius, settings)
         assert deployment.target_level == case.radius
     points = deployment.result.points
-    away = deployment.chain.axis_distance(points).distance
+    away = deployment.chain.axis_distance(points)
     level = deployment.chain.field(points).distance
     np.testing.assert_allclose(level, away, rtol=0, atol=1e-12)
     last_step = deployment.states[-2].radius - deployment.states[-3].radius
@@ -229,6 +229,6 @@ def test_no_wall_is_left_inside_a_finished_stent(radius, start, length, falloff,
     axis = cut(line, start, start + length)
     settings = DEFAULT.with_changes(falloff=falloff, blend=blend, untangle=False, certify=False)
     deployment = Deployment(made.points, made.triangles, axis, radius, settings)
-    away = deployment.chain.axis_distance(deployment.result.points).distance
+    away = deployment.chain.axis_distance(deployment.result.points)
     # Three rounds along the smooth field's direction, which is up to 20 degrees off the true one.
     assert away.min() > radius - 1e-3

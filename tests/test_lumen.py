@@ -120,7 +120,7 @@ def test_the_finished_wall_lies_on_the_true_distance_from_the_axis(name):
     case = phantom_case(name)
     settings = DEFAULT.with_changes(facet_compensation=False, tissue_gap=0)
     deployment = Deployment(case.points, case.triangles, case.axis, case.radius, settings)
-    away = deployment.chain.axis_distance(deployment.result.points).distance
+    away = deployment.chain.axis_distance(deployment.result.points)
     # Three rounds along directions up to 20 degrees off; points just outside contact stay there.
     assert away.min() > case.radius - 1e-4
     beside = np.abs(away - case.radius)[away < case.radius + 0.01]
@@ -137,7 +137,7 @@ def test_the_finish_takes_the_contact_tolerance_away(rule, tolerance):
     )
     deployment = deployment_in(made, 12, 16, 3.0, settings)
     body = (made.points[:, 2] > 13) & (made.points[:, 2] < 27)
-    away = deployment.chain.axis_distance(deployment.result.points[body]).distance
+    away = deployment.chain.axis_distance(deployment.result.points[body])
     # All of this wall touches a stent half as wide again.
     np.testing.assert_allclose(away, 3.0, atol=1e-4)
 
@@ -202,7 +202,7 @@ def test_compensation_gives_a_coarse_lumen_back_what_its_facets_take(edge_length
 def test_compensation_never_pushes_a_vertex_inside_the_prescribed_radius():
     made = phantom("stenosed_tube", radius=2.0, throat_radius=1.2, edge_length=0.8)
     deployment = deployment_in(made, 10, 20, 3.0)
-    away = deployment.chain.axis_distance(deployment.result.points).distance
+    away = deployment.chain.axis_distance(deployment.result.points)
     assert away.min() > 3.0 - 1e-4
     assert away[away < 3.3].max() < 3.0 + 0.3
 

@@ -19,7 +19,7 @@ PUBLISHED = DeploymentSettings.published().with_changes(certify=False)
 
 def near_part(case, chain, reach):
     """Points that could move; the oracle need not look at the rest."""
-    return np.flatnonzero(chain.axis_distance(case.points).distance < reach)
+    return np.flatnonzero(chain.axis_distance(case.points) < reach)
 
 
 def grown(points, chain, start, target, touchable=None, **changes):

@@ -1,0 +1,100 @@
+"""Contact in the course of one radius step: who was touched, and when."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .contact_search import ContactSearch
+from .validation import Points
+
+PHASES = 8
+"""Parts of a step in which new contacts are looked at in turn; each counts from its own time.
+
+With half as many the distance to the converged limit grows by a third (`benchmarks/step_rules.py`).
+"""
+
+
+class ContactHistory:
+    """Points in contact during a step; places are those in the middle of the step.
+
+    Parameters
+    ----------
+    held : (h, 3) array
+        In contact since before the step, mm.
+    search : ContactSearch or None
+        Of these, where there are some.
+    hits : (k, 3) array
+        Touched during the step, mm.
+    times : (k,) array
+        Growth from the begin of the step until each was touched, mm.
+    growth : float
+        Growth of the radius in the step, mm.
+    """
+
+    def __init__(
+        self,
+        held: Points,
+        search: ContactSearch | None,
+        hits: Points,
+        times: NDArray[np.float64],
+        growth: float,
+    ) -> None:
+        self._held = held
+        self._search = search
+        self._hits = hits
+        self._times = times
+        self._growth = growth
+
+    @cached_property
+    def by_the_end(self) -> ContactSearch | None:
+        """Search among all of them; None when there are none."""
+        if not len(self._hits):
+            return self._search
+        return ContactSearch(np.concatenate([self._held, self._hits]))
+
+    def distances(
+        self, points: Points, bound: float
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Distance to the nearest contact: mean over the step, and at its end.
+
+        Parameters
+        ----------
+        points : (n, 3) array
+            Places in the middle of the step, mm.
+        bound : float
+            Larger distances count as this, mm.
+        """
+        end = np.full(len(points), bound)
+        if self.by_the_end is None:
+            return end, end
+        distance, nearest = self.by_the_end.nearest(points, bound)
+        np.minimum(end, distance, out=end)
+        mean = end.copy()
+        nearer = np.flatnonzero((nearest >= len(self._held)) & (end < bound))
+        if len(nearer):
+            mean[nearer] += self._excess(points[nearer], bound)
+        return mean, end
+
+    def _excess(self, points: Points, bound: float) -> NDArray[np.float64]:
+        """Mean over the step less the distance at its end, of points that a new contact is near.
+
+        A new contact that is nearer than all before it takes effect from its own time.
+        """
+        current = np.full(len(points), bound)
+        if self._search is not None:
+            np.minimum(current, self._search.nearest(points, bound)[0], out=current)
+        total = np.zeros(len(points))
+        phase = (self._times * (PHASES / self._growth)).astype(np.int64)
+        np.minimum(phase, PHASES - 1, out=phase)
+        for index in range(PHASES):
+            new = np.flatnonzero(phase == index)
+            if len(new):
+                distance, nearest = ContactSearch(self._hits[new]).nearest(points, bound)
+                closer = np.flatnonzero(distance < current)
+                drop = current[closer] - distance[closer]
+                total[closer] += drop * self._times[new][nearest[closer]]
+                current[closer] = distance[closer]
+        return total / self._growth
