@@ -39,6 +39,9 @@ WINDOW = 10.0, 7.0
 """Reach of a window before and after the nearest node, mm: nearly every point proves that."""
 
 
+BESIDE = 3
+"""Capsules beside the nearest nodes among which the nearest one is looked for."""
+
 NO_DISTANCE, NO_SLOPE = 1e-7, 1e-6
 """Distance, in units of 2 k, and slope below which rounding decides."""
 
@@ -82,9 +85,7 @@ class ChainField:
         # The squared distance to a capsule axis is less than that to its nearer end by at most
         # this, where the foot is in the middle.
         self.slack = float(lengths.max()) ** 2 / 4
-        self.before, self.after = (
-            int(np.ceil(reach * self.scale / lengths.mean())) for reach in WINDOW
-        )
+        self.reach = [int(np.ceil(reach * self.scale / lengths.mean())) for reach in WINDOW]
 
     def at(self, points: Points, near: NDArray[np.int32] | None = None) -> Field:
         """The field at some points.
@@ -98,7 +99,8 @@ class ChainField:
             all capsules are folded for every point.
         """
         field = Field(np.empty(len(points)), np.empty((len(points), 3)), np.empty(len(points)))
-        for part, block, window in self._blocks(points, near if self.is_smooth else None):
+        near = near if self.is_smooth else None
+        for part, block, window in self._blocks(points, near, *self.reach):
             unproven = block.folded(points[part], window, field, part)
             if len(unproven):
                 unproven += part.start
@@ -108,7 +110,7 @@ class ChainField:
     def axis_distance(self, points: Points, near: NDArray[np.int32] | None = None) -> Values:
         """True distance to the axis (n,), mm; parameters as for `at`."""
         distance = np.empty(len(points))
-        for part, block, window in self._blocks(points, near):
+        for part, block, window in self._blocks(points, near, BESIDE, BESIDE):
             distance[part], unproven = block.nearest(points[part], window)
             if len(unproven):
                 unproven += part.start
@@ -138,13 +140,13 @@ class ChainField:
         np.einsum("ij,ij->j", lifted[:3], lifted[:3], out=lifted[4])
         return lifted
 
-    def window(self, near: NDArray[np.int32]) -> slice:
-        """The capsules to fold for points near some nodes."""
-        first, last = int(near.min()) - self.before, int(near.max()) + self.after
+    def window(self, near: NDArray[np.int32], before: int, after: int) -> slice:
+        """The capsules round some nodes, so many before and after them."""
+        first, last = int(near.min()) - before, int(near.max()) + after
         return slice(max(0, first), min(self.count, last))
 
     def _blocks(
-        self, points: Points, near: NDArray[np.int32] | None
+        self, points: Points, near: NDArray[np.int32] | None, before: int, after: int
     ) -> Iterator[tuple[slice, _Block, slice]]:
         """Parts of the points, the one block they are worked on in, the capsules to look at."""
         size = BLOCK_POINTS if near is not None else max(256, BLOCK_ELEMENTS // self.count)
@@ -154,7 +156,7 @@ class ChainField:
         for start in range(0, len(points), size):
             part = slice(start, min(start + size, len(points)))
             if near is not None:
-                window = self.window(near[part])
+                window = self.window(near[part], before, after)
             yield part, block, window
 
 

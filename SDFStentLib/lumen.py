@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from .capsule_chain import CapsuleChain
 from .motion import Motion
-from .topology import edges
 from .validation import Triangles
 
 CONTACT_BAND = 1.5
@@ -109,19 +108,17 @@ def facets_compensated(
     further in than it was. Vertices beside the stent take part, because an edge from one of them
     to the stent can cut into the lumen as well. What remains is measured: see `metrics.py`.
     """
-    ends = edges(triangles).vertices
-    ends = ends[(ends < len(motion.positions)).all(axis=1)]
-    is_on_stent = np.zeros(len(motion.positions), dtype=bool)
-    is_on_stent[on_stent] = True
-    ends = ends[is_on_stent[ends].any(axis=1)]
+    ends = _edges_on_stent(triangles, on_stent, len(motion.positions))
     sides = motion.positions[ends[:, 0]] - motion.positions[ends[:, 1]]
     longest = np.einsum("ij,ij->i", sides, sides).max(initial=0)
     # An edge between two points of a circle lies inside it by its length squared over 8 radii.
     if longest < 8 * NEGLIGIBLE * radius**2:
         return
-    group = np.zeros(len(motion.positions), dtype=bool)
-    group[ends] = True
-    group = np.flatnonzero(group)
+    # Sorted by vertex, the edges of each follow each other.
+    order = np.argsort(ends.ravel(), kind="stable")
+    by_vertex = ends.ravel()[order]
+    starts = np.flatnonzero(np.concatenate([[True], by_vertex[1:] != by_vertex[:-1]]))
+    group = by_vertex[starts]
     number = np.empty(len(motion.positions), dtype=np.int64)
     number[group] = np.arange(len(group))
     ends = number[ends]
@@ -140,13 +137,28 @@ def facets_compensated(
             deficit = edge_wanted - _edge_distance(
                 (distance + pushed)[ends], middle + change * middle / edge_wanted
             )
-            push = np.full(len(group), -np.inf)
-            np.maximum.at(push, ends.ravel(), np.repeat(deficit, 2))
-            push = np.maximum(push, -pushed)
+            push = np.maximum.reduceat(deficit[order // 2], starts)
+            np.maximum(push, -pushed, out=push)
             pushed += push
             if np.abs(push).max() < 1e-4 * radius:
                 break
     motion.positions[group] = positions + pushed[:, None] * direction
+
+
+def _edges_on_stent(
+    triangles: Triangles, on_stent: NDArray[np.int64], count: int
+) -> NDArray[np.int64]:
+    """Edges (e, 2), each once, between the first `count` vertices with an end on the stent."""
+    is_on_stent = np.zeros(int(triangles.max(initial=count)) + 1, dtype=bool)
+    is_on_stent[on_stent] = True
+    keys = []
+    for start, end in ((0, 1), (1, 2), (2, 0)):
+        first, second = triangles[:, start], triangles[:, end]
+        # Ascending, so that an edge has one key from both of its faces.
+        first, second = np.minimum(first, second), np.maximum(first, second)
+        wanted = (is_on_stent[first] | is_on_stent[second]) & (second < count)
+        keys.append(first[wanted] * count + second[wanted])
+    return np.stack(np.divmod(np.unique(np.concatenate(keys)), count), axis=1)
 
 
 def _edge_distance(ends: NDArray[np.float64], middle: NDArray[np.float64]) -> NDArray[np.float64]:

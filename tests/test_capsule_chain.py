@@ -298,7 +298,7 @@ def test_windows_spare_most_capsules_of_a_long_stent():
     # Otherwise the tests above would compare the whole chain with itself.
     chain = CapsuleChain(np.linspace([0.0, 0, 0], [0, 0, 100], 101))
     for near in (0, 50, 100):
-        window = chain.folding.window(np.array([near, near], dtype=np.int32))
+        window = chain.folding.window(np.array([near, near], dtype=np.int32), *chain.folding.reach)
         assert window.stop - window.start < 25
         assert window.start <= near <= window.stop
 
