@@ -16,6 +16,9 @@ PHASES = 8
 With half as many the distance to the converged limit grows by a third (`benchmarks/step_rules.py`).
 """
 
+SHARED = 2.0
+"""Points per cell from which they share; on coarser meshes neighbors are not near enough."""
+
 
 class ContactHistory:
     """Points in contact during a step; places are those in the middle of the step.
@@ -56,7 +59,7 @@ class ContactHistory:
         return ContactSearch(np.concatenate([self._held, self._hits]))
 
     def distances(
-        self, points: Points, bound: float
+        self, points: Points, cell: NDArray[np.int64], bound: float
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Distance to the nearest contact: mean over the step, and at its end.
 
@@ -64,6 +67,8 @@ class ContactHistory:
         ----------
         points : (n, 3) array
             Places in the middle of the step, mm.
+        cell : (n,) array
+            Numbers, ascending, of the cells that they are in; points of a cell are neighbors.
         bound : float
             Larger distances count as this, mm.
         """
@@ -75,26 +80,35 @@ class ContactHistory:
         mean = end.copy()
         nearer = np.flatnonzero((nearest >= len(self._held)) & (end < bound))
         if len(nearer):
-            mean[nearer] += self._excess(points[nearer], bound)
+            mean[nearer] += self._excess(points[nearer], cell[nearer], bound)
         return mean, end
 
-    def _excess(self, points: Points, bound: float) -> NDArray[np.float64]:
+    def _excess(self, points: Points, cell: NDArray[np.int64], bound: float) -> NDArray[np.float64]:
         """Mean over the step less the distance at its end, of points that a new contact is near.
 
-        A new contact that is nearer than all before it takes effect from its own time.
+        A new contact that is nearer than all before it takes effect from its own time. Which
+        contact that is in each part of the step, neighbors on a fine mesh share: between the
+        exact distances at both ends of the step, the second nearest does as well.
         """
         current = np.full(len(points), bound)
         if self._search is not None:
             np.minimum(current, self._search.nearest(points, bound)[0], out=current)
+        starts = np.flatnonzero(np.concatenate([[True], cell[1:] != cell[:-1]]))
+        if len(points) < SHARED * len(starts):
+            starts = np.arange(len(points))
+        counts = np.diff(np.append(starts, len(cell)))
+        centres = np.add.reduceat(points, starts, axis=0) / counts[:, None]
         total = np.zeros(len(points))
         phase = (self._times * (PHASES / self._growth)).astype(np.int64)
         np.minimum(phase, PHASES - 1, out=phase)
         for index in range(PHASES):
             new = np.flatnonzero(phase == index)
             if len(new):
-                distance, nearest = ContactSearch(self._hits[new]).nearest(points, bound)
-                closer = np.flatnonzero(distance < current)
-                drop = current[closer] - distance[closer]
-                total[closer] += drop * self._times[new][nearest[closer]]
-                current[closer] = distance[closer]
+                _, nearest = ContactSearch(self._hits[new]).nearest(centres, np.inf)
+                nearest = new[np.repeat(nearest, counts)]
+                offset = points - self._hits[nearest]
+                distance = np.sqrt(np.einsum("ij,ij->i", offset, offset))
+                drop = np.maximum(current - distance, 0)
+                total += drop * self._times[nearest]
+                current -= drop
         return total / self._growth

@@ -178,6 +178,6 @@ def _passive_rates(
     ahead = growth / 2 * rate
     position = motion.positions[others] + ahead[:, None] * motion.direction[others]
     above = motion.level[others] + ahead * motion.slope[others] - middle
-    mean, end = history.distances(position, rule.influence_distance)
+    mean, end = history.distances(position, motion.cell[others], rule.influence_distance)
     profiles = rule.influence_distance, rule.falloff, rule.blend
     return influence_rates(above, mean, *profiles), influence_rates(above, end, *profiles)

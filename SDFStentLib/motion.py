@@ -30,6 +30,9 @@ Skipping resting cubes is exact; which points follow a curved field is decided c
 """
 
 
+CELL_SIZE = 0.75
+"""Edge of the cells, mm, whose points may share a guess: see `ContactHistory`."""
+
 NODES_PER_BIN = 3
 """Axis nodes whose points are kept together; then cubes put them in order."""
 
@@ -48,6 +51,8 @@ class Motion:
         Distance field minus the tissue offset, mm: the stent radius that reaches the point.
     slope : (n,) array
         Rate at which `level` grows when the point moves along its direction.
+    cell : (n,) array
+        Number, ascending, of the small cell in which the point started; see `CELL_SIZE`.
     offset : (n,) array
         Tissue thickness kept between the stent and the point, mm.
     touchable : (n,) bool array
@@ -69,7 +74,7 @@ class Motion:
         self._origin = chain.nodes[0]
         if near is None:
             near, _ = chain.folding.nearest_nodes(points)
-        order = _spatial_order(points - self._origin, touchable, near)
+        order, self.cell = _spatial_order(points - self._origin, touchable, near)
         self.chain = chain
         self.indices = order
         self.positions = points[order]
@@ -93,7 +98,7 @@ class Motion:
         """Drop the points that are not kept; before anything moves."""
         for name in (
             "indices", "positions", "level", "direction", "slope", "offset", "touchable",
-            "is_curved", "_near", "_extrapolated",
+            "cell", "is_curved", "_near", "_extrapolated",
         ):  # fmt: skip
             setattr(self, name, getattr(self, name)[keep])
         self.__dict__.pop("resting", None)
@@ -214,10 +219,15 @@ def influence_rates(
 
 def _spatial_order(
     points: Points, touchable: NDArray[np.bool_], near: NDArray[np.int32]
-) -> NDArray[np.int64]:
-    """Wall before companions, each along the stent and by the cube it is in.
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Wall before companions, each along the stent, by the cube and the cell it is in.
 
-    So that points that are worked on together share capsules and branches of a search tree.
+    So that points that are worked on together share capsules and branches of a search tree. Also
+    returns the number of the cell of each point, in that order.
     """
-    cubes = np.floor(points / BIN_SIZE).astype(np.int32)
-    return np.lexsort((cubes[:, 2], cubes[:, 1], cubes[:, 0], near // NODES_PER_BIN, ~touchable))
+    cubes = np.floor(points.T / BIN_SIZE).astype(np.int32)
+    cells = np.floor(points.T / CELL_SIZE).astype(np.int32)
+    # The last key counts most.
+    order = np.lexsort((*cells, *cubes, near // NODES_PER_BIN, ~touchable))
+    is_new = (np.diff(cells[:, order]) != 0).any(axis=0)
+    return order, np.concatenate([[0], np.cumsum(is_new)])[: len(order)]

@@ -41,7 +41,7 @@ def history(held, hits, times, growth=0.8):
 def test_a_single_new_contact_counts_from_its_own_time():
     places = np.array([[0.0, 0, 0], [0, 0, 9]])
     found = history(np.array([[4.0, 0, 0]]), np.array([[0.0, 0, 1]]), [0.2])
-    mean, end = found.distances(places, 6.5)
+    mean, end = found.distances(places, np.arange(2), 6.5)
     # The first place: 4 mm for a quarter of the step, then 1 mm. The second: out of reach of both.
     np.testing.assert_allclose(end, [1, 6.5], atol=1e-12)
     np.testing.assert_allclose(mean, [4 * 0.25 + 1 * 0.75, 6.5], atol=1e-12)
@@ -49,14 +49,14 @@ def test_a_single_new_contact_counts_from_its_own_time():
 
 def test_without_new_contacts_the_mean_is_the_distance():
     held = cloud(200)
-    mean, end = history(held, np.empty((0, 3)), []).distances(cloud(100, 1), 6.5)
+    mean, end = history(held, np.empty((0, 3)), []).distances(cloud(100, 1), np.arange(100), 6.5)
     np.testing.assert_array_equal(mean, end)
 
 
 def test_without_any_contact_everything_is_at_the_bound():
     found = history(np.empty((0, 3)), np.empty((0, 3)), [])
     assert found.by_the_end is None
-    mean, end = found.distances(cloud(10), 6.5)
+    mean, end = found.distances(cloud(10), np.arange(10), 6.5)
     assert (mean == 6.5).all()
     assert (end == 6.5).all()
 
@@ -66,7 +66,7 @@ def test_the_mean_is_that_of_the_contacts_one_by_one():
     rng = np.random.default_rng(4)
     held, hits, asking = cloud(150), cloud(120, 2), cloud(400, 3)
     times = rng.uniform(0, 0.8, len(hits))
-    mean, end = history(held, hits, times).distances(asking, 6.5)
+    mean, end = history(held, hits, times).distances(asking, np.arange(400), 6.5)
 
     current = np.minimum(np.linalg.norm(asking[:, None] - held, axis=2).min(axis=1), 6.5)
     total, last = np.zeros(len(asking)), 0.0
@@ -81,3 +81,18 @@ def test_the_mean_is_that_of_the_contacts_one_by_one():
     late = (mean - total / 0.8) / np.maximum(6.5 - end, 1e-9)
     assert late.min() > -1e-9
     assert late.max() < 1 / PHASES
+
+
+def test_neighbors_share_which_new_contact_is_near_but_not_how_far_it_is():
+    rng = np.random.default_rng(5)
+    held, hits = cloud(150), cloud(120, 2)
+    times = rng.uniform(0, 0.8, len(hits))
+    centres = cloud(300, 3)
+    asking = np.repeat(centres, 4, axis=0) + rng.uniform(-0.2, 0.2, (1200, 3))
+    found = history(held, hits, times)
+    own, own_end = found.distances(asking, np.arange(1200), 6.5)
+    shared, shared_end = found.distances(asking, np.repeat(np.arange(300), 4), 6.5)
+    np.testing.assert_array_equal(own_end, shared_end)
+    # A neighbor's nearest contact is farther by less than twice the way to the neighbor.
+    assert np.abs(shared - own).max() < 2 * 0.4
+    assert np.abs(shared - own).mean() < 0.02
