@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from .contact_search import ContactSearch
+from .contact_search import FEW, ContactSearch, squared_distances
 from .validation import Points
 
 PHASES = 8
@@ -86,19 +86,43 @@ class ContactHistory:
     def _excess(self, points: Points, cell: NDArray[np.int64], bound: float) -> NDArray[np.float64]:
         """Mean over the step less the distance at its end, of points that a new contact is near.
 
-        A new contact that is nearer than all before it takes effect from its own time. Which
-        contact that is in each part of the step, neighbors on a fine mesh share: between the
-        exact distances at both ends of the step, the second nearest does as well.
+        A new contact that is nearer than all before it takes effect from its own time.
         """
-        current = np.full(len(points), bound)
+        before = np.full(len(points), bound)
         if self._search is not None:
-            np.minimum(current, self._search.nearest(points, bound)[0], out=current)
+            np.minimum(before, self._search.nearest(points, bound)[0], out=before)
+        if len(self._hits) <= FEW:
+            return self._excess_one_by_one(points, before)
+        return self._excess_by_phases(points, cell, before)
+
+    def _excess_one_by_one(
+        self, points: Points, before: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        order = np.argsort(self._times)
+        times = self._times[order]
+        lasting = np.diff(times, append=self._growth) / self._growth
+        excess = before * (times[0] / self._growth)
+        for part, pairs in squared_distances(points, self._hits[order]):
+            distance = np.sqrt(np.maximum(pairs, 0, out=pairs), out=pairs)
+            np.minimum(distance[:, 0], before[part], out=distance[:, 0])
+            np.minimum.accumulate(distance, axis=1, out=distance)
+            excess[part] += distance @ lasting - distance[:, -1]
+        return excess
+
+    def _excess_by_phases(
+        self, points: Points, cell: NDArray[np.int64], before: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Of all contacts in one part of the step, only the nearest counts.
+
+        Neighbors on a fine mesh share which one that is: between the exact distances at both ends
+        of the step, the second nearest does as well.
+        """
         starts = np.flatnonzero(np.concatenate([[True], cell[1:] != cell[:-1]]))
         if len(points) < SHARED * len(starts):
             starts = np.arange(len(points))
         counts = np.diff(np.append(starts, len(cell)))
         centres = np.add.reduceat(points, starts, axis=0) / counts[:, None]
-        total = np.zeros(len(points))
+        total, current = np.zeros(len(points)), before.copy()
         phase = (self._times * (PHASES / self._growth)).astype(np.int64)
         np.minimum(phase, PHASES - 1, out=phase)
         for index in range(PHASES):

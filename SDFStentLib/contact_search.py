@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -28,14 +29,8 @@ class ContactSearch:
     """
 
     def __init__(self, points: Points, *, is_exact: bool = False) -> None:
-        self._tree: Any = None
-        if len(points) > FEW or is_exact:
-            self._tree = _tree(points)
-            return
-        self._centre = points.mean(axis=0)
-        local = points - self._centre
-        self._factors = -2 * local.T
-        self._squares = np.einsum("ij,ij->i", local, local)
+        self._points = points
+        self._tree = _tree(points) if len(points) > FEW or is_exact else None
 
     def nearest(
         self, points: Points, bound: float
@@ -48,18 +43,29 @@ class ContactSearch:
         if self._tree is not None:
             distance, number = self._tree.query(points, distance_upper_bound=bound)
             return distance, number
-        squares = np.empty(len(points))
+        distance = np.empty(len(points))
         number = np.empty(len(points), dtype=np.int64)
-        rows = PAIRS // len(self._squares)
-        for start in range(0, len(points), rows):
-            part = slice(start, start + rows)
-            local = points[part] - self._centre
-            pairs = local @ self._factors
-            pairs += self._squares
+        for part, pairs in squared_distances(points, self._points):
             number[part] = nearest = pairs.argmin(axis=1)
-            squares[part] = pairs[np.arange(len(nearest)), nearest]
-            squares[part] += np.einsum("ij,ij->i", local, local)
-        return np.sqrt(np.maximum(squares, 0)), number
+            distance[part] = pairs[np.arange(len(nearest)), nearest]
+        return np.sqrt(np.maximum(distance, 0, out=distance), out=distance), number
+
+
+def squared_distances(
+    points: Points, others: Points
+) -> Iterator[tuple[slice, NDArray[np.float64]]]:
+    """Squares (k, m) of the distances to all others, part by part; by rounding below zero."""
+    centre = others.mean(axis=0)
+    local = others - centre
+    factors, squares = -2 * local.T, np.einsum("ij,ij->i", local, local)
+    rows = max(1, PAIRS // len(others))
+    for start in range(0, len(points), rows):
+        part = slice(start, start + rows)
+        local = points[part] - centre
+        pairs = local @ factors
+        pairs += squares
+        pairs += np.einsum("ij,ij->i", local, local)[:, None]
+        yield part, pairs
 
 
 def _tree(points: Points) -> Any:

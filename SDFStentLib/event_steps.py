@@ -33,8 +33,8 @@ which the distance is linear but for the smooth minimum's ripple. Where that is 
 bend or between two legs of a hairpin, `Motion.is_curved` is set and the field is followed instead.
 """
 
-FOLLOWING_PART = 0.2
-"""Length of the parts, mm, in which a curved field is followed."""
+FOLLOWING_PART = 0.4
+"""Longest parts, mm, in which a curved field is followed."""
 
 ERROR_SHARE = 0.25
 """Stated error over the difference of two second-order values of one step.
