@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,6 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 from .validation import Triangles, as_triangles
 
 Indices = NDArray[np.int64]
+Sides = NDArray[Any]
+"""Numbers of triangle sides, in 32 bits where that is enough."""
 
 
 class Edges(NamedTuple):
@@ -112,19 +114,12 @@ def edges(triangles: ArrayLike) -> Edges:
         `triangles` are not integers of shape (m, 3).
     """
     triangles = _as_triangles(triangles)
-    first = triangles.ravel()
-    second = triangles[:, [1, 2, 0]].ravel()
-    base = int(triangles.max()) + 1
-    keys = np.minimum(first, second) * base + np.maximum(first, second)
-
-    sides = np.argsort(keys, kind="stable")
-    keys = keys[sides]
-    is_first = np.r_[True, keys[1:] != keys[:-1]]
+    keys, sides, is_first = _sorted_sides(triangles)
     offsets = np.r_[np.flatnonzero(is_first), len(keys)]
     face_edges = np.empty(len(keys), dtype=np.int64)
     face_edges[sides] = np.cumsum(is_first) - 1
-    vertices = np.stack(np.divmod(keys[is_first], base), axis=1)
-    return Edges(vertices, face_edges.reshape(-1, 3), offsets, sides)
+    vertices = np.stack(np.divmod(keys[is_first], int(triangles.max()) + 1), axis=1)
+    return Edges(vertices, face_edges.reshape(-1, 3), offsets, sides.astype(np.int64))
 
 
 def boundary_edges(triangles: ArrayLike) -> Indices:
@@ -173,19 +168,28 @@ def is_manifold(triangles: ArrayLike) -> bool:
 def surface_topology(triangles: ArrayLike) -> Topology:
     """All that the triangles alone say about a surface; `InputError` as in `edges`."""
     triangles = _as_triangles(triangles)
-    found = edges(triangles)
-    counts = found.face_counts
-    has_length = found.vertices[:, 0] != found.vertices[:, 1]
     corners = triangles.ravel()
-    used = np.bincount(corners)
-    sides = found.paired_sides
+    _, sides, is_first = _sorted_sides(triangles)
+    starts = np.flatnonzero(is_first)
+    counts = np.diff(starts, append=len(sides))
+    has_length = not np.any(corners[sides[starts]] == _side_ends(triangles)[sides[starts]])
+    pairs = starts[counts == 2]
+    first, second = sides[pairs], sides[pairs + 1]
+    is_consistently_wound = not np.any(corners[first] == corners[second])
+    is_edge_manifold = bool(np.all(counts <= 2) and has_length)
+    used = int(np.count_nonzero(np.bincount(corners)))
+    side, other = _meeting_sides(sides, is_first)
+    if is_edge_manifold and is_consistently_wound:
+        fans = _fans_round(corners, first, second)
+    else:
+        fans = _fan_count(corners, side, other)
     return Topology(
         is_closed=bool(np.all(counts % 2 == 0)),
-        is_edge_manifold=bool(np.all(counts <= 2) and np.all(has_length)),
-        is_vertex_manifold=bool(_fan_count(corners, found) == np.count_nonzero(used)),
-        is_consistently_wound=not np.any(corners[sides[:, 0]] == corners[sides[:, 1]]),
+        is_edge_manifold=is_edge_manifold,
+        is_vertex_manifold=fans == used,
+        is_consistently_wound=is_consistently_wound,
         boundary_edge_count=int(np.count_nonzero(counts == 1)),
-        component_count=_connected(len(triangles), *_joined_faces(found))[0],
+        component_count=_connected(len(triangles), side // 3, other // 3)[0],
     )
 
 
@@ -274,7 +278,8 @@ def _connected(count: int, start: Indices, end: Indices) -> tuple[int, Indices]:
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 
-    graph = coo_matrix((np.ones(len(start), dtype=np.int32), (start, end)), shape=(count, count))
+    # Floats, because SciPy copies a graph of anything else.
+    graph = coo_matrix((np.ones(len(start)), (start, end)), shape=(count, count)).tocsr()
     number, labels = connected_components(graph, directed=False)
     return int(number), labels
 
@@ -289,10 +294,57 @@ def _side_ends(triangles: Triangles) -> Indices:
     return triangles[:, [1, 2, 0]].ravel()
 
 
-def _fan_count(corners: Indices, found: Edges) -> int:
+def _sorted_sides(
+    triangles: Triangles,
+) -> tuple[Indices, Sides, NDArray[np.bool_]]:
+    """Key of every triangle side by its edge, ascending; the sides in that order; first of each.
+
+    Sides are numbered in 32 bits where that is enough: they are the largest arrays of a topology.
+    """
+    first, second = triangles.ravel(), _side_ends(triangles)
+    keys = np.minimum(first, second)
+    keys *= int(triangles.max()) + 1
+    keys += np.maximum(first, second)
+    sides = np.argsort(keys, kind="stable")
+    keys = keys[sides]
+    is_first = np.ones(len(keys), dtype=bool)
+    np.not_equal(keys[1:], keys[:-1], out=is_first[1:])
+    return keys, sides.astype(np.int32 if len(keys) < 2**31 else np.int64), is_first
+
+
+def _meeting_sides(
+    sides: Sides, is_first: NDArray[np.bool_]
+) -> tuple[Sides, Sides]:
+    """Every side but the first at its edge, and the one before it there."""
+    later = np.flatnonzero(~is_first)
+    return sides[later], sides[later - 1]
+
+
+def _fans_round(corners: Indices, first: Sides, second: Sides) -> int:
+    """Number of fans in a surface that is edge manifold and consistently wound.
+
+    Crossing the side that starts at a corner leads to the next corner of the same fan. Fans are
+    the cycles and the ends of that walk, which is doubled until it is longer than any fan.
+    """
+    count = len(corners)
+    onward = np.arange(count, dtype=first.dtype)
+    onward[first], onward[second] = _following(second), _following(first)
+    is_end = onward == np.arange(count)
+    lowest = np.minimum(np.arange(count, dtype=onward.dtype), onward)
+    longest = int(np.bincount(corners).max())
+    reach = 1
+    while reach < longest:
+        np.minimum(lowest, lowest[onward], out=lowest)
+        onward = onward[onward]
+        reach *= 2
+    closed = ~is_end[onward]
+    return int(
+        np.count_nonzero(is_end) + np.count_nonzero(lowest[closed] == np.flatnonzero(closed))
+    )
+
+
+def _fan_count(corners: Indices, side: Sides, other: Sides) -> int:
     """Number of fans: faces round one vertex that follow each other across edges."""
-    later = _later_sides(found)
-    side, other = found.sides[later], found.sides[later - 1]
     # Side 3 f + k starts at corner 3 f + k and ends at the following corner of the same face;
     # two corners belong to one fan when they sit at the same end of a shared edge.
     same_way = corners[side] == corners[other]
@@ -307,16 +359,11 @@ def _fan_count(corners: Indices, found: Edges) -> int:
 
 
 def _joined_faces(found: Edges) -> tuple[Indices, Indices]:
-    later = _later_sides(found)
-    return found.faces[later], found.faces[later - 1]
+    is_first = np.zeros(len(found.sides), dtype=bool)
+    is_first[found.offsets[:-1]] = True
+    side, other = _meeting_sides(found.sides, is_first)
+    return side // 3, other // 3
 
 
-def _later_sides(found: Edges) -> Indices:
-    """Positions in `found.sides` of every side but the first at its edge."""
-    is_later = np.ones(len(found.sides), dtype=bool)
-    is_later[found.offsets[:-1]] = False
-    return np.flatnonzero(is_later)
-
-
-def _following(side: Indices) -> Indices:
+def _following(side: Sides) -> Sides:
     return side - side % 3 + (side + 1) % 3

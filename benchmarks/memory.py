@@ -2,7 +2,7 @@
 
     python -m benchmarks.memory [--quick] [--largest SUBDIVISIONS]
 
-Each number from a fresh process (`resource.getrusage`); all states are kept, as the slider needs.
+Each number from a fresh process; all states are kept, as the slider needs.
 svmorph, where installed, starts from the wall; what it holds includes JAX.
 """
 
