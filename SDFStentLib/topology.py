@@ -169,7 +169,7 @@ def surface_topology(triangles: ArrayLike) -> Topology:
     """All that the triangles alone say about a surface; `InputError` as in `edges`."""
     triangles = _as_triangles(triangles)
     corners = triangles.ravel()
-    _, sides, is_first = _sorted_sides(triangles)
+    sides, is_first = _sorted_sides(triangles)[1:]
     starts = np.flatnonzero(is_first)
     counts = np.diff(starts, append=len(sides))
     has_length = not np.any(corners[sides[starts]] == _side_ends(triangles)[sides[starts]])
@@ -312,9 +312,7 @@ def _sorted_sides(
     return keys, sides.astype(np.int32 if len(keys) < 2**31 else np.int64), is_first
 
 
-def _meeting_sides(
-    sides: Sides, is_first: NDArray[np.bool_]
-) -> tuple[Sides, Sides]:
+def _meeting_sides(sides: Sides, is_first: NDArray[np.bool_]) -> tuple[Sides, Sides]:
     """Every side but the first at its edge, and the one before it there."""
     later = np.flatnonzero(~is_first)
     return sides[later], sides[later - 1]
@@ -327,20 +325,19 @@ def _fans_round(corners: Indices, first: Sides, second: Sides) -> int:
     the cycles and the ends of that walk, which is doubled until it is longer than any fan.
     """
     count = len(corners)
-    onward = np.arange(count, dtype=first.dtype)
+    own = np.arange(count, dtype=first.dtype)
+    onward = own.copy()
     onward[first], onward[second] = _following(second), _following(first)
-    is_end = onward == np.arange(count)
-    lowest = np.minimum(np.arange(count, dtype=onward.dtype), onward)
+    is_end = onward == own
+    lowest = np.minimum(own, onward)
     longest = int(np.bincount(corners).max())
     reach = 1
     while reach < longest:
         np.minimum(lowest, lowest[onward], out=lowest)
         onward = onward[onward]
         reach *= 2
-    closed = ~is_end[onward]
-    return int(
-        np.count_nonzero(is_end) + np.count_nonzero(lowest[closed] == np.flatnonzero(closed))
-    )
+    is_closed_fan = ~is_end[onward]
+    return int(np.count_nonzero(is_end) + np.count_nonzero(is_closed_fan & (lowest == own)))
 
 
 def _fan_count(corners: Indices, side: Sides, other: Sides) -> int:
