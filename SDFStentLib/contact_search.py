@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from .validation import Points
 
-FEW = 64
+FEW = 32
 """Points up to which comparing with every one is faster than a search tree."""
 
 PAIRS = 1 << 16

@@ -20,7 +20,7 @@ from .validation import Points
 STRAIGHT = np.cos(np.deg2rad(2.0))
 """Directions that differ by less count as the same: the smooth minimum's ripple stays below."""
 
-SAMPLE = 4000
+SAMPLE = 1500
 """Points at which the way ahead is looked at; fewer where there are not so many."""
 
 BIN_SIZE = 3.0
