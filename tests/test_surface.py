@@ -347,3 +347,37 @@ def test_bad_input_is_named(call, message):
     points, triangles = _box()
     with pytest.raises(InputError, match=message):
         call(points, triangles)
+
+
+# ------------------------------------------------------------------------------ parts of a surface
+
+
+def test_volume_of_a_closed_surface_a_kilometre_away_keeps_its_figures():
+    points, triangles = _torus()
+    volume = surface.signed_volume(points, triangles)
+    away = np.array([1e6, 1e6, -1e6])
+    # Out there a coordinate is known to 1.2e-10 mm, a ten billionth of the torus' size.
+    assert surface.signed_volume(points + away, triangles) == pytest.approx(volume, rel=1e-9)
+
+
+def test_the_volume_of_an_open_surface_is_that_of_the_cone_from_the_middle_of_its_corners():
+    points = np.array([[0, 0, 0], [3, 0, 0], [0, 3, 0], [3, 3, 3.0], [9, 9, 9]])
+    triangles = np.array([[0, 1, 2], [1, 3, 2]])
+    middle = points[triangles].mean(axis=(0, 1))
+    cones = [np.linalg.det(points[corners] - middle) / 6 for corners in triangles]
+    assert surface.signed_volume(points, triangles) == pytest.approx(sum(cones), rel=1e-12)
+
+
+def test_faces_at_some_points_are_those_that_name_one_of_them():
+    points, triangles = _torus()
+    marked = np.zeros(len(points), dtype=bool)
+    marked[[0, 7]] = True
+    expected = [bool({0, 7} & set(corners)) for corners in triangles.tolist()]
+    assert surface.faces_at(marked, triangles).tolist() == expected
+
+
+def test_a_compacted_surface_has_the_same_faces_and_no_other_points():
+    points, triangles = _torus()
+    used, local = surface.compacted(points, triangles[5:9])
+    np.testing.assert_array_equal(used[local], points[triangles[5:9]])
+    assert sorted(set(local.ravel())) == list(range(len(used)))
