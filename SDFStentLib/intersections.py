@@ -18,9 +18,10 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
+from .surface import compacted
 from .triangle_contact import certain_contact, exact_contact, first_shared
 from .triangle_pairs import face_boxes, overlapping_pairs
-from .validation import InputError, Points, as_number, as_points, as_triangles
+from .validation import InputError, Points, Triangles, as_number, as_points, as_triangles
 
 Indices = NDArray[np.int64]
 Flags = NDArray[np.bool_]
@@ -77,15 +78,18 @@ def intersecting_pairs(
     is_moved = _as_mask(among, len(triangles))
     found = [np.empty((0, 2), dtype=np.int64)]
     if is_moved.any():
-        boxes = face_boxes(points, triangles, is_moved)
+        near = _near(points, triangles, is_moved)
+        points, triangles = compacted(points, triangles[near])
+        boxes = face_boxes(points, triangles, is_moved[near])
+        near = near[boxes.faces]
         corners = np.ascontiguousarray(triangles[boxes.faces].T)
-        is_clear = _is_in_flat_fans(points, corners)
         columns = np.ascontiguousarray(points.T)
+        is_clear = _is_in_flat_fans(columns, corners)
         for one, other in overlapping_pairs(boxes):
             for shared, first, second, rows in _by_shared_corners(corners, is_clear, one, other):
                 meets = _decided(columns, shared, first, second)
                 pair = np.stack([one[rows[meets]], other[rows[meets]]], axis=1)
-                found.append(np.sort(boxes.faces[pair], axis=1))
+                found.append(np.sort(near[pair], axis=1))
     pairs = np.concatenate(found)
     return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
 
@@ -93,6 +97,7 @@ def intersecting_pairs(
 def stored_points(points: ArrayLike, dtype: DTypeLike, scale: float) -> Points:
     """The numbers that a file of this type and unit would hold, as float64 (n, 3).
 
+    Not to be changed: where nothing has to be converted they are the given points themselves.
     `InputError` for points not of shape (n, 3), a `dtype` that is no floating type or too narrow,
     or a `scale` not above 0.
     """
@@ -102,8 +107,9 @@ def stored_points(points: ArrayLike, dtype: DTypeLike, scale: float) -> Points:
     if kind.kind != "f":
         raise InputError(f"dtype: expected a floating type such as float32, got {kind}.")
     with np.errstate(over="ignore"):
-        stored = (points if scale == 1 else points * scale).astype(kind).astype(np.float64)
-    if not np.all(np.isfinite(stored)):
+        stored = points if scale == 1 else points * scale
+        stored = stored.astype(kind, copy=False).astype(np.float64, copy=False)
+    if stored is not points and not np.all(np.isfinite(stored)):
         raise InputError(
             f"points: expected coordinates that fit into {kind}, got some too large for it after "
             f"scaling by {scale:g}; store them as float64."
@@ -134,26 +140,39 @@ def _as_mask(among: ArrayLike | None, count: int) -> Flags:
     return mask
 
 
-def _is_in_flat_fans(points: Points, corners: Indices) -> Flags:
+def _near(points: Points, triangles: Triangles, is_moved: Flags) -> Indices:
+    """Faces whose boxes reach into the box around all moved ones."""
+    if is_moved.all():
+        return np.arange(len(triangles))
+    moved = np.zeros(len(points), dtype=bool)
+    moved[triangles[is_moved]] = True
+    beyond = np.zeros(len(points), dtype=np.uint8)
+    for k, values in enumerate(points.T):
+        low, high = values[moved].min(), values[moved].max()
+        beyond |= (values < low).view(np.uint8) << 2 * k
+        beyond |= (values > high).view(np.uint8) << 2 * k + 1
+    # A face stays outside when all its corners lie beyond the same side of the box.
+    first, second, third = triangles.T
+    return np.flatnonzero(beyond[first] & beyond[second] & beyond[third] == 0)
+
+
+def _is_in_flat_fans(columns: NDArray[np.float64], corners: Indices) -> Flags:
     """Faces (b,) that cannot intersect any face they share a corner with.
 
     Seen along one coordinate axis, all faces round a vertex turn the same way, form one closed
     ring and go round once: then they lie side by side. A face is clear when this holds at all
     its corners, with all faces there among those given.
     """
-    used, local = np.unique(corners, return_inverse=True)
-    local = local.reshape(corners.shape)
-    columns = np.ascontiguousarray(points[used].T)
-    normals, certainty = _axis_areas(columns, local)
-    count = len(used)
-    at = local.ravel()
+    normals, certainty = _axis_areas(columns, corners)
+    count = columns.shape[1]
+    at = corners.ravel()
 
     sums = np.stack([np.bincount(at, np.tile(n, 3), minlength=count) for n in normals])
     axis = np.argmax(np.abs(sums), axis=0)
     sign = np.where(np.take_along_axis(sums, axis[None], axis=0)[0] > 0, 1.0, -1.0)
 
     faces = np.arange(corners.shape[1])
-    after, before = local[[1, 2, 0]].ravel(), local[[2, 0, 1]].ravel()
+    after, before = corners[[1, 2, 0]].ravel(), corners[[2, 0, 1]].ravel()
     turned = normals[axis[at], np.tile(faces, 3)] * sign[at] <= np.tile(certainty, 3)
     across = (axis + 2) % 3
     height = columns[across, np.arange(count)][at]
@@ -166,7 +185,7 @@ def _is_in_flat_fans(points: Points, corners: Indices) -> Flags:
     is_flat &= np.bincount(at, rises, minlength=count) == 1
     is_flat &= np.bincount(at, gap, minlength=count) == 0
     is_flat &= np.bincount(at, gap * (after + before), minlength=count) == 0
-    return np.asarray(is_flat[local].all(axis=0))
+    return np.asarray(is_flat[corners].all(axis=0))
 
 
 def _axis_areas(columns: NDArray[np.float64], corners: Indices) -> tuple[NDArray, NDArray]:
