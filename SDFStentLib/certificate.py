@@ -14,7 +14,9 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from .face_quality import (
+    Comparison,
     Place,
+    Verdict,
     count_in_words,
     degenerate_triangles,
     faults_in_words,
@@ -25,7 +27,7 @@ from .face_quality import (
 from .intersections import intersecting_pairs, stored_points
 from .surface import consistently_wound, signed_volume
 from .topology import Topology, surface_topology
-from .validation import InputError, Points, as_points, as_triangles, read_only
+from .validation import InputError, as_points, as_triangles, read_only
 
 Indices = NDArray[np.int64]
 
@@ -265,58 +267,54 @@ def certify(
     InputError
         Arrays that do not fit, a `dtype` that is no floating type, or a `scale` not above 0.
     """
-    after = as_points(after, "after")
-    stored = [stored_points(before, dtype, scale), stored_points(after, dtype, scale)]
-    if stored[0].shape != stored[1].shape:
+    before, after = as_points(before, "before"), as_points(after, "after")
+    if before.shape != after.shape:
         raise InputError(
-            f"after: expected {len(stored[0])} points as before, got {len(stored[1])}; "
+            f"after: expected {len(before)} points as before, got {len(after)}; "
             "certify a result of the same surface."
         )
     triangles = as_triangles(triangles, len(after))
-    has_moved = _moved_points(stored[0], stored[1], moved)
-    among = np.flatnonzero(has_moved[triangles].any(axis=1))
     if topology is None:
         topology = surface_topology(triangles) if check is None else check.topology
-
-    pairs = intersecting_pairs(stored[1], triangles, among)
-    is_clean = check is not None and not len(check.self_intersecting_triangles)
-    searched = np.unique(pairs) if check is None else among
-    earlier = np.unique([] if is_clean else intersecting_pairs(stored[0], triangles, searched))
-    earlier = earlier.astype(np.int64)
-    new = np.setdiff1d(pairs, earlier)
-    inverted, degenerate = (
-        np.setdiff1d(now, find(stored[0], triangles, now))
-        for find in (inverted_triangles, degenerate_triangles)
-        for now in [find(stored[1], triangles, among)]
+    comparison = Comparison(
+        before,
+        triangles,
+        dtype,
+        scale,
+        None if check is None else check.self_intersecting_triangles,
     )
-    spots = places(after, triangles, np.r_[new, inverted, degenerate], pairs)
+    return certificate_of(comparison.verdict(after, may_move=_mask(moved, len(before))), topology)
+
+
+def certificate_of(verdict: Verdict, topology: Topology) -> Certificate:
+    """The certificate of a result that was compared with its input."""
     return Certificate(
         topology=topology,
-        moved_points=int(np.count_nonzero(has_moved)),
-        self_intersecting_before=read_only(earlier),
-        self_intersecting_after=read_only(np.unique(pairs)),
-        new_self_intersecting=read_only(new),
-        new_inverted=read_only(inverted),
-        new_degenerate=read_only(degenerate),
-        places=tuple(spots),
+        moved_points=int(np.count_nonzero(verdict.has_moved)),
+        self_intersecting_before=read_only(np.unique(verdict.pairs_before)),
+        self_intersecting_after=read_only(np.unique(verdict.pairs)),
+        new_self_intersecting=read_only(verdict.new_self_intersecting),
+        new_inverted=read_only(verdict.new_inverted),
+        new_degenerate=read_only(verdict.new_degenerate),
+        places=verdict.places,
     )
 
 
-def _moved_points(before: Points, after: Points, moved: ArrayLike | None) -> NDArray[np.bool_]:
-    has_moved = np.any(before != after, axis=1)
+def _mask(moved: ArrayLike | None, count: int) -> NDArray[np.bool_] | None:
+    """The points that may have moved as a mask (n,); None for all."""
     if moved is None:
-        return has_moved
+        return None
     chosen = np.asarray(moved)
-    may_move = np.zeros(len(before), dtype=bool)
+    may_move = np.zeros(count, dtype=bool)
     if chosen.size:
         try:
             may_move[chosen] = True
         except IndexError as error:
             raise InputError(
-                f"moved: expected indices or a mask of {len(before)} points, got {chosen.dtype} "
+                f"moved: expected indices or a mask of {count} points, got {chosen.dtype} "
                 f"{chosen.shape} ({error})."
             ) from error
-    return has_moved & may_move
+    return may_move
 
 
 def _shape_in_words(topology: Topology) -> str:

@@ -14,8 +14,9 @@ from numpy.typing import ArrayLike
 
 from .attempt import Attempt
 from .capsule_chain import CapsuleChain
-from .certificate import Certificate, certify
+from .certificate import certificate_of
 from .deployment_value import DeploymentResult, DeploymentState, DeploymentTask
+from .face_quality import Comparison, Verdict
 from .settings import DeploymentSettings
 from .topology import Topology
 from .untangle import Precision
@@ -106,26 +107,30 @@ class Deployment(DeploymentTask):
     def _finish(self, attempt: Attempt) -> DeploymentResult:
         """Finish the lumen; certify, and untangle or retry with other gaps when that fails."""
         attempt.finish()
-        certificate, rounds = None, 0
+        verdict, rounds = None, 0
         if self.settings.certify or self.settings.untangle:
-            certificate = self._certificate(attempt)
-        if self.settings.untangle and certificate is not None and not certificate.passed:
-            attempt, certificate, rounds = self._untangled(attempt, certificate)
+            comparison = self._comparison()
+            verdict = self._certificate(comparison, attempt)
+            if self.settings.untangle and not verdict.passed:
+                attempt, verdict, rounds = self._untangled(comparison, attempt, verdict)
         state = attempt.state(self.target_level)._replace(fraction=1.0)
+        certificate = None
+        if self.settings.certify and verdict is not None:
+            certificate = certificate_of(verdict, self.topology)
         return DeploymentResult(
             state=state,
             points=read_only(state.applied_to(self.points)),
-            certificate=certificate if self.settings.certify else None,
+            certificate=certificate,
             untangling_rounds=rounds,
             estimated_error=attempt.motion.estimated_error,
         )
 
     def _untangled(
-        self, attempt: Attempt, certificate: Certificate
-    ) -> tuple[Attempt, Certificate, int]:
+        self, comparison: Comparison, attempt: Attempt, verdict: Verdict
+    ) -> tuple[Attempt, Verdict, int]:
         """The first attempt without a fault, or the one with the fewest."""
-        rounds = attempt.untangle(certificate.failing_triangles)
-        best = (attempt, self._certificate(attempt), rounds)
+        rounds = attempt.untangle(verdict.failing)
+        best = (attempt, self._certificate(comparison, attempt, verdict), rounds)
         retries = RETRIES if self.settings.tissue_gap > 0 else ()
         for ramp, factor in retries:
             if best[1].passed:
@@ -134,23 +139,23 @@ class Deployment(DeploymentTask):
             for _ in attempt.steps():
                 pass
             attempt.finish()
-            rounds = attempt.untangle(self._certificate(attempt).failing_triangles)
-            certificate = self._certificate(attempt)
-            if len(certificate.failing_triangles) < len(best[1].failing_triangles):
-                best = (attempt, certificate, rounds)
+            verdict = self._certificate(comparison, attempt, verdict)
+            rounds = attempt.untangle(verdict.failing)
+            verdict = self._certificate(comparison, attempt, verdict)
+            if len(verdict.failing) < len(best[1].failing):
+                best = (attempt, verdict, rounds)
         return best
 
-    def _certificate(self, attempt: Attempt) -> Certificate:
+    def _comparison(self) -> Comparison:
+        dtype, scale = self.precision
+        return Comparison(self.points, self.wound_triangles, dtype, scale)
+
+    def _certificate(
+        self, comparison: Comparison, attempt: Attempt, earlier: Verdict | None = None
+    ) -> Verdict:
+        """What the certificate of an attempt will say."""
         state = attempt.state(self.target_level)
-        return certify(
-            self.points,
-            state.applied_to(self.points),
-            self.wound_triangles,
-            moved=state.indices,
-            dtype=self.precision.dtype,
-            scale=self.precision.scale,
-            topology=self.topology,
-        )
+        return comparison.verdict(state.applied_to(self.points), earlier)
 
 
 def deploy(

@@ -1,0 +1,102 @@
+"""The verdict on a result that follows from that on an earlier one is the verdict from scratch."""
+
+from __future__ import annotations
+
+import importlib.util
+
+import numpy as np
+import pytest
+from deployment_cases import phantom
+from mesh_files import PROJECT
+
+from SDFStentLib.certificate import certify, check_surface
+from SDFStentLib.face_quality import Comparison
+from SDFStentLib.settings import DeploymentSettings
+
+
+@pytest.fixture(scope="module")
+def sweep():
+    spec = importlib.util.spec_from_file_location("sweep", PROJECT / "benchmarks" / "sweep.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def assert_same(one, other):
+    """Field by field, arrays with their types."""
+    for name, expected in other.items():
+        if isinstance(expected, np.ndarray):
+            np.testing.assert_array_equal(one[name], expected, err_msg=name)
+            assert one[name].dtype == expected.dtype, name
+        else:
+            assert one[name] == expected, name
+
+
+FOLDING = [("vmtk_aorta", 2), ("vmtk_aorta", 11), ("vmtk_aorta", 38), ("pulmonary", 22)]
+"""Numbers of random stents, seed 1, that need untangling; no. 38 cannot be untangled."""
+
+
+@pytest.mark.parametrize(("name", "number"), FOLDING)
+def test_after_untangling_the_certificate_is_that_of_the_whole(
+    data_dir, sweep, monkeypatch, name, number
+):
+    verdicts = []
+    plain = Comparison.verdict
+
+    def recorded(self, after, earlier=None):
+        verdicts.append((self, after, plain(self, after, earlier)))
+        return verdicts[-1][2]
+
+    monkeypatch.setattr(Comparison, "verdict", recorded)
+    stent = sweep.random_stent(name, 1, number, (1.6, 2.6), data_dir)
+    deployment, result = sweep.deployed(stent, DeploymentSettings(), data_dir)
+    monkeypatch.undo()
+    assert len(verdicts) > 1
+    assert not verdicts[0][2].passed
+    for comparison, after, verdict in verdicts:
+        assert_same(verdict._asdict(), plain(comparison, after)._asdict())
+
+    precision = sweep.vessel(name, data_dir).precision
+    whole = certify(
+        deployment.points,
+        result.points,
+        deployment.wound_triangles,
+        dtype=precision.dtype,
+        scale=precision.scale,
+    )
+    assert_same(vars(result.certificate), vars(whole))
+
+
+def bumps(points, rng, count, size):
+    """The surface with a few patches thrown about."""
+    after = points.copy()
+    for centre in points[rng.integers(len(points), size=count)]:
+        near = np.linalg.norm(points - centre, axis=1) < 2.0
+        after[near] += rng.normal(size=(near.sum(), 3)) * size
+    return after
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("known", ["nothing", "all that intersects"])
+def test_whatever_was_judged_before_the_verdict_is_the_same(seed, known):
+    made = phantom("bent_tube", edge_length=1.0)
+    rng = np.random.default_rng(seed)
+    # An input with faults of its own, some of which come and go.
+    before = bumps(made.points, rng, 3, 1.0)
+    results = [bumps(before, rng, 2, 0.7), bumps(before, rng, 4, 0.3), before]
+    results += [bumps(results[0], rng, 1, 0.7), results[1]]
+    collapsed = results[3].copy()
+    collapsed[made.triangles[40:44]] = collapsed[made.triangles[40, 0]]
+    results += [collapsed, before + 1.0, results[0]]
+    check = check_surface(before, made.triangles, dtype=np.float32).self_intersecting_triangles
+    assert len(check)
+    comparison = Comparison(
+        before, made.triangles, np.float32, 1.0, check if known != "nothing" else None
+    )
+    earlier, faults = None, 0
+    for after in results:
+        may_move = rng.uniform(size=len(before)) < 0.8 if seed % 2 else None
+        earlier = comparison.verdict(after, earlier, may_move)
+        assert_same(earlier._asdict(), comparison.verdict(after, None, may_move)._asdict())
+        faults += len(earlier.failing) > 0
+    assert faults > 3
