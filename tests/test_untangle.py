@@ -11,7 +11,7 @@ from SDFStentLib.deployment import Deployment
 from SDFStentLib.intersections import self_intersecting_triangles
 from SDFStentLib.motion import Motion
 from SDFStentLib.settings import DeploymentSettings
-from SDFStentLib.untangle import Faults, Precision, untangled
+from SDFStentLib.untangle import IDLE_ROUNDS, Faults, Precision, untangled
 
 DEFAULT = DeploymentSettings()
 PLAIN = DEFAULT.with_changes(tissue_gap=0, untangle=False)
@@ -193,3 +193,39 @@ def test_faults_are_judged_in_the_precision_of_the_stored_file():
     assert len(Faults(apart, faces, Precision()).among(both, everything)) == 0
     # Half precision has steps of 0.002 at 3 mm.
     assert len(Faults(apart, faces, Precision(np.float16)).among(both, everything)) > 0
+
+
+def test_untangling_stops_when_it_gets_no_further_and_keeps_the_best_it_had():
+    flat, bent, triangles = a_folded_sheet()
+    motion, order = motion_of(bent, AXIS)
+    before, numbered = in_order(flat, order, triangles)
+    seen = []
+
+    class Scripted(Faults):
+        def among(self, after, faces):
+            seen.append(after.copy())
+            return np.arange(100, 100 + (5, 3, 4)[min(len(seen) - 1, 2)])
+
+    outcome = untangled(
+        motion, Scripted(before, numbered, Precision()), len(flat), 0.0, np.arange(100, 106)
+    )
+    assert outcome.rounds == len(seen) == 2 + IDLE_ROUNDS
+    assert outcome.remaining.tolist() == [100, 101, 102]
+    np.testing.assert_array_equal(motion.positions, seen[1])
+    assert (seen[-1] != seen[1]).any()
+    field = motion.field_at(np.arange(len(flat)), motion.positions).distance
+    np.testing.assert_array_equal(motion.level, field)
+
+
+def test_a_face_that_its_neighbors_turn_over_is_a_fault_though_it_stays():
+    flat, triangles = a_sheet()
+    face = len(triangles) // 4 + 7
+    corners = triangles[face]
+    # All but the face is mirrored and lifted: what lay beside it now lies over it.
+    after = flat.copy()
+    others = np.setdiff1d(np.arange(len(flat)), corners)
+    after[others, 0] = 2 * flat[corners, 0].mean() - flat[others, 0]
+    after[others, 2] += 0.4
+    assert face not in self_intersecting_triangles(after, triangles, [face])
+    beside = np.setdiff1d(np.arange(len(triangles)), face)
+    assert face in Faults(flat, triangles, Precision()).among(after, beside)
