@@ -16,10 +16,10 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from .contact_history import ContactHistory
-from .contact_search import ContactSearch
+from .contact_set import ContactSet
 from .front import Front
 from .motion import Motion, influence_rates
+from .new_contacts import NewContacts
 from .step_rule import StepRule
 
 FRONT_MARGIN = 0.1
@@ -66,8 +66,9 @@ def event_steps(motion: Motion, rule: StepRule, start: float, target: float) -> 
     """
     nearest = np.where(motion.touchable, motion.level, np.inf).min(initial=np.inf)
     radius = max(start, nearest - rule.contact_tolerance)
-    contact = (motion.level - radius <= rule.contact_tolerance) & motion.touchable
-    rate = contact.astype(np.float64)
+    contact = ContactSet(motion)
+    touching = (motion.level - radius <= rule.contact_tolerance) & motion.touchable
+    contact.added(np.flatnonzero(touching), rule.influence_distance + target - radius)
     growth = FIRST_SHARE * rule.step
     evaluated = radius
     has_looked_ahead = False
@@ -75,11 +76,13 @@ def event_steps(motion: Motion, rule: StepRule, start: float, target: float) -> 
         growth = min(growth, target - radius)
         if target - radius - growth < 0.25 * growth:
             growth = target - radius
-        error = _event_step(motion, rule, radius, growth, contact, rate)
+        reach = rule.influence_distance + target - radius
+        error = _event_step(motion, rule, radius, growth, contact, reach)
         motion.estimated_error = max(motion.estimated_error, error)
         radius += growth
         if radius - evaluated > FIELD_INTERVAL:
             motion.refreshed()
+            contact.tied_anew(reach)
             evaluated = radius
         yield radius
         if not has_looked_ahead:
@@ -97,35 +100,23 @@ def _event_step(
     rule: StepRule,
     radius: float,
     growth: float,
-    contact: NDArray[np.bool_],
-    rate: NDArray[np.float64],
+    contact: ContactSet,
+    reach: float,
 ) -> float:
-    """One step; `contact` and `rate` are updated in place. Returns the estimated error, mm."""
-    held = np.flatnonzero(contact)
-    held_middle = motion.positions[held] + growth / 2 * motion.direction[held]
-    search = ContactSearch(held_middle) if len(held) else None
+    """One step. Returns the estimated error, mm.
 
+    `reach` is the distance beyond which a contact does not matter until the end, mm.
+    """
+    held = np.flatnonzero(contact.is_held)
     above = motion.level - radius
-    reach = rule.contact_tolerance + FRONT_MARGIN + growth * (1 - rate)
-    members = np.flatnonzero(~contact & (above < reach) & motion.touchable)
-    front = Front(motion, rule, members, rate[members])
-    if search is not None:
-        front.anchored(search, held, motion, rule.influence_distance + 2 * growth)
+    ahead = rule.contact_tolerance + FRONT_MARGIN + growth * (1 - contact.rate)
+    members = np.flatnonzero(~contact.is_held & (above < ahead) & motion.touchable)
+    front = Front(motion, rule, members, contact, reach)
     front.run(radius, growth)
-    hits = front.has_touched
+    hits = members[front.has_touched]
 
-    hits_middle = front.positions[hits] - growth / 2 * motion.direction[members[hits]]
-    times = front.contact_radius[hits] - radius
-    history = ContactHistory(held_middle, search, hits_middle, times, growth)
-    if history.by_the_end is not None:
-        motion.resting.wake(history.by_the_end, rule.influence_distance + growth)
-    passive = motion.resting.awake & ~contact & (above - growth < rule.influence_distance)
-    passive[members] = False
-    others = np.flatnonzero(passive)
-    mean_rate, end_rate = _passive_rates(
-        motion, rule, radius + growth / 2, growth, others, rate[others], history
-    )
-    trapezoid = (rate[others] + end_rate) / 2
+    others, mean_rate, end_rate = _dragged(motion, rule, radius, growth, contact, front, reach)
+    trapezoid = (contact.rate[others] + end_rate) / 2
     error = ERROR_SHARE * growth * np.abs(mean_rate - trapezoid).max(initial=0)
 
     moved = np.concatenate([held, members, others])
@@ -133,20 +124,68 @@ def _event_step(
     curved = motion.is_curved[moved] & (amount > 0)
     straight = moved[~curved]
     motion.advanced(straight, amount[~curved])
-    rate[members] = front.rate
-    rate[others] = end_rate
-    reached = radius + growth
-    contact[members[hits]] = True
-    _follow(motion, moved[curved], amount[curved], contact[moved[curved]], radius, growth)
+    contact.rate[members] = front.rate
+    contact.rate[others] = end_rate
+    contact.nearest[members] = front.nearest
+    contact.is_held[hits] = True
+    _follow(motion, moved[curved], amount[curved], contact.is_held[moved[curved]], radius, growth)
 
-    settled = straight[contact[straight]]
+    reached = radius + growth
+    settled = straight[contact.is_held[straight]]
     motion.level[settled] = reached + rule.contact_tolerance
     is_inside = motion.level - reached < rule.contact_tolerance
-    overtaken = np.flatnonzero(is_inside & ~contact & motion.touchable)
+    overtaken = np.flatnonzero(is_inside & ~contact.is_held & motion.touchable)
     motion.advanced(overtaken, reached + rule.contact_tolerance - motion.level[overtaken])
-    contact[overtaken] = True
-    rate[contact] = 1
+    contact.added(overtaken, reach)
+    contact.rate[contact.is_held] = 1
     return float(error)
+
+
+def _dragged(
+    motion: Motion,
+    rule: StepRule,
+    radius: float,
+    growth: float,
+    contact: ContactSet,
+    front: Front,
+    reach: float,
+) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
+    """Points that are dragged, their mean motion per radius over the step, and that at its end."""
+    hits = front.members[front.has_touched]
+    hits_middle = front.positions[front.has_touched] - growth / 2 * motion.direction[hits]
+    new = NewContacts(hits_middle, front.contact_radius[front.has_touched] - radius, growth)
+    if new.search is not None:
+        motion.resting.wake(new.search, reach)
+    asking = motion.resting.awake & ~contact.is_held
+    asking[front.members] = False
+    others = np.flatnonzero(asking)
+
+    ahead = growth / 2 * contact.rate[others]
+    position = motion.positions[others] + ahead[:, None] * motion.direction[others]
+    before = np.minimum(contact.compared(others, position, growth / 2), reach)
+    end = before
+    if new.search is not None:
+        distance, nearest = new.search.nearest(position, reach)
+        closer = np.flatnonzero(distance < before)
+        contact.nearest[others[closer]] = hits[nearest[closer]]
+        end = np.minimum(before, distance)
+
+    above = motion.level[others] + ahead * motion.slope[others] - (radius + growth / 2)
+    near = (end < rule.influence_distance) & (above - growth < rule.influence_distance)
+    mean = np.minimum(end, rule.influence_distance)
+    if new.search is not None:
+        nearer = np.flatnonzero(near & (end < before))
+        mean[nearer] += new.excess(
+            position[nearer],
+            motion.cell[others[nearer]],
+            np.minimum(before[nearer], rule.influence_distance),
+        )
+    profiles = rule.influence_distance, rule.falloff, rule.blend
+    return (
+        others[near],
+        influence_rates(above[near], mean[near], *profiles),
+        influence_rates(above[near], end[near], *profiles),
+    )
 
 
 def _follow(
@@ -163,21 +202,3 @@ def _follow(
         inside = radius + growth * part / parts - motion.level[where]
         push = amount / parts + np.where(contact, np.maximum(inside, 0), 0)
         motion.moved_to(where, motion.positions[where] + push[:, None] * motion.direction[where])
-
-
-def _passive_rates(
-    motion: Motion,
-    rule: StepRule,
-    middle: float,
-    growth: float,
-    others: NDArray[np.int64],
-    rate: NDArray[np.float64],
-    history: ContactHistory,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Mean motion per radius over the step, and at its end, of points away from the front."""
-    ahead = growth / 2 * rate
-    position = motion.positions[others] + ahead[:, None] * motion.direction[others]
-    above = motion.level[others] + ahead * motion.slope[others] - middle
-    mean, end = history.distances(position, motion.cell[others], rule.influence_distance)
-    profiles = rule.influence_distance, rule.falloff, rule.blend
-    return influence_rates(above, mean, *profiles), influence_rates(above, end, *profiles)

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .contact_search import ContactSearch
+from .contact_set import ContactSet
 from .motion import Motion, influence_rates
 from .step_rule import StepRule
 from .validation import Points
@@ -27,22 +28,32 @@ class Front:
         How far each has moved along its direction, mm, and its rate now.
     contact_radius : (n,) array
         Stent radius at which each came into contact, mm; infinite for those that did not.
+    nearest : (n,) array
+        Number in the motion of the contact point nearest to each, -1 for none within reach.
     """
 
     def __init__(
-        self, motion: Motion, rule: StepRule, members: NDArray[np.int64], rate: NDArray[np.float64]
+        self,
+        motion: Motion,
+        rule: StepRule,
+        members: NDArray[np.int64],
+        contact: ContactSet,
+        reach: float,
     ) -> None:
         self.members = members
-        self.positions = motion.positions[members].copy()
+        self.positions = motion.positions[members]
         self.amount = np.zeros(len(members))
-        self.rate = rate
+        self.rate = contact.rate[members]
         self.contact_radius = np.full(len(members), np.inf)
+        self.nearest = contact.nearest[members]
         self._rule = rule
-        self._level = motion.level[members].copy()
+        self._reach = reach
+        self._level = motion.level[members]
         self._direction, self._slope = motion.direction[members], motion.slope[members]
         # The nearest contact point of each: its place at the start of the step and its velocity.
-        self._anchor = np.full((len(members), 3), np.inf)
-        self._velocity = np.zeros((len(members), 3))
+        self._anchor = motion.positions[self.nearest]
+        self._anchor[self.nearest < 0] = np.inf
+        self._velocity = motion.direction[self.nearest]
         self._touching = np.zeros(len(members), dtype=bool)
         self._late = np.zeros(len(members))
 
@@ -50,16 +61,6 @@ class Front:
     def has_touched(self) -> NDArray[np.bool_]:
         """(n,) which have come into contact."""
         return self._touching
-
-    def anchored(
-        self, search: ContactSearch, held: NDArray[np.int64], motion: Motion, bound: float
-    ) -> None:
-        """Tie the points to the nearest of the contact points `held` from before."""
-        distance, nearest = search.nearest(self.positions, bound)
-        found = np.flatnonzero(np.isfinite(distance))
-        nearest = held[nearest[found]]
-        self._anchor[found] = motion.positions[nearest]
-        self._velocity[found] = motion.direction[nearest]
 
     def run(self, radius: float, growth: float) -> None:
         """Move through a step from a stent radius by a growth, mm."""
@@ -114,13 +115,13 @@ class Front:
         waiting = np.flatnonzero(~self._touching)
         search = ContactSearch(self.positions[sources])
         old = self.positions[waiting] - self._anchor[waiting] - elapsed * self._velocity[waiting]
-        # Beyond the influence distance a contact point drags nothing.
-        old = np.minimum(_lengths(old), self._rule.influence_distance)
+        old = np.minimum(_lengths(old), self._reach)
         gap, nearest = search.nearest(self.positions[waiting], old.max(initial=0))
         closer = gap < old
         waiting, nearest = waiting[closer], nearest[closer]
         self._late[waiting] = since[nearest]
         nearest = sources[nearest]
+        self.nearest[waiting] = self.members[nearest]
         self._velocity[waiting] = self._direction[nearest]
         self._anchor[waiting] = self.positions[nearest] - elapsed * self._direction[nearest]
 

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .connected_parts import component_labels
 from .surface import vertex_normals
-from .topology import component_labels
 from .validation import Points, Triangles, read_only
 
 

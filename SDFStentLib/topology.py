@@ -10,6 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .connected_parts import component_labels, connected
+from .fans import fans_by_graph, fans_by_walking
 from .validation import Triangles, as_triangles
 
 Indices = NDArray[np.int64]
@@ -180,16 +182,16 @@ def surface_topology(triangles: ArrayLike) -> Topology:
     used = int(np.count_nonzero(np.bincount(corners)))
     side, other = _meeting_sides(sides, is_first)
     if is_edge_manifold and is_consistently_wound:
-        fans = _fans_round(corners, first, second)
+        fans = fans_by_walking(corners, first, second)
     else:
-        fans = _fan_count(corners, side, other)
+        fans = fans_by_graph(corners, side, other)
     return Topology(
         is_closed=bool(np.all(counts % 2 == 0)),
         is_edge_manifold=is_edge_manifold,
         is_vertex_manifold=fans == used,
         is_consistently_wound=is_consistently_wound,
         boundary_edge_count=int(np.count_nonzero(counts == 1)),
-        component_count=_connected(len(triangles), side // 3, other // 3)[0],
+        component_count=connected(len(triangles), side // 3, other // 3)[0],
     )
 
 
@@ -264,26 +266,6 @@ def consistently_wound(triangles: ArrayLike) -> tuple[Triangles, Indices]:
     return result, part
 
 
-def component_labels(count: int, start: Indices, end: Indices) -> Indices:
-    """Number (count,) of the connected part of each node, in the order of the first node."""
-    labels = _connected(count, start, end)[1]
-    _, first, number = np.unique(labels, return_index=True, return_inverse=True)
-    rank = np.empty(len(first), dtype=np.int64)
-    rank[np.argsort(first)] = np.arange(len(first))
-    return rank[number.reshape(-1)]
-
-
-def _connected(count: int, start: Indices, end: Indices) -> tuple[int, Indices]:
-    # Imported here: scipy costs half a second, which a first frame should not pay.
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-
-    # Floats, because SciPy copies a graph of anything else.
-    graph = coo_matrix((np.ones(len(start)), (start, end)), shape=(count, count)).tocsr()
-    number, labels = connected_components(graph, directed=False)
-    return int(number), labels
-
-
 def _as_triangles(triangles: ArrayLike) -> Triangles:
     array = np.asarray(triangles)
     highest = int(array.max()) if array.size and array.dtype.kind in "iu" else 0
@@ -318,49 +300,8 @@ def _meeting_sides(sides: Sides, is_first: NDArray[np.bool_]) -> tuple[Sides, Si
     return sides[later], sides[later - 1]
 
 
-def _fans_round(corners: Indices, first: Sides, second: Sides) -> int:
-    """Number of fans in a surface that is edge manifold and consistently wound.
-
-    Crossing the side that starts at a corner leads to the next corner of the same fan. Fans are
-    the cycles and the ends of that walk, which is doubled until it is longer than any fan.
-    """
-    count = len(corners)
-    own = np.arange(count, dtype=first.dtype)
-    onward = own.copy()
-    onward[first], onward[second] = _following(second), _following(first)
-    is_end = onward == own
-    lowest = np.minimum(own, onward)
-    longest = int(np.bincount(corners).max())
-    reach = 1
-    while reach < longest:
-        np.minimum(lowest, lowest[onward], out=lowest)
-        onward = onward[onward]
-        reach *= 2
-    is_closed_fan = ~is_end[onward]
-    return int(np.count_nonzero(is_end) + np.count_nonzero(is_closed_fan & (lowest == own)))
-
-
-def _fan_count(corners: Indices, side: Sides, other: Sides) -> int:
-    """Number of fans: faces round one vertex that follow each other across edges."""
-    # Side 3 f + k starts at corner 3 f + k and ends at the following corner of the same face;
-    # two corners belong to one fan when they sit at the same end of a shared edge.
-    same_way = corners[side] == corners[other]
-    return _connected(
-        len(corners),
-        np.r_[side, _following(side)],
-        np.r_[
-            np.where(same_way, other, _following(other)),
-            np.where(same_way, _following(other), other),
-        ],
-    )[0]
-
-
 def _joined_faces(found: Edges) -> tuple[Indices, Indices]:
     is_first = np.zeros(len(found.sides), dtype=bool)
     is_first[found.offsets[:-1]] = True
     side, other = _meeting_sides(found.sides, is_first)
     return side // 3, other // 3
-
-
-def _following(side: Sides) -> Sides:
-    return side - side % 3 + (side + 1) % 3

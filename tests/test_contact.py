@@ -1,12 +1,15 @@
-"""Who is nearest among the points in contact, and how far they are in the mean of a step."""
+"""Who is nearest among the points in contact, as they come, and in the mean of a step."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from SDFStentLib.contact_history import PHASES, ContactHistory
+from SDFStentLib.capsule_chain import CapsuleChain
 from SDFStentLib.contact_search import FEW, ContactSearch
+from SDFStentLib.contact_set import ContactSet
+from SDFStentLib.motion import Motion
+from SDFStentLib.new_contacts import PHASES, NewContacts
 
 
 def cloud(count, seed=0, spread=5.0):
@@ -33,32 +36,23 @@ def test_what_lies_beyond_the_bound_is_said_to_be_far(count):
     assert (distance[~near] >= 4).all()
 
 
-def history(held, hits, times, growth=0.8):
-    search = ContactSearch(held) if len(held) else None
-    return ContactHistory(held, search, hits, np.asarray(times, dtype=float), growth)
+def new_contacts(points, times, growth=0.8):
+    return NewContacts(points, np.asarray(times, dtype=float), growth)
+
+
+def nearest_distance(asking, points, bound=6.5):
+    return np.minimum(np.linalg.norm(asking[:, None] - points, axis=2).min(axis=1), bound)
 
 
 def test_a_single_new_contact_counts_from_its_own_time():
-    places = np.array([[0.0, 0, 0], [0, 0, 9]])
-    found = history(np.array([[4.0, 0, 0]]), np.array([[0.0, 0, 1]]), [0.2])
-    mean, end = found.distances(places, np.arange(2), 6.5)
-    # The first place: 4 mm for a quarter of the step, then 1 mm. The second: out of reach of both.
-    np.testing.assert_allclose(end, [1, 6.5], atol=1e-12)
-    np.testing.assert_allclose(mean, [4 * 0.25 + 1 * 0.75, 6.5], atol=1e-12)
+    new = new_contacts(np.array([[0.0, 0, 1]]), [0.2])
+    excess = new.excess(np.array([[0.0, 0, 0]]), np.arange(1), np.array([4.0]))
+    # 4 mm for a quarter of the step, then 1 mm.
+    np.testing.assert_allclose(excess, [4 * 0.25 + 1 * 0.75 - 1], atol=1e-12)
 
 
-def test_without_new_contacts_the_mean_is_the_distance():
-    held = cloud(200)
-    mean, end = history(held, np.empty((0, 3)), []).distances(cloud(100, 1), np.arange(100), 6.5)
-    np.testing.assert_array_equal(mean, end)
-
-
-def test_without_any_contact_everything_is_at_the_bound():
-    found = history(np.empty((0, 3)), np.empty((0, 3)), [])
-    assert found.by_the_end is None
-    mean, end = found.distances(cloud(10), np.arange(10), 6.5)
-    assert (mean == 6.5).all()
-    assert (end == 6.5).all()
+def test_without_new_contacts_there_is_nothing_to_search():
+    assert new_contacts(np.empty((0, 3)), []).search is None
 
 
 @pytest.mark.parametrize(("count", "parts"), [(1, np.inf), (FEW, np.inf), (120, PHASES)])
@@ -67,33 +61,109 @@ def test_the_mean_is_that_of_the_contacts_one_by_one(count, parts):
     rng = np.random.default_rng(4)
     held, hits, asking = cloud(150), cloud(count, 2), cloud(400, 3)
     times = rng.uniform(0, 0.8, len(hits))
-    mean, end = history(held, hits, times).distances(asking, np.arange(400), 6.5)
+    before = nearest_distance(asking, held)
+    near = nearest_distance(asking, hits) < before
+    asking, before = asking[near], before[near]
+    excess = new_contacts(hits, times).excess(asking, np.arange(len(asking)), before)
 
-    current = np.minimum(np.linalg.norm(asking[:, None] - held, axis=2).min(axis=1), 6.5)
-    total, last = np.zeros(len(asking)), 0.0
+    current, total, last = before, np.zeros(len(asking)), 0.0
     for number in np.argsort(times):
         total += current * (times[number] - last)
         last = times[number]
         current = np.minimum(current, np.linalg.norm(asking - hits[number], axis=1))
     total += current * (0.8 - last)
-    np.testing.assert_allclose(end, current, atol=1e-9)
     # Of many contacts only the nearest in each part of the step counts: the others' drop comes at
     # most one part late. Few are exact.
-    late = mean - total / 0.8
+    late = excess - (total / 0.8 - current)
     assert late.min() > -1e-9
-    assert (late <= (6.5 - end) / parts + 1e-9).all()
+    assert (late <= (before - current) / parts + 1e-9).all()
 
 
 def test_neighbors_share_which_new_contact_is_near_but_not_how_far_it_is():
     rng = np.random.default_rng(5)
-    held, hits = cloud(150), cloud(120, 2)
+    hits, centres = cloud(120, 2), cloud(300, 3)
     times = rng.uniform(0, 0.8, len(hits))
-    centres = cloud(300, 3)
     asking = np.repeat(centres, 4, axis=0) + rng.uniform(-0.2, 0.2, (1200, 3))
-    found = history(held, hits, times)
-    own, own_end = found.distances(asking, np.arange(1200), 6.5)
-    shared, shared_end = found.distances(asking, np.repeat(np.arange(300), 4), 6.5)
-    np.testing.assert_array_equal(own_end, shared_end)
-    # A neighbor's nearest contact is farther by less than twice the way to the neighbor.
-    assert np.abs(shared - own).max() < 2 * 0.4
+    cells = np.repeat(np.arange(300), 4)
+    near = nearest_distance(asking, hits) < 6.5
+    asking, cells = asking[near], cells[near]
+    before = np.full(len(asking), 6.5)
+    new = new_contacts(hits, times)
+    own = new.excess(asking, np.arange(len(asking)), before)
+    shared = new.excess(asking, cells, before)
+    assert (own != shared).any()
+    # What a neighbor is nearest to is mostly the nearest; where two are as near as each other, it
+    # may have come at another time of the same part of the step.
     assert np.abs(shared - own).mean() < 0.02
+    assert np.mean(np.abs(shared - own) > 0.1) < 0.02
+
+
+def tube_motion(seed=3):
+    """Points round a straight stent, some of which are held by it."""
+    rng = np.random.default_rng(seed)
+    angle, along, away = rng.uniform([0, 0, 2], [2 * np.pi, 30, 6], (800, 3)).T
+    points = np.column_stack([away * np.cos(angle), away * np.sin(angle), along])
+    chain = CapsuleChain.along([[0.0, 0, 0], [0, 0, 30]])
+    return Motion(chain, points, np.ones(len(points), dtype=bool))
+
+
+def assert_tied_to_the_nearest(contact, motion, reach):
+    held, waiting = np.flatnonzero(contact.is_held), np.flatnonzero(~contact.is_held)
+    apart = np.linalg.norm(motion.positions[waiting][:, None] - motion.positions[held], axis=2)
+    near = apart.min(axis=1) < reach
+    nearest = held[apart.argmin(axis=1)]
+    np.testing.assert_array_equal(contact.nearest[waiting[near]], nearest[near])
+    assert (contact.nearest[waiting[~near]] == -1).all()
+    tied = waiting[near]
+    distance = contact.distance(tied, motion.positions[tied], 0)
+    np.testing.assert_allclose(distance, apart.min(axis=1)[near], atol=1e-12)
+
+
+@pytest.mark.parametrize("reach", [3.0, 40.0])
+def test_every_point_is_tied_to_the_nearest_contact_as_contacts_come(reach):
+    motion = tube_motion()
+    contact = ContactSet(motion)
+    order = np.argsort(motion.level)
+    for part in (order[:1], order[1:30], order[30:200], order[:0]):
+        contact.added(part, reach)
+        assert_tied_to_the_nearest(contact, motion, reach)
+
+
+def test_ties_are_found_anew_after_points_have_moved_past_each_other():
+    motion = tube_motion()
+    contact = ContactSet(motion)
+    contact.added(np.argsort(motion.level)[:100], 40.0)
+    moving = np.flatnonzero(~contact.is_held)[::7]
+    motion.moved_to(moving, motion.positions[moving] + [0, 0, 4.0])
+    with pytest.raises(AssertionError):
+        assert_tied_to_the_nearest(contact, motion, 40.0)
+    contact.tied_anew(40.0)
+    assert_tied_to_the_nearest(contact, motion, 40.0)
+
+
+def test_a_tie_is_measured_to_where_the_contact_will_be():
+    motion = tube_motion()
+    contact = ContactSet(motion)
+    contact.added(np.argsort(motion.level)[:1], 40.0)
+    held, free = int(np.argmin(motion.level)), np.flatnonzero(~contact.is_held)[:5]
+    later = motion.positions[held] + 0.3 * motion.direction[held]
+    expected = np.linalg.norm(motion.positions[free] - later, axis=1)
+    np.testing.assert_allclose(
+        contact.distance(free, motion.positions[free], 0.3), expected, atol=1e-12
+    )
+
+
+def test_a_tie_of_a_neighbor_is_taken_over_where_it_is_nearer():
+    motion = tube_motion()
+    contact = ContactSet(motion)
+    contact.added(np.argsort(motion.level)[:100], 40.0)
+    waiting = contact.waiting()
+    positions = motion.positions[waiting]
+    right = contact.distance(waiting, positions, 0)
+    # One of three points has lost its tie to some contact far away.
+    contact.nearest[waiting[::3]] = np.flatnonzero(contact.is_held)[0]
+    lost = contact.distance(waiting, positions, 0)
+    found = contact.compared(waiting, positions, 0)
+    assert (found <= lost).all()
+    assert (found >= right - 1e-12).all()
+    assert (found - right).mean() < 0.1 * (lost - right).mean()

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from SDFStentLib import topology
+from SDFStentLib.fans import fans_by_graph, fans_by_walking
 
 
 def torus(rows=12, columns=9):
@@ -23,8 +24,8 @@ def fan_counts(triangles):
     _, sides, is_first = topology._sorted_sides(triangles)
     starts = np.flatnonzero(is_first)
     pairs = starts[np.diff(starts, append=len(sides)) == 2]
-    by_walk = topology._fans_round(corners, sides[pairs], sides[pairs + 1])
-    return by_walk, topology._fan_count(corners, *topology._meeting_sides(sides, is_first))
+    by_walk = fans_by_walking(corners, sides[pairs], sides[pairs + 1])
+    return by_walk, fans_by_graph(corners, *topology._meeting_sides(sides, is_first))
 
 
 @pytest.mark.parametrize("kept", [1.0, 0.9, 0.5])
