@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 from .capsule_chain import CapsuleChain
 from .deployment_value import DeploymentState, DeploymentTask
 from .event_steps import event_steps
-from .lumen import facets_compensated, finished, projected
+from .lumen import drawn_in, facets_compensated, finished, projected
 from .motion import Motion
 from .patch import Patch
 from .published_steps import published_steps
 from .surface import vertex_normals
-from .topology import consistently_wound
+from .topology import component_labels, consistently_wound
 from .untangle import Faults, untangled
 from .validation import DeploymentError, Points
 
@@ -42,6 +42,7 @@ class Attempt:
         self.patch_start = self.patch.points(task.points, self.start[: self.wall_count])
         nearest = float(self.motion.level[: self.wall_count].min())
         self.start_radius = min(task.settings.crimped_radius, WALL_CLEARANCE * nearest)
+        self.own_wall = np.zeros(len(self.start), dtype=bool)
         if gap > 0:
             self._keep_tissue(ramp, gap)
 
@@ -81,6 +82,10 @@ class Attempt:
             task.radius,
             settings.contact_tolerance,
         )
+        if self.own_wall.any():
+            own = np.flatnonzero(self.own_wall)
+            back = drawn_in(self.motion, own, self.start[own], task.target_level, task.radius)
+            on_stent = np.union1d(on_stent, back)
         if settings.facet_compensation:
             facets_compensated(self.motion, self.patch.triangles, on_stent, task.radius)
             self._close_seams()
@@ -147,6 +152,25 @@ class Attempt:
         offset = np.zeros(len(self.motion.level))
         offset[wall] = gap * share**2 * (3 - 2 * share)
         self.motion.set_offset(offset)
+        self.own_wall = self._own_wall()
+
+    def _own_wall(self) -> NDArray[np.bool_]:
+        """Wall without tissue offset that hangs together with the wall nearest to the axis.
+
+        The far wall of a neighbor faces away from the stent as well, but is joined to it only by
+        walls that do not.
+        """
+        count = self.wall_count
+        is_free = np.zeros(len(self.patch.vertices), dtype=bool)
+        is_free[:count] = self.motion.offset[:count] == 0
+        sides = np.concatenate([self.patch.triangles[:, :2], self.patch.triangles[:, 1:]])
+        sides = sides[is_free[sides].all(axis=1)]
+        label = component_labels(len(self.patch.vertices), sides[:, 0], sides[:, 1])
+        label = label[self.patch.twin][:count]
+        nearest = np.where(is_free[:count], self.motion.level[:count], np.inf).argmin()
+        own = np.zeros(len(self.start), dtype=bool)
+        own[:count] = is_free[:count] & (label == label[nearest])
+        return own
 
 
 def _within(

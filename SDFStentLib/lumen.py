@@ -12,14 +12,25 @@ from numpy.typing import NDArray
 
 from .capsule_chain import CapsuleChain
 from .motion import Motion
-from .validation import Triangles
+from .validation import Points, Triangles
 
 CONTACT_BAND = 1.5
 """Points within this many contact tolerances of the final level count as lying on the stent."""
 
 FINISH_ROUNDS = 2
+
+DRAG_BOUND = 2.0
+"""Wall outside of the expanded stent is dragged to at most so many times its distance from it.
+
+Any factor above 1 lets the bound begin without a step where the stent just reaches; 2 is none of
+its size, it has no unit: wall goes no farther out than it was from the stent.
+"""
+
 NEGLIGIBLE = 1e-4
 """Facets that miss the radius by less than this share of it are fine enough as they are."""
+
+ROUNDING = 1e-9
+"""Relative difference below which two distances count as equal."""
 
 COMPENSATION_PASSES = 2
 COMPENSATION_ROUNDS = 5
@@ -97,6 +108,50 @@ def finished(
     return where
 
 
+def drawn_in(
+    motion: Motion, own: NDArray[np.int64], start: Points, level: float, radius: float
+) -> NDArray[np.int64]:
+    """Bring wall back that was dragged along ahead of the stent and ended outside of it.
+
+    A stent only pushes. Wall that it reaches has no cause to end up outside of it, but near contact
+    the published rule drags it ahead by up to some hundredths of the radius. A point out of contact
+    influences nobody, so this is the same as if its dragging had stopped there. It concerns only
+    the stented lumen's own wall. Beyond the ends, where dragging makes
+    the transition to the wall that rests, wall may lie as far out as it is beyond the end.
+
+    Parameters
+    ----------
+    motion : Motion
+        Finished; its positions are changed in place.
+    own : (k,) array
+        The points of the stented lumen's own wall.
+    start : (k, 3) array
+        Where these were before anything moved.
+    level, radius : float
+        Field level and radius of the expanded stent, mm.
+
+    Returns
+    -------
+    (m,) array
+        The points that now lie on the stent and did not before, in motion order.
+    """
+    moved = np.linalg.norm(motion.positions[own] - start, axis=1)
+    outside = motion.level[own] - level
+    # Whatever is too far out has moved by a certain share of that; the level tells it roughly.
+    surely = (1 - 1 / DRAG_BOUND) * (outside - motion.chain.smoothing_width)
+    may_be = (outside > 0) & (surely < moved) & (moved > 0)
+    where, start = own[may_be], start[may_be]
+    native = motion.axis_distance(where, start)
+    allowed = DRAG_BOUND * np.maximum(native - radius, 0) + _beyond_ends(motion, where)
+    bound = radius + allowed
+    too_far = motion.axis_distance(where, motion.positions[where]) > bound * (1 + ROUNDING)
+    where, bound = where[too_far], bound[too_far]
+    for _ in range(FINISH_ROUNDS):
+        true_distance = motion.axis_distance(where, motion.positions[where])
+        motion.positions[where] += (bound - true_distance)[:, None] * motion.direction[where]
+    return where[bound <= (1 + NEGLIGIBLE) * radius]
+
+
 def facets_compensated(
     motion: Motion, triangles: Triangles, on_stent: NDArray[np.int64], radius: float
 ) -> None:
@@ -169,3 +224,16 @@ def _edge_distance(ends: NDArray[np.float64], middle: NDArray[np.float64]) -> ND
     curved = curvature > 1e-12
     at = np.clip(np.divide(-slope, 2 * curvature, out=np.full(len(half), 0.5), where=curved), 0, 1)
     return np.sqrt(np.maximum(first + slope * at + curvature * at**2, 0))
+
+
+def _beyond_ends(motion: Motion, where: NDArray[np.int64]) -> NDArray[np.float64]:
+    """How far points lie beyond the planes across the stent's ends, mm; 0 beside the stent."""
+    nodes, positions = motion.chain.nodes, motion.positions[where]
+    nearest = motion.axis_distance(where, positions) * (1 + ROUNDING)
+    beyond = np.zeros(len(where))
+    for end, inner in (nodes[:2], nodes[:-3:-1]):
+        offset = positions - end
+        along = offset @ (end - inner) / np.linalg.norm(end - inner)
+        at_end = np.linalg.norm(offset, axis=1) <= nearest
+        beyond[at_end] = np.maximum(along[at_end], 0)
+    return beyond

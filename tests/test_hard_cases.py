@@ -116,9 +116,10 @@ def test_a_kink_of_20_degrees_is_stented_to_size():
     assert result.certificate.passed
     assert result.warnings == ()
     after = result.stents[0].after
-    # At the kink the outer side is a sphere's, a little beyond the tube.
-    assert after.minimum == pytest.approx(8.0, rel=0.01)
-    assert after.maximum < 8.0 * 1.03
+    # The last station is narrow by a facet beyond the end, with edges stretched four times; the
+    # compensation looks at edges, but of a facet across a hemisphere the inside is the nearest.
+    assert after.minimum == pytest.approx(8.0, rel=0.012)
+    assert after.maximum < 8.0 * 1.005
 
 
 def test_a_stent_longer_than_the_vessel_is_shortened_and_said():

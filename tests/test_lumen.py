@@ -152,6 +152,54 @@ def test_without_finish_the_wall_stays_on_the_level_of_the_smooth_field():
     np.testing.assert_allclose(level, deployment.target_level, atol=0.05)
 
 
+# Wall dragged ahead of the stent ---------------------------------------------------------------
+
+
+def oval_tube(wide):
+    """A tube along z, 40 mm long, with half axes of 2 mm and `wide`."""
+    made = phantom("straight_tube", radius=2.0, edge_length=0.4)
+    return made.points * [wide / 2.0, 1.0, 1.0], made.triangles
+
+
+def stented_oval(wide, settings=DEFAULT):
+    """Deployed; how far outside of the stent the wall beside it was and is, mm."""
+    deployment = Deployment(*oval_tube(wide), straight(16) + np.array([0, 0, 12.0]), 3.0, settings)
+    end = deployment.result.points
+    beside = (end[:, 2] > 12) & (end[:, 2] < 28)
+    native, after = (
+        deployment.chain.axis_distance(points[beside]) - 3.0 for points in (deployment.points, end)
+    )
+    return deployment, native, after
+
+
+def test_wall_that_the_stent_reaches_ends_on_it_however_it_was_dragged():
+    _, _, undrawn = stented_oval(2.9, DEFAULT.with_changes(tissue_gap=0))
+    _, native, after = stented_oval(2.9, DEFAULT.with_changes(facet_compensation=False))
+    assert native.max() < 0
+    # The wide sides of the oval were run ahead of.
+    assert undrawn.max() > 0.1
+    assert -1e-4 < after.min() <= after.max() < 1e-4
+
+
+def test_wall_outside_the_stent_is_dragged_no_farther_than_it_was_away():
+    _, native, after = stented_oval(3.1, DEFAULT.with_changes(facet_compensation=False))
+    outside = native > 0
+    assert outside.any()
+    assert (after[outside] > native[outside] - 1e-6).all()
+    assert (after < 2 * np.maximum(native, 0) + 1e-4).all()
+
+
+def test_far_beyond_the_ends_wall_stays_where_it_was_dragged(monkeypatch):
+    drawn = stented_oval(2.9)[0].result.points
+    monkeypatch.setattr("SDFStentLib.attempt.drawn_in", lambda *_: np.empty(0, dtype=np.int64))
+    deployment = stented_oval(2.9)[0]
+    undrawn = deployment.result.points
+    far = np.abs(undrawn[:, 2] - 20) > 8 + 2
+    assert (undrawn != deployment.points)[far].any()
+    np.testing.assert_array_equal(drawn[far], undrawn[far])
+    assert (drawn != undrawn).any()
+
+
 # The lumen -------------------------------------------------------------------------------------
 
 
