@@ -42,13 +42,32 @@ def test_a_random_stent_follows_from_its_seed_and_number_alone(sweep, data_dir):
     assert first.radius != other.radius
 
 
+def test_a_station_is_wide_by_nature_or_because_wall_was_dragged(sweep, data_dir):
+    """Stent 37 drags a shoulder ahead of it; at the end of stent 100 the native wall is outside."""
+    undrawn = sweep.DeploymentSettings(finish=False)
+    found = [
+        next(sweep.rows(0, 1, only=number, with_tetgen=False, settings=settings, folder=data_dir))
+        for number, settings in ((37, undrawn), (100, None))
+    ]
+    assert found[0].wide.dragged > 0
+    assert found[0].wide.native == 0
+    assert found[1].wide.native == 1
+    assert found[1].highest > sweep.WIDE
+    assert [row.wide.strayed for row in found] == [0, 0]
+
+
 def test_the_summary_counts_what_fails(sweep):
-    good = sweep.Row(0, "pulmonary", 20.0, 10.0, 1.2, 0.9995, 1.0, 1.0, 0, True, 0, "yes", 0, 0.1)
+    wide = sweep.WideStations(native=2)
+    good = sweep.Row(
+        0, "pulmonary", 20.0, 10.0, 1.2, 0.9995, 1.0, 1.0, wide, 0, True, 0, "yes", 0, 0.1
+    )
     bad = good._replace(number=1, new_folds=4, meshlab=4, tetgen="no", mean=0.9)
     assert not good.failed
     assert bad.failed
     assert good._replace(tetgen="surface changed").failed
     assert good._replace(certified=False).failed
-    line = sweep.summary([good, bad]).splitlines()[-1].split()
+    *_, line, stations = sweep.summary([good, bad]).splitlines()
+    assert stations.startswith("stations above 1.002: 4 where the native lumen")
+    line = line.split()
     assert line[:4] == ["all", "2", "0.9498", "0.9000"]
     assert line[6:11] == ["0", "1", "0", "1", "1/2"]
