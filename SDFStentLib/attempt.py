@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .capsule_chain import CapsuleChain
+from .connected_parts import connected
 from .deployment_value import DeploymentState, DeploymentTask
 from .event_steps import event_steps
 from .lumen import drawn_in, facets_compensated, finished, projected
@@ -15,7 +16,7 @@ from .motion import Motion
 from .patch import Patch
 from .published_steps import published_steps
 from .surface import vertex_normals
-from .topology import component_labels, consistently_wound
+from .topology import consistently_wound
 from .untangle import Faults, untangled
 from .validation import DeploymentError, Points
 
@@ -42,7 +43,8 @@ class Attempt:
         self.patch_start = self.patch.points(task.points, self.start[: self.wall_count])
         nearest = float(self.motion.level[: self.wall_count].min())
         self.start_radius = min(task.settings.crimped_radius, WALL_CLEARANCE * nearest)
-        self.own_wall = np.zeros(len(self.start), dtype=bool)
+        # A wall point of the stented lumen for certain; unknown without a tissue gap.
+        self._nearest_own: int | None = None
         if gap > 0:
             self._keep_tissue(ramp, gap)
 
@@ -82,8 +84,8 @@ class Attempt:
             task.radius,
             settings.contact_tolerance,
         )
-        if self.own_wall.any():
-            own = np.flatnonzero(self.own_wall)
+        if self._nearest_own is not None:
+            own = self._own_wall(self._nearest_own)
             back = drawn_in(self.motion, own, self.start[own], task.target_level, task.radius)
             on_stent = np.union1d(on_stent, back)
         if settings.facet_compensation:
@@ -152,10 +154,11 @@ class Attempt:
         offset = np.zeros(len(self.motion.level))
         offset[wall] = gap * share**2 * (3 - 2 * share)
         self.motion.set_offset(offset)
-        self.own_wall = self._own_wall()
+        free_level = np.where(offset[wall] == 0, level, np.inf)
+        self._nearest_own = int(free_level.argmin())
 
-    def _own_wall(self) -> NDArray[np.bool_]:
-        """Wall without tissue offset that hangs together with the wall nearest to the axis.
+    def _own_wall(self, nearest: int) -> NDArray[np.int64]:
+        """Wall without tissue offset that hangs together with the point of it nearest to the axis.
 
         The far wall of a neighbor faces away from the stent as well, but is joined to it only by
         walls that do not.
@@ -165,12 +168,9 @@ class Attempt:
         is_free[:count] = self.motion.offset[:count] == 0
         sides = np.concatenate([self.patch.triangles[:, :2], self.patch.triangles[:, 1:]])
         sides = sides[is_free[sides].all(axis=1)]
-        label = component_labels(len(self.patch.vertices), sides[:, 0], sides[:, 1])
+        _, label = connected(len(self.patch.vertices), sides[:, 0], sides[:, 1])
         label = label[self.patch.twin][:count]
-        nearest = np.where(is_free[:count], self.motion.level[:count], np.inf).argmin()
-        own = np.zeros(len(self.start), dtype=bool)
-        own[:count] = is_free[:count] & (label == label[nearest])
-        return own
+        return np.flatnonzero(is_free[:count] & (label == label[nearest]))
 
 
 def _within(
