@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .contact_search import FEW, ContactSearch, squared_distances
+from .motion import CELL_SIZE
 from .validation import Points
 
 Values = NDArray[np.float64]
@@ -86,14 +87,17 @@ class NewContacts:
             starts = np.arange(len(points))
         counts = np.diff(np.append(starts, len(cell)))
         centres = np.add.reduceat(points, starts, axis=0) / counts[:, None]
+        # No neighbor is farther from the middle of a cell than its whole length.
+        bound = float(before.max(initial=0)) + np.sqrt(3) * CELL_SIZE
         total, current = np.zeros(len(points)), before.copy()
         phase = (self._times * (PHASES / self._growth)).astype(np.int64)
         np.minimum(phase, PHASES - 1, out=phase)
         for index in range(PHASES):
             new = np.flatnonzero(phase == index)
             if len(new):
-                _, nearest = ContactSearch(self._points[new]).nearest(centres, np.inf)
-                nearest = new[np.repeat(nearest, counts)]
+                _, nearest = ContactSearch(self._points[new]).nearest(centres, bound)
+                # Beyond the bound no contact is found; any other is as much too far.
+                nearest = new[np.repeat(np.minimum(nearest, len(new) - 1), counts)]
                 offset = points - self._points[nearest]
                 distance = np.sqrt(np.einsum("ij,ij->i", offset, offset))
                 drop = np.maximum(current - distance, 0)
