@@ -23,6 +23,7 @@ import numpy as np
 PROJECT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(PROJECT))
 
+from benchmarks.judges import JudgeError, meshlab_faces, tetrahedra  # noqa: E402
 from SDFStentLib.centerline import Centerline, CenterlinePath  # noqa: E402
 from SDFStentLib.centerline_files import read_centerline  # noqa: E402
 from SDFStentLib.deployment import Deployment, DeploymentResult  # noqa: E402
@@ -44,6 +45,9 @@ RATIO = (1.05, 1.6)
 LENGTH = (10.0, 40.0)
 END_CLEARANCE = 5.0
 """Distance of a stent from the ends of the centerline, mm."""
+
+MOST_TETRAHEDRA = 2.0
+"""Over those of the untreated vessel; more would say that TetGen had to refine crumpled faces."""
 
 STATION_SPACING = 2.0
 """Of the inscribed spheres, mm."""
@@ -99,6 +103,8 @@ class Row(NamedTuple):
     meshlab: int
     """New self-intersecting faces by MeshLab."""
     tetgen: str
+    tetrahedra: float
+    """Tetrahedra over those of the untreated vessel, where TetGen was asked."""
     rounds: int
     seconds: float
 
@@ -159,27 +165,26 @@ def deployed(
     return deployment, deployment.result
 
 
-def meshlab_faces(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """Self-intersecting faces as MeshLab finds them."""
-    import pymeshlab
-
-    meshes = pymeshlab.MeshSet()
-    meshes.add_mesh(pymeshlab.Mesh(points, triangles.astype(np.int32)))
-    meshes.compute_selection_by_self_intersections_per_face()
-    return np.flatnonzero(meshes.current_mesh().face_selection_array())
+@cache
+def untreated_tetrahedra(name: str, folder: Path = DATA_FOLDER) -> int:
+    where = vessel(name, folder)
+    return len(tetrahedra(stored_points(where.points, where), where.triangles))
 
 
-def tetgen_verdict(points: np.ndarray, triangles: np.ndarray) -> str:
-    """`yes` when TetGen meshes the surface as it is, kept as for CFD, else its complaint."""
-    import tetgen
+def stored_points(points: np.ndarray, where: Vessel) -> np.ndarray:
+    """The coordinates that a file of this vessel would hold."""
+    scaled = np.asarray(points * where.precision.scale, dtype=where.precision.dtype)
+    return scaled.astype(float)
 
+
+def tetgen_verdict(points: np.ndarray, name: str, folder: Path) -> tuple[str, float]:
+    """`yes` or what is wrong, and tetrahedra over those of the untreated vessel."""
     try:
-        mesher = tetgen.TetGen(points, triangles.astype(np.int32))
-        nodes, elements = mesher.tetrahedralize(switches="pq1.4YQ")[:2]
-    except RuntimeError as error:
-        return str(error).splitlines()[0][:60]
-    kept = len(nodes) >= len(points) and np.array_equal(nodes[: len(points)], points)
-    return "yes" if kept and len(elements) else "surface changed"
+        count = len(tetrahedra(points, vessel(name, folder).triangles))
+    except JudgeError as error:
+        return str(error), float("nan")
+    share = count / untreated_tetrahedra(name, folder)
+    return ("yes" if share <= MOST_TETRAHEDRA else f"{share:.1f}x tetrahedra"), share
 
 
 def wide_stations(
@@ -222,15 +227,13 @@ def judged(
     narrow = before < 1 / 1.05
     certificate = result.certificate
     assert certificate is not None
-    stored = np.asarray(result.points * where.precision.scale, dtype=where.precision.dtype).astype(
-        float
-    )
-    original = np.asarray(where.points * where.precision.scale, dtype=where.precision.dtype).astype(
-        float
-    )
+    stored, original = (stored_points(points, where) for points in (result.points, where.points))
     faces = meshlab_faces(stored, where.triangles)
     if len(faces):
         faces = np.setdiff1d(faces, meshlab_faces(original, where.triangles))
+    verdict, share = "", float("nan")
+    if with_tetgen:
+        verdict, share = tetgen_verdict(stored, stent.anatomy, folder)
     return Row(
         number=number,
         anatomy=stent.anatomy,
@@ -244,7 +247,8 @@ def judged(
         new_folds=len(certificate.new_self_intersecting),
         certified=certificate.passed,
         meshlab=len(faces),
-        tetgen=tetgen_verdict(stored, where.triangles) if with_tetgen else "",
+        tetgen=verdict,
+        tetrahedra=share,
         rounds=result.untangling_rounds,
         seconds=seconds,
     )
@@ -296,6 +300,9 @@ def summary(found: list[Row]) -> str:
             f"{sum(row.rounds > 0 for row in part):9} "
             f"{np.median([row.seconds for row in part]):6.2f}"
         )
+    shares = [row.tetrahedra for row in found if row.tetgen]
+    if shares:
+        lines.append(f"tetrahedra over those untreated: at most {np.nanmax(shares):.2f}")
     counts = WideStations(*np.sum([row.wide for row in found], axis=0)) if found else WideStations()
     lines.append(
         f"stations above {WIDE}: {counts.native} where the native lumen and the stent united are "
@@ -310,7 +317,7 @@ def as_text(row: Row) -> str:
         f"ratio {row.ratio:.2f} mean {row.mean:.4f} max {row.highest:.4f} "
         f"(narrow {row.inside_highest:.4f}) folds {row.new_folds} "
         f"{'' if row.certified else 'NOT CERTIFIED '}MeshLab {row.meshlab} "
-        f"TetGen {row.tetgen or '-'} rounds {row.rounds} {row.seconds:.2f} s"
+        f"TetGen {row.tetgen or '-'} {row.tetrahedra:.2f} rounds {row.rounds} {row.seconds:.2f} s"
         + ("  FAILED" if row.failed else "")
     )
 

@@ -59,14 +59,15 @@ def test_a_station_is_wide_by_nature_or_because_wall_was_dragged(sweep, data_dir
 def test_the_summary_counts_what_fails(sweep):
     wide = sweep.WideStations(native=2)
     good = sweep.Row(
-        0, "pulmonary", 20.0, 10.0, 1.2, 0.9995, 1.0, 1.0, wide, 0, True, 0, "yes", 0, 0.1
+        0, "pulmonary", 20.0, 10.0, 1.2, 0.9995, 1.0, 1.0, wide, 0, True, 0, "yes", 1.1, 0, 0.1
     )
     bad = good._replace(number=1, new_folds=4, meshlab=4, tetgen="no", mean=0.9)
     assert not good.failed
     assert bad.failed
     assert good._replace(tetgen="surface changed").failed
     assert good._replace(certified=False).failed
-    *_, line, stations = sweep.summary([good, bad]).splitlines()
+    *_, line, tetrahedra, stations = sweep.summary([good, bad]).splitlines()
+    assert tetrahedra == "tetrahedra over those untreated: at most 1.10"
     assert stations.startswith("stations above 1.002: 4 where the native lumen")
     line = line.split()
     assert line[:4] == ["all", "2", "0.9498", "0.9000"]
