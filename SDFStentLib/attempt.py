@@ -15,13 +15,27 @@ from .lumen import drawn_in, facets_compensated, finished, projected
 from .motion import Motion
 from .patch import Patch
 from .published_steps import published_steps
-from .surface import vertex_normals
-from .topology import consistently_wound
-from .untangle import Faults, untangled
+from .surface import faces_at, vertex_normals
+from .topology import consistently_wound, vertex_neighbors
+from .untangle import RELAXATION, Faults, grown, untangled
 from .validation import DeploymentError, Points
 
 WALL_CLEARANCE = 0.9
 """The crimped stent never reaches beyond this share of the nearest wall's distance."""
+
+
+WAYS_TO_UNTANGLE = ((RELAXATION, False), (0.2, False), (RELAXATION, True))
+"""Shares of the way to the mean of the neighbors, and whether the lumen is relieved, in turn.
+
+The first is quick. The second gets some folds apart in which the first swings to and fro. The third
+takes the facet compensation back round the fold: some facets there lie inside again, by up to the
+height of their arc, and those that it pushed into each other come free.
+"""
+
+FEW_FAULTS = 20
+"""Faulty faces up to which the next way is tried; 4 to 11 were left where it helped."""
+
+RELIEVED_RINGS = 3
 
 
 class Attempt:
@@ -45,6 +59,7 @@ class Attempt:
         self.start_radius = min(task.settings.crimped_radius, WALL_CLEARANCE * nearest)
         # A wall point of the stented lumen for certain; unknown without a tissue gap.
         self._nearest_own: int | None = None
+        self._uncompensated = self.start
         if gap > 0:
             self._keep_tissue(ramp, gap)
 
@@ -88,6 +103,7 @@ class Attempt:
             own = self._own_wall(self._nearest_own)
             back = drawn_in(self.motion, own, self.start[own], task.target_level, task.radius)
             on_stent = np.union1d(on_stent, back)
+        self._uncompensated = self.motion.positions.copy()
         if settings.facet_compensation:
             facets_compensated(self.motion, self.patch.triangles, on_stent, task.radius)
             self._close_seams()
@@ -102,11 +118,34 @@ class Attempt:
         wound, _ = consistently_wound(self.patch.triangles)
         faults = Faults(self.patch_start, wound, task.precision)
         folded = self.motion.positions.copy()
-        outcome = untangled(self.motion, faults, self.wall_count, task.target_level, local)
-        if len(outcome.remaining) >= len(local):
+        best, fewest, rounds = folded, len(local), 0
+        for relaxation, is_relieved in WAYS_TO_UNTANGLE:
             self.motion.positions[:] = folded
+            bad = self._relieved(faults, local) if is_relieved else local
+            outcome = untangled(
+                self.motion, faults, self.wall_count, task.target_level, bad, relaxation
+            )
+            rounds += outcome.rounds
+            if len(outcome.remaining) < fewest:
+                best, fewest = self.motion.positions.copy(), len(outcome.remaining)
+            if not 0 < fewest <= FEW_FAULTS:
+                break
+        self.motion.positions[:] = best
         self._close_seams()
-        return outcome.rounds
+        return rounds
+
+    def _relieved(self, faults: Faults, bad: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Take the facet compensation back round faulty faces; returns what is faulty then."""
+        neighbors = vertex_neighbors(faults.triangles, len(faults.before))
+        near = grown(np.unique(faults.triangles[bad]), neighbors, RELIEVED_RINGS)
+        near = near[near < self.wall_count]
+        self.motion.positions[near] = self._uncompensated[near]
+        after = np.concatenate(
+            [self.motion.positions[: self.wall_count], faults.before[self.wall_count :]]
+        )
+        touched = np.zeros(len(after), dtype=bool)
+        touched[near] = True
+        return faults.among(after, np.flatnonzero(faces_at(touched, faults.triangles)))
 
     def _close_seams(self) -> None:
         """Put points that are stored more than once where the first of them went."""

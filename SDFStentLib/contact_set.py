@@ -9,6 +9,9 @@ from .contact_search import ContactSearch
 from .motion import Motion
 from .validation import Points
 
+SHIFTS = (1, -1, 4, -4)
+"""Places in the order, before and after a point, of the neighbors whose contacts it tries."""
+
 
 class ContactSet:
     """Contacts, the rates of all points, and their nearest contacts; in motion order.
@@ -70,7 +73,7 @@ class ContactSet:
         """`distance`, after every point has tried the contacts of its neighbors in order."""
         nearest = self.nearest[where]
         distance = self._distance(nearest, positions, growth)
-        for shift in (1, -1):
+        for shift in SHIFTS:
             other = np.roll(nearest, shift)
             there = self._distance(other, positions, growth)
             nearest = np.where(there < distance, other, nearest)

@@ -29,9 +29,9 @@ BIN_SIZE = 3.0
 Skipping resting cubes is exact; which points follow a curved field is decided cube by cube.
 """
 
-
-CELL_SIZE = 0.75
-"""Edge of the cells, mm, whose points may share a guess: see `ContactHistory`."""
+CELLS_PER_BIN = 4
+CELL_SIZE = BIN_SIZE / CELLS_PER_BIN
+"""Edge of the cells, mm, whose points may share a guess: see `NewContacts`."""
 
 NODES_PER_BIN = 3
 """Axis nodes whose points are kept together; then cubes put them in order."""
@@ -225,9 +225,17 @@ def _spatial_order(
     So that points that are worked on together share capsules and branches of a search tree. Also
     returns the number of the cell of each point, in that order.
     """
-    cubes = np.floor(points.T / BIN_SIZE).astype(np.int32)
-    cells = np.floor(points.T / CELL_SIZE).astype(np.int32)
-    # The last key counts most.
-    order = np.lexsort((*cells, *cubes, near // NODES_PER_BIN, ~touchable))
-    is_new = (np.diff(cells[:, order]) != 0).any(axis=0)
-    return order, np.concatenate([[0], np.cumsum(is_new)])[: len(order)]
+    if not len(points):
+        return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
+    cells = np.floor(points / CELL_SIZE).astype(np.int64)
+    cubes = cells // CELLS_PER_BIN
+    cubes -= cubes.min(axis=0)
+    # One number to sort by, from what counts most to what counts least.
+    key = near // NODES_PER_BIN + np.where(touchable, 0, int(near.max()) // NODES_PER_BIN + 1)
+    for axis, extent in enumerate(cubes.max(axis=0) + 1):
+        key = key * extent + cubes[:, axis]
+    for axis in range(3):
+        key = key * CELLS_PER_BIN + cells[:, axis] % CELLS_PER_BIN
+    order = np.argsort(key, kind="stable")
+    key = key[order]
+    return order, np.concatenate([[0], np.cumsum(key[1:] != key[:-1])])

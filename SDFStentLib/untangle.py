@@ -26,8 +26,8 @@ IDLE_ROUNDS = 10
 """Rounds without fewer faults after which it is given up.
 
 Of 144 that came to a good end in 450 random stents none was idle for more than 8."""
-
 RELAXATION = 0.5
+"""Share of the way to the mean of the neighbors."""
 
 
 class Precision(NamedTuple):
@@ -90,7 +90,12 @@ class Untangled(NamedTuple):
 
 
 def untangled(
-    motion: Motion, faults: Faults, wall_count: int, level: float, bad: NDArray[np.int64]
+    motion: Motion,
+    faults: Faults,
+    wall_count: int,
+    level: float,
+    bad: NDArray[np.int64],
+    relaxation: float = RELAXATION,
 ) -> Untangled:
     """Smooth positions round faulty triangles until there are none, or as few as it came to.
 
@@ -106,6 +111,8 @@ def untangled(
         Field level of the expanded stent, mm: no vertex outside it may enter.
     bad : (k,) array
         Triangles to begin with.
+    relaxation : float
+        Share of the way to the mean of the neighbors in every round.
     """
     triangles = faults.triangles
     after = np.concatenate([motion.positions[:wall_count], faults.before[wall_count:]])
@@ -115,10 +122,10 @@ def untangled(
     fewest, best = bad, after.copy()
     rounds = idle = 0
     while len(bad) and rounds < ROUNDS and idle < IDLE_ROUNDS:
-        group = _grown(np.unique(triangles[bad]), neighbors, rounds // ROUNDS_PER_RING)
+        group = grown(np.unique(triangles[bad]), neighbors, rounds // ROUNDS_PER_RING)
         group = group[group < wall_count]
         smooth = _neighbor_mean(after, neighbors, group)
-        target = after[group] + RELAXATION * (smooth - after[group])
+        target = after[group] + relaxation * (smooth - after[group])
         field = motion.field_at(group, target)
         short = np.maximum(floor[group] - field.distance, 0)
         after[group] = target + short[:, None] * field.direction
@@ -137,10 +144,8 @@ def untangled(
     return Untangled(rounds, fewest)
 
 
-def _grown(
-    vertices: NDArray[np.int64], neighbors: VertexNeighbors, rings: int
-) -> NDArray[np.int64]:
-    """Vertices with that many rings of neighbors."""
+def grown(vertices: NDArray[np.int64], neighbors: VertexNeighbors, rings: int) -> NDArray[np.int64]:
+    """Vertices of a surface with that many rings of neighbors."""
     for _ in range(rings):
         vertices = np.unique(np.concatenate([vertices, _rows(neighbors, vertices)[1]]))
     return vertices

@@ -1,4 +1,4 @@
-"""Other tissue gaps are tried where untangling fails, unless that is hopeless."""
+"""Other ways and other tissue gaps are tried where untangling fails, unless that is hopeless."""
 
 from __future__ import annotations
 
@@ -9,7 +9,9 @@ import pytest
 from deployment_cases import phantom
 from mesh_files import PROJECT
 
+from SDFStentLib import attempt
 from SDFStentLib import deployment as engine
+from SDFStentLib.attempt import WAYS_TO_UNTANGLE
 from SDFStentLib.deployment import RETRIES, Deployment
 from SDFStentLib.settings import DeploymentSettings
 
@@ -28,18 +30,50 @@ def attempts(monkeypatch):
     return made
 
 
-def test_another_gap_saves_a_stent_that_untangling_does_not(data_dir, attempts):
+@pytest.fixture(scope="module")
+def sweep():
     spec = importlib.util.spec_from_file_location("sweep", PROJECT / "benchmarks" / "sweep.py")
-    sweep = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(sweep)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.mark.parametrize(
+    ("way", "stent"),
+    [
+        (0, ("vmtk_aorta", 101, 182, (1.05, 1.6))),
+        (1, ("aorta_iliac", 7, 111, (1.05, 1.6))),
+        (2, ("vmtk_aorta", 5, 41, (1.6, 2.6))),
+    ],
+)
+def test_every_way_to_untangle_saves_a_stent_that_those_before_do_not(
+    sweep, data_dir, attempts, monkeypatch, way, stent
+):
+    placed = sweep.random_stent(*stent, data_dir)
+    monkeypatch.setattr(attempt, "WAYS_TO_UNTANGLE", WAYS_TO_UNTANGLE[:way])
+    monkeypatch.setattr(engine, "RETRIES", RETRIES[: way // 2])
+    _, short = sweep.deployed(placed, DeploymentSettings(), data_dir)
+    assert not short.certificate.passed
+    monkeypatch.setattr(attempt, "WAYS_TO_UNTANGLE", WAYS_TO_UNTANGLE[: way + 1])
+    deployment, result = sweep.deployed(placed, DeploymentSettings(), data_dir)
+    assert result.certificate.passed
+    # What untangling moves stays outside of the stent.
+    changed = np.flatnonzero((short.points != result.points).any(axis=1))
+    level = deployment.chain.field(result.points[changed]).distance
+    assert level.min() > deployment.target_level - 0.01
+
+
+def test_another_gap_saves_a_stent_that_untangling_does_not(sweep, data_dir, attempts):
     stent = sweep.random_stent("aorta_iliac", 5, 24, (1.6, 2.6), data_dir)
     _, result = sweep.deployed(stent, DeploymentSettings(), data_dir)
     assert result.certificate.passed
     assert 1 < len(attempts) <= 1 + len(RETRIES)
 
 
-@pytest.mark.parametrize(("longest", "expected"), [(np.inf, 1 + len(RETRIES)), (0.0, 1)])
-def test_no_other_gap_is_tried_when_a_long_fold_is_left(attempts, monkeypatch, longest, expected):
+@pytest.mark.parametrize(("longest", "expected"), [(np.inf, 1 + len(RETRIES)), (0.0, 2)])
+def test_only_the_first_other_gap_is_tried_when_a_long_fold_is_left(
+    attempts, monkeypatch, longest, expected
+):
     monkeypatch.setattr(engine, "HOPELESS_FOLD", longest)
     made = phantom("hairpin_tube", edge_length=1.5)
     length = made.vessels[0].axis.length
