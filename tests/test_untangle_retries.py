@@ -57,10 +57,10 @@ def test_every_way_to_untangle_saves_a_stent_that_those_before_do_not(
     monkeypatch.setattr(attempt, "WAYS_TO_UNTANGLE", WAYS_TO_UNTANGLE[: way + 1])
     deployment, result = sweep.deployed(placed, DeploymentSettings(), data_dir)
     assert result.certificate.passed
-    # What untangling moves stays outside of the stent.
+    # What untangling moves stays outside of the stent, whose level ripples by up to k / 4.
     changed = np.flatnonzero((short.points != result.points).any(axis=1))
     level = deployment.chain.field(result.points[changed]).distance
-    assert level.min() > deployment.target_level - 0.01
+    assert level.min() > deployment.target_level - deployment.chain.smoothing_width / 4
 
 
 def test_another_gap_saves_a_stent_that_untangling_does_not(sweep, data_dir, attempts):
