@@ -181,7 +181,10 @@ class Attempt:
         direction = self.motion.direction[wall]
         level = self.motion.level[wall]
         normals = None
-        if not (self.task.has_several_parts and self.patch.has_several_parts):
+        # What is known costs nothing; the patch costs little, the whole surface much.
+        if self.task.is_known_whole or not (
+            self.patch.has_several_parts and self.task.has_several_parts
+        ):
             normals = self.patch.outward_normals(
                 self.patch_start, direction, level, self.task.is_known_consistently_wound
             )

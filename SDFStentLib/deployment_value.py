@@ -123,6 +123,11 @@ class DeploymentTask:
         return known and self.topology.component_count > 1
 
     @property
+    def is_known_whole(self) -> bool:
+        """Whether the parts have been counted before, and there is one."""
+        return self._topology is not None and self._topology.component_count == 1
+
+    @property
     def is_known_consistently_wound(self) -> bool:
         """Whether the winding has been looked at and is the same everywhere."""
         return self._topology is not None and self._topology.is_consistently_wound

@@ -185,10 +185,10 @@ def facets_compensated(
     for _ in range(COMPENSATION_PASSES):
         moved = positions + pushed[:, None] * direction
         # Between passes the middle of an edge is taken to follow its two ends.
-        middle = motion.axis_distance(group[ends[:, 0]], moved[ends].mean(axis=1))
+        middle = motion.axis_distance(group[ends[:, 0]], _middles(moved, ends))
         measured_at = pushed.copy()
         for _ in range(COMPENSATION_ROUNDS):
-            change = (pushed - measured_at)[ends].mean(axis=1)
+            change = _middles(pushed - measured_at, ends)
             deficit = edge_wanted - _edge_distance(
                 (distance + pushed)[ends], middle + change * middle / edge_wanted
             )
@@ -213,7 +213,14 @@ def _edges_on_stent(
         first, second = np.minimum(first, second), np.maximum(first, second)
         wanted = (is_on_stent[first] | is_on_stent[second]) & (second < count)
         keys.append(first[wanted] * count + second[wanted])
-    return np.stack(np.divmod(np.unique(np.concatenate(keys)), count), axis=1)
+    key = np.sort(np.concatenate(keys))
+    key = key[np.concatenate([[True], key[1:] != key[:-1]])] if len(key) else key
+    return np.stack(np.divmod(key, count), axis=1)
+
+
+def _middles(values: NDArray[np.float64], ends: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Mean of the values at both ends of every edge."""
+    return 0.5 * (values[ends[:, 0]] + values[ends[:, 1]])
 
 
 def _edge_distance(ends: NDArray[np.float64], middle: NDArray[np.float64]) -> NDArray[np.float64]:
