@@ -182,14 +182,14 @@ class Attempt:
         level = self.motion.level[wall]
         normals = None
         # What is known costs nothing; the patch costs little, the whole surface much.
-        if self.task.is_known_whole or not (
-            self.patch.has_several_parts and self.task.has_several_parts
-        ):
+        task = self.task
+        may_have = task.may_have_several_parts and self.patch.has_several_parts
+        if not (may_have and task.has_several_parts):
             normals = self.patch.outward_normals(
-                self.patch_start, direction, level, self.task.is_known_consistently_wound
+                self.patch_start, direction, level, task.is_known_consistently_wound
             )
         if normals is None:
-            normals = vertex_normals(self.task.points, self.task.outward_triangles)
+            normals = vertex_normals(task.points, task.outward_triangles)
             normals = normals[self.numbers[wall]][self.patch.twin[wall]]
         facing = -np.einsum("ij,ij->i", normals, direction)
         share = np.clip((facing - ramp[0]) / (ramp[1] - ramp[0]), 0, 1)

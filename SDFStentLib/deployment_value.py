@@ -123,9 +123,11 @@ class DeploymentTask:
         return known and self.topology.component_count > 1
 
     @property
-    def is_known_whole(self) -> bool:
-        """Whether the parts have been counted before, and there is one."""
-        return self._topology is not None and self._topology.component_count == 1
+    def may_have_several_parts(self) -> bool:
+        """False where the parts were counted and there is one, or will not be counted at all."""
+        if self._topology is None:
+            return self.settings.certify
+        return self._topology.component_count > 1
 
     @property
     def is_known_consistently_wound(self) -> bool:

@@ -174,23 +174,27 @@ def surface_topology(triangles: ArrayLike) -> Topology:
     sides, is_first = _sorted_sides(triangles)[1:]
     starts = np.flatnonzero(is_first)
     counts = np.diff(starts, append=len(sides))
+    is_closed = bool(np.all(counts % 2 == 0))
+    boundary_edge_count = int(np.count_nonzero(counts == 1))
     has_length = not np.any(corners[sides[starts]] == _side_ends(triangles)[sides[starts]])
+    is_edge_manifold = bool(np.all(counts <= 2) and has_length)
     pairs = starts[counts == 2]
     first, second = sides[pairs], sides[pairs + 1]
+    del starts, counts, pairs  # of a large surface these are as large as the graphs below
     is_consistently_wound = not np.any(corners[first] == corners[second])
-    is_edge_manifold = bool(np.all(counts <= 2) and has_length)
-    used = int(np.count_nonzero(np.bincount(corners)))
-    side, other = _meeting_sides(sides, is_first)
     if is_edge_manifold and is_consistently_wound:
         fans = fans_by_walking(corners, first, second)
     else:
-        fans = fans_by_graph(corners, side, other)
+        fans = fans_by_graph(corners, *_meeting_sides(sides, is_first))
+    del first, second
+    side, other = _meeting_sides(sides, is_first)
+    del sides, is_first
     return Topology(
-        is_closed=bool(np.all(counts % 2 == 0)),
+        is_closed=is_closed,
         is_edge_manifold=is_edge_manifold,
-        is_vertex_manifold=fans == used,
+        is_vertex_manifold=fans == int(np.count_nonzero(np.bincount(corners))),
         is_consistently_wound=is_consistently_wound,
-        boundary_edge_count=int(np.count_nonzero(counts == 1)),
+        boundary_edge_count=boundary_edge_count,
         component_count=connected(len(triangles), side // 3, other // 3)[0],
     )
 
@@ -287,6 +291,7 @@ def _sorted_sides(
     keys = np.minimum(first, second)
     keys *= int(triangles.max()) + 1
     keys += np.maximum(first, second)
+    del second
     sides = np.argsort(keys, kind="stable")
     keys = keys[sides]
     is_first = np.ones(len(keys), dtype=bool)
