@@ -23,7 +23,6 @@ from .validation import DeploymentError, Points
 WALL_CLEARANCE = 0.9
 """The crimped stent never reaches beyond this share of the nearest wall's distance."""
 
-
 WAYS_TO_UNTANGLE = ((RELAXATION, False), (0.2, False), (RELAXATION, True))
 """Shares of the way to the mean of the neighbors, and whether the lumen is relieved, in turn.
 
@@ -140,9 +139,7 @@ class Attempt:
         near = grown(np.unique(faults.triangles[bad]), neighbors, RELIEVED_RINGS)
         near = near[near < self.wall_count]
         self.motion.positions[near] = self._uncompensated[near]
-        after = np.concatenate(
-            [self.motion.positions[: self.wall_count], faults.before[self.wall_count :]]
-        )
+        after = self.patch.points(self.task.points, self.motion.positions[: self.wall_count])
         touched = np.zeros(len(after), dtype=bool)
         touched[near] = True
         return faults.among(after, np.flatnonzero(faces_at(touched, faults.triangles)))

@@ -23,6 +23,7 @@ from .face_quality import (
     inverted_triangles,
     places,
     sliver_triangles,
+    united,
 )
 from .intersections import intersecting_pairs, stored_points
 from .surface import consistently_wound, signed_volume
@@ -137,8 +138,7 @@ class Certificate:
     @property
     def failing_triangles(self) -> Indices:
         """All triangles with a new fault, ascending."""
-        kinds = (self.new_self_intersecting, self.new_inverted, self.new_degenerate)
-        return np.unique(np.concatenate(kinds))
+        return united(self.new_self_intersecting, self.new_inverted, self.new_degenerate)
 
     @property
     def is_watertight(self) -> bool:

@@ -119,8 +119,7 @@ class DeploymentTask:
 
         A preview that was not given the topology does not spend the time to find out.
         """
-        known = self._topology is not None or self.settings.certify
-        return known and self.topology.component_count > 1
+        return self.may_have_several_parts and self.topology.component_count > 1
 
     @property
     def may_have_several_parts(self) -> bool:

@@ -191,8 +191,12 @@ class Verdict(NamedTuple):
     @property
     def failing(self) -> Indices:
         """All faces with a new fault, ascending."""
-        kinds = (self.new_self_intersecting, self.new_inverted, self.new_degenerate)
-        return np.unique(np.concatenate(kinds))
+        return united(self.new_self_intersecting, self.new_inverted, self.new_degenerate)
+
+
+def united(*kinds: Indices) -> Indices:
+    """Faces with a fault of any kind, each once, ascending."""
+    return np.unique(np.concatenate(kinds))
 
 
 class Comparison:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import importlib.util
 import os
 from pathlib import Path
+from types import ModuleType
 
 import pytest
+from mesh_files import PROJECT
 
 DATA_FOLDER = Path(
     os.environ.get("SDFSTENT_DATA", Path(__file__).resolve().parents[2] / "shared" / "data")
@@ -18,3 +21,12 @@ def data_dir() -> Path:
     if not (DATA_FOLDER / "pulmonary_surface_cm.vtp").is_file():
         pytest.skip(f"real anatomies not found in {DATA_FOLDER}; set SDFSTENT_DATA to their folder")
     return DATA_FOLDER
+
+
+@pytest.fixture(scope="module")
+def sweep() -> ModuleType:
+    """The sweep of random stents, loaded as the script that it is."""
+    spec = importlib.util.spec_from_file_location("sweep", PROJECT / "benchmarks" / "sweep.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module

@@ -2,24 +2,13 @@
 
 from __future__ import annotations
 
-import importlib.util
-
 import numpy as np
 import pytest
 from deployment_cases import phantom
-from mesh_files import PROJECT
 
 from SDFStentLib.certificate import certify, check_surface
 from SDFStentLib.face_quality import Comparison
 from SDFStentLib.settings import DeploymentSettings
-
-
-@pytest.fixture(scope="module")
-def sweep():
-    spec = importlib.util.spec_from_file_location("sweep", PROJECT / "benchmarks" / "sweep.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
 
 
 def assert_same(one, other):

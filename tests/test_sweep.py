@@ -2,20 +2,10 @@
 
 from __future__ import annotations
 
-import importlib.util
-
 import numpy as np
 import pytest
-from mesh_files import PROJECT
 
-
-@pytest.fixture(scope="module")
-def sweep():
-    pytest.importorskip("pymeshlab")
-    spec = importlib.util.spec_from_file_location("sweep", PROJECT / "benchmarks" / "sweep.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+pytest.importorskip("pymeshlab")
 
 
 def test_random_stents_have_the_prescribed_lumen_and_no_new_fold(sweep, data_dir):

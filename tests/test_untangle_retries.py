@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import importlib.util
-
 import numpy as np
 import pytest
 from deployment_cases import phantom
-from mesh_files import PROJECT
 
 from SDFStentLib import attempt
 from SDFStentLib import deployment as engine
@@ -28,14 +25,6 @@ def attempts(monkeypatch):
 
     monkeypatch.setattr(engine, "Attempt", recorded)
     return made
-
-
-@pytest.fixture(scope="module")
-def sweep():
-    spec = importlib.util.spec_from_file_location("sweep", PROJECT / "benchmarks" / "sweep.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
 
 
 @pytest.mark.parametrize(

@@ -159,12 +159,18 @@ def test_dragging_the_handle_redeploys_and_ends_with_the_final_place(host, aSten
     np.testing.assert_array_equal(shown, logic.deploy(parameters).points.astype(np.float32))
 
 
-def test_a_burst_of_changes_is_debounced(host, aStent):
-    aStent.ui.autoUpdateCheckBox.checked = True
-    settle(host, aStent)
+def recorded_begins(aStent):
+    """A list to which every deployment that begins from now on adds whether it is live."""
     begun = []
     begin = aStent.session._begin
     aStent.session._begin = lambda live: (begun.append(live), begin(live))
+    return begun
+
+
+def test_a_burst_of_changes_is_debounced(host, aStent):
+    aStent.ui.autoUpdateCheckBox.checked = True
+    settle(host, aStent)
+    begun = recorded_begins(aStent)
     for value in np.linspace(6.0, 9.0, 30):
         aStent.ui.diameterSlider.value = value
     settle(host, aStent)
@@ -334,9 +340,7 @@ def test_warnings_stand_with_the_numbers(host, aStent):
 def test_a_fast_drag_is_followed_while_it_lasts(host, aStent):
     aStent.ui.autoUpdateCheckBox.checked = True
     settle(host, aStent)
-    begun = []
-    begin = aStent.session._begin
-    aStent.session._begin = lambda live: (begun.append(live), begin(live))
+    begun = recorded_begins(aStent)
     for value in np.linspace(6.0, 9.0, 60):
         aStent.ui.diameterSlider.value = value
         host.process(0.004)
