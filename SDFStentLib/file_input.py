@@ -59,6 +59,26 @@ def read_content(path: str | os.PathLike[str]) -> FileContent:
     return FileContent(path, data, hashlib.sha256(data).hexdigest())
 
 
+_BEGINNINGS = {
+    b"# vtk DataFile": "a legacy VTK file (name it .vtk)",
+    b"ply": "a PLY file (name it .ply)",
+    b"solid": "an STL file (name it .stl)",
+    b"<?xml": "another XML file",
+    b"PK": "a ZIP archive (unpack it)",
+    b"\x1f\x8b": "a compressed file (unpack it)",
+}
+
+
+def kind_in_words(data: bytes) -> str:
+    """What a file that is not what its name says seems to be: by its beginning, for a message."""
+    if b"<VTKFile" in data[:4096]:
+        return "a VTK XML file (name it .vtp)"
+    for beginning, words in _BEGINNINGS.items():
+        if data.startswith(beginning):
+            return words
+    return f"a file that begins with {data[:12]!r}"
+
+
 def millimeters_per(units: str) -> float:
     """Millimetres in one of the file's units, `"mm"`, `"cm"` or `"m"`; `InputError` for others."""
     if not isinstance(units, str) or units not in MILLIMETERS:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .file_input import kind_in_words
 from .plain_mesh import PlainMesh, offsets_of
 from .validation import InputError, Triangles
 
@@ -149,8 +150,10 @@ def _ply_name(dtype: np.dtype[Any]) -> str:
 
 def _header(data: bytes, name: str) -> tuple[str, list[_Element], list[str], int]:
     end = re.search(rb"^end_header[ \t]*\r?\n", data, re.MULTILINE)
-    if not data.startswith(b"ply") or not end:
-        raise InputError(f"{name}: expected a PLY file with a whole header, it is none.")
+    if not data.startswith(b"ply"):
+        raise InputError(f"{name}: expected a PLY file, got {kind_in_words(data)}.")
+    if not end:
+        raise InputError(f"{name}: expected a header that ends, got a part of one; save it again.")
     order, elements, comments = None, [], []
     for line in data[: end.start()].decode("latin-1").splitlines()[1:]:
         words = line.split()

@@ -20,7 +20,7 @@ from vtkmodules.vtkCommonDataModel import vtkPolyData
 from vtkmodules.vtkIOLegacy import vtkPolyDataReader, vtkPolyDataWriter
 from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLPolyDataWriter
 
-from .file_input import FileContent, Frame, frame_in_text
+from .file_input import FileContent, Frame, frame_in_text, kind_in_words
 from .legacy_blocks import check_blocks
 from .polydata import frame_of_polydata
 from .validation import InputError
@@ -131,7 +131,9 @@ def _legacy_reader() -> vtkPolyDataReader:
 def _check_xml(content: FileContent) -> None:
     data = content.data
     if b"<VTKFile" not in data[:4096]:
-        raise InputError(f"{content.path}: expected a VTP file (VTK XML), it is none.")
+        raise InputError(
+            f"{content.path}: expected a VTP file (VTK XML), got {kind_in_words(data)}."
+        )
     kind = re.search(rb'<VTKFile[^>]*\stype="(\w*)"', data[:8192])
     if kind and kind.group(1) != b"PolyData":
         found = kind.group(1).decode("latin-1")
@@ -151,7 +153,9 @@ def _check_xml(content: FileContent) -> None:
 def _check_legacy(content: FileContent) -> None:
     data = content.data
     if not data.startswith(b"# vtk DataFile"):
-        raise InputError(f"{content.path}: expected a legacy VTK file, it is none.")
+        raise InputError(
+            f"{content.path}: expected a legacy VTK file, got {kind_in_words(data)}."
+        )
     kind = re.search(rb"^\s*DATASET\s+(\w+)", data, re.MULTILINE | re.IGNORECASE)
     if not kind or kind.group(1).upper() != b"POLYDATA":
         found = kind.group(1).decode("latin-1") if kind else "no data set"

@@ -101,7 +101,9 @@ def test_what_ply_can_keep():
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ("ply\n", "plx\n", "it is none"),
+        ("ply\n", "plx\n", "expected a PLY file, got a file that begins with b'plx"),
+        ("ply\n", "solid x\n", "got an STL file"),
+        ("end_header", "end", "expected a header that ends"),
         ("format ascii 1.0\n", "", "expected a line 'format'"),
         ("property double x", "property quad x", "damaged"),
         ("vertex 4", "vertex -4", "damaged"),

@@ -124,7 +124,9 @@ def damaged(name, data):
 @pytest.mark.parametrize(
     ("name", "data", "words"),
     [
-        ("a.vtp", b"solid not XML", "expected a VTP file"),
+        ("a.vtp", b"not XML", r"expected a VTP file \(VTK XML\), got a file that begins with"),
+        ("a.vtp", b"# vtk DataFile Version 3.0\n", r"got a legacy VTK file \(name it .vtk\)"),
+        ("a.vtp", b"PK\3\4", "got a ZIP archive"),
         ("a.vtp", b'<VTKFile type="UnstructuredGrid"></VTKFile>', "got UnstructuredGrid"),
         ("a.vtp", b'<VTKFile type="PolyData"><PolyData>', "its end is missing"),
         (
@@ -133,7 +135,7 @@ def damaged(name, data):
             "announces 99999999999 elements",
         ),
         ("a.vtp", b'<VTKFile type="PolyData"><PolyData></VTKFile>', "the file is damaged"),
-        ("a.vtk", b"<VTKFile>", "expected a legacy VTK file"),
+        ("a.vtk", b"<VTKFile>", r"expected a legacy VTK file, got a VTK XML file \(name it .vtp"),
         ("a.vtk", b"# vtk DataFile Version 3.0\n", "got no data set"),
         (
             "a.vtk",
