@@ -103,7 +103,9 @@ def inverted_triangles(
     x, y, z = normals.T != 0
     has_normal = x | y | z
     is_turned = has_normal & (agreement < OPPOSED * around(has_normal))
-    return np.intersect1d(judged, near[is_turned])
+    is_judged = np.zeros(len(triangles), dtype=bool)
+    is_judged[judged] = True
+    return near[is_turned & is_judged[near]]
 
 
 def places(points: Points, triangles: Triangles, faces: Indices, pairs: Indices) -> list[Place]:
@@ -242,9 +244,10 @@ class Comparison:
         has_moved = _differing(stored, self._before)
         if may_move is not None:
             has_moved &= may_move
-        moved = faces_at(has_moved, triangles)
-        elsewhere = _differing(stored, known.stored) | (has_moved != known.has_moved)
-        again = faces_at(elsewhere, triangles)
+        moved = again = faces_at(has_moved, triangles)
+        if earlier is not None:
+            elsewhere = _differing(stored, known.stored) | (has_moved != known.has_moved)
+            again = faces_at(elsewhere, triangles)
 
         found = intersecting_pairs(stored, triangles, again)
         pairs = _sorted(known.pairs[~_any_of(known.pairs, again)], found[_any_of(found, moved)])
