@@ -17,7 +17,7 @@ from .patch import Patch
 from .published_steps import published_steps
 from .surface import faces_at, vertex_normals
 from .topology import consistently_wound, vertex_neighbors
-from .untangle import RELAXATION, Faults, grown, untangled
+from .untangle import RELAXATION, Faults, Relief, grown, untangled
 from .validation import DeploymentError, Points
 
 WALL_CLEARANCE = 0.9
@@ -59,6 +59,7 @@ class Attempt:
         # A wall point of the stented lumen for certain; unknown without a tissue gap.
         self._nearest_own: int | None = None
         self._uncompensated = self.start
+        self.relief: Relief | None = None
         if gap > 0:
             self._keep_tissue(ramp, gap)
 
@@ -120,29 +121,37 @@ class Attempt:
         best, fewest, rounds = folded, len(local), 0
         for relaxation, is_relieved in WAYS_TO_UNTANGLE:
             self.motion.positions[:] = folded
-            bad = self._relieved(faults, local) if is_relieved else local
+            bad, relief = self._relieved(faults, local) if is_relieved else (local, None)
             outcome = untangled(
                 self.motion, faults, self.wall_count, task.target_level, bad, relaxation
             )
             rounds += outcome.rounds
             if len(outcome.remaining) < fewest:
                 best, fewest = self.motion.positions.copy(), len(outcome.remaining)
+                self.relief = relief
             if not 0 < fewest <= FEW_FAULTS:
                 break
         self.motion.positions[:] = best
         self._close_seams()
         return rounds
 
-    def _relieved(self, faults: Faults, bad: NDArray[np.int64]) -> NDArray[np.int64]:
+    def _relieved(
+        self, faults: Faults, bad: NDArray[np.int64]
+    ) -> tuple[NDArray[np.int64], Relief | None]:
         """Take the facet compensation back round faulty faces; returns what is faulty then."""
         neighbors = vertex_neighbors(faults.triangles, len(faults.before))
         near = grown(np.unique(faults.triangles[bad]), neighbors, RELIEVED_RINGS)
         near = near[near < self.wall_count]
+        pushed = np.linalg.norm(self.motion.positions[near] - self._uncompensated[near], axis=1)
+        relief = None
+        if pushed.any():
+            x, y, z = self._uncompensated[near[pushed.argmax()]].tolist()
+            relief = Relief((x, y, z), float(pushed.max()))
         self.motion.positions[near] = self._uncompensated[near]
         after = self.patch.points(self.task.points, self.motion.positions[: self.wall_count])
         touched = np.zeros(len(after), dtype=bool)
         touched[near] = True
-        return faults.among(after, np.flatnonzero(faces_at(touched, faults.triangles)))
+        return faults.among(after, np.flatnonzero(faces_at(touched, faults.triangles))), relief
 
     def _close_seams(self) -> None:
         """Put points that are stored more than once where the first of them went."""

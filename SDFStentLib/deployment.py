@@ -130,6 +130,7 @@ class Deployment(DeploymentTask):
             points=read_only(state.applied_to(self.points)),
             certificate=certificate,
             untangling_rounds=rounds,
+            relief=attempt.relief,
             estimated_error=attempt.motion.estimated_error,
         )
 

@@ -15,7 +15,7 @@ from .lumen import radius_correction
 from .settings import DeploymentSettings
 from .surface import oriented_triangles, signed_volume
 from .topology import Topology, surface_topology
-from .untangle import Precision
+from .untangle import Precision, Relief
 from .validation import Points, Triangles, as_number, as_points, as_triangles
 
 
@@ -54,6 +54,8 @@ class DeploymentResult:
         None when the settings did not ask for one.
     untangling_rounds : int
         Rounds of local smoothing that were needed to take folds apart; mostly 0.
+    relief : Relief or None
+        Where facets had to stay inside the prescribed lumen for that; mostly None.
     estimated_error : float
         Stated distance to the converged limit of the radius steps, mm; 0 for published steps,
         which do not estimate theirs. It concerns the transition zone, not the finished lumen.
@@ -63,6 +65,7 @@ class DeploymentResult:
     points: Points
     certificate: Certificate | None
     untangling_rounds: int
+    relief: Relief | None
     estimated_error: float
 
 

@@ -256,6 +256,8 @@ class Treatment:
         for stage, stent in zip(self._stages, treated, strict=True):
             own = [*stage.axis.warnings, *stage.warnings, nothing_moved(stent)]
             own.append(self._narrowed(stage, stent))
+            relief = stage.result.relief
+            own.append("" if relief is None else relief.sentence())
             own += [f"Before treatment: {gap}" for gap in stent.before.gaps]
             own += [f"After treatment: {gap}" for gap in stent.after.gaps]
             yield from (self.label(stent.number) + sentence for sentence in own if sentence)

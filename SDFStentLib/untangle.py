@@ -38,6 +38,23 @@ class Precision(NamedTuple):
     """File units per mm."""
 
 
+class Relief(NamedTuple):
+    """A place where the facet compensation was taken back to take a fold apart."""
+
+    center: tuple[float, float, float]
+    """The point that was taken back farthest, mm."""
+    depth: float
+    """By how much, mm: about as far as facets now lie inside."""
+
+    def sentence(self) -> str:
+        """For the person who will use the surface."""
+        x, y, z = self.center
+        return (
+            f"Facets lie inside the prescribed lumen near ({x:.1f}, {y:.1f}, {z:.1f}) mm, by up to "
+            f"{self.depth:.2g} mm: pushed out they would fold; smaller triangles there may help."
+        )
+
+
 @dataclass(frozen=True)
 class Faults:
     """What must not come anew.

@@ -153,9 +153,7 @@ def _check_xml(content: FileContent) -> None:
 def _check_legacy(content: FileContent) -> None:
     data = content.data
     if not data.startswith(b"# vtk DataFile"):
-        raise InputError(
-            f"{content.path}: expected a legacy VTK file, got {kind_in_words(data)}."
-        )
+        raise InputError(f"{content.path}: expected a legacy VTK file, got {kind_in_words(data)}.")
     kind = re.search(rb"^\s*DATASET\s+(\w+)", data, re.MULTILINE | re.IGNORECASE)
     if not kind or kind.group(1).upper() != b"POLYDATA":
         found = kind.group(1).decode("latin-1") if kind else "no data set"

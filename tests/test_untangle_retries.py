@@ -46,6 +46,12 @@ def test_every_way_to_untangle_saves_a_stent_that_those_before_do_not(
     monkeypatch.setattr(attempt, "WAYS_TO_UNTANGLE", WAYS_TO_UNTANGLE[: way + 1])
     deployment, result = sweep.deployed(placed, DeploymentSettings(), data_dir)
     assert result.certificate.passed
+    is_relieved = WAYS_TO_UNTANGLE[way][1]
+    assert (result.relief is not None) == is_relieved
+    if is_relieved:
+        near = np.linalg.norm(result.points - result.relief.center, axis=1).min()
+        assert near < 1
+        assert 0 < result.relief.depth < 0.5
     # What untangling moves stays outside of the stent, whose level ripples by up to k / 4.
     changed = np.flatnonzero((short.points != result.points).any(axis=1))
     level = deployment.chain.field(result.points[changed]).distance
