@@ -22,6 +22,7 @@ class _Job(NamedTuple):
     path: str
     target: Path
     write: Writer
+    may_be_missing: bool = False
 
 
 class Outputs:
@@ -47,12 +48,17 @@ class Outputs:
         self._folder = None if folder is None else _check_folder(folder)
         self._jobs: list[_Job] = []
 
-    def add(self, path: str | os.PathLike[str], write: Writer) -> None:
-        """A file; `InputError` when it cannot be written, is an input, or is named twice."""
+    def add(
+        self, path: str | os.PathLike[str], write: Writer, *, may_be_missing: bool = False
+    ) -> None:
+        """A file; `InputError` when it cannot be written, is an input, or is named twice.
+
+        A writer that `may_be_missing` may leave it out; then an older one goes, too.
+        """
         target = Path(os.path.realpath(path))
         if self._folder is None or target.parent != self._folder or self._folder.is_dir():
             target = check_writable(path)
-        self._add(_Job(os.fspath(path), target, write))
+        self._add(_Job(os.fspath(path), target, write, may_be_missing))
 
     def add_folder(
         self, path: str | os.PathLike[str], write: Writer, own: Callable[[str], bool]
@@ -152,6 +158,9 @@ def _staging(parent: Path) -> Iterator[Path]:
 
 def _move(job: _Job, staged: Path) -> None:
     try:
+        if job.may_be_missing and not staged.exists():
+            job.target.unlink(missing_ok=True)
+            return
         if job.target.is_dir():
             # Out of the way into the staging folder, which is removed afterwards.
             os.replace(job.target, staged.with_name(".old"))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import re
@@ -17,6 +18,7 @@ import pytest
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 
+import SDFStentLib.cli_demo
 import SDFStentLib.cli_deploy
 from SDFStentLib import polydata, vtk_formats
 from SDFStentLib.certificate import Certificate
@@ -28,7 +30,7 @@ from SDFStentLib.phantoms import stenosed_tube
 from SDFStentLib.plan_reader import load_plan
 from SDFStentLib.plan_run import run_plan
 from SDFStentLib.surface_files import read_surface
-from SDFStentLib.validation import InputError
+from SDFStentLib.validation import DeploymentError, InputError
 
 PROJECT = Path(__file__).resolve().parents[1]
 COMMAND = [sys.executable, "-m", "SDFStentLib"]
@@ -353,6 +355,30 @@ def test_check_tells_sound_surfaces_from_others(a_folder, capsys):
     assert "intersect another one" in capsys.readouterr().out
     assert main(["check", "bad.vtp", "--quiet"]) == 3
     assert capsys.readouterr().out == ""
+
+
+def test_the_demo_names_its_files_where_they_are_and_leaves_no_empty_picture(
+    tmp_path, monkeypatch, capsys
+):
+    def no_opengl(path, *_, **__):
+        raise DeploymentError("The picture needs an OpenGL library.")
+
+    monkeypatch.setattr(SDFStentLib.cli_demo, "render_before_after", no_opengl)
+    monkeypatch.chdir(tmp_path)
+    Path("demo").mkdir()
+    Path("demo/before_after.png").write_bytes(b"of an earlier demo")
+    assert main(["demo", "-o", "demo"]) == 0
+    said = capsys.readouterr()
+    assert "warning: The picture needs an OpenGL library." in said.err
+    assert "before_after.png" not in said.out
+    assert not Path("demo/before_after.png").exists()
+    inputs = json.loads(Path("demo/report.json").read_text())["inputs"]
+    for entry, name in zip(inputs, ("surface.vtp", "centerline.vtp"), strict=True):
+        assert Path(entry["file"]) == Path("demo") / name
+        assert hashlib.sha256(Path(entry["file"]).read_bytes()).hexdigest() == entry["sha256"]
+    assert str(Path("demo/surface.vtp")) in Path("demo/report.html").read_text()
+    plan = load_plan("demo/plan.json")
+    assert plan.surface.path == os.path.abspath("demo/surface.vtp")
 
 
 def test_usage_is_explained(capsys):
