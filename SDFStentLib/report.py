@@ -120,8 +120,8 @@ class Report:
             "diameters": stents[0]["diameters"] if stents else None,
             "certificate": self.certificate,
             "branches": [
-                {"stent": number, **_branch_section(branch)}
-                for number, stent in enumerate(self.stents, start=1)
+                {"stent": stent.description.get("number", place), **_branch_section(branch)}
+                for place, stent in enumerate(self.stents, start=1)
                 for branch in stent.branches
             ],
             "warnings": self.warnings,

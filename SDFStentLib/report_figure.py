@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from .report_words import stent_titles
 from .validation import InputError
 
 _SUFFIXES = (".png", ".svg", ".pdf")
@@ -49,8 +50,8 @@ def write_figure(document: Mapping[str, Any], path: Path, suffix: str) -> None:
     figure = Figure(figsize=(8, 0.4 + 3.8 * len(stents)), layout="constrained")
     FigureCanvasAgg(figure)
     panels = figure.subplots(len(stents), 1, squeeze=False)[:, 0]
-    for number, (panel, stent) in enumerate(zip(panels, stents, strict=True), start=1):
-        _draw(panel, stent["diameters"], f"Stent {number}" if len(stents) > 1 else "Stent")
+    for panel, stent, title in zip(panels, stents, stent_titles(stents), strict=True):
+        _draw(panel, stent["diameters"], title)
     figure.supxlabel(document["notice"], fontsize=8, color="#555555")
     figure.savefig(path, dpi=150, format=suffix.lower()[1:])
 

@@ -7,11 +7,22 @@ from html import escape
 from typing import Any
 
 from .report_plot import diameter_plot
+from .report_words import (
+    UNKNOWN,
+    input_rows,
+    millimeters,
+    number_text,
+    plain_label,
+    point_text,
+    stent_rows,
+    stent_titles,
+)
 
 _STYLE = """
 body{font:15px/1.45 system-ui,sans-serif;color:#1a1a1a;max-width:860px;margin:24px auto;
 padding:0 16px}
-h1{font-size:23px;margin:0 0 2px}h2{font-size:17px;margin:28px 0 6px;border-bottom:1px solid #ccc}
+h1{font-size:23px;margin:0 0 2px}h3{font-size:14px;margin:12px 0 2px}
+h2{font-size:17px;margin:28px 0 6px;border-bottom:1px solid #ccc}
 .sub{color:#555;margin:0 0 12px}.notice{font-weight:600;border-left:5px solid #b30000;
 padding:4px 10px;background:#fff4f2}table{border-collapse:collapse;width:100%;margin:6px 0}
 th,td{text-align:left;padding:5px 10px;border-bottom:1px solid #e4e4e4;vertical-align:top}
@@ -37,15 +48,15 @@ def html_page(document: Mapping[str, Any]) -> str:
         f"sdfstent {escape(str(document['sdfstent_version']))}</p>",
         f"<p class='notice'>{escape(document['notice'])}</p>",
     ]
-    for number, stent in enumerate(stents, start=1):
-        heading = f"Stent {number} of {len(stents)}: lumen" if len(stents) > 1 else "Lumen"
-        parts += [f"<h2>{heading} before and after</h2>", _first_numbers(stent["diameters"])]
-        parts.append(diameter_plot(stent["diameters"]))
+    parts += [_certificate(document["certificate"]), *_warnings(document["warnings"])]
+    titles = stent_titles(stents)
+    for title, stent in zip(titles, stents, strict=True):
+        heading = "Lumen" if title == "Stent" else f"{title}: lumen"
+        parts += [f"<h2>{escape(heading)} before and after</h2>"]
+        parts += [_first_numbers(stent["diameters"]), diameter_plot(stent["diameters"])]
+    frame = next((entry.get("frame") for entry in document["inputs"]), None)
     parts += [
-        "<h2>Surface check</h2>",
-        _certificate(document["certificate"]),
-        *_warnings(document["warnings"]),
-        *(_stent(number, stent) for number, stent in enumerate(stents, start=1)),
+        *(_stent(title, stent, frame) for title, stent in zip(titles, stents, strict=True)),
         *_branches(document["branches"]),
         _definitions(document["definitions"]),
         _inputs(document["inputs"], document["timings"]),
@@ -94,7 +105,11 @@ def _first_numbers(diameters: Mapping[str, Any]) -> str:
     narrow, over = diameters["minimum_lumen"], diameters["over_stented_length"]
     degree, before, after = diameters["stenosis"], over["before"], over["after"]
     rows = [
-        ("Minimum lumen diameter", _mm(narrow["before_mm"]), _mm(narrow["after_mm"])),
+        (
+            "Minimum lumen diameter",
+            millimeters(narrow["before_mm"]),
+            millimeters(narrow["after_mm"]),
+        ),
         (
             "Diameter stenosis",
             _degree(degree["percent_diameter_before"]),
@@ -109,8 +124,8 @@ def _first_numbers(diameters: Mapping[str, Any]) -> str:
         ("Smallest to largest", _range(before), _range(after)),
         (
             "Mean equivalent diameter",
-            _mm(before["equivalent_mean_mm"]),
-            _mm(after["equivalent_mean_mm"]),
+            millimeters(before["equivalent_mean_mm"]),
+            millimeters(after["equivalent_mean_mm"]),
         ),
     ]
     prescribed = [value for value in diameters["along"]["prescribed_mm"] if value is not None]
@@ -123,10 +138,11 @@ def _first_numbers(diameters: Mapping[str, Any]) -> str:
         "<table><tr><th>over the stented length</th><th class='n'>before</th>"
         f"<th class='n'>after</th></tr>{''.join(lines)}</table><p class='small'>"
         f"Prescribed lumen diameter: {wanted}. Mean after minus prescribed: "
-        f"{_mm(over['mean_after_minus_prescribed_mm'], signed=True)}.<br>"
+        f"{millimeters(over['mean_after_minus_prescribed_mm'], signed=True)}.<br>"
         f"Stenosis against the reference &ldquo;{escape(degree['reference'])}&rdquo;, measured "
-        f"{escape(degree['reference_measured'])}: {_mm(degree['reference_diameter_mm'])} diameter, "
-        f"{_number(degree['reference_area_mm2'], 1)} mm&sup2; area.</p>"
+        f"{escape(degree['reference_measured'])}: {millimeters(degree['reference_diameter_mm'])} "
+        "diameter, "
+        f"{number_text(degree['reference_area_mm2'], 1)} mm&sup2; area.</p>"
     )
 
 
@@ -142,21 +158,23 @@ def _warnings(warnings: Sequence[str]) -> list[str]:
     return [f"<h2>Warnings</h2>{lines}"]
 
 
-def _stent(number: int, stent: Mapping[str, Any]) -> str:
-    described = _flat({key: value for key, value in stent.items() if key != "diameters"})
-    rows = "".join(
-        f"<tr><td>{_label(key)}</td><td>{_value(key, value)}</td></tr>" for key, value in described
+def _stent(title: str, stent: Mapping[str, Any], frame: str | None) -> str:
+    return f"<h2>{escape(title)}, as planned</h2><table>{_rows(stent_rows(stent, frame))}</table>"
+
+
+def _rows(rows: Iterable[tuple[str, str]], style: str = "") -> str:
+    return "".join(
+        f"<tr><td>{escape(name)}</td><td{style}>{escape(text)}</td></tr>" for name, text in rows
     )
-    return f"<h2>Stent {number} as planned</h2><table>{rows}</table>"
 
 
 def _branches(branches: Sequence[Mapping[str, Any]]) -> list[str]:
     if not branches:
         return []
     rows = "".join(
-        f"<tr><td>{branch['stent']}</td><td>{_point(branch['ostium_mm'])}</td>"
-        f"<td class='n'>{_mm(branch['distance_inside_proximal_end_mm'], signed=True)}</td>"
-        f"<td class='n'>{_mm(branch['distance_inside_distal_end_mm'], signed=True)}</td>"
+        f"<tr><td>{branch['stent']}</td><td>{point_text(branch['ostium_mm'])}</td>"
+        f"<td class='n'>{millimeters(branch['distance_inside_proximal_end_mm'], signed=True)}</td>"
+        f"<td class='n'>{millimeters(branch['distance_inside_distal_end_mm'], signed=True)}</td>"
         f"<td>{'<b>covered</b>' if branch['covered'] else 'free'}</td></tr>"
         for branch in branches
     )
@@ -177,59 +195,22 @@ def _definitions(definitions: Mapping[str, str]) -> str:
 
 
 def _inputs(inputs: Sequence[Mapping[str, Any]], timings: Mapping[str, Any]) -> str:
-    rows = "".join(
-        f"<tr><td>{_label(key)}</td><td class='f'>{_value(key, value)}</td></tr>"
+    style = " class='f'"
+    tables = "".join(
+        f"<h3>{escape(str(entry.get('role', 'file')).capitalize())}</h3>"
+        f"<table class='small'>{_rows(input_rows(entry), style)}</table>"
         for entry in inputs
-        for key, value in _flat(entry)
     )
-    times = ", ".join(f"{_label(key)} {_number(value, 2)} s" for key, value in timings.items())
-    return (
-        f"<h2>Input files</h2><table class='small'>{rows}</table>"
-        f"<p class='small'>Time: {times or 'not measured'}.</p>"
+    times = ", ".join(
+        f"{escape(plain_label(key).lower())} {number_text(value, 2)} s"
+        for key, value in timings.items()
     )
-
-
-def _flat(values: Mapping[str, Any], prefix: str = "") -> Iterable[tuple[str, Any]]:
-    for key, value in values.items():
-        if isinstance(value, Mapping):
-            yield from _flat(value, f"{prefix}{key} ")
-        else:
-            yield f"{prefix}{key}", value
-
-
-def _label(key: str) -> str:
-    for suffix in ("_mm2", "_mm", "_s"):
-        key = key.removesuffix(suffix)
-    return escape(key.replace("_", " "))
-
-
-def _value(key: str, value: Any) -> str:
-    unit = " mm" if key.endswith("_mm") else ""
-    if value is None:
-        return "not known"
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if isinstance(value, float):
-        return f"{_number(value, 2)}{unit}"
-    if isinstance(value, int):
-        return f"{value:,}{unit}".replace(",", "&thinsp;")
-    if isinstance(value, Sequence) and not isinstance(value, str):
-        return ", ".join(_value("", item) for item in value) + unit
-    return escape(str(value))
-
-
-def _number(value: float | None, digits: int) -> str:
-    return "not known" if value is None else f"{value:.{digits}f}".replace("-", "&minus;")
-
-
-def _mm(value: float | None, *, signed: bool = False) -> str:
-    sign = "+" if signed and value is not None and value > 0 else ""
-    return "not known" if value is None else f"{sign}{_number(value, 2)} mm"
+    return f"<h2>Input files</h2>{tables}<p class='small'>Time: {times or 'not measured'}.</p>"
 
 
 def _degree(percent: float | None) -> str:
     if percent is None:
-        return "not known"
+        return UNKNOWN
     if round(percent) >= 0:
         return f"{max(percent, 0.0):.0f} %"
     return f"none ({-percent:.0f} % above reference)"
@@ -237,7 +218,7 @@ def _degree(percent: float | None) -> str:
 
 def _mean_sd(statistics: Mapping[str, Any]) -> str:
     if statistics["mean_mm"] is None:
-        return "not known"
+        return UNKNOWN
     return f"{statistics['mean_mm']:.2f} &plusmn; {statistics['sd_mm']:.2f} mm"
 
 
@@ -248,12 +229,8 @@ def _range(statistics: Mapping[str, Any]) -> str:
 
 def _span(values: Sequence[float]) -> str:
     if not values:
-        return "not known"
+        return UNKNOWN
     low, high = min(values), max(values)
     if round(low, 2) == round(high, 2):
         return f"{low:.2f} mm"
     return f"{low:.2f} to {high:.2f} mm"
-
-
-def _point(position: Sequence[float | None]) -> str:
-    return ", ".join(_number(value, 1) for value in position)

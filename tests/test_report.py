@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import sys
 from dataclasses import replace
 from html.parser import HTMLParser
@@ -14,6 +15,7 @@ import pytest
 
 from SDFStentLib.coverage import BranchOstium
 from SDFStentLib.metrics import DiameterProfile
+from SDFStentLib.placement import Placement
 from SDFStentLib.report import (
     Report,
     StentResult,
@@ -219,6 +221,115 @@ def test_the_page_says_what_a_clinician_reads_first():
         "The stent was shortened.",
         "largest sphere that fits into the lumen",
     ):
+        assert words in text
+
+
+def in_order(text, *words):
+    places = [text.index(word) for word in words]
+    return places == sorted(places)
+
+
+def test_a_failed_certificate_and_the_warnings_stand_before_every_table():
+    failed = {"passed": False, "sentence": "Not certified: the surface folds."}
+    page = html_page(a_report(certificate=failed).as_dict())
+    assert in_order(
+        page,
+        "Research use only",
+        "<p class='bad'>Not certified: the surface folds.</p>",
+        "<p class='warn'>The stent was shortened.</p>",
+        "<table>",
+        "<svg",
+    )
+    assert page.count("Not certified") == 1
+    assert in_order(html_page(a_report().as_dict()), "<p class='good'>Certified", "<table>")
+
+
+PLANNED = {
+    "number": 1,
+    "name": "main <3",
+    "lumen_diameter_mm": 20.0,
+    "nominal_length_mm": 25.0,
+    "deployed_length_mm": 22.5,
+    "foreshortening_fraction": 0.1,
+    "placement": "AtCenter",
+    "axis": {
+        "start_mm": [29.62, -64.4, 63.49],
+        "end_mm": [27.27, -44.68, 72.11],
+        "length_mm": 22.5,
+        "chord_mm": 21.65,
+        "min_bend_radius_mm": 32.0,
+    },
+    "moved_points": 4917,
+}
+
+
+def planned(**changes):
+    axis = {**PLANNED["axis"], **changes.pop("axis", {})}
+    description = {**PLANNED, **changes, "axis": axis}
+    return replace(a_report().stents[0], description=description)
+
+
+def test_a_planned_stent_reads_in_words_units_and_percent():
+    page = html_page(a_report(stents=(planned(),)).as_dict())
+    rows = dict(re.findall(r"<tr><td>([^<]*)</td><td>([^<]*)</td></tr>", page))
+    expected = {
+        "Prescribed lumen diameter": "20.0 mm",
+        "Nominal length": "25.0 mm",
+        "Deployed length along the axis": "22.5 mm",
+        "Foreshortening on expansion": "10 % of nominal length",
+        "Placed": "by its middle",
+        "Proximal end (x, y, z in mm)": "29.6, \N{MINUS SIGN}64.4, 63.5",
+        "Straight distance of its ends": "21.6 mm",
+        "Tightest bend of its axis": "radius 32.0 mm, of the circle through three points of the "
+        "axis that are 10.0 mm apart (the stent radius)",
+        "Surface points that it moved": "4\N{THIN SPACE}917",
+    }
+    assert {name: rows.get(name) for name in expected} == expected
+    for raw in ("AtCenter", "fraction", "min bend", "moved points", "_"):
+        assert raw not in "".join([*rows, *rows.values()])
+
+
+@pytest.mark.parametrize(
+    "placement", [kind.__name__ for kind in Placement.__args__], ids=lambda name: name
+)
+def test_every_placement_has_words(placement):
+    page = html_page(a_report(stents=(planned(placement=placement),)).as_dict())
+    assert placement not in page
+    assert "<td>Placed</td>" in page
+
+
+def test_the_bend_names_the_window_in_use():
+    for axis, words in (
+        ({"min_bend_radius_mm": math.inf}, "none, the axis is straight"),
+        # A stent shorter than its diameter: the window ends at half of its length.
+        ({"length_mm": 8.0}, "4.0 mm apart (half of its length)"),
+    ):
+        text = PageReader(html_page(a_report(stents=(planned(axis=axis),)).as_dict())).text
+        assert words in text
+
+
+def test_headings_name_the_stent_and_its_number_in_the_plan():
+    def headings(*stents):
+        return re.findall(r"<h2>(Stent[^<]*)</h2>", html_page(a_report(stents=stents).as_dict()))
+
+    assert headings(planned(), planned(number=2, name="")) == [
+        "Stent 1 of 2: main &lt;3: lumen before and after",
+        "Stent 2 of 2: lumen before and after",
+        "Stent 1 of 2: main &lt;3, as planned",
+        "Stent 2 of 2, as planned",
+    ]
+    assert headings(planned())[1] == "Stent: main &lt;3, as planned"
+    assert headings(planned(number=2))[1] == "Stent 2 of the plan: main &lt;3, as planned"
+    document = a_report(stents=(planned(number=2),)).as_dict()
+    assert [branch["stent"] for branch in document["branches"]] == [2]
+
+
+def test_an_input_file_reads_in_words_under_its_role():
+    entry = {"role": "surface", "file": "a.vtp", "sha256": "0f", "triangles": 12000, "frame": None}
+    page = html_page(a_report(inputs=(entry,)).as_dict())
+    assert "<h3>Surface</h3>" in page
+    text = PageReader(page).text
+    for words in ("SHA-2560f", "Triangles12\N{THIN SPACE}000", "Framenot said by the file"):
         assert words in text
 
 

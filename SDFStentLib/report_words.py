@@ -1,0 +1,168 @@
+"""What a report's fields are called and how their values read; plain text, nothing escaped."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+UNKNOWN = "not known"
+
+_PLACEMENTS = {
+    "AtCenter": "by its middle",
+    "AtDistalEnd": "by its distal end",
+    "AtProximalEnd": "by its proximal end",
+    "BetweenPoints": "between two points on the centerline",
+    "AlongAxis": "along a given curve",
+}
+
+_INPUT_WORDS = {
+    "file": "File",
+    "sha256": "SHA-256",
+    "points": "Points",
+    "triangles": "Triangles",
+    "lines": "Lines",
+    "units": "Unit of the file",
+    "frame": "Frame",
+}
+
+_TOLD_ELSEWHERE = ("number", "name", "diameters")
+"""Of a stent: in its heading, and in the tables before."""
+
+
+def stent_titles(stents: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Such as "Stent 1 of 2: main"; one stent alone has no number.
+
+    Stents of the plan that are switched off are not in a report: the numbers are then those of
+    the plan, as in the warnings.
+    """
+    places = range(1, len(stents) + 1)
+    numbers = [stent.get("number", place) for place, stent in zip(places, stents, strict=True)]
+    if numbers != list(places):
+        titles = [f"Stent {number} of the plan" for number in numbers]
+    elif len(stents) > 1:
+        titles = [f"Stent {number} of {len(stents)}" for number in numbers]
+    else:
+        titles = ["Stent"] * len(stents)
+    return [
+        f"{title}: {stent['name']}" if stent.get("name") else title
+        for title, stent in zip(titles, stents, strict=True)
+    ]
+
+
+def stent_rows(stent: Mapping[str, Any], frame: str | None) -> list[tuple[str, str]]:
+    """Name and value of everything about a stent but its diameters; `frame` is that of points."""
+    told = {key: value for key, value in stent.items() if key not in _TOLD_ELSEWHERE}
+    axis = dict(told.pop("axis", {}))
+    rows = []
+    for key, words in (
+        ("lumen_diameter_mm", "Prescribed lumen diameter"),
+        ("nominal_length_mm", "Nominal length"),
+        ("deployed_length_mm", "Deployed length along the axis"),
+    ):
+        if key in told:
+            rows.append((words, millimeters(told.pop(key), 1)))
+    if "foreshortening_fraction" in told:
+        share = told.pop("foreshortening_fraction")
+        text = UNKNOWN if share is None else f"{number_text(100 * share, 0)} % of nominal length"
+        rows.append(("Foreshortening on expansion", text))
+    if "placement" in told:
+        name = str(told.pop("placement"))
+        rows.append(("Placed", _PLACEMENTS.get(name, name)))
+    moved = told.pop("moved_points", None)
+    rows += _axis_rows(axis, stent, frame)
+    if moved is not None:
+        rows.append(("Surface points that it moved", plain_text("", moved)))
+    return rows + [(plain_label(key), plain_text(key, value)) for key, value in _flat(told)]
+
+
+def input_rows(entry: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Name and value of everything about an input file but its role."""
+    rows = []
+    for key, value in _flat({key: value for key, value in entry.items() if key != "role"}):
+        text = plain_text(key, value)
+        if key == "frame" and value is None:
+            text = "not said by the file"
+        rows.append((_INPUT_WORDS.get(key, plain_label(key)), text))
+    return rows
+
+
+def plain_label(key: str) -> str:
+    """A field's name without unit and underscores."""
+    for suffix in ("_mm2", "_mm", "_s"):
+        key = key.removesuffix(suffix)
+    words = key.replace("_", " ")
+    return words[:1].upper() + words[1:]
+
+
+def plain_text(key: str, value: Any) -> str:
+    """A value with the unit that its key names."""
+    unit = " mm" if key.endswith("_mm") else ""
+    if value is None:
+        return UNKNOWN
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return number_text(value, 2) + unit
+    if isinstance(value, int):
+        return f"{value:,}".replace(",", "\N{THIN SPACE}") + unit
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return ", ".join(plain_text("", item) for item in value) + unit
+    return str(value)
+
+
+def number_text(value: float | None, digits: int) -> str:
+    """A number with a true minus sign, or that it is not known."""
+    return UNKNOWN if value is None else f"{value:.{digits}f}".replace("-", "\N{MINUS SIGN}")
+
+
+def millimeters(value: float | None, digits: int = 2, *, signed: bool = False) -> str:
+    """A length with its unit."""
+    sign = "+" if signed and value is not None and value > 0 else ""
+    return UNKNOWN if value is None else f"{sign}{number_text(value, digits)} mm"
+
+
+def point_text(position: Sequence[float | None]) -> str:
+    """Coordinates to a tenth."""
+    return ", ".join(number_text(value, 1) for value in position)
+
+
+def _axis_rows(
+    axis: dict[str, Any], stent: Mapping[str, Any], frame: str | None
+) -> list[tuple[str, str]]:
+    rows = []
+    where = f"x, y, z in mm{f', {frame}' if frame else ''}"
+    for key, words in (("start_mm", "Proximal end"), ("end_mm", "Distal end")):
+        if key in axis:
+            rows.append((f"{words} ({where})", point_text(axis.pop(key))))
+    length = axis.pop("length_mm", None)
+    if length is not None and length != stent.get("deployed_length_mm"):
+        rows.append(("Length of its axis", millimeters(length, 1)))
+    if "chord_mm" in axis:
+        rows.append(("Straight distance of its ends", millimeters(axis.pop("chord_mm"), 1)))
+    if "min_bend_radius_mm" in axis:
+        radius = axis.pop("min_bend_radius_mm")
+        rows.append(("Tightest bend of its axis", _bend_text(radius, length, stent)))
+    return rows + [(plain_label(key), plain_text(key, value)) for key, value in _flat(axis)]
+
+
+def _bend_text(radius: float | None, length: float | None, stent: Mapping[str, Any]) -> str:
+    """The radius, and over which length of the axis it was found: it depends on that."""
+    if radius is None:
+        return "none, the axis is straight"
+    text = f"radius {millimeters(radius, 1)}"
+    diameter = stent.get("lumen_diameter_mm")
+    if diameter is None:
+        return text
+    window = diameter / 2 if length is None else min(diameter, length) / 2
+    return (
+        f"{text}, of the circle through three points of the axis that are {millimeters(window, 1)} "
+        f"apart ({'the stent radius' if window == diameter / 2 else 'half of its length'})"
+    )
+
+
+def _flat(values: Mapping[str, Any], prefix: str = "") -> Iterable[tuple[str, Any]]:
+    for key, value in values.items():
+        if isinstance(value, Mapping):
+            yield from _flat(value, f"{prefix}{key} ")
+        else:
+            yield f"{prefix}{key}", value
