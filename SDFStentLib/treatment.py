@@ -26,7 +26,7 @@ from .settings import DeploymentSettings
 from .stent import Stent, StentAxis, stent_axis
 from .topology import Topology, consistently_wound, surface_topology
 from .treatment_value import TreatedStent, TreatmentResult, TreatmentState
-from .treatment_warnings import check_width, narrowed, nothing_moved, overlap
+from .treatment_warnings import check_width, narrowed, nothing_moved, overdilated, overlap
 from .untangle import Precision
 from .validation import (
     DeploymentError,
@@ -255,7 +255,7 @@ class Treatment:
                 yield f"{self.label(number)}it is switched off and was not deployed."
         for stage, stent in zip(self._stages, treated, strict=True):
             own = [*stage.axis.warnings, *stage.warnings, nothing_moved(stent)]
-            own.append(self._narrowed(stage, stent))
+            own += [overdilated(stent), self._narrowed(stage, stent)]
             relief = stage.result.relief
             own.append("" if relief is None else relief.sentence())
             own += [f"Before treatment: {gap}" for gap in stent.before.gaps]

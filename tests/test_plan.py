@@ -331,6 +331,28 @@ def test_a_stent_far_wider_than_the_vessel_or_away_from_it_is_refused():
         Treatment(vessel.points, vessel.triangles, [inside, far], vessel.centerline)
 
 
+@pytest.mark.parametrize(("factor", "is_said"), [(1.45, False), (1.55, True)])
+def test_a_stent_far_wider_than_the_native_lumen_is_said_with_both_numbers(factor, is_said):
+    vessel = stenosed_tube()
+    widest = 2 * np.nanmax(vessel.centerline.inscribed_radius)
+    diameter = factor * widest
+    stent = Stent(diameter, length=30, placement=AtCenter(vessel.throat.point))
+    # Of the second one, too: native is the lumen before any stent.
+    result = Treatment(
+        vessel.points, vessel.triangles, [stent, stent], vessel.centerline, QUICK
+    ).result
+    told = [text for text in result.warnings if "the widest native lumen" in text]
+    assert len(told) == (2 if is_said else 0)
+    for number, text in enumerate(told, start=1):
+        # The facets lie a little inside the round tube.
+        found = re.match(
+            rf"Stent {number}: The stent of {diameter:g} mm is ([\d.]+) times .*\(([\d.]+) mm\)",
+            text,
+        )
+        assert float(found[1]) == pytest.approx(factor, abs=0.1)
+        assert float(found[2]) == pytest.approx(widest, abs=0.2)
+
+
 def test_a_bend_tighter_than_the_stent_is_said():
     from SDFStentLib.phantoms import bent_tube
 
