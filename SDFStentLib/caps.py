@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .surface import face_normals
+from .surface import face_normals, faces_at
 from .topology import component_labels, edges
 from .validation import Points, Triangles
 
@@ -44,6 +44,24 @@ class BulgedCap(NamedTuple):
         )
 
 
+def flat_caps(points: Points, faces: Triangles) -> list[NDArray[np.int64]]:
+    """Flat spots with a steep rim among some faces (m, 3): the faces of each, ascending."""
+    if len(faces) < FEWEST_FACES:
+        return []
+    normals = face_normals(points, faces)
+    pairs = edges(faces).paired_sides // 3
+    cosine = np.einsum("ij,ij->i", normals[pairs[:, 0]], normals[pairs[:, 1]])
+    flat = pairs[cosine > FLAT]
+    label = component_labels(len(faces), flat[:, 0], flat[:, 1])
+
+    border = label[pairs[:, 0]] != label[pairs[:, 1]]
+    sides, angles = label[pairs[border]], np.repeat(cosine[border, None], 2, axis=1)
+    count = np.bincount(sides.ravel(), minlength=label.max() + 1)
+    steep = np.bincount(sides.ravel(), weights=(angles < RIM).ravel(), minlength=len(count))
+    is_cap = (np.bincount(label) >= FEWEST_FACES) & (steep > 0.8 * count)
+    return [np.flatnonzero(label == number) for number in np.flatnonzero(is_cap)]
+
+
 def bulged_caps(
     before: Points, after: Points, triangles: Triangles, moved: NDArray[np.int64]
 ) -> tuple[BulgedCap, ...]:
@@ -59,25 +77,11 @@ def bulged_caps(
     """
     has_moved = np.zeros(len(before), dtype=bool)
     has_moved[moved] = True
-    faces = triangles[has_moved[triangles].any(axis=1)]
-    if len(faces) < FEWEST_FACES:
-        return ()
-    normals = face_normals(before, faces)
-    pairs = edges(faces).paired_sides // 3
-    cosine = np.einsum("ij,ij->i", normals[pairs[:, 0]], normals[pairs[:, 1]])
-    flat = pairs[cosine > FLAT]
-    label = component_labels(len(faces), flat[:, 0], flat[:, 1])
-
-    border = label[pairs[:, 0]] != label[pairs[:, 1]]
-    sides, angles = label[pairs[border]], np.repeat(cosine[border, None], 2, axis=1)
-    count = np.bincount(sides.ravel(), minlength=label.max() + 1)
-    steep = np.bincount(sides.ravel(), weights=(angles < RIM).ravel(), minlength=len(count))
-    is_cap = (np.bincount(label) >= FEWEST_FACES) & (steep > 0.8 * count)
+    faces = triangles[faces_at(has_moved, triangles)]
     found = []
-    for number in np.flatnonzero(is_cap):
-        own = label == number
+    for own in flat_caps(before, faces):
         corners = np.unique(faces[own])
-        plane = normals[own].mean(axis=0)
+        plane = face_normals(before, faces[own]).mean(axis=0)
         plane /= np.linalg.norm(plane)
         height = float(np.abs((after[corners] - before[corners]) @ plane).max())
         if height > NOTICEABLE:

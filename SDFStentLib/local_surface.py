@@ -64,7 +64,7 @@ class LocalSurface:
         self._high = self._centers.max(axis=0) + margin
         kept = self._triangles
         if not self._is_whole():
-            kept = kept[_may_meet_box(self._points, kept, self._low, self._high)]
+            kept = kept[may_meet_box(self._points, kept, self._low, self._high)]
         if len(kept) == 0:
             return self._grow(2 * margin)
         self.index = SurfaceIndex(self._points, kept)
@@ -78,7 +78,7 @@ class LocalSurface:
         return bool(inside) or self._is_whole()
 
 
-def _may_meet_box(
+def may_meet_box(
     points: Points, triangles: Triangles, low: Floats, high: Floats
 ) -> NDArray[np.bool_]:
     """False for triangles that lie wholly beyond one side of the box."""

@@ -14,6 +14,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .closed_ends import past_closed_ends
 from .cross_section import equivalent_diameters, winding_numbers
 from .inscribed import inscribed_spheres
 from .polyline import arc_lengths, resampled, tangents
@@ -89,11 +90,16 @@ class DiameterProfile:
             f"No {name} diameter at {np.isnan(values).sum()} of {len(values)} stations "
             f"({_ranges(self.arc_length, np.isnan(values))} mm along the axis): {reason}."
             for name, values, reason in (
-                ("inscribed", self.inscribed_diameter, "the axis is outside the lumen there"),
+                (
+                    "inscribed",
+                    self.inscribed_diameter,
+                    "the axis is outside the lumen there, or at an end that is no flat cap",
+                ),
                 (
                     "equivalent",
                     self.equivalent_diameter,
-                    "no closed cross-section of the surface lies round the axis there",
+                    "no closed cross-section of the surface lies round the axis there, or a cap "
+                    "cuts it off",
                 ),
             )
             if np.isnan(values).any()
@@ -162,7 +168,9 @@ def diameter_profile(
     Returns
     -------
     DiameterProfile
-        NaN at a station outside the surface. In a junction the plane may cut along the other
+        NaN at a station outside the surface. Flat caps of in- and outlets count as open for the
+        inscribed diameter; NaN before an end that is not flat, and for the equivalent diameter
+        right at a cap. In a junction the plane may cut along the other
         branch: both diameters grow there, the equivalent one most.
 
     Raises
@@ -174,8 +182,15 @@ def diameter_profile(
     triangles = as_triangles(triangles, len(points))
     stations = resampled(axis_points, as_number(spacing, "spacing", unit="mm", above=0))
     directions = tangents(stations)
-    spheres = inscribed_spheres(points, triangles, stations, directions)
     equivalent = equivalent_diameters(points, triangles, stations, directions)
+    spheres, equivalent = past_closed_ends(
+        points,
+        triangles,
+        stations,
+        directions,
+        inscribed_spheres(points, triangles, stations, directions),
+        equivalent,
+    )
 
     # A closed section round the station proves that it is inside; the few others are looked at.
     outside = np.flatnonzero(np.isnan(equivalent))

@@ -97,7 +97,7 @@ def test_a_stent_that_ends_in_an_outlet_cap_is_warned_of_by_place(end):
     axis = np.array([[0, 0, 25.0], [0, 0, end]])
     result = treated(made.points, made.triangles, along(axis, 7.2))
     assert result.certificate.passed
-    (bulged,) = [words for words in result.warnings if "cap" in words]
+    (bulged,) = [words for words in result.warnings if "The flat cap" in words]
     assert "The flat cap near (" in bulged
     assert "40.0) mm is pushed up to" in bulged
     inside = (made.points[:, 2] > 28) & (made.points[:, 2] < 34)

@@ -1,0 +1,136 @@
+"""Inscribed spheres near a closed end of a vessel, measured as if the end were open.
+
+A flat cap is where a model was cut, not a wall. Nearer to it than its own radius a sphere touches
+the cap first, and the vessel would seem to narrow to nothing towards every in- and outlet.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .caps import flat_caps
+from .inscribed import InscribedSpheres, inscribed_spheres
+from .local_surface import LocalSurface, may_meet_box
+from .polyline import arc_lengths
+from .surface import face_normals
+from .validation import Points, Triangles
+
+Floats = NDArray[np.float64]
+
+AHEAD = np.cos(np.deg2rad(30.0))
+"""A sphere that touches the surface in this direction along the axis touches an end."""
+
+ROUND = 0.98
+"""Inscribed over equivalent diameter from which the sphere fills the section: no end is nearer."""
+
+IN_SURFACE = 1e-6
+"""mm."""
+
+TOUCH = 1e-3
+"""Share of its radius by which a surface may be farther from a sphere's centre and touch it."""
+
+
+def past_closed_ends(
+    points: Points,
+    triangles: Triangles,
+    stations: Points,
+    directions: Points,
+    spheres: InscribedSpheres,
+    equivalent: Floats,
+) -> tuple[InscribedSpheres, Floats]:
+    """The spheres, those that touch a closed end of the vessel measured anew without its cap.
+
+    Parameters
+    ----------
+    points, triangles : (k, 3) and (m, 3) arrays
+    stations, directions : (n, 3) arrays
+        Axis points, in order, and unit directions of the axis there.
+    spheres : InscribedSpheres
+        Those at the stations.
+    equivalent : (n,) array
+        Equivalent diameters of the sections there, mm; NaN where there is none.
+
+    Returns
+    -------
+    InscribedSpheres
+        NaN where a sphere touches an end that is no flat cap, such as one that a stent bulged.
+    (n,) array
+        The equivalent diameters, NaN where a cap, a little askew, cuts the section off.
+    """
+    arc = arc_lengths(stations)
+    to_end = np.minimum(arc, arc[-1] - arc)
+    # Within a radius of the lumen, and a tenth for the sag of a bend; sections may be NaN.
+    near_end = to_end <= 1.1 * np.fmax(spheres.radii, equivalent / 2)
+    near_end &= ~(2 * spheres.radii > ROUND * equivalent) & np.isfinite(spheres.radii)
+    at_end = np.flatnonzero(near_end)
+    at_end = at_end[_touches_ahead(points, triangles, directions, spheres, at_end)]
+    if not len(at_end):
+        return spheres, equivalent
+    width = float(np.nanmax(np.concatenate([equivalent[at_end], 2 * spheres.radii])))
+    is_capped = _in_caps(points, triangles, stations[at_end], directions[at_end], width)
+    kept = triangles[~is_capped]
+    anew = inscribed_spheres(points, kept, stations[at_end], directions[at_end])
+    centers, radii = spheres.centers.copy(), spheres.radii.copy()
+    centers[at_end], radii[at_end] = anew
+    found = InscribedSpheres(centers, radii)
+    closed = at_end[_touches_ahead(points, kept, directions, found, at_end)]
+    centers[closed], radii[closed] = np.nan, np.nan
+    caps = points[triangles[is_capped].ravel()]
+    cut = [i for i in at_end if _is_crossed(caps, stations[i], directions[i], width)]
+    equivalent = equivalent.copy()
+    equivalent[cut] = np.nan
+    return found, equivalent
+
+
+def _touches_ahead(
+    points: Points,
+    triangles: Triangles,
+    directions: Points,
+    spheres: InscribedSpheres,
+    where: NDArray[np.int64],
+) -> NDArray[np.bool_]:
+    """Which of some spheres (k,) touch the surface along the axis, before or behind them."""
+    touches = np.zeros(len(where), dtype=bool)
+    if len(where):
+        centers, reach = spheres.centers[where], (1 + TOUCH) * spheres.radii[where]
+        surface = LocalSurface(points, triangles, centers)
+        query, triangle = surface.near(centers, reach)
+        offset = surface.index.closest_points(centers[query], triangle) - centers[query]
+        distance = np.linalg.norm(offset, axis=1)
+        along = np.abs(np.einsum("ij,ij->i", offset, directions[where[query]]))
+        is_ahead = (distance <= reach[query]) & (along >= AHEAD * distance)
+        # Of a centre in the surface itself, rounding tells the direction.
+        touches[query[is_ahead | (distance < IN_SURFACE)]] = True
+    return touches
+
+
+def _in_caps(
+    points: Points,
+    triangles: Triangles,
+    stations: Points,
+    directions: Points,
+    margin: float,
+) -> NDArray[np.bool_]:
+    """Which triangles (m,) lie in flat caps across the axis, near some stations."""
+    low, high = stations.min(axis=0) - margin, stations.max(axis=0) + margin
+    near = np.flatnonzero(may_meet_box(points, triangles, low, high))
+    is_capped = np.zeros(len(triangles), dtype=bool)
+    for cap in flat_caps(points, triangles[near]):
+        corners = triangles[near[cap]]
+        offset = stations - points[corners].mean(axis=(0, 1))
+        beside = np.einsum("ij,ij->i", offset, offset).argmin()
+        normal = face_normals(points, corners).mean(axis=0)
+        # The sides of a box are flat spots with a steep rim as well.
+        if abs(normal @ directions[beside]) >= AHEAD * np.linalg.norm(normal):
+            is_capped[near[cap]] = True
+    return is_capped
+
+
+def _is_crossed(points: Points, station: Floats, direction: Floats, width: float) -> bool:
+    """Whether the plane across the axis has some of the points near the station on both sides."""
+    offset = points - station
+    offset = offset[np.einsum("ij,ij->i", offset, offset) < width**2]
+    heights = offset @ direction
+    touch = TOUCH * width
+    return bool(len(heights) and heights.min() < touch and heights.max() > -touch)

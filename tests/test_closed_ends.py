@@ -1,0 +1,106 @@
+"""Diameters right up to a capped in- or outlet."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from SDFStentLib.metrics import diameter_profile
+from SDFStentLib.surface_files import read_surface
+
+RADIUS, LENGTH = 4.0, 30.0
+
+
+def a_capped_duct(outline, tilt=0.0, bulge=0.0):
+    """Tube of any convex outline (k, 2) along z with caps that lean by `tilt` and may bulge."""
+    outline = np.asarray(outline, dtype=float)
+    count, heights = len(outline), np.linspace(0, LENGTH, 31)
+    rings = []
+    for height in heights:
+        lean = np.tan(tilt) * outline[:, 0] * abs(1 - 2 * height / LENGTH)
+        rings.append(np.column_stack([outline, np.full(count, height) + lean]))
+    ring, after = np.arange(count), (np.arange(count) + 1) % count
+    faces = []
+    for base in range(0, count * (len(heights) - 1), count):
+        faces.append(np.column_stack([base + ring, base + after, base + count + after]))
+        faces.append(np.column_stack([base + ring, base + count + after, base + count + ring]))
+    points = np.concatenate(rings)
+    middles = [[0, 0, bulge], [0, 0, LENGTH - bulge]]
+    first, last = len(points), len(points) - count
+    faces.append(np.column_stack([after, ring, np.full(count, first)]))
+    faces.append(np.column_stack([last + ring, last + after, np.full(count, first + 1)]))
+    return np.concatenate([points, middles]), np.concatenate(faces)
+
+
+def a_circle(count=32):
+    angle = np.linspace(0, 2 * np.pi, count, endpoint=False)
+    return RADIUS * np.column_stack([np.cos(angle), np.sin(angle)])
+
+
+A_SQUARE = [
+    [s, t] for s, t in ((-3, -3), (0, -3), (3, -3), (3, 0), (3, 3), (0, 3), (-3, 3), (-3, 0))
+]
+A_LINE = [[0.1, 0, 0], [0.1, 0, LENGTH]]
+
+
+def test_a_capped_tube_is_as_wide_at_its_ends_as_in_its_middle():
+    profile = diameter_profile(*a_capped_duct(a_circle()), A_LINE)
+    np.testing.assert_allclose(
+        profile.inscribed_diameter, 2 * RADIUS * np.cos(np.pi / 32), rtol=1e-5
+    )
+    middle = profile.equivalent_diameter[15]
+    np.testing.assert_allclose(profile.equivalent_diameter[1:-1], middle, rtol=1e-9)
+
+
+def test_a_cap_that_leans_cuts_no_section_short():
+    profile = diameter_profile(*a_capped_duct(a_circle(), tilt=np.deg2rad(20)), A_LINE)
+    inscribed, equivalent = profile.inscribed_diameter, profile.equivalent_diameter
+    # An open end that leans holds a sphere that reaches past its short side: it may be wider.
+    # Station 0, 0.1 mm beside the middle of the cap, lies 0.04 mm outside of it.
+    assert np.isfinite(inscribed[1:]).all()
+    assert inscribed[1:].min() > 2 * RADIUS * np.cos(np.pi / 32) - 1e-4
+    # The cap reaches 4 mm * tan 20 deg = 1.46 mm into the tube: stations 0 and 1 have no section.
+    assert np.isnan(equivalent[[0, 1, -2, -1]]).all()
+    np.testing.assert_allclose(equivalent[2:-2], equivalent[15], rtol=1e-9)
+    assert any("a cap cuts it off" in gap for gap in profile.gaps)
+
+
+def test_the_flat_sides_of_a_square_duct_are_wall():
+    profile = diameter_profile(*a_capped_duct(A_SQUARE), A_LINE)
+    np.testing.assert_allclose(profile.inscribed_diameter, 6, rtol=1e-6)
+
+
+def test_before_an_end_that_is_not_flat_there_is_no_inscribed_diameter():
+    profile = diameter_profile(*a_capped_duct(a_circle(), bulge=1.0), A_LINE)
+    inscribed = profile.inscribed_diameter
+    known = np.isfinite(inscribed)
+    np.testing.assert_allclose(inscribed[known], 2 * RADIUS * np.cos(np.pi / 32), rtol=1e-5)
+    assert not known[:2].any()
+    assert known[6:-6].all()
+    assert any("an end that is no flat cap" in gap for gap in profile.gaps)
+
+
+def test_open_and_capped_tubes_have_one_profile():
+    points, triangles = a_capped_duct(a_circle())
+    profiles = [
+        diameter_profile(points, faces, A_LINE) for faces in (triangles, triangles[: -2 * 32])
+    ]
+    np.testing.assert_allclose(
+        profiles[0].inscribed_diameter, profiles[1].inscribed_diameter, rtol=1e-9
+    )
+
+
+@pytest.mark.parametrize(
+    ("surface", "line"), [("pulmonary", "pulmonary"), ("aorta_iliac", "aorta_iliac")]
+)
+def test_the_inlet_of_a_patient_is_not_narrow(data_dir, surface, line):
+    from SDFStentLib.centerline_files import read_centerline
+    from SDFStentLib.point_tree import ancestry_of
+
+    vessel = read_surface(data_dir / f"{surface}_surface_cm.vtp", units="cm")
+    tree = read_centerline(data_dir / f"{line}_centerline_cm.vtp", units="cm")
+    path = tree.points[ancestry_of(tree.parent, len(tree.parent) - 1)]
+    profile = diameter_profile(vessel.points, vessel.triangles, path, spacing=2.0)
+    start = profile.inscribed_diameter[:4]
+    # Both trunks are nearly cylindrical for their first 10 mm.
+    np.testing.assert_allclose(start, profile.inscribed_diameter[5], rtol=0.05)
