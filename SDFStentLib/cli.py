@@ -10,7 +10,7 @@ import traceback
 from collections.abc import Sequence
 from decimal import Decimal
 
-from .cli_console import Console, error_line
+from .cli_console import Console, error_line, with_options
 from .cli_options import parser
 from .validation import DeploymentError, InputError
 
@@ -49,7 +49,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _command(options: argparse.Namespace) -> int:
     """Late imports: vtk and scipy take longer to import than most mistakes to be found."""
-    console = Console(quiet=options.quiet)
+    console = Console(options, quiet=options.quiet)
     if options.command == "deploy":
         from .cli_deploy import deploy_command
 
@@ -78,7 +78,7 @@ def _failed(error: BaseException, options: argparse.Namespace) -> int:
         error_line("sdfstent: interrupted; nothing was written.")
         return INTERRUPTED
     if isinstance(error, InputError | DeploymentError):
-        error_line(f"sdfstent {options.command}: {error}")
+        error_line(f"sdfstent {options.command}: {with_options(str(error), options)}")
         return BAD_INPUT
     hint = "" if options.debug else " Run it again with --debug to see where."
     words = " ".join(f"{type(error).__name__}: {error}".split())

@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
+import argparse
 import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any, TextIO
 
+_OPTIONS = (
+    ("to", "between two points to choose", "between two points (--from, --to) to choose"),
+    ("units", "the unit of the files.", "the unit of the files (--units mm, cm or m)."),
+    ("straighten", "or straighten the axis.", "or straighten the axis (--straighten F)."),
+)
+"""An option, what the library's sentences say of its thing, and the same with the option."""
+
 
 class Console:
     """Where sentences go, and how many of them."""
 
-    def __init__(self, *, quiet: bool = False) -> None:
-        self.quiet = quiet
+    def __init__(self, options: argparse.Namespace | None = None, *, quiet: bool = False) -> None:
+        self.options, self.quiet = options, quiet
 
     def say(self, sentence: str = "") -> None:
         """A line of the result; nothing when quiet."""
@@ -23,7 +31,7 @@ class Console:
         """Each on a line of stderr; nothing when quiet, for the report has them too."""
         if not self.quiet:
             for sentence in sentences:
-                print(f"warning: {sentence}", file=sys.stderr)
+                print(f"warning: {with_options(sentence, self.options)}", file=sys.stderr)
 
     @contextmanager
     def progress(self, what: str) -> Iterator[Any]:
@@ -34,6 +42,14 @@ class Console:
         finally:
             if bar:
                 bar.clear()
+
+
+def with_options(sentence: str, options: argparse.Namespace | None) -> str:
+    """The library's sentence, with those options of the command that do what it says."""
+    for name, words, more in _OPTIONS:
+        if hasattr(options, name):
+            sentence = sentence.replace(words, more)
+    return sentence
 
 
 def error_line(sentence: str) -> None:

@@ -309,7 +309,7 @@ def _choice(choice: JunctionChoice) -> str:
     rule = "widest" if choice.by_radius else "longest"
     return (
         f"At the junction near ({x:.4g}, {y:.4g}, {z:.4g}) the stent follows the {rule} branch; "
-        "place it between two points (--from, --to) to choose another one."
+        "place it between two points to choose another one."
     )
 
 

@@ -52,8 +52,7 @@ def check_width(diameter: float, axis: StentAxis, points: Points) -> None:
     if diameter > WIDEST * lumen:
         raise InputError(
             f"stent diameter: expected at most {WIDEST:g} times the lumen of {lumen:.3g} mm where "
-            f"it lies, got {diameter:g} mm; check the diameter, and the unit of the files "
-            "(--units mm, cm or m)."
+            f"it lies, got {diameter:g} mm; check the diameter, and the unit of the files."
         )
 
 

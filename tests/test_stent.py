@@ -169,7 +169,7 @@ def test_at_a_junction_downstream_the_widest_branch_is_followed_and_said():
     assert axis.points[-1, 0] > 0
     assert len(axis.warnings) == 1
     assert "near (0, 0, -40) the stent follows the widest branch" in axis.warnings[0]
-    assert "--from, --to" in axis.warnings[0]
+    assert "place it between two points to choose another one." in axis.warnings[0]
 
 
 def test_without_radii_the_longest_branch_is_followed_and_said():
