@@ -201,6 +201,7 @@ def _settings(options: argparse.Namespace) -> DeploymentSettings:
         influence_distance=options.influence,
         smoothing_width=options.smoothing,
         capsule_length=options.capsule,
+        tissue_gap=options.tissue_gap,
         step=options.step,
         falloff=options.falloff,
         blend=options.blend,

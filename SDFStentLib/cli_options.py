@@ -146,6 +146,7 @@ def _add_method(command: argparse.ArgumentParser) -> None:
         ("influence", _DEFAULTS.influence_distance, "distance at which the deformation ends, mm"),
         ("smoothing", _DEFAULTS.smoothing_width, "width of the smooth minimum, mm"),
         ("capsule", _DEFAULTS.capsule_length, "length of a capsule, mm"),
+        ("tissue-gap", _DEFAULTS.tissue_gap, "kept between the stent and other lumens' walls, mm"),
     ):
         method.add_argument(
             f"--{name}",

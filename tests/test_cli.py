@@ -11,6 +11,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import fields
 from functools import partial
 from pathlib import Path
 
@@ -25,11 +26,13 @@ from SDFStentLib import polydata, vtk_formats
 from SDFStentLib.certificate import Certificate
 from SDFStentLib.cli import main
 from SDFStentLib.cli_console import Console
+from SDFStentLib.cli_options import parser
 from SDFStentLib.cli_outputs import Outputs
 from SDFStentLib.cli_steps import StepFiles
 from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube
 from SDFStentLib.plan_reader import load_plan
 from SDFStentLib.plan_run import run_plan
+from SDFStentLib.settings import DeploymentSettings
 from SDFStentLib.surface_files import read_surface
 from SDFStentLib.validation import DeploymentError, InputError
 
@@ -275,6 +278,7 @@ def bad_files(folder):
         ({"more": ["--steps", "tube.vtp"]}, "tube.vtp: expected a folder, got a file"),
         ({"more": ["--steps", "no/s"]}, "no/s: expected an existing folder"),
         ({"more": ["--influence", "-1"]}, "influence_distance: expected a number greater than 0"),
+        ({"more": ["--tissue-gap", "-1"]}, "tissue_gap: expected a number at least 0 (mm)"),
         ({"more": ["--straighten", "2"]}, "straightening fraction: expected a number"),
         ({"more": ["--falloff", "x"]}, "invalid choice: 'x'"),
         ({"more": ["--foreshortening", "0.9"]}, "foreshortening: expected a number"),
@@ -443,6 +447,59 @@ def test_usage_is_explained(capsys):
         said = capsys.readouterr()
         assert words in said.out + said.err
         assert (code == 0) == (said.err == "")
+
+
+def parsers():
+    """Every parser by the name of its command; the empty name is the top."""
+    top = parser()
+    (commands,) = (action for action in top._actions if action.dest == "command")
+    return {"": top, **commands.choices}
+
+
+def test_the_manual_has_every_option_and_every_choice():
+    manual = (PROJECT / "docs" / "cli.md").read_text(encoding="utf-8")
+    for command, its_parser in parsers().items():
+        assert f"sdfstent {command}".strip() in manual
+        for action in its_parser._actions:
+            for option in action.option_strings:
+                if option != "-h":
+                    assert re.search(rf"{option}(?![\w-])", manual), (command, option)
+            if action.option_strings:
+                for choice in action.choices or ():
+                    assert re.search(rf"[`|]{choice}[`|]", manual), (command, choice)
+
+
+def test_the_manual_has_the_defaults_of_the_method():
+    manual = (PROJECT / "docs" / "cli.md").read_text(encoding="utf-8")
+    known = {
+        option: action.default
+        for action in parsers()["deploy"]._actions
+        for option in action.option_strings
+    }
+    section = manual.partition("## The method")[2].partition("\n## ")[0]
+    rows = re.findall(r"^\| `(--[a-z-]+)[^|]*\| `?([^|`]+)`? \|", section, flags=re.MULTILINE)
+    assert len(rows) == 8  # --step and --no-compensation have none
+    for option, default in rows:
+        assert default == format(known[option], "" if isinstance(known[option], str) else "g")
+
+
+def test_the_manual_names_the_settings_without_an_option(a_folder):
+    changed = {
+        "--influence": "5", "--smoothing": "0.3", "--capsule": "2", "--tissue-gap": "0.7",
+        "--step": "0.5", "--falloff": "cosine", "--blend": "quadratic", "--rule": "published",
+    }  # fmt: skip
+    more = [word for pair in changed.items() for word in pair]
+    assert deploy(*more, "--no-compensation", "--save-plan", "p.json", "--quiet") == 0
+    found = load_plan("p.json").settings
+    assert found.tissue_gap == 0.7
+    same = {
+        field.name
+        for field in fields(found)
+        if getattr(found, field.name) == getattr(DeploymentSettings(), field.name)
+    }
+    manual = (PROJECT / "docs" / "cli.md").read_text(encoding="utf-8")
+    (sentence,) = re.findall(r"(`contact_tolerance`.*) have no option", manual, flags=re.DOTALL)
+    assert set(re.findall(r"`(\w+)`", sentence)) == same
 
 
 def test_a_bar_is_drawn_on_a_terminal_only_and_wiped(monkeypatch, capsys):
