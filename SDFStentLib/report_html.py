@@ -30,7 +30,8 @@ td.n,th.n{text-align:right;font-variant-numeric:tabular-nums}.first td{font-size
 .good{border-left:5px solid #1a7f37;background:#eef8f0;padding:6px 10px}
 .bad{border-left:5px solid #b30000;background:#fff0ee;padding:6px 10px}
 .warn{border-left:5px solid #b37400;background:#fff8e8;padding:6px 10px;margin:4px 0}
-.small{font-size:13px;color:#444}td.f{word-break:break-all}svg{width:100%;height:auto}
+.words td:first-child{width:36%}
+.small{font-size:13px;color:#444}table.file td{word-break:break-all}svg{width:100%;height:auto}
 @media print{body{margin:0;max-width:none}h2{break-after:avoid}table,svg{break-inside:avoid}}
 """
 
@@ -51,7 +52,7 @@ def html_page(document: Mapping[str, Any]) -> str:
     parts += [_certificate(document["certificate"]), *_warnings(document["warnings"])]
     titles = stent_titles(stents)
     for title, stent in zip(titles, stents, strict=True):
-        heading = "Lumen" if title == "Stent" else f"{title}: lumen"
+        heading = "Lumen" if title == "Stent" else f"{title}, lumen"
         parts += [f"<h2>{escape(heading)} before and after</h2>"]
         parts += [_first_numbers(stent["diameters"]), diameter_plot(stent["diameters"])]
     frame = next((entry.get("frame") for entry in document["inputs"]), None)
@@ -159,13 +160,14 @@ def _warnings(warnings: Sequence[str]) -> list[str]:
 
 
 def _stent(title: str, stent: Mapping[str, Any], frame: str | None) -> str:
-    return f"<h2>{escape(title)}, as planned</h2><table>{_rows(stent_rows(stent, frame))}</table>"
+    return f"<h2>{escape(title)}, as planned</h2>{_rows(stent_rows(stent, frame))}"
 
 
 def _rows(rows: Iterable[tuple[str, str]], style: str = "") -> str:
-    return "".join(
-        f"<tr><td>{escape(name)}</td><td{style}>{escape(text)}</td></tr>" for name, text in rows
+    lines = "".join(
+        f"<tr><td>{escape(name)}</td><td>{escape(text)}</td></tr>" for name, text in rows
     )
+    return f"<table class='words{style}'>{lines}</table>"
 
 
 def _branches(branches: Sequence[Mapping[str, Any]]) -> list[str]:
@@ -195,10 +197,9 @@ def _definitions(definitions: Mapping[str, str]) -> str:
 
 
 def _inputs(inputs: Sequence[Mapping[str, Any]], timings: Mapping[str, Any]) -> str:
-    style = " class='f'"
     tables = "".join(
         f"<h3>{escape(str(entry.get('role', 'file')).capitalize())}</h3>"
-        f"<table class='small'>{_rows(input_rows(entry), style)}</table>"
+        f"{_rows(input_rows(entry), ' small file')}"
         for entry in inputs
     )
     times = ", ".join(

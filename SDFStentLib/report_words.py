@@ -111,14 +111,22 @@ def plain_text(key: str, value: Any) -> str:
 
 
 def number_text(value: float | None, digits: int) -> str:
-    """A number with a true minus sign, or that it is not known."""
-    return UNKNOWN if value is None else f"{value:.{digits}f}".replace("-", "\N{MINUS SIGN}")
+    """A number with a true minus sign, which zero has not, or that it is not known."""
+    if value is None:
+        return UNKNOWN
+    return f"{_rounded(value, digits):.{digits}f}".replace("-", "\N{MINUS SIGN}")
 
 
 def millimeters(value: float | None, digits: int = 2, *, signed: bool = False) -> str:
     """A length with its unit."""
-    sign = "+" if signed and value is not None and value > 0 else ""
-    return UNKNOWN if value is None else f"{sign}{number_text(value, digits)} mm"
+    if value is None:
+        return UNKNOWN
+    sign = "+" if signed and _rounded(value, digits) > 0 else ""
+    return f"{sign}{number_text(value, digits)} mm"
+
+
+def _rounded(value: float, digits: int) -> float:
+    return round(value, digits) + 0.0  # no negative zero
 
 
 def point_text(position: Sequence[float | None]) -> str:

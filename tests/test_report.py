@@ -25,6 +25,7 @@ from SDFStentLib.report import (
 )
 from SDFStentLib.report_html import certificate_sentence, html_page
 from SDFStentLib.report_plot import diameter_plot
+from SDFStentLib.report_words import millimeters, number_text
 from SDFStentLib.validation import InputError
 
 CLEAN = {
@@ -237,11 +238,11 @@ def test_a_failed_certificate_and_the_warnings_stand_before_every_table():
         "Research use only",
         "<p class='bad'>Not certified: the surface folds.</p>",
         "<p class='warn'>The stent was shortened.</p>",
-        "<table>",
+        "<table",
         "<svg",
     )
     assert page.count("Not certified") == 1
-    assert in_order(html_page(a_report().as_dict()), "<p class='good'>Certified", "<table>")
+    assert in_order(html_page(a_report().as_dict()), "<p class='good'>Certified", "<table")
 
 
 PLANNED = {
@@ -308,13 +309,21 @@ def test_the_bend_names_the_window_in_use():
         assert words in text
 
 
+def test_a_zero_has_no_sign():
+    assert number_text(-0.04, 1) == "0.0"
+    assert number_text(-0.06, 1) == "\N{MINUS SIGN}0.1"
+    assert millimeters(0.004, signed=True) == "0.00 mm"
+    assert millimeters(0.006, signed=True) == "+0.01 mm"
+    assert millimeters(None) == number_text(None, 1) == "not known"
+
+
 def test_headings_name_the_stent_and_its_number_in_the_plan():
     def headings(*stents):
         return re.findall(r"<h2>(Stent[^<]*)</h2>", html_page(a_report(stents=stents).as_dict()))
 
     assert headings(planned(), planned(number=2, name="")) == [
-        "Stent 1 of 2: main &lt;3: lumen before and after",
-        "Stent 2 of 2: lumen before and after",
+        "Stent 1 of 2: main &lt;3, lumen before and after",
+        "Stent 2 of 2, lumen before and after",
         "Stent 1 of 2: main &lt;3, as planned",
         "Stent 2 of 2, as planned",
     ]
