@@ -68,7 +68,8 @@ def run_command(options: argparse.Namespace, console: Console) -> int:
     start = perf_counter()
     plan = load_plan(options.plan, accept_changed_inputs=options.accept_changed_inputs)
     files = [plan.surface, plan.centerline, *(stent.axis_file for stent in plan.stents)]
-    outputs = Outputs([file.path for file in files if file], options.output)
+    inputs = [options.plan, *(file.path for file in files if file)]
+    outputs = Outputs(inputs, options.output)
     job = _Job(options, console, outputs)
     job.plan = plan
     folder = Path(options.output)

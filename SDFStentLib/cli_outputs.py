@@ -18,11 +18,16 @@ Writer = Callable[[Path], "Iterable[str] | None"]
 """Writes to a path; may return sentences about what could not be kept."""
 
 
+_OLD = ".old"
+"""Name of the old state in the staging folder, which is removed afterwards."""
+
+
 class _Job(NamedTuple):
     path: str
     target: Path
     write: Writer
     may_be_missing: bool = False
+    is_folder: bool = False
 
 
 class Outputs:
@@ -64,14 +69,19 @@ class Outputs:
         self, path: str | os.PathLike[str], write: Writer, own: Callable[[str], bool]
     ) -> None:
         """A folder that is new, empty, or holds only files of its own kind, which it replaces."""
-        target = _check_folder(path)
+        target = _check_folder(path, may_come=self._folder)
+        if os.path.ismount(target):
+            raise InputError(
+                f"{path}: expected a folder that can be replaced, got a mount point; name a folder "
+                "in it."
+            )
         others = [item for item in os.listdir(target) if not own(item)] if target.is_dir() else []
         if others:
             raise InputError(
                 f"{path}: expected a new or empty folder, got one that holds {sorted(others)[0]}; "
                 "name another one."
             )
-        self._add(_Job(os.fspath(path), target, write))
+        self._add(_Job(os.fspath(path), target, write, is_folder=True))
 
     def names(self) -> list[str]:
         """What is written, as the user named it."""
@@ -98,8 +108,7 @@ class Outputs:
                     raise InputError(str(error).replace(str(staged), job.path)) from error
                 sentences += [sentence.replace(str(staged), job.path) for sentence in found]
                 moves.append((job, staged))
-            for job, staged in moves:
-                _move(job, staged)
+            _move_all(moves)
         return sentences
 
     def _add(self, job: _Job) -> None:
@@ -111,6 +120,19 @@ class Outputs:
         if any(job.target == other.target for other in self._jobs):
             raise InputError(f"{job.path}: two outputs have this name; choose different ones.")
         self._jobs.append(job)
+        for folder in self._jobs:
+            if folder.is_folder:
+                self._check_replaced(folder)
+
+    def _check_replaced(self, folder: _Job) -> None:
+        """A folder is replaced as a whole: nothing else may lie in it."""
+        others = [*self._inputs, *(str(job.target) for job in self._jobs if job is not folder)]
+        inside = [path for path in others if folder.target in Path(path).parents]
+        if inside:
+            raise InputError(
+                f"{folder.path}: expected a folder for the steps alone, which are replaced "
+                f"together, got one with {Path(inside[0]).name}; name another folder."
+            )
 
     @contextmanager
     def _made_folder(self) -> Iterator[None]:
@@ -131,11 +153,13 @@ class Outputs:
             raise
 
 
-def _check_folder(path: str | os.PathLike[str]) -> Path:
-    """The folder, which exists and may be written, or can be made."""
+def _check_folder(path: str | os.PathLike[str], may_come: Path | None = None) -> Path:
+    """The folder, which exists and may be written, or can be made; one in `may_come` can."""
     target = Path(os.path.realpath(path))
     if target.exists() and not target.is_dir():
         raise InputError(f"{path}: expected a folder, got a file; name another one.")
+    if may_come is not None and target.parent == may_come and not may_come.exists():
+        return target
     holder = target if target.is_dir() else target.parent
     if not holder.is_dir():
         raise InputError(f"{path}: expected an existing folder, {holder} is none; create it first.")
@@ -156,19 +180,51 @@ def _staging(parent: Path) -> Iterator[Path]:
         shutil.rmtree(folder, ignore_errors=True)
 
 
-def _move(job: _Job, staged: Path) -> None:
+def _move_all(moves: Sequence[tuple[_Job, Path]]) -> None:
+    """Put everything in its place; when one cannot be, all of them get their old state back."""
+    begun: list[tuple[Path, Path, bool]] = []
     try:
-        if job.may_be_missing and not staged.exists():
-            job.target.unlink(missing_ok=True)
-            return
-        if job.target.is_dir():
-            # Out of the way into the staging folder, which is removed afterwards.
-            os.replace(job.target, staged.with_name(".old"))
-        elif job.target.exists():
-            os.chmod(staged, stat.S_IMODE(job.target.stat().st_mode))
-        os.replace(staged, job.target)
-    except OSError as error:
-        raise _failure(job.path, error) from error
+        for job, staged in moves:
+            begun.append((job.target, staged, staged.exists()))
+            try:
+                _move(*begun[-1])
+            except OSError as error:
+                raise _failure(job.path, error) from error
+    except BaseException:
+        for entry in reversed(begun):
+            with suppress(OSError):
+                _put_back(*entry)
+        raise
+
+
+def _move(target: Path, staged: Path, is_there: bool) -> None:
+    """Move what was staged, if anything, to its place; the old state stays beside it."""
+    old = staged.with_name(_OLD)
+    if target.is_dir():
+        os.replace(target, old)
+    elif target.exists():
+        if is_there:
+            os.chmod(staged, stat.S_IMODE(target.stat().st_mode))
+        try:
+            os.link(target, old)
+        except OSError:  # a file system without hard links
+            shutil.copy2(target, old)
+    if is_there:
+        os.replace(staged, target)
+    else:
+        target.unlink(missing_ok=True)
+
+
+def _put_back(target: Path, staged: Path, was_there: bool) -> None:
+    """Undo a move, wherever it was interrupted."""
+    old = staged.with_name(_OLD)
+    is_moved = was_there and not staged.exists()
+    if is_moved and target.is_dir():
+        shutil.rmtree(target)
+    elif is_moved:
+        target.unlink(missing_ok=True)
+    if old.exists() and not target.exists():
+        os.replace(old, target)
 
 
 def _failure(path: str, error: OSError) -> InputError:
