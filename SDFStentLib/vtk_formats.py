@@ -24,10 +24,7 @@ from .file_input import FileContent, Frame, frame_in_text, kind_in_words
 from .legacy_blocks import check_blocks
 from .polydata import frame_of_polydata
 from .validation import InputError
-
-# zlib and lz4 make data at most about this many times smaller; a count in a file that would
-# need more bytes than that is damage, and VTK would ask the machine for the memory.
-_LARGEST_COMPRESSION = 1100
+from .xml_blocks import check_announced_sizes
 
 # VTK's window for messages is one for the whole process, so that only one thread may swap it.
 _MESSAGES_LOCK = threading.RLock()
@@ -140,14 +137,7 @@ def _check_xml(content: FileContent) -> None:
         raise InputError(f"{content.path}: expected PolyData, got {found}; extract its surface.")
     if not data.rstrip(b" \t\r\n\0").endswith(b"</VTKFile>"):
         raise InputError(f"{content.path}: its end is missing; it is cut short, write it again.")
-    markup = data[: data.find(b"<AppendedData")] if b"<AppendedData" in data else data
-    counts = re.findall(rb'(?:NumberOf\w+|RangeM\w+)\s*=\s*"(\d+)"', markup[:100_000])
-    most = max((int(count) for count in counts), default=0)
-    if most > _LARGEST_COMPRESSION * len(data):
-        raise InputError(
-            f"{content.path}: its header announces {most} elements, too many for {len(data)} "
-            "bytes; the file is damaged."
-        )
+    check_announced_sizes(data, str(content.path))
 
 
 def _check_legacy(content: FileContent) -> None:

@@ -4,6 +4,7 @@ import textwrap
 import numpy as np
 import pytest
 from mesh_files import PROJECT, RUN_PYTHON, octahedron
+from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkLogger, vtkObject, vtkOutputWindow
 from vtkmodules.vtkIOLegacy import vtkPolyDataWriter
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
@@ -185,3 +186,13 @@ def test_messages_are_collected_and_the_process_is_left_as_it_was(capfd):
 def test_what_vtk_cannot_write_is_said():
     with pytest.raises(InputError, match="VTK cannot write it"):
         encode_vtp(None)
+
+
+@pytest.mark.parametrize("mode", ["SetDataModeToAscii", "SetDataModeToAppended"])
+def test_values_of_an_array_are_not_taken_for_sizes(tmp_path, mode):
+    points, triangles = octahedron()
+    values = 10**15 + np.arange(len(points))
+    polydata = polydata_from_arrays(points, triangles, {"hash": values})
+    path = as_file(polydata, vtkXMLPolyDataWriter(), tmp_path / "a.vtp", mode)
+    found = read_vtk_polydata(read_content(path))[0].GetPointData().GetArray("hash")
+    assert vtk_to_numpy(found).tolist() == values.tolist()
