@@ -90,6 +90,7 @@ class Attempt:
         """After the last step: put the wall in contact on the prescribed lumen."""
         task, settings = self.task, self.task.settings
         if not settings.finish:
+            self._close_seams()
             return
         self.motion.refreshed()
         projected(self.motion, task.target_level)
@@ -106,7 +107,7 @@ class Attempt:
         self._uncompensated = self.motion.positions.copy()
         if settings.facet_compensation:
             facets_compensated(self.motion, self.patch.triangles, on_stent, task.radius)
-            self._close_seams()
+        self._close_seams()
 
     def untangle(self, faulty: NDArray[np.int64]) -> int:
         """Take apart faulty faces of the surface; returns the rounds that it took."""
@@ -164,6 +165,9 @@ class Attempt:
         task = self.task
         reach = task.target_level + task.settings.influence_distance + gap
         wall, near_wall = _within(task.points, task.chain, reach)
+        # A point that no triangle uses is no wall; nobody would see it touched.
+        is_used = task.is_used[wall]
+        wall, near_wall = wall[is_used], near_wall[is_used]
         dragged, near_dragged = _within(task.companions, task.chain, reach)
         numbers = np.concatenate([wall, len(task.points) + dragged])
         motion = Motion(

@@ -112,6 +112,13 @@ class DeploymentTask:
         return self.radius - radius_correction(self.chain, self.radius)
 
     @cached_property
+    def is_used(self) -> NDArray[np.bool_]:
+        """Which points (n,) belong to a triangle; files exist with points that do not."""
+        is_used = np.zeros(len(self.points), dtype=bool)
+        is_used[self.triangles.ravel()] = True
+        return is_used
+
+    @cached_property
     def topology(self) -> Topology:
         """How the triangles hang together; looked at once."""
         return self._topology or surface_topology(self.triangles)

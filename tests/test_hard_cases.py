@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from deployment_cases import phantom
+from deployment_cases import anatomy_case, phantom
 from mesh_files import open_tube
 from scipy.spatial import KDTree
 
 from SDFStentLib.capsule_chain import CapsuleChain
+from SDFStentLib.deployment import deploy
 from SDFStentLib.placement import AlongAxis, AtCenter
 from SDFStentLib.settings import DeploymentSettings
 from SDFStentLib.stent import Stent
@@ -299,6 +300,28 @@ def test_points_stored_twice_in_the_wall_stay_together(parts):
     # nearest: 0.004 mm in the transition zone, far below the stated error of the steps.
     atol = 1e-9 if parts == "halves" else 0.01
     np.testing.assert_allclose(result.points, whole.points[source], rtol=0, atol=atol)
+
+
+@pytest.mark.parametrize("changes", [{"finish": False}, {"facet_compensation": False}])
+def test_points_stored_twice_stay_together_without_what_comes_after_the_steps(data_dir, changes):
+    case = anatomy_case(data_dir, "vmtk_aorta", 20.0, 25.0, radius=7.0)
+    corners = case.points[case.triangles].reshape(-1, 3)
+    triangles = np.arange(len(corners)).reshape(-1, 3)
+    settings = DeploymentSettings(certify=False, untangle=False, **changes)
+    result = deploy(corners, triangles, case.axis, case.radius, settings)
+    assert len(result.state.indices)
+    assert seam_width(corners, result.points) == 0.0
+
+
+def test_a_point_that_no_triangle_uses_is_no_wall():
+    """Clipping and thresholding leave such points behind."""
+    tube = a_stenosis()
+    clean = treated(tube.points, tube.triangles, its_stent(tube))
+    inside = tube.axis_at(np.array([12.0, 20.0, 29.0])) + np.array([0.3, 0.0, 0.0])
+    points = np.concatenate([inside[:1], tube.points, inside[1:]])
+    result = treated(points, tube.triangles + 1, its_stent(tube))
+    np.testing.assert_array_equal(result.points[1:-2], clean.points)
+    np.testing.assert_array_equal(result.points[[0, -2, -1]], inside)
 
 
 def split(tube, label):
