@@ -9,14 +9,19 @@ from contextlib import contextmanager
 from typing import Any
 
 from vtkmodules.util.misc import calldata_type
+from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import (
+    VTK_ID_TYPE,
     VTK_STRING,
+    vtkCharArray,
     vtkCommand,
+    vtkIdTypeArray,
     vtkLogger,
+    vtkLongLongArray,
     vtkOutputWindow,
     vtkStringOutputWindow,
 )
-from vtkmodules.vtkCommonDataModel import vtkPolyData
+from vtkmodules.vtkCommonDataModel import vtkDataSetAttributes, vtkFieldData, vtkPolyData
 from vtkmodules.vtkIOLegacy import vtkPolyDataReader, vtkPolyDataWriter
 from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLPolyDataWriter
 
@@ -36,7 +41,7 @@ def read_vtk_polydata(content: FileContent) -> tuple[vtkPolyData, Frame | None]:
     Parameters
     ----------
     content : FileContent
-        The file; VTK reads it again by its path.
+        The file. VTK reads its bytes, not its path, which it wants in UTF-8.
 
     Raises
     ------
@@ -45,9 +50,8 @@ def read_vtk_polydata(content: FileContent) -> tuple[vtkPolyData, Frame | None]:
     """
     is_xml = content.suffix == ".vtp"
     (_check_xml if is_xml else _check_legacy)(content)
-    reader = vtkXMLPolyDataReader() if is_xml else _legacy_reader()
+    reader = _xml_reader(content.data) if is_xml else _legacy_reader(content.data)
     with vtk_messages() as messages:
-        reader.SetFileName(str(content.path))
         reader.Update()
     if messages or reader.GetErrorCode():
         said = " ".join(messages[0].split()) if messages else f"VTK error {reader.GetErrorCode()}"
@@ -70,11 +74,14 @@ def encode_vtp(polydata: vtkPolyData) -> bytes:
 
 
 def encode_legacy(polydata: vtkPolyData, title: str) -> bytes:
-    """Legacy VTK, binary; the title names the frame."""
+    """Legacy VTK, binary; the title names the frame.
+
+    Ids beyond 32 bits are written as 64-bit integers, in the same role.
+    """
     writer = vtkPolyDataWriter()
     writer.SetFileTypeToBinary()
     writer.SetHeader(title)
-    return _written(writer, polydata, "GetOutputStdString")
+    return _written(writer, _with_long_ids(polydata), "GetOutputStdString")
 
 
 @contextmanager
@@ -118,8 +125,50 @@ def _written(writer: Any, polydata: vtkPolyData, result: str) -> bytes:
     return bytes(data)
 
 
-def _legacy_reader() -> vtkPolyDataReader:
+def _with_long_ids(polydata: vtkPolyData) -> vtkPolyData:
+    """A copy whose long ids are integers: of VTK's type for ids, legacy files keep 32 bits."""
+    copy = vtkPolyData()
+    copy.ShallowCopy(polydata)
+    for data in (copy.GetPointData(), copy.GetCellData(), copy.GetFieldData()):
+        for index in reversed(range(data.GetNumberOfArrays())):  # one may leave its place
+            array = data.GetAbstractArray(index)
+            if array.GetDataType() == VTK_ID_TYPE and _is_wide(array):
+                _replace_array(data, index, array)
+    return copy
+
+
+def _is_wide(array: vtkIdTypeArray) -> bool:
+    values = vtk_to_numpy(array)
+    return values.size > 0 and bool(values.min() < -(2**31) or values.max() >= 2**31)
+
+
+def _replace_array(data: vtkFieldData, index: int, array: vtkIdTypeArray) -> None:
+    """Put the numbers of an array as 64-bit integers in its place, and in its role."""
+    numbers = vtkLongLongArray()
+    numbers.DeepCopy(array)
+    has_role = isinstance(data, vtkDataSetAttributes)
+    role = data.IsArrayAnAttribute(index) if has_role else -1
+    if not array.GetName():
+        numbers.SetName(f"array {index}")
+        data.RemoveArray(index)
+    place = data.AddArray(numbers)
+    if role >= 0:
+        data.SetActiveAttribute(place, role)
+
+
+def _xml_reader(data: bytes) -> vtkXMLPolyDataReader:
+    reader = vtkXMLPolyDataReader()
+    reader.ReadFromInputStringOn()
+    reader.SetInputString(data)  # type: ignore[call-overload]  # bytes stay as they are
+    return reader
+
+
+def _legacy_reader(data: bytes) -> vtkPolyDataReader:
+    characters = vtkCharArray()
+    characters.SetVoidArray(data, len(data), 1)  # not copied, the array keeps the bytes
     reader = vtkPolyDataReader()
+    reader.ReadFromInputStringOn()
+    reader.SetInputArray(characters)
     for kind in ("Scalars", "Vectors", "Normals", "Tensors", "ColorScalars", "TCoords", "Fields"):
         getattr(reader, f"ReadAll{kind}On")()  # otherwise the first of each kind only
     return reader

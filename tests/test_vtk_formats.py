@@ -1,11 +1,13 @@
+import os
 import subprocess
 import textwrap
+from pathlib import Path
 
 import numpy as np
 import pytest
 from mesh_files import PROJECT, RUN_PYTHON, octahedron
-from vtkmodules.util.numpy_support import vtk_to_numpy
-from vtkmodules.vtkCommonCore import vtkLogger, vtkObject, vtkOutputWindow
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkCommonCore import VTK_ID_TYPE, vtkLogger, vtkObject, vtkOutputWindow
 from vtkmodules.vtkIOLegacy import vtkPolyDataWriter
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
@@ -196,3 +198,36 @@ def test_values_of_an_array_are_not_taken_for_sizes(tmp_path, mode):
     path = as_file(polydata, vtkXMLPolyDataWriter(), tmp_path / "a.vtp", mode)
     found = read_vtk_polydata(read_content(path))[0].GetPointData().GetArray("hash")
     assert vtk_to_numpy(found).tolist() == values.tolist()
+
+
+@pytest.mark.parametrize("role", ["", "GlobalIds", "PedigreeIds"])
+@pytest.mark.parametrize("name", ["case", None])
+@pytest.mark.parametrize("largest", [7, 10**12, -(10**12)])
+def test_long_ids_come_back_from_a_legacy_file_in_their_role(tmp_path, role, name, largest):
+    polydata = polydata_from_arrays(*octahedron())
+    cells = polydata.GetCellData()
+    values = np.linspace(0, largest, polydata.GetNumberOfCells()).astype(np.int64)
+    ids = numpy_to_vtk(values, deep=True, array_type=VTK_ID_TYPE)
+    ids.SetName(name)
+    getattr(cells, f"Set{role}" if role else "AddArray")(ids)
+    path = tmp_path / "a.vtk"
+    path.write_bytes(encode_legacy(polydata, "title"))
+    found = read_vtk_polydata(read_content(path))[0].GetCellData()
+    assert found.GetNumberOfArrays() == 1
+    assert vtk_to_numpy(found.GetArray(0)).tolist() == values.tolist()
+    assert not role or getattr(found, f"Get{role}")() is not None
+    assert cells.GetArray(0) is ids  # what is written is not changed
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no such file names")
+@pytest.mark.parametrize("suffix", [".vtp", ".vtk"])
+def test_a_file_name_need_not_be_valid_text(tmp_path, suffix):
+    polydata = surface_with_text()
+    path = Path(os.fsdecode(os.fsencode(tmp_path) + b"/gef\xe4\xdf" + suffix.encode()))
+    data = encode_vtp(polydata) if suffix == ".vtp" else encode_legacy(polydata, "title")
+    try:
+        path.write_bytes(data)
+    except OSError:
+        pytest.skip("this file system wants valid text in file names")
+    found = arrays_from_polydata(read_vtk_polydata(read_content(path))[0])
+    assert np.array_equal(found[0], arrays_from_polydata(polydata)[0])
