@@ -9,6 +9,7 @@ import sys
 import traceback
 from collections.abc import Sequence
 from decimal import Decimal
+from typing import TextIO
 
 from .cli_console import Console, error_line, with_options
 from .cli_options import parser
@@ -27,6 +28,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     argv : sequence of str, optional
         The arguments, those of the process by default.
     """
+    # A stream that whoever started the process has closed is None.
+    sys.stdout, sys.stderr = sys.stdout or _nowhere(), sys.stderr or _nowhere()
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
@@ -69,6 +72,10 @@ def _command(options: argparse.Namespace) -> int:
     from .cli_demo import demo_command
 
     return demo_command(options, console)
+
+
+def _nowhere() -> TextIO:
+    return open(os.devnull, "w", encoding="utf-8")
 
 
 def _failed(error: BaseException, options: argparse.Namespace) -> int:

@@ -31,7 +31,7 @@ DEFINITIONS = {
     ),
     "equivalent diameter": (
         "diameter of the circle with the area of the lumen's cross-section in that plane, "
-        "2 sqrt(area / pi)"
+        "2 sqrt(area / pi); in a junction it takes in the opening of the other branch"
     ),
     "prescribed diameter": "lumen diameter that the stent was set to reach at that place",
     "minimum lumen diameter": "smallest inscribed diameter over the stented length (MLD)",
@@ -42,7 +42,8 @@ DEFINITIONS = {
     "percent diameter stenosis": "100 (1 - minimum lumen diameter / reference diameter)",
     "percent area stenosis": (
         "100 (1 - smallest cross-section area / reference area), areas before treatment at the "
-        "same ends; 50 % by diameter are 75 % by area in a round lumen"
+        "same ends; 50 % by diameter are 75 % by area in a round lumen, and more where an end lies "
+        "in a junction"
     ),
     "SD": "standard deviation over the stations, which are equally spaced along the axis",
 }

@@ -583,3 +583,16 @@ def test_real_anatomies_get_their_diameter_in_every_centerline_form(data_dir, tm
         found = re.search(r"([\d.]+) mm after; prescribed", capsys.readouterr().out)
         assert code == 0
         assert float(found[1]) == pytest.approx(diameter, rel=0.01)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="closes streams with a POSIX shell")
+@pytest.mark.parametrize("closed", [">&-", "2>&-", ">&- 2>&-"])
+def test_a_closed_stream_is_no_reason_to_fail(a_folder, closed):
+    command = [*COMMAND, "deploy", "tube.vtp", "--units", "cm", "--centerline", "line.vtp", *PLACE]
+    command += ["--diameter", "6", "-o", "out.vtp"]
+    environment = {**os.environ, "PYTHONPATH": str(PROJECT)}
+    done = subprocess.run(
+        ["sh", "-c", f'"$@" {closed}', "sh", *command], env=environment, cwd=a_folder, check=False
+    )
+    assert done.returncode == 0
+    assert left_over(a_folder) == {"out.vtp"}
