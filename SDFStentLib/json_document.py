@@ -7,11 +7,12 @@ point and nothing is rounded.
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping, Sequence
-from decimal import Decimal
+from decimal import Decimal, InvalidOperation
 from typing import Any
 
-from .validation import InputError
+from .validation import InputError, in_short
 
 Number = int | float | Decimal
 
@@ -22,11 +23,16 @@ def parsed(text: str, name: str) -> Any:
     Raises
     ------
     InputError
-        No JSON, nested without end, a key that stands twice, NaN or infinity.
+        No JSON, nested without end, a key that stands twice, NaN, infinity, or a number beyond
+        all bounds.
     """
     try:
         return json.loads(
-            text, parse_float=Decimal, parse_constant=_refuse, object_pairs_hook=_without_repeats
+            text,
+            parse_float=_fraction,
+            parse_int=_integer,
+            parse_constant=_refuse,
+            object_pairs_hook=_without_repeats,
         )
     except (ValueError, RecursionError) as error:
         reason = "it is nested too deeply" if isinstance(error, RecursionError) else error
@@ -63,9 +69,13 @@ def sequence(value: Any, where: str) -> Sequence[Any]:
 
 
 def text_value(value: Any, where: str) -> str:
-    """The value if it is a text."""
+    """The value if it is a text of whole characters, which files and screens can hold."""
     if not isinstance(value, str):
         raise InputError(f"{where}: expected a text, got {in_words(value)}.")
+    if not _is_unicode(value):
+        raise InputError(
+            f"{where}: expected a text, got half of a character in {in_words(value)}; correct it."
+        )
     return value
 
 
@@ -77,9 +87,11 @@ def truth(value: Any, where: str) -> bool:
 
 
 def number(value: Any, where: str) -> Number:
-    """The value if it is a number."""
+    """The value if it is a number, and no larger than a float can be."""
     if not isinstance(value, Number) or isinstance(value, bool):
         raise InputError(f"{where}: expected a number, got {in_words(value)}.")
+    if not (isinstance(value, float) or _fits_float(value)):
+        raise InputError(f"{where}: expected a number up to 1.8e308, got {in_words(value)}.")
     return value
 
 
@@ -106,7 +118,9 @@ def json_text(value: Any, indent: str = "") -> str:
         if not any(isinstance(item, Mapping | list | tuple) for item in value):
             return "[" + ", ".join(parts) + "]"
         return "[\n" + ",\n".join(inner + part for part in parts) + f"\n{indent}]"
-    return json.dumps(value, ensure_ascii=False, allow_nan=False)
+    # The name of a file need not be valid text; escaped, it comes back.
+    is_plain = not isinstance(value, str) or _is_unicode(value)
+    return json.dumps(value, ensure_ascii=not is_plain, allow_nan=False)
 
 
 def in_words(value: Any) -> str:
@@ -117,7 +131,32 @@ def in_words(value: Any) -> str:
         return f"a list of {len(value)}"
     if value is None or isinstance(value, bool):
         return {None: "null", True: "true", False: "false"}[value]
-    return str(value) if isinstance(value, Number) else repr(value)
+    return in_short(value)
+
+
+def _fits_float(value: int | Decimal) -> bool:
+    try:
+        return math.isfinite(float(value))
+    except (OverflowError, ValueError):
+        return False
+
+
+def _is_unicode(text: str) -> bool:
+    return not any("\ud800" <= character <= "\udfff" for character in text)
+
+
+def _integer(digits: str) -> int:
+    try:
+        return int(digits)
+    except ValueError:
+        raise ValueError(f"a number of {len(digits)} digits is too long") from None
+
+
+def _fraction(text: str) -> Decimal:
+    try:
+        return Decimal(text)
+    except InvalidOperation:
+        raise ValueError(f"the number {in_short(text)} is beyond all bounds") from None
 
 
 def _refuse(constant: str) -> Any:

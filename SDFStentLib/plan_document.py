@@ -9,7 +9,7 @@ from typing import Any
 
 from .atomic import write_bytes
 from .file_input import MILLIMETERS
-from .json_document import json_text, unscaled
+from .json_document import json_text, text_value, unscaled
 from .placement import (
     AlongAxis,
     AtCenter,
@@ -55,7 +55,8 @@ def save_plan(
     Raises
     ------
     InputError
-        Settings with a function of one's own, or a file that cannot be written.
+        Settings with a function of one's own, a name of a stent that is no text, or a file that
+        cannot be written.
     """
     folder = os.path.dirname(os.path.abspath(path)) if relative_to is None else relative_to
     write_bytes(path, plan_text(plan, os.fspath(folder)).encode())
@@ -72,7 +73,8 @@ def plan_document(plan: Plan, folder: str | None = None) -> dict[str, Any]:
     Raises
     ------
     InputError
-        Settings with a function of one's own, which a document cannot hold.
+        Settings with a function of one's own or a name that is no text, which a document cannot
+        hold.
     """
     method: dict[str, Any] = {name: getattr(plan.settings, name) for name in SETTINGS}
     for name in NAMED_SETTINGS:
@@ -98,7 +100,7 @@ def plan_document(plan: Plan, folder: str | None = None) -> dict[str, Any]:
 def _stent_document(planned: PlannedStent, units: str, folder: str | None) -> dict[str, Any]:
     stent = planned.stent
     return {
-        "name": planned.name,
+        "name": text_value(planned.name, "stent name"),
         "enabled": planned.enabled,
         "diameter": float(stent.diameter),
         "length": stent.length,

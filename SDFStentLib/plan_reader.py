@@ -105,7 +105,7 @@ def plan_from_document(
         document.get("inputs", {}), "inputs", (), ("units", "frame", "surface", "centerline")
     )
     units, frame = inputs.get("units", "mm"), inputs.get("frame")
-    if units not in MILLIMETERS:
+    if not isinstance(units, str) or units not in MILLIMETERS:
         raise InputError(f"inputs.units: expected mm, cm or m, got {in_words(units)}.")
     if frame not in (None, "RAS", "LPS"):
         raise InputError(f"inputs.frame: expected RAS, LPS or null, got {in_words(frame)}.")
@@ -231,10 +231,20 @@ def _file(value: Any, where: str, folder: str | None) -> InputFile | None:
     if value is None:
         return None
     given = section(value, where, ("file",), ("sha256",))
-    path = text_value(given["file"], f"{where}.file")
+    path = _path(given["file"], f"{where}.file")
     known = given.get("sha256")
     sha256 = None if known is None else text_value(known, f"{where}.sha256").lower()
     return _named(where, lambda: InputFile(path and os.path.join(folder or "", path), sha256))
+
+
+def _path(value: Any, where: str) -> str:
+    """The value if a file may have that name: bytes, also such that are no valid text, but no 0."""
+    try:
+        if isinstance(value, str) and b"\0" not in os.fsencode(value):
+            return value
+    except UnicodeEncodeError:
+        pass
+    raise InputError(f"{where}: expected the name of a file, got {in_words(value)}; correct it.")
 
 
 def _named(where: str, make: Callable[[], Any]) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from decimal import Decimal
 from typing import Any
 
 import numpy as np
@@ -41,7 +42,7 @@ def as_points(values: ArrayLike, name: str = "points", *, minimum: int = 0) -> P
     """
     try:
         points = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise InputError(f"{name}: expected numbers of shape (n, 3), got {error}.") from error
     if points.size == 0:
         points = points.reshape(0, 3)
@@ -105,8 +106,8 @@ def as_number(
     wanted = _range_in_words(above, minimum, maximum, unit)
     try:
         number = float(value)
-    except (TypeError, ValueError):
-        raise InputError(f"{name}: expected {wanted}, got {value!r}.") from None
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"{name}: expected {wanted}, got {in_short(value)}.") from None
     outside = (
         not np.isfinite(number)
         or (above is not None and number <= above)
@@ -114,8 +115,17 @@ def as_number(
         or (maximum is not None and number > maximum)
     )
     if isinstance(value, bool) or outside:
-        raise InputError(f"{name}: expected {wanted}, got {value!r}.")
+        raise InputError(f"{name}: expected {wanted}, got {in_short(value)}.")
     return number
+
+
+def in_short(value: Any) -> str:
+    """A value as Python writes it, for a message; only the beginning when that is long."""
+    try:
+        text = str(value) if isinstance(value, Decimal) else repr(value)
+    except ValueError:  # Python does not write integers of more than some thousand digits
+        return "a number of thousands of digits"
+    return text if len(text) <= 60 else f"{text[:40]}... ({len(text)} characters)"
 
 
 def read_only(array: NDArray[Any]) -> NDArray[Any]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+import os
 import re
 from pathlib import Path
 
@@ -446,3 +447,62 @@ def test_a_plan_in_the_other_frame_is_turned(a_patient):
     same = run_plan(Plan(stents=(stent,), frame="RAS", **files))
     other = run_plan(Plan(stents=(turned(stent),), frame="LPS", **files))
     np.testing.assert_allclose(other.treatment.points, same.treatment.points, rtol=0, atol=1e-9)
+
+
+ENDLESS = ["9" * 400, "1e400", "1e99999999999999999999", "1e999999999999999999", "-1e400"]
+
+
+@pytest.mark.parametrize("number", [*ENDLESS, "9" * 5000, "1e-99999999999999999999"])
+@pytest.mark.parametrize("key", ["diameter", "length", "center", "straightening_fraction", "step"])
+def test_a_number_beyond_all_bounds_is_refused_in_a_sentence(tmp_path, number, key):
+    document = a_document()
+    if key in ("straightening_fraction", "step"):
+        document["settings"] = {key: "HERE"}
+    elif key == "center":
+        document["stents"][0]["placement"] = {"center": [1, "HERE", 3]}
+    else:
+        document["stents"][0][key] = "HERE"
+    path = tmp_path / "plan.json"
+    path.write_text(json.dumps(document).replace('"HERE"', number))
+    with pytest.raises(
+        InputError, match=r"a number up to 1.8e308|beyond all|is too long"
+    ) as caught:
+        load_plan(path)
+    assert len(str(caught.value)) < 250 + len(str(path))
+
+
+@pytest.mark.parametrize("value", [[], {}, 3, None])
+def test_units_of_another_kind_are_refused(value):
+    document = a_document()
+    document["inputs"] = {"units": value}
+    with pytest.raises(InputError, match=r"inputs.units: expected mm, cm or m, got"):
+        plan_from_document(document)
+
+
+@pytest.mark.parametrize("name", ["a\0.vtp", "a\ud800.vtp", 4])
+def test_what_cannot_be_the_name_of_a_file_is_refused_with_its_place(name):
+    document = a_document()
+    document["inputs"] = {"surface": {"file": name}}
+    words = "inputs.surface.file: expected the name of a file, got"
+    with pytest.raises(InputError, match=words) as caught:
+        plan_from_document(document)
+    assert str(caught.value).isprintable()
+    document = a_document(placement={"axis": {"file": name}})
+    with pytest.raises(InputError, match=r"placement.axis.file: expected the name of a file"):
+        plan_from_document(document)
+
+
+def test_half_of_a_character_is_no_text():
+    words = re.escape(r"stents[0].name: expected a text, got half of a character in '\ud800'")
+    with pytest.raises(InputError, match=words):
+        plan_from_document(a_document(name="\ud800"))
+    stent = Stent(6, placement=AtCenter(np.zeros(3)), length=9)
+    with pytest.raises(InputError, match="stent name: expected a text"):
+        plan_text(Plan((PlannedStent(stent, "\udcff"),)))
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no such file names")
+def test_the_name_of_a_file_that_is_no_valid_text_comes_back(tmp_path):
+    plan = Plan(surface=InputFile(str(tmp_path / os.fsdecode(b"gef\xe4\xdf.vtp"))))
+    save_plan(plan, tmp_path / "plan.json")
+    assert load_plan(tmp_path / "plan.json") == plan
