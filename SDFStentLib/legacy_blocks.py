@@ -17,15 +17,16 @@ _SIZES = {
     "vtktypeint32": 4, "vtktypeuint32": 4, "bit": 1, "string": 1,
 }  # fmt: skip
 
+# Of digits as many as any file needs; Python refuses to read thousands.
 _BLOCK = re.compile(
-    rb"^(?:(?P<rows>POINT_DATA|CELL_DATA)\s+(?P<count>\d+)"
-    rb"|POINTS\s+(?P<points>\d+)\s+(?P<points_type>\w+)"
-    rb"|(?:VERTICES|LINES|POLYGONS|TRIANGLE_STRIPS)\s+(?P<cells>\d+)\s+(?P<size>\d+)"
+    rb"^(?:(?P<rows>POINT_DATA|CELL_DATA)\s+(?P<count>\d{1,25})"
+    rb"|POINTS\s+(?P<points>\d{1,25})\s+(?P<points_type>\w+)"
+    rb"|(?:VERTICES|LINES|POLYGONS|TRIANGLE_STRIPS)\s+(?P<cells>\d{1,25})\s+(?P<size>\d{1,25})"
     rb"|(?P<part>OFFSETS|CONNECTIVITY)\s+(?P<part_type>\w+)"
     rb"|(?P<kind>NORMALS|VECTORS|TENSORS)\s+\S+\s+(?P<kind_type>\w+)"
-    rb"|SCALARS\s+\S+\s+(?P<scalar_type>\w+)(?:[ ]+(?P<scalar_size>\d+))?\s*\nLOOKUP_TABLE \S+"
-    rb"|FIELD\s+\S+\s+(?P<arrays>\d+)"
-    rb"|\S+ (?P<width>\d+) (?P<tuples>\d+) (?P<field_type>[a-zA-Z]\w*))[ \t\r]*(?:\n|\Z)",
+    rb"|SCALARS\s+\S+\s+(?P<scalar_type>\w+)(?:[ ]+(?P<scalar_size>\d{1,25}))?\s*\nLOOKUP_TABLE \S+"
+    rb"|FIELD\s+\S+\s+(?P<arrays>\d{1,25})"
+    rb"|\S+ (?P<width>\d{1,25}) (?P<tuples>\d{1,25}) (?P<field_type>[a-zA-Z]\w*))[ \t\r]*(?:\n|\Z)",
     re.MULTILINE | re.IGNORECASE,
 )
 

@@ -61,3 +61,8 @@ def test_binary_strings_have_lengths():
     for length in range(len(head), len(data)):
         with pytest.raises(InputError, match="cut short"):
             check_blocks(data[:length], "a.vtk")
+
+
+def test_a_count_of_thousands_of_digits_is_no_count():
+    with pytest.raises(InputError, match="expected POINTS, found none"):
+        check_blocks(f"{HEAD}POINTS {'9' * 5000} float\n0 0 0\n".encode(), "a.vtk")
