@@ -12,11 +12,11 @@ from numpy.typing import ArrayLike, NDArray
 from .capsule_chain import CapsuleChain
 from .certificate import Certificate
 from .lumen import radius_correction
-from .settings import DeploymentSettings
+from .settings import THINNEST_AND_WIDEST_RADIUS, DeploymentSettings
 from .surface import oriented_triangles, signed_volume
 from .topology import Topology, surface_topology
 from .untangle import Precision, Relief
-from .validation import Points, Triangles, as_number, as_points, as_triangles
+from .validation import Points, Triangles, as_length, as_points, as_triangles
 
 
 class DeploymentState(NamedTuple):
@@ -90,7 +90,7 @@ class DeploymentTask:
         self.settings = settings
         self.points = as_points(points, "surface points", minimum=3)
         self.triangles = as_triangles(triangles, len(self.points), "surface triangles")
-        self.radius = as_number(radius, "stent radius", unit="mm", above=0)
+        self.radius = as_length(radius, "stent radius", *THINNEST_AND_WIDEST_RADIUS)
         if not isinstance(axis, CapsuleChain):
             axis = CapsuleChain.along(
                 axis,

@@ -7,10 +7,31 @@ from typing import Any
 
 from .blending import BLENDS, FALLOFFS, Profile, as_profile
 from .step_rule import StepRule
-from .validation import InputError, as_number
+from .validation import InputError, as_length, as_number
 
 RULES = {"events": 0.8, "published": 0.1}
 """Radius-step rules and their (longest) step, mm."""
+
+SHORTEST_AND_LONGEST = {
+    "influence_distance": (0.05, 100.0),
+    "capsule_length": (0.05, 50.0),
+    "contact_tolerance": (1e-6, 1.0),
+    "step": (1e-3, 100.0),
+    "step_tolerance": (1e-6, 10.0),
+    "crimped_radius": (0.01, 50.0),
+}
+"""Lengths that a deployment can be told, mm: from a fraction of an edge of a vessel's mesh, or of
+what its coordinates resolve, to the size of the largest vessel. Shorter capsules and steps would
+be too many to be worked off."""
+
+THINNEST_AND_WIDEST_RADIUS = (0.05, 100.0)
+"""Radii of a stent, mm: from below that of a wire to above that of any vessel."""
+
+WIDEST = {"smoothing_width": 20.0, "tissue_gap": 10.0}
+"""Widths that may also be zero, mm: from the size of an aorta, and of the tissue beside it."""
+
+NARROWEST_SMOOTHING = 1e-3
+"""A smaller width of the smooth minimum, mm, is none: it changes the distance by k/4 at most."""
 
 CALIBRATIONS = ("axis", "paper", "none")
 
@@ -18,6 +39,8 @@ CALIBRATIONS = ("axis", "paper", "none")
 @dataclass(frozen=True)
 class DeploymentSettings:
     """Parameters of the method; the defaults are the recommended ones. Immutable. Lengths in mm.
+
+    `InputError` for values without sense, and for lengths out of `SHORTEST_AND_LONGEST`, `WIDEST`.
 
     Attributes
     ----------
@@ -72,19 +95,24 @@ class DeploymentSettings:
     certify: bool = True
 
     def __post_init__(self) -> None:
-        for name in ("influence_distance", "capsule_length", "contact_tolerance",
-                     "step_tolerance", "crimped_radius"):  # fmt: skip
-            self._set(name, as_number(getattr(self, name), name, unit="mm", above=0))
-        for name in ("smoothing_width", "tissue_gap"):
-            self._set(name, as_number(getattr(self, name), name, unit="mm", minimum=0))
+        for name, (shortest, longest) in SHORTEST_AND_LONGEST.items():
+            value = getattr(self, name)
+            if name != "step" or value is not None:
+                self._set(name, as_length(value, name, shortest, longest))
+        for name, widest in WIDEST.items():
+            value = as_number(getattr(self, name), name, unit="mm", minimum=0)
+            self._set(name, as_number(value, name, unit="mm", maximum=widest))
+        if 0 < self.smoothing_width < NARROWEST_SMOOTHING:
+            raise InputError(
+                f"smoothing_width: expected 0 or at least {NARROWEST_SMOOTHING:g} (mm), got "
+                f"{self.smoothing_width!r}; 0 is the hard minimum."
+            )
         if self.rule not in RULES:
             raise InputError(f"rule: expected one of {', '.join(RULES)}, got {self.rule!r}.")
         if self.calibration not in CALIBRATIONS:
             raise InputError(
                 f"calibration: expected one of {', '.join(CALIBRATIONS)}, got {self.calibration!r}."
             )
-        if self.step is not None:
-            self._set("step", as_number(self.step, "step", unit="mm", above=0))
         as_profile(self.falloff, FALLOFFS, "falloff")
         as_profile(self.blend, BLENDS, "blend")
 

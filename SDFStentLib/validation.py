@@ -119,6 +119,12 @@ def as_number(
     return number
 
 
+def as_length(value: Any, name: str, shortest: float, longest: float) -> float:
+    """A length in mm that is greater than 0, and then also plausible; `InputError` otherwise."""
+    length = as_number(value, name, unit="mm", above=0)
+    return as_number(length, name, unit="mm", minimum=shortest, maximum=longest)
+
+
 def in_short(value: Any) -> str:
     """A value as Python writes it, for a message; only the beginning when that is long."""
     try:

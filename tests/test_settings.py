@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import FrozenInstanceError, fields
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from SDFStentLib.blending import BLENDS, FALLOFFS
-from SDFStentLib.settings import RULES, DeploymentSettings
+from SDFStentLib.deployment import Deployment
+from SDFStentLib.phantoms import straight_tube
+from SDFStentLib.settings import (
+    NARROWEST_SMOOTHING,
+    RULES,
+    SHORTEST_AND_LONGEST,
+    WIDEST,
+    DeploymentSettings,
+)
 from SDFStentLib.validation import InputError
 
 
@@ -128,3 +138,58 @@ def test_an_unknown_setting_is_refused_by_name():
 def test_the_precision_of_a_changed_value_is_checked_too():
     with pytest.raises(InputError, match="step: expected a number greater than 0"):
         DeploymentSettings().with_changes(step=-1)
+
+
+@pytest.mark.parametrize("name", list(SHORTEST_AND_LONGEST))
+def test_lengths_that_no_vessel_has_are_refused_with_what_is_taken(name):
+    shortest, longest = SHORTEST_AND_LONGEST[name]
+    for value in (shortest, longest):
+        assert getattr(DeploymentSettings(**{name: value}), name) == value
+    words = (
+        rf"^{name}: expected a number at least {shortest:g} and at most {longest:g} \(mm\), got "
+    )
+    for value in (0.99 * shortest, 1.01 * longest, 1e-300, 1e308):
+        with pytest.raises(InputError, match=words):
+            DeploymentSettings(**{name: value})
+
+
+@pytest.mark.parametrize("name", list(WIDEST))
+def test_widths_that_no_vessel_has_are_refused(name):
+    assert getattr(DeploymentSettings(**{name: WIDEST[name]}), name) == WIDEST[name]
+    for value in (1.01 * WIDEST[name], 1e12, 1e308):
+        with pytest.raises(InputError, match=rf"^{name}: expected a number at most .*, got "):
+            DeploymentSettings(**{name: value})
+
+
+def test_a_smoothing_that_smooths_nothing_is_refused_or_zero():
+    assert DeploymentSettings(smoothing_width=1e-3).smoothing_width == 1e-3
+    with pytest.raises(
+        InputError, match=r"smoothing_width: expected 0 or at least 0.001 .* 1e-300"
+    ):
+        DeploymentSettings(smoothing_width=1e-300)
+
+
+@pytest.mark.parametrize("name", [*SHORTEST_AND_LONGEST, *WIDEST])
+def test_the_schema_of_plans_has_the_same_ranges(name):
+    path = Path(__file__).parents[1] / "SDFStentLib" / "plan.schema.json"
+    schema = json.loads(path.read_text(encoding="utf-8"))
+    found = schema["properties"]["settings"]["properties"][name]
+    if name == "smoothing_width":
+        assert found["anyOf"] == [{"const": 0}, {"minimum": NARROWEST_SMOOTHING}]
+        assert found["maximum"] == WIDEST[name]
+    else:
+        expected = SHORTEST_AND_LONGEST.get(name) or (0, WIDEST[name])
+        assert (found["minimum"], found["maximum"]) == expected
+
+
+def test_a_length_of_thousands_of_digits_is_refused():
+    with pytest.raises(InputError, match="capsule_length: expected a number greater than 0"):
+        DeploymentSettings(capsule_length=10**400)
+
+
+@pytest.mark.parametrize("radius", [5e-301, 0.049, 101, 1e6])
+def test_a_radius_that_no_stent_has_is_refused(radius):
+    tube = straight_tube(3, 20, 1.2)
+    words = r"stent radius: expected a number at least 0.05 and at most 100 \(mm\), got"
+    with pytest.raises(InputError, match=words):
+        Deployment(tube.points, tube.triangles, [[0, 0, 5], [0, 0, 15]], radius)
