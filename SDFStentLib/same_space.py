@@ -20,6 +20,9 @@ UNIT_FACTORS = (10.0, 0.1, 1000.0, 0.001)
 _SAMPLES = 150  # centerline points that are tested
 _RAYS = 9  # odd, so that there is a majority
 _ENOUGH_INSIDE = 0.5
+# Part of the surface's extent that a line in a larger unit has at least once it is shrunk. A line
+# shrunk to a spot fits into every vessel that passes near the origin, and says nothing.
+_SMALLEST_PART = 0.2
 _SMALLEST_EXTENT, _LARGEST_EXTENT = 20.0, 2000.0  # mm, of a vessel model
 _SMALLEST_LUMEN, _LARGEST_LUMEN = 1.2, 100.0  # mm, diameter
 
@@ -135,6 +138,11 @@ class _InsideTest:
         reach = 1.01 * float(np.linalg.norm(self._high - self._low)) + 1e-9
         self._rays = reach * directions / np.linalg.norm(directions, axis=1, keepdims=True)
 
+    @property
+    def extent(self) -> float:
+        """The longest side of the surface's box, mm."""
+        return float((self._high - self._low).max())
+
     def is_inside(self, queries: Points) -> NDArray[np.bool_]:
         inside = ((queries >= self._low) & (queries <= self._high)).all(axis=1)
         for index in np.flatnonzero(inside):
@@ -153,6 +161,8 @@ def _best_fit(test: _InsideTest, centers: Points) -> _Fit | None:
     for factor, flipped in product((1.0, *UNIT_FACTORS), (False, True)):
         if factor == 1.0 and not flipped:
             continue
+        if factor < 1.0 and factor * np.ptp(centers, axis=0).max() < _SMALLEST_PART * test.extent:
+            continue
         moved = factor * centers * ((-1, -1, 1) if flipped else (1, 1, 1))
         fits.append(_Fit(factor, flipped, float(test.is_inside(moved).mean())))
     # The first of equals: one change rather than two.
@@ -163,8 +173,8 @@ def _best_fit(test: _InsideTest, centers: Points) -> _Fit | None:
 def _explanation(best: _Fit | None) -> str:
     if best is None:
         return (
-            "other units (--units) or the other frame (RAS, LPS) do not bring it inside either; "
-            "check that the two belong together."
+            "it lies elsewhere, and neither other units (--units) nor the other frame (RAS, LPS) "
+            "explain that; check that the two belong together."
         )
     units = (
         f"the two are in different units (it would fit {best.factor:g} times as large): save "

@@ -90,3 +90,17 @@ def test_real_vessels_are_seen_inside(data_dir):
         assert check_same_space(surface.points, surface.triangles, lines.points) == ()
         with pytest.raises(InputError, match="10 times as large"):
             check_same_space(surface.points, surface.triangles, lines.points / 10)
+
+
+@pytest.mark.parametrize("away", [(100, 0, 0), (3000, 0, 0), (0, 0, 9000)])
+def test_a_line_that_fits_only_as_a_spot_is_not_blamed_on_units(away):
+    points, triangles = open_tube()  # it passes by the origin, where everything shrinks to
+    line = axis() - HERE + away
+    with pytest.raises(InputError, match="it lies elsewhere, and neither other units") as caught:
+        check_same_space(points, triangles, line)
+    assert "times as large" not in str(caught.value)
+
+
+def test_a_short_axis_in_a_smaller_unit_is_still_recognized():
+    with pytest.raises(InputError, match="it would fit 10 times as large"):
+        check_same_space(*moved_tube(), 0.1 * axis(30, 36))
