@@ -16,7 +16,7 @@ SHORTEST_AND_LONGEST = {
     "influence_distance": (0.05, 100.0),
     "capsule_length": (0.05, 50.0),
     "contact_tolerance": (1e-6, 1.0),
-    "step": (1e-3, 100.0),
+    "step": (1e-4, 100.0),
     "step_tolerance": (1e-6, 10.0),
     "crimped_radius": (0.01, 50.0),
 }
