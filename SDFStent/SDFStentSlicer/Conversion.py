@@ -82,6 +82,14 @@ def handlePoints(node, count, label):
     return np.array([node.GetNthControlPointPositionWorld(i) for i in defined[:count]])
 
 
+def fileFrame(node):
+    """RAS or LPS: the frame of the file that a model is kept in, as it was read or written; None where there is none."""
+    storage = node.GetStorageNode() if node is not None and node.IsA("vtkMRMLModelNode") else None
+    if storage is None or not storage.GetFileName():
+        return None
+    return storage.GetCoordinateSystemTypeAsString(storage.GetCoordinateSystem())
+
+
 def changeStamp(node):
     """A value that changes whenever the node's content or its transform does; None for no node."""
     if node is None:

@@ -20,21 +20,36 @@ def missing(parameterNode):
     if parameterNode.vessel is None:
         return _("Select a vessel: a surface model or a segmentation.")
     if parameterNode.centerline is None and (needsCenterline or not stents):
-        return _("Select a centerline: a model or a markups curve.")
+        if stents:
+            return _("Select a centerline: a model or a markups curve.")
+        return _(
+            "Select a centerline: a model or a markups curve; or add a stent along a curve of your own."
+        )
     if not stents:
         return _("Add a stent, or switch one on.")
-    for stent in stents:
-        if stent.handle is None:
-            return _("{label}: choose a handle.").format(label=stent.label)
-        if stent.placement == Placement.ALONG_CURVE and not stent.handle.IsA(
-            "vtkMRMLMarkupsCurveNode"
-        ):
-            return _("{label}: choose a markups curve as its handle.").format(label=stent.label)
-        if stent.handle.GetNumberOfDefinedControlPoints() < stent.placement.pointCount:
-            return _("{label}: place {count} point(s) of its handle in a view.").format(
-                label=stent.label, count=stent.placement.pointCount
-            )
+    return next(filter(None, map(missingOf, stents)), "")
+
+
+def missingOf(stent):
+    """What a stent's handle lacks, as a sentence; "" when it says where the stent goes."""
+    if stent.handle is None:
+        return _("{label}: choose a handle.").format(label=stent.label)
+    if stent.placement == Placement.ALONG_CURVE and not stent.handle.IsA("vtkMRMLMarkupsCurveNode"):
+        return _("{label}: choose a markups curve as its handle.").format(label=stent.label)
+    if stent.handle.GetNumberOfDefinedControlPoints() < stent.placement.pointCount:
+        return _("{label}: place {count} point(s) of its handle in a view.").format(
+            label=stent.label, count=stent.placement.pointCount
+        )
     return ""
+
+
+def places(parameterNode):
+    """Index in the list and handle's ID of every stent that is switched on: how to find it again when the list has changed."""
+    return [
+        (index, stent.handle.GetID() if stent.handle is not None else None)
+        for index, stent in enumerate(parameterNode.stents)
+        if stent.enabled
+    ]
 
 
 def signature(parameterNode):

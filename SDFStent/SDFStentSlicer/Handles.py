@@ -8,12 +8,12 @@ from . import Conversion
 from .ParameterNode import Placement
 
 HANDLE_ATTRIBUTE = "SDFStent.Handle"
+POINTS, CURVE = "vtkMRMLMarkupsFiducialNode", "vtkMRMLMarkupsCurveNode"
 COLOR = (0.1, 0.55, 0.95)
 
 
-def createHandle(scene, label, points, isCurve=False):
+def createHandle(scene, label, points, className=POINTS):
     """A markups point list or curve of ours, one control point per row of `points`."""
-    className = "vtkMRMLMarkupsCurveNode" if isCurve else "vtkMRMLMarkupsFiducialNode"
     node = scene.AddNewNodeByClass(className, scene.GenerateUniqueName(label))
     node.SetAttribute(HANDLE_ATTRIBUTE, "1")
     node.CreateDefaultDisplayNodes()
@@ -26,11 +26,28 @@ def createHandle(scene, label, points, isCurve=False):
         display.SetGlyphSize(2.5)
         display.SetOccludedVisibility(True)
         display.SetOccludedOpacity(0.7)
-    if isCurve:
+    if className != POINTS:
         node.SetCurveTypeToLinear()  # the curve is the polyline of the plan, point by point
     for point in points:
         node.AddControlPointWorld(*point)
     return node
+
+
+def copyHandle(node, label):
+    """A handle of ours with the placed points of another one; a curve runs as the other one does."""
+    isCurve = node is not None and node.IsA("vtkMRMLMarkupsCurveNode")
+    placed = slicer.vtkMRMLMarkupsNode.PositionDefined
+    points = [
+        node.GetNthControlPointPositionWorld(index)
+        for index in range(node.GetNumberOfControlPoints() if node is not None else 0)
+        if node.GetNthControlPointPositionStatus(index) == placed
+    ]
+    if not isCurve:
+        return createHandle(slicer.mrmlScene, label, points)
+    copy = createHandle(slicer.mrmlScene, label, points, className=node.GetClassName())
+    copy.SetCurveType(node.GetCurveType())
+    copy.SetNumberOfPointsPerInterpolatingSegment(node.GetNumberOfPointsPerInterpolatingSegment())
+    return copy
 
 
 def removeHandle(node):

@@ -134,12 +134,12 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
         parameterNode.method = MethodParameters()
 
     def loadPlan(self, path, parameterNode):
-        """Replace stents and method by those of a plan document."""
-        Plans.load(path, parameterNode)
+        """Replace stents and method by those of a plan document; what to know about it is in `status` afterwards."""
+        parameterNode.status = Plans.load(path, parameterNode)
 
     def savePlan(self, path, parameterNode):
-        """Write stents and method as a plan document."""
-        Plans.save(path, parameterNode)
+        """Write stents and method as a plan document; what to know about it is in `status` afterwards."""
+        parameterNode.status = Plans.save(path, parameterNode)
 
     # What a deployment depends on
 

@@ -1,7 +1,7 @@
 """The module's typed parameters: everything a user chooses, stored in the scene."""
 
 import enum
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 from slicer import (
     vtkMRMLMarkupsCurveNode,
@@ -13,6 +13,9 @@ from slicer import (
 )
 from slicer.i18n import tr as _
 from slicer.parameterNodeWrapper import Choice, WithinRange, parameterNodeWrapper, parameterPack
+
+from SDFStentLib.settings import SHORTEST_AND_LONGEST, WIDEST
+from SDFStentLib.stent import MAXIMUM_DIAMETER, MAXIMUM_LENGTH
 
 
 class Placement(enum.Enum):
@@ -61,15 +64,48 @@ class SurfaceMap(enum.Enum):
         }[self]
 
 
+class Range(NamedTuple):
+    """What a number may be, in the library as in the panel, and how it is called."""
+
+    low: float
+    high: float
+    words: str
+    unit: str = " mm"
+
+
+RANGES = {
+    "diameter": Range(0.1, MAXIMUM_DIAMETER, "a diameter"),
+    "length": Range(0.1, MAXIMUM_LENGTH, "a length"),
+    "foreshortening": Range(-20.0, 50.0, "a foreshortening", " %"),
+    "influenceDistance": Range(
+        *SHORTEST_AND_LONGEST["influence_distance"], "an influence distance"
+    ),
+    "smoothingWidth": Range(0.0, WIDEST["smoothing_width"], "a smoothing width"),
+    "capsuleLength": Range(*SHORTEST_AND_LONGEST["capsule_length"], "a capsule length"),
+    "tissueGap": Range(0.0, WIDEST["tissue_gap"], "a tissue gap"),
+    "step": Range(0.0, SHORTEST_AND_LONGEST["step"][1], "a radius step"),
+    "straightening": Range(0.0, 100.0, "a straightening", " %"),
+}
+
+
+def _within(name):
+    return WithinRange(RANGES[name].low, RANGES[name].high)
+
+
+def ruleLabel(rule):
+    """The text in the panel for a step rule of the library."""
+    return {"events": _("adaptive"), "published": _("as in the paper")}[rule]
+
+
 @parameterPack
 class StentParameters:
     """One stent of the plan. Sizes in mm; foreshortening in percent, as on screen."""
 
     label: str = "Stent"
     enabled: bool = True
-    diameter: Annotated[float, WithinRange(0.5, 60.0)] = 8.0
-    length: Annotated[float, WithinRange(1.0, 300.0)] = 20.0
-    foreshortening: Annotated[float, WithinRange(-20.0, 50.0)] = 10.0
+    diameter: Annotated[float, _within("diameter")] = 8.0
+    length: Annotated[float, _within("length")] = 20.0
+    foreshortening: Annotated[float, _within("foreshortening")] = 10.0
     placement: Placement = Placement.CENTER
     wholeCurve: bool = True
     handle: vtkMRMLMarkupsFiducialNode | vtkMRMLMarkupsCurveNode | None
@@ -79,14 +115,15 @@ class StentParameters:
 class MethodParameters:
     """How the wall follows the stent; the library's defaults. A step of 0 stands for the rule's own."""
 
-    influenceDistance: Annotated[float, WithinRange(0.5, 30.0)] = 6.5
-    smoothingWidth: Annotated[float, WithinRange(0.0, 3.0)] = 0.4
-    capsuleLength: Annotated[float, WithinRange(0.2, 5.0)] = 1.0
-    tissueGap: Annotated[float, WithinRange(0.0, 5.0)] = 0.4
+    influenceDistance: Annotated[float, _within("influenceDistance")] = 6.5
+    smoothingWidth: Annotated[float, _within("smoothingWidth")] = 0.4
+    capsuleLength: Annotated[float, _within("capsuleLength")] = 1.0
+    tissueGap: Annotated[float, _within("tissueGap")] = 0.4
     rule: Annotated[str, Choice(["events", "published"])] = "events"
-    step: Annotated[float, WithinRange(0.0, 2.0)] = 0.0
-    straightening: Annotated[float, WithinRange(0.0, 100.0)] = 0.0
+    step: Annotated[float, _within("step")] = 0.0
+    straightening: Annotated[float, _within("straightening")] = 0.0
     falloff: Annotated[str, Choice(["compact", "wendland", "cosine"])] = "compact"
+    blend: Annotated[str, Choice(["linear", "quadratic", "exponential"])] = "linear"
 
 
 @parameterNodeWrapper

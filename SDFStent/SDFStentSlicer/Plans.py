@@ -4,17 +4,18 @@ import json
 from functools import lru_cache
 
 import slicer
+from slicer.i18n import tr as _
 
 from SDFStentLib import placement as library
 from SDFStentLib.deployment import DeploymentSettings
-from SDFStentLib.plan import InputFile, Plan, PlannedStent
+from SDFStentLib.plan import InputFile, Plan, PlannedStent, turned
 from SDFStentLib.plan_document import plan_text, save_plan
 from SDFStentLib.plan_reader import load_plan, plan_from_document
 from SDFStentLib.stent import Stent
 from SDFStentLib.validation import InputError
 
-from . import Conversion, Handles
-from .ParameterNode import MethodParameters, Placement
+from . import Conversion, Dependencies, Handles
+from .ParameterNode import RANGES, MethodParameters, Placement
 from .StentList import StentList
 
 BY_POINT = {
@@ -44,6 +45,7 @@ def settingsOf(parameterNode, live=False):
         "capsule_length": method.capsuleLength,
         "tissue_gap": method.tissueGap,
         "falloff": method.falloff,
+        "blend": method.blend,
         "rule": method.rule,
     }
     if not live:
@@ -51,51 +53,90 @@ def settingsOf(parameterNode, live=False):
     return settings.with_changes(**changes)
 
 
-def planOf(parameterNode):
-    """Everything that determines the result, as the library's plan in RAS."""
-    stents = [
-        PlannedStent(_stentOf(s), name=s.label, enabled=s.enabled) for s in parameterNode.stents
-    ]
+def planOf(parameterNode, stents=None):
+    """Everything that determines the result, as the library's plan; of all stents unless some are given.
+
+    Its points are in the frame of the vessel's file, which may not say so itself; in RAS where there is no file.
+    """
+    chosen = parameterNode.stents if stents is None else stents
+    surface = _fileOf(parameterNode.vessel)
+    frame = "RAS" if surface is None else Conversion.fileFrame(parameterNode.vessel)
     return Plan(
-        stents=tuple(stents),
-        surface=_fileOf(parameterNode.vessel),
+        stents=tuple(_inFrame(_plannedOf(stent), frame) for stent in chosen),
+        surface=surface,
         centerline=_fileOf(parameterNode.centerline),
-        frame="RAS",
+        frame=frame,
         settings=settingsOf(parameterNode),
         straightening_fraction=parameterNode.method.straightening / 100,
     )
 
 
 def remember(parameterNode):
-    """Keep the plan's document in the parameter node."""
-    parameterNode.planDocument = plan_text(planOf(parameterNode))
+    """Keep the plan's document in the parameter node; without stents that are switched off and not placed yet."""
+    placed = [stent for stent in parameterNode.stents if not Dependencies.missingOf(stent)]
+    parameterNode.planDocument = plan_text(planOf(parameterNode, placed))
 
 
 def save(path, parameterNode):
-    """Write the plan document."""
+    """Write the plan document; returns what keeps the command line from replaying it, or ""."""
     save_plan(planOf(parameterNode), path)
+    return _withoutFiles(parameterNode)
 
 
 def load(path, parameterNode):
-    """Replace stents and method by those of a plan document; its handles are made, the old ones stay in the scene."""
+    """Replace stents and method by those of a plan document; its handles are made, the old ones stay in the scene.
+
+    Returns a sentence when the plan does not say in which frame its points are, else "".
+    """
     plan = load_plan(path)
-    if plan.frame == "LPS":
-        raise InputError(f"Plan {path}: expected points in RAS, got LPS; save the plan in RAS.")
-    stents = [_valuesOf(planned) for planned in plan.stents]
-    settings = plan.settings
+    frame = plan.frame or Conversion.fileFrame(parameterNode.vessel) or "RAS"
+    planned = [_inFrame(stent, frame) for stent in plan.stents]
+    stents = [_valuesOf(stent) for stent in planned]
+    method = _methodOf(plan)
+    for number, values in enumerate(stents, start=1):
+        _checkRanges(values, f"{path}: {values['label'] or f'stent {number}'}")
+    _checkRanges(method, f"{path}: settings")
+    for values, stent in zip(stents, planned, strict=True):  # nothing is refused from here on
+        values["handle"] = _handleOf(stent, values["label"])
     with slicer.util.NodeModify(parameterNode):
-        parameterNode.method = MethodParameters(
-            influenceDistance=settings.influence_distance,
-            smoothingWidth=settings.smoothing_width,
-            capsuleLength=settings.capsule_length,
-            tissueGap=settings.tissue_gap,
-            falloff=settings.falloff,
-            rule=settings.rule,
-            step=settings.step or 0.0,
-            straightening=100 * plan.straightening_fraction,
-        )
+        parameterNode.method = MethodParameters(**method)
         parameterNode.planDocument = plan_text(plan)
         StentList(parameterNode).replace(stents, 0 if stents else -1)
+    if plan.frame is not None:
+        return ""
+    return _("The plan does not name the frame of its points; {frame} is taken.").format(
+        frame=frame
+    )
+
+
+def _inFrame(planned, frame):
+    """A stent from RAS to a frame, or back."""
+    return turned(planned) if frame == "LPS" else planned
+
+
+def _methodOf(plan):
+    """The plan's settings as the values of `MethodParameters`."""
+    settings = plan.settings
+    return {
+        "influenceDistance": settings.influence_distance,
+        "smoothingWidth": settings.smoothing_width,
+        "capsuleLength": settings.capsule_length,
+        "tissueGap": settings.tissue_gap,
+        "falloff": settings.falloff,
+        "blend": settings.blend,
+        "rule": settings.rule,
+        "step": settings.step or 0.0,
+        "straightening": 100 * plan.straightening_fraction,
+    }
+
+
+def _checkRanges(values, name):
+    for key, (low, high, words, unit) in RANGES.items():
+        if key in values and not low <= values[key] <= high:
+            raise InputError(
+                f"{name}: expected {words} of {low:g} to {high:g}{unit} in the panel, got {values[key]:g}; "
+                "change the plan, or run it with sdfstent run."
+            )
 
 
 @lru_cache(maxsize=8)
@@ -129,21 +170,24 @@ def _placementOf(stent):
 
 
 def _valuesOf(planned):
-    """A planned stent as the values of a `StentParameters`, with a new handle."""
-    stent, label = planned.stent, planned.name or "Stent"
-    kind, points = _kindAndPoints(stent.placement)
+    """A planned stent as the values of a `StentParameters`, still without a handle."""
+    stent = planned.stent
+    kind, _points = _kindAndPoints(stent.placement)
     values = {
-        "label": label,
+        "label": planned.name or "Stent",
         "enabled": planned.enabled,
         "diameter": stent.diameter,
         "foreshortening": 100 * stent.foreshortening,
         "placement": kind,
         "wholeCurve": stent.length is None,
-        "handle": Handles.createHandle(
-            slicer.mrmlScene, label, points, isCurve=kind == Placement.ALONG_CURVE
-        ),
     }
     return values if stent.length is None else {**values, "length": stent.length}
+
+
+def _handleOf(planned, label):
+    kind, points = _kindAndPoints(planned.stent.placement)
+    className = Handles.CURVE if kind == Placement.ALONG_CURVE else Handles.POINTS
+    return Handles.createHandle(slicer.mrmlScene, label, points, className)
 
 
 def _kindAndPoints(placement):
@@ -167,3 +211,28 @@ def _fileOf(node):
     if storage is None or not storage.GetFileName() or node.GetModifiedSinceRead():
         return None
     return InputFile(storage.GetFullNameFromFileName())
+
+
+def _withoutFiles(parameterNode):
+    """A sentence about inputs of the plan that are in no file, and how to change that; "" when all are."""
+    nodes = [parameterNode.vessel]
+    if any(stent.placement != Placement.ALONG_CURVE for stent in parameterNode.stents):
+        nodes.append(parameterNode.centerline)
+    homeless = [node for node in nodes if node is not None and _fileOf(node) is None]
+    if not homeless:
+        return ""
+    advice = dict.fromkeys(_towardsFile(node) for node in homeless)  # each once, in order
+    return _(
+        "The plan is saved without a file of {names}: sdfstent run cannot replay it; to change that, {advice}, then save "
+        "the plan again."
+    ).format(names=_(" and ").join(node.GetName() for node in homeless), advice=", ".join(advice))
+
+
+def _towardsFile(node):
+    if node.IsA("vtkMRMLSegmentationNode"):
+        return _("export the segment as a model and choose that")
+    if not node.IsA("vtkMRMLModelNode"):
+        return _("choose a centerline model")
+    if node.GetParentTransformNode() is not None:
+        return _("harden the transform of {name} and save the scene").format(name=node.GetName())
+    return _("save the scene first")

@@ -1,5 +1,7 @@
 """The panel: wires widgets to the logic and enables what can be done."""
 
+import math
+
 import qt
 import slicer
 import vtk
@@ -10,9 +12,16 @@ from slicer.util import VTKObservationMixin
 from .DeploySession import DeploySession
 from .InputWatch import InputWatch
 from .Logic import SDFStentLogic
-from .ParameterNode import Placement
+from .ParameterNode import Placement, ruleLabel
 from .StentList import StentList
 from .StentTable import StentTable
+
+METHOD_SLIDERS = {
+    "influenceSlider": "influenceDistance",
+    "smoothingSlider": "smoothingWidth",
+    "capsuleSlider": "capsuleLength",
+    "gapSlider": "tissueGap",
+}
 
 
 class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
@@ -37,6 +46,7 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
             "vtkMRMLScriptedModuleNode", "ModuleName", self.moduleName
         )
         uiWidget.setMRMLScene(slicer.mrmlScene)
+        self._usualReach = {name: getattr(self.ui, name).maximum for name in METHOD_SLIDERS}
         self.logic = self.logic or SDFStentLogic()
         self.session = DeploySession(self.logic, self._onStart, self._onProgress, self._onDone)
         self.table = StentTable(self.ui, self._onSelectStent, self._onEnableStent)
@@ -106,6 +116,10 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
             self.ui.parameterSetSelector.setCurrentNode(parameterNode.parameterNode)
             self.stents = StentList(parameterNode)
             self._guiTag = parameterNode.connectGui(self.ui)
+            for index in range(self.ui.ruleComboBox.count):  # connected by index: texts are free
+                self.ui.ruleComboBox.setItemText(
+                    index, ruleLabel(self.ui.ruleComboBox.itemText(index))
+                )
             self.addObserver(
                 parameterNode.parameterNode,
                 vtk.vtkCommand.ModifiedEvent,
@@ -150,11 +164,13 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.logic.updateDisplay(parameterNode)
 
     def _updateLimits(self):
-        """Sliders reach as far as this vessel makes sense, and never less far than the value that is set."""
-        stent = self._parameterNode.stent
+        """Sliders reach as far as makes sense, for this vessel or as designed, and farther where the value that is set does."""
+        stent, method = self._parameterNode.stent, self._parameterNode.method
         diameter, length = self.logic.sizeLimits(self._parameterNode)
-        self.ui.diameterSlider.maximum = max(diameter, stent.diameter)
-        self.ui.lengthSlider.maximum = max(length, stent.length)
+        _letReach(self.ui.diameterSlider, diameter, stent.diameter)
+        _letReach(self.ui.lengthSlider, length, stent.length)
+        for name, parameter in METHOD_SLIDERS.items():
+            _letReach(getattr(self.ui, name), self._usualReach[name], getattr(method, parameter))
 
     def _updateEnabled(self):
         if self._parameterNode is None:
@@ -287,3 +303,11 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
             action()
         except (ValueError, RuntimeError, OSError) as error:
             self._showError(error)
+
+
+def _letReach(slider, usual, value):
+    """End a slider at `usual`, or behind a value beyond; the value had been cut to the former end."""
+    wasBlocked = slider.blockSignals(True)
+    slider.maximum = max(usual, math.ceil(value))
+    slider.value = value
+    slider.blockSignals(wasBlocked)

@@ -84,3 +84,25 @@ def thePictures(tmp_path):
     folder = Path(os.environ.get("SDFSTENT_PICTURES", tmp_path))
     folder.mkdir(parents=True, exist_ok=True)
     return folder
+
+
+@pytest.fixture
+def theInputs(host, aPanel, aVessel):
+    """The panel with vessel and centerline chosen."""
+    vessel, centerline = aVessel
+    aPanel.ui.vesselSelector.setCurrentNode(vessel)
+    aPanel.ui.centerlineSelector.setCurrentNode(centerline)
+    host.process()
+    return aPanel
+
+
+@pytest.fixture
+def aStent(host, theInputs):
+    """The panel with one stent at the throat."""
+    host.click(theInputs.ui.addStentButton)
+    stent = theInputs._parameterNode.stent
+    stent.handle.SetNthControlPointPositionWorld(0, *theThroat())
+    theInputs.ui.diameterSlider.value = 8.5
+    theInputs.ui.lengthSlider.value = 14.0
+    host.process()
+    return theInputs

@@ -11,3 +11,21 @@ def theThroat():
 def settle(host, panel, seconds=60.0):
     """Let a panel run until nothing is under way or about to start."""
     host.processUntil(lambda: not panel.session.isBusy, seconds)
+
+
+def deploy(host, panel):
+    """Click Deploy and wait for the numbers."""
+    host.click(panel.ui.deployButton)
+    settle(host, panel)
+
+
+def saveAsFile(node, path, frame):
+    """Write a model to a file in a frame, RAS or LPS, and let the node know where it is kept."""
+    import slicer
+
+    storage = slicer.vtkMRMLModelStorageNode()
+    slicer.mrmlScene.AddNode(storage)
+    node.SetAndObserveStorageNodeID(storage.GetID())
+    storage.SetFileName(str(path))
+    storage.SetCoordinateSystem(storage.GetCoordinateSystemTypeFromString(frame))
+    assert storage.WriteData(node)

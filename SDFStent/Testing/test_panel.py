@@ -1,36 +1,8 @@
 """The panel, driven as a user does: clicks, sliders, points that move."""
 
 import numpy as np
-import pytest
 import slicer
-from panel_helpers import settle, theThroat
-
-
-@pytest.fixture
-def theInputs(host, aPanel, aVessel):
-    """The panel with vessel and centerline chosen."""
-    vessel, centerline = aVessel
-    aPanel.ui.vesselSelector.setCurrentNode(vessel)
-    aPanel.ui.centerlineSelector.setCurrentNode(centerline)
-    host.process()
-    return aPanel
-
-
-@pytest.fixture
-def aStent(host, theInputs):
-    """The panel with one stent at the throat."""
-    host.click(theInputs.ui.addStentButton)
-    stent = theInputs._parameterNode.stent
-    stent.handle.SetNthControlPointPositionWorld(0, *theThroat())
-    theInputs.ui.diameterSlider.value = 8.5
-    theInputs.ui.lengthSlider.value = 14.0
-    host.process()
-    return theInputs
-
-
-def deploy(host, panel):
-    host.click(panel.ui.deployButton)
-    settle(host, panel)
+from panel_helpers import deploy, settle, theThroat
 
 
 def test_looking_at_the_panel_makes_no_nodes(host, aScene, theModule):

@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 import slicer
+from panel_helpers import deploy, saveAsFile
 
 
 def test_a_saved_plan_gives_the_same_points_after_loading(aLogic, theParameters, tmp_path):
@@ -65,12 +66,7 @@ def test_the_library_replays_the_plan_of_the_panel(aLogic, theParameters, tmp_pa
     from SDFStentLib.plan_run import run_plan
 
     for node in (theParameters.vessel, theParameters.centerline):
-        storage = slicer.vtkMRMLModelStorageNode()
-        slicer.mrmlScene.AddNode(storage)
-        node.SetAndObserveStorageNodeID(storage.GetID())
-        storage.SetFileName(str(tmp_path / f"{node.GetName()}.vtp"))
-        storage.SetCoordinateSystem(slicer.vtkMRMLStorageNode.CoordinateSystemRAS)
-        assert storage.WriteData(node)
+        saveAsFile(node, tmp_path / f"{node.GetName()}.vtp", "RAS")
     points = aLogic.deploy(theParameters).points
     aLogic.savePlan(tmp_path / "plan.json", theParameters)
     plan = load_plan(tmp_path / "plan.json")
@@ -84,3 +80,193 @@ def test_a_broken_plan_is_refused_in_the_panel(host, aPanel, tmp_path):
     host.click(aPanel.ui.loadPlanButton)
     assert aPanel._parameterNode.status
     assert "Unexpected" not in aPanel._parameterNode.status
+
+
+TURNED = 0.01
+"""mm. In a frame that is turned the finish of the lumen may end a few micrometers elsewhere at single points."""
+
+
+def writePlan(path, aLogic, theParameters, change):
+    """A plan of these parameters, changed as a document."""
+    aLogic.savePlan(path, theParameters)
+    document = json.loads(path.read_text())
+    change(document)
+    path.write_text(json.dumps(document))
+
+
+def inFrame(frame):
+    """Give a plan's document, in RAS, another frame: its points with it."""
+
+    def change(document):
+        document["inputs"]["frame"] = frame
+        for stent in document["stents"]:
+            x, y, z = stent["placement"]["center"]
+            stent["placement"]["center"] = [-x, -y, z]
+
+    return change
+
+
+def test_a_plan_in_lps_is_turned(aLogic, theParameters, tmp_path):
+    points = aLogic.deploy(theParameters).points
+    writePlan(tmp_path / "plan.json", aLogic, theParameters, inFrame("LPS"))
+    aLogic.loadPlan(tmp_path / "plan.json", theParameters)
+    np.testing.assert_allclose(aLogic.deploy(theParameters).points, points, rtol=0, atol=1e-9)
+
+
+def test_a_plan_of_the_command_line_gives_its_points_in_the_panel(aLogic, theParameters, tmp_path):
+    """Files as Slicer writes them are LPS, and so is a plan that the command line makes of them."""
+    from SDFStentLib.plan_document import save_plan
+    from SDFStentLib.plan_reader import load_plan
+    from SDFStentLib.plan_run import run_plan
+
+    for node in (theParameters.vessel, theParameters.centerline):
+        saveAsFile(node, tmp_path / f"{node.GetName()}.vtp", "LPS")
+    path = tmp_path / "plan.json"
+    aLogic.savePlan(path, theParameters)
+    result = run_plan(load_plan(path))
+    save_plan(result.plan, path)
+    aLogic.loadPlan(path, theParameters)
+    expected = result.treatment.points * (-1, -1, 1)
+    points = aLogic.deploy(theParameters).points
+    np.testing.assert_allclose(points, expected, rtol=0, atol=TURNED)
+
+
+@pytest.mark.parametrize("frame", ["RAS", "LPS"])
+def test_points_without_a_frame_are_in_that_of_the_vessels_file(
+    host, aPanel, aLogic, theParameters, tmp_path, frame
+):
+    place = theParameters.stent.handle.GetNthControlPointPositionWorld(0)
+    change = inFrame(None) if frame == "LPS" else lambda d: d["inputs"].update(frame=None)
+    writePlan(tmp_path / "plan.json", aLogic, theParameters, change)
+    saveAsFile(theParameters.vessel, tmp_path / "artery.vtp", frame)
+    host.files.append(str(tmp_path / "plan.json"))
+    aPanel.ui.vesselSelector.setCurrentNode(theParameters.vessel)
+    host.click(aPanel.ui.loadPlanButton)
+    parameters = aPanel._parameterNode
+    np.testing.assert_array_equal(parameters.stent.handle.GetNthControlPointPositionWorld(0), place)
+    assert f"does not name the frame of its points; {frame} is taken" in parameters.status
+
+
+def test_points_without_a_frame_and_without_a_file_are_in_ras(aLogic, theParameters, tmp_path):
+    place = theParameters.stent.handle.GetNthControlPointPositionWorld(0)
+    writePlan(
+        tmp_path / "plan.json", aLogic, theParameters, lambda d: d["inputs"].update(frame=None)
+    )
+    aLogic.loadPlan(tmp_path / "plan.json", theParameters)
+    np.testing.assert_array_equal(
+        theParameters.stent.handle.GetNthControlPointPositionWorld(0), place
+    )
+    assert "RAS is taken" in theParameters.status
+
+
+@pytest.mark.parametrize("frame", ["RAS", "LPS"])
+def test_a_saved_plan_fits_its_surface_without_a_space_tag(aLogic, theParameters, tmp_path, frame):
+    """The library does not turn points where the file names no frame: they have to be in its own."""
+    from SDFStentLib.plan_reader import load_plan
+    from SDFStentLib.plan_run import run_plan
+
+    for node in (theParameters.vessel, theParameters.centerline):
+        path = tmp_path / f"{node.GetName()}.vtp"
+        saveAsFile(node, path, frame)
+        removeFrame(path)
+    aLogic.savePlan(tmp_path / "plan.json", theParameters)
+    plan = load_plan(tmp_path / "plan.json")
+    assert plan.frame == frame
+    turn = (-1, -1, 1) if frame == "LPS" else (1, 1, 1)
+    expected = aLogic.deploy(theParameters).points * turn
+    tolerance = TURNED if frame == "LPS" else 1e-9
+    np.testing.assert_allclose(run_plan(plan).treatment.points, expected, rtol=0, atol=tolerance)
+
+
+def removeFrame(path):
+    import vtk
+
+    reader, writer = vtk.vtkXMLPolyDataReader(), vtk.vtkXMLPolyDataWriter()
+    reader.SetFileName(str(path))
+    reader.Update()
+    reader.GetOutput().GetFieldData().Initialize()
+    writer.SetFileName(str(path))
+    writer.SetInputData(reader.GetOutput())
+    assert writer.Write()
+
+
+WIDE = {"influence_distance": 40.0, "step": 3.0, "capsule_length": 8.0, "smoothing_width": 4.0}
+
+
+def test_values_that_the_library_takes_are_shown(host, aPanel, aLogic, theParameters, tmp_path):
+    def change(document):
+        document["stents"][0].update(diameter=65.0, length=350.0)
+        document["settings"].update(WIDE)
+
+    writePlan(tmp_path / "plan.json", aLogic, theParameters, change)
+    host.files.append(str(tmp_path / "plan.json"))
+    host.click(aPanel.ui.loadPlanButton)
+    ui, method = aPanel.ui, aPanel._parameterNode.method
+    assert aPanel._parameterNode.status == ""
+    assert (ui.diameterSlider.value, ui.lengthSlider.value) == (65.0, 350.0)
+    assert (ui.influenceSlider.value, ui.stepSpinBox.value, ui.capsuleSlider.value) == (40, 3, 8)
+    assert (method.influenceDistance, method.step, method.capsuleLength) == (40, 3, 8)
+    assert aPanel._parameterNode.stents[0].diameter == 65.0
+
+
+@pytest.mark.parametrize(
+    ("key", "limit", "sentence"),
+    [
+        ("diameter", 8.0, r"Stent 2: expected a diameter of 0.1 to 8 mm in the panel, got 8.5;"),
+        ("length", 9.0, r"Stent 2: expected a length of 0.1 to 9 mm in the panel, got 14;"),
+        ("influenceDistance", 3.0, r"an influence distance of 0.05 to 3 mm .* got 6.5;"),
+        ("step", 0.2, r"settings: expected a radius step of 0 to 0.2 mm .* got 0.3; change"),
+    ],
+)
+def test_what_cannot_be_shown_is_said_and_leaves_nothing(
+    aLogic, theParameters, aScene, tmp_path, monkeypatch, key, limit, sentence
+):
+    """With a panel that reaches less far than the library, which refuses the same values itself."""
+    from SDFStentSlicer.ParameterNode import RANGES
+
+    from SDFStentLib.validation import InputError  # here: another test reloads the library
+
+    aLogic.copyStent(theParameters)
+    writePlan(
+        tmp_path / "plan.json",
+        aLogic,
+        theParameters,
+        lambda document: (
+            document["settings"].update(step=0.3),
+            document["stents"][0].update(diameter=7.0, length=8.0),
+        ),
+    )
+    stents, count = aLogic.stentList(theParameters).values(), aScene.GetNumberOfNodes()
+    monkeypatch.setitem(RANGES, key, RANGES[key]._replace(high=limit))
+    with pytest.raises(InputError, match=sentence):
+        aLogic.loadPlan(tmp_path / "plan.json", theParameters)
+    assert aScene.GetNumberOfNodes() == count
+    assert aLogic.stentList(theParameters).values() == stents
+    assert theParameters.method.step == 0.0
+
+
+def test_saving_a_plan_of_vessels_without_a_file_is_said(host, aStent, tmp_path):
+    parameters, path = aStent._parameterNode, tmp_path / "plan.json"
+    sentence = lambda: savedWith(host, aStent, path)  # noqa: E731
+    assert "The plan is saved without a file of Artery" in sentence()
+    assert "Artery centerline" in sentence()
+    assert "save the scene first" in sentence()
+    for node in (parameters.vessel, parameters.centerline):
+        saveAsFile(node, tmp_path / f"{node.GetName()}.vtp", "LPS")
+    assert sentence() == ""
+    parameters.vessel.GetPolyData().GetPoints().GetData().Modified()
+    parameters.vessel.GetPolyData().Modified()
+    assert "without a file of Artery:" in sentence()
+
+
+def savedWith(host, panel, path):
+    host.files.append(str(path))
+    host.click(panel.ui.savePlanButton)
+    assert path.is_file()
+    return panel._parameterNode.status
+
+
+def test_a_deployment_takes_the_sentence_about_the_plan_away(host, aStent, tmp_path):
+    assert savedWith(host, aStent, tmp_path / "plan.json")
+    deploy(host, aStent)
+    assert aStent._parameterNode.status == ""

@@ -77,11 +77,14 @@ class ctkSliderWidget(QWidget):
             self._setValue(self._minimum() + (self._maximum() - self._minimum()) * position / 1000)
 
     def _onSpinBox(self, value):
+        self._placeSlider()
+        self.valueChanged.emit(value)
+
+    def _placeSlider(self):
         self._slider.blockSignals(True)
         span = self._maximum() - self._minimum()
-        self._slider.setValue(round(1000 * (value - self._minimum()) / span) if span else 0)
+        self._slider.setValue(round(1000 * (self._value() - self._minimum()) / span) if span else 0)
         self._slider.blockSignals(False)
-        self.valueChanged.emit(value)
 
     def _value(self):
         return self._spinBox.value()
@@ -94,12 +97,14 @@ class ctkSliderWidget(QWidget):
 
     def _setMinimum(self, value):
         self._spinBox.setMinimum(value)
+        self._placeSlider()
 
     def _maximum(self):
         return self._spinBox.maximum()
 
     def _setMaximum(self, value):
         self._spinBox.setMaximum(value)
+        self._placeSlider()
 
     def _singleStep(self):
         return self._spinBox.singleStep()

@@ -1,0 +1,78 @@
+"""The settings of Advanced, and how far the panel's sliders reach."""
+
+import pytest
+
+
+def test_a_step_of_zero_reads_automatic(aStent):
+    assert aStent.ui.stepSpinBox.text == "automatic"
+    aStent.ui.stepSpinBox.value = 0.5
+    assert aStent._parameterNode.method.step == 0.5
+    assert aStent.ui.stepSpinBox.text == "0.500 mm"
+
+
+def test_rules_are_named_for_the_user_and_stored_as_the_library_calls_them(host, aPanel):
+    box, method = aPanel.ui.ruleComboBox, aPanel._parameterNode.method
+    assert [box.itemText(i) for i in range(box.count)] == ["adaptive", "as in the paper"]
+    assert method.rule == "events"
+    host.choose(box, 1)
+    assert method.rule == "published"
+    aPanel.exit()
+    aPanel.enter()
+    assert box.currentText == "as in the paper"
+
+
+def test_the_blend_reaches_the_library(host, aStent):
+    from SDFStentSlicer import Plans
+
+    host.choose(aStent.ui.blendComboBox, 1)
+    assert aStent._parameterNode.method.blend == "quadratic"
+    for live in (False, True):
+        assert Plans.settingsOf(aStent._parameterNode, live).blend == "quadratic"
+
+
+def test_choices_are_those_of_the_library(theModule):
+    from SDFStentSlicer.ParameterNode import MethodParameters, ruleLabel
+
+    from SDFStentLib.blending import BLENDS, FALLOFFS
+    from SDFStentLib.settings import RULES, DeploymentSettings
+
+    assert len({ruleLabel(rule) for rule in RULES}) == len(RULES)
+    for known, name in ((BLENDS, "blend"), (FALLOFFS, "falloff"), (RULES, "rule")):
+        for value in known:
+            MethodParameters(**{name: value})
+        assert getattr(MethodParameters(), name) == getattr(DeploymentSettings(), name)
+
+
+def test_the_panel_takes_the_sizes_that_the_library_takes(theModule):
+    from SDFStentSlicer.ParameterNode import StentParameters
+
+    from SDFStentLib.stent import MAXIMUM_DIAMETER, MAXIMUM_LENGTH
+
+    stent = StentParameters(diameter=MAXIMUM_DIAMETER, length=MAXIMUM_LENGTH)
+    assert (stent.diameter, stent.length) == (100.0, 500.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "widget", "usual", "wide"),
+    [
+        ("influenceDistance", "influenceSlider", 30.0, 40.0),
+        ("smoothingWidth", "smoothingSlider", 3.0, 4.0),
+        ("capsuleLength", "capsuleSlider", 5.0, 8.0),
+        ("tissueGap", "gapSlider", 5.0, 7.0),
+    ],
+)
+def test_a_slider_reaches_farther_only_for_a_value_that_needs_it(aStent, name, widget, usual, wide):
+    slider, method = getattr(aStent.ui, widget), aStent._parameterNode.method
+    assert slider.maximum == usual
+    setattr(method, name, wide)
+    assert (slider.maximum, slider.value) == (wide, wide)
+    assert getattr(method, name) == wide
+    aStent.ui.defaultsButton.click()
+    assert slider.maximum == usual
+
+
+def test_a_diameter_beyond_the_slider_is_shown_as_it_is(aStent):
+    parameters = aStent._parameterNode
+    parameters.stent.diameter = 65.0
+    assert aStent.ui.diameterSlider.value == 65.0
+    assert parameters.stents[0].diameter == 65.0
