@@ -71,7 +71,11 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
         return StentList(parameterNode)
 
     def addStent(self, parameterNode, **values):
-        """Append a stent, with a handle at the middle of the centerline unless `handle` is given; returns the handle."""
+        """Append a stent, with a handle of its own unless `handle` is given; returns the handle.
+
+        The handle is put at the middle of the centerline. Along a curve, which is the placement where there is no centerline,
+        it is a curve without points, for the user to draw.
+        """
         unknown = set(values) - set(STENT_FIELDS)
         if unknown:
             raise InputError(
@@ -79,32 +83,32 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
             )
         stents = StentList(parameterNode)
         if "handle" not in values:
-            placement = values.get("placement", Placement.CENTER)
-            centerline = self._inputs.centerline(parameterNode)
-            values.setdefault("diameter", self._inputs.suggestedDiameter(parameterNode))
-            name = values.get("label", _("Stent {number}").format(number=len(stents) + 1))
-            values["handle"] = Handles.createHandle(
-                slicer.mrmlScene, name, [Handles.middlePoint(centerline)]
-            )
-            Handles.fitHandle(values["handle"], placement, centerline, values.get("length", 20.0))
+            if parameterNode.centerline is None:
+                values.setdefault("placement", Placement.ALONG_CURVE)
+            else:
+                values.setdefault("diameter", self._inputs.suggestedDiameter(parameterNode))
+            values.setdefault("label", stents.freeLabel())
+            values["handle"] = self._newHandle(parameterNode, values)
         if values.get("placement", Placement.CENTER).usesHandleLength:
             values.setdefault("foreshortening", 0.0)
         stents.add(**values)
         return values["handle"]
 
+    def _newHandle(self, parameterNode, values):
+        placement = values.get("placement", Placement.CENTER)
+        if placement == Placement.ALONG_CURVE:
+            return Handles.createHandle(slicer.mrmlScene, values["label"], [], Handles.CURVE)
+        centerline = self._inputs.centerline(parameterNode)
+        handle = Handles.createHandle(
+            slicer.mrmlScene, values["label"], [Handles.middlePoint(centerline)]
+        )
+        Handles.fitHandle(handle, placement, centerline, values.get("length", 20.0))
+        return handle
+
     def copyStent(self, parameterNode):
         """Append a copy of the selected stent with a handle of its own."""
-        handle = parameterNode.stent.handle
-        points = (
-            [
-                handle.GetNthControlPointPositionWorld(i)
-                for i in range(handle.GetNumberOfControlPoints())
-            ]
-            if handle
-            else []
-        )
         stents = StentList(parameterNode)
-        stents.copy(Handles.createHandle(slicer.mrmlScene, stents.freeLabel(), points))
+        stents.copy(Handles.copyHandle(parameterNode.stent.handle, stents.freeLabel()))
 
     def removeStent(self, parameterNode):
         """Remove the selected stent, and its handle if this module made it."""

@@ -191,7 +191,9 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.ui.lengthSlider.enabled = not stent.placement.usesHandleLength or (
             isCurve and not stent.wholeCurve
         )
-        self.ui.addStentButton.enabled = self._parameterNode.centerline is not None
+        self.ui.addStentButton.enabled = (
+            self._parameterNode.vessel is not None or self._parameterNode.centerline is not None
+        )
         self.ui.copyStentButton.enabled = self.ui.removeStentButton.enabled = count > 0
         self.ui.moveUpButton.enabled = self._parameterNode.selected > 0
         self.ui.moveDownButton.enabled = 0 <= self._parameterNode.selected < count - 1
