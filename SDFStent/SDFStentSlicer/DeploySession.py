@@ -41,6 +41,13 @@ class DeploySession:
         """Whether something runs or is about to."""
         return self._run is not None or self._timer.isActive() or self._settleTimer.isActive()
 
+    @property
+    def isRenewing(self):
+        """Whether the results are being renewed, or will be without a click."""
+        if self._run is not None or self._settleTimer.isActive():
+            return True
+        return self.hasChanged and self._parameterNode.autoUpdate
+
     def setParameterNode(self, parameterNode):
         """Work for another parameter node, or for none; whatever runs is stopped."""
         self.cancel()
@@ -65,14 +72,15 @@ class DeploySession:
             self._run = None
 
     @property
-    def _hasChanged(self):
+    def hasChanged(self):
+        """Whether there is something to deploy that the last deployment, finished or not, did not begin with."""
         parameterNode = self._parameterNode
         if parameterNode is None or self._logic.missing(parameterNode):
             return False
         return self._logic.signature(parameterNode) != self._signature
 
     def _update(self):
-        if not self._hasChanged:
+        if not self.hasChanged:
             return
         if self._run is not None:
             if self._live and self._run.age < RESTART_AFTER_S:
@@ -81,7 +89,7 @@ class DeploySession:
         self._begin(live=True)
 
     def _settle(self):
-        if self._run is None and not self._hasChanged:
+        if self._run is None and not self.hasChanged:
             self._begin(live=False)
 
     def _begin(self, live):
@@ -97,7 +105,7 @@ class DeploySession:
         self._onDone(error)
         if self._parameterNode is None or not self._parameterNode.autoUpdate:
             return
-        if self._hasChanged:
+        if self.hasChanged:
             self._timer.start()
         elif self._live and error is None:
             self._settleTimer.start()

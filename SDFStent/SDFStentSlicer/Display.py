@@ -206,7 +206,6 @@ def showChart(parameterNode, x, series, dashed, top):
         chart = scene.AddNewNodeByClass(
             "vtkMRMLPlotChartNode", scene.GenerateUniqueName(_("Stent diameters chart"))
         )
-        chart.SetTitle(_("Diameter along the stent"))
         chart.SetXAxisTitle(_("From the proximal end (mm)"))
         chart.SetYAxisTitle(_("Diameter (mm)"))
         for column, color in series.items():

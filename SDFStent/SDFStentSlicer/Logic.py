@@ -42,7 +42,7 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
         """Let go of everything that belongs to the scene, which was closed or has got other content."""
         # A wrapper that lived through an import may have cached references that were not resolved yet.
         self._wrappers = {}
-        self._runs, self._surfaces, self._inputs = {}, {}, Inputs()
+        self._runs, self._surfaces, self._signatures, self._inputs = {}, {}, {}, Inputs()
 
     def getParameterNode(self):
         """The parameters that the panel starts with."""
@@ -193,7 +193,9 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
             straightening=parameterNode.method.straightening / 100,
             dtype=vtk_to_numpy(vessel.polyData.GetPoints().GetData()).dtype,
             topology=vessel.topology,
+            places=Dependencies.places(parameterNode),
         )
+        signature = self.signature(parameterNode)
         surface = self._surface(parameterNode, vessel.polyData)
         self._runs[parameterNode.parameterNode.GetID()] = run
         parameterNode.status = ""
@@ -209,6 +211,7 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
                     )
             yield fraction
         surface.show(run.points)
+        self._signatures[parameterNode.parameterNode.GetID()] = signature
         Results.showEnd(parameterNode, run)
         Results.showMap(parameterNode, run)
         if not live:
@@ -226,6 +229,11 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
     def lastRun(self, parameterNode):
         """The `Stenting` of the last deployment, with its recorded steps; None before the first."""
         return self._runs.get(parameterNode.parameterNode.GetID())
+
+    def hasChanged(self, parameterNode):
+        """Whether the results are those of another plan, or of other inputs, than the parameters have now."""
+        signature = self._signatures.get(parameterNode.parameterNode.GetID())
+        return signature is not None and signature != self.signature(parameterNode)
 
     def hasSteps(self, parameterNode):
         """Whether there is a deployment to go back and forth over."""
@@ -259,7 +267,10 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
         ):
             parameterNode.outputStents.GetDisplayNode().SetVisibility(parameterNode.showStents)
         run = self.lastRun(parameterNode)
-        if run is not None and run.shownMap != parameterNode.map:
+        if run is None:
+            return
+        Results.followSelection(parameterNode, run)
+        if run.shownMap != parameterNode.map:
             Results.showMap(parameterNode, run)
 
     def showPlot(self, parameterNode):

@@ -103,12 +103,37 @@ def _spread(profile):
     return f"{profile.mean:.1f} \N{PLUS-MINUS SIGN} {profile.sd:.1f}"
 
 
+def followSelection(parameterNode, run):
+    """Let table and plot show the selected stent, where both are there; makes no nodes."""
+    if run.result is None or None in (parameterNode.outputTable, parameterNode.outputChart):
+        return
+    if selectedStent(parameterNode, run) != run.shownStent:
+        showProfile(parameterNode, run)
+
+
+def selectedStent(parameterNode, run):
+    """Number of the selected stent among the deployed ones: that with its handle, or in its place; else the first."""
+    handle, index = parameterNode.stent.handle, parameterNode.selected
+    place = (index, handle.GetID() if handle is not None else None)
+    ranks = [(p == place, p[1] == place[1], p[0] == index) for p in run.places]
+    return ranks.index(max(ranks))
+
+
+def _title(treated, number):
+    """How a stent is called above its plot: by its name, and by its number when the name is not its own."""
+    names = [stent.planned.name for stent in treated]
+    if names[number] and names.count(names[number]) == 1:
+        return names[number]
+    return _("{name} (stent {number} of {count})").format(
+        name=names[number] or _("Stent"), number=number + 1, count=len(treated)
+    )
+
+
 def showProfile(parameterNode, run):
-    """Table and plot of the selected stent, or of the first when that one is switched off."""
-    treated = run.result.stents
-    labels = [stent.planned.name for stent in treated]
-    selected = parameterNode.stent.label
-    chosen = treated[labels.index(selected) if selected in labels else 0]
+    """Table and plot of the selected stent, or of the first when that one was not deployed."""
+    treated, number = run.result.stents, selectedStent(parameterNode, run)
+    run.shownStent = number
+    chosen, title = treated[number], _title(treated, number)
     before, after = chosen.before, chosen.after
     columns = {
         POSITION: before.arc_length,
@@ -121,11 +146,12 @@ def showProfile(parameterNode, run):
     table = Display.fillTable(
         parameterNode, {title: (values, "mm") for title, values in columns.items()}
     )
-    table.SetDescription(
-        _("Diameters along {label}, proximal to distal").format(label=chosen.planned.name)
-    )
+    table.SetDescription(_("Diameters along {label}, proximal to distal").format(label=title))
     largest = max(np.nanmax(columns[name], initial=0.0) for name in SERIES)
-    Display.showChart(parameterNode, POSITION, SERIES, dashed="Prescribed (mm)", top=1.1 * largest)
+    chart = Display.showChart(
+        parameterNode, POSITION, SERIES, dashed="Prescribed (mm)", top=1.1 * largest
+    )
+    chart.SetTitle(_("Diameter along {label}").format(label=title))
 
 
 def showMap(parameterNode, run):

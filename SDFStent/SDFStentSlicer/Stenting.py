@@ -28,15 +28,18 @@ class Stenting:
         straightening=0.0,
         dtype=np.float32,
         topology=None,
+        places=(),
     ):
         """`planned` is a list of `PlannedStent`; `dtype` is the type in which the result is stored.
 
         `topology` is that of the triangles where it is known, to look at it once for many deployments.
+        `places` says for every stent by what the caller finds it again.
         """
         self.original = self.points = points
         self.triangles, self.centerline = triangles, centerline
         self.recorded, self._axes = [], {}
-        self.result = self.shownMap = None
+        self.places, self.result = list(places), None
+        self.shownMap = self.shownStent = None
         self._straightening = straightening
         self._treatment = Treatment(
             points,

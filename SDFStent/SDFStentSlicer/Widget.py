@@ -200,9 +200,18 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.ui.savePlanButton.enabled = not missing
         self.ui.showPlotButton.enabled = self._parameterNode.outputChart is not None
         self.ui.showTableButton.enabled = self._parameterNode.outputTable is not None
-        self.ui.statusLabel.text = missing or self._parameterNode.status
-        self.ui.statusLabel.visible = bool(self.ui.statusLabel.text)
         self.ui.warningLabel.visible = bool(self._parameterNode.warningSummary)
+        self._updateStatus(missing)
+
+    def _updateStatus(self, missing):
+        """The line below Deploy; results that no longer belong to the plan are grey, unless they are renewed anyway."""
+        isOld = not self.session.isRenewing and self.logic.hasChanged(self._parameterNode)
+        for label in (self.ui.lumenLabel, self.ui.certificateLabel, self.ui.warningLabel):
+            label.enabled = not isOld
+        changed = _("Changed since this deployment; click Deploy.") if isOld else ""
+        sentences = [missing or self._parameterNode.status, changed]
+        self.ui.statusLabel.text = "\n".join(sentence for sentence in sentences if sentence)
+        self.ui.statusLabel.visible = bool(self.ui.statusLabel.text)
 
     # Deploying
 
