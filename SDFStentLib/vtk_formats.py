@@ -29,6 +29,7 @@ from .file_input import FileContent, Frame, frame_in_text, kind_in_words
 from .legacy_blocks import check_blocks
 from .polydata import frame_of_polydata
 from .validation import InputError
+from .xml_arrays import check_arrays
 from .xml_blocks import check_announced_sizes
 
 # VTK's window for messages is one for the whole process, so that only one thread may swap it.
@@ -187,6 +188,7 @@ def _check_xml(content: FileContent) -> None:
     if not data.rstrip(b" \t\r\n\0").endswith(b"</VTKFile>"):
         raise InputError(f"{content.path}: its end is missing; it is cut short, write it again.")
     check_announced_sizes(data, str(content.path))
+    check_arrays(data, str(content.path))
 
 
 def _check_legacy(content: FileContent) -> None:
