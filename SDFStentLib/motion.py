@@ -74,7 +74,8 @@ class Motion:
         self._origin = chain.nodes[0]
         if near is None:
             near, _ = chain.folding.nearest_nodes(points)
-        order, self.cell = _spatial_order(points - self._origin, touchable, near)
+        self._mirror = _mirror(points - self._origin)
+        order, self.cell = _spatial_order(self._mirror * (points - self._origin), touchable, near)
         self.chain = chain
         self.indices = order
         self.positions = points[order]
@@ -92,7 +93,7 @@ class Motion:
     @cached_property
     def resting(self) -> RestingPoints:
         """The points in cubes; made when first asked for, before anything moves."""
-        return RestingPoints(self.positions - self._origin, self._origin)
+        return RestingPoints(self.positions - self._origin, self._origin, self._mirror)
 
     def restricted(self, keep: NDArray[np.bool_]) -> None:
         """Drop the points that are not kept; before anything moves."""
@@ -163,9 +164,9 @@ class RestingPoints:
     distance plus its radius; only awake points are searched one by one. Skipping is exact.
     """
 
-    def __init__(self, positions: Points, origin: Points) -> None:
+    def __init__(self, positions: Points, origin: Points, mirror: Points) -> None:
         """Positions are relative to an origin on the stent, so that shifts change nothing."""
-        cubes = np.floor(positions / BIN_SIZE).astype(np.int64)
+        cubes = np.floor(mirror * positions / BIN_SIZE).astype(np.int64)
         change = np.any(np.diff(cubes, axis=0) != 0, axis=1)
         starts = np.concatenate([[0], np.flatnonzero(change) + 1]).astype(np.int64)
         if len(positions) == 0:
@@ -215,6 +216,14 @@ def influence_rates(
     near = np.minimum(contact_distance / influence_distance, 1)
     above = np.minimum(np.maximum(level_above / influence_distance, 0), 1)
     return falloff(above) * blend(near)
+
+
+def _mirror(points: Points) -> Points:
+    """Signs (3,) that turn coordinates the way in which most points lie.
+
+    So that RAS and LPS, which differ by two signs, group the same points together.
+    """
+    return np.where(points.sum(axis=0) < 0, -1.0, 1.0)
 
 
 def _spatial_order(

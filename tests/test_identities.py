@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from deployment_cases import phantom_case
+from deployment_cases import anatomy_case, phantom_case
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -56,6 +56,20 @@ def test_a_rigid_motion_commutes_with_the_deployment(case, name, seed):
         # the steps state anyway. The calibration's 12 points round the axis make 1e-7 mm.
         assert np.quantile(apart, 0.95) < 1e-6
         assert apart.max() < plain.estimated_error
+
+
+@both
+@pytest.mark.parametrize("anatomy", ["phantom", "pulmonary", "vmtk_aorta"])
+def test_ras_and_lps_give_the_same_bits(request, name, anatomy):
+    """One plan in both frames is the same treatment: between them two coordinates change sign."""
+    if anatomy == "phantom":
+        case = request.getfixturevalue("case")
+    else:
+        case = anatomy_case(request.getfixturevalue("data_dir"), anatomy, 15.0, 25.0)
+    signs = np.array([-1.0, -1.0, 1.0])
+    ras = deployed(case, SETTINGS[name])
+    lps = deployed(case, SETTINGS[name], points=signs * case.points, axis=signs * case.axis)
+    np.testing.assert_array_equal(signs * lps, ras)
 
 
 @pytest.mark.parametrize("scale", [0.5, 3.0])
