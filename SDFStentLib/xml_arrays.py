@@ -17,13 +17,25 @@ from numpy.typing import NDArray
 from .validation import InputError
 
 _TAG = rb"(?:[^>\"']|\"[^\"]*\"|'[^']*')*"
-_ARRAY = re.compile(rb"<(?:Data)?Array\b(" + _TAG + rb")>")
+_LISTS = (b"Verts", b"Lines", b"Strips", b"Polys")
+_TAGS = re.compile(
+    rb"<(Piece|Points|PointData|CellData|FieldData|" + b"|".join(_LISTS) + rb"|Array|DataArray)\b("
+    + _TAG + rb")>"
+)  # fmt: skip
 _ATTRIBUTE = re.compile(rb"([\w_]+)\s*=\s*(?:\"([^\"]*)\"|'([^']*)')")
 _APPENDED = re.compile(rb"<AppendedData\b(" + _TAG + rb")>\s*_")
 _FILE = re.compile(rb"<VTKFile\b(" + _TAG + rb")>")
 
+_INDENT = b"\n  "  # VTK's before the end of appended arrays; as many lost bytes would hide in it
+
 # Bytes that come out of one: zlib and lz4 stay below the first, LZMA below the other.
 _LARGEST_EXPANSION, _LARGEST_EXPANSION_LZMA = 1100, 10_000
+
+
+class _Place(NamedTuple):
+    start: int
+    end: int  # of the element that it is in
+    is_raw: bool
 
 
 class _Layout(NamedTuple):
@@ -49,48 +61,66 @@ def check_arrays(data: bytes, name: str) -> None:
     appended = _APPENDED.search(data)
     layout = _layout(_attributes(_FILE.search(data)))
     is_raw = _attributes(appended).get(b"encoding") == b"raw"
-    for array in _ARRAY.finditer(data, 0, appended.start() if appended else len(data)):
-        words = _attributes(array)
-        if words.get(b"format") == b"binary":
-            is_whole = _is_whole(data, array.end(), layout, is_raw=False)
-        elif words.get(b"format") == b"appended":
-            offset = words.get(b"offset", b"")
-            is_whole = appended is not None and offset.isdigit()
-            if appended and is_whole:
-                is_whole = _is_whole(data, appended.end() + int(offset[:25]), layout, is_raw)
-        else:
-            continue
-        if not is_whole:
-            label = words.get(b"Name", b"without a name").decode("utf-8", "replace")
-            raise InputError(
-                f"{name}: its array {label} announces more than the file holds; the file is "
-                "damaged, write it again."
-            )
+    last = data.rfind(b"</AppendedData")
+    last -= len(_INDENT) if data.endswith(_INDENT, 0, max(last, 0)) else 0
+    counts: dict[bytes, bytes] = {}
+    section = b""
+    for tag in _TAGS.finditer(data, 0, appended.start() if appended else len(data)):
+        words = _attributes(tag, 2)
+        if tag[1] == b"Piece":
+            counts = words
+        elif not tag[1].endswith(b"Array"):
+            section = tag[1]
+        elif words.get(b"format") in (b"binary", b"appended"):
+            # An empty list of cells, where there are cells, makes VTK crash.
+            number = counts.get(b"NumberOf" + section, b"")
+            least = int(number[:25]) if number.isdigit() and section in _LISTS else 0
+            place = _place(words.get(b"offset", b""), appended, last, is_raw)
+            if words[b"format"] == b"binary":
+                place = _Place(tag.end(), data.find(b"<", tag.end()), False)
+            if not (place and least <= _size(data, place, layout)):
+                label = words.get(b"Name", b"without a name").decode("utf-8", "replace")
+                raise InputError(
+                    f"{name}: its array {label} announces more than the file holds, or is empty; "
+                    "the file is damaged, write it again."
+                )
 
 
-def _is_whole(data: bytes, start: int, layout: _Layout, is_raw: bool) -> bool:
-    """Whether the array at this place fits into what follows it."""
-    first = _words(data, start, 1, layout.word, is_raw)
+def _place(
+    offset: bytes, appended: re.Match[bytes] | None, last: int, is_raw: bool
+) -> _Place | None:
+    """Where an appended array begins, and where all of them end; None without such a place."""
+    if appended is None or not offset.isdigit():
+        return None
+    return _Place(appended.end() + int(offset[:25]), last, is_raw)
+
+
+def _size(data: bytes, place: _Place, layout: _Layout) -> float:
+    """Bytes of the array at this place once expanded; -1 when it cannot be whole."""
+    first = _words(data, place, 1, layout.word)
     if len(first) == 0:
-        return False
-    left = max(len(data) - start, 0)  # base64 takes more than that, so that this bounds both
+        return -1
+    left = place.end - place.start
+    left = (left if place.is_raw else left * 3 // 4) - layout.word.itemsize
     if not layout.expansion or first[0] == 0:
-        return int(first[0]) <= left
+        return float(first[0]) if first[0] <= left else -1
     blocks = int(first[0])
-    if blocks * layout.word.itemsize > left:
-        return False
-    header = _words(data, start, 3 + blocks, layout.word, is_raw)
+    left -= (2 + blocks) * layout.word.itemsize
+    if left < 0:
+        return -1
+    header = _words(data, place, 3 + blocks, layout.word)
     if len(header) < 3 + blocks:
-        return False
+        return -1
     compressed = float(header[3:].sum(dtype=np.float64))
     expanded = float(header[1]) * (blocks - 1) + float(header[2] or header[1])
-    return compressed <= left and expanded <= layout.expansion * compressed
+    return expanded if compressed <= left and expanded <= layout.expansion * compressed else -1
 
 
-def _words(data: bytes, start: int, count: int, word: np.dtype[Any], is_raw: bool) -> NDArray[Any]:
+def _words(data: bytes, place: _Place, count: int, word: np.dtype[Any]) -> NDArray[Any]:
     """The first words at a place, fewer where the file ends or is no base64."""
     size = count * word.itemsize
-    if is_raw:
+    start = place.start
+    if place.is_raw:
         found = data[start : start + size]
     else:
         letters = 4 * -(-size // 3)
@@ -111,6 +141,6 @@ def _layout(words: dict[bytes, bytes]) -> _Layout:
     return _Layout(word, _LARGEST_EXPANSION_LZMA if b"LZMA" in compressor else _LARGEST_EXPANSION)
 
 
-def _attributes(tag: re.Match[bytes] | None) -> dict[bytes, bytes]:
-    found = _ATTRIBUTE.findall(tag.group(1)) if tag else ()
+def _attributes(tag: re.Match[bytes] | None, group: int = 1) -> dict[bytes, bytes]:
+    found = _ATTRIBUTE.findall(tag[group]) if tag else ()
     return {key: one or other for key, one, other in found}

@@ -49,7 +49,7 @@ def test_lost_bytes_are_noticed_before_vtk_asks_for_memory(compressor, encoded):
     start = data.index(b"<AppendedData")
     for lost in (1, 7, 165):
         cut = data[: start + 300] + data[start + 300 + lost :]
-        # Without coding, a shifted word may be a small one by chance, which does no harm.
+        # Without coding, a shifted word may be a small one by chance; VTK notices then.
         words = "the file is damaged" if not encoded else "announces more than the file holds"
         with pytest.raises(InputError, match=words):
             read_vtk_polydata(FileContent(Path("a.vtp"), cut, ""))
@@ -99,3 +99,25 @@ def test_every_word_of_a_header_is_compared_with_the_file(compressor, words, kin
 def test_an_array_that_is_nowhere_is_damage(inner):
     with pytest.raises(InputError, match="its array without a name announces more"):
         check_arrays(b"<VTKFile>" + inner + b"</VTKFile>", "a.vtp")
+
+
+@pytest.mark.parametrize("compressor", [b"", b'compressor="vtkZLibDataCompressor"'])
+def test_an_empty_list_of_cells_is_damage_only_where_there_are_cells(compressor):
+    array = b64encode(np.zeros(3, "<u4").tobytes())
+    text = (
+        b'<VTKFile %s><Piece NumberOfPolys="%%d"><Polys><DataArray Name="offsets" '
+        b'format="binary">%s</DataArray></Polys></Piece></VTKFile>' % (compressor, array)
+    )
+    check_arrays(text % 0, "a.vtp")
+    with pytest.raises(InputError, match=r"its array offsets announces .*, or is empty"):
+        check_arrays(text % 1, "a.vtp")
+
+
+@pytest.mark.parametrize("lost", [3, 20])
+@pytest.mark.parametrize("encoded", [True, False])
+def test_bytes_lost_from_the_last_array_are_noticed(encoded, lost):
+    data = vtp(compressor="None", encoded=encoded)
+    end = data.rindex(b"</AppendedData")
+    cut = data[: end - 200] + data[end - 200 + lost :]
+    with pytest.raises(InputError, match="its array offsets announces more"):
+        check_arrays(cut, "a.vtp")
