@@ -156,7 +156,8 @@ def write_report(report: Report, path: str | os.PathLike[str]) -> None:
             f"got {suffix or 'no suffix'!r}."
         )
     with atomic_path(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+        # The name of a file need not be valid text; JSON reads the escape back.
+        temporary.write_text(text, encoding="utf-8", errors="backslashreplace")
 
 
 def write_report_figure(report: Report, path: str | os.PathLike[str]) -> None:

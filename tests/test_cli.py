@@ -596,3 +596,17 @@ def test_a_closed_stream_is_no_reason_to_fail(a_folder, closed):
     )
     assert done.returncode == 0
     assert left_over(a_folder) == {"out.vtp"}
+
+
+@pytest.mark.skipif(os.name == "nt", reason="names are text there")
+def test_a_file_whose_name_is_no_text_can_be_treated_and_reported(a_folder):
+    odd = os.fsdecode(b"\xe9.vtp")
+    os.rename("tube.vtp", odd)
+    assert (
+        deploy("--report", "r.json", "--report", "r.html", "--save-plan", "p.json", surface=odd)
+        == 0
+    )
+    report = json.loads(Path("r.json").read_text("utf-8"))
+    assert report["inputs"][0]["file"].endswith(odd)
+    assert main(["run", "p.json", "-o", "again"]) == 0
+    assert os.fsdecode(b"\xe9_stented.vtp") in os.listdir("again")
