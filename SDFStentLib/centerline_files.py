@@ -171,7 +171,7 @@ def axis_of(line_file: LineFile) -> Points:
     if len(lines) != 1:
         raise InputError(
             f"{line_file.path}: expected one line as axis, got {len(lines)}; save one line, or "
-            "give the file as centerline (--centerline)."
+            "give the file as centerline."
         )
     return line_file.points[lines[0]]
 

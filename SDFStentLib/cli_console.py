@@ -11,6 +11,10 @@ from typing import Any, TextIO
 _OPTIONS = (
     ("to", "between two points to choose", "between two points (--from, --to) to choose"),
     ("units", "the unit of the files.", "the unit of the files (--units mm, cm or m)."),
+    ("units", "the unit of the file if it", "the unit of the file (--units mm, cm or m) if it"),
+    ("units", "in one unit and name that", "in one unit and name that (--units cm, for example)"),
+    ("centerline", "give the file as centerline.", "give the file as centerline (--centerline)."),
+    ("accept_changed_inputs", "(accept_changed_inputs)", "(--accept-changed-inputs)"),
     ("straighten", "or straighten the axis.", "or straighten the axis (--straighten F)."),
 )
 """An option, what the library's sentences say of its thing, and the same with the option."""

@@ -31,6 +31,6 @@ def changed_input(file: InputFile, sha256: str) -> str:
         return ""
     return (
         f"{file.path}: expected the file that the plan was made with (sha256 {file.sha256}), got "
-        f"another one (sha256 {sha256}); give the original, or accept the changed one with "
-        "--accept-changed-inputs (in Python: accept_changed_inputs=True)."
+        f"another one (sha256 {sha256}); give the original, or accept the changed one "
+        "(accept_changed_inputs)."
     )

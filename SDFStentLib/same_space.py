@@ -121,7 +121,7 @@ def size_warnings(
         measured += f" and about {lumen:.3g} mm wide"
     return (
         f"{name}: read in {units}, {measured}, unusual for a vessel; "
-        "name the unit of the file with --units mm, cm or m if it is another.",
+        "name the unit of the file if it is another.",
     )
 
 
@@ -173,12 +173,12 @@ def _best_fit(test: _InsideTest, centers: Points) -> _Fit | None:
 def _explanation(best: _Fit | None) -> str:
     if best is None:
         return (
-            "it lies elsewhere, and neither other units (--units) nor the other frame (RAS, LPS) "
-            "explain that; check that the two belong together."
+            "it lies elsewhere, and neither other units nor the other frame (RAS, LPS) explain "
+            "that; check that the two belong together."
         )
     units = (
         f"the two are in different units (it would fit {best.factor:g} times as large): save "
-        "both in one unit and name it with --units, for example --units cm"
+        "both in one unit and name that"
     )
     frame = (
         "one is in RAS and the other in LPS (it would fit with x and y negated): save both in "

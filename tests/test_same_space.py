@@ -40,7 +40,7 @@ def test_an_end_that_sticks_out_of_an_inlet_is_only_said():
 
 @pytest.mark.parametrize("factor", [10, 0.1, 1000, 0.001])
 def test_other_units_are_recognized_and_the_option_named(factor):
-    words = rf"c.vtp: expected it inside s.vtp, got 0 % .* {1 / factor:g} times .*--units cm"
+    words = rf"c.vtp: expected it inside s.vtp, got 0 % .* {1 / factor:g} times .* name that"
     with pytest.raises(InputError, match=words):
         check_same_space(
             *moved_tube(), factor * axis(), surface_name="s.vtp", centerline_name="c.vtp"
@@ -68,7 +68,7 @@ def test_the_size_of_a_vessel_is_expected():
     assert size_warnings(points, triangles, "s") == ()
     (small,) = size_warnings(points / 10, triangles, "s.stl", "mm")
     assert "s.stl: read in mm, it is 6 mm long and about" in small
-    assert "--units mm, cm or m" in small
+    assert "name the unit of the file if it is another" in small
     assert len(size_warnings(points * 100, triangles, "s")) == 1
     (tube,) = size_warnings(open_tube()[0] / 10, open_tube()[1], "tube")
     assert "wide" not in tube  # the volume of an open surface says nothing
