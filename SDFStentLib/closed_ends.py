@@ -19,7 +19,11 @@ from .validation import Points, Triangles
 Floats = NDArray[np.float64]
 
 AHEAD = np.cos(np.deg2rad(30.0))
-"""A sphere that touches the surface in this direction along the axis touches an end."""
+"""A sphere that touches the surface so nearly along the axis, on the side of its nearer end, may
+touch a cap."""
+
+SQUARELY = np.cos(np.deg2rad(15.0))
+"""The same for an end that is no flat cap; between is the ridge of a flow divider, for example."""
 
 ROUND = 0.98
 """Inscribed over equivalent diameter from which the sphere fills the section: no end is nearer."""
@@ -64,7 +68,8 @@ def past_closed_ends(
     near_end = to_end <= 1.1 * np.fmax(spheres.radii, equivalent / 2)
     near_end &= ~(2 * spheres.radii > ROUND * equivalent) & np.isfinite(spheres.radii)
     at_end = np.flatnonzero(near_end)
-    at_end = at_end[_touches_ahead(points, triangles, directions, spheres, at_end)]
+    outward = np.where((arc < arc[-1] / 2)[:, None], -directions, directions)
+    at_end = at_end[_touches(points, triangles, outward, spheres, at_end, AHEAD)]
     if not len(at_end):
         return spheres, equivalent
     width = float(np.nanmax(np.concatenate([equivalent[at_end], 2 * spheres.radii])))
@@ -74,7 +79,7 @@ def past_closed_ends(
     centers, radii = spheres.centers.copy(), spheres.radii.copy()
     centers[at_end], radii[at_end] = anew
     found = InscribedSpheres(centers, radii)
-    closed = at_end[_touches_ahead(points, kept, directions, found, at_end)]
+    closed = at_end[_touches(points, kept, outward, found, at_end, SQUARELY)]
     centers[closed], radii[closed] = np.nan, np.nan
     caps = points[triangles[is_capped].ravel()]
     cut = [i for i in at_end if _is_crossed(caps, stations[i], directions[i], width)]
@@ -83,14 +88,15 @@ def past_closed_ends(
     return found, equivalent
 
 
-def _touches_ahead(
+def _touches(
     points: Points,
     triangles: Triangles,
-    directions: Points,
+    outward: Points,
     spheres: InscribedSpheres,
     where: NDArray[np.int64],
+    cosine: float,
 ) -> NDArray[np.bool_]:
-    """Which of some spheres (k,) touch the surface along the axis, before or behind them."""
+    """Which of some spheres (k,) touch the surface in their outward direction, so nearly."""
     touches = np.zeros(len(where), dtype=bool)
     if len(where):
         centers, reach = spheres.centers[where], (1 + TOUCH) * spheres.radii[where]
@@ -98,8 +104,8 @@ def _touches_ahead(
         query, triangle = surface.near(centers, reach)
         offset = surface.index.closest_points(centers[query], triangle) - centers[query]
         distance = np.linalg.norm(offset, axis=1)
-        along = np.abs(np.einsum("ij,ij->i", offset, directions[where[query]]))
-        is_ahead = (distance <= reach[query]) & (along >= AHEAD * distance)
+        along = np.einsum("ij,ij->i", offset, outward[where[query]])
+        is_ahead = (distance <= reach[query]) & (along >= cosine * distance)
         # Of a centre in the surface itself, rounding tells the direction.
         touches[query[is_ahead | (distance < IN_SURFACE)]] = True
     return touches

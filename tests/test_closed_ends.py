@@ -71,13 +71,27 @@ def test_the_flat_sides_of_a_square_duct_are_wall():
 
 
 def test_before_an_end_that_is_not_flat_there_is_no_inscribed_diameter():
-    profile = diameter_profile(*a_capped_duct(a_circle(), bulge=1.0), A_LINE)
+    duct = a_capped_duct(a_circle(), bulge=1.0)
+    profile = diameter_profile(*duct, [[0.1, 0, 1.5], [0.1, 0, LENGTH - 1.5]])
     inscribed = profile.inscribed_diameter
     known = np.isfinite(inscribed)
     np.testing.assert_allclose(inscribed[known], 2 * RADIUS * np.cos(np.pi / 32), rtol=1e-5)
-    assert not known[:2].any()
-    assert known[6:-6].all()
+    assert not known[:3].any()
+    assert known[5:-5].all()
     assert any("an end that is no flat cap" in gap for gap in profile.gaps)
+
+
+def test_a_ridge_beside_the_way_is_no_end():
+    """Near the end of a line, a sphere that touches a flow divider obliquely keeps its diameter."""
+    points, triangles = a_capped_duct(a_circle())
+    # A small pyramid in the way, 35 degrees beside the axis as seen from the line's last point.
+    tip = np.array([2.0, 0.0, 15.0])
+    foot = tip + [[1.0, -0.6, 2.0], [1.0, 0.6, 2.0], [2.0, 0.0, 2.5]]
+    ridge = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]]) + len(points)
+    points, triangles = np.vstack([points, tip, foot]), np.concatenate([triangles, ridge])
+    profile = diameter_profile(points, triangles, [[0, 0, 2.0], [0, 0, 12.2]])
+    assert np.isfinite(profile.inscribed_diameter).all()
+    assert profile.inscribed_diameter[-1] < 7.5
 
 
 def test_open_and_capped_tubes_have_one_profile():
