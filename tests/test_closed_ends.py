@@ -86,7 +86,7 @@ def test_a_ridge_beside_the_way_is_no_end():
     points, triangles = a_capped_duct(a_circle())
     # A small pyramid in the way, 35 degrees beside the axis as seen from the line's last point.
     tip = np.array([2.0, 0.0, 15.0])
-    foot = tip + [[1.0, -0.6, 2.0], [1.0, 0.6, 2.0], [2.0, 0.0, 2.5]]
+    foot = tip + np.array([[1.0, -0.6, 2.0], [1.0, 0.6, 2.0], [2.0, 0.0, 2.5]])
     ridge = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]]) + len(points)
     points, triangles = np.vstack([points, tip, foot]), np.concatenate([triangles, ridge])
     profile = diameter_profile(points, triangles, [[0, 0, 2.0], [0, 0, 12.2]])
