@@ -139,4 +139,4 @@ def _is_crossed(points: Points, station: Floats, direction: Floats, width: float
     offset = offset[np.einsum("ij,ij->i", offset, offset) < width**2]
     heights = offset @ direction
     touch = TOUCH * width
-    return bool(len(heights) and heights.min() < touch and heights.max() > -touch)
+    return bool(len(heights) and heights.min() < -touch and heights.max() > touch)
