@@ -95,10 +95,10 @@ def test_integer_coordinates_become_doubles(tmp_path):
     assert "coordinates are integers" in surface.warnings[0]
 
 
-def test_a_size_that_is_no_vessel_names_the_option(tmp_path):
+def test_a_size_that_is_no_vessel_asks_for_the_unit(tmp_path):
     points, triangles = octahedron(radius=3)
     surface = read_surface(saved(tmp_path, polydata_from_arrays(points, triangles)))
-    assert "--units" in surface.warnings[0]
+    assert "name the unit of the file" in surface.warnings[0]
 
 
 def test_bad_files_give_one_sentence_with_their_name(tmp_path):
