@@ -27,7 +27,8 @@ RESEARCH_USE = "Research use only, not a medical device."
 DEFINITIONS = {
     "inscribed diameter": (
         "diameter of the largest sphere that fits into the lumen, its centre free in the plane "
-        "across the stent axis (maximum inscribed sphere, MIS)"
+        "across the stent axis (maximum inscribed sphere, MIS); flat caps of in- and outlets count "
+        "as open"
     ),
     "equivalent diameter": (
         "diameter of the circle with the area of the lumen's cross-section in that plane, "
