@@ -18,6 +18,10 @@ from .validation import Points, Triangles
 FLAT = np.cos(np.deg2rad(1.0))
 """Faces whose normals differ by less lie in one plane."""
 
+ONE_WAY = np.cos(np.deg2rad(5.0))
+"""The mean of a flat spot's unit normals is at least so long. On a fine mesh the whole of a round
+wall hangs together by faces that differ by less than `FLAT`; its normals cancel."""
+
 RIM = np.cos(np.deg2rad(45.0))
 """A cap meets the wall at a steeper angle than this; a flat spot of the wall does not."""
 
@@ -44,8 +48,17 @@ class BulgedCap(NamedTuple):
         )
 
 
-def flat_caps(points: Points, faces: Triangles) -> list[NDArray[np.int64]]:
-    """Flat spots with a steep rim among some faces (m, 3): the faces of each, ascending."""
+class FlatCap(NamedTuple):
+    """A flat spot with a steep rim."""
+
+    faces: NDArray[np.int64]
+    """Ascending."""
+    normal: NDArray[np.float64]
+    """(3,) unit vector."""
+
+
+def flat_caps(points: Points, faces: Triangles) -> list[FlatCap]:
+    """Flat spots with a steep rim among some faces (m, 3)."""
     if len(faces) < FEWEST_FACES:
         return []
     normals = face_normals(points, faces)
@@ -59,7 +72,14 @@ def flat_caps(points: Points, faces: Triangles) -> list[NDArray[np.int64]]:
     count = np.bincount(sides.ravel(), minlength=label.max() + 1)
     steep = np.bincount(sides.ravel(), weights=(angles < RIM).ravel(), minlength=len(count))
     is_cap = (np.bincount(label) >= FEWEST_FACES) & (steep > 0.8 * count)
-    return [np.flatnonzero(label == number) for number in np.flatnonzero(is_cap)]
+    found = []
+    for number in np.flatnonzero(is_cap):
+        own = np.flatnonzero(label == number)
+        mean = normals[own].mean(axis=0)
+        length = np.linalg.norm(mean)
+        if length >= ONE_WAY:
+            found.append(FlatCap(own, mean / length))
+    return found
 
 
 def bulged_caps(
@@ -79,11 +99,9 @@ def bulged_caps(
     has_moved[moved] = True
     faces = triangles[faces_at(has_moved, triangles)]
     found = []
-    for own in flat_caps(before, faces):
-        corners = np.unique(faces[own])
-        plane = face_normals(before, faces[own]).mean(axis=0)
-        plane /= np.linalg.norm(plane)
-        height = float(np.abs((after[corners] - before[corners]) @ plane).max())
+    for cap in flat_caps(before, faces):
+        corners = np.unique(faces[cap.faces])
+        height = float(np.abs((after[corners] - before[corners]) @ cap.normal).max())
         if height > NOTICEABLE:
             x, y, z = before[corners].mean(axis=0).tolist()
             found.append(BulgedCap((x, y, z), height))

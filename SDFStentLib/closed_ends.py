@@ -13,7 +13,6 @@ from .caps import flat_caps
 from .inscribed import InscribedSpheres, inscribed_spheres
 from .local_surface import LocalSurface, may_meet_box
 from .polyline import arc_lengths
-from .surface import face_normals
 from .validation import Points, Triangles
 
 Floats = NDArray[np.float64]
@@ -123,13 +122,11 @@ def _in_caps(
     near = np.flatnonzero(may_meet_box(points, triangles, low, high))
     is_capped = np.zeros(len(triangles), dtype=bool)
     for cap in flat_caps(points, triangles[near]):
-        corners = triangles[near[cap]]
-        offset = stations - points[corners].mean(axis=(0, 1))
+        offset = stations - points[triangles[near[cap.faces]]].mean(axis=(0, 1))
         beside = np.einsum("ij,ij->i", offset, offset).argmin()
-        normal = face_normals(points, corners).mean(axis=0)
         # The sides of a box are flat spots with a steep rim as well.
-        if abs(normal @ directions[beside]) >= AHEAD * np.linalg.norm(normal):
-            is_capped[near[cap]] = True
+        if abs(cap.normal @ directions[beside]) >= AHEAD:
+            is_capped[near[cap.faces]] = True
     return is_capped
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from SDFStentLib.caps import flat_caps
 from SDFStentLib.metrics import diameter_profile
 from SDFStentLib.surface_files import read_surface
 
@@ -68,6 +69,14 @@ def test_a_cap_that_leans_cuts_no_section_short():
 def test_the_flat_sides_of_a_square_duct_are_wall():
     profile = diameter_profile(*a_capped_duct(A_SQUARE), A_LINE)
     np.testing.assert_allclose(profile.inscribed_diameter, 6, rtol=1e-6)
+
+
+def test_a_round_wall_of_a_fine_mesh_is_no_flat_cap():
+    """Its faces differ by half a degree from one to the next, and go all round."""
+    points, triangles = a_capped_duct(a_circle(720))
+    caps = flat_caps(points, triangles)
+    np.testing.assert_allclose([cap.normal for cap in caps], [[0, 0, -1], [0, 0, 1]], atol=1e-12)
+    assert [len(cap.faces) for cap in caps] == [720, 720]
 
 
 def test_before_an_end_that_is_not_flat_there_is_no_inscribed_diameter():
