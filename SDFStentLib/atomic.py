@@ -46,7 +46,7 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
         _flush_to_disk(temporary)
         os.replace(temporary, target)
     except OSError as error:
-        raise _cannot_write(target, error) from error
+        raise cannot_write(target, error) from error
     finally:
         with suppress(OSError):
             temporary.unlink(missing_ok=True)
@@ -88,7 +88,7 @@ def check_writable(path: str | os.PathLike[str]) -> Path:
     except InputError:
         raise
     except (OSError, ValueError) as error:  # ValueError: a null character in the name
-        raise _cannot_write(path, error) from error
+        raise cannot_write(path, error) from error
     return target
 
 
@@ -100,7 +100,8 @@ def _flush_to_disk(path: Path) -> None:
         os.close(descriptor)
 
 
-def _cannot_write(path: str | os.PathLike[str], error: Exception) -> InputError:
+def cannot_write(path: str | os.PathLike[str], error: Exception) -> InputError:
+    """The sentence about a file or folder that the system does not let us write."""
     reason = getattr(error, "strerror", None) or str(error)
     return InputError(
         f"{path}: cannot be written ({reason}); free space, or choose another folder or name."

@@ -11,7 +11,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import NamedTuple
 
-from .atomic import check_writable
+from .atomic import cannot_write, check_writable
 from .validation import InputError
 
 Writer = Callable[[Path], "Iterable[str] | None"]
@@ -103,7 +103,7 @@ class Outputs:
                 try:
                     found = job.write(staged) or ()
                 except OSError as error:
-                    raise _failure(job.path, error) from error
+                    raise cannot_write(job.path, error) from error
                 except InputError as error:
                     raise InputError(str(error).replace(str(staged), job.path)) from error
                 sentences += [sentence.replace(str(staged), job.path) for sentence in found]
@@ -144,7 +144,7 @@ class Outputs:
         try:
             folder.mkdir()
         except OSError as error:
-            raise _failure(os.fspath(folder), error) from error
+            raise cannot_write(folder, error) from error
         try:
             yield
         except BaseException:
@@ -173,7 +173,7 @@ def _staging(parent: Path) -> Iterator[Path]:
     try:
         folder = Path(tempfile.mkdtemp(prefix=".sdfstent-", dir=parent))
     except OSError as error:
-        raise _failure(os.fspath(parent), error) from error
+        raise cannot_write(parent, error) from error
     try:
         yield folder
     finally:
@@ -189,7 +189,7 @@ def _move_all(moves: Sequence[tuple[_Job, Path]]) -> None:
             try:
                 _move(*begun[-1])
             except OSError as error:
-                raise _failure(job.path, error) from error
+                raise cannot_write(job.path, error) from error
     except BaseException:
         for entry in reversed(begun):
             with suppress(OSError):
@@ -225,10 +225,3 @@ def _put_back(target: Path, staged: Path, was_there: bool) -> None:
         target.unlink(missing_ok=True)
     if old.exists() and not target.exists():
         os.replace(old, target)
-
-
-def _failure(path: str, error: OSError) -> InputError:
-    reason = error.strerror or str(error)
-    return InputError(
-        f"{path}: cannot be written ({reason}); free space, or choose another folder or name."
-    )
