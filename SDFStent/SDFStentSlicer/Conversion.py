@@ -73,13 +73,22 @@ def handlePoints(node, count, label):
             f"{label}: expected a handle, got none; choose a point list or press Add again."
         )
     _checkTransform(node)
-    defined = [i for i in range(node.GetNumberOfControlPoints()) if _isDefined(node, i)]
-    if len(defined) < count:
+    placed = placedPoints(node)
+    if len(placed) < count:
         words = "one point" if count == 1 else f"{count} points"
         raise InputError(
-            f"{label}: expected {words} in {node.GetName()}, got {len(defined)}; place them in a view."
+            f"{label}: expected {words} in {node.GetName()}, got {len(placed)}; place them in a view."
         )
-    return np.array([node.GetNthControlPointPositionWorld(i) for i in defined[:count]])
+    return np.array(placed[:count])
+
+
+def placedPoints(node):
+    """Positions of the markups' points that were put somewhere; one that follows the mouse was not."""
+    return [
+        node.GetNthControlPointPositionWorld(index)
+        for index in range(node.GetNumberOfControlPoints())
+        if node.GetNthControlPointPositionStatus(index) == slicer.vtkMRMLMarkupsNode.PositionDefined
+    ]
 
 
 def fileFrame(node):
@@ -122,10 +131,6 @@ def _segmentTime(segmentation, segmentID):
     name = segmentation.GetSourceRepresentationName()
     representation = segmentation.GetSegment(segmentID).GetRepresentation(name)
     return representation.GetMTime() if representation is not None else 0
-
-
-def _isDefined(node, index):
-    return node.GetNthControlPointPositionStatus(index) == slicer.vtkMRMLMarkupsNode.PositionDefined
 
 
 def _checkTransform(node):

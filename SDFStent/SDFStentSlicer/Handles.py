@@ -35,14 +35,8 @@ def createHandle(scene, label, points, className=POINTS):
 
 def copyHandle(node, label):
     """A handle of ours with the placed points of another one; a curve runs as the other one does."""
-    isCurve = node is not None and node.IsA("vtkMRMLMarkupsCurveNode")
-    placed = slicer.vtkMRMLMarkupsNode.PositionDefined
-    points = [
-        node.GetNthControlPointPositionWorld(index)
-        for index in range(node.GetNumberOfControlPoints() if node is not None else 0)
-        if node.GetNthControlPointPositionStatus(index) == placed
-    ]
-    if not isCurve:
+    points = [] if node is None else Conversion.placedPoints(node)
+    if node is None or not node.IsA(CURVE):
         return createHandle(slicer.mrmlScene, label, points)
     copy = createHandle(slicer.mrmlScene, label, points, className=node.GetClassName())
     copy.SetCurveType(node.GetCurveType())
