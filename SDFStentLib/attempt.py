@@ -87,11 +87,13 @@ class Attempt:
         )
 
     def finish(self) -> None:
-        """After the last step: put the wall in contact on the prescribed lumen."""
+        """After the last step: put the wall in contact on the prescribed lumen, if asked to."""
+        if self.task.settings.finish:
+            self._put_on_lumen()
+        self._close_seams()
+
+    def _put_on_lumen(self) -> None:
         task, settings = self.task, self.task.settings
-        if not settings.finish:
-            self._close_seams()
-            return
         self.motion.refreshed()
         projected(self.motion, task.target_level)
         on_stent = finished(
@@ -107,7 +109,6 @@ class Attempt:
         self._uncompensated = self.motion.positions.copy()
         if settings.facet_compensation:
             facets_compensated(self.motion, self.patch.triangles, on_stent, task.radius)
-        self._close_seams()
 
     def untangle(self, faulty: NDArray[np.int64]) -> int:
         """Take apart faulty faces of the surface; returns the rounds that it took."""

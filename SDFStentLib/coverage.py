@@ -73,12 +73,7 @@ def branch_ostia(
         raise InputError("stent_axis: expected two different points at least, got one place.")
     as_number(margin, "margin", unit="mm", minimum=0)
     neighbors = _neighbors(parent, len(points))
-    radii = np.full(len(points), np.nan) if inscribed_radius is None else inscribed_radius
-    radii = np.asarray(radii, dtype=np.float64)
-    if radii.shape != (len(points),):
-        raise InputError(
-            f"inscribed_radius: expected one for each of {len(points)} points, got {radii.shape}."
-        )
+    radii = _radii(inscribed_radius, len(points))
     ends = [int(np.argmin(np.linalg.norm(points - end, axis=1))) for end in (axis[0], axis[-1])]
     path = _way(neighbors, *ends)
     path = _continued(points, neighbors, path, margin + _radius_at(radii, path[-1]))
@@ -98,6 +93,16 @@ def branch_ostia(
         and min(ostium.distance_inside_proximal_end, ostium.distance_inside_distal_end) >= -margin
     ]
     return tuple(sorted(near, key=lambda ostium: ostium.distance_inside_proximal_end))
+
+
+def _radii(inscribed_radius: ArrayLike | None, count: int) -> Floats:
+    radii = np.full(count, np.nan) if inscribed_radius is None else inscribed_radius
+    radii = np.asarray(radii, dtype=np.float64)
+    if radii.shape != (count,):
+        raise InputError(
+            f"inscribed_radius: expected one for each of {count} points, got {radii.shape}."
+        )
+    return radii
 
 
 def _neighbors(parent: ArrayLike, count: int) -> list[list[int]]:

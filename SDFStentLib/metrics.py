@@ -170,8 +170,8 @@ def diameter_profile(
     DiameterProfile
         NaN at a station outside the surface. Flat caps of in- and outlets count as open for the
         inscribed diameter; NaN before an end that is not flat, and for the equivalent diameter
-        right at a cap. In a junction the plane may cut along the other
-        branch: both diameters grow there, the equivalent one most.
+        where a cap cuts the section. In a junction the plane may cut along the other branch: both
+        diameters grow there, the equivalent one most.
 
     Raises
     ------

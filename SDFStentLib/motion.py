@@ -74,8 +74,9 @@ class Motion:
         self._origin = chain.nodes[0]
         if near is None:
             near, _ = chain.folding.nearest_nodes(points)
-        self._mirror = _mirror(points - self._origin)
-        order, self.cell = _spatial_order(self._mirror * (points - self._origin), touchable, near)
+        local = points - self._origin
+        self._mirror = _mirror(local)
+        order, self.cell = _spatial_order(self._mirror * local, touchable, near)
         self.chain = chain
         self.indices = order
         self.positions = points[order]

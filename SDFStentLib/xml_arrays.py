@@ -28,8 +28,8 @@ _FILE = re.compile(rb"<VTKFile\b(" + _TAG + rb")>")
 
 _INDENT = b"\n  "  # VTK's before the end of appended arrays; as many lost bytes would hide in it
 
-# Bytes that come out of one: zlib and lz4 stay below the first, LZMA below the other.
-_LARGEST_EXPANSION, _LARGEST_EXPANSION_LZMA = 1100, 10_000
+LARGEST_EXPANSION, _LARGEST_EXPANSION_LZMA = 1100, 10_000
+"""Bytes that come out of one: zlib and lz4 stay below the first, LZMA below the other."""
 
 
 class _Place(NamedTuple):
@@ -138,7 +138,7 @@ def _layout(words: dict[bytes, bytes]) -> _Layout:
     compressor = words.get(b"compressor", b"")
     if not compressor:
         return _Layout(word, 0)
-    return _Layout(word, _LARGEST_EXPANSION_LZMA if b"LZMA" in compressor else _LARGEST_EXPANSION)
+    return _Layout(word, _LARGEST_EXPANSION_LZMA if b"LZMA" in compressor else LARGEST_EXPANSION)
 
 
 def _attributes(tag: re.Match[bytes] | None, group: int = 1) -> dict[bytes, bytes]:

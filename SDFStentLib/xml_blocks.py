@@ -9,10 +9,7 @@ from __future__ import annotations
 import re
 
 from .validation import InputError
-
-# zlib and lz4 make data at most about this many times smaller; a count in a file that would
-# need more bytes than that is damage.
-_LARGEST_COMPRESSION = 1100
+from .xml_arrays import LARGEST_EXPANSION
 
 _MARKUP_READ = 100_000  # bytes in which sizes are looked for; inline arrays come between them
 
@@ -48,7 +45,7 @@ def check_announced_sizes(data: bytes, name: str) -> None:
             counts += _RANGE.findall(array)
     # Python refuses to read thousands of digits; this many are more than any file anyway.
     most = max((int(count[:25]) for count in counts), default=0)
-    if most > _LARGEST_COMPRESSION * len(data):
+    if most > LARGEST_EXPANSION * len(data):
         raise InputError(
             f"{name}: its header announces {most} elements, too many for {len(data)} "
             "bytes; the file is damaged."
