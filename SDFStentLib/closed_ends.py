@@ -95,8 +95,13 @@ def _touches(
     where: NDArray[np.int64],
     cosine: float,
 ) -> NDArray[np.bool_]:
-    """Which of some spheres (k,) touch the surface in their outward direction, so nearly."""
+    """Which of some spheres (k,) touch the surface in their outward direction, so nearly.
+
+    One that has climbed out of the surface, through a cap that was left out, touches nothing.
+    """
     touches = np.zeros(len(where), dtype=bool)
+    known = np.flatnonzero(np.isfinite(spheres.radii[where]))
+    where = where[known]
     if len(where):
         centers, reach = spheres.centers[where], (1 + TOUCH) * spheres.radii[where]
         surface = LocalSurface(points, triangles, centers)
@@ -106,7 +111,7 @@ def _touches(
         along = np.einsum("ij,ij->i", offset, outward[where[query]])
         is_ahead = (distance <= reach[query]) & (along >= cosine * distance)
         # Of a centre in the surface itself, rounding tells the direction.
-        touches[query[is_ahead | (distance < IN_SURFACE)]] = True
+        touches[known[query[is_ahead | (distance < IN_SURFACE)]]] = True
     return touches
 
 

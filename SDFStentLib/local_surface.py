@@ -13,6 +13,9 @@ Floats = NDArray[np.float64]
 _THINNED_ABOVE, _THINNING = 4000, 8
 """A surface with more triangles than this is thinned to one in so many."""
 
+_AMPLY = 1.1
+"""Factor on what the box is to grow by, against rounding."""
+
 
 class LocalSurface:
     """The part of a surface near some centres; grows when they ask for more."""
@@ -36,15 +39,14 @@ class LocalSurface:
 
     def near(self, centers: Points, radii: Floats) -> NearPairs:
         """`SurfaceIndex.near`, complete; triangle numbers change when `index` does."""
-        while not self._covers(centers, radii):
-            self._grow(2 * self._margin)
+        self._cover(centers, radii)
         return self.index.near(centers, radii)
 
     def distances(self, centers: Points) -> Floats:
         """Distance (n,) from centres to the whole surface."""
         distance = self.index.distances(centers).distance
-        while not self._covers(centers, distance):
-            self._grow(2 * self._margin)
+        if self._cover(centers, distance):
+            # More triangles are never farther away: what has been covered is enough.
             distance = self.index.distances(centers).distance
         return distance
 
@@ -59,23 +61,28 @@ class LocalSurface:
         return LocalSurface(self._points, self._triangles[chosen], self._centers, extent)
 
     def _grow(self, margin: float) -> None:
+        """Take the triangles in the box round the centres; it holds a vertex in use."""
         self._margin = margin
         self._low = self._centers.min(axis=0) - margin
         self._high = self._centers.max(axis=0) + margin
         kept = self._triangles
         if not self._is_whole():
             kept = kept[may_meet_box(self._points, kept, self._low, self._high)]
-        if len(kept) == 0:
-            return self._grow(2 * margin)
         self.index = SurfaceIndex(self._points, kept)
 
     def _is_whole(self) -> bool:
         return bool(np.all(self._low <= self.lowest) and np.all(self._high >= self.highest))
 
-    def _covers(self, centers: Points, radii: Floats) -> bool:
+    def _cover(self, centers: Points, radii: Floats) -> bool:
+        """Grow, at most once, to hold all within the radii of the centres; whether it grew."""
         reach = radii[:, None]
-        inside = (centers - reach >= self._low).all() and (centers + reach <= self._high).all()
-        return bool(inside) or self._is_whole()
+        beyond = np.maximum(self._low - (centers - reach), centers + reach - self._high)
+        missing = float(beyond.max(initial=0.0))
+        if missing <= 0 or self._is_whole():
+            return False
+        # Doubling spares growing at every step, but twice the margin of a centre on a vertex is 0.
+        self._grow(max(2 * self._margin, self._margin + _AMPLY * missing))
+        return True
 
 
 def may_meet_box(

@@ -1,0 +1,110 @@
+"""Nothing waits for ever: every loop ends for a reason that stands beside it."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from SDFStentLib.distance import SurfaceIndex
+from SDFStentLib.local_surface import LocalSurface
+from SDFStentLib.phantoms import stenosed_tube
+
+PROJECT = Path(__file__).resolve().parents[1]
+PATIENCE = 300
+"""Seconds after which a process hangs; each takes some, and a loaded machine ten times that."""
+
+
+def ended(*arguments, folder=PROJECT):
+    """What a process of its own did, which a hanging one never does."""
+    return subprocess.run(
+        [sys.executable, *arguments],
+        cwd=folder,
+        env={"PYTHONPATH": str(PROJECT), "OMP_NUM_THREADS": "1"},
+        capture_output=True,
+        text=True,
+        encoding="utf-8",
+        timeout=PATIENCE,
+    )
+
+
+@pytest.fixture(scope="module")
+def the_demo(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("loops")
+    assert ended("-m", "SDFStentLib", "demo", "-o", "demo", "--quiet", folder=folder).stderr == ""
+    return folder
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        "deploy -o out.vtp --center -26.510415359278095 0 36 --diameter 8.217 --length 19.11"
+        " --straighten 0.5",
+        "deploy -o out.vtp --center 17.320665289765397 -5.114567101086642 30.282713418689042"
+        " --diameter 10.419 --length 25.31 --straighten 1",
+        "measure --spacing 9",
+    ],
+)
+def test_a_station_on_a_vertex_of_a_closed_end_is_measured(the_demo, command):
+    name, *options = command.split()
+    files = ["demo/surface.vtp", "--centerline", "demo/centerline.vtp"]
+    done = ended("-m", "SDFStentLib", name, *files, *options, folder=the_demo)
+    assert done.returncode in (0, 3), done.stderr
+    assert all(line.startswith("warning: ") for line in done.stderr.splitlines()), done.stderr
+
+
+GROWTH = """
+import numpy as np
+from SDFStentLib.local_surface import LocalSurface
+from SDFStentLib.phantoms import stenosed_tube
+tube = stenosed_tube(edge_length=1.5)
+vertex = tube.points[tube.triangles[:1, 0]]
+surface = LocalSurface(tube.points, tube.triangles, vertex)
+print(len(np.unique(surface.near(vertex, np.array([1e9])).triangle)), len(tube.triangles))
+print(surface.distances(vertex + [[0, 0, 1e6]])[0])
+"""
+
+
+def test_a_local_surface_whose_only_center_is_a_vertex_grows():
+    every, distance = ended("-c", GROWTH).stdout.splitlines()
+    found, count = every.split()
+    assert found == count
+    assert float(distance) > 9e5
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_local_surface_misses_nothing_of_the_whole_one(seed):
+    random = np.random.default_rng(seed)
+    tube = stenosed_tube(edge_length=1.5)
+    points, triangles = tube.points, tube.triangles
+    centers = points[random.integers(0, len(points), 2)]
+    local, whole = LocalSurface(points, triangles, centers), SurfaceIndex(points, triangles)
+    for scale in (0.0, 1e-12, 0.1, 3.0, 20.0, 1e3):
+        queries = centers + scale * random.normal(size=(2, 3))
+        radii = scale * random.random(2)
+        found, expected = local.near(queries, radii), whole.near(queries, radii)
+        for query in range(2):
+            corners = [
+                np.sort(index.corners[pairs.triangle[pairs.query == query]].reshape(-1, 9), axis=0)
+                for index, pairs in ((local.index, found), (whole, expected))
+            ]
+            np.testing.assert_array_equal(*corners)
+        exact = whole.distances(queries).distance
+        np.testing.assert_allclose(local.distances(queries), exact, rtol=1e-14, atol=0)
+
+
+def test_every_while_says_why_it_ends():
+    for folder in ("SDFStentLib", "SDFStent/SDFStentSlicer"):
+        for file in (PROJECT / folder).rglob("*.py"):
+            text = file.read_text(encoding="utf-8")
+            lines = text.splitlines()
+            for node in ast.walk(ast.parse(text)):
+                if isinstance(node, ast.While):
+                    above = node.lineno - 2
+                    while lines[above - 1].lstrip().startswith("#"):
+                        above -= 1
+                    assert lines[above].lstrip().startswith("# Ends"), f"{file}:{node.lineno}"
