@@ -46,8 +46,10 @@ def parser() -> Parser:
 
 def _deploy(command: argparse.ArgumentParser) -> None:
     command.description = "Deploy one stent in a vessel surface."
-    command.add_argument("surface", metavar="SURFACE", help="VTP, VTK, STL, PLY or OBJ")
-    command.add_argument("-o", "--output", metavar="OUT", required=True, help="surface to write")
+    command.add_argument("surface", type=_path, metavar="SURFACE", help="VTP, VTK, STL, PLY or OBJ")
+    command.add_argument(
+        "-o", "--output", type=_path, metavar="OUT", required=True, help="surface to write"
+    )
     command.add_argument("--diameter", type=_number, metavar="D", required=True, help="mm")
     _add_place(command)
     command.add_argument(
@@ -59,11 +61,20 @@ def _deploy(command: argparse.ArgumentParser) -> None:
     _add_method(command)
     out = command.add_argument_group("output")
     _add_units(out)
-    out.add_argument("--output-centerline", metavar="F", help="the centerline, moved along")
     out.add_argument(
-        "--report", metavar="F", action="append", default=[], help=".json or .html; may be repeated"
+        "--output-centerline", type=_path, metavar="F", help="the centerline, moved along"
     )
-    out.add_argument("--save-plan", metavar="F", help="what determines the result, for `run`")
+    out.add_argument(
+        "--report",
+        type=_path,
+        metavar="F",
+        action="append",
+        default=[],
+        help=".json or .html; may be repeated",
+    )
+    out.add_argument(
+        "--save-plan", type=_path, metavar="F", help="what determines the result, for `run`"
+    )
     _add_output(out)
     _add_talk(command)
 
@@ -73,8 +84,10 @@ def _run(command: argparse.ArgumentParser) -> None:
         "Carry out a plan: stents in order, in a surface. Writes the surface, the centerline, "
         "report.json, report.html and plan.json."
     )
-    command.add_argument("plan", metavar="PLAN", help="JSON, see docs/plan.md")
-    command.add_argument("-o", "--output", metavar="DIR", required=True, help="folder to write")
+    command.add_argument("plan", type=_path, metavar="PLAN", help="JSON, see docs/plan.md")
+    command.add_argument(
+        "-o", "--output", type=_path, metavar="DIR", required=True, help="folder to write"
+    )
     command.add_argument(
         "--accept-changed-inputs",
         action="store_true",
@@ -89,7 +102,7 @@ def _measure(command: argparse.ArgumentParser) -> None:
         "Diameters along a vessel: of the largest inscribed sphere and of the circle with the "
         "area of the cross-section. Without a place: of every branch of the centerline."
     )
-    command.add_argument("surface", metavar="SURFACE", help="VTP, VTK, STL, PLY or OBJ")
+    command.add_argument("surface", type=_path, metavar="SURFACE", help="VTP, VTK, STL, PLY or OBJ")
     _add_place(command)
     command.add_argument(
         "--spacing", type=_number, metavar="MM", default=1.0, help="of the stations (default 1)"
@@ -101,7 +114,7 @@ def _measure(command: argparse.ArgumentParser) -> None:
 
 def _check(command: argparse.ArgumentParser) -> None:
     command.description = "Topology and self-intersections of a surface."
-    command.add_argument("surface", metavar="SURFACE", help="VTP, VTK, STL, PLY or OBJ")
+    command.add_argument("surface", type=_path, metavar="SURFACE", help="VTP, VTK, STL, PLY or OBJ")
     _add_units(command)
     command.add_argument("--json", action="store_true", help="print JSON instead of sentences")
     _add_talk(command)
@@ -112,14 +125,14 @@ def _demo(command: argparse.ArgumentParser) -> None:
         "Treat a synthetic patient: a pulmonary artery whose left branch is narrowed by 40 % at "
         "its origin gets a stent across the bifurcation."
     )
-    command.add_argument("-o", "--output", metavar="DIR", default="sdfstent-demo")
+    command.add_argument("-o", "--output", type=_path, metavar="DIR", default="sdfstent-demo")
     _add_talk(command)
 
 
 def _add_place(command: argparse.ArgumentParser) -> None:
     place = command.add_argument_group("where")
-    place.add_argument("--axis", metavar="FILE", help="the curve is the stent axis")
-    place.add_argument("--centerline", metavar="FILE", help="of the vessel, any form")
+    place.add_argument("--axis", type=_path, metavar="FILE", help="the curve is the stent axis")
+    place.add_argument("--centerline", type=_path, metavar="FILE", help="of the vessel, any form")
     place.add_argument(
         "--length", type=_number, metavar="L", help="mm; with --axis about its middle"
     )
@@ -175,8 +188,10 @@ def _add_method(command: argparse.ArgumentParser) -> None:
 
 
 def _add_output(group: argparse._ArgumentGroup) -> None:
-    group.add_argument("--figure", metavar="F", help="diameters as .png, .svg or .pdf")
-    group.add_argument("--steps", metavar="DIR", help="the surface at every step, for ParaView")
+    group.add_argument("--figure", type=_path, metavar="F", help="diameters as .png, .svg or .pdf")
+    group.add_argument(
+        "--steps", type=_path, metavar="DIR", help="the surface at every step, for ParaView"
+    )
     group.add_argument(
         "--every", type=_number, metavar="MM", help="with --steps: only after so much of diameter"
     )
@@ -201,3 +216,10 @@ def _number(text: str) -> float:
         return float(text)
     except ValueError:
         raise argparse.ArgumentTypeError(f"expected a number, got {text!r}") from None
+
+
+def _path(text: str) -> str:
+    # Nothing would be taken for the working folder, or for an option that is left out.
+    if not text:
+        raise argparse.ArgumentTypeError("expected a file or folder, got nothing")
+    return text

@@ -118,7 +118,7 @@ def _peak_mb() -> float:
     on. So it is read where it starts anew with the program.
     """
     try:
-        with open("/proc/self/status") as status:
+        with open("/proc/self/status", encoding="utf-8") as status:
             for line in status:
                 if line.startswith("VmHWM:"):
                     return int(line.split()[1]) * 1024 / 1e6
@@ -131,7 +131,7 @@ def _peak_mb() -> float:
 def _resident_mb() -> float:
     """Resident now; where the system does not tell, the peak so far."""
     try:
-        with open("/proc/self/statm") as status:
+        with open("/proc/self/statm", encoding="utf-8") as status:
             return int(status.read().split()[1]) * resource.getpagesize() / 1e6
     except OSError:
         return _peak_mb()

@@ -132,7 +132,7 @@ def test_results_keep_what_was_measured_before_on_this_machine_only(tmp_path):
     main.write(path, {"cpu": "A"}, {"lumen": {"mean": 5.99951234}})
     assert main.earlier_results(path, {"cpu": "A"}) == {"lumen": {"mean": 5.9995}}
     assert main.earlier_results(path, {"cpu": "B"}) == {}
-    path.write_text("{")
+    path.write_text("{", encoding="utf-8")
     assert main.earlier_results(path, {"cpu": "A"}) == {}
 
 

@@ -115,9 +115,9 @@ def test_bad_files_give_one_sentence_with_their_name(tmp_path):
     bad = polydata_from_lines(np.eye(3), [[0, 1]])
     bad.GetPoints().SetPoint(0, float("inf"), 0, 0)
     (tmp_path / "nan.vtp").write_bytes(encode_vtp(bad))
-    (tmp_path / "c.csv").write_text("1,2,3")
+    (tmp_path / "c.csv").write_text("1,2,3", encoding="utf-8")
     (tmp_path / "cut.vtp").write_bytes(saved(tmp_path, [[0, 1]]).read_bytes()[:-40])
-    (tmp_path / "c.json").write_text(json.dumps({"schema": 1}))
+    (tmp_path / "c.json").write_text(json.dumps({"schema": 1}), encoding="utf-8")
     for name, words in (
         ("points.vtp", "expected a centerline of lines, got 66 points without a line"),
         ("one.vtp", "at least two different points, got one point"),
@@ -142,7 +142,8 @@ def test_radii_that_do_not_fit_are_refused(tmp_path):
     path = tmp_path / "c.vtk"
     path.write_text(
         "# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\nPOINTS 2 float\n0 0 0 1 0 0\n"
-        "LINES 1 3\n2 0 1\nPOINT_DATA 3\nFIELD FieldData 1\nRadius 1 3 float\n1 2 3\n"
+        "LINES 1 3\n2 0 1\nPOINT_DATA 3\nFIELD FieldData 1\nRadius 1 3 float\n1 2 3\n",
+        encoding="utf-8",
     )
     assert polydata.GetNumberOfLines() == 1
     with pytest.raises(InputError, match=r"c\.vtk: "):

@@ -50,11 +50,11 @@ def test_a_markups_curve_keeps_its_document(tmp_path):
     path = tmp_path / "c.mrk.json"
     document = json.loads(new_markups(POINTS, "RAS", "mm"))
     document["markups"][0]["display"] = {"color": [1, 0, 0]}
-    path.write_text(json.dumps(document))
+    path.write_text(json.dumps(document), encoding="utf-8")
     lines = read_lines(path)
     out = tmp_path / "moved.mrk.json"
     assert write_centerline(out, lines, lines.points + 1) == ()
-    written = json.loads(out.read_text())
+    written = json.loads(out.read_text(encoding="utf-8"))
     assert written["markups"][0]["display"] == {"color": [1, 0, 0]}
     assert written["markups"][0]["coordinateSystem"] == "RAS"
     # A spline moved is the spline of the moved control points.

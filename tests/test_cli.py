@@ -26,7 +26,7 @@ from SDFStentLib import polydata, vtk_formats
 from SDFStentLib.certificate import Certificate
 from SDFStentLib.cli import main
 from SDFStentLib.cli_console import Console
-from SDFStentLib.cli_options import parser
+from SDFStentLib.cli_options import _number, parser
 from SDFStentLib.cli_outputs import Outputs
 from SDFStentLib.cli_steps import StepFiles
 from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube
@@ -92,7 +92,7 @@ def test_deploy_writes_every_output_and_says_what_came_of_it(a_folder, capsys):
     }  # fmt: skip
     assert "prescribed 6 mm" in said.out
     assert "Certified: the surface is watertight" in said.out
-    report = json.loads(Path("r.json").read_text())
+    report = json.loads(Path("r.json").read_text(encoding="utf-8"))
     along = report["stents"][0]["diameters"]["along"]
     assert np.mean(along["mis_after_mm"]) == pytest.approx(6.0, rel=0.01)
     assert min(along["mis_before_mm"]) < 3.7  # the throat, 3.6 mm
@@ -101,7 +101,9 @@ def test_deploy_writes_every_output_and_says_what_came_of_it(a_folder, capsys):
         cell_array("out.vtp", "ModelFaceID"), cell_array("tube.vtp", "ModelFaceID")
     )
     assert len(cell_array("out.vtp", "AreaStretch")) == report["inputs"][0]["triangles"]
-    assert re.findall(r'file="(step_0000\.vtp)"', Path("steps/steps.pvd").read_text())
+    assert re.findall(
+        r'file="(step_0000\.vtp)"', Path("steps/steps.pvd").read_text(encoding="utf-8")
+    )
 
 
 def test_the_same_plan_gives_the_same_file_from_the_shell_and_from_python(a_folder):
@@ -182,7 +184,7 @@ def test_the_command_line_adds_its_options_to_the_sentences_of_the_library(a_ben
     place = ["--centerline", "lines.vtp", "--proximal", *a_bent_fork, "--length", "20"]
     main([*base, *place, "--report", "r.json"])
     assert "place it between two points (--from, --to) to choose" in capsys.readouterr().err
-    told = " ".join(json.loads(Path("r.json").read_text())["warnings"])
+    told = " ".join(json.loads(Path("r.json").read_text(encoding="utf-8"))["warnings"])
     assert "place it between two points to choose another one." in told
     main(["measure", "fork.vtp", *place])
     assert "between two points (--from, --to)" in capsys.readouterr().err
@@ -315,7 +317,7 @@ def test_a_folder_without_permission_is_said(a_folder, capsys, monkeypatch):
 
 
 def test_a_full_disk_leaves_the_old_files_and_nothing_else(a_folder, capsys, monkeypatch):
-    Path("out.vtp").write_text("old")
+    Path("out.vtp").write_text("old", encoding="utf-8")
 
     def full(report, path):
         raise OSError(28, "No space left on device")
@@ -323,7 +325,7 @@ def test_a_full_disk_leaves_the_old_files_and_nothing_else(a_folder, capsys, mon
     monkeypatch.setattr(SDFStentLib.cli_deploy, "write_report", full)
     assert deploy("--report", "r.json") == 2
     assert "r.json: cannot be written (No space left on device)" in capsys.readouterr().err
-    assert Path("out.vtp").read_text() == "old"
+    assert Path("out.vtp").read_text(encoding="utf-8") == "old"
     assert left_over(a_folder) == {"out.vtp"}
 
 
@@ -352,10 +354,10 @@ def test_an_unexpected_error_is_one_sentence_and_debug_shows_where(a_folder, cap
 
 def test_run_refuses_a_changed_input_unless_told_otherwise(a_folder, capsys):
     assert deploy("--save-plan", "p.json", "--quiet") == 0
-    document = json.loads(Path("p.json").read_text())
+    document = json.loads(Path("p.json").read_text(encoding="utf-8"))
     old = document["inputs"]["surface"]["sha256"]
     document["inputs"]["surface"]["sha256"] = "3" * 64
-    Path("p.json").write_text(json.dumps(document))
+    Path("p.json").write_text(json.dumps(document), encoding="utf-8")
     assert main(["run", "p.json", "-o", "new"]) == 2
     said = capsys.readouterr().err
     assert "3" * 64 in said
@@ -431,11 +433,11 @@ def test_the_demo_names_its_files_where_they_are_and_leaves_no_empty_picture(
     assert "warning: The picture needs an OpenGL library." in said.err
     assert "before_after.png" not in said.out
     assert not Path("demo/before_after.png").exists()
-    inputs = json.loads(Path("demo/report.json").read_text())["inputs"]
+    inputs = json.loads(Path("demo/report.json").read_text(encoding="utf-8"))["inputs"]
     for entry, name in zip(inputs, ("surface.vtp", "centerline.vtp"), strict=True):
         assert Path(entry["file"]) == Path("demo") / name
         assert hashlib.sha256(Path(entry["file"]).read_bytes()).hexdigest() == entry["sha256"]
-    assert str(Path("demo/surface.vtp")) in Path("demo/report.html").read_text()
+    assert str(Path("demo/surface.vtp")) in Path("demo/report.html").read_text(encoding="utf-8")
     plan = load_plan("demo/plan.json")
     assert plan.surface.path == os.path.abspath("demo/surface.vtp")
 
@@ -460,6 +462,54 @@ def parsers():
     top = parser()
     (commands,) = (action for action in top._actions if action.dest == "command")
     return {"": top, **commands.choices}
+
+
+def of_text(its_parser):
+    """The options and arguments of a parser that take any text."""
+    return [
+        action
+        for action in its_parser._actions
+        if action.nargs != 0 and not action.choices and action.type is not _number
+    ]
+
+
+def test_an_empty_name_is_refused_and_writes_nothing(a_folder, capsys):
+    assert deploy("--save-plan", "plan.json", "--quiet") == 0
+    before = sorted(os.listdir(a_folder))
+    tube, line = ["tube.vtp", "--units", "cm"], ["--centerline", "line.vtp"]
+    whole = {
+        "deploy": [*tube, *line, "--diameter", "6", *PLACE, "-o", "new.vtp"],
+        "run": ["plan.json", "-o", "new"],
+        "measure": [*tube, *line],
+        "check": tube,
+        "demo": ["-o", "new"],
+    }
+    refused = []
+    for command, arguments in whole.items():
+        for action in of_text(parsers()[command]):
+            name = "/".join(action.option_strings) or action.metavar
+            given = [*arguments, name.split("/")[-1], ""] if action.option_strings else [""]
+            given += [] if action.option_strings else arguments[1:]
+            assert main([command, *given]) == 2, (command, name)
+            said = capsys.readouterr()
+            assert said.out == ""
+            assert said.err == (
+                f"sdfstent {command}: argument {name}: expected a file or folder, got nothing; "
+                f"see sdfstent {command} --help.\n"
+            )
+            refused.append(name)
+    assert sorted(os.listdir(a_folder)) == before
+    assert refused.count("-o/--output") == 3
+    assert {"--axis", "--centerline", "--figure", "--steps", "--report"} <= set(refused)
+    assert {"--output-centerline", "--save-plan", "SURFACE", "PLAN"} <= set(refused)
+
+
+def test_more_stations_than_can_be_measured_are_refused(a_folder, capsys):
+    line = ["tube.vtp", "--units", "cm", "--centerline", "line.vtp"]
+    assert main(["measure", *line, "--spacing", "1e-9"]) == 2
+    said = capsys.readouterr()
+    assert "spacing: expected at least 0.002 (mm) on a line of 40 mm, got 1e-09" in said.err
+    assert len(said.err.splitlines()) == 1
 
 
 def test_the_manual_has_every_option_and_every_choice():

@@ -12,7 +12,7 @@ from SDFStentLib.validation import InputError
 
 def writing(text):
     def write(path):
-        path.write_text(text)
+        path.write_text(text, encoding="utf-8")
 
     return write
 
@@ -20,7 +20,7 @@ def writing(text):
 def a_folder_of(text):
     def write(path):
         path.mkdir()
-        (path / "step_0000.vtp").write_text(text)
+        (path / "step_0000.vtp").write_text(text, encoding="utf-8")
 
     return write
 
@@ -32,7 +32,7 @@ def is_step(name):
 def everything_in(folder):
     """Name and text of all files below, hidden ones too."""
     return {
-        str(path.relative_to(folder)): path.read_text()
+        str(path.relative_to(folder)): path.read_text(encoding="utf-8")
         for path in sorted(folder.rglob("*"))
         if path.is_file()
     }
@@ -59,7 +59,7 @@ def test_no_output_may_lie_in_a_folder_that_is_replaced(tmp_path, folder_first):
 def test_no_input_may_lie_in_a_folder_that_is_replaced(tmp_path):
     (tmp_path / "steps").mkdir()
     source = tmp_path / "steps" / "step_0000.vtp"
-    source.write_text("input")
+    source.write_text("input", encoding="utf-8")
     with pytest.raises(InputError, match=r"steps alone.*got one with step_0000\.vtp"):
         Outputs([source]).add_folder(tmp_path / "steps", a_folder_of("new"), is_step)
 
@@ -87,9 +87,9 @@ def test_when_one_output_cannot_be_moved_all_keep_their_old_state(
     tmp_path, monkeypatch, failing, error
 ):
     (tmp_path / "steps").mkdir()
-    (tmp_path / "steps" / "step_0000.vtp").write_text("old")
+    (tmp_path / "steps" / "step_0000.vtp").write_text("old", encoding="utf-8")
     for name in ("old.vtp", "figure.png"):
-        (tmp_path / name).write_text("old")
+        (tmp_path / name).write_text("old", encoding="utf-8")
     before = everything_in(tmp_path)
     outputs = Outputs()
     outputs.add(tmp_path / "new.vtp", writing("new"))
@@ -118,7 +118,7 @@ def test_when_one_output_cannot_be_moved_all_keep_their_old_state(
 
 
 def test_the_old_state_comes_back_without_hard_links_as_well(tmp_path, monkeypatch):
-    (tmp_path / "a.vtp").write_text("old")
+    (tmp_path / "a.vtp").write_text("old", encoding="utf-8")
     outputs = Outputs()
     outputs.add(tmp_path / "a.vtp", writing("new"))
     outputs.add(tmp_path / "b.vtp", writing("new"))

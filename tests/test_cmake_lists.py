@@ -15,7 +15,7 @@ SHIPPED = {
 
 def listed(folder):
     """Every file in the `set(..._SCRIPTS ...)` and `set(..._RESOURCES ...)` lists of a folder."""
-    text = re.sub(r"#[^\n]*", "", (ROOT / folder / "CMakeLists.txt").read_text())
+    text = re.sub(r"#[^\n]*", "", (ROOT / folder / "CMakeLists.txt").read_text(encoding="utf-8"))
     blocks = re.findall(r"set\(\w+_(?:SCRIPTS|RESOURCES)\s+([^)]*)\)", text)
     return [f.replace("${MODULE_NAME}", folder) for block in blocks for f in block.split()]
 
@@ -33,22 +33,24 @@ def test_every_shipped_file_is_listed_once_and_every_listed_file_exists(folder):
 
 @pytest.mark.parametrize("folder", sorted(SHIPPED))
 def test_every_list_is_handed_to_the_macro_that_installs(folder):
-    text = re.sub(r"#[^\n]*", "", (ROOT / folder / "CMakeLists.txt").read_text())
+    text = re.sub(r"#[^\n]*", "", (ROOT / folder / "CMakeLists.txt").read_text(encoding="utf-8"))
     call = re.search(r"slicerMacroBuildScriptedModule\(([^)]*)\)", text).group(1)
     for variable in re.findall(r"set\((\w+_(?:SCRIPTS|RESOURCES))\s", text):
         assert f"${{{variable}}}" in call
-    assert f"add_subdirectory({folder})" in (ROOT / "CMakeLists.txt").read_text()
+    assert f"add_subdirectory({folder})" in (ROOT / "CMakeLists.txt").read_text(encoding="utf-8")
 
 
 def test_the_project_is_called_as_the_index_entry_and_the_module():
-    project = re.search(r"project\((\w+)\)", (ROOT / "CMakeLists.txt").read_text()).group(1)
+    project = re.search(
+        r"project\((\w+)\)", (ROOT / "CMakeLists.txt").read_text(encoding="utf-8")
+    ).group(1)
     assert (ROOT / f"{project}.json").is_file()
     assert (ROOT / project / f"{project}.py").is_file()
     assert not project.startswith("Slicer")  # the index refuses such names
 
 
 def test_the_index_entry_follows_the_schema():
-    entry = json.loads((ROOT / "SDFStent.json").read_text())
+    entry = json.loads((ROOT / "SDFStent.json").read_text(encoding="utf-8"))
     allowed = {
         "$schema": str,
         "category": str,
@@ -65,12 +67,14 @@ def test_the_index_entry_follows_the_schema():
     assert all(isinstance(value, allowed[key]) for key, value in entry.items())
     assert re.fullmatch(r"https://.*-v1\.0\.\d\.json#", entry["$schema"])
     assert 1 <= entry["tier"] <= 5
-    depends = re.search(r'EXTENSION_DEPENDS "(\w+)"', (ROOT / "CMakeLists.txt").read_text())
+    depends = re.search(
+        r'EXTENSION_DEPENDS "(\w+)"', (ROOT / "CMakeLists.txt").read_text(encoding="utf-8")
+    )
     assert (depends.group(1) == "NA") == (entry["build_dependencies"] == [])
 
 
 def test_the_index_finds_icon_and_screenshot_where_it_looks():
-    text = (ROOT / "CMakeLists.txt").read_text()
+    text = (ROOT / "CMakeLists.txt").read_text(encoding="utf-8")
     icon = re.search(r'set\(EXTENSION_ICONURL "([^"\s]+)"\)', text).group(1)
     shots = re.search(r'set\(EXTENSION_SCREENSHOTURLS "([^"]+)"\)', text).group(1).split()
     for url in [icon, *shots]:

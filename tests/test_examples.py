@@ -29,6 +29,6 @@ def test_an_example_runs_and_its_number_holds(path, a_demo_folder, monkeypatch, 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_an_example_is_short_and_asserts(path):
-    text = path.read_text()
+    text = path.read_text(encoding="utf-8")
     assert 10 <= len(text.splitlines()) <= 32
     assert "assert " in text.split("__main__")[1]

@@ -131,7 +131,7 @@ def test_the_version_is_that_of_the_project():
 
     import SDFStentLib
 
-    text = (LIBRARY.parent / "pyproject.toml").read_text()
+    text = (LIBRARY.parent / "pyproject.toml").read_text(encoding="utf-8")
     assert re.search(r'^version = "(.+)"', text, re.M).group(1) == SDFStentLib.__version__
 
 

@@ -269,7 +269,7 @@ def test_input_that_fits_nothing_is_refused(
 def interpreter(folder: Path, script: str) -> str:
     """A program that stands in for Python."""
     path = folder / "python"
-    path.write_text(f"#!/bin/sh\n{script}\n")
+    path.write_text(f"#!/bin/sh\n{script}\n", encoding="utf-8")
     path.chmod(path.stat().st_mode | stat.S_IXUSR)
     return str(path)
 

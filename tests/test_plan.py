@@ -401,7 +401,7 @@ def test_an_axis_file_is_read_in_the_folder_of_the_plan_and_noticed_when_changed
     document = a_document(length=None, diameter=7.5, placement={"axis": {"file": "axis.vtp"}})
     document["inputs"] = {"surface": {"file": "surface.vtp"}}
     path = folder / "axis_plan.json"
-    path.write_text(json.dumps(document))
+    path.write_text(json.dumps(document), encoding="utf-8")
     result = run_plan(load_plan(path))
     assert result.treatment.stents[0].axis.deployed_length == pytest.approx(20, abs=0.05)
     assert plan_report(result).as_dict()["inputs"][-1]["role"] == "axis"
@@ -410,7 +410,7 @@ def test_an_axis_file_is_read_in_the_folder_of_the_plan_and_noticed_when_changed
 
     changed = copy.deepcopy(document)
     changed["stents"][0]["placement"]["axis"]["sha256"] = "1" * 64
-    path.write_text(json.dumps(changed))
+    path.write_text(json.dumps(changed), encoding="utf-8")
     with pytest.raises(InputError, match=r"axis.vtp: expected the file .*1{64}.*got another one"):
         load_plan(path)
     assert load_plan(path, accept_changed_inputs=True).stents
@@ -463,7 +463,7 @@ def test_a_number_beyond_all_bounds_is_refused_in_a_sentence(tmp_path, number, k
     else:
         document["stents"][0][key] = "HERE"
     path = tmp_path / "plan.json"
-    path.write_text(json.dumps(document).replace('"HERE"', number))
+    path.write_text(json.dumps(document).replace('"HERE"', number), encoding="utf-8")
     with pytest.raises(
         InputError, match=r"a number up to 1.8e308|beyond all|is too long"
     ) as caught:

@@ -65,7 +65,7 @@ def test_the_frame_tag_is_read_from_every_format(tmp_path):
     header = f"ply\nformat ascii 1.0\ncomment {title}\nelement vertex 3\nproperty float x\n"
     header += "property float y\nproperty float z\nelement face 1\n"
     header += "property list uchar int vertex_index\nend_header\n0 0 0 1 0 0 0 1 0 3 0 1 2\n"
-    (tmp_path / "a.ply").write_text(header)
+    (tmp_path / "a.ply").write_text(header, encoding="utf-8")
     saved(tmp_path, polydata, "none.vtp")
     set_frame_of_polydata(polydata, "LPS")
     saved(tmp_path, polydata)
@@ -88,7 +88,8 @@ def test_integer_coordinates_become_doubles(tmp_path):
     path = tmp_path / "a.vtk"
     path.write_text(
         "# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\n"
-        "POINTS 3 int\n0 0 0 50 0 0 0 50 0\nPOLYGONS 1 4\n3 0 1 2\n"
+        "POINTS 3 int\n0 0 0 50 0 0 0 50 0\nPOLYGONS 1 4\n3 0 1 2\n",
+        encoding="utf-8",
     )
     surface = read_surface(path)
     assert surface.coordinate_type == np.float64
@@ -111,7 +112,7 @@ def test_bad_files_give_one_sentence_with_their_name(tmp_path):
     (tmp_path / "noise.stl").write_bytes(np.random.default_rng(1).bytes(5000))
     (tmp_path / "wild.obj").write_bytes(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n")
     (tmp_path / "pointless.stl").write_bytes(b"\0" * 84)
-    (tmp_path / "words.txt").write_text("words")
+    (tmp_path / "words.txt").write_text("words", encoding="utf-8")
     (tmp_path / "empty.vtp").write_bytes(b"")
     for name, words in (
         ("nan.vtp", "got NaN or infinity at 1 of 6 points"),

@@ -62,14 +62,18 @@ def test_every_encoding_is_read_with_its_arrays(tmp_path):
 def test_all_arrays_of_a_legacy_file_are_read_not_only_the_first_of_a_kind(tmp_path):
     path = tmp_path / "a.vtk"
     polydata = surface_with_text()
-    text = as_file(polydata, vtkPolyDataWriter(), path, "SetFileTypeToASCII").read_text()
+    text = as_file(polydata, vtkPolyDataWriter(), path, "SetFileTypeToASCII").read_text(
+        encoding="utf-8"
+    )
     count = polydata.GetNumberOfPoints()
     start = text.index("POINT_DATA")
     zeros = "0 0 0\n" * count
     text = (
         text[:start] + f"POINT_DATA {count}\nNORMALS one float\n{zeros}VECTORS two float\n{zeros}"
     )
-    path.write_text(text + f"NORMALS three float\n{zeros}VECTORS four float\n{zeros}")
+    path.write_text(
+        text + f"NORMALS three float\n{zeros}VECTORS four float\n{zeros}", encoding="utf-8"
+    )
     data = read_vtk_polydata(read_content(path))[0].GetPointData()
     names = {data.GetArrayName(index) for index in range(data.GetNumberOfArrays())}
     assert names == {"one", "two", "three", "four"}

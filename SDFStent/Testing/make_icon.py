@@ -60,7 +60,7 @@ def main():
     os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
     from PySide6 import QtCore, QtGui, QtSvg
 
-    SVG.write_text(svg())
+    SVG.write_text(svg(), encoding="utf-8")
     application = QtGui.QGuiApplication([])
     image = QtGui.QImage(SIZE, SIZE, QtGui.QImage.Format_ARGB32)
     image.fill(QtCore.Qt.transparent)

@@ -29,6 +29,6 @@ def test_files_that_ctest_runs(aScene, path):
 
 
 def test_every_such_file_is_registered():
-    registered = (IN_SLICER / "CMakeLists.txt").read_text()
+    registered = (IN_SLICER / "CMakeLists.txt").read_text(encoding="utf-8")
     for path in IN_SLICER.glob("*.py"):
         assert f"SCRIPT {path.name})" in registered

@@ -23,9 +23,9 @@ def test_a_saved_plan_gives_the_same_points_after_loading(aLogic, theParameters,
 
 def test_settings_that_the_panel_does_not_show_survive(aLogic, theParameters, tmp_path):
     aLogic.savePlan(tmp_path / "plan.json", theParameters)
-    document = json.loads((tmp_path / "plan.json").read_text())
+    document = json.loads((tmp_path / "plan.json").read_text(encoding="utf-8"))
     document["settings"]["calibration"] = "paper"
-    (tmp_path / "plan.json").write_text(json.dumps(document))
+    (tmp_path / "plan.json").write_text(json.dumps(document), encoding="utf-8")
     plain = aLogic.deploy(theParameters).points
     aLogic.loadPlan(tmp_path / "plan.json", theParameters)
     assert np.abs(aLogic.deploy(theParameters).points - plain).max() > 1e-6
@@ -75,7 +75,7 @@ def test_the_library_replays_the_plan_of_the_panel(aLogic, theParameters, tmp_pa
 
 
 def test_a_broken_plan_is_refused_in_the_panel(host, aPanel, tmp_path):
-    (tmp_path / "plan.json").write_text('{"schema": "something else"}')
+    (tmp_path / "plan.json").write_text('{"schema": "something else"}', encoding="utf-8")
     host.files.append(str(tmp_path / "plan.json"))
     host.click(aPanel.ui.loadPlanButton)
     assert aPanel._parameterNode.status
@@ -85,9 +85,9 @@ def test_a_broken_plan_is_refused_in_the_panel(host, aPanel, tmp_path):
 def writePlan(path, aLogic, theParameters, change):
     """A plan of these parameters, changed as a document."""
     aLogic.savePlan(path, theParameters)
-    document = json.loads(path.read_text())
+    document = json.loads(path.read_text(encoding="utf-8"))
     change(document)
-    path.write_text(json.dumps(document))
+    path.write_text(json.dumps(document), encoding="utf-8")
 
 
 def inFrame(frame):
