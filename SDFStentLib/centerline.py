@@ -297,6 +297,7 @@ class Centerline:
         first, last = place.arc_length - up, place.arc_length + down
         node = place.index if place.fraction > 0 else int(self.parent[place.index])
         choices = []
+        # Ends: down a tree, whose parents are checked for circles.
         while self.arc_length[node] < last - SAME_PLACE and self._child_counts[node]:
             below = self.children(node)
             if len(below) > 1:

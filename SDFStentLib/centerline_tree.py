@@ -177,8 +177,10 @@ def _without_spurs(graph: LineGraph, parent: Indices) -> NDArray[np.bool_]:
     child_count = np.bincount(parent[parent >= 0], minlength=len(parent))
     reach = reach_of(graph, GAP_FRACTION, GAP_EXTENT)
     made_by_cut = list(np.flatnonzero((child_count == 0) & (graph.degrees() > 1)))
+    # Ends: a node comes in when it loses its last child, once.
     while made_by_cut:
         spur, size = [made_by_cut.pop()], 0.0
+        # Ends: shortest ways lead to the root.
         while parent[spur[-1]] >= 0 and child_count[spur[-1]] <= (len(spur) > 1):
             above = parent[spur[-1]]
             size += float(np.linalg.norm(graph.points[spur[-1]] - graph.points[above]))

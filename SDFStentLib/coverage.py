@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .point_tree import as_parents
 from .polyline import arc_lengths, closest_points, without_repeats
 from .validation import InputError, Points, as_number, as_points, read_only
 
@@ -65,7 +66,8 @@ def branch_ostia(
     Raises
     ------
     InputError
-        Arrays that do not fit, parents that are no points, or ends of the stent in two trees.
+        Arrays that do not fit, parents that are no points or go round in a circle, or ends of the
+        stent in two trees.
     """
     points = as_points(points, minimum=2)
     axis = without_repeats(as_points(stent_axis, "stent_axis", minimum=2))
@@ -106,15 +108,8 @@ def _radii(inscribed_radius: ArrayLike | None, count: int) -> Floats:
 
 
 def _neighbors(parent: ArrayLike, count: int) -> list[list[int]]:
-    parents = np.asarray(parent)
-    if parents.shape != (count,) or parents.dtype.kind not in "iu":
-        raise InputError(f"parent: expected {count} integers, got {parents.dtype} {parents.shape}.")
-    if parents.min() < -1 or parents.max() >= count:
-        raise InputError(
-            f"parent: expected -1 to {count - 1}, got {parents.min()} to {parents.max()}."
-        )
     neighbors: list[list[int]] = [[] for _ in range(count)]
-    for child, upstream in enumerate(parents.tolist()):
+    for child, upstream in enumerate(as_parents(parent, count).tolist()):
         if upstream >= 0:
             neighbors[child].append(upstream)
             neighbors[upstream].append(child)
@@ -125,6 +120,7 @@ def _way(neighbors: list[list[int]], start: int, end: int) -> list[int]:
     """Indices from `start` to `end` through the tree, both included."""
     came_from = {start: start}
     waiting = [start]
+    # Ends: every point comes in once.
     while waiting and end not in came_from:
         index = waiting.pop()
         for following in neighbors[index]:
@@ -137,6 +133,7 @@ def _way(neighbors: list[list[int]], start: int, end: int) -> list[int]:
             "trees; use a centerline that connects them."
         )
     way = [end]
+    # Ends: every point came from one that was in earlier, and only the start from itself.
     while way[-1] != start:
         way.append(came_from[way[-1]])
     return way[::-1]
@@ -149,6 +146,7 @@ def _continued(
     path, travelled = list(path), 0.0
     if len(path) == 1 and neighbors[path[0]]:
         path = [neighbors[path[0]][0], path[0]]
+    # Ends: never back, and the tree has no circle.
     while travelled < length:
         onward = [index for index in neighbors[path[-1]] if index not in path[-2:]]
         if not onward:
@@ -171,7 +169,8 @@ def _ostium(
 ) -> BranchOstium | None:
     vessel, vessel_radii = points[path], radii[path]
     previous, index = junction, branch
-    # Without radii the comparison is false at once: the branch leaves at its first point.
+    # Ends: never back, and the tree has no circle. Without radii the comparison is false at once:
+    # the branch leaves at its first point.
     while _is_in_vessel(points[index], vessel, vessel_radii):
         onward = [following for following in neighbors[index] if following != previous]
         if not onward:

@@ -71,6 +71,8 @@ def event_steps(motion: Motion, rule: StepRule, start: float, target: float) -> 
     growth = FIRST_SHARE * rule.step
     evaluated = radius
     has_looked_ahead = False
+    # Ends: no step but the last is shorter than 0.1 mm, or the rule's own longest, and settings
+    # allow none that is too short to count.
     while target - radius > 1e-9:
         growth = min(growth, target - radius)
         if target - radius - growth < 0.25 * growth:

@@ -30,6 +30,7 @@ def fans_by_walking(corners: Indices, first: Sides, second: Sides) -> int:
     lowest = np.minimum(own, onward)
     longest = int(np.bincount(corners).max())
     reach = 1
+    # Ends: the reach doubles from 1.
     while reach < longest:
         np.minimum(lowest, lowest[onward], out=lowest)
         onward = onward[onward]

@@ -38,6 +38,7 @@ _STATIONS = 64
 """Stations searched together: bounds the memory, and keeps the part of the surface local."""
 
 _ROUNDS = 200
+"""Most steps of a climb; one that is not done by then ends where it is, with the radius there."""
 
 
 class InscribedSpheres(NamedTuple):

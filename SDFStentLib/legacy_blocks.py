@@ -51,6 +51,7 @@ def check_blocks(data: bytes, name: str) -> None:
     has_points, arrays_left = False, 0
     sizes = _Sizes()
     position = 0
+    # Ends: no header is empty, and a block ends behind its header.
     while block := _BLOCK.search(data, position):
         has_points = has_points or block["points"] is not None
         arrays_left += int(block["arrays"] or 0) - (block["width"] is not None)

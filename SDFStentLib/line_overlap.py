@@ -101,6 +101,7 @@ def _meet(neighbors: list[set[int]], start: int, end: int, through: set[int]) ->
     """Whether there is a way from start to end through at least one of the given nodes."""
     reached = neighbors[start] & through
     front = list(reached)
+    # Ends: a node comes in when it is reached for the first time.
     while front:
         steps = neighbors[front.pop()]
         if end in steps:
@@ -252,6 +253,7 @@ def chains(edges: Indices, count: int, stops: NDArray[np.bool_]) -> list[Indices
             if (start, step) in seen:
                 continue
             path = [start, step]
+            # Ends: on nodes with two neighbors, a way that has no end closes.
             while not is_stop[path[-1]] and path[-1] != start:
                 one, other = neighbors[path[-1]]
                 path.append(other if one == path[-2] else one)

@@ -11,6 +11,7 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 _PIVOTS = 100
+"""Most exchanges of a row. With more to do the height is too high; the climb measures it anew."""
 
 
 class LinearRows(NamedTuple):

@@ -134,6 +134,7 @@ def _trimmed(points: Points, triangles: Triangles, rims: list[Rim]) -> Triangles
         offset = centers - rim.center
         keep &= (offset @ rim.outward < 0) | (np.linalg.norm(offset, axis=1) > 3 * rim.radius)
     triangles = triangles[keep]
+    # Ends: every round takes triangles away.
     while True:
         at_boundary = np.zeros(len(points), dtype=bool)
         at_boundary[boundary_edges(triangles)] = True
@@ -174,8 +175,14 @@ def _rim_loop(points: Points, triangles: Triangles, rim: Rim) -> Indices:
     near = np.linalg.norm(points[free[:, 0]] - rim.center, axis=1) < 1.5 * rim.radius
     following = dict(free[near].tolist())
     loop = [int(free[near][0, 0])]
-    while following[loop[-1]] != loop[0]:
-        loop.append(following[loop[-1]])
+    # Ends: an edge is taken out when it is used.
+    while (onward := following.pop(loop[-1], None)) != loop[0]:
+        if onward is None:
+            raise InputError(
+                "edge_length: expected rims that are one loop each, got one that meets itself; "
+                "make it a little smaller or larger."
+            )
+        loop.append(onward)
     return np.array(loop)
 
 

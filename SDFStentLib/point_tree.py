@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .polyline import arc_lengths, locate, point_at
+from .polyline import arc_lengths, locate, point_at, segment_count
 from .validation import InputError, Points
 
 Floats = NDArray[np.float64]
@@ -79,6 +79,7 @@ def as_parents(values: ArrayLike, count: int) -> Indices:
 def sums_to_root(parent: Indices, values: Floats) -> Floats:
     """Sum of the values from the root down to each point, both included."""
     sums, above = values.copy(), parent.copy()
+    # Ends: parents are checked for circles, so that everything comes to a root.
     while (above >= 0).any():
         sums = sums + np.where(above >= 0, sums[above], 0.0)
         above = np.where(above >= 0, above[above], -1)
@@ -88,6 +89,7 @@ def sums_to_root(parent: Indices, values: Floats) -> Floats:
 def ancestry_of(parent: Indices, index: int) -> Indices:
     """The points from the root down to `index`, both included."""
     chain = [int(index)]
+    # Ends: parents are checked for circles.
     while parent[chain[-1]] >= 0:
         chain.append(int(parent[chain[-1]]))
     return np.array(chain[::-1], dtype=np.int64)
@@ -100,6 +102,7 @@ def branches_of(parent: Indices) -> tuple[Indices, ...]:
     found = []
     for end in np.flatnonzero(stops & (parent >= 0)):
         branch = [int(end), int(parent[end])]
+        # Ends: upwards, where the root is a stop.
         while not stops[branch[-1]]:
             branch.append(int(parent[branch[-1]]))
         found.append(np.array(branch[::-1], dtype=np.int64))
@@ -150,7 +153,7 @@ def resampled_tree(tree: PointTree, spacing: float) -> PointTree:
     count = len(nodes)
     for path in paths:
         total = arc_lengths(tree.points[path])[-1]
-        at = np.linspace(0.0, total, max(1, round(total / spacing)) + 1)[1:-1]
+        at = np.linspace(0.0, total, segment_count(float(total), spacing) + 1)[1:-1]
         new_points, new_radius = interpolated(tree.points[path], tree.inscribed_radius[path], at)
         chain = np.array([number[int(path[0])], *range(count, count + len(at))], dtype=np.int64)
         points.append(new_points)

@@ -15,6 +15,9 @@ from .validation import InputError, Points, as_number, as_point, as_points
 
 Floats = NDArray[np.float64]
 
+MOST_SEGMENTS = 20_000
+"""Of a line that is made anew: one per 0.01 mm of 200 mm. Each is worth some ms where measured."""
+
 
 class ClosestPoint(NamedTuple):
     """The point of a polyline that is nearest to a query point."""
@@ -95,11 +98,28 @@ def resampled(points: ArrayLike, spacing: float) -> Points:
     Raises
     ------
     InputError
-        Spacing not positive, fewer than two points, or a polyline without length.
+        Spacing not positive or too small to count, fewer than two points, or a polyline without
+        length.
+    """
+    polyline = as_points(points, "polyline", minimum=2)
+    return resampled_to(polyline, segment_count(length(polyline), spacing) + 1)
+
+
+def segment_count(length: float, spacing: float) -> int:
+    """How many segments of about that length fill a line, at least one; mm.
+
+    Raises
+    ------
+    InputError
+        Spacing not positive, or more than `MOST_SEGMENTS`.
     """
     spacing = as_number(spacing, "spacing", unit="mm", above=0)
-    polyline = as_points(points, "polyline", minimum=2)
-    return resampled_to(polyline, max(1, round(length(polyline) / spacing)) + 1)
+    if length / MOST_SEGMENTS > spacing:
+        raise InputError(
+            f"spacing: expected at least {length / MOST_SEGMENTS:.2g} (mm) on a line of "
+            f"{length:.4g} mm, got {spacing:g}; more than {MOST_SEGMENTS} places take too long."
+        )
+    return max(1, round(length / spacing))
 
 
 def resampled_to(points: ArrayLike, count: int) -> Points:

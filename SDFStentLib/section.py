@@ -141,6 +141,7 @@ def _chains(segments: NDArray[np.int64], count: int) -> Iterator[tuple[list[int]
         backward = not is_end[first] and bool(is_last[first])
         chain = [nodes[first][1] if backward else nodes[first][0]]
         following: int | None = first
+        # Ends: every segment is used once.
         while following is not None:
             used[following] = True
             start, end = nodes[following]

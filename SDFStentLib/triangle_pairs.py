@@ -127,6 +127,7 @@ def _column_size(boxes: Boxes) -> int:
     """Width of a column in steps: 1.5 mean boxes, doubled while large faces fill too many."""
     extents = boxes.high[1:].astype(np.int64) - boxes.low[1:]
     size = max(16, int(1.5 * extents.mean()))
+    # Ends: the size doubles from 16 at least.
     while size < _LAST:
         entries = np.prod(boxes.high[1:] // size - boxes.low[1:] // size + np.int64(1), axis=0)
         if entries.sum() <= 6 * len(boxes.faces):

@@ -138,6 +138,7 @@ def untangled(
     floor = np.minimum(held, level + motion.offset[:wall_count])
     fewest, best = bad, after.copy()
     rounds = idle = 0
+    # Ends: counted; the best state is kept.
     while len(bad) and rounds < ROUNDS and idle < IDLE_ROUNDS:
         group = grown(np.unique(triangles[bad]), neighbors, rounds // ROUNDS_PER_RING)
         group = group[group < wall_count]

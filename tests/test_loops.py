@@ -10,9 +10,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from SDFStentLib import inscribed
+from SDFStentLib.centerline import Centerline
 from SDFStentLib.distance import SurfaceIndex
 from SDFStentLib.local_surface import LocalSurface
 from SDFStentLib.phantoms import stenosed_tube
+from SDFStentLib.polyline import resampled
+from SDFStentLib.validation import InputError
 
 PROJECT = Path(__file__).resolve().parents[1]
 PATIENCE = 300
@@ -61,6 +65,8 @@ GROWTH = """
 import numpy as np
 from SDFStentLib.local_surface import LocalSurface
 from SDFStentLib.phantoms import stenosed_tube
+from SDFStentLib.polyline import resampled
+from SDFStentLib.validation import InputError
 tube = stenosed_tube(edge_length=1.5)
 vertex = tube.points[tube.triangles[:1, 0]]
 surface = LocalSurface(tube.points, tube.triangles, vertex)
@@ -108,3 +114,51 @@ def test_every_while_says_why_it_ends():
                     while lines[above - 1].lstrip().startswith("#"):
                         above -= 1
                     assert lines[above].lstrip().startswith("# Ends"), f"{file}:{node.lineno}"
+
+
+CIRCLE = """
+import numpy as np
+from SDFStentLib.coverage import branch_ostia
+points = np.array([[0.0, 0, 0], [1, 0, 0], [1, 0, 0], [1, 0, 0]])
+branch_ostia(points, np.array([-1, 3, 1, 2]), [[0, 0, 0], [0.5, 0, 0]], np.full(4, 9.0))
+"""
+
+
+def test_a_centerline_that_goes_round_in_a_place_is_refused():
+    assert "got a circle that holds point" in ended("-c", CIRCLE).stderr
+
+
+RIM = """
+import numpy as np
+from SDFStentLib.phantom_field import Rim
+from SDFStentLib.phantom_junction import _rim_loop
+points = np.zeros((7, 3))
+rim = Rim(np.zeros(3), np.array([0.0, 0, 1]), 1.0)
+_rim_loop(points, np.array([[0, 1, 2], [2, 3, 4], [4, 5, 6]]), rim)
+"""
+
+
+def test_a_rim_that_meets_itself_is_refused():
+    assert (
+        "InputError: edge_length: expected rims that are one loop each" in ended("-c", RIM).stderr
+    )
+
+
+@pytest.mark.parametrize(("length", "spacing"), [(1e6, 1e-20), (1.0, 1e-320), (20.001, 1e-3)])
+def test_a_line_is_made_anew_with_a_bounded_number_of_segments(length, spacing):
+    with pytest.raises(InputError, match="spacing: expected at least"):
+        resampled([[0, 0, 0], [length, 0, 0]], spacing)
+    with pytest.raises(InputError, match="spacing: expected at least"):
+        Centerline.from_polyline([[0, 0, 0], [length, 0, 0]]).resampled(spacing)
+    assert len(resampled([[0, 0, 0], [20.0, 0, 0]], 1e-3)) == 20_001
+
+
+def test_a_climb_that_does_not_settle_ends_with_the_exact_radius_of_where_it_is(monkeypatch):
+    tube = stenosed_tube(edge_length=1.5)
+    monkeypatch.setattr(inscribed, "_ROUNDS", 1)
+    axis = [[0.5, 0, 10], [0.5, 0, 20], [0.5, 0, 30]]
+    spheres = inscribed.inscribed_spheres(tube.points, tube.triangles, axis)
+    exact = SurfaceIndex(tube.points, tube.triangles).distances(spheres.centers).distance
+    np.testing.assert_allclose(spheres.radii, exact, rtol=1e-12)
+    settled = SurfaceIndex(tube.points, tube.triangles).distances(np.asarray(axis)).distance
+    assert (spheres.radii >= settled).all()

@@ -480,10 +480,12 @@ def test_the_stented_vessel_may_turn_into_a_branch():
 def test_a_tree_that_is_none_is_refused():
     points, parent, radius = a_tree()
     axis = [[20, 0, 0], [30, 0, 0]]
-    with pytest.raises(InputError, match="parent: expected 138 integers"):
+    with pytest.raises(InputError, match="parents: expected 138 integers"):
         branch_ostia(points, parent[:-1], axis)
-    with pytest.raises(InputError, match="parent: expected -1 to 137, got -1 to 500"):
+    with pytest.raises(InputError, match="parents: expected -1 to 137, got -1 to 500"):
         branch_ostia(points, np.where(parent == 5, 500, parent), axis)
+    with pytest.raises(InputError, match="got a circle that holds point"):
+        branch_ostia(points, np.where(parent == -1, 1, parent), axis)
     with pytest.raises(InputError, match="inscribed_radius: expected one for each of 138 points"):
         branch_ostia(points, parent, axis, radius[:3])
     with pytest.raises(InputError, match="two separate trees"):

@@ -105,6 +105,7 @@ def changeStamp(node):
         return None
     transform = node.GetParentTransformNode()
     stamps = [node.GetID(), _content(node)]
+    # Ends: MRML refuses a transform that is its own parent, however far above.
     while transform is not None:
         stamps += [transform.GetID(), transform.GetTransformToWorldMTime()]
         transform = transform.GetParentTransformNode()

@@ -24,6 +24,7 @@ def inPortions(function):
     thread = threading.Thread(target=run, daemon=True)
     thread.start()
     thread.join(WAIT_S)
+    # Ends: with the function; who does not want to wait closes the generator.
     while thread.is_alive():
         yield None
         thread.join(WAIT_S)

@@ -100,6 +100,7 @@ class StentList:
     def _freeLabel(stents):
         labels = {values["label"] for values in stents}
         number = len(stents) + 1
+        # Ends: there are finitely many labels.
         while f"Stent {number}" in labels:
             number += 1
         return f"Stent {number}"

@@ -59,6 +59,7 @@ class Stenting:
         finishes and certifies the lumen, which may take a second.
         """
         states = iter(self._treatment)
+        # Ends: a treatment has as many states as radius steps, whose number is bounded.
         while True:
             state = yield from self._computed(lambda: next(states, None), responsive)
             if state is None:

@@ -42,6 +42,7 @@ class SteppedRun:
             return
         end, value = time.perf_counter() + self._budget, None
         try:
+            # Ends: with the time, or with the iterator, whose values are never None.
             while value is None or time.perf_counter() < end:
                 value = next(self._iterator)
         except StopIteration:
