@@ -57,7 +57,8 @@ def past_closed_ends(
     Returns
     -------
     InscribedSpheres
-        NaN where a sphere touches an end that is no flat cap, such as one that a stent bulged.
+        NaN where a sphere touches an end that is no flat cap, such as one that a stent bulged, and
+        where it climbs out through one that the axis meets askew.
     (n,) array
         The equivalent diameters, NaN where a cap, a little askew, cuts the section off.
     """
@@ -103,7 +104,9 @@ def _touches(
     known = np.flatnonzero(np.isfinite(spheres.radii[where]))
     where = where[known]
     if len(where):
-        centers, reach = spheres.centers[where], (1 + TOUCH) * spheres.radii[where]
+        centers, radii = spheres.centers[where], spheres.radii[where]
+        # Of a sphere of radius 0 rounding tells what it touches.
+        reach = np.maximum((1 + TOUCH) * radii, IN_SURFACE)
         surface = LocalSurface(points, triangles, centers)
         query, triangle = surface.near(centers, reach)
         offset = surface.index.closest_points(centers[query], triangle) - centers[query]

@@ -93,7 +93,7 @@ class DiameterProfile:
                 (
                     "inscribed",
                     self.inscribed_diameter,
-                    "the axis is outside the lumen there, or at an end that is no flat cap",
+                    "the axis is outside the lumen there, or at an end that is no flat cap across",
                 ),
                 (
                     "equivalent",

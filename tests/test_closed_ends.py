@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from SDFStentLib.caps import flat_caps
 from SDFStentLib.metrics import diameter_profile
@@ -51,6 +52,25 @@ def test_a_capped_tube_is_as_wide_at_its_ends_as_in_its_middle():
     )
     middle = profile.equivalent_diameter[15]
     np.testing.assert_allclose(profile.equivalent_diameter[1:-1], middle, rtol=1e-9)
+
+
+@pytest.mark.parametrize("turned", [0, 20, 35, 50, 80])
+@pytest.mark.parametrize("lean", [0, 2, 5, 10, 15, 25])
+def test_an_axis_that_ends_askew_on_a_cap_makes_no_vessel_narrow(turned, lean):
+    turn = Rotation.from_euler("xyz", [turned, 1.4 * turned, 20], degrees=True).as_matrix()
+    points, triangles = a_capped_duct(a_circle())
+    aside = 8 * np.tan(np.deg2rad(lean))
+    axis = np.array([[0.1, 0, 15], [0.1, 0, 22], [0.1 + aside, 0, LENGTH]]) @ turn.T
+    profile = diameter_profile(points @ turn.T, triangles, axis, 2.0)
+    inscribed = profile.inscribed_diameter
+    # The last plane may lead out of the end: it holds no sphere, or one up to half the long axis
+    # of the ellipse in which it cuts the tube.
+    width = 2 * RADIUS * np.cos(np.pi / 32)
+    np.testing.assert_allclose(inscribed[:-2], width, rtol=1e-4)
+    known = inscribed[-2:][np.isfinite(inscribed[-2:])]
+    longest = width / np.cos(np.deg2rad(lean))
+    assert ((known > 0.9999 * width) & (known < 1.0001 * longest)).all(), inscribed
+    assert len(profile.gaps) or np.isfinite(inscribed).all()
 
 
 def test_a_cap_that_leans_cuts_no_section_short():
