@@ -15,7 +15,7 @@ from SDFStentLib.validation import InputError
 
 
 def vesselPolyData(node, segmentID=""):
-    """The vessel's wall as triangles in world coordinates: a copy, the node is not changed.
+    """The vessel's wall in world coordinates: a copy, the node is not changed. Cells are as they are in the node.
 
     Raises `InputError` with a sentence that names the node.
     """
@@ -28,11 +28,20 @@ def vesselPolyData(node, segmentID=""):
         surface = _segmentSurface(node, segmentID)
     else:
         surface = _toWorld(node, _modelSurface(node))
-    if surface.GetNumberOfPolys() == 0:
+    if surface.GetNumberOfPolys() + surface.GetNumberOfStrips() == 0:
         raise InputError(
             f"Vessel {node.GetName()}: expected a surface of triangles, got none; select another node."
         )
-    return _triangulated(surface)
+    copy = vtk.vtkPolyData()
+    copy.DeepCopy(surface)
+    return copy
+
+
+def segmentOf(parameterNode):
+    """The segment that is the vessel; "" while the vessel is not a segmentation, whatever was chosen before."""
+    vessel = parameterNode.vessel
+    isSegmentation = vessel is not None and vessel.IsA("vtkMRMLSegmentationNode")
+    return parameterNode.segmentID if isSegmentation else ""
 
 
 def centerlineOf(node):
@@ -172,22 +181,6 @@ def _segmentSurface(node, segmentID):
         node, segmentID, surface
     )
     return surface
-
-
-def _triangulated(surface):
-    if (
-        surface.GetNumberOfPolys() == surface.GetNumberOfCells()
-        and surface.GetPolys().IsHomogeneous() == 3
-    ):
-        copy = vtk.vtkPolyData()
-        copy.DeepCopy(surface)
-        return copy
-    triangulate = vtk.vtkTriangleFilter()
-    triangulate.PassLinesOff()
-    triangulate.PassVertsOff()
-    triangulate.SetInputData(surface)
-    triangulate.Update()
-    return triangulate.GetOutput()
 
 
 def _toWorld(node, polyData):

@@ -1,5 +1,6 @@
 """What a deployment depends on: the nodes, what is missing, and whether anything has changed."""
 
+import slicer
 from slicer.i18n import tr as _
 
 from . import Conversion
@@ -43,6 +44,26 @@ def missingOf(stent):
     return ""
 
 
+def leave(parameterNode, node):
+    """Let go of a node that is about to be deleted, before a selector takes its neighbor in the list for the user's choice."""
+    with slicer.util.NodeModify(parameterNode):
+        for role in ("vessel", "centerline", "outputVessel"):
+            if getattr(parameterNode, role) is node:
+                setattr(parameterNode, role, None)
+        if parameterNode.stent.handle is node:
+            parameterNode.stent.handle = None
+
+
+def chooseSegment(parameterNode):
+    """Where the vessel is a segmentation that has not the chosen segment, choose its first."""
+    vessel = parameterNode.vessel
+    if vessel is None or not vessel.IsA("vtkMRMLSegmentationNode"):
+        return
+    known = vessel.GetSegmentation().GetSegmentIDs()
+    if parameterNode.segmentID not in known:
+        parameterNode.segmentID = known[0] if known else ""
+
+
 def places(parameterNode):
     """Index in the list and handle's ID of every stent that is switched on: how to find it again when the list has changed."""
     return [
@@ -57,7 +78,7 @@ def signature(parameterNode):
     method = parameterNode.method
     return (
         Conversion.changeStamp(parameterNode.vessel),
-        parameterNode.segmentID,
+        Conversion.segmentOf(parameterNode),
         Conversion.changeStamp(parameterNode.centerline),
         tuple(getattr(method, name) for name in MethodParameters.allParameters),
         tuple(

@@ -9,6 +9,8 @@ from vtk.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from SDFStentLib.polydata import polydata_from_lines
 from SDFStentLib.polyline import resampled
 
+from . import Outputs
+
 VESSEL_COLOR = (0.88, 0.47, 0.42)
 STENT_COLOR = (0.72, 0.76, 0.80)
 CENTERLINE_COLOR = (0.15, 0.35, 0.75)
@@ -68,11 +70,12 @@ def _withNormals(polyData):
 
 
 def outputModel(parameterNode, role, name, color):
-    """The model node of a role: the one in use, or a new one."""
+    """The model node of a role: the one in use where it was made for this, or a new one."""
     node = getattr(parameterNode, role)
-    if node is None:
+    if not Outputs.isUsable(parameterNode, role, node):
         scene = parameterNode.parameterNode.GetScene()
         node = scene.AddNewNodeByClass("vtkMRMLModelNode", scene.GenerateUniqueName(name))
+        node.SetAttribute(Outputs.ATTRIBUTE, role)
         setattr(parameterNode, role, node)
     if node.GetDisplayNode() is None:
         node.CreateDefaultDisplayNodes()

@@ -32,7 +32,7 @@ class Inputs:
 
     def vessel(self, parameterNode):
         """The `Vessel`."""
-        node, segmentID = parameterNode.vessel, parameterNode.segmentID
+        node, segmentID = parameterNode.vessel, Conversion.segmentOf(parameterNode)
         stamp = (Conversion.changeStamp(node), segmentID)
         if node is None or stamp != self._vessel[0]:
             surface = Conversion.vesselPolyData(node, segmentID)

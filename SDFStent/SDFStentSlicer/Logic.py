@@ -11,7 +11,7 @@ from vtk.util.numpy_support import vtk_to_numpy
 
 from SDFStentLib.validation import DeploymentError, InputError
 
-from . import Dependencies, Display, Handles, Plans, Results
+from . import Dependencies, Display, Handles, Outputs, Plans, Results
 from .Inputs import Inputs
 from .ParameterNode import STENT_FIELDS, MethodParameters, Placement, SDFStentParameterNode
 from .Stenting import Stenting
@@ -150,6 +150,9 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
     inputNodes = staticmethod(Dependencies.inputNodes)
     missing = staticmethod(Dependencies.missing)
     signature = staticmethod(Dependencies.signature)
+    leave = staticmethod(Dependencies.leave)
+    chooseSegment = staticmethod(Dependencies.chooseSegment)
+    takenIDs = staticmethod(Outputs.takenIDs)
 
     def centerlineOf(self, parameterNode):
         """The library's centerline of a parameter node, in world coordinates."""
@@ -302,11 +305,11 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
         """The output of a parameter node, showing the template's mesh; kept while the mesh stays the same."""
         key = parameterNode.parameterNode.GetID()
         surface = self._surfaces.get(key)
-        isNew = parameterNode.outputVessel is None
+        former = parameterNode.outputVessel
         node = Display.outputModel(
             parameterNode, "outputVessel", _("Stented vessel"), Display.VESSEL_COLOR
         )
-        if isNew:
+        if node is not former:
             node.GetDisplayNode().SetOpacity(Display.VESSEL_OPACITY)
             Display.hideModel(parameterNode.vessel)
         if (

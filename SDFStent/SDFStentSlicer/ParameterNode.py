@@ -1,7 +1,7 @@
 """The module's typed parameters: everything a user chooses, stored in the scene."""
 
 import enum
-from typing import Annotated, NamedTuple
+from typing import Annotated, NamedTuple, Optional, Union
 
 from slicer import (
     vtkMRMLMarkupsCurveNode,
@@ -97,6 +97,10 @@ def ruleLabel(rule):
     return {"events": _("adaptive"), "published": _("as in the paper")}[rule]
 
 
+# Node types are written Optional[X], not X | None: Python before 3.11.7 takes one for the other inside of Annotated, and Slicer
+# then finds no connector for the selector.
+
+
 @parameterPack
 class StentParameters:
     """One stent of the plan. Sizes in mm; foreshortening in percent, as on screen."""
@@ -108,7 +112,7 @@ class StentParameters:
     foreshortening: Annotated[float, _within("foreshortening")] = 10.0
     placement: Placement = Placement.CENTER
     wholeCurve: bool = True
-    handle: vtkMRMLMarkupsFiducialNode | vtkMRMLMarkupsCurveNode | None
+    handle: Union[vtkMRMLMarkupsFiducialNode, vtkMRMLMarkupsCurveNode, None]
 
 
 @parameterPack
@@ -134,9 +138,9 @@ class SDFStentParameterNode:
     `StentList`.
     """
 
-    vessel: vtkMRMLModelNode | vtkMRMLSegmentationNode | None
+    vessel: Union[vtkMRMLModelNode, vtkMRMLSegmentationNode, None]
     segmentID: str = ""
-    centerline: vtkMRMLModelNode | vtkMRMLMarkupsCurveNode | None
+    centerline: Union[vtkMRMLModelNode, vtkMRMLMarkupsCurveNode, None]
 
     stents: list[StentParameters]
     selected: int = -1
@@ -148,11 +152,11 @@ class SDFStentParameterNode:
     map: SurfaceMap = SurfaceMap.NONE
     showStents: bool = True
 
-    outputVessel: vtkMRMLModelNode | None
-    outputCenterline: vtkMRMLModelNode | None
-    outputStents: vtkMRMLModelNode | None
-    outputTable: vtkMRMLTableNode | None
-    outputChart: vtkMRMLPlotChartNode | None
+    outputVessel: Optional[vtkMRMLModelNode]
+    outputCenterline: Optional[vtkMRMLModelNode]
+    outputStents: Optional[vtkMRMLModelNode]
+    outputTable: Optional[vtkMRMLTableNode]
+    outputChart: Optional[vtkMRMLPlotChartNode]
 
     status: str = ""
     lumenSummary: str = ""

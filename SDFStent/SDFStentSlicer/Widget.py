@@ -9,7 +9,9 @@ from slicer.i18n import tr as _
 from slicer.ScriptedLoadableModule import ScriptedLoadableModuleWidget
 from slicer.util import VTKObservationMixin
 
+from . import Outputs
 from .DeploySession import DeploySession
+from .GuiBinding import GuiBinding
 from .InputWatch import InputWatch
 from .Logic import SDFStentLogic
 from .ParameterNode import Placement, ruleLabel
@@ -32,7 +34,7 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         VTKObservationMixin.__init__(self)
         self.logic = logic
         self.session = self.stents = self.table = None
-        self._parameterNode = self._guiTag = None
+        self._parameterNode = self._binding = self._lastSet = None
         self._inputs = InputWatch(self.onInputModified, self.onHandleReleased)
 
     # Life cycle
@@ -45,15 +47,14 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.ui.parameterSetSelector.addAttribute(
             "vtkMRMLScriptedModuleNode", "ModuleName", self.moduleName
         )
+        self.ui.outputSelector.addAttribute("vtkMRMLModelNode", Outputs.ATTRIBUTE, "outputVessel")
         uiWidget.setMRMLScene(slicer.mrmlScene)
         self._usualReach = {name: getattr(self.ui, name).maximum for name in METHOD_SLIDERS}
         self.logic = self.logic or SDFStentLogic()
         self.session = DeploySession(self.logic, self._onStart, self._onProgress, self._onDone)
         self.table = StentTable(self.ui, self._onSelectStent, self._onEnableStent)
         self._connect()
-        self.addObserver(slicer.mrmlScene, slicer.mrmlScene.StartCloseEvent, self.onSceneStartClose)
-        self.addObserver(slicer.mrmlScene, slicer.mrmlScene.EndCloseEvent, self.onSceneEndClose)
-        self.addObserver(slicer.mrmlScene, slicer.mrmlScene.EndImportEvent, self.onSceneEndImport)
+        self._observeScene(slicer.mrmlScene)
         self.initializeParameterNode()
 
     def cleanup(self):
@@ -66,17 +67,43 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
     def exit(self):
         self.setParameterNode(None)
 
+    def _observeScene(self, scene):
+        for event, method in (
+            (scene.StartCloseEvent, self.onSceneStartClose),
+            (scene.EndCloseEvent, self.onSceneReady),
+            (scene.StartImportEvent, self.onSceneStartImport),
+            (scene.EndImportEvent, self.onSceneReady),
+            (scene.NodeAboutToBeRemovedEvent, self.onNodeAboutToBeRemoved),
+            (scene.NodeRemovedEvent, self.onNodeRemoved),
+        ):
+            # After selectors and logic have heard of it; of a deleted node a selector hears later (-10).
+            self.addObserver(scene, event, method, priority=-1.0)
+
     def onSceneStartClose(self, caller=None, event=None):
         self.setParameterNode(None)
         self.logic.forget()
 
-    def onSceneEndClose(self, caller=None, event=None):
+    def onSceneStartImport(self, caller=None, event=None):
+        # Selectors are emptied by an import, and references are not resolved while it lasts.
+        self.setParameterNode(None)
+
+    def onSceneReady(self, caller=None, event=None):
         if self.parent.isEntered:
             self.initializeParameterNode()
 
-    def onSceneEndImport(self, caller=None, event=None):
-        self.setParameterNode(None)
-        self.onSceneEndClose()
+    @vtk.calldata_type(vtk.VTK_OBJECT)
+    def onNodeAboutToBeRemoved(self, caller, event, node):
+        if self._parameterNode is None:
+            return
+        if node is self._parameterNode.parameterNode:
+            self.setParameterNode(None)
+        else:
+            self.logic.leave(self._parameterNode, node)
+
+    @vtk.calldata_type(vtk.VTK_OBJECT)
+    def onNodeRemoved(self, caller, event, node):
+        if node is self._lastSet and not (caller.IsClosing() or caller.IsImporting()):
+            self.onSceneReady()
 
     def onReload(self):
         self.logic.dropLoadedPackages()
@@ -85,8 +112,9 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
     # Parameter node
 
     def initializeParameterNode(self):
-        """Show the parameter set that was chosen last, or the module's first."""
-        node = self.ui.parameterSetSelector.currentNode()
+        """Show the parameter set that was shown last, or the one that is selected, or the module's first."""
+        isThere = self._lastSet is not None and self._lastSet.GetScene() is slicer.mrmlScene
+        node = self._lastSet if isThere else self.ui.parameterSetSelector.currentNode()
         self.setParameterNode(
             self.logic.getParameterNode() if node is None else self.logic.parameterSet(node)
         )
@@ -95,6 +123,7 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         """Called for the first node as well, when there was none: only a panel that is shown changes over."""
         if self._parameterNode is not None and node is not self._parameterNode.parameterNode:
             self.setParameterNode(None)
+            self._lastSet = node
             self.initializeParameterNode()
 
     def setParameterNode(self, parameterNode):
@@ -102,7 +131,7 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         if parameterNode is self._parameterNode:
             return
         if self._parameterNode is not None:
-            self._parameterNode.disconnectGui(self._guiTag)
+            self._binding.release()
             self.removeObserver(
                 self._parameterNode.parameterNode,
                 vtk.vtkCommand.ModifiedEvent,
@@ -113,9 +142,12 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.session.setParameterNode(parameterNode)
         self.stents = None
         if parameterNode is not None:
-            self.ui.parameterSetSelector.setCurrentNode(parameterNode.parameterNode)
+            self._lastSet = parameterNode.parameterNode
+            self.ui.parameterSetSelector.setCurrentNode(self._lastSet)
+            taken = self.logic.takenIDs(parameterNode, "outputVessel")
+            self.ui.outputSelector.sortFilterProxyModel().hiddenNodeIDs = taken
             self.stents = StentList(parameterNode)
-            self._guiTag = parameterNode.connectGui(self.ui)
+            self._binding = GuiBinding(parameterNode, self.ui)
             for index in range(self.ui.ruleComboBox.count):  # connected by index: texts are free
                 self.ui.ruleComboBox.setItemText(
                     index, ruleLabel(self.ui.ruleComboBox.itemText(index))
@@ -130,6 +162,7 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
     def onParameterNodeModified(self, caller=None, event=None):
         if self._parameterNode is None or self.stents.synchronize():
             return  # synchronizing has called this again
+        self.logic.chooseSegment(self._parameterNode)
         self._inputs.watch(self.logic.inputNodes(self._parameterNode))
         self._updatePanel()
         self._requestUpdate()
@@ -151,17 +184,20 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
     def _updatePanel(self):
         parameterNode = self._parameterNode
         self.table.show(self.stents.values(), parameterNode.selected)
-        isSegmentation = parameterNode.vessel is not None and parameterNode.vessel.IsA(
-            "vtkMRMLSegmentationNode"
-        )
-        self.ui.segmentSelector.visible = self.ui.segmentSelectorLabel.visible = isSegmentation
-        self.ui.segmentSelector.setCurrentNode(parameterNode.vessel if isSegmentation else None)
-        if isSegmentation and parameterNode.segmentID:
-            self.ui.segmentSelector.setCurrentSegmentID(parameterNode.segmentID)
+        self._showSegments()
         self.ui.placeWidget.setCurrentNode(parameterNode.stent.handle if len(self.stents) else None)
         self._updateLimits()
         self._updateEnabled()
         self.logic.updateDisplay(parameterNode)
+
+    def _showSegments(self):
+        vessel, selector = self._parameterNode.vessel, self.ui.segmentSelector
+        isSegmentation = vessel is not None and vessel.IsA("vtkMRMLSegmentationNode")
+        selector.visible = self.ui.segmentSelectorLabel.visible = isSegmentation
+        wasBlocked = selector.blockSignals(True)  # it says that the first segment was chosen
+        selector.setCurrentNode(vessel if isSegmentation else None)
+        selector.setCurrentSegmentID(self._parameterNode.segmentID)
+        selector.blockSignals(wasBlocked)
 
     def _updateLimits(self):
         """Sliders reach as far as makes sense, for this vessel or as designed, and farther where the value that is set does."""
@@ -264,7 +300,9 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.ui.placementComboBox.connect("activated(int)", self.onPlacementActivated)
 
     def onSegmentChanged(self, segmentID):
-        if self._parameterNode is not None and self.ui.segmentSelector.currentNode() is not None:
+        """Take the user's choice; what the selector says of another node, which it went to by itself, is none."""
+        vessel = self._parameterNode.vessel if self._parameterNode is not None else None
+        if vessel is not None and segmentID and self.ui.segmentSelector.currentNode() is vessel:
             self._parameterNode.segmentID = segmentID
 
     def _onSelectStent(self, row):

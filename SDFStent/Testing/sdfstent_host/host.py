@@ -1,9 +1,11 @@
 """`Host`: the application as a test sees it."""
 
+import contextlib
 import ctypes
 import importlib.util
 import logging
 import os
+import re
 import sys
 import time
 import types
@@ -17,15 +19,32 @@ if not os.environ.get("DISPLAY"):
 import slicer
 
 if sys.version_info < (3, 12):
-    # PySide6 6.12 gives back None without counting it, which only later Pythons, where None is immortal, allow:
-    # after some ten thousand calls the interpreter would abort ("deallocating None").
-    ctypes.c_ssize_t.from_address(id(None)).value += 1 << 40
+    # PySide6 6.12 gives back None, True and False without counting them, which only later Pythons, where they are immortal,
+    # allow: after some ten thousand calls the interpreter would abort ("deallocating None").
+    for constant in (None, True, False):
+        ctypes.c_ssize_t.from_address(id(constant)).value += 1 << 40
 
 from PySide6 import QtCore, QtTest, QtWidgets
 
 from . import mrml, slicer_stand_in
 from .qmrml_widgets import qMRMLWidget
 from .qt_stand_in import wrapped
+
+
+@contextlib.contextmanager
+def withoutLaterModules(name):
+    """Take out of `slicer` the classes of loadable modules that come after `name` in the alphabet: they are loaded later."""
+    later = {}
+    for attribute, cls in vars(slicer).items():
+        owner = re.search(r"vtkSlicer(\w+)Module", getattr(cls, "__module__", "") or "")
+        if owner and owner.group(1) > name:
+            later[attribute] = cls
+    for attribute in later:
+        delattr(slicer, attribute)
+    try:
+        yield
+    finally:
+        vars(slicer).update(later)
 
 
 class Host:
@@ -68,7 +87,8 @@ class Host:
         spec = importlib.util.spec_from_file_location(path.stem, path)
         python = importlib.util.module_from_spec(spec)
         sys.modules[path.stem] = python
-        spec.loader.exec_module(python)
+        with withoutLaterModules(path.stem):
+            spec.loader.exec_module(python)
         parent = types.SimpleNamespace(path=str(path))
         entry = types.SimpleNamespace(path=str(path), name=path.stem, python=python, parent=parent)
         setattr(slicer.modules, path.stem.lower(), entry)

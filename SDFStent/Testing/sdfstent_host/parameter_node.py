@@ -254,9 +254,9 @@ class WrapperMembers:
         return tag
 
     def disconnectGui(self, tag):
+        """As in Slicer 5.10.0: the observer that `connectGui` added stays."""
         for connector in self._bindings.pop(tag, {}).values():
             connector.onChanged(None)
-        self.RemoveObserver(tag)
 
     def _field(self, name):
         fields = self.allParameters

@@ -7,6 +7,9 @@ import slicer
 from PySide6.QtCore import Property, Signal
 from PySide6.QtWidgets import QComboBox, QHBoxLayout, QPushButton, QVBoxLayout, QWidget
 
+from .scene_observer import SceneObserver, neighbor
+from .segment_selector import qMRMLSegmentSelectorWidget
+
 
 class qMRMLWidget(QWidget):
     mrmlSceneChanged = Signal(object)
@@ -24,24 +27,20 @@ class qMRMLWidget(QWidget):
             self.mrmlSceneChanged.emit(scene)
 
 
-class SceneObserver:
-    """Calls back on every change of the scene's content, and lets go of the scene again."""
+class SortFilterProxyModel:
+    """What a node selector does not show, whatever its type."""
 
-    EVENTS = ("NodeAddedEvent", "NodeRemovedEvent", "EndCloseEvent", "EndImportEvent")
+    def __init__(self, onChanged):
+        self._onChanged, self._hidden = onChanged, []
 
-    def __init__(self, callback):
-        self._callback, self._scene, self._tags = callback, None, []
+    @property
+    def hiddenNodeIDs(self):
+        return list(self._hidden)
 
-    def observe(self, scene):
-        if self._scene is not None:
-            for tag in self._tags:
-                self._scene.RemoveObserver(tag)
-        self._scene = scene
-        self._tags = (
-            [scene.AddObserver(getattr(scene, e), self._callback) for e in self.EVENTS]
-            if scene
-            else []
-        )
+    @hiddenNodeIDs.setter
+    def hiddenNodeIDs(self, nodeIDs):
+        self._hidden = list(nodeIDs)
+        self._onChanged()
 
 
 class qMRMLNodeComboBox(QWidget):
@@ -57,7 +56,9 @@ class qMRMLNodeComboBox(QWidget):
         self._scene, self._currentID, self._ids = None, None, []
         self._nodeTypes, self._flags, self._texts = [], {}, {}
         self._attributes = {}
-        self._observer = SceneObserver(lambda *_: self._refresh())
+        self._leaving = None
+        self._filter = SortFilterProxyModel(self._dropHidden)
+        self._observer = SceneObserver(self._onScene)
         self._box.activated.connect(self._onActivated)
         self.destroyed.connect(lambda *_, observer=self._observer: observer.observe(None))
 
@@ -76,7 +77,9 @@ class qMRMLNodeComboBox(QWidget):
         self.setCurrentNodeID(node.GetID() if node else None)
 
     def setCurrentNodeID(self, nodeID):
-        nodeID = nodeID or None
+        """Show a node that is offered; any other one is the same as none."""
+        self._refresh()
+        nodeID = nodeID if nodeID in self._ids else None
         changed = nodeID != self._currentID
         self._currentID = nodeID
         self._refresh()
@@ -84,15 +87,19 @@ class qMRMLNodeComboBox(QWidget):
             self.currentNodeChanged.emit(self.currentNode())
 
     def addAttribute(self, nodeType, name, value=""):
-        """Offer only nodes with this attribute, and give it to new ones."""
-        self._attributes[name] = value
-        self._refresh()
+        """Offer only nodes with this attribute, one per type that is offered, and give it to new ones."""
+        if nodeType in self._nodeTypes:
+            self._attributes[nodeType] = (name, value)
+            self._refresh()
+
+    def sortFilterProxyModel(self):
+        return self._filter
 
     def addNode(self):
         node = self._scene.CreateNodeByClass(self._nodeTypes[0])
         node.UnRegister(None)
         node.SetName(self._scene.GenerateUniqueName(self.baseName or "Node"))
-        for name, value in self._attributes.items():
+        for name, value in self._attributes.values():
             node.SetAttribute(name, value)
         node = self._scene.AddNode(node)
         self.setCurrentNode(node)
@@ -105,8 +112,31 @@ class qMRMLNodeComboBox(QWidget):
         elif self._texts.get("createText") == self._box.itemText(index):
             self.addNode()
 
+    def _onScene(self, event, node):
+        if event in ("EndCloseEvent", "EndImportEvent"):  # all rows are taken out and made anew
+            self.setCurrentNodeID(None)
+        elif event == "NodeAboutToBeRemovedEvent" and node.GetID() == self._currentID:
+            if not self._scene.IsClosing():
+                self._moveOn(node)
+        elif not self._scene.IsClosing():
+            self._refresh()
+
+    def _moveOn(self, node):
+        """The node shown is about to go: show its neighbor."""
+        self._leaving = node
+        self._currentID = neighbor([i for i in self._ids if i is not None], node.GetID())
+        self._refresh()
+        self.currentNodeChanged.emit(self.currentNode())
+        self._leaving = None
+
+    def _dropHidden(self):
+        """The filter has changed: a node that it hides is not the current one any more."""
+        self._refresh()
+        if self._currentID is not None and self._currentID not in self._ids:
+            self.setCurrentNodeID(None)
+
     def _refresh(self):
-        if self._scene is None:
+        if self._scene is None or self._scene.IsImporting():  # what is imported is seen at the end
             return
         nodes = [
             n
@@ -137,7 +167,10 @@ class qMRMLNodeComboBox(QWidget):
     def _accepts(self, node, nodeType):
         if node.GetHideFromEditors() and not self._flags.get("showHidden"):
             return False
-        if any(node.GetAttribute(name) != value for name, value in self._attributes.items()):
+        if node is self._leaving or node.GetID() in self._filter.hiddenNodeIDs:
+            return False
+        name, value = self._attributes.get(nodeType, ("", None))
+        if name and node.GetAttribute(name) != value:
             return False
         return self._flags.get("showChildNodeTypes", True) or node.GetClassName() == nodeType
 
@@ -173,57 +206,6 @@ class qMRMLNodeComboBox(QWidget):
     selectNodeUponCreation = _flag("selectNodeUponCreation")
     baseName = _string("baseName")
     noneDisplay = _string("noneDisplay")
-
-
-class qMRMLSegmentSelectorWidget(QWidget):
-    currentSegmentChanged = Signal(str)
-
-    def __init__(self, parent=None):
-        super().__init__(parent)
-        self._box = QComboBox(self)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.addWidget(self._box)
-        self._node, self._scene, self._ids, self._flags = None, None, [], {}
-        self._box.currentIndexChanged.connect(
-            lambda *_: self.currentSegmentChanged.emit(self.currentSegmentID())
-        )
-
-    def mrmlScene(self):
-        return self._scene
-
-    def setMRMLScene(self, scene):
-        self._scene = scene
-
-    def currentNode(self):
-        return self._node
-
-    def setCurrentNode(self, node):
-        if node is self._node:
-            return
-        self._node = node
-        self._ids = list(node.GetSegmentation().GetSegmentIDs()) if node else []
-        self._box.clear()
-        self._box.addItems([node.GetSegmentation().GetSegment(i).GetName() for i in self._ids])
-
-    def currentSegmentID(self):
-        index = self._box.currentIndex()
-        return self._ids[index] if 0 <= index < len(self._ids) else ""
-
-    def setCurrentSegmentID(self, segmentID):
-        if segmentID in self._ids:
-            self._box.setCurrentIndex(self._ids.index(segmentID))
-
-    def _flag(name):
-        return Property(
-            bool,
-            lambda self: self._flags.get(name, False),
-            lambda self, v: self._flags.update({name: v}),
-        )
-
-    noneEnabled = _flag("noneEnabled")
-    multiSelection = _flag("multiSelection")
-    segmentationNodeSelectorVisible = _flag("segmentationNodeSelectorVisible")
 
 
 class qSlicerMarkupsPlaceWidget(QWidget):

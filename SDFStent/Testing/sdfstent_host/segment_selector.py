@@ -1,0 +1,94 @@
+"""A look-alike of the segment selector, inner node selector included."""
+
+import slicer
+from PySide6.QtCore import Property, Signal
+from PySide6.QtWidgets import QComboBox, QVBoxLayout, QWidget
+
+from .scene_observer import SceneObserver, neighbor
+
+SEGMENT_EVENTS = ("SegmentAdded", "SegmentRemoved", "SegmentModified")
+
+
+class qMRMLSegmentSelectorWidget(QWidget):
+    currentSegmentChanged = Signal(str)
+
+    def __init__(self, parent=None):
+        super().__init__(parent)
+        self._box = QComboBox(self)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.addWidget(self._box)
+        self._node, self._scene, self._flags = None, None, {}
+        self._ids, self._currentID, self._tags = [], "", []
+        self._observer = SceneObserver(self._onScene)
+        self._box.currentIndexChanged.connect(self._onCurrentIndex)
+        self.destroyed.connect(lambda *_, observer=self._observer: observer.observe(None))
+
+    def mrmlScene(self):
+        return self._scene
+
+    def setMRMLScene(self, scene):
+        self._scene = scene
+        self._observer.observe(scene)
+
+    def currentNode(self):
+        return self._node
+
+    def setCurrentNode(self, node):
+        if node is self._node:
+            return
+        for tag in self._tags:
+            self._node.GetSegmentation().RemoveObserver(tag)
+        self._node, self._tags = node, []
+        if node is not None:
+            segmentation = node.GetSegmentation()
+            self._tags = [
+                segmentation.AddObserver(
+                    getattr(slicer.vtkSegmentation, e), lambda *_: self._populate()
+                )
+                for e in SEGMENT_EVENTS
+            ]
+        self._populate()
+
+    def currentSegmentID(self):
+        """Stays what it was when there is no node."""
+        return self._currentID
+
+    def setCurrentSegmentID(self, segmentID):
+        if segmentID in self._ids:
+            self._box.setCurrentIndex(self._ids.index(segmentID))
+
+    def _onScene(self, event, node):
+        if event in ("EndCloseEvent", "EndImportEvent"):
+            self.setCurrentNode(None)
+        elif event == "NodeAboutToBeRemovedEvent" and node is self._node:
+            nodes = slicer.util.getNodesByClass("vtkMRMLSegmentationNode")
+            self.setCurrentNode(neighbor(nodes, node))
+
+    def _populate(self):
+        """The segments of the node; the present one where it has it, else its first, which is emitted at once."""
+        segmentation = self._node.GetSegmentation() if self._node is not None else None
+        self._ids = list(segmentation.GetSegmentIDs()) if segmentation is not None else []
+        self._box.blockSignals(True)
+        self._box.clear()
+        self._box.addItems([segmentation.GetSegment(i).GetName() for i in self._ids])
+        isThere = self._currentID in self._ids
+        self._box.setCurrentIndex(self._ids.index(self._currentID) if isThere else -1)
+        self._box.blockSignals(False)
+        if self._ids and not isThere:
+            self._box.setCurrentIndex(0)
+
+    def _onCurrentIndex(self, index):
+        self._currentID = self._ids[index]
+        self.currentSegmentChanged.emit(self._currentID)
+
+    def _flag(name):
+        return Property(
+            bool,
+            lambda self: self._flags.get(name, False),
+            lambda self, v: self._flags.update({name: v}),
+        )
+
+    noneEnabled = _flag("noneEnabled")
+    multiSelection = _flag("multiSelection")
+    segmentationNodeSelectorVisible = _flag("segmentationNodeSelectorVisible")

@@ -1,0 +1,308 @@
+"""What happens to the user's choices while the scene changes: imports, deleted nodes, several parameter sets."""
+
+import numpy as np
+import pytest
+import slicer
+import vtk
+from panel_helpers import deploy, settle
+from vtk.util.numpy_support import vtk_to_numpy
+
+
+def chosen(parameters):
+    """The names of the nodes that a user chose, and of the results."""
+    roles = ("vessel", "centerline", "outputVessel", "outputStents", "outputCenterline")
+    nodes = [getattr(parameters, role) for role in roles]
+    return [node and node.GetName() for node in [*nodes, parameters.stent.handle]]
+
+
+def models(scene, name):
+    """How many models are called so, or so with a number."""
+    nodes = slicer.util.getNodesByClass("vtkMRMLModelNode")
+    return sum(node.GetName().split("_")[0] == name for node in nodes)
+
+
+def addModel(scene, name):
+    """A sphere that somebody else's module made."""
+    sphere = vtk.vtkSphereSource()
+    sphere.Update()
+    node = scene.AddNewNodeByClass("vtkMRMLModelNode", name)
+    node.SetAndObservePolyData(sphere.GetOutput())
+    return node
+
+
+@pytest.fixture
+def aDeployment(host, aStent):
+    """The panel after a deployment."""
+    deploy(host, aStent)
+    return aStent
+
+
+@pytest.fixture
+def aSavedScene(host, aScene, theModule, tmp_path):
+    """A scene of another day, saved with the stents half expanded; its nodes have other IDs."""
+    from SDFStentSlicer.SampleVessels import addSampleVessel
+
+    for _ in range(6):
+        aScene.AddNewNodeByClass("vtkMRMLModelNode", "Other")
+    logic = theModule.python.SDFStentLogic()
+    parameters = logic.getParameterNode()
+    parameters.vessel, parameters.centerline = addSampleVessel(
+        "branching_pulmonary_artery", "Saved"
+    )
+    logic.addStent(parameters, diameter=8.0, length=12.0)
+    logic.deploy(parameters)
+    parameters.expansion = 40.0
+    path = tmp_path / "saved.mrb"
+    assert aScene.WriteToMRB(str(path))
+    host.newScene()
+    return path
+
+
+def test_loading_a_scene_keeps_what_was_chosen_in_it(host, aSavedScene, aPanel, aScene):
+    host.newScene()
+    assert aScene.ReadFromMRB(str(aSavedScene), True)
+    host.process()
+    parameters = aPanel._parameterNode
+    assert chosen(parameters) == [
+        "Saved",
+        "Saved centerline",
+        "Stented vessel",
+        "Stents",
+        "Stented centerline",
+        "Stent 1",
+    ]
+    for name, node in (
+        ("vesselSelector", parameters.vessel),
+        ("centerlineSelector", parameters.centerline),
+        ("handleSelector", parameters.stent.handle),
+        ("outputSelector", parameters.outputVessel),
+    ):
+        assert getattr(aPanel.ui, name).currentNode() is node
+    deploy(host, aPanel)
+    assert models(aScene, "Stents") == models(aScene, "Stented vessel") == 1
+
+
+def test_importing_something_else_changes_no_choice(host, aDeployment, aScene, tmp_path):
+    parameters = aDeployment._parameterNode.parameterNode
+    before, path = chosen(aDeployment._parameterNode), tmp_path / "else.mrml"
+    path.write_text('<MRML version="5"><Transform id="vtkMRMLTransformNode1" name="Else"/></MRML>')
+    aScene.SetURL(str(path))
+    aScene.Import()
+    host.process()
+    assert aScene.GetFirstNodeByName("Else") is not None
+    assert aDeployment._parameterNode.parameterNode is parameters
+    assert chosen(aDeployment._parameterNode) == before
+    assert None not in before
+
+
+@pytest.mark.parametrize("autoUpdate", [False, True])
+def test_importing_into_a_scene_makes_no_model_twice(
+    autoUpdate, host, aSavedScene, aDeployment, aScene
+):
+    aDeployment.ui.autoUpdateCheckBox.checked = autoUpdate
+    settle(host, aDeployment)
+    assert aScene.ReadFromMRB(str(aSavedScene), False)
+    settle(host, aDeployment)
+    assert models(aScene, "Stents") == 2  # the scene's own and the imported one
+    assert chosen(aDeployment._parameterNode)[:2] == ["Saved", "Saved centerline"]
+    assert None not in chosen(aDeployment._parameterNode)
+    deploy(host, aDeployment)
+    assert models(aScene, "Stents") == models(aScene, "Stented vessel") == 2
+
+
+def test_importing_keeps_the_parameter_set_that_is_shown(host, aPanel, aScene, aVessel, tmp_path):
+    model = addModel(aScene, "Elsewhere")
+    path = tmp_path / "model.mrb"
+    assert aScene.WriteToMRB(str(path))
+    host.newScene()
+    aPanel.ui.parameterSetSelector.addNode()
+    second = aPanel.ui.parameterSetSelector.addNode()
+    assert model.GetScene() is None
+    assert aScene.ReadFromMRB(str(path), False)
+    assert aPanel._parameterNode.parameterNode is second
+    assert aPanel.ui.parameterSetSelector.currentNode() is second
+
+
+def test_a_run_that_an_import_meets_ends(host, aSavedScene, aStent, aScene):
+    aStent.session.start()
+    assert aScene.ReadFromMRB(str(aSavedScene), False)
+    assert not aStent.session.isRunning
+    settle(host, aStent)
+    assert models(aScene, "Stents") == 1
+
+
+@pytest.mark.parametrize("role", ["vessel", "centerline", "outputVessel"])
+def test_a_deleted_node_is_not_replaced_by_its_neighbor(role, host, aDeployment, aScene):
+    addModel(aScene, "Somebody else's")
+    node = getattr(aDeployment._parameterNode, role)
+    aScene.RemoveNode(node)
+    host.process()
+    assert getattr(aDeployment._parameterNode, role) is None
+
+
+def test_a_deleted_handle_is_not_replaced_by_another_stents(host, aStent, aScene):
+    host.click(aStent.ui.addStentButton)
+    first, second = (stent.handle for stent in aStent._parameterNode.stents)
+    aScene.RemoveNode(second)
+    host.process()
+    assert [stent.handle for stent in aStent._parameterNode.stents] == [first, None]
+    assert aStent._parameterNode.stent.handle is None
+    assert "choose a handle" in aStent.ui.statusLabel.text
+
+
+def test_the_output_is_made_again_after_it_was_deleted(host, aDeployment, aScene):
+    other = addModel(aScene, "Somebody else's")
+    points = np.array(slicer.util.arrayFromModelPoints(other))
+    aScene.RemoveNode(aDeployment._parameterNode.outputVessel)
+    deploy(host, aDeployment)
+    assert "(8.5 prescribed)" in aDeployment.ui.lumenLabel.text
+    assert aDeployment._parameterNode.outputVessel.GetName().startswith("Stented vessel")
+    np.testing.assert_array_equal(slicer.util.arrayFromModelPoints(other), points)
+
+
+def test_the_output_selector_offers_only_outputs_that_nobody_else_uses(host, aDeployment, aScene):
+    addModel(aScene, "Somebody else's")
+    first, ui = aDeployment._parameterNode, aDeployment.ui
+    assert offered(ui.outputSelector) == ["Stented vessel"]
+    ui.parameterSetSelector.addNode()
+    assert offered(ui.outputSelector) == []
+    ui.parameterSetSelector.setCurrentNode(first.parameterNode)
+    assert offered(ui.outputSelector) == ["Stented vessel"]
+    assert ui.outputSelector.currentNode() is first.outputVessel
+    assert first.outputVessel is not None
+
+
+def offered(selector):
+    names = [selector._box.itemText(i) for i in range(selector._box.count())]
+    return [name for name in names if name != "Create new at deployment"]
+
+
+def test_nothing_is_written_into_a_model_that_is_no_output_of_the_set(
+    aLogic, theParameters, aScene
+):
+    first = aLogic.deploy(theParameters).points.astype(np.float32)
+    own, vessel = theParameters.outputVessel, theParameters.vessel
+    second = aLogic.addParameterSet("Second")
+    second.vessel, second.centerline = vessel, theParameters.centerline
+    aLogic.addStent(second, diameter=9.0, length=10.0, handle=theParameters.stents[0].handle)
+    native = np.array(slicer.util.arrayFromModelPoints(vessel))
+    for wrong in (own, vessel, theParameters.outputStents, addModel(aScene, "Else")):
+        before = np.array(slicer.util.arrayFromModelPoints(wrong))
+        second.outputVessel = wrong
+        aLogic.deploy(second)
+        assert second.outputVessel is not wrong
+        np.testing.assert_array_equal(slicer.util.arrayFromModelPoints(wrong), before)
+    np.testing.assert_array_equal(slicer.util.arrayFromModelPoints(own), first)
+    np.testing.assert_array_equal(slicer.util.arrayFromModelPoints(vessel), native)
+
+
+def test_a_plan_may_start_from_the_result_of_another(aLogic, theParameters, aScene):
+    aLogic.deploy(theParameters)
+    second = aLogic.addParameterSet("Second")
+    second.vessel, second.centerline = theParameters.outputVessel, theParameters.centerline
+    aLogic.addStent(second, diameter=9.5, length=6.0, handle=theParameters.stents[0].handle)
+    aLogic.deploy(second)
+    output = theParameters.outputVessel
+    aLogic.deploy(theParameters)
+    assert theParameters.outputVessel is output is second.vessel
+
+
+# Segments
+
+
+def addSegmentation(scene, name, count=2):
+    """A segmentation of spheres that grow by 1 mm from segment to segment."""
+    node = scene.AddNewNodeByClass("vtkMRMLSegmentationNode", name)
+    node.SetSourceRepresentationToClosedSurface()
+    for number in range(count):
+        sphere = vtk.vtkSphereSource()
+        sphere.SetRadius(5.0 + number)
+        sphere.Update()
+        node.AddSegmentFromClosedSurfaceRepresentation(
+            sphere.GetOutput(), f"{name} {number}", [1, 0, 0], f"{name}{number}"
+        )
+    return node
+
+
+def test_the_chosen_segment_stays_while_the_panel_changes(host, aPanel, aScene):
+    first, second = addSegmentation(aScene, "A"), addSegmentation(aScene, "B", 3)
+    parameters, ui = aPanel._parameterNode, aPanel.ui
+    ui.vesselSelector.setCurrentNode(first)
+    assert parameters.segmentID == "A0"
+    ui.segmentSelector.setCurrentSegmentID("A1")
+    assert parameters.segmentID == "A1"
+    ui.vesselSelector.setCurrentNode(second)
+    assert parameters.segmentID == ui.segmentSelector.currentSegmentID() == "B0"
+    parameters.segmentID = "B2"
+    assert ui.segmentSelector.currentSegmentID() == "B2"
+    aPanel.exit()
+    aPanel.enter()
+    assert parameters.segmentID == ui.segmentSelector.currentSegmentID() == "B2"
+
+
+def test_two_sets_keep_their_own_segments(host, aPanel, aScene):
+    ui = aPanel.ui
+    first = aPanel._parameterNode
+    ui.vesselSelector.setCurrentNode(addSegmentation(aScene, "A"))
+    ui.segmentSelector.setCurrentSegmentID("A1")
+    ui.parameterSetSelector.addNode()
+    second = aPanel._parameterNode
+    ui.vesselSelector.setCurrentNode(addSegmentation(aScene, "B", 3))
+    ui.segmentSelector.setCurrentSegmentID("B2")
+    ui.parameterSetSelector.setCurrentNode(first.parameterNode)
+    assert (first.segmentID, second.segmentID) == ("A1", "B2")
+    assert ui.segmentSelector.currentSegmentID() == "A1"
+
+
+def test_a_deleted_segmentation_leaves_no_segment_of_its_neighbor(host, aPanel, aScene):
+    first = addSegmentation(aScene, "A")
+    addSegmentation(aScene, "B")
+    aPanel.ui.vesselSelector.setCurrentNode(first)
+    aPanel.ui.segmentSelector.setCurrentSegmentID("A1")
+    aScene.RemoveNode(first)
+    assert aPanel._parameterNode.vessel is None
+    assert not aPanel._parameterNode.segmentID.startswith("B")
+
+
+def test_a_segment_does_not_count_while_the_vessel_is_a_model(host, aDeployment, aScene):
+    parameters = aDeployment._parameterNode
+    addSegmentation(aScene, "A")
+    parameters.segmentID = "A1"
+    assert aDeployment.ui.lumenLabel.enabled
+    assert not aDeployment.logic.hasChanged(parameters)
+
+
+def test_a_segment_survives_saving_and_loading(host, aPanel, aScene, tmp_path):
+    addSegmentation(aScene, "Z")
+    aPanel.ui.vesselSelector.setCurrentNode(addSegmentation(aScene, "A", 3))
+    aPanel.ui.segmentSelector.setCurrentSegmentID("A2")
+    path = tmp_path / "segments.mrb"
+    assert aScene.WriteToMRB(str(path))
+    host.newScene()
+    assert aScene.ReadFromMRB(str(path), True)
+    assert aPanel._parameterNode.vessel.GetName() == "A"
+    assert aPanel._parameterNode.segmentID == "A2"
+    assert aPanel.ui.segmentSelector.currentSegmentID() == "A2"
+
+
+# Arrays
+
+
+def test_a_line_among_the_triangles_leaves_their_arrays_alone(aLogic, theParameters):
+    surface = vtk.vtkPolyData()
+    surface.DeepCopy(theParameters.vessel.GetPolyData())
+    count = surface.GetNumberOfPolys()
+    surface.SetLines(vtk.vtkCellArray())
+    surface.GetLines().InsertNextCell(2, [0, 1])
+    faceID = vtk.vtkIntArray()
+    faceID.SetName("ModelFaceID")
+    for value in [-7, *(1 + np.arange(count) % 5)]:  # lines come before polygons
+        faceID.InsertNextValue(int(value))
+    surface.GetCellData().AddArray(faceID)
+    theParameters.vessel.SetAndObservePolyData(surface)
+    aLogic.deploy(theParameters)
+    shown = theParameters.outputVessel.GetPolyData()
+    assert shown.GetNumberOfCells() == count
+    np.testing.assert_array_equal(
+        vtk_to_numpy(shown.GetCellData().GetArray("ModelFaceID")), 1 + np.arange(count) % 5
+    )

@@ -1,0 +1,49 @@
+"""What the module must not lean on, because not every Slicer since 5.10.0 has it."""
+
+import types
+import typing
+
+
+def test_a_change_is_shown_once_however_often_the_panel_was_visited(host, aStent):
+    parameters, shown = aStent._parameterNode, []
+    for _ in range(30):
+        aStent.exit()
+        aStent.enter()
+    assert aStent._parameterNode is parameters
+    getValue = parameters.getValue
+    parameters.getValue = lambda name: (shown.append(name), getValue(name))[1]
+    parameters.method.tissueGap = 1.5
+    del parameters.getValue
+    assert aStent.ui.gapSlider.value == 1.5
+    assert shown.count("method.tissueGap") == 1
+
+
+def test_a_parameter_set_that_was_left_hears_of_nothing(host, aPanel):
+    parameters, shown = aPanel._parameterNode, []
+    aPanel.exit()
+    getValue = parameters.getValue
+    parameters.getValue = lambda name: (shown.append(name), getValue(name))[1]
+    parameters.showStents = False
+    del parameters.getValue
+    aPanel.enter()
+    assert shown == []
+    assert not aPanel.ui.showStentCheckBox.checked
+
+
+def test_node_types_are_optional_in_the_way_that_every_python_tells_apart(theModule):
+    from SDFStentSlicer.ParameterNode import SDFStentParameterNode, StentParameters
+
+    for cls in (SDFStentParameterNode, StentParameters):
+        hints = typing.get_type_hints(cls, include_extras=True)
+        assert [n for n, hint in hints.items() if isinstance(hint, types.UnionType)] == []
+
+
+def test_the_module_needs_no_class_of_modules_that_are_loaded_after_it(host, theModule):
+    import slicer
+    from sdfstent_host.host import withoutLaterModules
+
+    with withoutLaterModules("SDFStent"):
+        assert not hasattr(slicer, "vtkSlicerSegmentationsModuleLogic")
+        assert hasattr(slicer, "vtkMRMLMarkupsFiducialNode")
+    assert hasattr(slicer, "vtkSlicerSegmentationsModuleLogic")
+    assert theModule.python.SDFStentWidget
