@@ -85,7 +85,10 @@ def test_loading_a_scene_keeps_what_was_chosen_in_it(host, aSavedScene, aPanel, 
 def test_importing_something_else_changes_no_choice(host, aDeployment, aScene, tmp_path):
     parameters = aDeployment._parameterNode.parameterNode
     before, path = chosen(aDeployment._parameterNode), tmp_path / "else.mrml"
-    path.write_text('<MRML version="5"><Transform id="vtkMRMLTransformNode1" name="Else"/></MRML>')
+    path.write_text(
+        '<MRML version="5"><Transform id="vtkMRMLTransformNode1" name="Else"/></MRML>',
+        encoding="utf-8",
+    )
     aScene.SetURL(str(path))
     aScene.Import()
     host.process()
