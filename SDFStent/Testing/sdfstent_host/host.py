@@ -73,6 +73,7 @@ class Host:
         self.pythonErrors = []
         sys.excepthook = self._onException  # slots and VTK observers report here, not to the caller
         self._panels = []
+        logging.getLogger().addHandler(LogList(self.pythonErrors))
         self.application.errorLog.clear()  # what Slicer's own start-up says is not the module's
 
     @property
@@ -93,9 +94,7 @@ class Host:
         entry = types.SimpleNamespace(path=str(path), name=path.stem, python=python, parent=parent)
         setattr(slicer.modules, path.stem.lower(), entry)
         entry.module = getattr(python, path.stem)(parent)
-        for function in slicer.app.startupFunctions:
-            function()
-        slicer.app.startupFunctions.clear()
+        slicer.app.completeStartup()
         return entry
 
     def openPanel(self, entry, width=520, height=1000):
@@ -166,9 +165,19 @@ class Host:
         found = [line for line in self.application.errorLog.text().splitlines() if line.strip()]
         found += self.pythonErrors
         self.application.errorLog.clear()
-        self.pythonErrors = []
+        self.pythonErrors.clear()
         return found
 
     def _onException(self, kind, value, traceback):
-        logging.getLogger("host").error("in a slot or observer", exc_info=(kind, value, traceback))
-        self.pythonErrors.append(f"{kind.__name__}: {value}")
+        logging.getLogger().error("in a slot or observer", exc_info=(kind, value, traceback))
+
+
+class LogList(logging.Handler):
+    """Python's log from errors upwards, with tracebacks, as Slicer's error log shows it."""
+
+    def __init__(self, texts):
+        super().__init__(logging.ERROR)
+        self._texts = texts
+
+    def emit(self, record):
+        self._texts.append(self.format(record))

@@ -25,6 +25,16 @@ DISPLAYABLE_MANAGERS = (
     "vtkMRMLColorLegendDisplayableManager",
 )
 
+IN_SUBJECT_HIERARCHY = (
+    slicer.vtkMRMLModelNode,
+    slicer.vtkMRMLMarkupsNode,
+    slicer.vtkMRMLSegmentationNode,
+    slicer.vtkMRMLTransformNode,
+    slicer.vtkMRMLTableNode,
+    slicer.vtkMRMLPlotChartNode,
+    slicer.vtkMRMLPlotSeriesNode,
+)
+
 
 class ErrorLog:
     """Everything that VTK and MRML would write to the console since `clear`."""
@@ -55,6 +65,13 @@ class Application:
         self.logics = {name: self._addLogic(name, cls) for name, cls in LOGIC_CLASSES.items()}
         self.logics["Colors"].AddDefaultColorNodes()
         self._io = self._makeDataIO()
+        self.layoutLogic = slicer.vtkMRMLLayoutLogic()  # makes the views of a layout
+        self.layoutLogic.SetMRMLApplicationLogic(self.applicationLogic)
+        self.layoutLogic.SetMRMLScene(self.scene)
+        self.scene.AddObserver(self.scene.NodeAddedEvent, self._addToSubjectHierarchy)
+        self.scene.AddObserver(
+            self.scene.NodeAboutToBeRemovedEvent, self._removeFromSubjectHierarchy
+        )
         slicer.mrmlScene = self.scene
         self.view = View(
             self
@@ -73,6 +90,21 @@ class Application:
         logic.SetMRMLScene(self.scene)
         self.applicationLogic.SetModuleLogic(name, logic)
         return logic
+
+    @vtk.calldata_type(vtk.VTK_OBJECT)
+    def _addToSubjectHierarchy(self, _scene, _event, node):
+        # The application's plugins do this for every node that a user may see.
+        if isinstance(node, IN_SUBJECT_HIERARCHY) and not self.scene.IsImporting():
+            hierarchy = slicer.vtkMRMLSubjectHierarchyNode.GetSubjectHierarchyNode(self.scene)
+            hierarchy.CreateItem(hierarchy.GetSceneItemID(), node)
+
+    @vtk.calldata_type(vtk.VTK_OBJECT)
+    def _removeFromSubjectHierarchy(self, _scene, _event, node):
+        if isinstance(node, IN_SUBJECT_HIERARCHY) and not self.scene.IsClosing():
+            hierarchy = slicer.vtkMRMLSubjectHierarchyNode.GetSubjectHierarchyNode(self.scene)
+            item = hierarchy.GetItemByDataNode(node)
+            if item:
+                hierarchy.RemoveItem(item, False, False)
 
     def _makeColorFolder(self):
         # The color logic logs an error unless this folder exists; slicer-core ships no color files.
@@ -103,7 +135,6 @@ class View:
     def __init__(self, application, size=(900, 675)):
         self.node = _viewNode(application.scene)
         self.renderer = vtk.vtkRenderer()
-        self.renderer.SetBackground(1.0, 1.0, 1.0)
         self.window = vtk.vtkRenderWindow()
         self.window.SetOffScreenRendering(True)
         self.window.SetMultiSamples(0)
@@ -133,8 +164,6 @@ class View:
         self.renderer.ResetCameraClippingRange()
 
     def render(self, focus=None):
-        self.node.SetBackgroundColor(1, 1, 1)
-        self.node.SetBackgroundColor2(1, 1, 1)
         self.node.SetBoxVisible(False)
         self.node.SetAxisLabelsVisible(False)
         if focus is not None:
@@ -149,6 +178,29 @@ class View:
         writer.SetFileName(str(path))
         writer.SetInputConnection(grabber.GetOutputPort())
         writer.Write()
+
+
+class PlotView:
+    """The lines of a plot chart, drawn again at every change of the chart as Slicer's plot view does."""
+
+    def __init__(self, chart):
+        self._chart = chart
+        self._tag = chart.AddObserver(chart.PlotModifiedEvent, lambda *_: self.draw())
+        self.drawn = 0
+        self.draw()
+
+    def draw(self):
+        self.drawn += 1
+        for index in range(self._chart.GetNumberOfPlotSeriesNodes()):
+            series = self._chart.GetNthPlotSeriesNode(index)
+            line = vtk.vtkPlotLine()
+            line.SetInputData(
+                series.GetTableNode().GetTable(), series.GetXColumnName(), series.GetYColumnName()
+            )
+            line.Update()
+
+    def close(self):
+        self._chart.RemoveObserver(self._tag)
 
 
 def _viewNode(scene):

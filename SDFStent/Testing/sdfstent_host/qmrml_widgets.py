@@ -4,11 +4,17 @@ A stand-in offers only what the real widget has. `check_panel.py` holds the pane
 """
 
 import slicer
+import vtk
 from PySide6.QtCore import Property, Signal
 from PySide6.QtWidgets import QComboBox, QHBoxLayout, QPushButton, QVBoxLayout, QWidget
 
 from .scene_observer import SceneObserver, neighbor
 from .segment_selector import qMRMLSegmentSelectorWidget
+
+
+def warn(text):
+    """What Qt would write to the console, in the log that tests look at."""
+    vtk.vtkOutputWindow.GetInstance().DisplayErrorText(text + "\n")
 
 
 class qMRMLWidget(QWidget):
@@ -181,6 +187,13 @@ class qMRMLNodeComboBox(QWidget):
         self._nodeTypes = list(nodeTypes)
         self._refresh()
 
+    def _setBaseName(self, baseName):
+        if not self._nodeTypes:
+            warn("qMRMLNodeComboBox::setBaseName failed: no node types have been set yet")
+            return
+        self._texts["baseName"] = baseName
+        self._refresh()
+
     def _flag(name):
         return Property(
             bool,
@@ -204,7 +217,7 @@ class qMRMLNodeComboBox(QWidget):
     showHidden = _flag("showHidden")
     showChildNodeTypes = _flag("showChildNodeTypes")
     selectNodeUponCreation = _flag("selectNodeUponCreation")
-    baseName = _string("baseName")
+    baseName = Property(str, lambda self: self._texts.get("baseName", ""), _setBaseName)
     noneDisplay = _string("noneDisplay")
 
 

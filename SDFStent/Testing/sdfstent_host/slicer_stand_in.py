@@ -105,16 +105,29 @@ class App:
     def __init__(self, application):
         self._application, self._settings = application, Settings()
         self.startupFunctions, self.temporaryPath = [], application.folder.name
+        self.hasStarted, self._layoutManager = False, None
 
     def connect(self, signature, function):
-        if signature.startswith("startupCompleted"):
+        if signature.startswith("startupCompleted") and not self.hasStarted:
             self.startupFunctions.append(function)
+
+    def completeStartup(self):
+        """All modules are there: say so, once."""
+        if not self.hasStarted:
+            slicer.modules.sampledata = types.SimpleNamespace(name="SampleData")
+            self.hasStarted = True
+            for function in self.startupFunctions:
+                function()
 
     def applicationLogic(self):
         return self._application.applicationLogic
 
     def layoutManager(self):
-        return None  # as with --no-main-window
+        return self._layoutManager  # None, as with --no-main-window
+
+    def showMainWindow(self, shown):
+        """Have a layout manager, or none."""
+        self._layoutManager = LayoutManager(self._application) if shown else None
 
     def settings(self):
         return self._settings
@@ -134,10 +147,20 @@ class App:
         QtWidgets.QApplication.processEvents()
 
 
-class SampleDataLogic:
-    """`SampleData.SampleDataLogic`: a registry of sources, downloads only through custom downloaders."""
+class LayoutManager:
+    """What the layout manager does to the 3D views."""
 
-    sources = types.SimpleNamespace()
+    def __init__(self, application):
+        self._application = application
+
+    def resetThreeDViews(self):
+        self._application.view.renderer.ResetCamera()
+
+
+class SampleDataLogic:
+    """`SampleData.SampleDataLogic`: lists of sources by category, downloads only through custom downloaders."""
+
+    sources = {}
 
     @classmethod
     def registerCustomSampleDataSource(
@@ -148,17 +171,25 @@ class SampleDataLogic:
         customDownloader=None,
         **rest,
     ):
-        vars(cls.sources)[sampleName] = types.SimpleNamespace(
+        source = types.SimpleNamespace(
             category=category,
             sampleName=sampleName,
             thumbnailFileName=thumbnailFileName,
             customDownloader=customDownloader,
             **rest,
         )
+        if str(source) not in map(str, cls.sampleDataSourcesByCategory(category)):
+            cls.sources.setdefault(category, []).append(source)
+
+    @classmethod
+    def sampleDataSourcesByCategory(cls, category=None):
+        return cls.sources if category is None else cls.sources.get(category, [])
 
     @classmethod
     def download(cls, sampleName):
-        source = vars(cls.sources)[sampleName]
+        """A click on the picture of a sample."""
+        sources = [source for known in cls.sources.values() for source in known]
+        source = next(source for source in sources if source.sampleName == sampleName)
         return source.customDownloader(source)
 
 

@@ -1,0 +1,366 @@
+"""What the module did wrong in the real application, and must not do again in the host."""
+
+import gc
+import logging
+
+import numpy as np
+import pytest
+import slicer
+from panel_helpers import deploy, settle, theThroat
+
+
+def test_show_table_changes_to_a_layout_with_a_table_that_shows_ours(host, aStent, aScene):
+    layout = aScene.GetFirstNodeByClass("vtkMRMLLayoutNode")
+    layout.SetViewArrangement(slicer.vtkMRMLLayoutNode.SlicerLayoutOneUp3DView)
+    deploy(host, aStent)
+    aScene.AddNewNodeByClass("vtkMRMLTableNode", "Another")
+    host.click(aStent.ui.showTableButton)
+    assert layout.GetViewArrangement() == slicer.vtkMRMLLayoutNode.SlicerLayout3DTableView
+    (view,) = slicer.util.getNodesByClass("vtkMRMLTableViewNode")
+    assert view.GetTableNodeID() == aStent._parameterNode.outputTable.GetID()
+    layout.SetViewArrangement(slicer.vtkMRMLLayoutNode.SlicerLayoutFourUpPlotTableView)
+    host.click(aStent.ui.showTableButton)  # a layout that has a table stays
+    assert layout.GetViewArrangement() == slicer.vtkMRMLLayoutNode.SlicerLayoutFourUpPlotTableView
+
+
+def test_a_visible_plot_is_never_drawn_from_half_a_table(host, aStent):
+    from sdfstent_host.mrml import PlotView
+
+    deploy(host, aStent)
+    view = PlotView(aStent._parameterNode.outputChart)
+    aStent.ui.diameterSlider.value = 8.0
+    deploy(host, aStent)
+    host.click(aStent.ui.copyStentButton)
+    aStent.ui.stentTable.selectRow(0)
+    assert view.drawn > 1
+    view.close()
+    assert host.errors() == []
+
+
+def placePreview(node, position):
+    """A point under the mouse, as place mode has it, moved to a position."""
+    count = node.GetNumberOfControlPoints()
+    if count and node.GetNthControlPointPositionStatus(count - 1) == node.PositionPreview:
+        index = count - 1
+    else:
+        index = node.AddControlPointWorld(*position)
+    node.SetNthControlPointPositionWorld(index, *position, node.PositionPreview)
+
+
+def test_the_point_under_the_mouse_is_no_change(host, aStent):
+    parameters = aStent._parameterNode
+    deploy(host, aStent)
+    aStent.ui.autoUpdateCheckBox.checked = True
+    settle(host, aStent)
+    for step in range(3):
+        placePreview(parameters.stent.handle, theThroat() + step)
+        host.process()
+        assert not aStent.session.isBusy
+        assert not aStent.logic.hasChanged(parameters)
+        assert aStent.ui.lumenLabel.enabled
+
+
+def test_the_point_under_the_mouse_is_no_part_of_a_curve(aLogic, aVessel, aScene):
+    from SDFStentSlicer import Conversion
+
+    curve = aScene.AddNewNodeByClass("vtkMRMLMarkupsCurveNode", "Axis")
+    for point in ((0, 0, 0), (5, 5, 0), (10, 0, 0), (15, 5, 0)):
+        curve.AddControlPointWorld(*point)
+    placed, stamp = Conversion.curvePoints(curve), Conversion.changeStamp(curve)
+    placePreview(curve, (40.0, 40.0, 0.0))
+    assert slicer.util.arrayFromMarkupsCurvePoints(curve).max() > 30  # Slicer draws up to the mouse
+    np.testing.assert_allclose(Conversion.curvePoints(curve), placed, atol=1e-9)
+    assert Conversion.changeStamp(curve) == stamp
+    assert curve.GetNumberOfControlPoints() == 5  # and is left as it is
+
+
+def test_a_handle_is_fitted_and_snapped_beside_the_point_under_the_mouse(host, aStent):
+    handle = aStent._parameterNode.stent.handle
+    placePreview(handle, (300.0, 0.0, 0.0))
+    host.choose(aStent.ui.placementComboBox, 3)
+    assert handle.GetNumberOfDefinedControlPoints() == 2
+    host.choose(aStent.ui.placementComboBox, 0)
+    assert handle.GetNumberOfDefinedControlPoints() == 1
+    left = [
+        handle.GetNthControlPointPosition(i)
+        for i in range(handle.GetNumberOfControlPoints())
+        if handle.GetNthControlPointPositionStatus(i) == handle.PositionDefined
+    ]
+    assert np.linalg.norm(left[0] - np.array(theThroat())) < 15.0
+
+
+def timers():
+    from PySide6.QtCore import QTimer
+
+    gc.collect()
+    return sum(isinstance(found, QTimer) for found in gc.get_objects())
+
+
+def test_deploying_again_and_again_makes_no_timers(host, aStent):
+    deploy(host, aStent)
+    before = timers()
+    for _ in range(3):
+        deploy(host, aStent)
+        aStent.session.start()
+        host.click(aStent.ui.cancelButton)
+    assert timers() == before
+
+
+def test_a_run_that_fails_in_a_tick_logs_its_traceback(host, aStent, monkeypatch):
+    def failing(*_):
+        raise ZeroDivisionError("in the method")
+
+    monkeypatch.setattr("SDFStentSlicer.Logic.Plans.plannedOf", failing)
+    deploy(host, aStent)
+    assert "Unexpected error: ZeroDivisionError" in aStent.ui.statusLabel.text
+    (logged,) = host.errors()
+    assert "Traceback" in logged
+    assert "in failing" in logged
+
+
+def test_an_input_that_cannot_be_used_is_no_error_of_the_module(host, aStent, caplog):
+    caplog.set_level(logging.INFO)
+    aStent._parameterNode.stent.handle.SetNthControlPointPositionWorld(0, 500, 500, 500)
+    deploy(host, aStent)
+    assert "expected a point within" in aStent.ui.statusLabel.text
+    record = caplog.records[-1]
+    assert record.levelno == logging.INFO
+    assert record.exc_info is not None
+
+
+@pytest.fixture
+def noSamples(monkeypatch):
+    import SampleData
+
+    monkeypatch.setattr(SampleData.SampleDataLogic, "sources", {})
+    return SampleData.SampleDataLogic
+
+
+def test_sample_data_comes_with_a_module_that_is_loaded_after_start_up(
+    host, theModule, aScene, noSamples
+):
+    assert slicer.app.hasStarted
+    entry = theModule.python
+    for _ in range(2):  # and once only
+        entry.SDFStent(theModule.parent)
+    names = [s.sampleName for s in noSamples.sampleDataSourcesByCategory("SDF Stent")]
+    assert names == ["StenosedPulmonaryArtery", "AortaWithCoarctation"]
+
+
+def test_sample_data_waits_for_start_up_when_there_is_no_sample_data_yet(
+    theModule, aScene, noSamples, monkeypatch
+):
+    monkeypatch.setattr(slicer.app, "hasStarted", False)
+    monkeypatch.setattr(slicer.app, "startupFunctions", [])
+    monkeypatch.delattr(slicer.modules, "sampledata")
+    theModule.python.SDFStent(theModule.parent)
+    assert noSamples.sources == {}
+    slicer.app.completeStartup()
+    assert len(noSamples.sources["SDF Stent"]) == 2
+
+
+def test_the_3d_view_looks_at_sample_data_that_comes(host, aScene):
+    import SampleData
+
+    host.application.view.look((500, 510, 500, 510, 500, 510))
+    slicer.app.showMainWindow(True)
+    vessel, _centerline = SampleData.SampleDataLogic.download("AortaWithCoarctation")
+    slicer.app.showMainWindow(False)
+    bounds = np.reshape(vessel.GetPolyData().GetBounds(), (3, 2))
+    focus = host.application.view.renderer.GetActiveCamera().GetFocalPoint()
+    assert np.all(bounds[:, 0] <= focus)
+    assert np.all(focus <= bounds[:, 1])
+
+
+def outline(node):
+    return bool(node.GetDisplayNode().GetVisibility2D())
+
+
+def test_the_outline_in_slice_views_is_that_of_the_settled_vessel(host, aStent):
+    parameters = aStent._parameterNode
+    assert outline(parameters.vessel)
+    seen = {True: set(), False: set()}
+    progress = aStent.session._run._onProgress
+    aStent.session._run._onProgress = lambda fraction: (
+        seen[bool(parameters.lumenSummary)].add(outline(parameters.outputVessel)),
+        progress(fraction),
+    )
+    deploy(host, aStent)
+    assert seen == {False: {False}, True: {True}}  # expanding; in its place, and being measured
+    assert outline(parameters.outputVessel)
+    aStent.ui.autoUpdateCheckBox.checked = True
+    aStent.ui.diameterSlider.value = 8.0
+    host.processUntil(lambda: aStent.session.isRunning)
+    host.processUntil(lambda: not aStent.session.isRunning)
+    assert not outline(parameters.outputVessel)  # a preview, the full method follows
+    settle(host, aStent)
+    assert outline(parameters.outputVessel)
+
+
+def test_the_outline_comes_back_when_a_deployment_is_cancelled(host, aStent):
+    deploy(host, aStent)
+    for live in (False, True):
+        aStent.ui.autoUpdateCheckBox.checked = False
+        aStent.session._run._budget = 0.0  # one step per tick
+        aStent.session._begin(live=live)
+        aStent.session._run._tick()
+        assert not outline(aStent._parameterNode.outputVessel)
+        host.click(aStent.ui.cancelButton)
+        assert outline(aStent._parameterNode.outputVessel)
+
+
+def test_an_outline_that_the_user_has_switched_off_stays_off(host, aStent):
+    deploy(host, aStent)
+    aStent._parameterNode.outputVessel.GetDisplayNode().SetVisibility2D(False)
+    deploy(host, aStent)
+    assert not outline(aStent._parameterNode.outputVessel)
+
+
+def folderOf(node):
+    hierarchy = slicer.vtkMRMLSubjectHierarchyNode.GetSubjectHierarchyNode(slicer.mrmlScene)
+    parent = hierarchy.GetItemParent(hierarchy.GetItemByDataNode(node))
+    return parent, hierarchy.GetItemName(parent)
+
+
+def outputsOf(parameters):
+    chart = parameters.outputChart
+    series = [chart.GetNthPlotSeriesNode(i) for i in range(chart.GetNumberOfPlotSeriesNodes())]
+    return [
+        parameters.outputVessel,
+        parameters.outputCenterline,
+        parameters.outputStents,
+        parameters.outputTable,
+        chart,
+        *series,
+    ]
+
+
+def test_results_are_in_one_folder_per_parameter_set(aLogic, theParameters, aScene):
+    aLogic.deploy(theParameters)
+    other = aLogic.addParameterSet("Longer stent")
+    other.vessel, other.centerline = theParameters.vessel, theParameters.centerline
+    aLogic.addStent(other, diameter=8.5, length=20.0)
+    aLogic.deploy(other)
+    first = {folderOf(node) for node in outputsOf(theParameters)}
+    second = {folderOf(node) for node in outputsOf(other)}
+    assert [name for _item, name in first] == ["SDFStent results"]
+    assert [name for _item, name in second] == ["Longer stent results"]
+    assert folderOf(theParameters.vessel) not in first | second
+    aScene.RemoveNode(theParameters.outputTable)
+    aLogic.deploy(theParameters)
+    assert {folderOf(node) for node in outputsOf(theParameters)} == first
+
+
+def test_the_progress_bar_is_there_while_a_deployment_runs(host, aStent):
+    ui = aStent.ui
+    assert not ui.progressBar.visible
+    height = ui.statusLabel.parentWidget().height
+    host.click(ui.deployButton)
+    ui.deployButton.repaint()
+    seen = []
+    progress = aStent.session._run._onProgress
+    aStent.session._run._onProgress = lambda fraction: (
+        seen.append((ui.progressBar.visible, ui.statusLabel.parentWidget().height)),
+        progress(fraction),
+    )
+    settle(host, aStent)
+    assert {visible for visible, _height in seen} == {True}
+    assert {seenHeight for _visible, seenHeight in seen} == {height}  # nothing jumps
+    assert not ui.progressBar.visible
+
+
+def test_a_preview_shows_no_progress_bar(host, aStent):
+    aStent.ui.autoUpdateCheckBox.checked = True
+    settle(host, aStent)
+    aStent.ui.diameterSlider.value = 8.0
+    host.processUntil(lambda: aStent.session.isRunning)
+    assert aStent.session.isPreview
+    assert not aStent.ui.progressBar.visible
+    settle(host, aStent)
+
+
+def pressDelete(host, widget):
+    from PySide6 import QtCore, QtTest
+
+    widget.setFocus()
+    QtTest.QTest.keyClick(widget, QtCore.Qt.Key_Delete)
+    host.process()
+
+
+def test_the_delete_key_removes_the_selected_stent_in_the_table_only(host, aStent):
+    parameters = aStent._parameterNode
+    host.click(aStent.ui.copyStentButton)
+    aStent.parent.activateWindow()
+    host.process()
+    pressDelete(host, aStent.ui.nameEdit)
+    assert len(parameters.stents) == 2
+    pressDelete(host, aStent.ui.stentTable)
+    assert [stent.label for stent in parameters.stents] == ["Stent 1"]
+    for _ in range(2):  # the second finds nothing to remove
+        pressDelete(host, aStent.ui.stentTable)
+    assert len(parameters.stents) == 0
+
+
+WIDTH_IN_THE_HOST = 420
+"""The real application's fonts make the panel a tenth wider than the host's; it has 460 pixels there."""
+
+
+def neededWidth(panel):
+    from PySide6 import QtWidgets
+
+    margins = panel.layout.contentsMargins()
+    needed = QtWidgets.QWidget.minimumSizeHint(panel.parent).width()
+    return needed - margins.left() - margins.right()
+
+
+def test_the_panel_fits_into_a_narrow_window(host, aStent):
+    parameters = aStent._parameterNode
+    long = "4D cardiac CT with contrast agent, reconstruction 3, left pulmonary artery, smoothed"
+    for node in (parameters.vessel, parameters.stent.handle, parameters.parameterNode):
+        node.SetName(long)
+    aStent.ui.nameEdit.text = long
+    aStent.ui.diameterSlider.value = 2.0  # with a warning
+    deploy(host, aStent)
+    aStent.ui.advancedCollapsibleButton.collapsed = False
+    host.choose(aStent.ui.placementComboBox, 4)
+    host.process()
+    assert neededWidth(aStent) <= WIDTH_IN_THE_HOST
+
+
+def test_the_table_needs_no_scrolling_sideways_in_a_narrow_panel(host, aStent):
+    aStent.parent.resize(460, 1000)
+    for placement in range(5):
+        host.choose(aStent.ui.placementComboBox, placement)
+        assert aStent.ui.stentTable.horizontalScrollBar().maximum == 0
+
+
+def test_labels_with_sentences_are_wrapped(aPanel):
+    for name in ("statusLabel", "lumenLabel", "certificateLabel", "warningLabel", "researchLabel"):
+        assert getattr(aPanel.ui, name).wordWrap, name
+
+
+def test_no_color_is_set_by_hand_in_the_panel():
+    from pathlib import Path
+
+    text = (Path(__file__).parents[1] / "Resources" / "UI" / "SDFStent.ui").read_text()
+    assert "color" not in text.replace("Color the stented vessel", "").lower()
+    assert "styleSheet" not in text
+
+
+def test_the_color_legend_keeps_the_colors_of_the_application(host, aStent):
+    aStent.ui.mapComboBox.currentIndex = 1
+    deploy(host, aStent)
+    legend = slicer.vtkSlicerColorLogic.GetColorLegendDisplayNode(
+        aStent._parameterNode.outputVessel
+    )
+    usual = slicer.vtkMRMLColorLegendDisplayNode()
+    for ours, theirs in (
+        (legend.GetTitleTextProperty(), usual.GetTitleTextProperty()),
+        (legend.GetLabelTextProperty(), usual.GetLabelTextProperty()),
+    ):
+        assert ours.GetColor() == theirs.GetColor()
+        assert ours.GetShadow() == theirs.GetShadow()
+
+
+def test_the_stented_vessel_is_chosen_under_outputs(aPanel):
+    assert aPanel.ui.outputSelector.parentWidget() is aPanel.ui.outputsCollapsibleButton
