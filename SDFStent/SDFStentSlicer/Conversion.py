@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 import slicer
 import vtk
+from vtk.util.numpy_support import vtk_to_numpy
 
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.polydata import inscribed_radius_from_polydata, lines_from_polydata
@@ -62,16 +63,15 @@ def centerlineOf(node):
 
 def curvePoints(node):
     """The points of a markups curve (n, 3), at least two."""
-    points = (
-        slicer.util.arrayFromMarkupsCurvePoints(node, world=True)
-        if node.GetNumberOfControlPoints()
-        else np.empty((0, 3))
-    )
-    if points is None or len(points) < 2:
-        count = node.GetNumberOfControlPoints()
+    count = len(placedIndices(node))
+    if count < 2:
         raise InputError(
             f"Curve {node.GetName()}: expected at least two points, got {count}; place more points."
         )
+    if count == node.GetNumberOfControlPoints():
+        points = slicer.util.arrayFromMarkupsCurvePoints(node, world=True)
+    else:
+        points = vtk_to_numpy(_toWorld(node, _placedCurve(node)).GetPoints().GetData())
     return np.array(points, dtype=np.float64)
 
 
@@ -93,11 +93,28 @@ def handlePoints(node, count, label):
 
 def placedPoints(node):
     """Positions of the markups' points that were put somewhere; one that follows the mouse was not."""
+    return [node.GetNthControlPointPositionWorld(index) for index in placedIndices(node)]
+
+
+def placedIndices(node):
+    """Indices of these points among all control points, in order."""
     return [
-        node.GetNthControlPointPositionWorld(index)
+        index
         for index in range(node.GetNumberOfControlPoints())
         if node.GetNthControlPointPositionStatus(index) == slicer.vtkMRMLMarkupsNode.PositionDefined
     ]
+
+
+def _placedCurve(node):
+    """The curve through the placed points alone, in the node's own frame; the node's runs on to the mouse."""
+    copy = node.CreateNodeInstance()
+    copy.UnRegister(None)
+    copy.CopyContent(node)
+    placed = placedIndices(node)
+    for index in reversed(range(node.GetNumberOfControlPoints())):
+        if index not in placed:
+            copy.RemoveNthControlPoint(index)
+    return copy.GetCurve()
 
 
 def fileFrame(node):
@@ -123,11 +140,7 @@ def changeStamp(node):
 
 def _content(node):
     if node.IsA("vtkMRMLMarkupsNode"):  # moving a point does not touch the node's modification time
-        count = node.GetNumberOfControlPoints()
-        return tuple(
-            (node.GetNthControlPointPositionStatus(i), *node.GetNthControlPointPosition(i))
-            for i in range(count)
-        )
+        return tuple(node.GetNthControlPointPosition(i) for i in placedIndices(node))
     if node.IsA("vtkMRMLSegmentationNode"):
         segmentation = node.GetSegmentation()
         return max(

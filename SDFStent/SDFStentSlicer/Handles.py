@@ -75,19 +75,17 @@ def fitHandle(node, placement, centerline, length):
         or node.IsA("vtkMRMLMarkupsCurveNode")
     ):
         return
-    count = node.GetNumberOfControlPoints()
+    placed, points = Conversion.placedIndices(node), Conversion.placedPoints(node)
     with slicer.util.NodeModify(node):
-        if placement == Placement.BETWEEN_POINTS and count == 1:
-            ends = endsAround(centerline, node.GetNthControlPointPositionWorld(0), length)
-            node.SetNthControlPointPositionWorld(0, *ends[0])
+        if placement == Placement.BETWEEN_POINTS and len(placed) == 1:
+            ends = endsAround(centerline, points[0], length)
+            node.SetNthControlPointPositionWorld(placed[0], *ends[0])
             node.AddControlPointWorld(*ends[1])
-        elif placement.pointCount == 1 and count > 1:
-            middle = np.mean(
-                [node.GetNthControlPointPositionWorld(i) for i in range(count)], axis=0
-            )
-            for index in reversed(range(1, count)):
+        elif placement.pointCount == 1 and len(placed) > 1:
+            middle = centerline.project(np.mean(points, axis=0)).point
+            for index in reversed(placed[1:]):
                 node.RemoveNthControlPoint(index)
-            node.SetNthControlPointPositionWorld(0, *centerline.project(middle).point)
+            node.SetNthControlPointPositionWorld(placed[0], *middle)
 
 
 def snapHandle(node, placement, centerline):
@@ -96,7 +94,7 @@ def snapHandle(node, placement, centerline):
         return
     points = Conversion.handlePoints(node, placement.pointCount, _("Stent"))
     with slicer.util.NodeModify(node):
-        for index, point in enumerate(points):
+        for index, point in zip(Conversion.placedIndices(node), points, strict=False):
             snapped = centerline.project(point).point
             if np.linalg.norm(snapped - point) > 1e-6:
                 node.SetNthControlPointPositionWorld(index, *snapped)
