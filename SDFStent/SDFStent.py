@@ -51,4 +51,8 @@ class SDFStent(ScriptedLoadableModule):
         parent.acknowledgementText = _(
             "The method is that of the paper SDFStent (arXiv 2605.22009). This is an independent implementation."
         )
-        slicer.app.connect("startupCompleted()", registerSampleData)
+        if hasattr(slicer.modules, "sampledata"):
+            # Loaded after start-up, which is not announced again.
+            registerSampleData()
+        else:
+            slicer.app.connect("startupCompleted()", registerSampleData)

@@ -16,21 +16,34 @@ def registerSampleData():
     import SampleData
 
     icons = pathlib.Path(__file__).resolve().parents[1] / "Resources" / "Icons"
+    logic = SampleData.SampleDataLogic
+    known = [source.sampleName for source in logic.sampleDataSourcesByCategory(CATEGORY)]
     for name, phantomName in (
         ("StenosedPulmonaryArtery", "branching_pulmonary_artery"),
         ("AortaWithCoarctation", "arch_with_coarctation"),
     ):
-        SampleData.SampleDataLogic.registerCustomSampleDataSource(
+        if name in known:
+            continue
+        logic.registerCustomSampleDataSource(
             category=CATEGORY,
             sampleName=name,
             thumbnailFileName=str(icons / "SDFStent.svg"),
             uris="",
             fileNames="",
             nodeNames="",
-            customDownloader=lambda source, phantomName=phantomName, name=name: addSampleVessel(
+            customDownloader=lambda source, phantomName=phantomName, name=name: _bring(
                 phantomName, name
             ),
         )
+
+
+def _bring(phantomName, name):
+    """What a click in Sample Data does: the vessel and its centerline, and the 3D view looks at them."""
+    nodes = addSampleVessel(phantomName, name)
+    layoutManager = slicer.app.layoutManager()
+    if layoutManager is not None:
+        layoutManager.resetThreeDViews()
+    return nodes
 
 
 def addSampleVessel(phantomName, name, scene=None):
