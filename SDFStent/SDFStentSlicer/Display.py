@@ -15,6 +15,8 @@ VESSEL_COLOR = (0.88, 0.47, 0.42)
 STENT_COLOR = (0.72, 0.76, 0.80)
 CENTERLINE_COLOR = (0.15, 0.35, 0.75)
 VESSEL_OPACITY = 0.55
+OUTPUT_ROLES = ("outputVessel", "outputCenterline", "outputStents", "outputTable", "outputChart")
+FOLDER_ATTRIBUTE = "SDFStent.Results"
 TUBE_SIDES = 24
 TUBE_SPACING = 1.5
 TUBE_SHRINK = 0.97
@@ -33,6 +35,7 @@ class SurfaceOutput:
         self._skeleton = vtk.vtkPolyData()
         self._skeleton.SetPoints(polyData.GetPoints())
         self._skeleton.SetPolys(polyData.GetPolys())
+        self._hidesOutline = False
         self._normals = vtk.vtkTriangleMeshPointNormals()
         self._normals.SetInputData(self._skeleton)
 
@@ -50,6 +53,20 @@ class SurfaceOutput:
         self._polyData.GetPoints().GetData().Modified()
         self._updateNormals()
         self._polyData.Modified()
+
+    def hideOutline(self):
+        """Take the outline out of the slice views, where it would be cut anew at every change."""
+        display = self.node.GetDisplayNode()
+        if display is not None and display.GetVisibility2D():
+            self._hidesOutline = True
+            display.SetVisibility2D(False)
+
+    def showOutline(self):
+        """Bring the outline back, if it was taken away."""
+        display = self.node.GetDisplayNode()
+        if self._hidesOutline and display is not None:
+            display.SetVisibility2D(True)
+        self._hidesOutline = False
 
     def _updateNormals(self):
         self._skeleton.Modified()
@@ -73,8 +90,7 @@ def outputModel(parameterNode, role, name, color):
     """The model node of a role: the one in use where it was made for this, or a new one."""
     node = getattr(parameterNode, role)
     if not Outputs.isUsable(parameterNode, role, node):
-        scene = parameterNode.parameterNode.GetScene()
-        node = scene.AddNewNodeByClass("vtkMRMLModelNode", scene.GenerateUniqueName(name))
+        node = _addOutput(parameterNode, "vtkMRMLModelNode", name)
         node.SetAttribute(Outputs.ATTRIBUTE, role)
         setattr(parameterNode, role, node)
     if node.GetDisplayNode() is None:
@@ -82,6 +98,29 @@ def outputModel(parameterNode, role, name, color):
         node.GetDisplayNode().SetColor(*color)
         node.GetDisplayNode().SetVisibility2D(False)
     return node
+
+
+def _addOutput(parameterNode, className, name):
+    """A new node in the folder of the parameter set's results."""
+    scene = parameterNode.parameterNode.GetScene()
+    node = scene.AddNewNodeByClass(className, scene.GenerateUniqueName(name))
+    hierarchy = slicer.vtkMRMLSubjectHierarchyNode.GetSubjectHierarchyNode(scene)
+    hierarchy.CreateItem(_folder(hierarchy, parameterNode), node)
+    return node
+
+
+def _folder(hierarchy, parameterNode):
+    """The subject hierarchy folder that holds another result of the parameter set, or a new one."""
+    outputs = [getattr(parameterNode, role) for role in OUTPUT_ROLES]
+    for node in filter(None, outputs):
+        item = hierarchy.GetItemByDataNode(node)
+        folder = hierarchy.GetItemParent(item) if item else 0
+        if folder and hierarchy.GetItemAttribute(folder, FOLDER_ATTRIBUTE):
+            return folder
+    name = _("{name} results").format(name=parameterNode.parameterNode.GetName())
+    folder = hierarchy.CreateFolderItem(hierarchy.GetSceneItemID(), name)
+    hierarchy.SetItemAttribute(folder, FOLDER_ATTRIBUTE, "1")
+    return folder
 
 
 def hideModel(node):
@@ -144,9 +183,8 @@ def showMap(node, name, values, onCells, title):
     display.SetScalarVisibility(True)
     if legend is None:
         legend = slicer.vtkSlicerColorLogic.AddDefaultColorLegendDisplayNode(node)
+        # The colors stay Slicer's: white with a shadow can be read on any background.
         for text in (legend.GetTitleTextProperty(), legend.GetLabelTextProperty()):
-            text.SetColor(0.0, 0.0, 0.0)  # readable on white and on Slicer's light background
-            text.SetShadow(False)
             text.SetFontSize(10)
         legend.SetSize(0.1, 0.3)
         legend.SetPosition(0.97, 0.05)
@@ -188,31 +226,28 @@ def _mapColors(scene):
 
 def fillTable(parameterNode, columns):
     """The table of diameters: `columns` maps a title to (values, unit)."""
-    scene, node = parameterNode.parameterNode.GetScene(), parameterNode.outputTable
+    node = parameterNode.outputTable
     if node is None:
-        node = scene.AddNewNodeByClass(
-            "vtkMRMLTableNode", scene.GenerateUniqueName(_("Stent diameters"))
-        )
+        node = _addOutput(parameterNode, "vtkMRMLTableNode", _("Stent diameters"))
         parameterNode.outputTable = node
-    slicer.util.updateTableFromArray(
-        node, [values for values, _unit in columns.values()], list(columns)
-    )
-    for title, (_values, unit) in columns.items():
-        node.SetColumnUnitLabel(title, unit)
+    with slicer.util.NodeModify(node):  # a plot that is shown must not see it without its columns
+        slicer.util.updateTableFromArray(
+            node, [values for values, _unit in columns.values()], list(columns)
+        )
+        for title, (_values, unit) in columns.items():
+            node.SetColumnUnitLabel(title, unit)
     return node
 
 
 def showChart(parameterNode, x, series, dashed, top):
     """The plot chart over the table's column `x` from 0 to `top`: `series` maps a column to its color, one is dashed."""
-    scene, chart = parameterNode.parameterNode.GetScene(), parameterNode.outputChart
+    chart = parameterNode.outputChart
     if chart is None:
-        chart = scene.AddNewNodeByClass(
-            "vtkMRMLPlotChartNode", scene.GenerateUniqueName(_("Stent diameters chart"))
-        )
+        chart = _addOutput(parameterNode, "vtkMRMLPlotChartNode", _("Stent diameters chart"))
         chart.SetXAxisTitle(_("From the proximal end (mm)"))
         chart.SetYAxisTitle(_("Diameter (mm)"))
         for column, color in series.items():
-            node = scene.AddNewNodeByClass("vtkMRMLPlotSeriesNode", column)
+            node = _addOutput(parameterNode, "vtkMRMLPlotSeriesNode", column)
             node.SetPlotType(slicer.vtkMRMLPlotSeriesNode.PlotTypeScatter)
             node.SetMarkerStyle(slicer.vtkMRMLPlotSeriesNode.MarkerStyleNone)
             node.SetColor(*color)
@@ -226,7 +261,8 @@ def showChart(parameterNode, x, series, dashed, top):
     for index, column in enumerate(series):
         node = chart.GetNthPlotSeriesNode(index)
         if node is not None:
-            node.SetAndObserveTableNodeID(parameterNode.outputTable.GetID())
-            node.SetXColumnName(x)
-            node.SetYColumnName(column)
+            with slicer.util.NodeModify(node):
+                node.SetAndObserveTableNodeID(parameterNode.outputTable.GetID())
+                node.SetXColumnName(x)
+                node.SetYColumnName(column)
     return chart

@@ -1,5 +1,6 @@
 """What the module does, without widgets: the panel and the Python console both use this."""
 
+import logging
 import sys
 import weakref
 
@@ -204,16 +205,12 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
         parameterNode.status = ""
         if not live:
             Plans.remember(parameterNode)
-        fraction = 0.0
-        for state in run.steps(responsive=not live):
-            if state is not None:
-                fraction = state.fraction
-                if not live:
-                    surface.show(
-                        state.before, state.deployment.indices, state.deployment.coordinates
-                    )
-            yield fraction
-        surface.show(run.points)
+        surface.hideOutline()
+        try:
+            yield from _expand(run, surface, live)
+        finally:
+            if not live:  # after a preview more is coming
+                surface.showOutline()
         self._signatures[parameterNode.parameterNode.GetID()] = signature
         Results.showEnd(parameterNode, run)
         Results.showMap(parameterNode, run)
@@ -253,6 +250,12 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
         surface.show(points)
         Results.showStents(parameterNode, tubes)
 
+    def showOutline(self, parameterNode):
+        """Show the stented vessel's outline in the slice views again: nothing more is coming for now."""
+        surface = self._surfaces.get(parameterNode.parameterNode.GetID())
+        if surface is not None:
+            surface.showOutline()
+
     def reset(self, parameterNode):
         """Show the vessel without stents again."""
         self.showStep(parameterNode, 0)
@@ -282,8 +285,12 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
 
     def showTable(self, parameterNode):
         """Show the table in a layout that has one."""
+        layout = slicer.mrmlScene.GetFirstNodeByClass("vtkMRMLLayoutNode")
+        if layout is not None:
+            tables = slicer.modules.tables.logic()
+            layout.SetViewArrangement(tables.GetLayoutWithTable(layout.GetViewArrangement()))
         selection = slicer.app.applicationLogic().GetSelectionNode()
-        selection.SetReferenceActiveTableID(parameterNode.outputTable.GetID())
+        selection.SetActiveTableID(parameterNode.outputTable.GetID())
         slicer.app.applicationLogic().PropagateTableSelection()
 
     @staticmethod
@@ -292,6 +299,13 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
         if isinstance(error, (InputError, DeploymentError)):
             return str(error)
         return _("Unexpected error: {kind}: {text}").format(kind=type(error).__name__, text=error)
+
+    @staticmethod
+    def log(error):
+        """Put an error with its traceback into the log; what the user's sentence explains is no error of the module."""
+        isExplained = isinstance(error, (InputError, DeploymentError))
+        level = logging.INFO if isExplained else logging.ERROR
+        logging.log(level, "SDF Stent: %s", error, exc_info=error)
 
     @staticmethod
     def dropLoadedPackages():
@@ -311,6 +325,7 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
         )
         if node is not former:
             node.GetDisplayNode().SetOpacity(Display.VESSEL_OPACITY)
+            node.GetDisplayNode().SetVisibility2D(True)
             Display.hideModel(parameterNode.vessel)
         if (
             surface is None
@@ -318,8 +333,22 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
             or surface.template is not template
             or not surface.isValid
         ):
+            if surface is not None:
+                surface.showOutline()
             copy = vtk.vtkPolyData()
             copy.DeepCopy(template)
             surface = self._surfaces[key] = Display.SurfaceOutput(node, copy)
             surface.template = template
         return surface
+
+
+def _expand(run, surface, live):
+    """Run the steps and show them, of a preview the last one only; yields the fraction done."""
+    fraction = 0.0
+    for state in run.steps(responsive=not live):
+        if state is not None:
+            fraction = state.fraction
+            if not live:
+                surface.show(state.before, state.deployment.indices, state.deployment.coordinates)
+        yield fraction
+    surface.show(run.points)
