@@ -21,30 +21,31 @@ class DeploySession:
     """
 
     def __init__(self, logic, onStart, onProgress, onDone):
-        self._logic, self._onStart, self._onProgress, self._onDone = (
-            logic,
-            onStart,
-            onProgress,
-            onDone,
-        )
-        self._parameterNode = self._run = self._signature = None
+        self._logic, self._onStart, self._onDone = logic, onStart, onDone
+        self._parameterNode = self._signature = None
+        self._run = SteppedRun(onProgress, self._finished)
         self._live = False
         self._timer = _singleShot(COALESCE_MS, self._update)
         self._settleTimer = _singleShot(SETTLE_MS, self._settle)
 
     @property
     def isRunning(self):
-        return self._run is not None
+        return self._run.isRunning
+
+    @property
+    def isPreview(self):
+        """Whether what runs, or ran last, is the quick method."""
+        return self._live
 
     @property
     def isBusy(self):
         """Whether something runs or is about to."""
-        return self._run is not None or self._timer.isActive() or self._settleTimer.isActive()
+        return self.isRunning or self._timer.isActive() or self._settleTimer.isActive()
 
     @property
     def isRenewing(self):
         """Whether the results are being renewed, or will be without a click."""
-        if self._run is not None or self._settleTimer.isActive():
+        if self.isRunning or self._settleTimer.isActive():
             return True
         return self.hasChanged and self._parameterNode.autoUpdate
 
@@ -55,7 +56,7 @@ class DeploySession:
 
     def start(self):
         """Deploy now, in full."""
-        self.cancel()
+        self._stop()
         self._begin(live=False)
 
     def request(self):
@@ -65,11 +66,18 @@ class DeploySession:
 
     def cancel(self):
         """Stop at once; what is shown stays."""
+        self._stop()
+        self._rest()
+
+    def _stop(self):
         self._timer.stop()
         self._settleTimer.stop()
-        if self._run is not None:
-            self._run.cancel()
-            self._run = None
+        self._run.cancel()
+
+    def _rest(self):
+        """Tell the logic when nothing more is coming."""
+        if self._parameterNode is not None and not self.isBusy:
+            self._logic.showOutline(self._parameterNode)
 
     @property
     def hasChanged(self):
@@ -81,34 +89,33 @@ class DeploySession:
 
     def _update(self):
         if not self.hasChanged:
+            self._rest()
             return
-        if self._run is not None:
+        if self.isRunning:
             if self._live and self._run.age < RESTART_AFTER_S:
                 return  # looked at again when the run ends
-            self.cancel()
+            self._stop()
         self._begin(live=True)
 
     def _settle(self):
-        if self._run is None and not self.hasChanged:
+        if not self.isRunning and not self.hasChanged:
             self._begin(live=False)
+        self._rest()
 
     def _begin(self, live):
         self._settleTimer.stop()
         self._signature, self._live = self._logic.signature(self._parameterNode), live
-        self._run = SteppedRun(
-            self._logic.steps(self._parameterNode, live=live), self._onProgress, self._finished
-        )
+        self._run.start(self._logic.steps(self._parameterNode, live=live))
         self._onStart()
 
     def _finished(self, error):
-        self._run = None
         self._onDone(error)
-        if self._parameterNode is None or not self._parameterNode.autoUpdate:
-            return
-        if self.hasChanged:
-            self._timer.start()
-        elif self._live and error is None:
-            self._settleTimer.start()
+        if self._parameterNode is not None and self._parameterNode.autoUpdate:
+            if self.hasChanged:
+                self._timer.start()
+            elif self._live and error is None:
+                self._settleTimer.start()
+        self._rest()
 
 
 def _singleShot(milliseconds, function):

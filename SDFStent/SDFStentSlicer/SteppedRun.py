@@ -8,22 +8,28 @@ import qt
 class SteppedRun:
     """Advances an iterator by a timer, for a limited time per tick, so that the application stays responsive.
 
-    `onProgress(value)` gets the latest value once per tick; `onDone(error)` is called once: with None at the end, with the
-    exception when one was raised. `cancel()` ends the run at once without calling `onDone`.
+    `onProgress(value)` gets the latest value once per tick; `onDone(error)` is called once per run: with None at the end, with
+    the exception when one was raised. `cancel()` ends a run at once without calling `onDone`.
+
+    One object serves one run after another: in PythonQt a timer and the method that it calls keep each other for ever.
     """
 
-    def __init__(self, iterator, onProgress, onDone, budget=0.025):
-        self._iterator, self._onProgress, self._onDone, self._budget = (
-            iterator,
-            onProgress,
-            onDone,
-            budget,
-        )
-        self._startTime = time.perf_counter()
+    def __init__(self, onProgress, onDone, budget=0.025):
+        self._onProgress, self._onDone, self._budget = onProgress, onDone, budget
+        self._iterator, self._startTime = None, 0.0
         self._timer = qt.QTimer()
         self._timer.setInterval(0)
         self._timer.connect("timeout()", self._tick)
+
+    def start(self, iterator):
+        """Begin a run; another one must not be under way."""
+        self._iterator, self._startTime = iterator, time.perf_counter()
         self._timer.start()
+
+    @property
+    def isRunning(self):
+        """Whether a run is under way."""
+        return self._iterator is not None
 
     @property
     def age(self):

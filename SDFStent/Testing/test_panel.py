@@ -64,7 +64,7 @@ def test_the_3d_view_shows_the_stented_vessel(host, aStent, thePictures):
     aStent.ui.mapComboBox.currentIndex = 1
     host.process()
     colored = imageOf(host.application.render(thePictures / "displacement.png", focus=bounds))
-    assert (before < 250).mean() > 0.05  # something is drawn on the white background
+    assert (before != before[:, :1]).mean() > 0.05  # something is drawn on the rows' background
     assert (before != after).mean() > 0.01
     assert (after != colored).mean() > 0.01
 
@@ -76,7 +76,9 @@ def imageOf(path):
     reader = vtk.vtkPNGReader()
     reader.SetFileName(str(path))
     reader.Update()
-    return vtk_to_numpy(reader.GetOutput().GetPointData().GetScalars()).astype(int)
+    pixels = vtk_to_numpy(reader.GetOutput().GetPointData().GetScalars()).astype(int)
+    width, height, _depth = reader.GetOutput().GetDimensions()
+    return pixels.reshape(height, width, -1)
 
 
 def test_sliders_and_parameters_are_bound_both_ways(aStent):
@@ -270,20 +272,15 @@ def test_no_tick_of_a_full_deployment_is_long(host, aStent):
     import time
 
     ticks = []
-    tick = aStent.session._begin
-    aStent.session._begin = lambda live: (tick(live), watch(aStent.session._run))
+    run = aStent.session._run
 
-    def watch(run):
-        function = run._tick
+    def timed():
+        start = time.perf_counter()
+        run._tick()
+        ticks.append(time.perf_counter() - start)
 
-        def timed():
-            start = time.perf_counter()
-            function()
-            ticks.append(time.perf_counter() - start)
-
-        run._timer.timeout.disconnect()
-        run._timer.connect("timeout()", timed)
-
+    run._timer.timeout.disconnect()
+    run._timer.connect("timeout()", timed)
     deploy(host, aStent)
     # Budget of a tick 25 ms, a wait 10 ms, the conversion of the vessel at first, a busy machine.
     assert np.median(ticks) < 0.06
