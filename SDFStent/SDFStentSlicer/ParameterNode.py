@@ -92,9 +92,20 @@ def _within(name):
     return WithinRange(RANGES[name].low, RANGES[name].high)
 
 
-def ruleLabel(rule):
-    """The text in the panel for a step rule of the library."""
-    return {"events": _("adaptive"), "published": _("as in the paper")}[rule]
+CHOICE_LABELS = {
+    "rule": {"events": _("adaptive"), "published": _("as in the paper")},
+    "falloff": {
+        "compact": _("gradual (as in the paper)"),
+        "wendland": _("steep (Wendland)"),
+        "cosine": _("gradual (half cosine)"),
+    },
+    "blend": {
+        "linear": _("gradual (as in the paper)"),
+        "quadratic": _("steeper (quadratic)"),
+        "exponential": _("steepest (exponential)"),
+    },
+}
+"""The texts in the panel for the library's keys, by parameter."""
 
 
 # Node types are written Optional[X], not X | None: Python before 3.11.7 takes one for the other inside of Annotated, and Slicer

@@ -14,7 +14,7 @@ from .DeploySession import DeploySession
 from .GuiBinding import GuiBinding
 from .InputWatch import InputWatch
 from .Logic import SDFStentLogic
-from .ParameterNode import Placement, ruleLabel
+from .ParameterNode import CHOICE_LABELS, Placement
 from .StentList import StentList
 from .StentTable import StentTable
 
@@ -148,16 +148,20 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
             self.ui.outputSelector.sortFilterProxyModel().hiddenNodeIDs = taken
             self.stents = StentList(parameterNode)
             self._binding = GuiBinding(parameterNode, self.ui)
-            for index in range(self.ui.ruleComboBox.count):  # connected by index: texts are free
-                self.ui.ruleComboBox.setItemText(
-                    index, ruleLabel(self.ui.ruleComboBox.itemText(index))
-                )
+            self._nameChoices()
             self.addObserver(
                 parameterNode.parameterNode,
                 vtk.vtkCommand.ModifiedEvent,
                 self.onParameterNodeModified,
             )
             self.onParameterNodeModified()
+
+    def _nameChoices(self):
+        """Show words for the library's keys; the boxes are connected by index, so their texts are free."""
+        for name, labels in CHOICE_LABELS.items():
+            box = getattr(self.ui, name + "ComboBox")
+            for index in range(box.count):
+                box.setItemText(index, labels.get(box.itemText(index), box.itemText(index)))
 
     def onParameterNodeModified(self, caller=None, event=None):
         if self._parameterNode is None or self.stents.synchronize():
@@ -218,6 +222,7 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
             "Expand the stents and show the stented vessel."
         )
         self.ui.cancelButton.enabled = running
+        self.ui.progressBar.visible = running and not self.session.isPreview
         self.ui.resetButton.enabled = self.logic.hasSteps(self._parameterNode) and not running
         self.ui.expansionSlider.enabled = self.logic.hasSteps(self._parameterNode) and not running
         self.ui.stentEditor.enabled = count > 0
@@ -265,6 +270,7 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self._updateEnabled()
 
     def _showError(self, error):
+        self.logic.log(error)
         self._parameterNode.status = self.logic.sentence(error)
         self._updateEnabled()
 
@@ -280,6 +286,9 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.ui.removeStentButton.connect(
             "clicked()", lambda: self.logic.removeStent(self._parameterNode)
         )
+        delete = qt.QShortcut(qt.QKeySequence(qt.QKeySequence.Delete), self.ui.stentTable)
+        delete.setContext(qt.Qt.WidgetWithChildrenShortcut)
+        delete.connect("activated()", lambda: self.ui.removeStentButton.click())
         self.ui.moveUpButton.connect("clicked()", lambda: self.stents.move(-1))
         self.ui.moveDownButton.connect("clicked()", lambda: self.stents.move(1))
         self.ui.loadPlanButton.connect("clicked()", self.onLoadPlan)

@@ -17,7 +17,7 @@ from sdfstent_host import Host
 from vtk.util.numpy_support import vtk_to_numpy
 
 HERE = Path(__file__).resolve().parent
-PANEL_WIDTH = 500
+PANEL_WIDTH = 460
 PANEL_HEIGHT = 1500
 VIEW_SIZE = (700, 520)
 PLOT_SIZE = (760, 420)
@@ -66,14 +66,14 @@ class Studio:
 
     def panelPicture(self, name):
         """The panel alone, with everything but Advanced open."""
-        self._open(("inputs", "stents", "deploy", "results"))
+        self._open(("inputs", "outputs", "stents", "deploy", "results"))
         self.panel.parent.resize(PANEL_WIDTH, self.panel.parent.sizeHint().height())
         self.host.process(0.05)
         self.host.grab(self.panel.parent, self.folder / name)
         self.panel.parent.resize(PANEL_WIDTH, PANEL_HEIGHT)
 
     def _open(self, sections):
-        for name in ("inputs", "stents", "deploy", "results", "advanced"):
+        for name in ("inputs", "outputs", "stents", "deploy", "results", "advanced"):
             button = getattr(self.panel.ui, name + "CollapsibleButton")
             if button.collapsed != (name not in sections):
                 button.collapsed = name not in sections
@@ -147,7 +147,7 @@ def main(folder):
     ui.vesselSelector.setCurrentNode(vessel)
     ui.centerlineSelector.setCurrentNode(centerline)
     studio.look(everything, zoom=1.25)
-    studio.take("tutorial-1-inputs.png", "inputs")
+    studio.take("tutorial-1-inputs.png", "inputs", "outputs")
 
     host.click(ui.addStentButton)
     handle = panel._parameterNode.stent.handle

@@ -1,5 +1,6 @@
 """The settings of Advanced, and how far the panel's sliders reach."""
 
+import numpy as np
 import pytest
 
 
@@ -21,6 +22,27 @@ def test_rules_are_named_for_the_user_and_stored_as_the_library_calls_them(host,
     assert box.currentText == "as in the paper"
 
 
+@pytest.mark.parametrize("name", ["falloff", "blend"])
+def test_shapes_are_named_in_words_from_gradual_to_steep(host, aPanel, name):
+    from SDFStentSlicer.ParameterNode import CHOICE_LABELS
+
+    from SDFStentLib.blending import BLENDS, FALLOFFS
+
+    box = getattr(aPanel.ui, name + "ComboBox")
+    texts = [box.itemText(i) for i in range(box.count)]
+    known = FALLOFFS if name == "falloff" else BLENDS
+    assert not set(texts) & set(known)  # words, not keys
+    half = {CHOICE_LABELS[name][key]: float(f(np.array([0.5]))[0]) for key, f in known.items()}
+    gradual = [half[text] for text in texts if "gradual" in text]
+    steep = [half[text] for text in texts if "steep" in text]
+    steepest = [half[text] for text in texts if "steepest" in text]
+    assert min(gradual) > max(steep)
+    assert steepest in ([], [min(half.values())])
+    for index in range(box.count):
+        host.choose(box, index)
+        assert getattr(aPanel._parameterNode.method, name) == list(known)[index]
+
+
 def test_the_blend_reaches_the_library(host, aStent):
     from SDFStentSlicer import Plans
 
@@ -31,13 +53,14 @@ def test_the_blend_reaches_the_library(host, aStent):
 
 
 def test_choices_are_those_of_the_library(theModule):
-    from SDFStentSlicer.ParameterNode import MethodParameters, ruleLabel
+    from SDFStentSlicer.ParameterNode import CHOICE_LABELS, MethodParameters
 
     from SDFStentLib.blending import BLENDS, FALLOFFS
     from SDFStentLib.settings import RULES, DeploymentSettings
 
-    assert len({ruleLabel(rule) for rule in RULES}) == len(RULES)
     for known, name in ((BLENDS, "blend"), (FALLOFFS, "falloff"), (RULES, "rule")):
+        assert list(CHOICE_LABELS[name]) == list(known)
+        assert len(set(CHOICE_LABELS[name].values())) == len(known)
         for value in known:
             MethodParameters(**{name: value})
         assert getattr(MethodParameters(), name) == getattr(DeploymentSettings(), name)

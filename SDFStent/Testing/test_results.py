@@ -124,4 +124,3 @@ def test_the_panel_says_that_it_is_for_research_only(aPanel):
     line = aPanel.ui.researchLabel
     assert line.text == "Research use only, not a medical device."
     assert line.visible
-    assert line.styleSheet == "color: gray"
