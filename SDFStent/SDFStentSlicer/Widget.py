@@ -286,7 +286,7 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.ui.removeStentButton.connect(
             "clicked()", lambda: self.logic.removeStent(self._parameterNode)
         )
-        delete = qt.QShortcut(qt.QKeySequence(qt.QKeySequence.Delete), self.ui.stentTable)
+        delete = qt.QShortcut(qt.QKeySequence(qt.Qt.Key_Delete), self.ui.stentTable)
         delete.setContext(qt.Qt.WidgetWithChildrenShortcut)
         delete.connect("activated()", lambda: self.ui.removeStentButton.click())
         self.ui.moveUpButton.connect("clicked()", lambda: self.stents.move(-1))
