@@ -84,7 +84,7 @@ def test_the_table_needs_no_scrolling_sideways_in_a_narrow_panel(host, aStent):
     aStent.parent.resize(460, 1000)
     for placement in range(5):
         host.choose(aStent.ui.placementComboBox, placement)
-        assert aStent.ui.stentTable.horizontalScrollBar().maximum == 0
+        assert aStent.ui.stentTable.horizontalScrollBar().maximum() == 0
 
 
 def test_labels_with_sentences_are_wrapped(aPanel):
