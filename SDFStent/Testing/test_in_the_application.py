@@ -243,8 +243,9 @@ def test_results_are_in_one_folder_per_parameter_set(aLogic, theParameters, aSce
     aLogic.deploy(other)
     first = {folderOf(node) for node in outputsOf(theParameters)}
     second = {folderOf(node) for node in outputsOf(other)}
-    assert [name for _item, name in first] == ["SDFStent results"]
-    assert [name for _item, name in second] == ["Longer stent results"]
+    name = theParameters.parameterNode.GetName()
+    assert [folder for _item, folder in first] == [f"{name} results"]
+    assert [folder for _item, folder in second] == ["Longer stent results"]
     assert folderOf(theParameters.vessel) not in first | second
     aScene.RemoveNode(theParameters.outputTable)
     aLogic.deploy(theParameters)
