@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from .caps import caps_across
 from .capsule_chain import CapsuleChain
 from .connected_parts import connected
 from .deployment_value import DeploymentState, DeploymentTask
@@ -15,10 +16,11 @@ from .lumen import drawn_in, facets_compensated, finished, projected
 from .motion import Motion
 from .patch import Patch
 from .published_steps import published_steps
+from .stent_checks import MotionCheck, motion_check
 from .surface import faces_at, vertex_normals
 from .topology import consistently_wound, vertex_neighbors
 from .untangle import RELAXATION, Faults, Relief, grown, untangled
-from .validation import DeploymentError, Points
+from .validation import DeploymentError, Points, Triangles
 
 WALL_CLEARANCE = 0.9
 """The crimped stent never reaches beyond this share of the nearest wall's distance."""
@@ -37,11 +39,15 @@ FEW_FAULTS = 20
 RELIEVED_RINGS = 3
 
 
+CAPS_WITHIN = 2.0
+"""Distance from the stent's ends, in its radii, within which caps are looked for."""
+
+
 class Attempt:
     """One run of the radius steps with one tissue gap."""
 
     def __init__(self, task: DeploymentTask, ramp: tuple[float, float], gap: float) -> None:
-        self.task = task
+        self.task, self._gap = task, gap
         self.motion, self.numbers = self._active(gap)
         self.start = self.motion.positions.copy()
         self.wall_count = int(self.motion.touchable.sum())
@@ -92,6 +98,11 @@ class Attempt:
             self._put_on_lumen()
         self._close_seams()
 
+    def motion_check(self) -> MotionCheck:
+        """How far the wall has moved, against what the method can move."""
+        before, after = self.start[: self.wall_count], self.motion.positions[: self.wall_count]
+        return motion_check(before, after, self.task.chain, self.task.radius, self._gap)
+
     def _put_on_lumen(self) -> None:
         task, settings = self.task, self.task.settings
         self.motion.refreshed()
@@ -108,7 +119,16 @@ class Attempt:
             on_stent = np.union1d(on_stent, back)
         self._uncompensated = self.motion.positions.copy()
         if settings.facet_compensation:
-            facets_compensated(self.motion, self.patch.triangles, on_stent, task.radius)
+            facets_compensated(self.motion, self._wall_triangles(), on_stent, task.radius)
+
+    def _wall_triangles(self) -> Triangles:
+        """The patch but for flat caps across the stent's ends, which are no lumen to keep wide.
+
+        Their corners go apart to all sides; no push would bring their middle off the axis.
+        """
+        triangles = self.patch.triangles
+        nodes, reach = self.task.chain.nodes, CAPS_WITHIN * self.task.radius
+        return triangles[~caps_across(self.patch_start, triangles, nodes, reach)]
 
     def untangle(self, faulty: NDArray[np.int64]) -> int:
         """Take apart faulty faces of the surface; returns the rounds that it took."""
@@ -207,8 +227,20 @@ class Attempt:
         offset = np.zeros(len(self.motion.level))
         offset[wall] = gap * share**2 * (3 - 2 * share)
         self.motion.set_offset(offset)
-        free_level = np.where(offset[wall] == 0, level, np.inf)
-        self._nearest_own = int(free_level.argmin())
+        # The middle of a cap ahead may be nearest, and joined to no wall by free points.
+        is_own = (offset[wall] == 0) & self._is_beside()
+        self._nearest_own = int(np.where(is_own, level, np.inf).argmin())
+
+    def _is_beside(self) -> NDArray[np.bool_]:
+        """Which points of the wall lie beside the stent, and not beyond the plane across an end."""
+        points, nodes = self.motion.positions[: self.wall_count], self.task.chain.nodes
+        reach = self.motion.level[: self.wall_count] + self.task.chain.smoothing_width
+        is_beside = np.ones(len(points), dtype=bool)
+        for end, inner in (nodes[:2], nodes[:-3:-1]):
+            offset = points - end
+            is_nearest = np.einsum("ij,ij->i", offset, offset) <= reach**2
+            is_beside &= ~(is_nearest & (offset @ (end - inner) > 0))
+        return is_beside
 
     def _own_wall(self, nearest: int) -> NDArray[np.int64]:
         """Wall without tissue offset that hangs together with the point of it nearest to the axis.

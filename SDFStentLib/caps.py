@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .local_surface import may_meet_box
 from .surface import face_normals, faces_at
 from .topology import component_labels, edges
 from .validation import Points, Triangles
@@ -24,6 +25,9 @@ wall hangs together by faces that differ by less than `FLAT`; its normals cancel
 
 RIM = np.cos(np.deg2rad(45.0))
 """A cap meets the wall at a steeper angle than this; a flat spot of the wall does not."""
+
+ACROSS = np.cos(np.deg2rad(30.0))
+"""Cosine between an axis and the normal of a cap that counts as across it."""
 
 FEWEST_FACES = 6
 NOTICEABLE = 0.05
@@ -80,6 +84,24 @@ def flat_caps(points: Points, faces: Triangles) -> list[FlatCap]:
         if length >= ONE_WAY:
             found.append(FlatCap(own, mean / length))
     return found
+
+
+def caps_across(points: Points, faces: Triangles, axis: Points, reach: float) -> NDArray[np.bool_]:
+    """Which faces (m,) belong to flat caps across an axis (n, 3), within some mm of its ends."""
+    is_capped = np.zeros(len(faces), dtype=bool)
+    for end, inner in (axis[:2], axis[:-3:-1]):
+        direction = (end - inner) / np.linalg.norm(end - inner)
+        near = np.flatnonzero(may_meet_box(points, faces, end - reach, end + reach))
+        if len(near) < FEWEST_FACES:
+            continue
+        # Most ends have few faces across the axis, which is quickly told.
+        across = np.abs(face_normals(points, faces[near]) @ direction) > ACROSS
+        if np.count_nonzero(across) < FEWEST_FACES:
+            continue
+        for cap in flat_caps(points, faces[near]):
+            if abs(cap.normal @ direction) > ACROSS:
+                is_capped[near[cap.faces]] = True
+    return is_capped
 
 
 def bulged_caps(

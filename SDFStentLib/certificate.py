@@ -26,11 +26,14 @@ from .face_quality import (
     united,
 )
 from .intersections import intersecting_pairs, stored_points
+from .stent_checks import LumenCheck, MotionCheck
 from .surface import consistently_wound, signed_volume
 from .topology import Topology, surface_topology
 from .validation import InputError, as_points, as_triangles, read_only
 
 Indices = NDArray[np.int64]
+
+AS_PRESCRIBED = "its lumen is nowhere narrower than prescribed, and wider only where it was"
 
 
 @dataclass(frozen=True)
@@ -75,7 +78,7 @@ class SurfaceCheck:
 
     def sentence(self) -> str:
         """The finding in one sentence."""
-        words = f"The surface is {_shape_in_words(self.topology)}"
+        words = f"The surface is {self.topology.in_words()}"
         if not self.places:
             return words + " and has no self-intersection."
         faults = faults_in_words(
@@ -119,6 +122,9 @@ class Certificate:
         Triangles turned over, or without area, that were not before.
     places : tuple of Place
         Where new faults gather, most triangles first.
+    motion, lumen : tuples of MotionCheck and LumenCheck
+        For every stent; empty where surfaces were compared without one, and the latter where the
+        settings promise no lumen: without `finish` or `facet_compensation`, as published.
     """
 
     topology: Topology
@@ -129,11 +135,13 @@ class Certificate:
     new_inverted: Indices
     new_degenerate: Indices
     places: tuple[Place, ...]
+    motion: tuple[MotionCheck, ...] = ()
+    lumen: tuple[LumenCheck, ...] = ()
 
     @property
     def passed(self) -> bool:
         """No new fault of any kind; an open or faulty input passes when nothing got worse."""
-        return not self.places
+        return not self.places and all(check.passed for check in self._checks)
 
     @property
     def failing_triangles(self) -> Indices:
@@ -153,17 +161,29 @@ class Certificate:
     def sentence(self) -> str:
         """The finding in one sentence for the person who will use the surface."""
         if not self.passed:
-            faults = faults_in_words(
-                self.places,
-                (len(self.new_self_intersecting), "that newly intersect"),
-                (len(self.new_inverted), "newly turned over"),
-                (len(self.new_degenerate), "newly without area"),
-            )
-            return f"Not certified: the surface has {faults}."
-        shape = _shape_in_words(self.topology)
+            return f"Not certified: the surface has {'; '.join(self._faults())}."
+        shape = self.topology.in_words()
         old = count_in_words(len(self.self_intersecting_after))
         kept = "" if old[0] == "0" else f"; {old} intersected already in the input"
-        return f"Certified: the surface is {shape}, as it was, and has no new fault{kept}."
+        wide = f"; {AS_PRESCRIBED}" if self.lumen else ""
+        return f"Certified: the surface is {shape}, as it was, and has no new fault{kept}{wide}."
+
+    @property
+    def _checks(self) -> tuple[LumenCheck | MotionCheck, ...]:
+        return (*self.lumen, *self.motion)
+
+    def _faults(self) -> list[str]:
+        """What is wrong, each with a number and a place."""
+        faults = [check.fault() for check in self._checks if not check.passed]
+        if not self.places:
+            return faults
+        triangles = faults_in_words(
+            self.places,
+            (len(self.new_self_intersecting), "that newly intersect"),
+            (len(self.new_inverted), "newly turned over"),
+            (len(self.new_degenerate), "newly without area"),
+        )
+        return [triangles, *faults]
 
     def as_dict(self) -> dict[str, Any]:
         """The `certificate` part of a report; what is known to the writer only is added there."""
@@ -183,6 +203,8 @@ class Certificate:
             },
             "places": [place.center for place in self.places],
             "moved_points": self.moved_points,
+            "motion": [check.as_dict() for check in self.motion],
+            "lumen": [check.as_dict() for check in self.lumen],
         }
 
 
@@ -286,7 +308,12 @@ def certify(
     return certificate_of(comparison.verdict(after, may_move=_mask(moved, len(before))), topology)
 
 
-def certificate_of(verdict: Verdict, topology: Topology) -> Certificate:
+def certificate_of(
+    verdict: Verdict,
+    topology: Topology,
+    motion: tuple[MotionCheck, ...] = (),
+    lumen: tuple[LumenCheck, ...] = (),
+) -> Certificate:
     """The certificate of a result that was compared with its input."""
     return Certificate(
         topology=topology,
@@ -297,6 +324,8 @@ def certificate_of(verdict: Verdict, topology: Topology) -> Certificate:
         new_inverted=read_only(verdict.new_inverted),
         new_degenerate=read_only(verdict.new_degenerate),
         places=verdict.places,
+        motion=motion,
+        lumen=lumen,
     )
 
 
@@ -315,11 +344,3 @@ def _mask(moved: ArrayLike | None, count: int) -> NDArray[np.bool_] | None:
                 f"{chosen.shape} ({error})."
             ) from error
     return may_move
-
-
-def _shape_in_words(topology: Topology) -> str:
-    if topology.is_watertight:
-        return "watertight"
-    if not topology.is_manifold:
-        return "not manifold"
-    return f"open ({topology.boundary_edge_count} boundary edges)"

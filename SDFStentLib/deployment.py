@@ -122,16 +122,18 @@ class Deployment(DeploymentTask):
             if self.settings.untangle and not verdict.passed:
                 attempt, verdict, rounds = self._untangled(comparison, attempt, verdict)
         state = attempt.state(self.target_level)._replace(fraction=1.0)
-        certificate = None
+        points, motion, certificate = state.applied_to(self.points), attempt.motion_check(), None
         if self.settings.certify and verdict is not None:
-            certificate = certificate_of(verdict, self.topology)
+            lumen = self.lumen_checks(self.points, points)
+            certificate = certificate_of(verdict, self.topology, (motion,), lumen)
         return DeploymentResult(
             state=state,
-            points=read_only(state.applied_to(self.points)),
+            points=read_only(points),
             certificate=certificate,
             untangling_rounds=rounds,
             relief=attempt.relief,
             estimated_error=attempt.motion.estimated_error,
+            motion=motion,
         )
 
     def _untangled(

@@ -13,6 +13,7 @@ from .capsule_chain import CapsuleChain
 from .certificate import Certificate
 from .lumen import radius_correction
 from .settings import THINNEST_AND_WIDEST_RADIUS, DeploymentSettings
+from .stent_checks import LumenCheck, MotionCheck, lumen_check
 from .surface import oriented_triangles, signed_volume
 from .topology import Topology, surface_topology
 from .untangle import Precision, Relief
@@ -59,6 +60,8 @@ class DeploymentResult:
     estimated_error : float
         Stated distance to the converged limit of the radius steps, mm; 0 for published steps,
         which do not estimate theirs. It concerns the transition zone, not the finished lumen.
+    motion : MotionCheck
+        How far the wall moved against what the method can move.
     """
 
     state: DeploymentState
@@ -67,6 +70,7 @@ class DeploymentResult:
     untangling_rounds: int
     relief: Relief | None
     estimated_error: float
+    motion: MotionCheck
 
 
 class DeploymentTask:
@@ -122,6 +126,14 @@ class DeploymentTask:
     def topology(self) -> Topology:
         """How the triangles hang together; looked at once."""
         return self._topology or surface_topology(self.triangles)
+
+    def lumen_checks(
+        self, before: Points, after: Points, own: tuple[Points, Points] | None = None
+    ) -> tuple[LumenCheck, ...]:
+        """`lumen_check` of this stent; none where the settings do not promise the lumen."""
+        if not (self.settings.finish and self.settings.facet_compensation):
+            return ()
+        return (lumen_check(before, after, self.triangles, self.chain, self.radius, own),)
 
     @property
     def has_several_parts(self) -> bool:

@@ -8,7 +8,7 @@ distance from the axis, then pushed out until the facets' chords lie at the pres
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from .capsule_chain import CapsuleChain
 from .motion import Motion
@@ -31,6 +31,19 @@ NEGLIGIBLE = 1e-4
 
 ROUNDING = 1e-9
 """Relative difference below which two distances count as equal."""
+
+COARSEST_CHORD = np.sqrt(0.5)
+"""Sine of half the angle, seen from the axis, of the longest chord that is compensated: 90 degrees.
+
+Pushing both ends of a chord out brings its middle out by the cosine of half its angle: at 90
+degrees by 0.7 of it, at 120 by half, at 180 by nothing.
+"""
+
+BEND_SLACK = 1.5
+"""How far vertices may be pushed over what a chord round a straight axis needs.
+
+In 24 random stents of the anatomies the largest push was 1.05 times that, in bends more.
+"""
 
 COMPENSATION_PASSES = 2
 COMPENSATION_ROUNDS = 5
@@ -160,8 +173,10 @@ def facets_compensated(
     The distance to a straight axis is convex, so a facet is nearest to it on one of its edges;
     along an edge its square is a parabola through the two ends and the middle. Every vertex moves
     by the largest deficit of its edges, back again where all of them are too far out, but never
-    further in than it was. Vertices beside the stent take part, because an edge from one of them
-    to the stent can cut into the lumen as well. What remains is measured: see `metrics.py`.
+    further in than it was, nor further out than its longest edge can need: see `largest_push`.
+    Facets that are too coarse for their stent stay inside. Vertices beside the stent take part,
+    because an edge from one of them to the stent can cut into the lumen as well. What remains is
+    measured: see `metrics.py`.
     """
     ends = _edges_on_stent(triangles, on_stent, len(motion.positions))
     sides = motion.positions[ends[:, 0]] - motion.positions[ends[:, 1]]
@@ -179,6 +194,8 @@ def facets_compensated(
     ends = number[ends]
 
     edge_wanted = radius + motion.offset[group][ends].min(axis=1)
+    edge_length = np.linalg.norm(sides, axis=1)
+    bound = np.maximum.reduceat(largest_push(edge_length, edge_wanted)[order // 2], starts)
     positions, direction = motion.positions[group], motion.direction[group]
     distance = motion.axis_distance(group, positions)
     pushed = np.zeros(len(group))
@@ -193,11 +210,31 @@ def facets_compensated(
                 (distance + pushed)[ends], middle + change * middle / edge_wanted
             )
             push = np.maximum.reduceat(deficit[order // 2], starts)
-            np.maximum(push, -pushed, out=push)
+            np.clip(push, -pushed, bound - pushed, out=push)
             pushed += push
             if np.abs(push).max() < 1e-4 * radius:
                 break
     motion.positions[group] = positions + pushed[:, None] * direction
+
+
+def largest_push(length: ArrayLike, radius: ArrayLike) -> NDArray[np.float64]:
+    """How far the ends of chords can have to move out until their middles reach a radius, mm.
+
+    Both ends of a chord of length e at a radius r lie at the angle a from its middle, with
+    sin a = e / 2 r, and its middle at r cos a. At r / cos a the middle has come to r. Only as far
+    as to a right angle between the ends; then this is (sqrt(2) - 1) r, the most of all.
+
+    Parameters
+    ----------
+    length : array_like
+        Of the chords, mm.
+    radius : array_like
+        That their middles shall have, mm.
+    """
+    radius = np.asarray(radius, dtype=np.float64)
+    sine = np.minimum(np.asarray(length) / (2 * radius), COARSEST_CHORD)
+    needed = radius * (1 / np.sqrt(1 - sine**2) - 1)
+    return np.minimum(BEND_SLACK * needed, (np.sqrt(2.0) - 1) * radius)
 
 
 def _edges_on_stent(

@@ -101,6 +101,14 @@ class Topology(NamedTuple):
         """Closed and manifold: the surface bounds a volume without a leak."""
         return self.is_closed and self.is_manifold
 
+    def in_words(self) -> str:
+        """Watertight, not manifold or open, as a part of a sentence."""
+        if self.is_watertight:
+            return "watertight"
+        if not self.is_manifold:
+            return "not manifold"
+        return f"open ({self.boundary_edge_count} boundary edges)"
+
 
 def edges(triangles: ArrayLike) -> Edges:
     """Unique edges of a surface with the faces at each.

@@ -9,7 +9,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import perf_counter
 
 import numpy as np
@@ -23,7 +23,8 @@ from .deployment import Deployment, DeploymentResult, DeploymentState
 from .metrics import diameter_profile
 from .plan import PlannedStent
 from .settings import DeploymentSettings
-from .stent import Stent, StentAxis, stent_axis
+from .stent import Stent, StentAxis
+from .straightening import axis_in_vessel
 from .topology import Topology, consistently_wound, surface_topology
 from .treatment_value import TreatedStent, TreatmentResult, TreatmentState
 from .treatment_warnings import check_width, narrowed, nothing_moved, overdilated, overlap
@@ -111,7 +112,7 @@ class Treatment:
             )
         # Fails here rather than after the first stent; the axes are found again as it goes.
         for number, planned in self._enabled:
-            self._axis(number, planned, centerline)
+            self._axis(number, planned, centerline, self.points)
 
     def __iter__(self) -> Iterator[TreatmentState]:
         """Yield the states of every stent in turn."""
@@ -119,7 +120,7 @@ class Treatment:
         points, centerline, companions = self.points, self.centerline, self.companions
         for done, (number, planned) in enumerate(self._enabled):
             start = perf_counter()
-            axis = self._axis(number, planned, centerline)
+            axis = self._axis(number, planned, centerline, points)
             is_only = len(self._enabled) == 1
             tree = np.empty((0, 3)) if centerline is None else centerline.points
             deployment = Deployment(
@@ -135,9 +136,9 @@ class Treatment:
             ready = perf_counter()
             for state in self._states_of(deployment, number):
                 fraction = (done + state.fraction) / len(self._enabled)
-                yield TreatmentState(number, fraction, state, points)
+                yield TreatmentState(number, fraction, state, points, axis)
             result = deployment.result
-            stage = _Stage(number, planned, axis, centerline, result)
+            stage = _Stage(number, planned, axis, centerline, deployment, result)
             stage.seconds = (ready - start, perf_counter() - ready)
             self._stages.append(stage)
             points = result.points
@@ -162,10 +163,12 @@ class Treatment:
             return ""
         return f"Stent {number} ({name}): " if name else f"Stent {number}: "
 
-    def _axis(self, number: int, planned: PlannedStent, centerline: Centerline | None) -> StentAxis:
+    def _axis(
+        self, number: int, planned: PlannedStent, centerline: Centerline | None, points: Points
+    ) -> StentAxis:
         try:
-            axis = stent_axis(
-                planned.stent, centerline, straightening_fraction=self.straightening_fraction
+            axis = axis_in_vessel(
+                planned.stent, centerline, points, self.triangles, self.straightening_fraction
             )
             check_width(planned.stent.diameter, axis, self.points)
             return axis
@@ -237,7 +240,7 @@ class Treatment:
         if len(self._stages) == 1 and only is not None:
             return only
         is_wound = self._topology.is_consistently_wound
-        return certify(
+        certificate = certify(
             self.points,
             after,
             self.triangles if is_wound else consistently_wound(self.triangles)[0],
@@ -246,6 +249,15 @@ class Treatment:
             scale=self.precision.scale,
             topology=self._topology,
         )
+        lumen = [
+            check
+            for stage in self._stages
+            for check in stage.deployment.lumen_checks(
+                self.points, after, (stage.deployment.points, stage.result.points)
+            )
+        ]
+        motion = tuple(stage.result.motion for stage in self._stages)
+        return replace(certificate, motion=motion, lumen=tuple(lumen))
 
     def _warnings(
         self, treated: Sequence[TreatedStent], after: Points, moved: NDArray[np.int64]
@@ -276,6 +288,7 @@ class _Stage:
     planned: PlannedStent
     axis: StentAxis
     centerline: Centerline | None
+    deployment: Deployment
     result: DeploymentResult
     warnings: tuple[str, ...] = ()
     seconds: tuple[float, float] = (0.0, 0.0)

@@ -31,12 +31,15 @@ class TreatmentState:
         Radius, and the points that this stent has moved.
     before : (n, 3) array
         The surface as the earlier stents have left it, mm.
+    axis : StentAxis
+        Where this stent lies.
     """
 
     number: int
     fraction: float
     deployment: DeploymentState
     before: Points
+    axis: StentAxis
 
     def points(self) -> Points:
         """All points of the surface in this state, mm."""

@@ -1,6 +1,8 @@
-"""Verdicts on a surface from programs that others wrote: MeshLab and TetGen."""
+"""Verdicts on a surface from programs that others wrote: MeshLab, TetGen and VTK's distances."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 
@@ -33,3 +35,61 @@ def tetrahedra(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     if not len(elements):
         raise JudgeError("no tetrahedra")
     return np.asarray(elements)
+
+
+def _locator(points: np.ndarray, triangles: np.ndarray) -> Any:
+    import vtk
+    from vtk.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
+
+    data, coordinates, cells = vtk.vtkPolyData(), vtk.vtkPoints(), vtk.vtkCellArray()
+    coordinates.SetData(numpy_to_vtk(np.ascontiguousarray(points, dtype=float), deep=True))
+    corners = np.ascontiguousarray(triangles.ravel(), dtype=np.int64)
+    cells.SetData(3, numpy_to_vtkIdTypeArray(corners, deep=True))
+    data.SetPoints(coordinates)
+    data.SetPolys(cells)
+    locator = vtk.vtkStaticCellLocator()
+    locator.SetDataSet(data)
+    locator.BuildLocator()
+    return locator
+
+
+def _distance(locator: Any, place: np.ndarray) -> float:
+    import vtk
+
+    closest, cell = [0.0, 0.0, 0.0], vtk.reference(0)
+    part, squared = vtk.reference(0), vtk.reference(0.0)
+    locator.FindClosestPoint(place, closest, cell, part, squared)
+    return float(squared) ** 0.5
+
+
+def wall_distances(points: np.ndarray, triangles: np.ndarray, stations: np.ndarray) -> np.ndarray:
+    """Distance (n,) from stations to the surface, mm."""
+    locator = _locator(points, triangles)
+    return np.array([_distance(locator, station) for station in stations])
+
+
+def widest_spheres(points: np.ndarray, triangles: np.ndarray, stations: np.ndarray) -> np.ndarray:
+    """Radius (n,) of the largest empty sphere in the plane across a polyline, by pattern search."""
+    locator = _locator(points, triangles)
+    along = np.gradient(stations, axis=0)
+    along /= np.linalg.norm(along, axis=1)[:, None]
+    radii = []
+    for station, direction in zip(stations, along, strict=True):
+        _, _, rows = np.linalg.svd(direction[None])
+        center, radius = station, _distance(locator, station)
+        step = radius / 4
+        for _ in range(200):
+            if step < 1e-3:
+                break
+            angles = np.linspace(0, 2 * np.pi, 12, endpoint=False)
+            around = center + step * (
+                np.cos(angles)[:, None] * rows[1] + np.sin(angles)[:, None] * rows[2]
+            )
+            widths = [_distance(locator, place) for place in around]
+            best = int(np.argmax(widths))
+            if widths[best] > radius:
+                center, radius = around[best], widths[best]
+            else:
+                step /= 2
+        radii.append(radius)
+    return np.array(radii)

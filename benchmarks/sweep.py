@@ -23,13 +23,22 @@ import numpy as np
 PROJECT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(PROJECT))
 
-from benchmarks.judges import JudgeError, meshlab_faces, tetrahedra  # noqa: E402
+from benchmarks.judges import (  # noqa: E402
+    JudgeError,
+    meshlab_faces,
+    tetrahedra,
+    wall_distances,
+    widest_spheres,
+)
 from SDFStentLib.centerline import Centerline, CenterlinePath  # noqa: E402
 from SDFStentLib.centerline_files import read_centerline  # noqa: E402
 from SDFStentLib.deployment import Deployment, DeploymentResult  # noqa: E402
 from SDFStentLib.inscribed import InscribedSpheres, inscribed_spheres  # noqa: E402
+from SDFStentLib.placement import AlongAxis  # noqa: E402
 from SDFStentLib.polyline import arc_lengths, cut  # noqa: E402
 from SDFStentLib.settings import DeploymentSettings  # noqa: E402
+from SDFStentLib.stent import Stent  # noqa: E402
+from SDFStentLib.straightening import axis_in_vessel  # noqa: E402
 from SDFStentLib.surface_files import read_surface  # noqa: E402
 from SDFStentLib.untangle import Precision  # noqa: E402
 
@@ -44,10 +53,20 @@ ANATOMIES = {
 RATIO = (1.05, 1.6)
 LENGTH = (10.0, 40.0)
 END_CLEARANCE = 5.0
-"""Distance of a stent from the ends of the centerline, mm."""
+"""Distance of a stent from the ends of the centerline, mm, but for hard stents."""
+
+STRAIGHTENING = (0.0, 0.5, 1.0)
+"""Of hard stents, in turn at random; every third of them ends on a cap."""
+
+NARROW = 0.97
+"""Inscribed over prescribed diameter below which nothing may be certified."""
 
 MOST_TETRAHEDRA = 2.0
 """Over those of the untreated vessel; more would say that TetGen had to refine crumpled faces."""
+
+SPIKE = 2.0
+"""Motion of a point over the stent's radius that no deformation needs: facets that span 90 degrees
+take 1.4, tissue the rest."""
 
 STATION_SPACING = 2.0
 """Of the inscribed spheres, mm."""
@@ -81,6 +100,7 @@ class RandomStent(NamedTuple):
     radius: float
     ratio: float
     start: float
+    straightening: float = 0.0
 
 
 class Row(NamedTuple):
@@ -107,11 +127,25 @@ class Row(NamedTuple):
     """Tetrahedra over those of the untreated vessel, where TetGen was asked."""
     rounds: int
     seconds: float
+    straightening: float = 0.0
+    narrowest: float = 1.0
+    """Smallest inscribed over prescribed diameter, by VTK's distances."""
+    motion: float = 0.0
+    """Largest motion of a point over the stent's radius."""
+
+    @property
+    def deceives(self) -> bool:
+        """Certified, but narrower than prescribed or with a spike."""
+        return self.certified and (self.narrowest < NARROW or self.motion > SPIKE)
 
     @property
     def failed(self) -> bool:
         return bool(
-            self.new_folds or not self.certified or self.meshlab or self.tetgen not in ("", "yes")
+            self.deceives
+            or self.new_folds
+            or not self.certified
+            or self.meshlab
+            or self.tetgen not in ("", "yes")
         )
 
 
@@ -129,9 +163,18 @@ def vessel(name: str, folder: Path = DATA_FOLDER) -> Vessel:
 
 
 def random_stent(
-    name: str, seed: int, number: int, ratios: tuple[float, float], folder: Path = DATA_FOLDER
+    name: str,
+    seed: int,
+    number: int,
+    ratios: tuple[float, float],
+    folder: Path = DATA_FOLDER,
+    *,
+    hard: bool = False,
 ) -> RandomStent:
-    """Random place on a random root-to-leaf path, 10-40 mm long; size by the widest lumen there."""
+    """Random place on a random root-to-leaf path, 10-40 mm long; size by the widest lumen there.
+
+    A hard one is straightened, and may end on a cap.
+    """
     rng = np.random.default_rng([seed, number])
     line = vessel(name, folder).centerline
     leaf = line.leaves[rng.integers(len(line.leaves))]
@@ -141,13 +184,19 @@ def random_stent(
     at = arc_lengths(path.points)
     covered = (at >= start) & (at <= start + length)
     ratio = rng.uniform(*ratios)
-    return RandomStent(
-        name,
-        cut(path.points, start, start + length),
-        ratio * float(np.nanmax(path.inscribed_radius[covered])),
-        ratio,
-        start,
-    )
+    straightening = 0.0
+    if hard:
+        straightening = float(rng.choice(STRAIGHTENING))
+        # Every place up to the very ends is as likely, and each end as all of them together.
+        start = float(rng.choice([0.0, rng.uniform(0, path.length - length), path.length - length]))
+        covered = (at >= start - 1e-6) & (at <= start + length + 1e-6)
+    radius = ratio * float(np.nanmax(path.inscribed_radius[covered]))
+    axis = cut(path.points, start, start + length)
+    if straightening:
+        where = vessel(name, folder)
+        stent = Stent(2 * radius, placement=AlongAxis(axis))
+        axis = axis_in_vessel(stent, None, where.points, where.triangles, straightening).points
+    return RandomStent(name, axis, radius, ratio, start, straightening)
 
 
 def deployed(
@@ -251,7 +300,35 @@ def judged(
         tetrahedra=share,
         rounds=result.untangling_rounds,
         seconds=seconds,
+        straightening=stent.straightening,
+        narrowest=narrowest(deployment, result),
+        motion=float(np.linalg.norm(result.points - where.points, axis=1).max() / stent.radius),
     )
+
+
+def narrowest(deployment: Deployment, result: DeploymentResult) -> float:
+    """Smallest inscribed over prescribed diameter, none of it by the certificate's code.
+
+    A cap is where the vessel was cut: faces whose points lay in one plane at an end of the axis.
+    """
+    nodes, radius = deployment.chain.nodes, deployment.radius
+    is_cap = np.zeros(len(deployment.triangles), dtype=bool)
+    corners = deployment.points[deployment.triangles]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
+    for end, inner in (nodes[:2], nodes[:-3:-1]):
+        direction = (end - inner) / np.linalg.norm(end - inner)
+        offset = corners - end
+        is_near = (np.linalg.norm(offset, axis=2) < 2.5 * radius).all(axis=1)
+        is_ahead = (offset @ direction > -0.5 * radius).all(axis=1)
+        is_cap |= is_near & is_ahead & (np.abs(normals @ direction) > 0.86)
+    wall = deployment.triangles[~is_cap]
+    width = wall_distances(result.points, wall, nodes) / radius
+    doubtful = np.flatnonzero(width < NARROW)
+    if len(doubtful):
+        spheres = widest_spheres(result.points, wall, nodes)[doubtful]
+        width[doubtful] = np.maximum(width[doubtful], spheres / radius)
+    return float(width.min())
 
 
 def rows(
@@ -261,6 +338,7 @@ def rows(
     *,
     anatomies: tuple[str, ...] = tuple(ANATOMIES),
     only: int | None = None,
+    hard: bool = False,
     with_tetgen: bool = True,
     settings: DeploymentSettings | None = None,
     folder: Path = DATA_FOLDER,
@@ -268,7 +346,7 @@ def rows(
     """Judged random stents, the anatomies in turn."""
     for number in range(count) if only is None else [only]:
         name = anatomies[number % len(anatomies)]
-        stent = random_stent(name, seed, number, ratios, folder)
+        stent = random_stent(name, seed, number, ratios, folder, hard=hard)
         yield judged(
             number,
             stent,
@@ -303,6 +381,12 @@ def summary(found: list[Row]) -> str:
     shares = [row.tetrahedra for row in found if row.tetgen]
     if shares:
         lines.append(f"tetrahedra over those untreated: at most {np.nanmax(shares):.2f}")
+    if found:
+        lines.append(
+            f"narrowest {min(row.narrowest for row in found):.3f}, largest motion "
+            f"{max(row.motion for row in found):.2f} radii, certified though narrower or with a "
+            f"spike: {sum(row.deceives for row in found)}"
+        )
     counts = WideStations(*np.sum([row.wide for row in found], axis=0)) if found else WideStations()
     lines.append(
         f"stations above {WIDE}: {counts.native} where the native lumen and the stent united are "
@@ -316,6 +400,7 @@ def as_text(row: Row) -> str:
         f"{row.number:4} {row.anatomy:12} {row.length:5.1f} x {row.diameter:5.2f} mm "
         f"ratio {row.ratio:.2f} mean {row.mean:.4f} max {row.highest:.4f} "
         f"(narrow {row.inside_highest:.4f}) folds {row.new_folds} "
+        f"narrowest {row.narrowest:.3f} motion {row.motion:.2f} R "
         f"{'' if row.certified else 'NOT CERTIFIED '}MeshLab {row.meshlab} "
         f"TetGen {row.tetgen or '-'} {row.tetrahedra:.2f} rounds {row.rounds} {row.seconds:.2f} s"
         + ("  FAILED" if row.failed else "")
@@ -332,6 +417,7 @@ def main(arguments: list[str] | None = None) -> int:
         help="stent radius over the largest local lumen radius (1.05 1.6)",
     )  # fmt: skip
     parser.add_argument("--anatomy", choices=list(ANATOMIES), help="only this one")
+    parser.add_argument("--hard", action="store_true", help="straightened, and up to the caps")
     parser.add_argument("--tetgen", action="store_true", help="mesh every result with TetGen")
     parser.add_argument("--published", action="store_true", help="the method as in the paper")
     options = parser.parse_args(arguments)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from deployment_cases import hairpin, phantom, phantom_case
@@ -180,7 +182,9 @@ def test_the_certificate_is_about_the_points_that_are_returned(case):
 
     result = deployment_of(case, precision=Precision(np.float32, 0.1)).result
     again = certify(case.points, result.points, case.triangles, dtype=np.float32, scale=0.1)
-    assert result.certificate.as_dict() == again.as_dict()
+    # What is about the stent is known to the deployment only.
+    of_surface = replace(result.certificate, motion=(), lumen=())
+    assert of_surface.as_dict() == again.as_dict()
     assert result.certificate.passed
 
 

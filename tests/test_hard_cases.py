@@ -28,7 +28,7 @@ def treated(points, triangles, *stents, centerline=None):
     result = Treatment(points, triangles, stents, centerline).result
     assert result.points.shape == points.shape
     assert np.isfinite(result.points).all()
-    assert result.certificate.passed or np.isfinite(result.certificate.places[0].center).all()
+    assert result.certificate.passed or " near (" in result.certificate.sentence()
     for sentence in [result.certificate.sentence(), *result.warnings]:
         assert "nan" not in sentence.lower()
         assert sentence.endswith(".")
@@ -214,6 +214,7 @@ def test_an_axis_beside_the_vessel_moves_nothing_and_says_why():
         "Nothing moves: the stent of 7 mm touches no wall, and its axis lies outside the lumen; "
         "check that surface and axis are in the same unit and frame."
     )
+    assert "a stent outside of the lumen near (12.0, 0.0," in result.certificate.sentence()
 
 
 # What the mesh is like ----------------------------------------------------------------------------

@@ -23,6 +23,18 @@ def test_a_large_stent_has_no_new_fold_either(sweep, data_dir):
         assert not row.failed, row
 
 
+def test_nothing_straightened_or_up_to_a_cap_is_certified_with_a_spike_or_a_narrow_lumen(
+    sweep, data_dir
+):
+    found = list(sweep.rows(9, seed=8, hard=True, with_tetgen=False, folder=data_dir))
+    assert {row.straightening for row in found} == set(sweep.STRAIGHTENING)
+    for row in found:
+        assert not row.deceives, row
+        assert row.certified, row
+        assert row.motion < 1.2, row
+        assert row.narrowest > 0.98, row
+
+
 def test_a_random_stent_follows_from_its_seed_and_number_alone(sweep, data_dir):
     first = sweep.random_stent("pulmonary", 1, 4, (1.05, 1.6), data_dir)
     again = sweep.random_stent("pulmonary", 1, 4, (1.05, 1.6), data_dir)
@@ -56,8 +68,12 @@ def test_the_summary_counts_what_fails(sweep):
     assert bad.failed
     assert good._replace(tetgen="surface changed").failed
     assert good._replace(certified=False).failed
-    *_, line, tetrahedra, stations = sweep.summary([good, bad]).splitlines()
+    assert not bad.deceives
+    assert good._replace(narrowest=0.96).deceives
+    assert good._replace(motion=2.1).failed
+    *_, line, tetrahedra, extremes, stations = sweep.summary([good, bad]).splitlines()
     assert tetrahedra == "tetrahedra over those untreated: at most 1.10"
+    assert extremes.startswith("narrowest 1.000, largest motion 0.00 radii")
     assert stations.startswith("stations above 1.002: 4 where the native lumen")
     line = line.split()
     assert line[:4] == ["all", "2", "0.9498", "0.9000"]

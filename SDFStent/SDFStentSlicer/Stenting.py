@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from SDFStentLib.stent import stent_axis
 from SDFStentLib.stretch import displacements, face_stretches
 from SDFStentLib.treatment import Treatment
 from SDFStentLib.untangle import Precision
@@ -40,7 +39,6 @@ class Stenting:
         self.recorded, self._axes = [], {}
         self.places, self.result = list(places), None
         self.shownMap = self.shownStent = None
-        self._straightening = straightening
         self._treatment = Treatment(
             points,
             triangles,
@@ -67,10 +65,7 @@ class Stenting:
             if state.number not in self._axes:
                 self._follow()
                 stent = self._treatment.planned[state.number - 1].stent
-                axis = stent_axis(
-                    stent, self.centerline, straightening_fraction=self._straightening
-                )
-                self._axes[state.number] = (axis.points, stent.radius)
+                self._axes[state.number] = (state.axis.points, stent.radius)
             self.recorded.append(state)
             yield state
         self._follow()

@@ -1,0 +1,291 @@
+"""No stent makes a spike or narrows its lumen; what would is bounded, and not certified.
+
+Judged here by VTK's distances and by the coordinates themselves, never by the certificate.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from deployment_cases import anatomy, phantom
+from mesh_files import PROJECT
+
+from SDFStentLib.capsule_chain import CapsuleChain
+from SDFStentLib.certificate import Certificate
+from SDFStentLib.deployment import Deployment
+from SDFStentLib.lumen import largest_push
+from SDFStentLib.placement import AlongAxis, AtCenter
+from SDFStentLib.settings import DeploymentSettings
+from SDFStentLib.stent import Stent, StentAxis, stent_axis
+from SDFStentLib.stent_checks import lumen_check, motion_check
+from SDFStentLib.straightening import axis_in_vessel, permitted
+from SDFStentLib.treatment import Treatment
+
+_spec = importlib.util.spec_from_file_location("judges", PROJECT / "benchmarks" / "judges.py")
+judges = importlib.util.module_from_spec(_spec)
+_spec.loader.exec_module(judges)
+wall_distances = judges.wall_distances
+
+
+class Outcome(NamedTuple):
+    radius: float
+    axis: StentAxis
+    before: np.ndarray
+    after: np.ndarray
+    triangles: np.ndarray
+    certificate: Certificate
+    warnings: tuple[str, ...]
+
+    @property
+    def stations(self):
+        return CapsuleChain.along(self.axis.points).nodes
+
+    @property
+    def largest_motion(self):
+        return float(np.linalg.norm(self.after - self.before, axis=1).max())
+
+
+@cache
+def demo():
+    return phantom("branching_pulmonary_artery")
+
+
+def treated(vessel, center, diameter, length, straightening=0.0):
+    stent = Stent(diameter, placement=AtCenter(np.array(center)), length=length)
+    result = Treatment(
+        vessel.points,
+        vessel.triangles,
+        [stent],
+        vessel.centerline,
+        straightening_fraction=straightening,
+    ).result
+    return Outcome(
+        diameter / 2,
+        result.stents[0].axis,
+        vessel.points,
+        result.points,
+        vessel.triangles,
+        result.certificate,
+        result.warnings,
+    )
+
+
+ACROSS_THE_DIVIDER = ((-5.0, 0.0, 30.0), 7.5, 20.0)
+INTO_THE_NARROW_BRANCH = ((-1.962, 0.0, 26.172), 5.95, 25.1)
+
+
+@pytest.mark.parametrize("place", [ACROSS_THE_DIVIDER, INTO_THE_NARROW_BRANCH])
+@pytest.mark.parametrize("straightening", [0.5, 1.0])
+def test_a_straightened_stent_across_a_divider_makes_no_spike_and_no_narrowing(
+    place, straightening
+):
+    """Four vertices moved 28 mm; the lumen fell from 4.9 to 1.7 mm; both were certified."""
+    found = treated(demo(), *place, straightening)
+    assert found.largest_motion < found.radius
+    width = wall_distances(found.after, found.triangles, found.stations)
+    assert width.min() > 0.99 * found.radius
+    assert found.certificate.passed
+
+
+def test_a_stent_that_ends_on_a_cap_leaves_no_spike(data_dir):
+    """The middle of the cap went 6.7 mm, with nothing straightened."""
+    vessel = anatomy(data_dir, "pulmonary")
+    found = treated(vessel, (-41.373, 17.542, 13.394), 6.56, 33.8)
+    assert found.largest_motion < found.radius
+    assert found.certificate.passed
+
+
+def test_the_rim_of_a_cap_is_not_flared_by_the_cap_that_the_stent_touches_first():
+    """It went to 1.31 radii from the axis, and the lumen behind it to 1.15."""
+    made = phantom("stenosed_tube")
+    axis = made.axis_at(np.linspace(20.0, 39.7, 100))
+    deployment = Deployment(made.points, made.triangles, axis, 3.34)
+    after = deployment.result.points
+    beside = (made.points[:, 2] > 35) & (made.points[:, 2] < 39.7)
+    assert deployment.chain.axis_distance(after)[beside].max() < 1.02 * 3.34
+    rim = (made.points[:, 2] > 39.9) & (np.hypot(made.points[:, 0], made.points[:, 1]) > 2.99)
+    assert rim.any()
+    assert deployment.chain.axis_distance(after)[rim].max() < 1.16 * 3.34
+
+
+# What a chord can need -------------------------------------------------------------------------
+
+
+def test_ends_pushed_as_far_as_allowed_bring_the_middle_of_a_chord_to_the_radius():
+    radius, half_angle = 3.0, np.deg2rad([1.0, 10.0, 30.0, 45.0])
+    length = 2 * radius * np.sin(half_angle)
+    exact = radius / np.cos(half_angle) - radius
+    middle = (radius + exact) * np.cos(half_angle)
+    np.testing.assert_allclose(middle, radius)
+    push = largest_push(length, radius)
+    assert (push >= exact * (1 - 1e-12)).all()
+    assert (push <= 1.5 * exact * (1 + 1e-12)).all()
+
+
+def test_no_chord_however_long_is_pushed_beyond_the_corner_of_a_square():
+    push = largest_push([4.5, 6.0, 60.0], 3.0)
+    assert (push <= (np.sqrt(2) - 1) * 3.0 + 1e-12).all()
+
+
+def test_no_facet_however_coarse_for_its_stent_is_pushed_out_without_bound():
+    """An axis that grazes the wall: corners that go apart by 180 degrees have no remedy."""
+    made = phantom("straight_tube", edge_length=1.5)
+    axis = np.array([[2.9, 0.0, 10.0], [2.9, 0.0, 26.0]])
+    deployment = Deployment(made.points, made.triangles, axis, 3.5)
+    result = deployment.result
+    moved = np.linalg.norm(result.points - made.points, axis=1)
+    assert moved.max() <= np.sqrt(2) * (3.5 + deployment.settings.tissue_gap)
+    assert result.motion.passed
+    width = wall_distances(result.points, made.triangles, deployment.chain.nodes)
+    assert width.min() < 0.9 * 3.5
+    assert not result.certificate.passed
+    assert "a lumen of" in result.certificate.sentence()
+
+
+# Straightening ---------------------------------------------------------------------------------
+
+
+def test_straightening_stops_before_the_wall_and_says_how_far_it_went():
+    found = treated(demo(), *ACROSS_THE_DIVIDER, 1.0)
+    said = [sentence for sentence in found.warnings if "is straightened by" in sentence]
+    assert len(said) == 1
+    assert "instead of 1" in said[0]
+    used = float(said[0].split("straightened by ")[1].split()[0])
+    assert 0.3 < used < 0.9
+    native = stent_axis(
+        Stent(7.5, placement=AtCenter(np.array([-5.0, 0, 30])), length=20.0), demo().centerline
+    )
+    kept = wall_distances(demo().points, demo().triangles, found.stations)
+    had = wall_distances(demo().points, demo().triangles, CapsuleChain.along(native.points).nodes)
+    assert kept.min() > 0.4 * min(had.min(), found.radius)
+
+
+def test_what_the_vessel_permits_is_done_in_full_and_without_a_word():
+    made = phantom("bent_tube")
+    axis = made.axis_at(np.linspace(12, 18, 60))
+    stent = Stent(7.2, placement=AlongAxis(axis))
+    found = axis_in_vessel(stent, None, made.points, made.triangles, 1.0)
+    expected = stent_axis(stent, straightening_fraction=1.0)
+    np.testing.assert_array_equal(found.points, expected.points)
+    assert found.warnings == expected.warnings
+
+
+def test_an_axis_does_not_pass_through_a_thin_wall_into_the_next_lumen():
+    """Beyond the wall of a hairpin's leg is its other leg, where the axis would be free again."""
+    made = phantom("hairpin_tube")
+    axis = made.axis_at(np.linspace(5, 45, 120))
+    used, place = permitted(axis, 3.0, made.points, made.triangles, 1.0)
+    assert used < 0.5
+    assert np.isfinite(place).all()
+
+
+def test_no_straightening_leaves_the_axis_to_the_last_bit():
+    found = treated(demo(), *ACROSS_THE_DIVIDER, 0.0)
+    stent = Stent(7.5, placement=AtCenter(np.array([-5.0, 0, 30])), length=20.0)
+    np.testing.assert_array_equal(found.axis.points, stent_axis(stent, demo().centerline).points)
+
+
+# The certificate -------------------------------------------------------------------------------
+
+
+def through_the_wall(**changes):
+    """A stent whose axis leaves the lumen and comes back, as straightened ones did."""
+    made = demo()
+    stent = Stent(5.95, placement=AtCenter(np.array([-1.962, 0.0, 26.172])), length=25.1)
+    axis = stent_axis(stent, made.centerline, straightening_fraction=1.0)
+    settings = DeploymentSettings().with_changes(**changes)
+    return Deployment(made.points, made.triangles, axis.points, 5.95 / 2, settings)
+
+
+def test_a_lumen_narrower_than_prescribed_is_not_certified_and_says_where():
+    deployment = through_the_wall()
+    certificate = deployment.result.certificate
+    assert not certificate.passed
+    [check] = certificate.lumen
+    assert check.is_narrow
+    stations = deployment.chain.nodes
+    width = wall_distances(deployment.result.points, deployment.triangles, stations)
+    assert check.narrowest / 2 >= width.min() - 1e-6
+    at = int(np.linalg.norm(stations - check.narrowest_at, axis=1).argmin())
+    assert width[at] < 0.97 * deployment.radius
+    said = certificate.sentence()
+    assert said.startswith("Not certified: the surface has")
+    assert f"a lumen of {check.narrowest:.2f} mm instead of 5.95 mm near (" in said
+    assert certificate.as_dict()["lumen"][0]["passed"] is False
+
+
+def test_a_point_moved_too_far_is_not_certified_and_says_where():
+    made = phantom("straight_tube", edge_length=1.0)
+    axis = made.axis_at(np.linspace(10, 20, 50))
+    deployment = Deployment(made.points, made.triangles, axis, 3.6)
+    state = deployment.result.state
+    before, after = made.points[state.indices], state.coordinates.copy()
+    assert motion_check(before, after, deployment.chain, 3.6, 0.4).passed
+    spike = int(deployment.chain.axis_distance(before).argmin())
+    outward = after[spike] - before[spike]
+    after[spike] += 4 * outward / np.linalg.norm(outward)
+    check = motion_check(before, after, deployment.chain, 3.6, 0.4)
+    assert not check.passed
+    np.testing.assert_allclose(check.point, before[spike])
+    assert check.distance == pytest.approx(np.linalg.norm(after[spike] - before[spike]))
+    assert f"a point that moved {check.distance:.1f} mm" in check.fault()
+
+
+def test_a_lumen_blown_up_beyond_the_stent_is_not_certified():
+    made = phantom("straight_tube", edge_length=1.0)
+    axis = made.axis_at(np.linspace(10, 20, 50))
+    deployment = Deployment(made.points, made.triangles, axis, 3.6)
+    blown = deployment.result.points.copy()
+    blown[:, :2] *= 1.1
+    check = lumen_check(made.points, blown, made.triangles, deployment.chain, 3.6)
+    assert check.is_wide
+    assert check.widest == pytest.approx(1.1 * 7.2, rel=0.01)
+    native = blown.copy()
+    assert lumen_check(native, blown, made.triangles, deployment.chain, 3.6).passed
+
+
+def test_the_published_rule_promises_no_lumen_and_nothing_is_said_about_it():
+    certificate = through_the_wall(finish=False, facet_compensation=False).result.certificate
+    assert certificate.lumen == ()
+    assert "lumen" not in certificate.sentence()
+
+
+def test_a_stent_narrower_than_its_lumen_moves_nothing_and_is_certified():
+    made = phantom("straight_tube", edge_length=1.0)
+    axis = made.axis_at(np.linspace(10, 20, 50))
+    result = Deployment(made.points, made.triangles, axis, 2.0).result
+    assert not len(result.state.indices)
+    assert result.certificate.passed
+    assert result.motion.distance == 0
+
+
+def test_a_stent_outside_of_the_vessel_is_not_certified():
+    made = phantom("straight_tube", edge_length=1.0)
+    axis = made.axis_at(np.linspace(10, 20, 50)) + np.array([6.0, 0, 0])
+    certificate = Deployment(made.points, made.triangles, axis, 2.0).result.certificate
+    assert not certificate.passed
+    assert "outside of the lumen" in certificate.sentence()
+
+
+def test_a_stent_that_sticks_out_of_the_vessel_is_judged_where_there_is_one():
+    made = phantom("straight_tube", edge_length=1.0)
+    axis = np.array([[0.0, 0, 20.0], [0.0, 0, made.points[:, 2].max() + 4.0]])
+    certificate = Deployment(made.points, made.triangles, axis, 3.4).result.certificate
+    assert certificate.lumen[0].passed, certificate.sentence()
+
+
+def test_every_stent_of_a_plan_is_judged_on_the_surface_that_all_of_them_leave():
+    made = phantom("straight_tube", edge_length=1.0)
+
+    def along(start, end):
+        return AlongAxis(made.axis_at(np.linspace(start, end, 80)))
+
+    stents = [Stent(7.2, placement=along(8, 20)), Stent(8.4, placement=along(16, 28))]
+    certificate = Treatment(made.points, made.triangles, stents).result.certificate
+    assert certificate.passed, certificate.sentence()
+    assert [check.prescribed for check in certificate.lumen] == [7.2, 8.4]
+    assert len(certificate.motion) == 2
