@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -126,9 +127,13 @@ class Attempt:
 
         Their corners go apart to all sides; no push would bring their middle off the axis.
         """
-        triangles = self.patch.triangles
+        return self.patch.triangles[~self._is_cap]
+
+    @cached_property
+    def _is_cap(self) -> NDArray[np.bool_]:
+        """Which faces of the patch belong to flat caps across the stent's ends."""
         nodes, reach = self.task.chain.nodes, CAPS_WITHIN * self.task.radius
-        return triangles[~caps_across(self.patch_start, triangles, nodes, reach)]
+        return caps_across(self.patch_start, self.patch.triangles, nodes, reach)
 
     def untangle(self, faulty: NDArray[np.int64]) -> int:
         """Take apart faulty faces of the surface; returns the rounds that it took."""
@@ -227,12 +232,14 @@ class Attempt:
         offset = np.zeros(len(self.motion.level))
         offset[wall] = gap * share**2 * (3 - 2 * share)
         self.motion.set_offset(offset)
+        if not task.settings.finish:
+            return
         # The middle of a cap ahead may be nearest, and joined to no wall by free points.
         is_own = (offset[wall] == 0) & self._is_beside()
         self._nearest_own = int(np.where(is_own, level, np.inf).argmin())
 
     def _is_beside(self) -> NDArray[np.bool_]:
-        """Which points of the wall lie beside the stent, and not beyond the plane across an end."""
+        """Which points of the wall lie beside the stent: not beyond an end, nor in a cap."""
         points, nodes = self.motion.positions[: self.wall_count], self.task.chain.nodes
         reach = self.motion.level[: self.wall_count] + self.task.chain.smoothing_width
         is_beside = np.ones(len(points), dtype=bool)
@@ -240,6 +247,8 @@ class Attempt:
             offset = points - end
             is_nearest = np.einsum("ij,ij->i", offset, offset) <= reach**2
             is_beside &= ~(is_nearest & (offset @ (end - inner) > 0))
+        in_cap = np.unique(self.patch.triangles[self._is_cap])
+        is_beside[in_cap[in_cap < len(points)]] = False
         return is_beside
 
     def _own_wall(self, nearest: int) -> NDArray[np.int64]:
