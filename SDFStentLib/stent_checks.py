@@ -222,7 +222,7 @@ def _narrowest(
 ) -> tuple[float, Place]:
     stations, wanted = chain.nodes, (1 - NARROWER) * radius
     width = LocalSurface(after, triangles, stations).distances(stations)
-    if width.min() < wanted:
+    if width.min() < (1 - ROUGH) * radius:
         triangles = triangles[~caps_across(before, triangles, stations, CAPS_WITHIN * radius)]
         width = LocalSurface(after, triangles, stations).distances(stations)
     doubtful = np.flatnonzero(width < (1 - ROUGH) * radius)
