@@ -12,13 +12,7 @@ from numpy.typing import NDArray
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 
 from .centerline import Centerline
-from .file_input import (
-    MILLIMETERS,
-    FileContent,
-    Frame,
-    millimeters_per,
-    read_content,
-)
+from .file_input import FileContent, read_content
 from .markups_files import decode_markups
 from .polydata import (
     inscribed_radius_from_polydata,
@@ -26,6 +20,7 @@ from .polydata import (
     polydata_from_lines,
 )
 from .polyline import without_repeats
+from .units import MILLIMETERS, Frame, flipped, millimeters_per
 from .validation import InputError, Points, read_only
 from .vtk_formats import read_vtk_polydata
 
@@ -237,8 +232,3 @@ def _check_lines(points: Points, lines: Sequence[NDArray[np.int64]], name: str) 
             f"{name}: expected a line of at least two different points, got one point; "
             "compute the centerline again."
         )
-
-
-def flipped(points: Points) -> Points:
-    """Points (n, 3) in the other patient frame, RAS or LPS: x and y negated."""
-    return points * (-1.0, -1.0, 1.0)

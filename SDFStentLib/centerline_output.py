@@ -11,10 +11,11 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 
 from .atomic import check_writable, write_bytes
-from .centerline_files import LINE_SUFFIXES, LineFile, flipped
-from .file_input import header_text, millimeters_per
+from .centerline_files import LINE_SUFFIXES, LineFile
+from .file_input import header_text
 from .markups_files import encode_markups, new_markups
 from .polydata import set_frame_of_polydata
+from .units import flipped, millimeters_per
 from .validation import InputError, Points, as_points
 from .vtk_formats import encode_legacy, encode_vtp
 

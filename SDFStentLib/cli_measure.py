@@ -11,13 +11,13 @@ from typing import Any
 from .certificate import check_surface
 from .cli_console import Console
 from .cli_place import check_place, place_of
-from .file_input import millimeters_per
 from .metrics import DiameterProfile, diameter_profile
 from .plan_run import InputFiles, read_input_files
 from .polyline import length
 from .same_space import check_same_space
 from .stent import Stent, stent_axis
 from .surface_files import SurfaceFile, read_surface
+from .units import millimeters_per
 from .validation import InputError, Points, as_number
 
 NOT_SOUND = 3

@@ -6,8 +6,8 @@ import argparse
 from typing import NoReturn
 
 from .blending import BLENDS, FALLOFFS
-from .file_input import MILLIMETERS
 from .settings import RULES, DeploymentSettings
+from .units import MILLIMETERS
 from .version import VERSION
 
 _DEFAULTS = DeploymentSettings()

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .centerline_files import axis_of, in_frame_of, read_lines
-from .file_input import MILLIMETERS, Frame
 from .json_document import scaled
 from .placement import AlongAxis, BetweenPoints, Placement
 from .plan import InputFile
 from .plan_document import POINT_PLACEMENTS
+from .units import MILLIMETERS, Frame
 from .validation import InputError
 
 

@@ -1,4 +1,4 @@
-"""What every reader of files needs: the bytes, their hash, the unit, the frame tag."""
+"""What every reader of files needs: the bytes, their hash, the frame in its header."""
 
 from __future__ import annotations
 
@@ -7,15 +7,9 @@ import os
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
 
+from .units import Frame, as_frame
 from .validation import InputError
-
-Frame = Literal["RAS", "LPS"]
-"""Patient frames: RAS (x to the right) as Slicer has it in memory, LPS as it writes files."""
-
-MILLIMETERS = {"mm": 1.0, "cm": 10.0, "m": 1000.0}
-"""Millimetres in the units that a file may use."""
 
 
 @dataclass(frozen=True)
@@ -77,26 +71,6 @@ def kind_in_words(data: bytes) -> str:
         if data.startswith(beginning):
             return words
     return f"a file that begins with {data[:12]!r}"
-
-
-def millimeters_per(units: str) -> float:
-    """Millimetres in one of the file's units, `"mm"`, `"cm"` or `"m"`; `InputError` for others."""
-    if not isinstance(units, str) or units not in MILLIMETERS:
-        raise InputError(f"units: expected one of {', '.join(MILLIMETERS)}, got {units!r}.")
-    return MILLIMETERS[units]
-
-
-def as_frame(tag: str) -> Frame | None:
-    """The frame that a tag names, in any case and also as Slicer's old numbers; `None` if unknown.
-
-    Older markups files say `0` for RAS and `1` for LPS.
-    """
-    tag = tag.strip().upper()
-    if tag in ("RAS", "0"):
-        return "RAS"
-    if tag in ("LPS", "1"):
-        return "LPS"
-    return None
 
 
 def frame_in_text(text: str) -> Frame | None:

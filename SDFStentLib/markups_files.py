@@ -7,8 +7,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .file_input import FileContent, Frame, as_frame
+from .file_input import FileContent
 from .polyline import without_repeats
+from .units import Frame, as_frame
 from .validation import InputError, Points, as_points
 
 POINTS_PER_INTERVAL = 10

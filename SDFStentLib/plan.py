@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from .file_input import Frame, millimeters_per
 from .placement import AlongAxis
 from .settings import DeploymentSettings
 from .stent import Stent
+from .units import Frame, flipped, millimeters_per
 from .validation import InputError, as_number
 from .version import VERSION
 
@@ -127,7 +127,7 @@ class Plan:
 def turned(planned: PlannedStent) -> PlannedStent:
     """The stent in the other patient frame, RAS or LPS: x and y of its placement negated."""
     placement = planned.stent.placement
-    changes = {name: value * (-1.0, -1.0, 1.0) for name, value in vars(placement).items()}
+    changes: dict[str, Any] = {name: flipped(value) for name, value in vars(placement).items()}
     stent = replace(planned.stent, placement=replace(placement, **changes))
     return replace(planned, stent=stent)
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from .centerline_files import axis_of, in_frame_of, read_lines
-from .file_input import Frame
 from .plan import InputFile
+from .units import Frame
 from .validation import InputError, Points
 
 

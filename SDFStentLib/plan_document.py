@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 from .atomic import write_bytes
-from .file_input import MILLIMETERS
 from .json_document import json_text, text_value, unscaled
 from .placement import (
     AlongAxis,
@@ -20,6 +19,7 @@ from .placement import (
 )
 from .plan import InputFile, Plan, PlannedStent
 from .settings import DeploymentSettings
+from .units import MILLIMETERS
 from .validation import InputError
 
 SCHEMA = "sdfstent-plan"

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .file_input import MILLIMETERS, Frame, read_content
+from .file_input import read_content
 from .json_document import (
     in_words,
     number,
@@ -31,6 +31,7 @@ from .plan_document import (
 )
 from .settings import DeploymentSettings
 from .stent import Stent
+from .units import MILLIMETERS, Frame
 from .validation import InputError, Points
 
 AxisReader = Callable[[InputFile, str, Frame | None], Points]

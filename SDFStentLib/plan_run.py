@@ -12,7 +12,6 @@ import numpy as np
 from .centerline import Centerline
 from .centerline_files import LineFile, in_frame_of, read_lines
 from .centerline_output import write_centerline
-from .file_input import millimeters_per
 from .placement import AlongAxis
 from .plan import InputFile, Plan, turned
 from .plan_axis import changed_input
@@ -22,6 +21,7 @@ from .surface_files import SurfaceFile, read_surface
 from .surface_output import write_surface
 from .treatment import Treatment
 from .treatment_value import TreatmentResult, TreatmentState
+from .units import millimeters_per
 from .untangle import Precision
 from .validation import InputError
 from .version import VERSION

@@ -11,7 +11,7 @@ from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonCore import VTK_ID_TYPE, vtkPoints, vtkStringArray
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
 
-from .file_input import Frame, as_frame
+from .units import Frame, as_frame
 from .validation import InputError, Points, Triangles, as_points, as_triangles
 
 RADIUS_ARRAYS = ("MaximumInscribedSphereRadius", "Radius")

@@ -12,6 +12,7 @@ from vtkmodules.vtkCommonDataModel import vtkStaticCellLocator
 
 from .polydata import polydata_from_arrays
 from .surface import face_areas, is_closed, signed_volume
+from .units import flipped
 from .validation import InputError, Points, Triangles, as_points, as_triangles
 
 UNIT_FACTORS = (10.0, 0.1, 1000.0, 0.001)
@@ -29,7 +30,7 @@ _SMALLEST_LUMEN, _LARGEST_LUMEN = 1.2, 100.0  # mm, diameter
 
 class _Fit(NamedTuple):
     factor: float
-    flipped: bool
+    is_flipped: bool
     inside_fraction: float
 
 
@@ -158,15 +159,15 @@ class _InsideTest:
 
 def _best_fit(test: _InsideTest, centers: Points) -> _Fit | None:
     fits = []
-    for factor, flipped in product((1.0, *UNIT_FACTORS), (False, True)):
-        if factor == 1.0 and not flipped:
+    for factor, is_flipped in product((1.0, *UNIT_FACTORS), (False, True)):
+        if factor == 1.0 and not is_flipped:
             continue
         if factor < 1.0 and factor * np.ptp(centers, axis=0).max() < _SMALLEST_PART * test.extent:
             continue
-        moved = factor * centers * ((-1, -1, 1) if flipped else (1, 1, 1))
-        fits.append(_Fit(factor, flipped, float(test.is_inside(moved).mean())))
+        moved = flipped(factor * centers) if is_flipped else factor * centers
+        fits.append(_Fit(factor, is_flipped, float(test.is_inside(moved).mean())))
     # The first of equals: one change rather than two.
-    best = max(fits, key=lambda fit: (fit.inside_fraction, fit.factor == 1.0, not fit.flipped))
+    best = max(fits, key=lambda fit: (fit.inside_fraction, fit.factor == 1.0, not fit.is_flipped))
     return best if best.inside_fraction >= _ENOUGH_INSIDE else None
 
 
@@ -184,5 +185,5 @@ def _explanation(best: _Fit | None) -> str:
         "one is in RAS and the other in LPS (it would fit with x and y negated): save both in "
         "one frame, or with the SPACE tag that Slicer writes"
     )
-    parts = ([units] if best.factor != 1.0 else []) + ([frame] if best.flipped else [])
+    parts = ([units] if best.factor != 1.0 else []) + ([frame] if best.is_flipped else [])
     return "; also, ".join(parts) + "."

@@ -14,13 +14,7 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 
-from .file_input import (
-    FileContent,
-    Frame,
-    frame_in_text,
-    millimeters_per,
-    read_content,
-)
+from .file_input import FileContent, frame_in_text, read_content
 from .obj_format import decode_obj
 from .plain_mesh import PlainMesh
 from .ply_format import decode_ply
@@ -33,6 +27,7 @@ from .same_space import size_warnings
 from .stl_format import decode_stl
 from .surface import face_areas
 from .triangulation import triangulated_polydata
+from .units import Frame, millimeters_per
 from .validation import InputError, Points, Triangles, as_points, read_only
 from .vtk_formats import read_vtk_polydata
 

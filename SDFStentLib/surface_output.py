@@ -13,13 +13,14 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkDataSetAttributes, vtkPolyData
 
 from .atomic import check_writable, write_bytes
-from .file_input import header_text, millimeters_per
+from .file_input import header_text
 from .normal_arrays import refresh_normals
 from .obj_format import encode_obj
 from .ply_format import encode_ply, fits_ply
 from .polydata import add_arrays, set_frame_of_polydata
 from .stl_format import encode_stl
 from .surface_files import SURFACE_SUFFIXES, SurfaceFile
+from .units import millimeters_per
 from .validation import InputError, as_points
 from .vtk_formats import encode_legacy, encode_vtp
 

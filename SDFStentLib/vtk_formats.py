@@ -25,9 +25,10 @@ from vtkmodules.vtkCommonDataModel import vtkDataSetAttributes, vtkFieldData, vt
 from vtkmodules.vtkIOLegacy import vtkPolyDataReader, vtkPolyDataWriter
 from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLPolyDataWriter
 
-from .file_input import FileContent, Frame, frame_in_text, kind_in_words
+from .file_input import FileContent, frame_in_text, kind_in_words
 from .legacy_blocks import check_blocks
 from .polydata import frame_of_polydata
+from .units import Frame
 from .validation import InputError
 from .xml_arrays import check_arrays
 from .xml_blocks import check_announced_sizes

@@ -3,13 +3,8 @@ import os
 
 import pytest
 
-from SDFStentLib.file_input import (
-    as_frame,
-    frame_in_text,
-    header_text,
-    millimeters_per,
-    read_content,
-)
+from SDFStentLib.file_input import frame_in_text, header_text, read_content
+from SDFStentLib.units import as_frame, millimeters_per
 from SDFStentLib.validation import InputError
 
 

@@ -1,0 +1,38 @@
+"""Units of length and patient frames, and the way from one to the other."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from .validation import InputError, Points
+
+Frame = Literal["RAS", "LPS"]
+"""Patient frames: RAS (x to the right) as Slicer has it in memory, LPS as it writes files."""
+
+MILLIMETERS = {"mm": 1.0, "cm": 10.0, "m": 1000.0}
+"""Millimetres in the units that a file may use."""
+
+
+def millimeters_per(units: str) -> float:
+    """Millimetres in one of the file's units, `"mm"`, `"cm"` or `"m"`; `InputError` for others."""
+    if not isinstance(units, str) or units not in MILLIMETERS:
+        raise InputError(f"units: expected one of {', '.join(MILLIMETERS)}, got {units!r}.")
+    return MILLIMETERS[units]
+
+
+def as_frame(tag: str) -> Frame | None:
+    """The frame that a tag names, in any case and also as Slicer's old numbers; `None` if unknown.
+
+    Older markups files say `0` for RAS and `1` for LPS.
+    """
+    tag = tag.strip().upper()
+    if tag in ("RAS", "0"):
+        return "RAS"
+    if tag in ("LPS", "1"):
+        return "LPS"
+    return None
+
+
+def flipped(points: Points) -> Points:
+    """Points (n, 3) or one point (3,) in the other patient frame, RAS or LPS: x and y negated."""
+    return points * (-1.0, -1.0, 1.0)
