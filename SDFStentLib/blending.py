@@ -1,12 +1,11 @@
-"""Smooth minimum, fall-off profiles and blending masks of the published method.
+"""Fall-off profiles and blending masks of the published method.
 
-Source: SDFStent, arXiv 2605.22009, section 2 (smooth minimum, fall-off, `get_alphas`).
+Source: SDFStent, arXiv 2605.22009, section 2 (fall-off, `get_alphas`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,39 +14,6 @@ from .validation import InputError
 
 Profile = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 """Weight as a function of distance over influence distance; called with values in [0, 1]."""
-
-
-class SmoothMinimum(NamedTuple):
-    """Value of a smooth minimum and the share of the second argument in its gradient."""
-
-    value: NDArray[np.float64]
-    weight: NDArray[np.float64]
-
-
-def smooth_minimum(
-    first: NDArray[np.float64], second: NDArray[np.float64], smoothing_width: float
-) -> SmoothMinimum:
-    """Quadratic smooth minimum of two distances.
-
-    Parameters
-    ----------
-    first, second : arrays of one shape
-        Distances, mm.
-    smoothing_width : float
-        k of the paper, mm; 0 gives the hard minimum.
-
-    Returns
-    -------
-    SmoothMinimum
-        `value`, at most k/4 below the smaller argument, and `weight` w in [0, 1]: the gradient is
-        `(1 - w) grad first + w grad second`.
-    """
-    if smoothing_width == 0:
-        weight = (second < first).astype(np.float64)
-        return SmoothMinimum(np.minimum(first, second), weight)
-    weight = np.clip((first - second) / (2 * smoothing_width) + 0.5, 0, 1)
-    value = np.where(weight < 1, first - smoothing_width * weight**2, second)
-    return SmoothMinimum(value, weight)
 
 
 def compact_falloff(fraction: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -125,10 +91,3 @@ def as_profile(choice: str | Profile, known: dict[str, Profile], name: str) -> P
             f"between them, got values from {samples.flat[0]:g} to {samples.flat[-1]:g}."
         )
     return choice
-
-
-def weight_at(
-    distance: NDArray[np.float64], influence_distance: float, profile: Profile
-) -> NDArray[np.float64]:
-    """Profile weight at a distance, mm: 1 at or below 0, 0 at the influence distance and beyond."""
-    return profile(np.clip(distance / influence_distance, 0, 1))

@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .centerline_tree import tree_from_lines
 from .point_tree import (
@@ -25,11 +25,16 @@ from .point_tree import (
 )
 from .polyline import arc_lengths, kept_points
 from .segments import closest_on_segments
-from .validation import InputError, Points, as_number, as_point, as_points, read_only
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
-
+from .validation import (
+    Floats,
+    Indices,
+    InputError,
+    Points,
+    as_number,
+    as_point,
+    as_points,
+    read_only,
+)
 
 SAME_PLACE = 1e-9
 """Distance up to which two places on a centerline are one, mm."""

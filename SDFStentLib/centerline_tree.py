@@ -15,10 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from .line_graph import LineGraph, near_pairs, reach_of, welded
 from .line_overlap import merged_overlaps
 from .point_tree import PointTree, as_radii
-from .validation import InputError, Points, as_point, as_points
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from .validation import Floats, Indices, InputError, Points, as_point, as_points
 
 GAP_FRACTION = 1.0
 """Pieces are joined across a gap of up to this fraction of the local inscribed radius."""

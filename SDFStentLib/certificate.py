@@ -23,15 +23,13 @@ from .face_quality import (
     inverted_triangles,
     places,
     sliver_triangles,
-    united,
 )
-from .intersections import intersecting_pairs, stored_points
+from .intersections import intersecting_pairs
+from .precision import stored_points
 from .stent_checks import LumenCheck, MotionCheck
-from .surface import consistently_wound, signed_volume
-from .topology import Topology, surface_topology
-from .validation import InputError, as_points, as_triangles, read_only
-
-Indices = NDArray[np.int64]
+from .surface import signed_volume
+from .topology import Topology, consistently_wound, surface_topology
+from .validation import Indices, InputError, as_points, as_triangles, read_only
 
 AS_PRESCRIBED = "its lumen is nowhere narrower than prescribed, and wider only where it was"
 
@@ -142,11 +140,6 @@ class Certificate:
     def passed(self) -> bool:
         """No new fault of any kind; an open or faulty input passes when nothing got worse."""
         return not self.places and all(check.passed for check in self._checks)
-
-    @property
-    def failing_triangles(self) -> Indices:
-        """All triangles with a new fault, ascending."""
-        return united(self.new_self_intersecting, self.new_inverted, self.new_degenerate)
 
     @property
     def is_watertight(self) -> bool:

@@ -22,9 +22,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .validation import Points
-
-Values = NDArray[np.float64]
+from .validation import Floats, Points
 
 NOTHING = np.empty(0, dtype=np.int64)
 
@@ -51,11 +49,11 @@ NO_DISTANCE, NO_SLOPE = 5e-8, 1e-6
 class Field(NamedTuple):
     """Distance field of a capsule chain at some points."""
 
-    distance: Values
+    distance: Floats
     """(n,) smooth distance to the axis, mm; subtract the radius for the signed distance."""
     direction: Points
     """(n, 3) unit gradient; zero where the gradient vanishes (a point on the axis)."""
-    slope: Values
+    slope: Floats
     """(n,) length of the gradient before it was made a unit vector, in [0, 1]."""
 
 
@@ -109,7 +107,7 @@ class ChainField:
                 block.folded(points[unproven], slice(0, self.count), field, unproven)
         return field
 
-    def axis_distance(self, points: Points, near: NDArray[np.int32] | None = None) -> Values:
+    def axis_distance(self, points: Points, near: NDArray[np.int32] | None = None) -> Floats:
         """True distance to the axis (n,), mm; parameters as for `at`."""
         distance = np.empty(len(points))
         for part, block, window in self._blocks(points, near, BESIDE, BESIDE):
@@ -119,7 +117,7 @@ class ChainField:
                 distance[unproven], _ = block.nearest(points[unproven], slice(0, self.count))
         return distance
 
-    def nearest_nodes(self, points: Points) -> tuple[NDArray[np.int32], Values]:
+    def nearest_nodes(self, points: Points) -> tuple[NDArray[np.int32], Floats]:
         """Number (n,), in the order of the fold, of the node nearest to each point.
 
         And a lower bound (n,) of the true distance to the axis, mm, that is less than half a
@@ -133,7 +131,7 @@ class ChainField:
             bound[part] = squares.min(axis=0)
         return nearest, np.sqrt(np.maximum(bound - self.slack, 0)) / self.scale
 
-    def lifted(self, points: Points) -> Values:
+    def lifted(self, points: Points) -> Floats:
         """Rows x, y, z, 1 and the squared norm, in the chain's own coordinates."""
         lifted = np.empty((5, len(points)))
         np.subtract(points.T, self.centre[:, None], out=lifted[:3])
@@ -199,7 +197,7 @@ class _Block:
         field.slope[where] = slope
         return NOTHING if is_proven is None else np.flatnonzero(~is_proven)
 
-    def nearest(self, points: Points, window: slice) -> tuple[Values, NDArray[np.int64]]:
+    def nearest(self, points: Points, window: slice) -> tuple[Floats, NDArray[np.int64]]:
         """True distance of some points, and those without proof."""
         lifted = self._chain.lifted(points)
         distance = self._capsules(lifted, window)[0].min(axis=0)
@@ -209,7 +207,7 @@ class _Block:
             unproven = np.flatnonzero(np.min(beside, axis=0) < distance)
         return distance / self._chain.scale, unproven
 
-    def _capsules(self, lifted: Values, window: slice) -> tuple[Values, Values]:
+    def _capsules(self, lifted: Floats, window: slice) -> tuple[Floats, Floats]:
         """Distances to the capsule axes and the clipped offsets along them, (capsules, n)."""
         chain = self._chain
         rows, count = window.stop - window.start, lifted.shape[1]
@@ -231,10 +229,10 @@ class _Block:
         np.sqrt(distances, out=distances)
         return distances, clipped
 
-    def _outside(self, lifted: Values, window: slice) -> tuple[Values | None, Values | None]:
+    def _outside(self, lifted: Floats, window: slice) -> tuple[Floats | None, Floats | None]:
         """Lower bounds (n,) of the distances to capsules before and after the window."""
         chain = self._chain
-        bounds: list[Values | None] = []
+        bounds: list[Floats | None] = []
         for ends in (slice(0, window.start + 1), slice(window.stop, chain.count + 1)):
             count = ends.stop - ends.start
             if count < 2:
@@ -249,12 +247,12 @@ class _Block:
 
 
 def fold(
-    distances: Values,
-    weights: Values,
-    room: Values,
-    before: Values | None = None,
-    after: Values | None = None,
-) -> tuple[Values, NDArray[np.bool_] | None]:
+    distances: Floats,
+    weights: Floats,
+    room: Floats,
+    before: Floats | None = None,
+    after: Floats | None = None,
+) -> tuple[Floats, NDArray[np.bool_] | None]:
     """Smooth minimum over rows, in order, with k = 1/4; writes the rows' shares in the gradient.
 
     The share of row j is `w_j prod_{i > j} (1 - w_i)` with the pairwise weights of
@@ -301,20 +299,20 @@ def fold(
     return value, is_proven
 
 
-def hard_minimum(distances: Values, weights: Values) -> Values:
+def hard_minimum(distances: Floats, weights: Floats) -> Floats:
     """Minimum over rows; writes weight 1 to the first row that has it and 0 to the others."""
     weights[:] = 0
     np.put_along_axis(weights, distances.argmin(axis=0)[None], 1.0, axis=0)
     return distances.min(axis=0)
 
 
-def _squares_from(places: Points) -> Values:
+def _squares_from(places: Points) -> Floats:
     """Rows that turn lifted points into squared distances from some places, by matrix product."""
     squares = np.einsum("ij,ij->i", places, places)
     return np.column_stack([-2 * places, squares, np.ones(len(places))])
 
 
-def _product(left: Values, right: Values, out: Values | None = None) -> Values:
+def _product(left: Floats, right: Floats, out: Floats | None = None) -> Floats:
     """Matrix product in column chunks, below the size at which BLAS starts threads of its own."""
     if out is None:
         out = np.empty((left.shape[0], right.shape[1]))

@@ -13,9 +13,7 @@ from .caps import flat_caps
 from .inscribed import InscribedSpheres, inscribed_spheres
 from .local_surface import LocalSurface, may_meet_box
 from .polyline import arc_lengths
-from .validation import Points, Triangles
-
-Floats = NDArray[np.float64]
+from .validation import Floats, Points, Triangles
 
 AHEAD = np.cos(np.deg2rad(30.0))
 """A sphere that touches the surface so nearly along the axis, on the side of its nearer end, may

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Indices = NDArray[np.int64]
+from .validation import Indices
 
 
 def component_labels(count: int, start: Indices, end: Indices) -> Indices:

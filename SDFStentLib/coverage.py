@@ -5,14 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .point_tree import as_parents
 from .polyline import arc_lengths, closest_points, without_repeats
-from .validation import InputError, Points, as_number, as_points, read_only
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from .validation import Floats, InputError, Points, as_number, as_points, read_only
 
 
 @dataclass(frozen=True)

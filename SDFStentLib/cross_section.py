@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .section import plane_section
-from .validation import InputError, Points, Triangles, as_points, as_triangles
-
-Floats = NDArray[np.float64]
+from .validation import Floats, InputError, Points, Triangles, as_points, as_triangles
 
 
 def equivalent_diameters(

@@ -18,9 +18,9 @@ from .capsule_chain import CapsuleChain
 from .certificate import certificate_of
 from .deployment_value import DeploymentResult, DeploymentState, DeploymentTask
 from .face_quality import Comparison, Verdict
+from .precision import Precision
 from .settings import DeploymentSettings
 from .topology import Topology
-from .untangle import Precision
 from .validation import read_only
 
 __all__ = ["Deployment", "DeploymentResult", "DeploymentState", "deploy"]

@@ -12,11 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 from .capsule_chain import CapsuleChain
 from .certificate import Certificate
 from .lumen import radius_correction
+from .precision import Precision
 from .settings import THINNEST_AND_WIDEST_RADIUS, DeploymentSettings
 from .stent_checks import LumenCheck, MotionCheck, lumen_check
 from .surface import oriented_triangles, signed_volume
 from .topology import Topology, surface_topology
-from .untangle import Precision, Relief
+from .untangle import Relief
 from .validation import Points, Triangles, as_length, as_points, as_triangles
 
 

@@ -10,12 +10,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from .validation import Points, as_points, as_triangles
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from .validation import Floats, Indices, Points, as_points, as_triangles
 
 _BLOCK = 128
 """Queries looked at together; each may meet some thousand triangles at the centre of a tube."""
@@ -40,32 +37,6 @@ class NearPairs(NamedTuple):
 
     query: Indices
     triangle: Indices
-
-
-def distances_to_surface(
-    queries: ArrayLike, points: ArrayLike, triangles: ArrayLike
-) -> SurfaceDistance:
-    """Exact distance from every query to the nearest triangle.
-
-    Parameters
-    ----------
-    queries : array_like, shape (n, 3)
-        Query points, mm.
-    points, triangles : array_like, shapes (k, 3) and (m, 3)
-        The surface. Triangles without area count as the segment or the point that they are.
-
-    Returns
-    -------
-    SurfaceDistance
-        Unsigned distance, nearest point and triangle. Equal distances: any of the triangles.
-
-    Raises
-    ------
-    InputError
-        Wrong shapes, coordinates that are not finite, or no triangle.
-    """
-    queries = as_points(queries, "queries")
-    return SurfaceIndex(points, triangles).distances(queries)
 
 
 def closest_points_on_triangles(queries: Points, corners: Floats) -> Points:

@@ -11,12 +11,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from .intersections import intersecting_pairs, stored_points
+from .intersections import intersecting_pairs
+from .precision import stored_points
 from .surface import compacted, face_normals, faces_at
 from .topology import component_labels
-from .validation import Points, Triangles
-
-Indices = NDArray[np.int64]
+from .validation import Indices, Points, Triangles
 
 _ROUNDING = 8 * 2.0**-53
 """Relative rounding of a cross product: below it two sides cannot be told from parallel ones."""

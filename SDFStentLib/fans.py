@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .connected_parts import connected
+from .validation import Indices
 
-Indices = NDArray[np.int64]
 Sides = NDArray[Any]
 
 

@@ -16,16 +16,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .distance import NearPairs, SurfaceIndex
 from .local_surface import LocalSurface
 from .max_min_step import LinearRows, largest_steps
 from .polyline import tangents as polyline_tangents
-from .validation import InputError, Points, as_number, as_points, as_triangles
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from .validation import Floats, Indices, InputError, Points, as_number, as_points, as_triangles
 
 _FIRST_BOX, _SMALLEST_BOX, _LARGEST_BOX = 0.05, 0.005, 0.5
 """Half width of the box of a step, as a fraction of the present radius. With 0.5 even the corner

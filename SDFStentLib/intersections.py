@@ -18,13 +18,11 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
+from .precision import stored_points
 from .surface import compacted
 from .triangle_contact import certain_contact, exact_contact, first_shared
 from .triangle_pairs import face_boxes, overlapping_pairs
-from .validation import InputError, Points, Triangles, as_number, as_points, as_triangles
-
-Indices = NDArray[np.int64]
-Flags = NDArray[np.bool_]
+from .validation import Flags, Indices, InputError, Points, Triangles, as_triangles
 
 _BLOCK = 1 << 15
 """Pairs decided at once: their corners fit into the cache of one core."""
@@ -92,29 +90,6 @@ def intersecting_pairs(
                 found.append(np.sort(near[pair], axis=1))
     pairs = np.concatenate(found)
     return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
-
-
-def stored_points(points: ArrayLike, dtype: DTypeLike, scale: float) -> Points:
-    """The numbers that a file of this type and unit would hold, as float64 (n, 3).
-
-    Not to be changed: where nothing has to be converted they are the given points themselves.
-    `InputError` for points not of shape (n, 3), a `dtype` that is no floating type or too narrow,
-    or a `scale` not above 0.
-    """
-    points = as_points(points)
-    scale = as_number(scale, "scale", above=0)
-    kind = np.dtype(dtype)
-    if kind.kind != "f":
-        raise InputError(f"dtype: expected a floating type such as float32, got {kind}.")
-    with np.errstate(over="ignore"):
-        stored = points if scale == 1 else points * scale
-        stored = stored.astype(kind, copy=False).astype(np.float64, copy=False)
-    if stored is not points and not np.all(np.isfinite(stored)):
-        raise InputError(
-            f"points: expected coordinates that fit into {kind}, got some too large for it after "
-            f"scaling by {scale:g}; store them as float64."
-        )
-    return stored
 
 
 def _as_mask(among: ArrayLike | None, count: int) -> Flags:

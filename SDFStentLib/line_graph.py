@@ -9,10 +9,7 @@ from numpy.typing import NDArray
 
 from .point_tree import mixed_radius
 from .segments import distances_to_segments
-from .validation import InputError, Points
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from .validation import Floats, Indices, InputError, Points
 
 WELD_EXTENT = 1e-6
 """Points nearer than this fraction of the bounding box's diagonal are one point."""

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .line_graph import LineGraph, NearPairs, near_pairs, reach_of, split_edges
-
-Indices = NDArray[np.int64]
+from .validation import Indices
 
 OVERLAP_FRACTION = 0.1
 """Lines nearer to each other than this fraction of the inscribed radius are one line."""

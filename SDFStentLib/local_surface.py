@@ -6,9 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .distance import NearPairs, SurfaceIndex
-from .validation import Points, Triangles
-
-Floats = NDArray[np.float64]
+from .validation import Floats, Points, Triangles
 
 _THINNED_ABOVE, _THINNING = 4000, 8
 """A surface with more triangles than this is thinned to one in so many."""

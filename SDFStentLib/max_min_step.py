@@ -5,10 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from .validation import Floats, Indices
 
 _PIVOTS = 100
 """Most exchanges of a row. With more to do the height is too high; the climb measures it anew."""

@@ -19,6 +19,7 @@ from .cross_section import equivalent_diameters, winding_numbers
 from .inscribed import inscribed_spheres
 from .polyline import arc_lengths, resampled, tangents
 from .validation import (
+    Floats,
     InputError,
     Points,
     as_number,
@@ -27,7 +28,6 @@ from .validation import (
     read_only,
 )
 
-Floats = NDArray[np.float64]
 Reference = Literal["mean of the two ends", "proximal", "distal", "interpolated"]
 REFERENCES: tuple[str, ...] = get_args(Reference)
 
@@ -198,15 +198,6 @@ def diameter_profile(
     centers, inscribed = spheres.centers.copy(), 2 * spheres.radii
     centers[outside], inscribed[outside] = np.nan, np.nan
     return DiameterProfile(arc_lengths(stations), centers, inscribed, equivalent)
-
-
-def radius_along(points: ArrayLike, triangles: ArrayLike, line_points: ArrayLike) -> Floats:
-    """Inscribed radius (n,) at the points of a centerline that has none, mm; NaN outside.
-
-    Towards a closed end of the vessel it shrinks to the distance from the cap. `InputError` as in
-    `inscribed_spheres`.
-    """
-    return inscribed_spheres(points, triangles, line_points).radii
 
 
 def stenosis(

@@ -9,9 +9,7 @@ from numpy.typing import NDArray
 
 from .contact_search import FEW, ContactSearch, squared_distances
 from .motion import CELL_SIZE
-from .validation import Points
-
-Values = NDArray[np.float64]
+from .validation import Floats, Points
 
 PHASES = 8
 """Parts of a step in which new contacts are looked at in turn; each counts from its own time.
@@ -36,7 +34,7 @@ class NewContacts:
         Growth of the radius in the step, mm.
     """
 
-    def __init__(self, points: Points, times: Values, growth: float) -> None:
+    def __init__(self, points: Points, times: Floats, growth: float) -> None:
         self._points = points
         self._times = times
         self._growth = growth
@@ -46,7 +44,7 @@ class NewContacts:
         """Search among all of them; None when there are none."""
         return ContactSearch(self._points) if len(self._points) else None
 
-    def excess(self, points: Points, cell: NDArray[np.int64], before: Values) -> Values:
+    def excess(self, points: Points, cell: NDArray[np.int64], before: Floats) -> Floats:
         """Mean distance to the nearest contact over the step less that at its end, (n,), mm.
 
         A new contact that is nearer than all before it takes effect from its own time.
@@ -64,7 +62,7 @@ class NewContacts:
             return self._one_by_one(points, before)
         return self._by_phases(points, cell, before)
 
-    def _one_by_one(self, points: Points, before: Values) -> Values:
+    def _one_by_one(self, points: Points, before: Floats) -> Floats:
         order = np.argsort(self._times)
         times = self._times[order]
         lasting = np.diff(times, append=self._growth) / self._growth
@@ -76,7 +74,7 @@ class NewContacts:
             excess[part] += distance @ lasting - distance[:, -1]
         return excess
 
-    def _by_phases(self, points: Points, cell: NDArray[np.int64], before: Values) -> Values:
+    def _by_phases(self, points: Points, cell: NDArray[np.int64], before: Floats) -> Floats:
         """Of all contacts in one part of the step, only the nearest counts.
 
         Neighbors on a fine mesh share which one that is: between the exact distances at both ends

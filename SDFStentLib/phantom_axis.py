@@ -6,11 +6,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from .validation import InputError, Points, as_point, as_points
-
-Floats = NDArray[np.float64]
+from .validation import Floats, InputError, Points, as_point, as_points
 
 
 @dataclass(frozen=True, eq=False)

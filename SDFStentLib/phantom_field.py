@@ -6,12 +6,10 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .phantom_axis import Axis
-from .validation import Points
-
-Floats = NDArray[np.float64]
+from .smooth_minimum import smooth_minimum
+from .validation import Floats, Points
 
 SAMPLE_SPACING = 0.1
 """Of the axes, mm; between samples axis and radius are parabolas, which err by less than 1e-4."""
@@ -57,9 +55,9 @@ class TubeUnion:
     """The solid `f(x) <= 0` of several tubes, smoothly blended where they meet.
 
     For each tube f is the distance to its axis minus the radius there; the tubes are joined in
-    order by the quadratic smooth minimum `min(a, b) - max(w - |a - b|, 0)^2 / (4 w)` of blend
-    width w. Where only one tube is near, f is exactly that tube's. The first tube is open at
-    both ends, the others at their end only: they start inside the first.
+    order by the smooth minimum of blend width w. Where only one tube is near, f is exactly that
+    tube's. The first tube is open at both ends, the others at their end only: they start inside
+    the first.
 
     Parameters
     ----------
@@ -89,9 +87,7 @@ class TubeUnion:
         value, gradient = self._tube_field(0, points)
         for number in range(1, len(self.tubes)):
             other, other_gradient = self._tube_field(number, points)
-            share = np.clip(0.5 + (other - value) / (2 * self.blend_width), 0, 1)
-            overlap = np.maximum(self.blend_width - np.abs(other - value), 0)
-            value = np.minimum(value, other) - overlap**2 / (4 * self.blend_width)
+            value, share = smooth_minimum(value, other, self.blend_width)
             gradient = share[:, None] * gradient + (1 - share)[:, None] * other_gradient
         return FieldValues(value, gradient)
 

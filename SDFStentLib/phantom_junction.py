@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .phantom_field import Rim, TubeUnion
 from .phantom_mesh import Patch, flipped, with_cap
-from .surface import boundary_edges, edges, is_manifold
-from .validation import InputError, Points, Triangles
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from .topology import boundary_edges, edges, is_manifold
+from .validation import Floats, Indices, InputError, Points, Triangles
 
 COARSEST_CELL = 2.0
 """mm; the search for the surface starts with cells of at least this size."""

@@ -6,14 +6,11 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .phantom_axis import Axis
-from .surface import edges, face_normals
-from .validation import Points, Triangles
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from .surface import face_normals
+from .topology import edges
+from .validation import Floats, Indices, Points, Triangles
 
 ROW_HEIGHT = np.sqrt(0.75)
 """Height of an equilateral triangle over its side."""

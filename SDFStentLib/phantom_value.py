@@ -12,9 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from .centerline import Centerline
 from .phantom_axis import Axis, inscribed_radii
 from .phantom_mesh import Patch
-from .validation import Points, Triangles, read_only
-
-Floats = NDArray[np.float64]
+from .validation import Floats, Points, Triangles, read_only
 
 CENTERLINE_SPACING = 0.5
 """Of the centerline points, mm."""

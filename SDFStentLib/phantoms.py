@@ -10,14 +10,13 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .phantom_axis import Axis, helical_axis, narrowing, planar_axis
 from .phantom_field import Tube, TubeUnion
 from .phantom_junction import branching_tube
 from .phantom_mesh import Patch, swept_tube
 from .phantom_value import Opening, Phantom, Throat, Vessel, assembled, ends_of
-from .validation import InputError, as_number, read_only
+from .validation import Floats, InputError, as_number, read_only
 
 __all__ = [
     "Opening",
@@ -33,8 +32,6 @@ __all__ = [
     "straight_tube",
     "tube_with_neighbor",
 ]
-
-Floats = NDArray[np.float64]
 
 
 def straight_tube(radius: float = 3.0, length: float = 40.0, edge_length: float = 0.8) -> Phantom:

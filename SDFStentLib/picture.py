@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .atomic import check_writable, write_bytes
 from .picture_geometry import diameter_colors, section_ring, stent_lattice, wall_colors
@@ -19,6 +19,7 @@ from .picture_view import View, best_view, label_side
 from .polyline import arc_lengths, length, point_at
 from .validation import (
     DeploymentError,
+    Floats,
     InputError,
     Points,
     Triangles,
@@ -26,8 +27,6 @@ from .validation import (
     as_points,
     as_triangles,
 )
-
-Floats = NDArray[np.float64]
 
 SIZE = (1200, 700)
 """Width and height of the picture, pixels."""

@@ -8,9 +8,7 @@ from numpy.typing import NDArray
 from .picture_view import View
 from .polyline import arc_lengths, closest_points, frames, length, point_at, resampled, tangents
 from .surface import vertex_normals
-from .validation import Points, Triangles
-
-Floats = NDArray[np.float64]
+from .validation import Floats, Points, Triangles
 
 WALL_COLOR = (0.84, 0.42, 0.36)
 """Of the vessel: a warm tissue red, light enough to look through."""

@@ -5,12 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .polyline import arc_lengths, closest_points, length, resampled, tangents
-from .validation import Points
-
-Floats = NDArray[np.float64]
+from .validation import Floats, Points
 
 WIDEST = 1.6
 """The whole vessel is shown when that takes at most this much more than the stented part."""

@@ -4,13 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from .polyline import without_repeats
-from .validation import InputError, Points, as_point, as_points, read_only
-
-Floats = NDArray[np.float64]
+from .validation import Floats, InputError, Points, as_point, as_points, read_only
 
 
 @dataclass(frozen=True, eq=False)

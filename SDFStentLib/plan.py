@@ -119,10 +119,6 @@ class Plan:
     def __hash__(self) -> int:
         return hash(_values(self))
 
-    def with_stent(self, planned: PlannedStent) -> Plan:
-        """A copy with one more stent at the end."""
-        return replace(self, stents=(*self.stents, planned))
-
 
 def turned(planned: PlannedStent) -> PlannedStent:
     """The stent in the other patient frame, RAS or LPS: x and y of its placement negated."""

@@ -15,6 +15,7 @@ from .centerline_output import write_centerline
 from .placement import AlongAxis
 from .plan import InputFile, Plan, turned
 from .plan_axis import changed_input
+from .precision import Precision
 from .same_space import check_same_space
 from .stretch import face_stretches
 from .surface_files import SurfaceFile, read_surface
@@ -22,7 +23,6 @@ from .surface_output import write_surface
 from .treatment import Treatment
 from .treatment_value import TreatmentResult, TreatmentState
 from .units import millimeters_per
-from .untangle import Precision
 from .validation import InputError
 from .version import VERSION
 

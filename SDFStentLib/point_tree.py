@@ -5,13 +5,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .polyline import arc_lengths, locate, point_at, segment_count
-from .validation import InputError, Points
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from .validation import Floats, Indices, InputError, Points
 
 
 class PointTree(NamedTuple):

@@ -146,36 +146,6 @@ def polydata_from_lines(points: ArrayLike, lines: list[ArrayLike]) -> vtkPolyDat
     return polydata
 
 
-def set_points(
-    polydata: vtkPolyData, points: ArrayLike, indices: NDArray[np.integer] | None = None
-) -> None:
-    """Overwrite coordinates in place: same point array, same type, one modified event.
-
-    Parameters
-    ----------
-    polydata : vtkPolyData
-        Modified. Its observers are called once, after the numbers are in.
-    points : array_like, shape (n, 3) or, with `indices`, (k, 3)
-        New coordinates in the unit and frame of the polydata.
-    indices : array of int, shape (k,), optional
-        Which points; all when left out.
-
-    Raises
-    ------
-    InputError
-        As many points as expected did not come, or NaN or infinity did.
-    """
-    points = as_points(points)
-    count = polydata.GetNumberOfPoints() if indices is None else len(indices)
-    if len(points) != count:
-        raise InputError(f"points: expected {count}, got {len(points)}.")
-    if count:
-        coordinates = vtk_to_numpy(polydata.GetPoints().GetData())
-        coordinates[slice(None) if indices is None else indices] = points
-        polydata.GetPoints().GetData().Modified()
-    polydata.Modified()
-
-
 def add_arrays(
     polydata: vtkPolyData,
     point_arrays: Mapping[str, ArrayLike] | None,

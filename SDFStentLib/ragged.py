@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
-Indices = NDArray[np.int64]
+from .validation import Indices
 
 
 def blocks_of(counts: Indices, size: int) -> Iterator[Indices]:

@@ -11,7 +11,8 @@ from vtkmodules.vtkCommonCore import vtkIdList
 from vtkmodules.vtkCommonDataModel import vtkStaticCellLocator
 
 from .polydata import polydata_from_arrays
-from .surface import face_areas, is_closed, signed_volume
+from .surface import face_areas, signed_volume
+from .topology import is_closed
 from .units import flipped
 from .validation import InputError, Points, Triangles, as_points, as_triangles
 
@@ -73,7 +74,7 @@ def check_same_space(
     centers = as_points(centerline_points, centerline_name, minimum=1)
     count = min(len(centers), _SAMPLES)
     centers = centers[np.linspace(0, len(centers) - 1, count).round().astype(int)]
-    test = _InsideTest(surface_points, faces)
+    test = InsideTest(surface_points, faces)
 
     inside = float(test.is_inside(centers).mean())
     if inside >= _ENOUGH_INSIDE:
@@ -87,14 +88,6 @@ def check_same_space(
     best = _best_fit(test, centers)
     found = f"{centerline_name}: expected it inside {surface_name}, got {100 * inside:.0f} % inside"
     raise InputError(f"{found}; {_explanation(best)}")
-
-
-def is_inside_surface(
-    points: ArrayLike, triangles: ArrayLike, queries: ArrayLike
-) -> NDArray[np.bool_]:
-    """Which queries (k, 3) are inside a surface, open or closed; see `check_same_space`."""
-    points = as_points(points)
-    return _InsideTest(points, as_triangles(triangles, len(points))).is_inside(as_points(queries))
 
 
 def size_warnings(
@@ -126,7 +119,7 @@ def size_warnings(
     )
 
 
-class _InsideTest:
+class InsideTest:
     """Counts crossings of rays; the same rays for every query, so that results repeat."""
 
     def __init__(self, points: Points, triangles: Triangles) -> None:
@@ -157,7 +150,7 @@ class _InsideTest:
         return int(crossed.GetNumberOfIds())
 
 
-def _best_fit(test: _InsideTest, centers: Points) -> _Fit | None:
+def _best_fit(test: InsideTest, centers: Points) -> _Fit | None:
     fits = []
     for factor, is_flipped in product((1.0, *UNIT_FACTORS), (False, True)):
         if factor == 1.0 and not is_flipped:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from .validation import Floats
 
 PAIRS_PER_BLOCK = 500_000
 """Query-segment pairs that are held in memory at a time (about 50 MB)."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import KW_ONLY, dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .centerline import Centerline, CenterlinePath, JunctionChoice, Location
 from .placement import (
@@ -23,9 +23,7 @@ from .polyline import (
     length,
     minimum_bend_radius,
 )
-from .validation import InputError, Points, as_number, as_points, read_only
-
-Floats = NDArray[np.float64]
+from .validation import Floats, InputError, Points, as_number, as_points, read_only
 
 MAXIMUM_DIAMETER = 100.0
 """Largest diameter that is taken for a stent's, mm; more is another unit or a slip."""

@@ -5,11 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from .validation import InputError, Points, Triangles, as_points, as_triangles
-
-Floats = NDArray[np.float64]
+from .validation import Floats, InputError, Points, Triangles, as_points, as_triangles
 
 
 class FaceStretch(NamedTuple):

@@ -1,4 +1,4 @@
-"""Triangulated surfaces: areas, normals, volume, orientation; one import with topology and section.
+"""Triangulated surfaces: areas, normals, volume, orientation.
 
 A surface is `points` (n, 3), mm, and `triangles` (m, 3). Faces of a well oriented surface turn
 counterclockwise seen from outside, so that normals point out of the lumen.
@@ -9,53 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .section import SectionLoop, is_inside, plane_section
-from .topology import (
-    Edges,
-    Topology,
-    VertexNeighbors,
-    boundary_edges,
-    consistently_wound,
-    edges,
-    face_components,
-    is_closed,
-    is_edge_manifold,
-    is_manifold,
-    is_vertex_manifold,
-    surface_topology,
-    vertex_neighbors,
-)
-from .validation import Points, Triangles, as_points, as_triangles
-
-__all__ = [
-    "Edges",
-    "SectionLoop",
-    "Topology",
-    "VertexNeighbors",
-    "boundary_edges",
-    "compacted",
-    "consistently_wound",
-    "edge_lengths",
-    "edges",
-    "face_areas",
-    "face_centroids",
-    "face_components",
-    "face_normals",
-    "faces_at",
-    "is_closed",
-    "is_edge_manifold",
-    "is_inside",
-    "is_manifold",
-    "is_vertex_manifold",
-    "oriented_triangles",
-    "plane_section",
-    "signed_volume",
-    "surface_topology",
-    "vertex_neighbors",
-    "vertex_normals",
-]
-
-Floats = NDArray[np.float64]
+from .topology import consistently_wound, edges
+from .validation import Floats, Points, Triangles, as_points, as_triangles
 
 
 def face_areas(points: ArrayLike, triangles: ArrayLike) -> Floats:
@@ -71,12 +26,6 @@ def face_normals(points: ArrayLike, triangles: ArrayLike) -> Floats:
     return np.ascontiguousarray(_unit(_area_vectors(*_checked(points, triangles))).T)
 
 
-def face_centroids(points: ArrayLike, triangles: ArrayLike) -> Points:
-    """Centroids (m, 3) of the faces, mm; `InputError` when points and triangles do not fit."""
-    points, triangles = _checked(points, triangles)
-    return points[triangles].mean(axis=1)
-
-
 def vertex_normals(points: ArrayLike, triangles: ArrayLike) -> Floats:
     """Unit normals (n, 3) of the points: the faces' normals, weighted with their areas.
 
@@ -90,16 +39,6 @@ def vertex_normals(points: ArrayLike, triangles: ArrayLike) -> Floats:
         for column in _area_vectors(points, triangles)
     ]
     return np.ascontiguousarray(_unit(np.stack(sums)).T)
-
-
-def edge_lengths(points: ArrayLike, triangles: ArrayLike) -> Floats:
-    """Length (e,) of every unique edge, mm, in the order of `edges`.
-
-    `InputError` when points and triangles do not fit.
-    """
-    points, triangles = _checked(points, triangles)
-    ends = edges(triangles).vertices
-    return _lengths((points[ends[:, 1]] - points[ends[:, 0]]).T)
 
 
 def signed_volume(points: ArrayLike, triangles: ArrayLike) -> float:

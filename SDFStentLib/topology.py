@@ -12,9 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from .connected_parts import component_labels, connected
 from .fans import fans_by_graph, fans_by_walking
-from .validation import Triangles, as_triangles
+from .validation import Indices, Triangles, as_triangles
 
-Indices = NDArray[np.int64]
 Sides = NDArray[Any]
 """Numbers of triangle sides, in 32 bits where that is enough."""
 
@@ -151,22 +150,6 @@ def is_closed(triangles: ArrayLike) -> bool:
     return surface_topology(triangles).is_closed
 
 
-def is_edge_manifold(triangles: ArrayLike) -> bool:
-    """Whether no edge has more than two faces and no triangle names a point twice.
-
-    `InputError` as in `edges`.
-    """
-    return surface_topology(triangles).is_edge_manifold
-
-
-def is_vertex_manifold(triangles: ArrayLike) -> bool:
-    """Whether the faces at every vertex form one fan, each joined to the next by an edge.
-
-    False for two cones that meet in their tips. `InputError` as in `edges`.
-    """
-    return surface_topology(triangles).is_vertex_manifold
-
-
 def is_manifold(triangles: ArrayLike) -> bool:
     """Whether the surface is manifold, with or without boundary, at its edges and its vertices.
 
@@ -205,15 +188,6 @@ def surface_topology(triangles: ArrayLike) -> Topology:
         boundary_edge_count=boundary_edge_count,
         component_count=connected(len(triangles), side // 3, other // 3)[0],
     )
-
-
-def face_components(triangles: ArrayLike) -> Indices:
-    """Number (m,) of the connected part each face belongs to; parts are joined by edges.
-
-    Parts are numbered from 0 in the order of their first face. `InputError` as in `edges`.
-    """
-    found = edges(triangles)
-    return component_labels(len(found.face_edges), *_joined_faces(found))
 
 
 def vertex_neighbors(triangles: ArrayLike, point_count: int | None = None) -> VertexNeighbors:
@@ -311,10 +285,3 @@ def _meeting_sides(sides: Sides, is_first: NDArray[np.bool_]) -> tuple[Sides, Si
     """Every side but the first at its edge, and the one before it there."""
     later = np.flatnonzero(~is_first)
     return sides[later], sides[later - 1]
-
-
-def _joined_faces(found: Edges) -> tuple[Indices, Indices]:
-    is_first = np.zeros(len(found.sides), dtype=bool)
-    is_first[found.offsets[:-1]] = True
-    side, other = _meeting_sides(found.sides, is_first)
-    return side // 3, other // 3

@@ -19,16 +19,17 @@ from .caps import bulged_caps
 from .centerline import Centerline
 from .certificate import Certificate, certify
 from .coverage import BranchOstium, branch_ostia
-from .deployment import Deployment, DeploymentResult, DeploymentState
+from .deployment import Deployment
+from .deployment_value import DeploymentResult, DeploymentState
 from .metrics import diameter_profile
 from .plan import PlannedStent
+from .precision import Precision
 from .settings import DeploymentSettings
 from .stent import Stent, StentAxis
 from .straightening import axis_in_vessel
 from .topology import Topology, consistently_wound, surface_topology
 from .treatment_value import TreatedStent, TreatmentResult, TreatmentState
 from .treatment_warnings import check_width, narrowed, nothing_moved, overdilated, overlap
-from .untangle import Precision
 from .validation import (
     DeploymentError,
     InputError,

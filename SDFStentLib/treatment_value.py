@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from .centerline import Centerline
 from .certificate import Certificate
 from .coverage import BranchOstium
-from .deployment import DeploymentState
+from .deployment_value import DeploymentState
 from .metrics import DiameterProfile
 from .plan import PlannedStent
 from .stent import StentAxis

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
+from .validation import Flags, Floats
+
 Exact = NDArray[Any]
 """Array of Python integers (dtype object), or of floats where both are good."""
 

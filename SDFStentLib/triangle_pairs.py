@@ -15,9 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .ragged import blocks_of, ranges
-from .validation import Points, Triangles
-
-Indices = NDArray[np.int64]
+from .validation import Indices, Points, Triangles
 
 _BLOCK = 1 << 18
 """Pairs or column entries in work at once; the largest temporaries are some 20 MB."""

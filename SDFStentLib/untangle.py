@@ -11,11 +11,12 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import DTypeLike, NDArray
+from numpy.typing import NDArray
 
 from .face_quality import degenerate_triangles, inverted_triangles
-from .intersections import self_intersecting_triangles, stored_points
+from .intersections import self_intersecting_triangles
 from .motion import Motion
+from .precision import Precision, stored_points
 from .surface import faces_at
 from .topology import VertexNeighbors, vertex_neighbors
 from .validation import Points, Triangles
@@ -28,14 +29,6 @@ IDLE_ROUNDS = 10
 Of 144 that came to a good end in 450 random stents none was idle for more than 8."""
 RELAXATION = 0.5
 """Share of the way to the mean of the neighbors."""
-
-
-class Precision(NamedTuple):
-    """How coordinates will be stored: the certificate is about the stored numbers."""
-
-    dtype: DTypeLike = np.float64
-    scale: float = 1.0
-    """File units per mm."""
 
 
 class Relief(NamedTuple):

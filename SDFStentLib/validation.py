@@ -14,6 +14,15 @@ Points = NDArray[np.float64]
 Triangles = NDArray[np.int64]
 """(m, 3) array of indices into the points."""
 
+Floats = NDArray[np.float64]
+"""Array of numbers, of the shape that its use says."""
+
+Indices = NDArray[np.int64]
+"""Array of indices."""
+
+Flags = NDArray[np.bool_]
+"""Array of truth values."""
+
 
 class InputError(ValueError):
     """Input that cannot be used; the message says what was expected, what came, what to do."""

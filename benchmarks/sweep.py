@@ -32,15 +32,16 @@ from benchmarks.judges import (  # noqa: E402
 )
 from SDFStentLib.centerline import Centerline, CenterlinePath  # noqa: E402
 from SDFStentLib.centerline_files import read_centerline  # noqa: E402
-from SDFStentLib.deployment import Deployment, DeploymentResult  # noqa: E402
+from SDFStentLib.deployment import Deployment  # noqa: E402
+from SDFStentLib.deployment_value import DeploymentResult  # noqa: E402
 from SDFStentLib.inscribed import InscribedSpheres, inscribed_spheres  # noqa: E402
 from SDFStentLib.placement import AlongAxis  # noqa: E402
 from SDFStentLib.polyline import arc_lengths, cut  # noqa: E402
+from SDFStentLib.precision import Precision  # noqa: E402
 from SDFStentLib.settings import DeploymentSettings  # noqa: E402
 from SDFStentLib.stent import Stent  # noqa: E402
 from SDFStentLib.straightening import axis_in_vessel  # noqa: E402
 from SDFStentLib.surface_files import read_surface  # noqa: E402
-from SDFStentLib.untangle import Precision  # noqa: E402
 
 DATA_FOLDER = Path(os.environ.get("SDFSTENT_DATA", PROJECT.parent / "shared" / "data"))
 

@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from oracle import PlainField, fall_off, smin
 
-from SDFStentLib.blending import BLENDS, FALLOFFS, as_profile, smooth_minimum, weight_at
+from SDFStentLib.blending import BLENDS, FALLOFFS, as_profile
+from SDFStentLib.smooth_minimum import smooth_minimum
 from SDFStentLib.validation import InputError
 
 DISTANCE = st.floats(-20, 20, allow_nan=False)
@@ -35,26 +36,26 @@ def test_the_smooth_minimum_is_the_papers_kernel_form_with_its_chain_rule(first,
     a, b = pair(first, second)
     along_first, along_second = np.array([[1.0, 0, 0]]), np.array([[0.0, 1, 0]])
     plain = smin(PlainField(a, along_first), PlainField(b, along_second), k)
-    value, weight = smooth_minimum(a, b, k)
+    value, share = smooth_minimum(a, b, k)
     assert value[0] == pytest.approx(plain.distance[0], abs=ROUNDING)
-    gradient = (1 - weight[0]) * along_first[0] + weight[0] * along_second[0]
+    gradient = share[0] * along_first[0] + (1 - share[0]) * along_second[0]
     np.testing.assert_allclose(gradient, plain.gradient[0], atol=1e-10)
 
 
 @settings(max_examples=60, deadline=None, derandomize=True)
 @given(DISTANCE, DISTANCE, WIDTH)
-def test_the_weight_is_the_derivative_of_the_value(first, second, k):
+def test_the_share_is_the_derivative_of_the_value(first, second, k):
     h = 1e-5
     value = lambda x, y: smooth_minimum(*pair(x, y), k).value[0]  # noqa: E731
-    weight = smooth_minimum(*pair(first, second), k).weight[0]
+    share = smooth_minimum(*pair(first, second), k).share[0]
     # A central difference of a function that is quadratic but for two joints: the error there
     # is at most h / (4 k).
     close = 1e-9 / h + h / (4 * k)
     assert (value(first, second + h) - value(first, second - h)) / (2 * h) == pytest.approx(
-        weight, abs=close
+        1 - share, abs=close
     )
     assert (value(first + h, second) - value(first - h, second)) / (2 * h) == pytest.approx(
-        1 - weight, abs=close
+        share, abs=close
     )
 
 
@@ -80,9 +81,9 @@ def test_equal_distances_are_lowered_by_exactly_a_quarter_of_the_width():
 
 
 def test_without_width_it_is_the_hard_minimum_and_the_first_of_equals_wins():
-    value, weight = smooth_minimum(np.array([1.0, 2, 5]), np.array([2.0, 2, 3]), 0)
+    value, share = smooth_minimum(np.array([1.0, 2, 5]), np.array([2.0, 2, 3]), 0)
     assert value.tolist() == [1, 2, 3]
-    assert weight.tolist() == [0, 0, 1]
+    assert share.tolist() == [1, 1, 0]
 
 
 @pytest.mark.parametrize("name", [*FALLOFFS, *BLENDS])
@@ -106,15 +107,8 @@ def test_every_fall_off_is_flat_at_both_ends_so_that_the_field_has_no_crease(nam
 
 def test_the_default_fall_off_is_the_papers():
     distance = np.linspace(-2, 9, 200)
-    np.testing.assert_allclose(
-        weight_at(distance, 6.5, FALLOFFS["compact"]), fall_off(distance, 6.5), atol=1e-15
-    )
-
-
-def test_a_weight_is_one_inside_the_stent_and_zero_from_the_influence_distance_on():
-    weights = weight_at(np.array([-3.0, 0.0, 6.5, 100.0]), 6.5, BLENDS["exponential"])
-    assert weights[:2].tolist() == [1, 1]
-    assert weights[2:].tolist() == [0, 0]
+    weight = FALLOFFS["compact"](np.clip(distance / 6.5, 0, 1))
+    np.testing.assert_allclose(weight, fall_off(distance, 6.5), atol=1e-15)
 
 
 def test_a_profile_may_be_a_function():

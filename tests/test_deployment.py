@@ -12,9 +12,9 @@ from mesh_files import open_tube
 from SDFStentLib.capsule_chain import CapsuleChain
 from SDFStentLib.deployment import Deployment, deploy
 from SDFStentLib.inscribed import inscribed_spheres
+from SDFStentLib.precision import Precision
 from SDFStentLib.settings import DeploymentSettings
 from SDFStentLib.topology import surface_topology
-from SDFStentLib.untangle import Precision
 from SDFStentLib.validation import DeploymentError, InputError
 
 DEFAULT = DeploymentSettings()

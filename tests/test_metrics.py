@@ -7,9 +7,9 @@ import pytest
 
 from SDFStentLib.coverage import branch_ostia
 from SDFStentLib.cross_section import equivalent_diameters
-from SDFStentLib.distance import closest_points_on_triangles, distances_to_surface
+from SDFStentLib.distance import SurfaceIndex, closest_points_on_triangles
 from SDFStentLib.inscribed import inscribed_spheres
-from SDFStentLib.metrics import DiameterProfile, diameter_profile, radius_along, stenosis
+from SDFStentLib.metrics import DiameterProfile, diameter_profile, stenosis
 from SDFStentLib.stretch import displacements, face_stretches
 from SDFStentLib.validation import InputError
 
@@ -88,7 +88,7 @@ def a_random_mesh(seed, count=300):
 def test_the_distance_to_a_surface_is_that_of_the_plain_search_over_all_triangles():
     points, triangles = a_random_mesh(seed=3)
     queries = np.random.default_rng(4).uniform(-15, 15, (200, 3))
-    found = distances_to_surface(queries, points, triangles)
+    found = SurfaceIndex(points, triangles).distances(queries)
     every = np.stack(
         [
             np.linalg.norm(
@@ -119,13 +119,8 @@ def test_the_nearest_point_of_a_triangle_is_no_farther_than_any_sample_of_it():
 
 def test_a_triangle_without_area_counts_as_the_segment_that_it_is():
     points = stations([0, 0, 0], [1, 0, 0], [2, 0, 0])
-    found = distances_to_surface([[1.5, 1, 0], [3, 0, 0]], points, [[0, 1, 2]])
+    found = SurfaceIndex(points, [[0, 1, 2]]).distances(np.array([[1.5, 1, 0], [3, 0, 0]]))
     np.testing.assert_allclose(found.distance, [1, 1], atol=ROUNDING)
-
-
-def test_queries_that_are_not_points_are_refused():
-    with pytest.raises(InputError, match=r"queries: expected shape \(n, 3\)"):
-        distances_to_surface([[0.0, 1.0]], *a_round_tube())
 
 
 # Inscribed spheres
@@ -178,7 +173,7 @@ def test_the_radius_is_the_distance_from_the_centre_to_the_surface():
     points, triangles = a_round_tube(count=30)
     points = points + 0.1 * np.random.default_rng(0).normal(size=points.shape)
     found = inscribed_spheres(points, triangles, np.linspace([1, 0, 8], [0, 1, 30], 23))
-    measured = distances_to_surface(found.centers, points, triangles).distance
+    measured = SurfaceIndex(points, triangles).distances(found.centers).distance
     np.testing.assert_allclose(found.radii, measured, rtol=0, atol=ROUNDING)
 
 
@@ -332,7 +327,8 @@ def test_a_profile_that_lies_nowhere_in_the_lumen_has_no_statistics():
 
 def test_the_radius_along_a_centerline_is_the_distance_to_the_wall_of_a_tube():
     points, triangles = a_round_tube(radius=4.0, count=36)
-    radius = radius_along(points, triangles, np.linspace([0, 0, 6], [0.5, 0, 34], 100))
+    line = np.linspace([0, 0, 6], [0.5, 0, 34], 100)
+    radius = inscribed_spheres(points, triangles, line).radii
     # The line leans by 1 degree: its planes cut the tube 0.02 % wider.
     np.testing.assert_allclose(radius, 4 * np.cos(np.pi / 36), rtol=1e-3)
 

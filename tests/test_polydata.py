@@ -15,7 +15,6 @@ from SDFStentLib.polydata import (
     polydata_from_lines,
     polydata_from_polygons,
     set_frame_of_polydata,
-    set_points,
 )
 from SDFStentLib.validation import InputError
 
@@ -35,7 +34,7 @@ def test_nothing_is_shared_with_the_polydata():
     polydata = polydata_from_arrays(points, triangles)
     read, _ = arrays_from_polydata(polydata)
     points[0] += 1
-    set_points(polydata, read + 2)
+    vtk_to_numpy(polydata.GetPoints().GetData())[:] += 2
     assert np.array_equal(read[0], points[0] - 1)
 
 
@@ -61,27 +60,6 @@ def test_arrays_that_do_not_fit_are_refused():
         polydata_from_arrays(points, triangles, None, {"d": 3.0})
     with pytest.raises(InputError, match="expected numbers or text"):
         polydata_from_arrays(points, triangles, {"d": np.zeros(6, complex)})
-
-
-def test_points_are_set_in_place_with_one_event():
-    points, triangles = octahedron()
-    polydata = polydata_from_arrays(points.astype(np.float32), triangles)
-    same_points, same_data = polydata.GetPoints(), polydata.GetPoints().GetData()
-    events = []
-    polydata.AddObserver("ModifiedEvent", lambda *_: events.append(1))
-    set_points(polydata, 2 * points)
-    assert events == [1]
-    assert polydata.GetPoints() is same_points
-    assert polydata.GetPoints().GetData() is same_data
-    assert polydata.GetBounds()[1] == 60.0  # bounds are not stale
-
-    set_points(polydata, [[7, 8, 9]], np.array([3]))
-    assert np.array_equal(arrays_from_polydata(polydata)[0][3], [7, 8, 9])
-    assert len(events) == 2
-    with pytest.raises(InputError, match="points: expected 1, got 2"):
-        set_points(polydata, np.zeros((2, 3)), np.array([3]))
-    with pytest.raises(InputError, match="NaN or infinity"):
-        set_points(polydata, [[np.nan, 0, 0]], np.array([3]))
 
 
 def test_lines_come_in_cell_order_not_point_order():

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from mesh_files import octahedron, open_tube
 
-from SDFStentLib.same_space import check_same_space, is_inside_surface, size_warnings
+from SDFStentLib.same_space import InsideTest, check_same_space, size_warnings
 from SDFStentLib.validation import InputError
 
 HERE = np.array([100.0, 60.0, 20.0])
@@ -24,8 +24,9 @@ def test_inside_and_outside_need_no_orientation(flip):
     queries = generator.normal(size=(300, 3))
     queries /= np.linalg.norm(queries, axis=1, keepdims=True)
     # The facets of the sphere are less than 1 mm inside of it.
-    assert is_inside_surface(points, triangles[:, ::flip], 28.5 * queries).all()
-    assert not is_inside_surface(points, triangles[:, ::flip], 30.5 * queries).any()
+    test = InsideTest(points, triangles[:, ::flip])
+    assert test.is_inside(28.5 * queries).all()
+    assert not test.is_inside(30.5 * queries).any()
 
 
 def test_a_centerline_in_an_open_vessel_fits():

@@ -3,7 +3,7 @@ import pytest
 from mesh_files import octahedron
 
 from SDFStentLib.stl_format import decode_stl, encode_stl
-from SDFStentLib.surface import is_closed
+from SDFStentLib.topology import is_closed
 from SDFStentLib.validation import InputError
 
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from SDFStentLib import surface
+from SDFStentLib import section, surface, topology
 from SDFStentLib.validation import InputError
 
 TETRAHEDRON = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
@@ -55,7 +55,7 @@ def test_areas_volume_and_normals_of_a_box():
     assert surface.face_areas(points, triangles).sum() == pytest.approx(22, rel=1e-14)
     assert surface.signed_volume(points, triangles) == pytest.approx(6, rel=1e-14)
     assert surface.signed_volume(points, triangles[:, ::-1]) == pytest.approx(-6, rel=1e-14)
-    outward = surface.face_centroids(points, triangles) - points.mean(axis=0)
+    outward = points[triangles].mean(axis=1) - points.mean(axis=0)
     normals = surface.face_normals(points, triangles)
     assert np.allclose(np.abs(normals).max(axis=1), 1, rtol=0, atol=1e-15)
     assert np.all(np.einsum("ij,ij->i", normals, outward) > 0)
@@ -86,20 +86,12 @@ def test_a_face_without_area_and_a_point_without_face_have_zero_normals():
     assert surface.face_areas(points, [[0, 1, 2]]).tolist() == [0]
 
 
-def test_edge_lengths_follow_the_order_of_the_edges():
-    points, triangles = _box()
-    ends = surface.edges(triangles).vertices
-    lengths = surface.edge_lengths(points, triangles)
-    assert lengths == pytest.approx(np.linalg.norm(points[ends[:, 0]] - points[ends[:, 1]], axis=1))
-    assert len(lengths) == 18
-
-
 # ------------------------------------------------------------------------------------- topology
 
 
 def test_euler_characteristic_of_sphere_and_torus():
     for triangles, genus in ((TETRAHEDRON, 0), (_box()[1], 0), (_torus()[1], 1)):
-        edges = surface.edges(triangles)
+        edges = topology.edges(triangles)
         points = triangles.max() + 1
         assert points - len(edges.vertices) + len(triangles) == 2 - 2 * genus
         assert np.all(edges.face_counts == 2)
@@ -107,7 +99,7 @@ def test_euler_characteristic_of_sphere_and_torus():
 
 def test_edges_and_faces_name_each_other():
     triangles = _torus()[1]
-    edges = surface.edges(triangles)
+    edges = topology.edges(triangles)
     for side in range(3):
         ends = np.sort(triangles[:, [side, (side + 1) % 3]], axis=1)
         assert np.array_equal(edges.vertices[edges.face_edges[:, side]], ends)
@@ -118,44 +110,39 @@ def test_edges_and_faces_name_each_other():
 
 def test_an_opened_surface_has_the_boundary_of_its_missing_face():
     triangles = _box()[1]
-    assert surface.is_closed(triangles)
+    assert topology.is_closed(triangles)
     open_triangles = triangles[1:]
-    assert not surface.is_closed(open_triangles)
-    assert surface.is_manifold(open_triangles)
-    boundary = {tuple(edge) for edge in surface.boundary_edges(open_triangles).tolist()}
+    assert not topology.is_closed(open_triangles)
+    assert topology.is_manifold(open_triangles)
+    boundary = {tuple(edge) for edge in topology.boundary_edges(open_triangles).tolist()}
     a, b, c = triangles[0].tolist()
     assert boundary == {(b, a), (c, b), (a, c)}
-    found = surface.surface_topology(open_triangles)
+    found = topology.surface_topology(open_triangles)
     assert found.boundary_edge_count == 3
     assert not found.is_watertight
 
 
 def test_three_faces_at_an_edge_are_not_manifold():
     fins = [[0, 1, 2], [1, 0, 3], [0, 1, 4]]
-    assert not surface.is_edge_manifold(fins)
-    assert not surface.is_manifold(fins)
+    assert not topology.surface_topology(fins).is_edge_manifold
+    assert not topology.is_manifold(fins)
 
 
 def test_two_bodies_that_meet_in_a_point_are_not_vertex_manifold():
     second = np.where(TETRAHEDRON == 0, 0, TETRAHEDRON + 3)
     both = np.r_[TETRAHEDRON, second]
-    assert surface.is_closed(both)
-    assert surface.is_edge_manifold(both)
-    assert not surface.is_vertex_manifold(both)
-    assert surface.surface_topology(both).component_count == 2
+    assert topology.is_closed(both)
+    assert topology.surface_topology(both).is_edge_manifold
+    assert not topology.surface_topology(both).is_vertex_manifold
+    assert topology.surface_topology(both).component_count == 2
 
 
 def test_a_triangle_that_names_a_point_twice_is_not_manifold():
-    assert not surface.is_edge_manifold([[0, 1, 1]])
-
-
-def test_components_are_numbered_in_the_order_of_their_faces():
-    both = np.r_[TETRAHEDRON + 10, TETRAHEDRON]
-    assert surface.face_components(both).tolist() == [0, 0, 0, 0, 1, 1, 1, 1]
+    assert not topology.surface_topology([[0, 1, 1]]).is_edge_manifold
 
 
 def test_neighbors_of_a_vertex():
-    offsets, indices = surface.vertex_neighbors(TETRAHEDRON, 6)
+    offsets, indices = topology.vertex_neighbors(TETRAHEDRON, 6)
     assert offsets.tolist() == [0, 3, 6, 9, 12, 12, 12]
     assert indices.tolist() == [1, 2, 3, 0, 2, 3, 0, 1, 3, 0, 1, 2]
 
@@ -176,12 +163,12 @@ def test_any_mixture_of_windings_becomes_outward(seed):
     agree = surface.face_normals(points, oriented) - surface.face_normals(points, both)
     assert np.array_equal(np.sort(oriented, axis=1), np.sort(both, axis=1))
     assert np.abs(agree).max() < 1e-12  # the same cross products from other corners
-    assert surface.surface_topology(oriented).is_consistently_wound
+    assert topology.surface_topology(oriented).is_consistently_wound
 
 
 def test_an_open_tube_is_turned_away_from_the_points_inside():
     points, triangles = _torus()
-    angle = np.arctan2(*surface.face_centroids(points, triangles)[:, 1::-1].T)
+    angle = np.arctan2(*points[triangles].mean(axis=1)[:, 1::-1].T)
     bend = triangles[np.abs(angle) < 1.5]
     axis = 3 * np.c_[np.cos(np.linspace(-1.5, 1.5, 30)), np.sin(np.linspace(-1.5, 1.5, 30))]
     inside = np.c_[axis, np.zeros(30)]
@@ -197,13 +184,13 @@ def test_an_open_surface_keeps_the_winding_of_the_majority():
     open_triangles[3] = open_triangles[3][::-1]
     oriented = surface.oriented_triangles(points, open_triangles)
     assert np.array_equal(np.delete(oriented, 3, axis=0), np.delete(open_triangles, 3, axis=0))
-    assert surface.surface_topology(oriented).is_consistently_wound
+    assert topology.surface_topology(oriented).is_consistently_wound
 
 
 def test_a_moebius_band_keeps_its_winding():
     points, triangles = _moebius()
-    assert surface.is_manifold(triangles)
-    assert not surface.surface_topology(triangles).is_consistently_wound
+    assert topology.is_manifold(triangles)
+    assert not topology.surface_topology(triangles).is_consistently_wound
     assert np.array_equal(surface.oriented_triangles(points, triangles), triangles)
 
 
@@ -218,14 +205,14 @@ def _area(loop, normal):
 
 def test_a_cut_through_a_torus_is_two_polygons_with_the_right_area():
     points, triangles = _torus(24, 12)
-    loops = surface.plane_section(points, triangles, [0, 0, 0], [0, 1, 0.3])
+    loops = section.plane_section(points, triangles, [0, 0, 0], [0, 1, 0.3])
     assert len(loops) == 2
     assert all(loop.is_closed for loop in loops)
 
 
 def test_a_cut_through_vertices_is_the_polygon_of_those_vertices():
     points, triangles = _torus(24, 12)
-    loops = surface.plane_section(points, triangles, [0, 0, 0], [0, 1, 0])
+    loops = section.plane_section(points, triangles, [0, 0, 0], [0, 1, 0])
     assert sorted(len(loop.points) for loop in loops) == [12, 12]
     for loop in loops:
         assert loop.is_closed
@@ -235,7 +222,7 @@ def test_a_cut_through_vertices_is_the_polygon_of_those_vertices():
 
 def test_holes_run_clockwise():
     points, triangles = _torus(48, 24)
-    loops = surface.plane_section(points, triangles, [0, 0, 0.01], [0, 0, 1])
+    loops = section.plane_section(points, triangles, [0, 0, 0.01], [0, 0, 1])
     areas = sorted(_area(loop, np.array([0, 0, 1])) for loop in loops)
     assert len(areas) == 2
     assert areas[0] == pytest.approx(-np.pi * 2**2, rel=0.02)  # polygon of 48 corners
@@ -245,26 +232,26 @@ def test_holes_run_clockwise():
 @pytest.mark.parametrize("height", [0.0, 0.5, 1.0, 3.0])
 def test_a_box_cut_at_any_height_gives_its_base_or_nothing(height):
     points, triangles = _box()
-    loops = surface.plane_section(points, triangles, [0, 0, height], [0, 0, 2.0])
+    loops = section.plane_section(points, triangles, [0, 0, height], [0, 0, 2.0])
     # Points in the plane count as above it: the plane through the floor cuts nothing.
     areas = [_area(loop, np.array([0, 0, 1])) for loop in loops]
     assert areas == pytest.approx([] if height == 0 else [2.0], rel=1e-14)
 
 
 def test_a_plane_that_touches_a_corner_gives_no_loop():
-    assert surface.plane_section(TETRAHEDRON_POINTS, TETRAHEDRON, [0, 0, 1], [0, 0, 1]) == []
+    assert section.plane_section(TETRAHEDRON_POINTS, TETRAHEDRON, [0, 0, 1], [0, 0, 1]) == []
 
 
 def test_a_cut_through_an_open_rim_is_an_open_polyline():
     points, triangles = _box()
-    loops = surface.plane_section(points, triangles[2:], [0, 0, 1.0], [0, 0, 1])
+    loops = section.plane_section(points, triangles[2:], [0, 0, 1.0], [0, 0, 1])
     assert [loop.is_closed for loop in loops] == [False]
     ends = loops[0].points[[0, -1]]
     assert np.linalg.norm(ends[1] - ends[0]) == pytest.approx(2.0, rel=1e-14)  # the missing wall
 
 
 def test_a_cut_that_misses_is_empty():
-    assert surface.plane_section(*_box(), [0, 0, 9], [0, 0, 1]) == []
+    assert section.plane_section(*_box(), [0, 0, 9], [0, 0, 1]) == []
 
 
 @settings(max_examples=40, deadline=None)
@@ -276,7 +263,7 @@ def test_a_closed_surface_is_only_ever_cut_in_closed_loops(seed, normal):
     # Planes through a vertex with small whole normals run along edges and through many vertices.
     points, triangles = _torus(8, 8)
     origin = points[np.random.default_rng(seed).integers(len(points))]
-    loops = surface.plane_section(points, triangles, origin, normal)
+    loops = section.plane_section(points, triangles, origin, normal)
     assert all(loop.is_closed for loop in loops)
     for loop in loops:
         heights = (loop.points - origin) @ (np.array(normal) / np.linalg.norm(normal))
@@ -287,45 +274,11 @@ def test_the_areas_of_many_cuts_add_up_to_the_volume():
     points, triangles = _torus(24, 12)
     normal = np.array([1.0, 2.0, 2.0]) / 3
     stations = np.linspace(-5, 5, 2001)
-    sections = [surface.plane_section(points, triangles, s * normal, normal) for s in stations]
+    sections = [section.plane_section(points, triangles, s * normal, normal) for s in stations]
     areas = [_area(loop, normal) for loops in sections for loop in loops]
     # Trapezium rule over pieces of parabolas: 2000 steps leave about 1e-5.
     volume = np.sum(areas) * (stations[1] - stations[0])
     assert volume == pytest.approx(surface.signed_volume(points, triangles), rel=1e-4)
-
-
-# ---------------------------------------------------------------------------- inside or outside
-
-
-def test_points_inside_a_torus():
-    points, triangles = _torus(96, 48)
-    rng = np.random.default_rng(3)
-    queries = rng.uniform(-4.2, 4.2, (3000, 3)) * [1, 1, 0.3]
-    distance = np.hypot(np.hypot(queries[:, 0], queries[:, 1]) - 3, queries[:, 2])
-    clear = np.abs(distance - 1) > 0.01  # the polygon torus lies up to 0.008 inside the round one
-    found = surface.is_inside(queries, points, triangles)
-    assert np.array_equal(found[clear], distance[clear] < 1)
-    assert np.array_equal(surface.is_inside(queries, points, triangles[:, ::-1]), found)
-
-
-def test_rays_through_vertices_and_edges_are_counted_once():
-    points, triangles = _box((2.0, 2.0, 2.0))
-    inside = [[1, 1, 1], [1, 1, 0.5], [0.5, 0.5, 1], [1.5, 0.5, 1]]
-    outside = [[1, 1, -1], [1, 1, 3], [3, 1, 1], [-1, -1, -1], [1, 5, 1]]
-    found = surface.is_inside(inside + outside, points, triangles)
-    assert found.tolist() == [True] * 4 + [False] * 5
-    ridge = np.vstack([points, [1, 1, 5]])
-    roof = np.r_[triangles[:-2], [[1, 5, 8], [5, 7, 8], [7, 3, 8], [3, 1, 8]]]
-    assert surface.is_closed(roof)
-    assert surface.is_inside([[1, 1, 1], [1, 1, 4], [1, 1, 6]], ridge, roof).tolist() == [
-        True,
-        True,
-        False,
-    ]
-
-
-def test_no_query_gives_no_answer():
-    assert surface.is_inside(np.empty((0, 3)), *_box()).shape == (0,)
 
 
 # ----------------------------------------------------------------------------------------- errors
@@ -335,12 +288,11 @@ def test_no_query_gives_no_answer():
     ("call", "message"),
     [
         (lambda p, t: surface.face_areas(p[:4], t), "point indices from 0 to 3"),
-        (lambda p, t: surface.edges(t[:, :2]), r"shape \(m, 3\)"),
-        (lambda p, t: surface.edges(t - 1), "point indices"),
-        (lambda p, t: surface.vertex_neighbors(t, 3), "point indices from 0 to 2"),
-        (lambda p, t: surface.plane_section(p, t, [0, 0, 0], [0, 0, 0]), "the zero vector"),
+        (lambda p, t: topology.edges(t[:, :2]), r"shape \(m, 3\)"),
+        (lambda p, t: topology.edges(t - 1), "point indices"),
+        (lambda p, t: topology.vertex_neighbors(t, 3), "point indices from 0 to 2"),
+        (lambda p, t: section.plane_section(p, t, [0, 0, 0], [0, 0, 0]), "the zero vector"),
         (lambda p, t: surface.oriented_triangles(p, t[1:], np.empty((0, 3))), "at least 1 points"),
-        (lambda p, t: surface.is_inside([[0, 0]], p, t), r"shape \(n, 3\)"),
     ],
 )
 def test_bad_input_is_named(call, message):

@@ -7,7 +7,7 @@ from SDFStentLib import treatment as treatment_module
 from SDFStentLib.phantoms import branching_pulmonary_artery
 from SDFStentLib.placement import AtCenter
 from SDFStentLib.stent import Stent
-from SDFStentLib.surface import surface_topology
+from SDFStentLib.topology import surface_topology
 from SDFStentLib.treatment import Treatment
 
 

@@ -10,8 +10,9 @@ from SDFStentLib.capsule_chain import CapsuleChain
 from SDFStentLib.deployment import Deployment
 from SDFStentLib.intersections import self_intersecting_triangles
 from SDFStentLib.motion import Motion
+from SDFStentLib.precision import Precision
 from SDFStentLib.settings import DeploymentSettings
-from SDFStentLib.untangle import IDLE_ROUNDS, Faults, Precision, untangled
+from SDFStentLib.untangle import IDLE_ROUNDS, Faults, untangled
 
 DEFAULT = DeploymentSettings()
 PLAIN = DEFAULT.with_changes(tissue_gap=0, untangle=False)

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from SDFStentLib.polydata import arrays_from_polydata
-from SDFStentLib.surface import surface_topology
+from SDFStentLib.topology import surface_topology
 from SDFStentLib.triangulation import triangulated_polydata
 from SDFStentLib.validation import InputError
 

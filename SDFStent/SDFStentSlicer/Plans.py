@@ -7,10 +7,10 @@ import slicer
 from slicer.i18n import tr as _
 
 from SDFStentLib import placement as library
-from SDFStentLib.deployment import DeploymentSettings
 from SDFStentLib.plan import InputFile, Plan, PlannedStent, turned
 from SDFStentLib.plan_document import plan_text, save_plan
 from SDFStentLib.plan_reader import load_plan, plan_from_document
+from SDFStentLib.settings import DeploymentSettings
 from SDFStentLib.stent import Stent
 from SDFStentLib.validation import InputError
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from SDFStentLib.precision import Precision
 from SDFStentLib.stretch import displacements, face_stretches
 from SDFStentLib.treatment import Treatment
-from SDFStentLib.untangle import Precision
 
 from .Portions import inPortions
 
