@@ -17,6 +17,7 @@ from .lumen import drawn_in, facets_compensated, finished, projected
 from .motion import Motion
 from .patch import Patch
 from .published_steps import published_steps
+from .rows import dot
 from .stent_checks import MotionCheck, motion_check
 from .surface import faces_at, vertex_normals
 from .topology import consistently_wound, vertex_neighbors
@@ -227,7 +228,7 @@ class Attempt:
         if normals is None:
             normals = vertex_normals(task.points, task.outward_triangles)
             normals = normals[self.numbers[wall]][self.patch.twin[wall]]
-        facing = -np.einsum("ij,ij->i", normals, direction)
+        facing = -dot(normals, direction)
         share = np.clip((facing - ramp[0]) / (ramp[1] - ramp[0]), 0, 1)
         offset = np.zeros(len(self.motion.level))
         offset[wall] = gap * share**2 * (3 - 2 * share)

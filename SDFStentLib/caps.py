@@ -11,9 +11,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .local_surface import may_meet_box
-from .surface import face_normals, faces_at
-from .topology import component_labels, edges
+from .connected_parts import component_labels
+from .rows import dot
+from .surface import face_normals, faces_at, may_meet_box
+from .topology import edges
 from .validation import Points, Triangles
 
 FLAT = np.cos(np.deg2rad(1.0))
@@ -67,7 +68,7 @@ def flat_caps(points: Points, faces: Triangles) -> list[FlatCap]:
         return []
     normals = face_normals(points, faces)
     pairs = edges(faces).paired_sides // 3
-    cosine = np.einsum("ij,ij->i", normals[pairs[:, 0]], normals[pairs[:, 1]])
+    cosine = dot(normals[pairs[:, 0]], normals[pairs[:, 1]])
     flat = pairs[cosine > FLAT]
     label = component_labels(len(faces), flat[:, 0], flat[:, 1])
 

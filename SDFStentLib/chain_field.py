@@ -22,6 +22,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .rows import dot, norm
 from .validation import Floats, Points
 
 NOTHING = np.empty(0, dtype=np.int64)
@@ -72,13 +73,13 @@ class ChainField:
         self.centre = nodes.mean(axis=0)
         ends = (nodes - self.centre) * self.scale
         axes = np.diff(ends, axis=0)
-        lengths = np.sqrt(np.einsum("ij,ij->i", axes, axes))
+        lengths = norm(axes)
         middles = (ends[:-1] + ends[1:]) / 2
         units = axes / lengths[:, None]
         self.count = len(axes)
         self.to_ends = _squares_from(ends)
         self.to_middles = _squares_from(middles)
-        self.along = np.column_stack([units, -np.einsum("ij,ij->i", units, middles)])
+        self.along = np.column_stack([units, -dot(units, middles)])
         self.half_lengths = lengths[:, None] / 2
         self.middles = np.vstack([middles.T, np.ones(self.count)])
         self.units = units.T.copy()
@@ -308,7 +309,7 @@ def hard_minimum(distances: Floats, weights: Floats) -> Floats:
 
 def _squares_from(places: Points) -> Floats:
     """Rows that turn lifted points into squared distances from some places, by matrix product."""
-    squares = np.einsum("ij,ij->i", places, places)
+    squares = dot(places, places)
     return np.column_stack([-2 * places, squares, np.ones(len(places))])
 
 

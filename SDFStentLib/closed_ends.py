@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 
 from .caps import flat_caps
 from .inscribed import InscribedSpheres, inscribed_spheres
-from .local_surface import LocalSurface, may_meet_box
+from .local_surface import LocalSurface
 from .polyline import arc_lengths
+from .rows import dot
+from .surface import may_meet_box
 from .validation import Floats, Points, Triangles
 
 AHEAD = np.cos(np.deg2rad(30.0))
@@ -109,7 +111,7 @@ def _touches(
         query, triangle = surface.near(centers, reach)
         offset = surface.index.closest_points(centers[query], triangle) - centers[query]
         distance = np.linalg.norm(offset, axis=1)
-        along = np.einsum("ij,ij->i", offset, outward[where[query]])
+        along = dot(offset, outward[where[query]])
         is_ahead = (distance <= reach[query]) & (along >= cosine * distance)
         # Of a centre in the surface itself, rounding tells the direction.
         touches[known[query[is_ahead | (distance < IN_SURFACE)]]] = True
@@ -129,7 +131,7 @@ def _in_caps(
     is_capped = np.zeros(len(triangles), dtype=bool)
     for cap in flat_caps(points, triangles[near]):
         offset = stations - points[triangles[near[cap.faces]]].mean(axis=(0, 1))
-        beside = np.einsum("ij,ij->i", offset, offset).argmin()
+        beside = dot(offset, offset).argmin()
         # The sides of a box are flat spots with a steep rim as well.
         if abs(cap.normal @ directions[beside]) >= AHEAD:
             is_capped[near[cap.faces]] = True
@@ -139,7 +141,7 @@ def _in_caps(
 def _is_crossed(points: Points, station: Floats, direction: Floats, width: float) -> bool:
     """Whether the plane across the axis has some of the points near the station on both sides."""
     offset = points - station
-    offset = offset[np.einsum("ij,ij->i", offset, offset) < width**2]
+    offset = offset[dot(offset, offset) < width**2]
     heights = offset @ direction
     touch = TOUCH * width
     return bool(len(heights) and heights.min() < -touch and heights.max() > touch)

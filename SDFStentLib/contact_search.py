@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .rows import dot
 from .validation import Points
 
 FEW = 32
@@ -57,14 +58,14 @@ def squared_distances(
     """Squares (k, m) of the distances to all others, part by part; by rounding below zero."""
     centre = others.mean(axis=0)
     local = others - centre
-    factors, squares = -2 * local.T, np.einsum("ij,ij->i", local, local)
+    factors, squares = -2 * local.T, dot(local, local)
     rows = max(1, PAIRS // len(others))
     for start in range(0, len(points), rows):
         part = slice(start, start + rows)
         local = points[part] - centre
         pairs = local @ factors
         pairs += squares
-        pairs += np.einsum("ij,ij->i", local, local)[:, None]
+        pairs += dot(local, local)[:, None]
         yield part, pairs
 
 

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from .contact_search import ContactSearch
 from .motion import Motion
+from .rows import norm
 from .validation import Points
 
 SHIFTS = (1, -1, 4, -4)
@@ -97,6 +98,6 @@ class ContactSet:
         offset = self._motion.positions[nearest]
         offset += growth * self._motion.direction[nearest]
         offset -= positions
-        distance = np.sqrt(np.einsum("ij,ij->i", offset, offset))
+        distance = norm(offset)
         distance[nearest < 0] = np.inf
         return distance

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .rows import across, dot
 from .section import plane_section
 from .validation import Floats, InputError, Points, Triangles, as_points, as_triangles
 
@@ -53,7 +54,8 @@ def equivalent_diameters(
 def _lumen_area(points: Points, triangles: Triangles, center: Floats, direction: Floats) -> float:
     # Only triangles that may be cut go on, which is quick even on a large surface. The bits say
     # "below" and "above"; who is as near to the plane as rounding is neither, and goes on.
-    heights = (points - center) @ (direction / np.linalg.norm(direction))
+    normal = direction / np.linalg.norm(direction)
+    heights = (points - center) @ normal
     margin = 1e-9 * max(1.0, float(np.abs(center).max()))
     side = (heights < -margin).astype(np.uint8) | (heights > margin).astype(np.uint8) << 1
     cut = triangles[(side[triangles[:, 0]] & side[triangles[:, 1]] & side[triangles[:, 2]]) == 0]
@@ -65,17 +67,10 @@ def _lumen_area(points: Points, triangles: Triangles, center: Floats, direction:
     for loop in loops:
         if not loop.is_closed:
             continue
-        flat = (loop.points - center) @ _plane_basis(direction).T
+        flat = (loop.points - center) @ across(normal[None])[0].T
         if _holds_origin(flat):
             areas.append(_polygon_area(flat))
     return min(areas, default=float("nan"))
-
-
-def _plane_basis(normal: Floats) -> Floats:
-    """Two unit vectors (2, 3) across `normal`."""
-    first = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
-    first /= np.linalg.norm(first)
-    return np.stack([first, np.cross(normal / np.linalg.norm(normal), first)])
 
 
 def _holds_origin(polygon: Floats) -> bool:
@@ -101,8 +96,8 @@ def winding_numbers(queries: Points, points: Points, triangles: Triangles) -> Fl
     for number, query in enumerate(queries):
         a, b, c = np.moveaxis(corners - query, 1, 0)
         la, lb, lc = (np.linalg.norm(side, axis=1) for side in (a, b, c))
-        volume = np.einsum("ij,ij->i", a, np.cross(b, c))
-        dots = [np.einsum("ij,ij->i", first, second) for first, second in ((a, b), (b, c), (c, a))]
+        volume = dot(a, np.cross(b, c))
+        dots = [dot(first, second) for first, second in ((a, b), (b, c), (c, a))]
         angle = np.arctan2(volume, la * lb * lc + dots[0] * lc + dots[1] * la + dots[2] * lb)
         result[number] = abs(angle.sum()) / (2 * np.pi)
     return result

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .rows import dot, norm
 from .validation import Floats, Indices, Points, as_points, as_triangles
 
 _BLOCK = 128
@@ -54,21 +55,23 @@ def closest_points_on_triangles(queries: Points, corners: Floats) -> Points:
     """
     first = corners[:, 0]
     u, v, offset = corners[:, 1] - first, corners[:, 2] - first, queries - first
-    uu, uv, vv = _dot(u, u), _dot(u, v), _dot(v, v)
-    pu, pv = _dot(offset, u), _dot(offset, v)
+    uu, uv, vv = dot(u, u), dot(u, v), dot(v, v)
+    pu, pv = dot(offset, u), dot(offset, v)
     squared_area = uu * vv - uv * uv
     safe = np.where(squared_area > 0, squared_area, 1.0)
     s, t = (vv * pu - uv * pv) / safe, (uu * pv - uv * pu) / safe
     is_inside = (squared_area > 0) & (s >= 0) & (t >= 0) & (s + t <= 1)
 
     best = first + np.clip(pu / np.where(uu > 0, uu, 1.0), 0, 1)[:, None] * u
-    best_distance = _squared_lengths(queries - best)
+    offset = queries - best
+    best_distance = dot(offset, offset)
     for candidate, usable in (
         (first + np.clip(pv / np.where(vv > 0, vv, 1.0), 0, 1)[:, None] * v, True),
         (_foot_on_third_side(queries, corners), True),
         (first + s[:, None] * u + t[:, None] * v, is_inside),
     ):
-        distance = _squared_lengths(queries - candidate)
+        offset = queries - candidate
+        distance = dot(offset, offset)
         is_better = usable & (distance < best_distance)
         best[is_better] = candidate[is_better]
         best_distance[is_better] = distance[is_better]
@@ -103,13 +106,13 @@ class SurfaceIndex:
         a, b, c = self.corners[:, 0], self.corners[:, 1], self.corners[:, 2]
         self._centroids = (a + b + c) / 3.0
         arms = [corner - self._centroids for corner in (a, b, c)]
-        squared = np.maximum.reduce([_squared_lengths(arm) for arm in arms])
+        squared = np.maximum.reduce([dot(arm, arm) for arm in arms])
         self._disc_radii = np.sqrt(squared)
         normals = np.cross(arms[1] - arms[0], arms[2] - arms[0])
-        lengths = np.sqrt(_squared_lengths(normals))
+        lengths = norm(normals)
         self._normals = normals / np.where(lengths > 0, lengths, 1.0)[:, None]
         # Rounding tilts the normal of a needle: its disc gets the thickness that this costs.
-        self._thickness = np.maximum.reduce([np.abs(_dot(arm, self._normals)) for arm in arms])
+        self._thickness = np.maximum.reduce([np.abs(dot(arm, self._normals)) for arm in arms])
         self._trees = [
             (cKDTree(self._centroids[members], balanced_tree=False, compact_nodes=False), members)
             for members in _size_classes(self._disc_radii)
@@ -148,8 +151,8 @@ class SurfaceIndex:
     def lower_bounds(self, queries: Points, triangle: Indices) -> Floats:
         """Distance (p,) from query i to the disc round triangle i: never above the true one."""
         offset = queries - self._centroids[triangle]
-        height = _dot(offset, self._normals[triangle])
-        aside = np.sqrt(np.maximum(_squared_lengths(offset) - height**2, 0.0))
+        height = dot(offset, self._normals[triangle])
+        aside = np.sqrt(np.maximum(dot(offset, offset) - height**2, 0.0))
         aside = np.maximum(aside - self._disc_radii[triangle], 0.0)
         above = np.maximum(np.abs(height) - self._thickness[triangle], 0.0)
         return np.sqrt(above**2 + aside**2) * (1 - _SLACK)
@@ -169,7 +172,7 @@ class SurfaceIndex:
             bound = np.minimum(bound, tree.query(queries)[0])
         query, triangle = self.near(queries, bound)
         closest = self.closest_points(queries[query], triangle)
-        distance = np.sqrt(_squared_lengths(queries[query] - closest))
+        distance = norm(queries[query] - closest)
         order = np.lexsort((distance, query))
         first = order[np.searchsorted(query[order], np.arange(len(queries)))]
         return SurfaceDistance(distance[first], closest[first], triangle[first])
@@ -190,14 +193,6 @@ def _size_classes(sizes: Floats) -> list[Indices]:
 
 def _foot_on_third_side(queries: Points, corners: Floats) -> Points:
     start, side = corners[:, 1], corners[:, 2] - corners[:, 1]
-    squared = _squared_lengths(side)
-    fraction = _dot(queries - start, side) / np.where(squared > 0, squared, 1.0)
+    squared = dot(side, side)
+    fraction = dot(queries - start, side) / np.where(squared > 0, squared, 1.0)
     return start + np.clip(fraction, 0, 1)[:, None] * side
-
-
-def _dot(a: Floats, b: Floats) -> Floats:
-    return np.einsum("ij,ij->i", a, b)
-
-
-def _squared_lengths(vectors: Floats) -> Floats:
-    return np.einsum("ij,ij->i", vectors, vectors)

@@ -11,10 +11,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
+from .connected_parts import component_labels
 from .intersections import intersecting_pairs
 from .precision import stored_points
 from .surface import compacted, face_normals, faces_at
-from .topology import component_labels
 from .validation import Indices, Points, Triangles
 
 _ROUNDING = 8 * 2.0**-53

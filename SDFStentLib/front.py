@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from .contact_search import ContactSearch
 from .contact_set import ContactSet
 from .motion import Motion, influence_rates
+from .rows import norm
 from .step_rule import StepRule
-from .validation import Points
 
 SUBSTEPS = 8
 """Substeps of the front in every step: 0.1 mm in the longest one by default, finer at first."""
@@ -81,7 +81,7 @@ class Front:
         """
         rule = self._rule
         above = self._level - (radius + elapsed)
-        apart = _lengths(self.positions - self._anchor - elapsed * self._velocity)
+        apart = norm(self.positions - self._anchor - elapsed * self._velocity)
         previous = self.rate
         self.rate = influence_rates(above, apart, rule.influence_distance, rule.falloff, rule.blend)
         self.rate[self._touching] = 1
@@ -115,7 +115,7 @@ class Front:
         waiting = np.flatnonzero(~self._touching)
         search = ContactSearch(self.positions[sources])
         old = self.positions[waiting] - self._anchor[waiting] - elapsed * self._velocity[waiting]
-        old = np.minimum(_lengths(old), self._reach)
+        old = np.minimum(norm(old), self._reach)
         gap, nearest = search.nearest(self.positions[waiting], old.max(initial=0))
         closer = gap < old
         waiting, nearest = waiting[closer], nearest[closer]
@@ -129,7 +129,3 @@ class Front:
         self.positions += amount[:, None] * self._direction
         self._level += amount * self._slope
         self.amount += amount
-
-
-def _lengths(vectors: Points) -> NDArray[np.float64]:
-    return np.sqrt(np.einsum("ij,ij->i", vectors, vectors))

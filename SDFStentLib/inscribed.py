@@ -22,6 +22,7 @@ from .distance import NearPairs, SurfaceIndex
 from .local_surface import LocalSurface
 from .max_min_step import LinearRows, largest_steps
 from .polyline import tangents as polyline_tangents
+from .rows import across, norm
 from .validation import Floats, Indices, InputError, Points, as_number, as_points, as_triangles
 
 _FIRST_BOX, _SMALLEST_BOX, _LARGEST_BOX = 0.05, 0.005, 0.5
@@ -95,7 +96,7 @@ def inscribed_spheres(
             f"centers: expected at least 2 points or a tangent for each, got {len(centers)}."
         )
     directions = polyline_tangents(centers) if tangents is None else _unit(tangents, centers)
-    axes = _plane_axes(directions)
+    axes = across(directions)
     found = InscribedSpheres(np.empty_like(centers), np.empty(len(centers)))
     for start in range(0, len(centers), _STATIONS):
         block = slice(start, start + _STATIONS)
@@ -215,7 +216,7 @@ def _rows(
     """Linear models of the distances that matter within the boxes, and the exact radii."""
     (query, triangle), index = near.pairs(centers, active, radii[active] + reach, reach)
     offset = centers[query] - index.closest_points(centers[query], triangle)
-    distance = np.sqrt(np.einsum("ij,ij->i", offset, offset))
+    distance = norm(offset)
     starts = np.searchsorted(query, active)
     radius = np.minimum.reduceat(distance, starts)
     group = np.searchsorted(active, query)
@@ -223,14 +224,6 @@ def _rows(
     query, offset, distance = query[matters], offset[matters], distance[matters]
     slope = np.einsum("nij,nj->ni", axes[query], offset) / np.maximum(distance, 1e-300)[:, None]
     return LinearRows(distance, slope, np.searchsorted(query, active), radius)
-
-
-def _plane_axes(tangents: Points) -> Floats:
-    """Two unit vectors (n, 2, 3) across every tangent."""
-    across = np.eye(3)[np.argmin(np.abs(tangents), axis=1)]
-    first = np.cross(tangents, across)
-    first /= np.linalg.norm(first, axis=1)[:, None]
-    return np.stack([first, np.cross(tangents, first)], axis=1)
 
 
 def _unit(tangents: ArrayLike, centers: Points) -> Points:

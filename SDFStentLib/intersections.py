@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from .precision import stored_points
-from .surface import compacted
+from .surface import compacted, may_meet_box
 from .triangle_contact import certain_contact, exact_contact, first_shared
 from .triangle_pairs import face_boxes, overlapping_pairs
 from .validation import Flags, Indices, InputError, Points, Triangles, as_triangles
@@ -121,14 +121,8 @@ def _near(points: Points, triangles: Triangles, is_moved: Flags) -> Indices:
         return np.arange(len(triangles))
     moved = np.zeros(len(points), dtype=bool)
     moved[triangles[is_moved]] = True
-    beyond = np.zeros(len(points), dtype=np.uint8)
-    for k, values in enumerate(points.T):
-        low, high = values[moved].min(), values[moved].max()
-        beyond |= (values < low).view(np.uint8) << 2 * k
-        beyond |= (values > high).view(np.uint8) << 2 * k + 1
-    # A face stays outside when all its corners lie beyond the same side of the box.
-    first, second, third = triangles.T
-    return np.flatnonzero(beyond[first] & beyond[second] & beyond[third] == 0)
+    ends = points[moved]
+    return np.flatnonzero(may_meet_box(points, triangles, ends.min(axis=0), ends.max(axis=0)))
 
 
 def _is_in_flat_fans(columns: NDArray[np.float64], corners: Indices) -> Flags:

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .connected_parts import component_labels
 from .point_tree import mixed_radius
 from .segments import distances_to_segments
 from .validation import Floats, Indices, InputError, Points
@@ -49,6 +50,7 @@ class LineGraph(NamedTuple):
 
     def matrix(self) -> Any:
         """Edge lengths as a sparse matrix (one entry per edge), for scipy's graph functions."""
+        # SciPy is imported where it is used, throughout: it would slow every start of the program.
         from scipy.sparse import csr_matrix
 
         shape = (len(self.points), len(self.points))
@@ -56,10 +58,7 @@ class LineGraph(NamedTuple):
 
     def component_labels(self) -> Indices:
         """Number of the connected piece of every node."""
-        # SciPy is imported where it is used, throughout: it would slow every start of the program.
-        from scipy.sparse.csgraph import connected_components
-
-        return connected_components(self.matrix(), directed=False)[1].astype(np.int64)
+        return component_labels(len(self.points), self.edges[:, 0], self.edges[:, 1])
 
     def with_edges(self, more: Indices) -> LineGraph:
         """The graph with edges added; loops and doubles are left out."""

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .distance import NearPairs, SurfaceIndex
+from .rows import dot
+from .surface import may_meet_box
 from .validation import Floats, Points, Triangles
 
 _THINNED_ABOVE, _THINNING = 4000, 8
@@ -32,7 +33,7 @@ class LocalSurface:
         # Any vertex in use bounds the distance to the wall; a thousand bound it well enough.
         some = points[triangles[:: max(1, len(triangles) // 1000), 0]]
         offset = (centers[:, None] - some).reshape(-1, 3)
-        squared = np.einsum("ij,ij->i", offset, offset).reshape(len(centers), -1)
+        squared = dot(offset, offset).reshape(len(centers), -1)
         self._grow(2.5 * float(np.sqrt(squared.min(axis=1).max())))
 
     def near(self, centers: Points, radii: Floats) -> NearPairs:
@@ -81,14 +82,3 @@ class LocalSurface:
         # Doubling spares growing at every step, but twice the margin of a centre on a vertex is 0.
         self._grow(max(2 * self._margin, self._margin + _AMPLY * missing))
         return True
-
-
-def may_meet_box(
-    points: Points, triangles: Triangles, low: Floats, high: Floats
-) -> NDArray[np.bool_]:
-    """False for triangles that lie wholly beyond one side of the box."""
-    code = np.zeros(len(points), dtype=np.uint8)
-    for axis in range(3):
-        code |= (points[:, axis] < low[axis]).astype(np.uint8) << (2 * axis)
-        code |= (points[:, axis] > high[axis]).astype(np.uint8) << (2 * axis + 1)
-    return (code[triangles[:, 0]] & code[triangles[:, 1]] & code[triangles[:, 2]]) == 0

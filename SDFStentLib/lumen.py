@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .capsule_chain import CapsuleChain
 from .motion import Motion
+from .rows import across, dot
 from .validation import Points, Triangles
 
 CONTACT_BAND = 1.5
@@ -59,10 +60,7 @@ def radius_correction(chain: CapsuleChain, radius: float) -> float:
     middle = (chain.nodes[:-1] + chain.nodes[1:]) / 2
     along = np.diff(chain.nodes, axis=0)
     along /= np.linalg.norm(along, axis=1)[:, None]
-    helper = np.eye(3)[np.abs(along).argmin(axis=1)]
-    first = np.cross(along, helper)
-    first /= np.linalg.norm(first, axis=1)[:, None]
-    second = np.cross(along, first)
+    first, second = across(along).swapaxes(0, 1)
     angles = np.linspace(0, 2 * np.pi, 12, endpoint=False)
     circle = np.cos(angles)[:, None, None] * first + np.sin(angles)[:, None, None] * second
     samples = (middle + radius * circle).reshape(-1, 3)
@@ -180,7 +178,7 @@ def facets_compensated(
     """
     ends = _edges_on_stent(triangles, on_stent, len(motion.positions))
     sides = motion.positions[ends[:, 0]] - motion.positions[ends[:, 1]]
-    longest = np.einsum("ij,ij->i", sides, sides).max(initial=0)
+    longest = dot(sides, sides).max(initial=0)
     # An edge between two points of a circle lies inside it by its length squared over 8 radii.
     if longest < 8 * NEGLIGIBLE * radius**2:
         return

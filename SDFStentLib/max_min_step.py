@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .rows import dot
 from .validation import Floats, Indices
 
 _PIVOTS = 100
@@ -80,7 +81,7 @@ def _inverse_columns(matrices: Floats) -> Floats:
     """Columns of the inverse of every (3, 3) matrix, as rows; singular ones give large numbers."""
     a, b, c = matrices[:, 0], matrices[:, 1], matrices[:, 2]
     columns = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)
-    determinant = np.einsum("ij,ij->i", a, columns[:, 0])
+    determinant = dot(a, columns[:, 0])
     return columns / np.where(np.abs(determinant) > 1e-30, determinant, 1e-30)[:, None, None]
 
 

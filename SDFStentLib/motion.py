@@ -15,6 +15,7 @@ from .blending import Profile
 from .capsule_chain import CapsuleChain
 from .chain_field import Field
 from .contact_search import ContactSearch
+from .rows import dot
 from .validation import Points
 
 STRAIGHT = np.cos(np.deg2rad(2.0))
@@ -150,7 +151,7 @@ class Motion:
         curved = np.zeros(len(sample), dtype=bool)
         for share in (0.5, 1.0):
             ahead = self.field_at(sample, self.positions[sample] + share * distance * direction)
-            curved |= np.einsum("ij,ij->i", ahead.direction, direction) < STRAIGHT
+            curved |= dot(ahead.direction, direction) < STRAIGHT
         cube = self.resting.cube
         in_curved_cube = np.zeros(len(self.positions) + 1, dtype=bool)
         in_curved_cube[cube[sample[curved]]] = True
@@ -178,7 +179,7 @@ class RestingPoints:
         self._centres = centres + origin
         self.cube = np.repeat(np.arange(len(starts)), counts)
         offsets = positions - centres[self.cube]
-        squares = np.einsum("ij,ij->i", offsets, offsets)
+        squares = dot(offsets, offsets)
         reach = np.maximum.reduceat(squares, starts) if len(starts) else squares
         self._reach = np.sqrt(reach)
         self._asleep = np.arange(len(starts))

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from .contact_search import FEW, ContactSearch, squared_distances
 from .motion import CELL_SIZE
+from .rows import norm
 from .validation import Floats, Points
 
 PHASES = 8
@@ -97,7 +98,7 @@ class NewContacts:
                 # Beyond the bound no contact is found; any other is as much too far.
                 nearest = new[np.repeat(np.minimum(nearest, len(new) - 1), counts)]
                 offset = points - self._points[nearest]
-                distance = np.sqrt(np.einsum("ij,ij->i", offset, offset))
+                distance = norm(offset)
                 drop = np.maximum(current - distance, 0)
                 total += drop * self._times[nearest]
                 current -= drop

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkDataSetAttributes, vtkPolyData
 
+from .rows import dot
 from .surface import face_normals, vertex_normals
 from .validation import Points, Triangles
 
@@ -80,6 +81,6 @@ def _has_unit_length(rows: NDArray[Any]) -> bool:
 
 def _turn(rows: NDArray[Any], indices: NDArray[np.int64], before: Points, after: Points) -> None:
     stored = rows[indices].astype(np.float64)
-    side = np.where(np.einsum("ij,ij->i", stored, before) < 0, -1.0, 1.0)
+    side = np.where(dot(stored, before) < 0, -1.0, 1.0)
     has_normal = after.any(axis=1)
     rows[indices[has_normal]] = (side[:, None] * after)[has_normal]

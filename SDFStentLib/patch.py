@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .connected_parts import component_labels
+from .rows import dot
 from .surface import vertex_normals
 from .validation import Points, Triangles, read_only
 
@@ -96,7 +97,7 @@ class Patch:
         normals = vertex_normals(points, self.triangles)[self.twin[: self.active_count]]
         count = max(1, len(distance) // 20)
         nearest = np.argpartition(distance, count - 1)[:count]
-        facing = np.einsum("ij,ij->i", normals[nearest], direction[nearest]).sum()
+        facing = dot(normals[nearest], direction[nearest]).sum()
         return normals if facing >= 0 else -normals
 
     @property

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .rows import dot
 from .validation import Floats, InputError, Points, as_point, as_points
 
 
@@ -180,8 +181,8 @@ def inscribed_radii(axis: Axis, radius: Callable[[Floats], Floats], at: ArrayLik
     found = np.empty(len(centers))
     for index, center in enumerate(centers):
         offset = center - rings
-        height = np.einsum("ij,ij->i", offset, tangents)
-        eccentricity = np.sqrt(np.maximum(np.einsum("ij,ij->i", offset, offset) - height**2, 0))
+        height = dot(offset, tangents)
+        eccentricity = np.sqrt(np.maximum(dot(offset, offset) - height**2, 0))
         found[index] = np.hypot(height, radii - eccentricity).min()
     return np.minimum(found, radius(np.atleast_1d(np.asarray(at, dtype=float))))
 

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .phantom_axis import Axis
+from .rows import dot, norm
 from .smooth_minimum import smooth_minimum
 from .validation import Floats, Points
 
@@ -108,7 +109,7 @@ class TubeUnion:
         """Points moved onto the surface along the gradient (Newton)."""
         for _ in range(steps):
             value, gradient = self(points)
-            squared = np.maximum(np.einsum("ij,ij->i", gradient, gradient), 0.01)
+            squared = np.maximum(dot(gradient, gradient), 0.01)
             points = points - (value / squared)[:, None] * gradient
         return points
 
@@ -144,12 +145,12 @@ class TubeUnion:
         tangent, bend = table.tangents[nearest], table.bends[nearest]
         offset = points - table.points[nearest]
         # The foot of the perpendicular on the parabola; reach ends the open ends and the start.
-        step = np.einsum("ij,ij->i", offset, tangent)
-        step = step / np.maximum(1 - np.einsum("ij,ij->i", offset, bend), 0.1)
+        step = dot(offset, tangent)
+        step = step / np.maximum(1 - dot(offset, bend), 0.1)
         step = np.clip(step, table.reach[nearest, 0], table.reach[nearest, 1])[:, None]
         offset -= step * tangent + 0.5 * step**2 * bend
         radius, slope, change = table.radii[nearest].T[:, :, None]
-        distance = np.sqrt(np.einsum("ij,ij->i", offset, offset))
+        distance = norm(offset)
         gradient = offset / np.maximum(distance, 1e-12)[:, None]
         gradient -= (slope + change * step) * (tangent + step * bend)
         return distance - (radius + slope * step + 0.5 * change * step**2)[:, 0], gradient

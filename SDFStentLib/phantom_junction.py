@@ -6,6 +6,7 @@ import numpy as np
 
 from .phantom_field import Rim, TubeUnion
 from .phantom_mesh import Patch, flipped, with_cap
+from .rows import dot
 from .topology import boundary_edges, edges, is_manifold
 from .validation import Floats, Indices, InputError, Points, Triangles
 
@@ -207,9 +208,9 @@ def _relaxed(
         triangles = flipped(points, triangles, rounds=1)
         toward = 0.6 * (_neighbor_means(points, triangles) - points)
         value, gradient = union(points)
-        squared = np.maximum(np.einsum("ij,ij->i", gradient, gradient), 0.01)
+        squared = np.maximum(dot(gradient, gradient), 0.01)
         # Toward the neighbours within the surface, and one Newton step back onto it.
-        along = np.einsum("ij,ij->i", toward, gradient) + value
+        along = dot(toward, gradient) + value
         toward -= (along / squared)[:, None] * gradient
         points = np.where(is_free[:, None], points + toward, points)
     points = np.where(is_free[:, None], union.projected(points, 5), points)

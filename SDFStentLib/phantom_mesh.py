@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .phantom_axis import Axis
+from .rows import dot
 from .surface import face_normals
 from .topology import edges
 from .validation import Floats, Indices, Points, Triangles
@@ -145,7 +146,7 @@ def _edges_to_flip(points: Points, triangles: Triangles) -> _Flips:
     old = normals[faces[:, 0]] + normals[faces[:, 1]]
     wanted = excess > 1e-9
     for corners in (np.stack([c, a, d], axis=1), np.stack([c, d, b], axis=1)):
-        wanted &= np.einsum("ij,ij->i", face_normals(points, corners), old) > 1.0
+        wanted &= dot(face_normals(points, corners), old) > 1.0
     base = len(points)
     old_keys = found.vertices[:, 0] * base + found.vertices[:, 1]
     new_keys = np.minimum(c, d) * base + np.maximum(c, d)
@@ -168,7 +169,7 @@ def _cotangent(points: Points, apex: Indices, start: Indices, end: Indices) -> F
     """Cotangent of the angle at `apex`."""
     first, second = points[start] - points[apex], points[end] - points[apex]
     doubled_area = np.linalg.norm(np.cross(first, second), axis=1)
-    return np.asarray(np.einsum("ij,ij->i", first, second) / np.maximum(doubled_area, 1e-300))
+    return np.asarray(dot(first, second) / np.maximum(doubled_area, 1e-300))
 
 
 def _stations(

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .rows import dot
 from .segments import closest_on_segments
 from .validation import Floats, InputError, Points, as_number, as_point, as_points
 
@@ -315,7 +316,7 @@ def minimum_bend_radius(points: ArrayLike, window: float | None = None) -> float
     twice = 2.0 * np.linalg.norm(np.cross(first, second), axis=1)
     # Straight on (or turned back by 180 degrees) the circle degenerates to a line (or a point).
     flat = twice <= 1e-12 * sides[0] * sides[1]
-    turned_back = np.einsum("ij,ij->i", first, second) < 0
+    turned_back = dot(first, second) < 0
     radii = np.where(turned_back, 0.0, np.inf)
     radii[~flat] = product[~flat] / twice[~flat]
     return float(radii.min())

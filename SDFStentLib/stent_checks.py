@@ -11,17 +11,16 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .caps import caps_across
 from .capsule_chain import CapsuleChain
 from .cross_section import equivalent_diameters, winding_numbers
 from .inscribed import inscribed_spheres
-from .local_surface import LocalSurface, may_meet_box
+from .local_surface import LocalSurface
 from .polyline import resampled, tangents
-from .validation import Points, Triangles
+from .surface import may_meet_box
+from .validation import Floats, Points, Triangles
 
-Floats = NDArray[np.float64]
 Place = tuple[float, float, float]
 
 NARROWER = 0.03

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .rows import dot
 from .validation import Floats, InputError, Points, Triangles, as_points, as_triangles
 
 
@@ -78,8 +79,4 @@ def _metric(points: Points, triangles: Triangles) -> tuple[Floats, Floats, Float
     """Scalar products of the two sides at the first corner."""
     first = points[triangles[:, 0]]
     u, v = points[triangles[:, 1]] - first, points[triangles[:, 2]] - first
-    return _dot(u, u), _dot(u, v), _dot(v, v)
-
-
-def _dot(a: Floats, b: Floats) -> Floats:
-    return np.einsum("ij,ij->i", a, b)
+    return dot(u, u), dot(u, v), dot(v, v)

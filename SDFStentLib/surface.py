@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .topology import consistently_wound, edges
-from .validation import Floats, Points, Triangles, as_points, as_triangles
+from .validation import Flags, Floats, Points, Triangles, as_points, as_triangles
 
 
 def face_areas(points: ArrayLike, triangles: ArrayLike) -> Floats:
@@ -93,6 +93,15 @@ def faces_at(vertices: NDArray[np.bool_], triangles: Triangles) -> NDArray[np.bo
     # Column by column: `any` along an axis of three takes NumPy several times longer.
     first, second, third = triangles.T
     return vertices[first] | vertices[second] | vertices[third]
+
+
+def may_meet_box(points: Points, triangles: Triangles, low: Floats, high: Floats) -> Flags:
+    """False for triangles that lie wholly beyond one side of the box."""
+    code = np.zeros(len(points), dtype=np.uint8)
+    for axis in range(3):
+        code |= (points[:, axis] < low[axis]).astype(np.uint8) << (2 * axis)
+        code |= (points[:, axis] > high[axis]).astype(np.uint8) << (2 * axis + 1)
+    return (code[triangles[:, 0]] & code[triangles[:, 1]] & code[triangles[:, 2]]) == 0
 
 
 def compacted(points: Points, triangles: Triangles) -> tuple[Points, Triangles]:

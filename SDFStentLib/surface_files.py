@@ -23,6 +23,7 @@ from .polydata import (
     arrays_from_polydata,
     polydata_from_polygons,
 )
+from .rows import dot
 from .same_space import size_warnings
 from .stl_format import decode_stl
 from .surface import face_areas
@@ -183,7 +184,7 @@ def _degenerate(points: Points, triangles: Triangles, name: str) -> tuple[str, .
     longest = np.zeros(len(triangles))
     for one, other in ((0, 1), (1, 2), (2, 0)):
         edge = points[triangles[:, one]] - points[triangles[:, other]]
-        np.maximum(longest, np.einsum("ij,ij->i", edge, edge), out=longest)
+        np.maximum(longest, dot(edge, edge), out=longest)
     # Corners on one line within the rounding of single precision (1e-7 of the longest edge).
     count = int((2 * face_areas(points, triangles) <= 1e-7 * longest).sum())
     return (f"{name}: {count} triangles are degenerate (no area).",) if count else ()

@@ -15,6 +15,7 @@ from .polydata import (
     points_from_polydata,
     polygons_from_polydata,
 )
+from .rows import dot
 from .validation import InputError, Points, Triangles
 
 
@@ -111,7 +112,7 @@ def _cut_quads(points: Points, quads: NDArray[np.int64]) -> Triangles:
     is_inside, length = [], []
     for half, (start, end) in zip(halves, ((0, 2), (1, 3)), strict=True):
         first, second = (_area_vectors(points, half[:, part]) for part in (slice(3), slice(3, 6)))
-        is_inside.append(np.einsum("ij,ij->i", first, second) > 0)
+        is_inside.append(dot(first, second) > 0)
         length.append(np.linalg.norm(points[quads[:, end]] - points[quads[:, start]], axis=1))
     is_second = np.where(is_inside[0] == is_inside[1], length[1] < length[0], is_inside[1])
     return np.where(is_second[:, None], halves[1], halves[0]).reshape(-1, 3)
