@@ -24,7 +24,7 @@ from .certificate import certify, check_surface
 from .deployment import Deployment, deploy
 from .metrics import diameter_profile, stenosis
 from .placement import AlongAxis, AtCenter, AtDistalEnd, AtProximalEnd, BetweenPoints
-from .plan import Plan, PlannedStent
+from .plan import Plan
 from .plan_document import save_plan
 from .plan_reader import load_plan
 from .settings import DeploymentSettings
@@ -54,7 +54,6 @@ __all__ = [
     "DeploymentSettings",
     "InputError",
     "Plan",
-    "PlannedStent",
     "Stent",
     "Treatment",
     "__version__",

@@ -14,7 +14,7 @@ from .cli_outputs import Outputs
 from .phantoms import Phantom, branching_pulmonary_artery
 from .picture import render_before_after
 from .placement import BetweenPoints
-from .plan import Plan, PlannedStent
+from .plan import Plan
 from .plan_document import save_plan
 from .plan_run import InputFiles, PlanResult, input_file, read_input_files, treatment_of
 from .polydata import add_arrays, polydata_from_arrays, polydata_from_lines, set_frame_of_polydata
@@ -74,10 +74,10 @@ def _placed_in(folder: Path, inputs: InputFiles) -> InputFiles:
 
 def _plan(phantom: Phantom, inputs: InputFiles) -> Plan:
     ends = phantom.axis_at(STENT_ENDS)
-    stent = Stent(STENT_DIAMETER, placement=BetweenPoints(*ends))
+    stent = Stent(STENT_DIAMETER, placement=BetweenPoints(*ends), name="left pulmonary artery")
     assert inputs.line_file is not None
     return Plan(
-        stents=(PlannedStent(stent, name="left pulmonary artery"),),
+        stents=(stent,),
         surface=input_file(inputs.surface),
         centerline=input_file(inputs.line_file),
         frame=inputs.surface.frame,
@@ -129,7 +129,7 @@ def _draw(path: Path, result: PlanResult) -> None:
         result.treatment.points,
         surface.triangles,
         stent.axis.points,
-        stent.planned.stent.diameter,
+        stent.stent.diameter,
         arc_length=stent.before.arc_length,
         diameter_before=stent.before.inscribed_diameter,
         diameter_after=stent.after.inscribed_diameter,
@@ -153,7 +153,7 @@ def _tell(console: Console, folder: Path, stent: TreatedStent, missing: list[str
         f"{before.minimum:.1f} mm at its origin."
     )
     console.say(
-        f"A stent of {stent.planned.stent.diameter:g} x {stent.axis.deployed_length:.0f} mm across "
+        f"A stent of {stent.stent.diameter:g} x {stent.axis.deployed_length:.0f} mm across "
         f"the bifurcation opens it to {after.minimum:.1f} mm."
     )
     covered = sum(branch.is_covered for branch in stent.branches)

@@ -14,7 +14,7 @@ from .cli_console import Console
 from .cli_outputs import Outputs
 from .cli_place import check_place, place_of
 from .cli_steps import StepFiles
-from .plan import Plan, PlannedStent
+from .plan import Plan
 from .plan_document import save_plan
 from .plan_reader import load_plan
 from .plan_run import (
@@ -172,7 +172,7 @@ def lumen_sentence(stent: TreatedStent) -> str:
     return (
         f"Lumen over {stent.axis.deployed_length:.1f} mm: narrowest {before.minimum:.1f} mm "
         f"before, {after.minimum:.1f} mm after; mean {before.mean:.1f} mm "
-        f"before, {after.mean:.2f} mm after; prescribed {stent.planned.stent.diameter:g} mm."
+        f"before, {after.mean:.2f} mm after; prescribed {stent.stent.diameter:g} mm."
     )
 
 
@@ -187,7 +187,7 @@ def _plan(
         foreshortening_fraction=options.foreshortening,
     )
     return Plan(
-        stents=(PlannedStent(stent, axis_file=place.axis_file),),
+        stents=(stent,),
         surface=input_file(inputs.surface),
         centerline=None if inputs.line_file is None else input_file(inputs.line_file),
         units=options.units,

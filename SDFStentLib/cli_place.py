@@ -11,18 +11,16 @@ from numpy.typing import NDArray
 
 from .centerline_files import axis_of, in_frame_of, read_lines
 from .json_document import scaled
-from .placement import AlongAxis, BetweenPoints, Placement
-from .plan import InputFile
+from .placement import AlongAxis, BetweenPoints, InputFile, Placement
 from .plan_document import POINT_PLACEMENTS
 from .units import MILLIMETERS, Frame
 from .validation import InputError
 
 
 class Place(NamedTuple):
-    """Where, and the file that says so, if one does."""
+    """Where, and what was noticed on reading it."""
 
     placement: Placement
-    axis_file: InputFile | None
     warnings: tuple[str, ...]
 
 
@@ -79,12 +77,12 @@ def place_of(options: argparse.Namespace, way: str, frame: Frame | None) -> Plac
     if way == "axis":
         line_file = in_frame_of(read_lines(options.axis, options.units), frame)
         file = InputFile(options.axis, line_file.sha256)
-        return Place(AlongAxis(axis_of(line_file)), file, line_file.warnings)
+        return Place(AlongAxis(axis_of(line_file), file), line_file.warnings)
     if way == "from":
         start, end = (_mm(point, options.units) for point in (options.from_point, options.to))
-        return Place(BetweenPoints(start, end), None, ())
+        return Place(BetweenPoints(start, end), ())
     point = _mm(getattr(options, way), options.units)
-    return Place(POINT_PLACEMENTS[way](point), None, ())
+    return Place(POINT_PLACEMENTS[way](point), ())
 
 
 def _mm(point: Sequence[float], units: str) -> NDArray[np.float64]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .centerline_files import axis_of, in_frame_of, read_lines
-from .plan import InputFile
+from .placement import InputFile
 from .units import Frame
 from .validation import InputError, Points
 

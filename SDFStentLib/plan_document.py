@@ -15,10 +15,12 @@ from .placement import (
     AtDistalEnd,
     AtProximalEnd,
     BetweenPoints,
+    InputFile,
     Placement,
 )
-from .plan import InputFile, Plan, PlannedStent
+from .plan import Plan
 from .settings import DeploymentSettings
+from .stent import Stent
 from .units import MILLIMETERS
 from .validation import InputError
 
@@ -92,27 +94,25 @@ def plan_document(plan: Plan, folder: str | None = None) -> dict[str, Any]:
             "surface": _file_document(plan.surface, folder),
             "centerline": _file_document(plan.centerline, folder),
         },
-        "stents": [_stent_document(planned, plan.units, folder) for planned in plan.stents],
+        "stents": [_stent_document(stent, plan.units, folder) for stent in plan.stents],
         "settings": {**method, "straightening_fraction": plan.straightening_fraction},
     }
 
 
-def _stent_document(planned: PlannedStent, units: str, folder: str | None) -> dict[str, Any]:
-    stent = planned.stent
+def _stent_document(stent: Stent, units: str, folder: str | None) -> dict[str, Any]:
     return {
-        "name": text_value(planned.name, "stent name"),
-        "enabled": planned.enabled,
+        "name": text_value(stent.name, "stent name"),
+        "enabled": stent.enabled,
         "diameter": float(stent.diameter),
         "length": stent.length,
         "foreshortening_fraction": stent.foreshortening_fraction,
-        "placement": placement_document(stent.placement, units, planned.axis_file, folder),
+        "placement": placement_document(stent.placement, units, folder),
     }
 
 
 def placement_document(
     placement: Placement,
     units: str = "mm",
-    axis_file: InputFile | None = None,
     folder: str | None = None,
 ) -> dict[str, Any]:
     """A placement as in a plan's document, its points in a unit as `Decimal`."""
@@ -121,7 +121,7 @@ def placement_document(
         return [unscaled(value, MILLIMETERS[units]) for value in coordinates]
 
     if isinstance(placement, AlongAxis):
-        by_file = _file_document(axis_file, folder)
+        by_file = _file_document(placement.file, folder)
         return {"axis": by_file or {"points": [point(p) for p in placement.points]}}
     if isinstance(placement, BetweenPoints):
         return {"from": point(placement.start), "to": point(placement.end)}

@@ -20,8 +20,8 @@ from .json_document import (
     text_value,
     truth,
 )
-from .placement import AlongAxis, BetweenPoints, Placement
-from .plan import InputFile, Plan, PlannedStent
+from .placement import AlongAxis, BetweenPoints, InputFile, Placement
+from .plan import Plan
 from .plan_document import (
     NAMED_SETTINGS,
     POINT_PLACEMENTS,
@@ -139,49 +139,46 @@ class _StentReader:
         self.units, self.frame, self.folder = units, frame, folder
         self.axis_reader = axis_reader
 
-    def stent(self, value: Any, where: str) -> PlannedStent:
+    def stent(self, value: Any, where: str) -> Stent:
         stent = section(
             value,
             where,
             ("diameter", "placement"),
             ("name", "enabled", "length", "foreshortening_fraction"),
         )
-        placement, axis_file = self._placement(stent["placement"], f"{where}.placement")
-        sizes = {
+        placement = self._placement(stent["placement"], f"{where}.placement")
+        changes: dict[str, Any] = {
             key: None if stent.get(key) is None else float(number(stent[key], f"{where}.{key}"))
             for key in ("length", "foreshortening_fraction")
         }
         diameter = float(number(stent["diameter"], f"{where}.diameter"))
-        return PlannedStent(
-            _named(where, lambda: Stent(diameter, placement=placement, **sizes)),
-            name=text_value(stent.get("name", ""), f"{where}.name"),
-            enabled=truth(stent.get("enabled", True), f"{where}.enabled"),
-            axis_file=axis_file,
-        )
+        changes["name"] = text_value(stent.get("name", ""), f"{where}.name")
+        changes["enabled"] = truth(stent.get("enabled", True), f"{where}.enabled")
+        return _named(where, lambda: Stent(diameter, placement=placement, **changes))
 
-    def _placement(self, value: Any, where: str) -> tuple[Placement, InputFile | None]:
+    def _placement(self, value: Any, where: str) -> Placement:
         keys = ("center", "distal", "proximal", "from", "to", "axis")
         given = section(value, where, (), keys)
         if set(given) == {"from", "to"}:
             ends = [self._point(given[key], f"{where}.{key}") for key in ("from", "to")]
-            return _named(where, lambda: BetweenPoints(*ends)), None
+            return _named(where, lambda: BetweenPoints(*ends))
         if set(given) == {"axis"}:
             return self._axis(given["axis"], f"{where}.axis")
         if len(given) == 1 and set(given) <= set(POINT_PLACEMENTS):
             (key,) = given
             point = self._point(given[key], f"{where}.{key}")
-            return _named(where, lambda: POINT_PLACEMENTS[key](point)), None
+            return _named(where, lambda: POINT_PLACEMENTS[key](point))
         raise InputError(
             f"{where}: expected one of center, distal, proximal, from with to, or axis, "
             f"got {', '.join(given) or 'nothing'}."
         )
 
-    def _axis(self, value: Any, where: str) -> tuple[Placement, InputFile | None]:
+    def _axis(self, value: Any, where: str) -> AlongAxis:
         given = section(value, where, (), ("points", "file", "sha256"))
         if set(given) == {"points"}:
             listed = sequence(given["points"], f"{where}.points")
             points = [self._point(p, f"{where}.points[{i}]") for i, p in enumerate(listed)]
-            return _named(where, lambda: AlongAxis(np.array(points))), None
+            return _named(where, lambda: AlongAxis(np.array(points)))
         if "file" not in given or "points" in given:
             raise InputError(f"{where}: expected either points or a file.")
         file = _file(given, where, self.folder)
@@ -192,7 +189,7 @@ class _StentReader:
                 "a plan file only; load the plan from its file."
             )
         points_read = self.axis_reader(file, self.units, self.frame)
-        return _named(where, lambda: AlongAxis(points_read)), file
+        return _named(where, lambda: AlongAxis(points_read, file))
 
     def _point(self, value: Any, where: str) -> NDArray[np.float64]:
         coordinates = sequence(value, where)

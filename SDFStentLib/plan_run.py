@@ -12,8 +12,8 @@ import numpy as np
 from .centerline import Centerline
 from .centerline_files import LineFile, in_frame_of, read_lines
 from .centerline_output import write_centerline
-from .placement import AlongAxis
-from .plan import InputFile, Plan, turned
+from .placement import AlongAxis, InputFile
+from .plan import Plan, turned
 from .plan_axis import changed_input
 from .precision import Precision
 from .same_space import check_same_space
@@ -192,13 +192,12 @@ def treatment_of(plan: Plan, inputs: InputFiles) -> Treatment:
     surface = inputs.surface
     stents = plan.stents
     if plan.frame is not None and surface.frame not in (None, plan.frame):
-        stents = tuple(turned(planned) for planned in stents)
-    for number, planned in enumerate(stents, start=1):
-        if planned.enabled and isinstance(planned.stent.placement, AlongAxis):
-            name = f"axis of stent {number}"
-            if planned.axis_file is not None:
-                name = planned.axis_file.path
-            _same_space(surface, planned.stent.placement.points, name)
+        stents = tuple(turned(stent) for stent in stents)
+    for number, stent in enumerate(stents, start=1):
+        if stent.enabled and isinstance(stent.placement, AlongAxis):
+            file = stent.placement.file
+            name = f"axis of stent {number}" if file is None else file.path
+            _same_space(surface, stent.placement.points, name)
     return Treatment(
         surface.points,
         surface.triangles,

@@ -15,6 +15,8 @@ from .placement import (
     AtDistalEnd,
     AtProximalEnd,
     BetweenPoints,
+    ByValue,
+    InputFile,
     Placement,
 )
 from .polyline import (
@@ -45,7 +47,7 @@ LENGTH_TOLERANCE = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Stent:
+class Stent(ByValue):
     """A stent of constant diameter.
 
     Parameters
@@ -60,6 +62,10 @@ class Stent:
     foreshortening_fraction : float, optional
         Part of the nominal length that is lost on expansion, -0.2 (it grows) to 0.5. Default:
         0.10 where a length is given, else 0. Without a length the axis or way is the nominal one.
+    name : str
+        What the user calls it; may be empty.
+    enabled : bool
+        Switched off, it stays in a plan and is skipped.
 
     Raises
     ------
@@ -72,6 +78,8 @@ class Stent:
     placement: Placement
     length: float | None = None
     foreshortening_fraction: float | None = None
+    name: str = ""
+    enabled: bool = True
 
     def __post_init__(self) -> None:
         as_number(self.diameter, "stent diameter", unit="mm", above=0, maximum=MAXIMUM_DIAMETER)
@@ -101,6 +109,11 @@ class Stent:
     def radius(self) -> float:
         """Half of the diameter, mm."""
         return self.diameter / 2.0
+
+    @property
+    def axis_file(self) -> InputFile | None:
+        """The file from which its curve was read, where it is placed along one."""
+        return self.placement.file if isinstance(self.placement, AlongAxis) else None
 
     @property
     def foreshortening(self) -> float:

@@ -22,7 +22,6 @@ from .coverage import BranchOstium, branch_ostia
 from .deployment import Deployment
 from .deployment_value import DeploymentResult, DeploymentState
 from .metrics import diameter_profile
-from .plan import PlannedStent
 from .precision import Precision
 from .settings import DeploymentSettings
 from .stent import Stent, StentAxis
@@ -51,7 +50,7 @@ class Treatment:
     ----------
     points, triangles : array_like, shapes (n, 3) and (m, 3)
         Surface of the vessel, mm. Never modified.
-    stents : sequence of Stent or PlannedStent
+    stents : sequence of Stent
         In order; those switched off are skipped and named.
     centerline : Centerline, optional
         Needed for every placement but along an axis. It moves along, and later stents are
@@ -79,7 +78,7 @@ class Treatment:
         self,
         points: ArrayLike,
         triangles: ArrayLike,
-        stents: Sequence[Stent | PlannedStent],
+        stents: Sequence[Stent],
         centerline: Centerline | None = None,
         settings: DeploymentSettings | None = None,
         *,
@@ -90,9 +89,7 @@ class Treatment:
     ) -> None:
         self.points = as_points(points, "surface points", minimum=3)
         self.triangles = as_triangles(triangles, len(self.points), "surface triangles")
-        self.planned = tuple(
-            PlannedStent(stent) if isinstance(stent, Stent) else stent for stent in stents
-        )
+        self.stents = tuple(stents)
         self.centerline = centerline
         self.settings = settings or DeploymentSettings()
         self.straightening_fraction = as_number(
@@ -103,32 +100,32 @@ class Treatment:
         self._topology = topology or surface_topology(self.triangles)
         self._result: TreatmentResult | None = None
         self._stages: list[_Stage] = []
-        self._enabled = [(n, s) for n, s in enumerate(self.planned, start=1) if s.enabled]
+        self._enabled = [(n, s) for n, s in enumerate(self.stents, start=1) if s.enabled]
         if not self._enabled:
             raise InputError(
-                f"plan: expected at least one stent that is switched on, got {len(self.planned)} "
+                f"plan: expected at least one stent that is switched on, got {len(self.stents)} "
                 "stents, all switched off; switch one on."
-                if self.planned
+                if self.stents
                 else "plan: expected at least one stent, got none; add one."
             )
         # Fails here rather than after the first stent; the axes are found again as it goes.
-        for number, planned in self._enabled:
-            self._axis(number, planned, centerline, self.points)
+        for number, stent in self._enabled:
+            self._axis(number, stent, centerline, self.points)
 
     def __iter__(self) -> Iterator[TreatmentState]:
         """Yield the states of every stent in turn."""
         self._result, self._stages = None, []
         points, centerline, companions = self.points, self.centerline, self.companions
-        for done, (number, planned) in enumerate(self._enabled):
+        for done, (number, stent) in enumerate(self._enabled):
             start = perf_counter()
-            axis = self._axis(number, planned, centerline, points)
+            axis = self._axis(number, stent, centerline, points)
             is_only = len(self._enabled) == 1
             tree = np.empty((0, 3)) if centerline is None else centerline.points
             deployment = Deployment(
                 points,
                 self.triangles,
                 axis.points,
-                planned.stent.radius,
+                stent.radius,
                 self.settings.with_changes(certify=self.settings.certify and is_only),
                 companions=np.concatenate([tree, companions]),
                 precision=self.precision,
@@ -139,7 +136,7 @@ class Treatment:
                 fraction = (done + state.fraction) / len(self._enabled)
                 yield TreatmentState(number, fraction, state, points, axis)
             result = deployment.result
-            stage = _Stage(number, planned, axis, centerline, deployment, result)
+            stage = _Stage(number, stent, axis, centerline, deployment, result)
             stage.seconds = (ready - start, perf_counter() - ready)
             self._stages.append(stage)
             points = result.points
@@ -159,19 +156,19 @@ class Treatment:
 
     def label(self, number: int) -> str:
         """How a message names a stent; empty when there is only one, without a name."""
-        name = self.planned[number - 1].name
-        if len(self.planned) == 1 and not name:
+        name = self.stents[number - 1].name
+        if len(self.stents) == 1 and not name:
             return ""
         return f"Stent {number} ({name}): " if name else f"Stent {number}: "
 
     def _axis(
-        self, number: int, planned: PlannedStent, centerline: Centerline | None, points: Points
+        self, number: int, stent: Stent, centerline: Centerline | None, points: Points
     ) -> StentAxis:
         try:
             axis = axis_in_vessel(
-                planned.stent, centerline, points, self.triangles, self.straightening_fraction
+                stent, centerline, points, self.triangles, self.straightening_fraction
             )
-            check_width(planned.stent.diameter, axis, self.points)
+            check_width(stent.diameter, axis, self.points)
             return axis
         except InputError as error:
             raise InputError(f"{self.label(number)}{error}") from error
@@ -218,7 +215,7 @@ class Treatment:
             branches = ()
         return TreatedStent(
             number=stage.number,
-            planned=stage.planned,
+            stent=stage.stent,
             axis=stage.axis,
             before=before_profile,
             after=after_profile,
@@ -226,14 +223,14 @@ class Treatment:
             moved_points=len(stage.result.state.indices),
         )
 
-    def _narrowed(self, stage: _Stage, stent: TreatedStent) -> str:
+    def _narrowed(self, stage: _Stage, treated: TreatedStent) -> str:
         """A sentence when later stents pushed tissue into this one; measured only if it may be."""
-        if stage is self._stages[-1] or stent.after.minimum > 0.97 * stent.planned.stent.diameter:
+        if stage is self._stages[-1] or treated.after.minimum > 0.97 * stage.stent.diameter:
             return ""
         own = diameter_profile(
             stage.result.points, self.triangles, stage.axis.points, PROFILE_SPACING
         )
-        return narrowed(own, stent.after)
+        return narrowed(own, treated.after)
 
     def _certificate(self, after: Points, moved: NDArray[np.int64]) -> Certificate:
         """For one stent its own, for several from the input to the end of the last one."""
@@ -263,17 +260,17 @@ class Treatment:
     def _warnings(
         self, treated: Sequence[TreatedStent], after: Points, moved: NDArray[np.int64]
     ) -> Iterator[str]:
-        for number, planned in enumerate(self.planned, start=1):
-            if not planned.enabled:
+        for number, stent in enumerate(self.stents, start=1):
+            if not stent.enabled:
                 yield f"{self.label(number)}it is switched off and was not deployed."
-        for stage, stent in zip(self._stages, treated, strict=True):
-            own = [*stage.axis.warnings, *stage.warnings, nothing_moved(stent)]
-            own += [overdilated(stent), self._narrowed(stage, stent)]
+        for stage, done in zip(self._stages, treated, strict=True):
+            own = [*stage.axis.warnings, *stage.warnings, nothing_moved(done)]
+            own += [overdilated(done), self._narrowed(stage, done)]
             relief = stage.result.relief
             own.append("" if relief is None else relief.sentence())
-            own += [f"Before treatment: {gap}" for gap in stent.before.gaps]
-            own += [f"After treatment: {gap}" for gap in stent.after.gaps]
-            yield from (self.label(stent.number) + sentence for sentence in own if sentence)
+            own += [f"Before treatment: {gap}" for gap in done.before.gaps]
+            own += [f"After treatment: {gap}" for gap in done.after.gaps]
+            yield from (self.label(done.number) + sentence for sentence in own if sentence)
         for index, second in enumerate(treated):
             for first in treated[:index]:
                 yield from overlap(first, second)
@@ -286,7 +283,7 @@ class _Stage:
     """One stent as it was deployed, before it is measured."""
 
     number: int
-    planned: PlannedStent
+    stent: Stent
     axis: StentAxis
     centerline: Centerline | None
     deployment: Deployment

@@ -49,28 +49,28 @@ def _stent_result(stent: TreatedStent) -> StentResult:
         description=_description(stent),
         before=stent.before,
         after=stent.after,
-        prescribed_diameter=stent.planned.stent.diameter,  # type: ignore[arg-type]
+        prescribed_diameter=stent.stent.diameter,  # type: ignore[arg-type]
         branches=stent.branches,
     )
 
 
 def _description(stent: TreatedStent) -> dict[str, Any]:
-    planned, axis = stent.planned.stent, stent.axis
-    name = {"name": stent.planned.name} if stent.planned.name else {}
+    chosen, axis = stent.stent, stent.axis
+    name = {"name": chosen.name} if chosen.name else {}
     return {
         "number": stent.number,
         **name,
-        "lumen_diameter_mm": planned.diameter,
+        "lumen_diameter_mm": chosen.diameter,
         "nominal_length_mm": axis.nominal_length,
         "deployed_length_mm": axis.deployed_length,
-        "foreshortening_fraction": planned.foreshortening,
-        "placement": type(planned.placement).__name__,
+        "foreshortening_fraction": chosen.foreshortening,
+        "placement": type(chosen.placement).__name__,
         "axis": {
             "start_mm": axis.points[0],
             "end_mm": axis.points[-1],
             "length_mm": axis.deployed_length,
             "chord_mm": axis.chord,
-            "min_bend_radius_mm": axis.minimum_bend_radius(planned.radius),
+            "min_bend_radius_mm": axis.minimum_bend_radius(chosen.radius),
         },
         "moved_points": stent.moved_points,
     }
@@ -101,8 +101,7 @@ def _inputs(result: PlanResult) -> list[dict[str, Any]]:
                 "frame": line_file.file_frame,
             }
         )
-    for planned in result.plan.stents:
-        if planned.axis_file is not None:
-            file = planned.axis_file
+    for stent in result.plan.stents:
+        if (file := stent.axis_file) is not None:
             found.append({"role": "axis", "file": file.path, "sha256": file.sha256})
     return found

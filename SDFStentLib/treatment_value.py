@@ -12,8 +12,7 @@ from .certificate import Certificate
 from .coverage import BranchOstium
 from .deployment_value import DeploymentState
 from .metrics import DiameterProfile
-from .plan import PlannedStent
-from .stent import StentAxis
+from .stent import Stent, StentAxis
 from .validation import Points
 
 
@@ -54,7 +53,7 @@ class TreatedStent:
     ----------
     number : int
         In the plan, from 1.
-    planned : PlannedStent
+    stent : Stent
     axis : StentAxis
         Where it lies.
     before, after : DiameterProfile
@@ -66,7 +65,7 @@ class TreatedStent:
     """
 
     number: int
-    planned: PlannedStent
+    stent: Stent
     axis: StentAxis
     before: DiameterProfile
     after: DiameterProfile

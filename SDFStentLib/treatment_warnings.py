@@ -84,11 +84,11 @@ def overlap_length(
     return float(pieces[beside & near].sum())
 
 
-def nothing_moved(stent: TreatedStent) -> str:
+def nothing_moved(treated: TreatedStent) -> str:
     """A sentence when a stent moved nothing; empty otherwise."""
-    if stent.moved_points:
+    if treated.moved_points:
         return ""
-    lumen, diameter = stent.before, stent.planned.stent.diameter
+    lumen, diameter = treated.before, treated.stent.diameter
     if not lumen.maximum > 0:
         return (
             f"Nothing moves: the stent of {diameter:g} mm touches no wall, and its axis lies "
@@ -100,9 +100,9 @@ def nothing_moved(stent: TreatedStent) -> str:
     )
 
 
-def overdilated(stent: TreatedStent) -> str:
+def overdilated(treated: TreatedStent) -> str:
     """A sentence when a stent is more than `WIDE` times as wide as the vessel ever was there."""
-    diameter, lumen = stent.planned.stent.diameter, stent.before.maximum
+    diameter, lumen = treated.stent.diameter, treated.before.maximum
     # Also false where no diameter could be measured, or the axis lies outside the lumen.
     if not 0 < WIDE * lumen < diameter:
         return ""
@@ -127,9 +127,9 @@ def overlap(first: TreatedStent, second: TreatedStent) -> Iterator[str]:
     """A sentence when two stents overlap."""
     common = overlap_length(
         first.axis.points,
-        first.planned.stent.radius,
+        first.stent.radius,
         second.axis.points,
-        second.planned.stent.radius,
+        second.stent.radius,
     )
     if common > 0:
         yield (

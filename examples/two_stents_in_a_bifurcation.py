@@ -1,15 +1,15 @@
 """Two overlapping stents in a branching pulmonary artery, as one treatment with one certificate."""
 
-from SDFStentLib import BetweenPoints, PlannedStent, Stent, Treatment
+from SDFStentLib import BetweenPoints, Stent, Treatment
 from SDFStentLib.phantoms import branching_pulmonary_artery
 
 
 def main():
     vessel = branching_pulmonary_artery()
-    first, second = (
-        Stent(7.5, placement=BetweenPoints(*vessel.axis_at(ends))) for ends in ((19, 40), (36, 46))
-    )
-    stents = [PlannedStent(first, name="main"), PlannedStent(second, name="left")]
+    stents = [
+        Stent(7.5, placement=BetweenPoints(*vessel.axis_at(ends)), name=name)
+        for name, ends in (("main", (19, 40)), ("left", (36, 46)))
+    ]
     treatment = Treatment(vessel.points, vessel.triangles, stents, vessel.centerline)
     for state in treatment:  # stop iterating to cancel
         print(f"stent {state.number}: {100 * state.fraction:.0f} %")

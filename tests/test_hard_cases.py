@@ -35,7 +35,7 @@ def treated(points, triangles, *stents, centerline=None):
 
     beyond = np.ones(len(points), dtype=bool)
     for stent in result.stents:
-        reach = stent.planned.stent.radius + SETTINGS.influence_distance + SETTINGS.tissue_gap
+        reach = stent.stent.radius + SETTINGS.influence_distance + SETTINGS.tissue_gap
         beyond &= CapsuleChain.along(stent.axis.points).axis_distance(points) > reach
     np.testing.assert_array_equal(result.points[beyond], points[beyond])
     untouched = np.setdiff1d(np.arange(len(points)), result.indices)

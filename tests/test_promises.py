@@ -20,7 +20,7 @@ from SDFStentLib import polydata, vtk_formats
 from SDFStentLib.capsule_chain import CapsuleChain
 from SDFStentLib.phantoms import stenosed_tube
 from SDFStentLib.placement import AtCenter, BetweenPoints
-from SDFStentLib.plan import Plan, PlannedStent
+from SDFStentLib.plan import Plan
 from SDFStentLib.plan_document import save_plan
 from SDFStentLib.plan_reader import load_plan
 from SDFStentLib.plan_run import input_file, read_input_files, run_plan
@@ -210,16 +210,9 @@ def test_a_plan_of_several_stents_has_the_same_bits_from_the_shell_and_from_pyth
     inputs = read_input_files(a_vessel / "vessel.vtp", a_vessel / "line.vtp", "cm")
     plan = Plan(
         stents=(
-            PlannedStent(
-                Stent(6.0, placement=AtCenter([11.0, -7, 147]), length=13.0), name="erster"
-            ),
-            PlannedStent(
-                Stent(6.6, placement=BetweenPoints([11.0, -7, 150], [11.0, -7, 161])),
-                name="zweiter",
-            ),
-            PlannedStent(
-                Stent(9.0, placement=AtCenter([11.0, -7, 150]), length=9.0), enabled=False
-            ),
+            Stent(6.0, placement=AtCenter([11.0, -7, 147]), length=13.0, name="erster"),
+            Stent(6.6, placement=BetweenPoints([11.0, -7, 150], [11.0, -7, 161]), name="zweiter"),
+            Stent(9.0, placement=AtCenter([11.0, -7, 150]), length=9.0, enabled=False),
         ),
         surface=input_file(inputs.surface),
         centerline=input_file(inputs.line_file),

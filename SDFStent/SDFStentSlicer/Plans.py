@@ -7,7 +7,8 @@ import slicer
 from slicer.i18n import tr as _
 
 from SDFStentLib import placement as library
-from SDFStentLib.plan import InputFile, Plan, PlannedStent, turned
+from SDFStentLib.placement import InputFile
+from SDFStentLib.plan import Plan, turned
 from SDFStentLib.plan_document import plan_text, save_plan
 from SDFStentLib.plan_reader import load_plan, plan_from_document
 from SDFStentLib.settings import DeploymentSettings
@@ -26,7 +27,7 @@ BY_POINT = {
 
 
 def plannedOf(parameterNode):
-    """The stents that are switched on, in order, as the library's planned stents."""
+    """The stents that are switched on, in order, as the library's stents."""
     return [_plannedOf(stent) for stent in parameterNode.stents if stent.enabled]
 
 
@@ -145,10 +146,6 @@ def _plannedSettings(document):
 
 
 def _plannedOf(stent):
-    return PlannedStent(_stentOf(stent), name=stent.label, enabled=stent.enabled)
-
-
-def _stentOf(stent):
     hasLength = not stent.placement.usesHandleLength or (
         stent.placement == Placement.ALONG_CURVE and not stent.wholeCurve
     )
@@ -157,6 +154,8 @@ def _stentOf(stent):
         placement=_placementOf(stent),
         length=stent.length if hasLength else None,
         foreshortening_fraction=stent.foreshortening / 100,
+        name=stent.label,
+        enabled=stent.enabled,
     )
 
 
@@ -169,13 +168,12 @@ def _placementOf(stent):
     return BY_POINT[stent.placement](points[0])
 
 
-def _valuesOf(planned):
-    """A planned stent as the values of a `StentParameters`, still without a handle."""
-    stent = planned.stent
+def _valuesOf(stent):
+    """A stent as the values of a `StentParameters`, still without a handle."""
     kind, _points = _kindAndPoints(stent.placement)
     values = {
-        "label": planned.name or "Stent",
-        "enabled": planned.enabled,
+        "label": stent.name or "Stent",
+        "enabled": stent.enabled,
         "diameter": stent.diameter,
         "foreshortening": 100 * stent.foreshortening,
         "placement": kind,
@@ -185,7 +183,7 @@ def _valuesOf(planned):
 
 
 def _handleOf(planned, label):
-    kind, points = _kindAndPoints(planned.stent.placement)
+    kind, points = _kindAndPoints(planned.placement)
     className = Handles.CURVE if kind == Placement.ALONG_CURVE else Handles.POINTS
     return Handles.createHandle(slicer.mrmlScene, label, points, className)
 

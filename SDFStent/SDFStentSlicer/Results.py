@@ -59,21 +59,17 @@ def showMeasured(parameterNode, run):
 
 def stentSummary(treated):
     """What a clinician reads first about one stent, a line per quantity."""
-    before, after, planned = treated.before, treated.after, treated.planned
+    before, after, planned = treated.before, treated.after, treated.stent
     old, residual = stenosis(before), stenosis(after, reference_profile=before)
     return "\n".join(
         (
-            _("{name}, {diameter:.1f} mm").format(
-                name=planned.name, diameter=planned.stent.diameter
-            ),
+            _("{name}, {diameter:.1f} mm").format(name=planned.name, diameter=planned.diameter),
             _("Minimum lumen: {before} \N{RIGHTWARDS ARROW} {after} mm").format(
                 before=_number(before.minimum), after=_number(after.minimum)
             ),
             _(
                 "Mean \N{PLUS-MINUS SIGN} SD in the stent: {before} \N{RIGHTWARDS ARROW} {after} mm ({prescribed:.1f} prescribed)"
-            ).format(
-                before=_spread(before), after=_spread(after), prescribed=planned.stent.diameter
-            ),
+            ).format(before=_spread(before), after=_spread(after), prescribed=planned.diameter),
             _("Diameter stenosis: {before} \N{RIGHTWARDS ARROW} {after}").format(
                 before=degree(old.percent_diameter), after=degree(residual.percent_diameter)
             ),
@@ -121,7 +117,7 @@ def selectedStent(parameterNode, run):
 
 def _title(treated, number):
     """How a stent is called above its plot: by its name, and by its number when the name is not its own."""
-    names = [stent.planned.name for stent in treated]
+    names = [stent.stent.name for stent in treated]
     if names[number] and names.count(names[number]) == 1:
         return names[number]
     return _("{name} (stent {number} of {count})").format(
@@ -139,7 +135,7 @@ def showProfile(parameterNode, run):
         POSITION: before.arc_length,
         "Before (mm)": before.inscribed_diameter,
         "After (mm)": after.inscribed_diameter,
-        "Prescribed (mm)": np.full(len(before.arc_length), chosen.planned.stent.diameter),
+        "Prescribed (mm)": np.full(len(before.arc_length), chosen.stent.diameter),
         "Equivalent before (mm)": before.equivalent_diameter,
         "Equivalent after (mm)": after.equivalent_diameter,
     }

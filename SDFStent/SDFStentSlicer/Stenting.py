@@ -29,7 +29,7 @@ class Stenting:
         topology=None,
         places=(),
     ):
-        """`planned` is a list of `PlannedStent`; `dtype` is the type in which the result is stored.
+        """`planned` is a list of `Stent`; `dtype` is the type in which the result is stored.
 
         `topology` is that of the triangles where it is known, to look at it once for many deployments.
         `places` says for every stent by what the caller finds it again.
@@ -64,7 +64,7 @@ class Stenting:
                 break
             if state.number not in self._axes:
                 self._follow()
-                stent = self._treatment.planned[state.number - 1].stent
+                stent = self._treatment.stents[state.number - 1]
                 self._axes[state.number] = (state.axis.points, stent.radius)
             self.recorded.append(state)
             yield state

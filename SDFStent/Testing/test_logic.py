@@ -165,7 +165,7 @@ def test_two_stents_are_deployed_in_order(aLogic, theParameters):
     both = aLogic.deploy(theParameters)
     second = next(state for state in aLogic.lastRun(theParameters).recorded if state.number == 2)
     np.testing.assert_array_equal(second.before, first.points)
-    assert [stent.planned.name for stent in both.stents] == ["Stent 1", "Stent 2"]
+    assert [stent.stent.name for stent in both.stents] == ["Stent 1", "Stent 2"]
     assert both.stents[1].after.mean == pytest.approx(9.5, rel=0.02)
     stents = aLogic.stentList(theParameters)
     stents.enable(1, False)
