@@ -1,4 +1,4 @@
-"""Cutting a surface with a plane."""
+"""Cutting a surface with a plane, and telling what lies inside a closed one."""
 
 from __future__ import annotations
 
@@ -8,7 +8,21 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .validation import InputError, Points, as_point, as_points, as_triangles
+from .ragged import blocks_of, ranges
+from .rows import dot
+from .validation import (
+    Flags,
+    Floats,
+    InputError,
+    Points,
+    Triangles,
+    as_point,
+    as_points,
+    as_triangles,
+)
+
+_BLOCK = 1 << 19
+"""Pairs of query and triangle that are looked at together; some 50 MB of temporaries."""
 
 _REPEAT = 1e-9
 """Corners of a section nearer to each other than this, mm, are one corner."""
@@ -81,6 +95,38 @@ def plane_section(
     return [loop for loop in loops if len(loop.points) > 1]
 
 
+def is_inside(queries: ArrayLike, points: ArrayLike, triangles: ArrayLike) -> Flags:
+    """Whether each query (k,) lies inside a closed surface: its ray upward meets it an odd time.
+
+    Orientation does not matter. Whether a face is met is decided by edge in one fixed order, so
+    that a ray through an edge or a vertex is counted once and not twice. A query exactly on the
+    surface may come out either way; with an open surface the result means little.
+
+    Raises
+    ------
+    InputError
+        Points and triangles do not fit, or `queries` are not of shape (k, 3).
+    """
+    queries = as_points(queries, "queries")
+    points = as_points(points)
+    triangles = as_triangles(triangles, len(points))
+    order = np.argsort(queries[:, 0], kind="stable")
+    sorted_queries = queries[order]
+    lowest, highest = _extent(points[:, 0][triangles])
+    first = np.searchsorted(sorted_queries[:, 0], lowest, side="left")
+    counts = np.searchsorted(sorted_queries[:, 0], highest, side="right") - first
+
+    crossings = np.zeros(len(queries), dtype=np.int64)
+    for faces in blocks_of(counts, _BLOCK):
+        face = np.repeat(faces, counts[faces])
+        query = ranges(first[faces], counts[faces])
+        hit = _is_crossed_upward(sorted_queries[query], points, triangles[face])
+        crossings += np.bincount(query[hit], minlength=len(queries))
+    result = np.empty(len(queries), dtype=bool)
+    result[order] = crossings % 2 == 1
+    return result
+
+
 def _chains(segments: NDArray[np.int64], count: int) -> Iterator[tuple[list[int], bool]]:
     """Node lists of connected segments: open chains first, then loops."""
     at_node: list[list[int]] = [[] for _ in range(count)]
@@ -115,3 +161,24 @@ def _without_repeats(corners: Points, is_loop: bool) -> SectionLoop:
     if not is_loop:
         is_new[0] = True
     return SectionLoop(corners[is_new], is_loop)
+
+
+def _extent(values: Floats) -> tuple[Floats, Floats]:
+    return values.min(axis=1), values.max(axis=1)
+
+
+def _is_crossed_upward(queries: Floats, points: Points, triangles: Triangles) -> Flags:
+    """Whether the ray from each query towards +z meets the triangle in the same row."""
+    x, y = queries[:, 0], queries[:, 1]
+    odd = np.zeros(len(queries), dtype=bool)
+    for start, end in ((0, 1), (1, 2), (2, 0)):
+        ends = np.sort(triangles[:, [start, end]], axis=1)
+        low, high = points[ends[:, 0]], points[ends[:, 1]]
+        spans = (low[:, 1] > y) != (high[:, 1] > y)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            slope = (high[:, 0] - low[:, 0]) / (high[:, 1] - low[:, 1])
+            odd ^= spans & (x < low[:, 0] + (y - low[:, 1]) * slope)
+    first, second, third = points[triangles.T]
+    normals = np.cross(second - first, third - first)
+    rise = dot(normals, first - queries)
+    return odd & (rise * normals[:, 2] > 0)

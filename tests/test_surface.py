@@ -281,6 +281,40 @@ def test_the_areas_of_many_cuts_add_up_to_the_volume():
     assert volume == pytest.approx(surface.signed_volume(points, triangles), rel=1e-4)
 
 
+# ---------------------------------------------------------------------------- inside or outside
+
+
+def test_points_inside_a_torus():
+    points, triangles = _torus(96, 48)
+    rng = np.random.default_rng(3)
+    queries = rng.uniform(-4.2, 4.2, (3000, 3)) * [1, 1, 0.3]
+    distance = np.hypot(np.hypot(queries[:, 0], queries[:, 1]) - 3, queries[:, 2])
+    clear = np.abs(distance - 1) > 0.01  # the polygon torus lies up to 0.008 inside the round one
+    found = section.is_inside(queries, points, triangles)
+    assert np.array_equal(found[clear], distance[clear] < 1)
+    assert np.array_equal(section.is_inside(queries, points, triangles[:, ::-1]), found)
+
+
+def test_rays_through_vertices_and_edges_are_counted_once():
+    points, triangles = _box((2.0, 2.0, 2.0))
+    inside = [[1, 1, 1], [1, 1, 0.5], [0.5, 0.5, 1], [1.5, 0.5, 1]]
+    outside = [[1, 1, -1], [1, 1, 3], [3, 1, 1], [-1, -1, -1], [1, 5, 1]]
+    found = section.is_inside(inside + outside, points, triangles)
+    assert found.tolist() == [True] * 4 + [False] * 5
+    ridge = np.vstack([points, [1, 1, 5]])
+    roof = np.r_[triangles[:-2], [[1, 5, 8], [5, 7, 8], [7, 3, 8], [3, 1, 8]]]
+    assert topology.is_closed(roof)
+    assert section.is_inside([[1, 1, 1], [1, 1, 4], [1, 1, 6]], ridge, roof).tolist() == [
+        True,
+        True,
+        False,
+    ]
+
+
+def test_no_query_gives_no_answer():
+    assert section.is_inside(np.empty((0, 3)), *_box()).shape == (0,)
+
+
 # ----------------------------------------------------------------------------------------- errors
 
 
@@ -293,6 +327,7 @@ def test_the_areas_of_many_cuts_add_up_to_the_volume():
         (lambda p, t: topology.vertex_neighbors(t, 3), "point indices from 0 to 2"),
         (lambda p, t: section.plane_section(p, t, [0, 0, 0], [0, 0, 0]), "the zero vector"),
         (lambda p, t: surface.oriented_triangles(p, t[1:], np.empty((0, 3))), "at least 1 points"),
+        (lambda p, t: section.is_inside([[0, 0]], p, t), r"shape \(n, 3\)"),
     ],
 )
 def test_bad_input_is_named(call, message):
