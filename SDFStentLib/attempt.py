@@ -16,9 +16,10 @@ from .event_steps import event_steps
 from .lumen import drawn_in, facets_compensated, finished, projected
 from .motion import Motion
 from .patch import Patch
+from .promises import MotionCheck
 from .published_steps import published_steps
 from .rows import dot
-from .stent_checks import MotionCheck, motion_check
+from .stent_checks import motion_check
 from .surface import faces_at, vertex_normals
 from .topology import consistently_wound, vertex_neighbors
 from .untangle import RELAXATION, Faults, Relief, grown, untangled
@@ -246,7 +247,7 @@ class Attempt:
         is_beside = np.ones(len(points), dtype=bool)
         for end, inner in (nodes[:2], nodes[:-3:-1]):
             offset = points - end
-            is_nearest = np.einsum("ij,ij->i", offset, offset) <= reach**2
+            is_nearest = dot(offset, offset) <= reach**2
             is_beside &= ~(is_nearest & (offset @ (end - inner) > 0))
         in_cap = np.unique(self.patch.triangles[self._is_cap])
         is_beside[in_cap[in_cap < len(points)]] = False

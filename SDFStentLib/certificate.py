@@ -26,7 +26,7 @@ from .face_quality import (
 )
 from .intersections import intersecting_pairs
 from .precision import stored_points
-from .stent_checks import LumenCheck, MotionCheck
+from .promises import LumenCheck, MotionCheck
 from .surface import signed_volume
 from .topology import Topology, consistently_wound, surface_topology
 from .validation import Indices, InputError, as_points, as_triangles, read_only

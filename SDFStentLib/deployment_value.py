@@ -13,8 +13,9 @@ from .capsule_chain import CapsuleChain
 from .certificate import Certificate
 from .lumen import radius_correction
 from .precision import Precision
+from .promises import LumenCheck, MotionCheck
 from .settings import THINNEST_AND_WIDEST_RADIUS, DeploymentSettings
-from .stent_checks import LumenCheck, MotionCheck, lumen_check
+from .stent_checks import lumen_check
 from .surface import oriented_triangles, signed_volume
 from .topology import Topology, surface_topology
 from .untangle import Relief

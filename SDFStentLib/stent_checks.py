@@ -7,9 +7,6 @@ prescribed one.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
-
 import numpy as np
 
 from .caps import caps_across
@@ -18,20 +15,9 @@ from .cross_section import equivalent_diameters, winding_numbers
 from .inscribed import inscribed_spheres
 from .local_surface import LocalSurface
 from .polyline import resampled, tangents
+from .promises import NARROWER, WIDER, LumenCheck, MotionCheck, Place
 from .surface import may_meet_box
 from .validation import Floats, Points, Triangles
-
-Place = tuple[float, float, float]
-
-NARROWER = 0.03
-"""Share of the prescribed diameter by which a lumen may be narrower and still be the prescribed.
-
-Facets that were stretched across a flow divider or untangled lie inside by up to 2.2 % of it; the
-lumen of other stents is mostly within 0.3 %, on coarse meshes within 1.4 %.
-"""
-
-WIDER = 0.05
-"""Share by which a lumen may be wider than the prescribed one and than it was."""
 
 COARSEST = np.sqrt(2.0)
 """Farthest that wall in contact can be from the axis, in radii: see `lumen.largest_push`."""
@@ -46,115 +32,8 @@ NEAR = 2.0
 CAPS_WITHIN = 2.0
 """Distance from the stent's ends, in its radii, within which flat caps count as open."""
 
-ROUNDING = 1e-6
-"""mm."""
-
 INSIDE = 0.3
 """Winding numbers are 1 inside, 0 outside and 1/2 in the middle of an open end."""
-
-
-@dataclass(frozen=True)
-class MotionCheck:
-    """How far a stent moved the wall, at the point that comes nearest to what it can do.
-
-    Attributes
-    ----------
-    distance, bound : float
-        How far that point moved and how far the method can move it, mm.
-    point : (x, y, z)
-        Where it was, mm.
-    """
-
-    distance: float
-    bound: float
-    point: Place
-
-    @property
-    def passed(self) -> bool:
-        """No point moved farther than the method can move it."""
-        return self.distance <= self.bound + ROUNDING
-
-    def fault(self) -> str:
-        """What is wrong and where, as a part of a sentence."""
-        return (
-            f"a point that moved {self.distance:.1f} mm, where the method moves at most "
-            f"{self.bound:.1f} mm, from {_in_words(self.point)}"
-        )
-
-    def as_dict(self) -> dict[str, Any]:
-        """As it stands in a report."""
-        return {
-            "passed": self.passed,
-            "distance_mm": self.distance,
-            "bound_mm": self.bound,
-            "point_mm": list(self.point),
-        }
-
-
-@dataclass(frozen=True)
-class LumenCheck:
-    """How wide the lumen is along a stent.
-
-    Attributes
-    ----------
-    prescribed : float
-        Diameter, mm.
-    narrowest, widest : float
-        Diameter of the inscribed sphere where that misses the prescribed one most, mm; the
-        prescribed one where no station misses it by more than the tolerance. 0 where the stent
-        lies outside of the vessel.
-    native : float
-        What was as wide before at the widest station, mm: lumen or stent.
-    narrowest_at, widest_at : (x, y, z)
-        Stations of the axis, mm.
-    """
-
-    prescribed: float
-    narrowest: float
-    narrowest_at: Place
-    widest: float
-    widest_at: Place
-    native: float
-
-    @property
-    def is_narrow(self) -> bool:
-        """Narrower than prescribed by more than `NARROWER`."""
-        return self.narrowest < (1 - NARROWER) * self.prescribed
-
-    @property
-    def is_wide(self) -> bool:
-        """Wider than prescribed and than before by more than `WIDER`."""
-        return self.widest > (1 + WIDER) * max(self.native, self.prescribed)
-
-    @property
-    def passed(self) -> bool:
-        """The prescribed lumen, wider only where it was."""
-        return not (self.is_narrow or self.is_wide)
-
-    def fault(self) -> str:
-        """What is wrong and where, as a part of a sentence."""
-        if not self.narrowest:
-            return f"a stent outside of the lumen near {_in_words(self.narrowest_at)}"
-        if self.is_narrow:
-            found, place = self.narrowest, self.narrowest_at
-        else:
-            found, place = self.widest, self.widest_at
-        return (
-            f"a lumen of {found:.2f} mm instead of {self.prescribed:.2f} mm near {_in_words(place)}"
-        )
-
-    def as_dict(self) -> dict[str, Any]:
-        """As it stands in a report."""
-        return {
-            "passed": self.passed,
-            "prescribed_mm": self.prescribed,
-            "narrowest_mm": self.narrowest,
-            "narrowest_at_mm": list(self.narrowest_at),
-            "narrower_tolerance": NARROWER,
-            "widest_mm": self.widest,
-            "widest_at_mm": list(self.widest_at),
-            "wider_tolerance": WIDER,
-        }
 
 
 def motion_check(
@@ -290,8 +169,3 @@ def _is_outside(points: Points, triangles: Triangles, stations: Points, directio
 def _place(point: Floats) -> Place:
     x, y, z = np.asarray(point, dtype=np.float64).tolist()
     return x, y, z
-
-
-def _in_words(place: Place) -> str:
-    x, y, z = place
-    return f"({x:.1f}, {y:.1f}, {z:.1f}) mm"
