@@ -15,31 +15,31 @@ are imported when they are first asked for.
 
 from __future__ import annotations
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from .capsule_chain import CapsuleChain
-from .centerline import Centerline
-from .certificate import certify, check_surface
-from .deployment import Deployment, deploy
-from .metrics import diameter_profile, stenosis
-from .placement import AlongAxis, AtCenter, AtDistalEnd, AtProximalEnd, BetweenPoints
-from .plan import Plan
-from .plan_document import save_plan
-from .plan_reader import load_plan
-from .settings import DeploymentSettings
-from .stent import Stent, stent_axis
-from .treatment import Treatment
-from .validation import DeploymentError, InputError
+from .late import late_names
 from .version import VERSION as __version__
 
 if TYPE_CHECKING:
-    from .centerline_files import read_axis, read_centerline
-    from .centerline_output import write_centerline
-    from .picture import render_before_after
-    from .plan_run import run_plan
-    from .surface_files import read_surface
-    from .surface_output import write_surface
+    from .centerline import Centerline
+    from .certificate import certify, check_surface
+    from .deformation import Deployment, DeploymentSettings, deploy
+    from .field import CapsuleChain
+    from .files import read_axis, read_centerline, read_surface, write_centerline, write_surface
+    from .measure import diameter_profile, stenosis
+    from .plan import Plan, load_plan, run_plan, save_plan
+    from .report import render_before_after
+    from .stent import (
+        AlongAxis,
+        AtCenter,
+        AtDistalEnd,
+        AtProximalEnd,
+        BetweenPoints,
+        Stent,
+        stent_axis,
+    )
+    from .treatment import Treatment
+    from .validation import DeploymentError, InputError
 
 __all__ = [
     "AlongAxis",
@@ -74,23 +74,33 @@ __all__ = [
     "write_surface",
 ]
 
-# Their modules import vtk, which takes longer than everything above together.
-_LATE = {
-    "read_axis": "centerline_files",
-    "read_centerline": "centerline_files",
-    "read_surface": "surface_files",
-    "render_before_after": "picture",
-    "run_plan": "plan_run",
-    "write_centerline": "centerline_output",
-    "write_surface": "surface_output",
-}
-
-
-def __getattr__(name: str) -> Any:
-    if name not in _LATE:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(importlib.import_module(f".{_LATE[name]}", __name__), name)
-
-
-def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+__getattr__, __dir__ = late_names(
+    __name__,
+    {
+        "centerline": ["Centerline"],
+        "certificate": ["certify", "check_surface"],
+        "deformation": ["Deployment", "DeploymentSettings", "deploy"],
+        "field": ["CapsuleChain"],
+        "files": [
+            "read_axis",
+            "read_centerline",
+            "read_surface",
+            "write_centerline",
+            "write_surface",
+        ],
+        "measure": ["diameter_profile", "stenosis"],
+        "plan": ["Plan", "load_plan", "run_plan", "save_plan"],
+        "report": ["render_before_after"],
+        "stent": [
+            "AlongAxis",
+            "AtCenter",
+            "AtDistalEnd",
+            "AtProximalEnd",
+            "BetweenPoints",
+            "Stent",
+            "stent_axis",
+        ],
+        "treatment": ["Treatment"],
+        "validation": ["DeploymentError", "InputError"],
+    },
+)

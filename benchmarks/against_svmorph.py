@@ -12,10 +12,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from SDFStentLib.capsule_chain import CapsuleChain
-from SDFStentLib.deployment import Deployment
-from SDFStentLib.settings import DeploymentSettings
-from SDFStentLib.topology import Topology, surface_topology
+from SDFStentLib.deformation import Deployment, DeploymentSettings
+from SDFStentLib.field import CapsuleChain
+from SDFStentLib.geometry import Topology, surface_topology
 
 from .common import (
     Case,

@@ -20,8 +20,7 @@ import numpy as np
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 
-from SDFStentLib.certificate import certify, check_surface
-from SDFStentLib.intersections import self_intersecting_triangles
+from SDFStentLib.certificate import certify, check_surface, self_intersecting_triangles
 
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
 MOVED_FRACTION = 0.122

@@ -13,9 +13,8 @@ import importlib.util
 import numpy as np
 
 from SDFStentLib.certificate import certify, check_surface
-from SDFStentLib.deployment import Deployment
-from SDFStentLib.settings import DeploymentSettings
-from SDFStentLib.topology import surface_topology
+from SDFStentLib.deformation import Deployment, DeploymentSettings
+from SDFStentLib.geometry import surface_topology
 
 from .bench_certificate import meshlab_seconds, row, seconds
 from .common import Found, aorta_case, duration, markdown, progress, run_alone

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from SDFStentLib.polyline import arc_lengths, cut
+from SDFStentLib.geometry import arc_lengths, cut
 
 from .bench_certificate import subdivided
 from .sweep import DATA_FOLDER, vessel

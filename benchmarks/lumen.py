@@ -13,10 +13,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from SDFStentLib import phantoms
-from SDFStentLib.deployment import Deployment
-from SDFStentLib.inscribed import inscribed_spheres
-from SDFStentLib.phantom_value import Phantom
-from SDFStentLib.settings import DeploymentSettings
+from SDFStentLib.deformation import Deployment, DeploymentSettings
+from SDFStentLib.measure import inscribed_spheres
+from SDFStentLib.phantoms import Phantom
 
 from .common import Found, aorta_case, markdown, progress, run_alone
 

@@ -15,9 +15,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from SDFStentLib import phantoms
-from SDFStentLib.deployment import Deployment
-from SDFStentLib.phantom_value import Phantom
-from SDFStentLib.settings import DeploymentSettings
+from SDFStentLib.deformation import Deployment, DeploymentSettings
+from SDFStentLib.phantoms import Phantom
 
 from .common import (
     Case,

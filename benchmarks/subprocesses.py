@@ -14,7 +14,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from SDFStentLib.capsule_chain import CapsuleChain
+from SDFStentLib.field import CapsuleChain
 
 from .common import Case, Found
 from .sweep import PROJECT

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from SDFStentLib.capsule_chain import CapsuleChain
+from SDFStentLib.field import CapsuleChain
 
 
 class SvmorphPeer:

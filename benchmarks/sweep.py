@@ -30,18 +30,33 @@ from benchmarks.judges import (  # noqa: E402
     wall_distances,
     widest_spheres,
 )
-from SDFStentLib.centerline import Centerline, CenterlinePath  # noqa: E402
-from SDFStentLib.centerline_files import read_centerline  # noqa: E402
-from SDFStentLib.deployment import Deployment  # noqa: E402
-from SDFStentLib.deployment_value import DeploymentResult  # noqa: E402
-from SDFStentLib.inscribed import InscribedSpheres, inscribed_spheres  # noqa: E402
-from SDFStentLib.placement import AlongAxis  # noqa: E402
-from SDFStentLib.polyline import arc_lengths, cut  # noqa: E402
-from SDFStentLib.precision import Precision  # noqa: E402
-from SDFStentLib.settings import DeploymentSettings  # noqa: E402
-from SDFStentLib.stent import Stent  # noqa: E402
-from SDFStentLib.straightening import axis_in_vessel  # noqa: E402
-from SDFStentLib.surface_files import read_surface  # noqa: E402
+from SDFStentLib.centerline import (  # noqa: E402
+    Centerline,
+    CenterlinePath,
+)
+from SDFStentLib.deformation import (  # noqa: E402
+    Deployment,
+    DeploymentResult,
+    DeploymentSettings,
+)
+from SDFStentLib.files import (  # noqa: E402
+    read_centerline,
+    read_surface,
+)
+from SDFStentLib.geometry import (  # noqa: E402
+    Precision,
+    arc_lengths,
+    cut,
+)
+from SDFStentLib.measure import (  # noqa: E402
+    InscribedSpheres,
+    inscribed_spheres,
+)
+from SDFStentLib.stent import (  # noqa: E402
+    AlongAxis,
+    Stent,
+)
+from SDFStentLib.treatment import axis_in_vessel  # noqa: E402
 
 DATA_FOLDER = Path(os.environ.get("SDFSTENT_DATA", PROJECT.parent / "shared" / "data"))
 

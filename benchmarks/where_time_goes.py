@@ -15,9 +15,8 @@ from unittest.mock import patch
 
 import scipy.spatial
 
-from SDFStentLib.deployment import Deployment
-from SDFStentLib.settings import DeploymentSettings
-from SDFStentLib.topology import surface_topology
+from SDFStentLib.deformation import Deployment, DeploymentSettings
+from SDFStentLib.geometry import surface_topology
 
 from .common import Found, aorta_case, duration, markdown, run_alone
 

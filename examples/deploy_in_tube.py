@@ -2,8 +2,7 @@
 
 from SDFStentLib import CapsuleChain, certify, deploy, diameter_profile
 from SDFStentLib.phantoms import stenosed_tube
-from SDFStentLib.placement import AtCenter
-from SDFStentLib.stent import Stent, stent_axis
+from SDFStentLib.stent import AtCenter, Stent, stent_axis
 
 
 def main():

@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 
 from SDFStentLib import load_plan, run_plan
-from SDFStentLib.treatment_report import plan_report
+from SDFStentLib.report import plan_report
 
 
 def main(folder):

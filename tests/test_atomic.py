@@ -8,7 +8,7 @@ import time
 import pytest
 from mesh_files import PROJECT, RUN_PYTHON
 
-from SDFStentLib.atomic import atomic_path, check_writable, write_bytes
+from SDFStentLib.files.atomic import atomic_path, check_writable, write_bytes
 from SDFStentLib.validation import InputError
 
 
@@ -82,7 +82,7 @@ def test_a_full_disk_is_one_sentence_and_leaves_the_old_file(tmp_path):
     target.write_bytes(b"old")
     script = """
 import resource, sys
-from SDFStentLib.atomic import write_bytes
+from SDFStentLib.files.atomic import write_bytes
 from SDFStentLib.validation import InputError
 resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
 try:
@@ -104,7 +104,7 @@ def test_a_killed_writer_leaves_the_old_or_the_whole_new_file(tmp_path):
     size = 2_000_000
     script = f"""
 import sys
-from SDFStentLib.atomic import write_bytes
+from SDFStentLib.files.atomic import write_bytes
 print("ready", flush=True)
 letter = 0
 while True:

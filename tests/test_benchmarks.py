@@ -146,7 +146,7 @@ def test_every_benchmark_has_a_title_and_can_run_alone():
 
 
 def test_the_method_document_names_every_setting_with_its_default():
-    from SDFStentLib.settings import RULES, DeploymentSettings
+    from SDFStentLib.deformation.settings import RULES, DeploymentSettings
 
     text = (PROJECT / "docs" / "method.md").read_text(encoding="utf-8").split("## Defaults")[1]
     default, documented = DeploymentSettings(), {}

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from oracle import PlainField, fall_off, smin
 
-from SDFStentLib.blending import BLENDS, FALLOFFS, as_profile
-from SDFStentLib.smooth_minimum import smooth_minimum
+from SDFStentLib.deformation.profiles import BLENDS, FALLOFFS, as_profile
+from SDFStentLib.field.smoothing import smooth_minimum
 from SDFStentLib.validation import InputError
 
 DISTANCE = st.floats(-20, 20, allow_nan=False)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from SDFStentLib import phantoms
-from SDFStentLib.caps import bulged_caps
-from SDFStentLib.deployment import deploy
+from SDFStentLib.deformation.deployment import deploy
+from SDFStentLib.measure.caps import bulged_caps
 
 
 @pytest.fixture(scope="module")

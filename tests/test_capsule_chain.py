@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from oracle import field as plain_field
 
-from SDFStentLib.capsule_chain import CapsuleChain
-from SDFStentLib.chain_field import Field
+from SDFStentLib.field.capsule_chain import CapsuleChain
+from SDFStentLib.field.chain_field import Field
 from SDFStentLib.validation import InputError
 
 EXACT = 1e-9  # mm: what the issue demands; rounding leaves 1e-13

@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from SDFStentLib.centerline import Centerline
-from SDFStentLib.polyline import length, resampled
-from SDFStentLib.segments import closest_on_segments
+from SDFStentLib.centerline.centerline import Centerline
+from SDFStentLib.geometry.polyline import length, resampled
+from SDFStentLib.geometry.segments import closest_on_segments
 from SDFStentLib.validation import InputError
 
 # Lengths up to 1000 mm: rounding of sums of a thousand terms stays below this, mm.

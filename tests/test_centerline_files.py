@@ -4,22 +4,22 @@ import numpy as np
 import pytest
 from mesh_files import octahedron
 
-from SDFStentLib.centerline_files import (
+from SDFStentLib.files.centerline_files import (
     axis_of,
     in_frame_of,
     read_axis,
     read_centerline,
     read_lines,
 )
-from SDFStentLib.markups_files import new_markups
-from SDFStentLib.polydata import (
+from SDFStentLib.files.formats.markups import new_markups
+from SDFStentLib.files.formats.vtk_files import encode_legacy, encode_vtp
+from SDFStentLib.files.polydata import (
     add_arrays,
     polydata_from_arrays,
     polydata_from_lines,
     set_frame_of_polydata,
 )
 from SDFStentLib.validation import InputError
-from SDFStentLib.vtk_formats import encode_legacy, encode_vtp
 
 POINTS = np.array([[i, 0.1 * i * i, 2.0] for i in range(20)])
 

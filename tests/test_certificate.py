@@ -7,8 +7,8 @@ import json
 import numpy as np
 import pytest
 
-from SDFStentLib.certificate import certify, check_surface
-from SDFStentLib.face_quality import (
+from SDFStentLib.certificate.certificate import certify, check_surface
+from SDFStentLib.certificate.face_quality import (
     degenerate_triangles,
     inverted_triangles,
     places,

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from deployment_cases import phantom
 
-from SDFStentLib.certificate import certify, check_surface
-from SDFStentLib.face_quality import Comparison
-from SDFStentLib.settings import DeploymentSettings
+from SDFStentLib.certificate.certificate import certify, check_surface
+from SDFStentLib.certificate.face_quality import Comparison
+from SDFStentLib.deformation.settings import DeploymentSettings
 
 
 def assert_same(one, other):

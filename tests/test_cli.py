@@ -20,20 +20,21 @@ import pytest
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 
-import SDFStentLib.cli_demo
-import SDFStentLib.cli_deploy
-from SDFStentLib import polydata, vtk_formats
-from SDFStentLib.certificate import Certificate
-from SDFStentLib.cli import main
-from SDFStentLib.cli_console import Console
-from SDFStentLib.cli_options import _number, parser
-from SDFStentLib.cli_outputs import Outputs
-from SDFStentLib.cli_steps import StepFiles
-from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube
-from SDFStentLib.plan_reader import load_plan
-from SDFStentLib.plan_run import run_plan
-from SDFStentLib.settings import DeploymentSettings
-from SDFStentLib.surface_files import read_surface
+import SDFStentLib.cli.demo
+import SDFStentLib.cli.deploy
+from SDFStentLib.certificate.certificate import Certificate
+from SDFStentLib.cli.console import Console
+from SDFStentLib.cli.options import _number, parser
+from SDFStentLib.cli.outputs import Outputs
+from SDFStentLib.cli.shell import main
+from SDFStentLib.cli.steps import StepFiles
+from SDFStentLib.deformation.settings import DeploymentSettings
+from SDFStentLib.files import polydata
+from SDFStentLib.files.formats import vtk_files as vtk_formats
+from SDFStentLib.files.surface_files import read_surface
+from SDFStentLib.phantoms.phantoms import branching_pulmonary_artery, stenosed_tube
+from SDFStentLib.plan.reader import load_plan
+from SDFStentLib.plan.run import run_plan
 from SDFStentLib.validation import DeploymentError, InputError
 
 PROJECT = Path(__file__).resolve().parents[1]
@@ -205,8 +206,8 @@ def test_the_command_line_says_how_to_name_a_unit_and_to_accept_a_changed_file(a
 
 
 def test_no_sentence_of_the_library_names_an_option():
-    for path in sorted((PROJECT / "SDFStentLib").glob("*.py")):
-        if path.stem.startswith("cli"):
+    for path in sorted((PROJECT / "SDFStentLib").rglob("*.py")):
+        if path.parent.name == "cli":
             continue
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.Constant) and isinstance(node.value, str):
@@ -322,7 +323,7 @@ def test_a_full_disk_leaves_the_old_files_and_nothing_else(a_folder, capsys, mon
     def full(report, path):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(SDFStentLib.cli_deploy, "write_report", full)
+    monkeypatch.setattr(SDFStentLib.cli.deploy, "write_report", full)
     assert deploy("--report", "r.json") == 2
     assert "r.json: cannot be written (No space left on device)" in capsys.readouterr().err
     assert Path("out.vtp").read_text(encoding="utf-8") == "old"
@@ -333,7 +334,7 @@ def test_an_interruption_leaves_nothing_and_gives_130(a_folder, capsys, monkeypa
     def interrupted(report, path):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(SDFStentLib.cli_deploy, "write_report", interrupted)
+    monkeypatch.setattr(SDFStentLib.cli.deploy, "write_report", interrupted)
     assert deploy("--report", "r.json", "--steps", "steps") == 130
     assert "interrupted; nothing was written" in capsys.readouterr().err
     assert left_over(a_folder) == set()
@@ -342,7 +343,7 @@ def test_an_interruption_leaves_nothing_and_gives_130(a_folder, capsys, monkeypa
 
 
 def test_an_unexpected_error_is_one_sentence_and_debug_shows_where(a_folder, capsys, monkeypatch):
-    monkeypatch.setattr(SDFStentLib.cli_deploy, "write_report", lambda *_: 1 / 0)
+    monkeypatch.setattr(SDFStentLib.cli.deploy, "write_report", lambda *_: 1 / 0)
     assert deploy("--report", "r.json") == 1
     said = capsys.readouterr().err
     assert len(said.splitlines()) == 1
@@ -424,7 +425,7 @@ def test_the_demo_names_its_files_where_they_are_and_leaves_no_empty_picture(
     def no_opengl(path, *_, **__):
         raise DeploymentError("The picture needs an OpenGL library.")
 
-    monkeypatch.setattr(SDFStentLib.cli_demo, "render_before_after", no_opengl)
+    monkeypatch.setattr(SDFStentLib.cli.demo, "render_before_after", no_opengl)
     monkeypatch.chdir(tmp_path)
     Path("demo").mkdir()
     Path("demo/before_after.png").write_bytes(b"of an earlier demo")

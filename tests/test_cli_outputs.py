@@ -6,7 +6,7 @@ import os
 
 import pytest
 
-from SDFStentLib.cli_outputs import Outputs
+from SDFStentLib.cli.outputs import Outputs
 from SDFStentLib.validation import InputError
 
 

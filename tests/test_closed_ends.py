@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from SDFStentLib.caps import flat_caps
-from SDFStentLib.metrics import diameter_profile
-from SDFStentLib.surface_files import read_surface
+from SDFStentLib.files.surface_files import read_surface
+from SDFStentLib.measure.caps import flat_caps
+from SDFStentLib.measure.metrics import diameter_profile
 
 RADIUS, LENGTH = 4.0, 30.0
 
@@ -137,8 +137,8 @@ def test_open_and_capped_tubes_have_one_profile():
     ("surface", "line"), [("pulmonary", "pulmonary"), ("aorta_iliac", "aorta_iliac")]
 )
 def test_the_inlet_of_a_patient_is_not_narrow(data_dir, surface, line):
-    from SDFStentLib.centerline_files import read_centerline
-    from SDFStentLib.point_tree import ancestry_of
+    from SDFStentLib.centerline.point_tree import ancestry_of
+    from SDFStentLib.files.centerline_files import read_centerline
 
     vessel = read_surface(data_dir / f"{surface}_surface_cm.vtp", units="cm")
     tree = read_centerline(data_dir / f"{line}_centerline_cm.vtp", units="cm")

@@ -9,7 +9,7 @@ import pytest
 ROOT = Path(__file__).parents[1]
 SHIPPED = {
     "SDFStent": lambda p: p.suffix in {".py", ".ui", ".svg", ".png"} and "Testing" not in p.parts,
-    "SDFStentLib": lambda p: p.suffix in {".py", ".json", ".csv"},
+    "SDFStentLib": lambda p: p.suffix in {".py", ".json", ".csv", ".typed"},
 }
 
 

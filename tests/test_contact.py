@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from SDFStentLib.capsule_chain import CapsuleChain
-from SDFStentLib.contact_search import FEW, ContactSearch
-from SDFStentLib.contact_set import ContactSet
-from SDFStentLib.motion import Motion
-from SDFStentLib.new_contacts import PHASES, NewContacts
+from SDFStentLib.deformation.contact_search import FEW, ContactSearch
+from SDFStentLib.deformation.contact_set import ContactSet
+from SDFStentLib.deformation.motion import Motion
+from SDFStentLib.deformation.new_contacts import PHASES, NewContacts
+from SDFStentLib.field.capsule_chain import CapsuleChain
 
 
 def cloud(count, seed=0, spread=5.0):

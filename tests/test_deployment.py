@@ -9,12 +9,12 @@ import pytest
 from deployment_cases import hairpin, phantom, phantom_case
 from mesh_files import open_tube
 
-from SDFStentLib.capsule_chain import CapsuleChain
-from SDFStentLib.deployment import Deployment, deploy
-from SDFStentLib.inscribed import inscribed_spheres
-from SDFStentLib.precision import Precision
-from SDFStentLib.settings import DeploymentSettings
-from SDFStentLib.topology import surface_topology
+from SDFStentLib.deformation.deployment import Deployment, deploy
+from SDFStentLib.deformation.settings import DeploymentSettings
+from SDFStentLib.field.capsule_chain import CapsuleChain
+from SDFStentLib.geometry.precision import Precision
+from SDFStentLib.geometry.topology import surface_topology
+from SDFStentLib.measure.inscribed import inscribed_spheres
 from SDFStentLib.validation import DeploymentError, InputError
 
 DEFAULT = DeploymentSettings()
@@ -178,7 +178,7 @@ def test_without_companions_the_array_is_empty(case):
 
 
 def test_the_certificate_is_about_the_points_that_are_returned(case):
-    from SDFStentLib.certificate import certify
+    from SDFStentLib.certificate.certificate import certify
 
     result = deployment_of(case, precision=Precision(np.float32, 0.1)).result
     again = certify(case.points, result.points, case.triangles, dtype=np.float32, scale=0.1)

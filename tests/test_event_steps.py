@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from deployment_cases import anatomy_case, phantom_case
 
-from SDFStentLib.capsule_chain import CapsuleChain
-from SDFStentLib.deployment import Deployment
-from SDFStentLib.event_steps import event_steps
-from SDFStentLib.motion import Motion
-from SDFStentLib.settings import DeploymentSettings
+from SDFStentLib.deformation.deployment import Deployment
+from SDFStentLib.deformation.event_steps import event_steps
+from SDFStentLib.deformation.motion import Motion
+from SDFStentLib.deformation.settings import DeploymentSettings
+from SDFStentLib.field.capsule_chain import CapsuleChain
 
 PUBLISHED = DeploymentSettings.published().with_changes(certify=False)
 EVENTS = PUBLISHED.with_changes(rule="events")

@@ -3,7 +3,7 @@ import os
 
 import pytest
 
-from SDFStentLib.file_input import frame_in_text, header_text, read_content
+from SDFStentLib.files.content import frame_in_text, header_text, read_content
 from SDFStentLib.units import as_frame, millimeters_per
 from SDFStentLib.validation import InputError
 

@@ -8,12 +8,12 @@ from deployment_cases import anatomy_case, phantom
 from mesh_files import open_tube
 from scipy.spatial import KDTree
 
-from SDFStentLib.capsule_chain import CapsuleChain
-from SDFStentLib.deployment import deploy
-from SDFStentLib.placement import AlongAxis, AtCenter
-from SDFStentLib.settings import DeploymentSettings
-from SDFStentLib.stent import Stent
-from SDFStentLib.treatment import Treatment
+from SDFStentLib.deformation.deployment import deploy
+from SDFStentLib.deformation.settings import DeploymentSettings
+from SDFStentLib.field.capsule_chain import CapsuleChain
+from SDFStentLib.stent.placement import AlongAxis, AtCenter
+from SDFStentLib.stent.stent import Stent
+from SDFStentLib.treatment.treatment import Treatment
 from SDFStentLib.validation import DeploymentError
 
 SETTINGS = DeploymentSettings()

@@ -8,9 +8,9 @@ from deployment_cases import anatomy_case, phantom_case
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from SDFStentLib.deployment import Deployment, deploy
-from SDFStentLib.inscribed import inscribed_spheres
-from SDFStentLib.settings import DeploymentSettings
+from SDFStentLib.deformation.deployment import Deployment, deploy
+from SDFStentLib.deformation.settings import DeploymentSettings
+from SDFStentLib.measure.inscribed import inscribed_spheres
 
 DEFAULT = DeploymentSettings()
 PUBLISHED = DeploymentSettings.published()
@@ -223,7 +223,7 @@ def test_an_open_surface_moves_as_the_closed_one_where_the_wall_is_the_same(name
 
 
 def test_the_finer_resampling_of_the_same_axis_gives_the_same_deployment(case):
-    from SDFStentLib.polyline import resampled_to
+    from SDFStentLib.geometry.polyline import resampled_to
 
     finer = deployed(case, DEFAULT, axis=resampled_to(case.axis, 2001))
     # Capsules are resampled from the given line; chords of 0.1 mm against 0.01 mm differ in
@@ -240,7 +240,7 @@ def test_the_finer_resampling_of_the_same_axis_gives_the_same_deployment(case):
     blend=st.sampled_from(["linear", "quadratic", "exponential"]),
 )
 def test_no_wall_is_left_inside_a_finished_stent(radius, start, length, falloff, blend):
-    from SDFStentLib.polyline import cut
+    from SDFStentLib.geometry.polyline import cut
 
     made = phantom_case("bent_tube")
     from deployment_cases import phantom

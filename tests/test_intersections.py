@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from SDFStentLib.intersections import intersecting_pairs, self_intersecting_triangles
-from SDFStentLib.triangle_contact import certain_contact, exact_contact
+from SDFStentLib.certificate.intersections import intersecting_pairs, self_intersecting_triangles
+from SDFStentLib.certificate.triangle_contact import certain_contact, exact_contact
 from SDFStentLib.validation import InputError
 
 # ------------------------------------------------------------- the plain form, all in fractions

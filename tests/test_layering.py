@@ -1,8 +1,10 @@
-"""A file imports only from rows below its own, and the library stays free of the application."""
+"""The house: rooms on floors, no circles, tables of contents, and no application in the library."""
 
 from __future__ import annotations
 
 import ast
+import importlib
+import re
 import subprocess
 import sys
 from functools import cache
@@ -10,36 +12,84 @@ from pathlib import Path
 
 import pytest
 
-LIBRARY = Path(__file__).parents[1] / "SDFStentLib"
-FILES = sorted(path.stem for path in LIBRARY.glob("*.py"))
+PROJECT = Path(__file__).parents[1]
+LIBRARY = PROJECT / "SDFStentLib"
+FLOORS = (
+    ("validation", "units", "version", "late"),
+    ("geometry",),
+    ("field", "centerline", "certificate"),
+    ("measure", "stent", "files", "phantoms"),
+    ("deformation",),
+    ("treatment",),
+    ("plan",),
+    ("report",),
+    ("cli",),
+    ("__init__", "__main__"),
+)
+"""From the ground: a room imports from lower floors only."""
+
+FLOOR = {room: number for number, rooms in enumerate(FLOORS) for room in rooms}
+ROOMS = sorted(path.parent.name for path in LIBRARY.glob("*/__init__.py"))
+TABLES = [
+    "",
+    *ROOMS,
+    *sorted(f"{p.parts[-3]}.{p.parts[-2]}" for p in LIBRARY.glob("*/*/__init__.py")),
+]
+FILES = sorted(LIBRARY.rglob("*.py"))
+OUTSIDERS = [
+    path
+    for folder in ("SDFStent", "benchmarks", "examples")
+    for path in sorted((PROJECT / folder).rglob("*.py"))
+    if "Testing" not in path.parts
+]
 VTK_GATE = {  # the only files that may import vtk themselves
-    "polydata", "centerline_files", "centerline_output", "surface_files", "surface_output",
-    "vtk_formats", "triangulation", "normal_arrays", "same_space", "picture_scene",
-    "legacy_blocks",
+    "files/polydata.py", "files/centerline_files.py", "files/centerline_output.py",
+    "files/surface_files.py", "files/surface_output.py", "files/triangulation.py",
+    "files/normal_arrays.py", "files/same_space.py", "files/formats/vtk_files.py",
+    "files/formats/legacy_blocks.py", "report/picture/scene.py",
 }  # fmt: skip
-LOW = ("validation", "version", "blending", "polyline", "surface", "topology")
-HIGH = ("cli", "report", "picture", "plan", "treatment", "deployment", "stent", "polydata")
 
 
-def tree_of(name):
-    return ast.parse((LIBRARY / f"{name}.py").read_text(encoding="utf-8"))
+def name_of(path: Path) -> str:
+    return path.relative_to(LIBRARY).as_posix()
+
+
+def module_of(path: Path) -> str:
+    """Dotted within the library: `files.formats.obj`, a package by its own name."""
+    return name_of(path).removesuffix(".py").removesuffix("/__init__").replace("/", ".")
 
 
 @cache
-def imports_of(name):
-    """Library files that a file imports, at its top or late."""
-    found = set()
-    for node in ast.walk(tree_of(name)):
-        if isinstance(node, ast.ImportFrom) and node.level == 1:
-            found |= {node.module} if node.module else {alias.name for alias in node.names}
-        elif isinstance(node, ast.ImportFrom) and (node.module or "").startswith("SDFStentLib"):
-            found.add(node.module.partition(".")[2] or "__init__")
+def tree_of(path: Path) -> ast.Module:
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
+@cache
+def imports_of(path: Path) -> dict[str, set[str]]:
+    """Modules of the library that a file imports, at its top or late, and the names from each."""
+    is_inside = path.is_relative_to(LIBRARY)
+    package = path.relative_to(LIBRARY).parts[:-1] if is_inside else ()
+    found: dict[str, set[str]] = {}
+    for node in ast.walk(tree_of(path)):
+        if not isinstance(node, ast.ImportFrom):
+            continue
+        module = node.module or ""
+        if node.level and not is_inside:
+            continue
+        if node.level:
+            above = package[: len(package) - node.level + 1]
+            target = ".".join([*above, module]) if module else ".".join(above)
+        elif module.split(".")[0] == "SDFStentLib":
+            target = module.partition(".")[2]
+        else:
+            continue
+        found.setdefault(target, set()).update(alias.name for alias in node.names)
     return found
 
 
-def outside_of(name):
+def outside_of(path: Path) -> set[str]:
     found = set()
-    for node in ast.walk(tree_of(name)):
+    for node in ast.walk(tree_of(path)):
         if isinstance(node, ast.Import):
             found |= {alias.name.split(".")[0] for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
@@ -47,95 +97,98 @@ def outside_of(name):
     return found
 
 
-def test_every_file_stands_on_lower_rows_only():
-    waiting = {name: imports_of(name) - {"__init__"} for name in FILES}
+def room_of(module: str) -> str:
+    return module.split(".")[0]
+
+
+def table(room: str):
+    return importlib.import_module(f"SDFStentLib.{room}" if room else "SDFStentLib")
+
+
+def test_every_room_has_its_floor():
+    assert {room_of(module_of(path)) for path in FILES} == set(FLOOR)
+
+
+@pytest.mark.parametrize("path", FILES, ids=name_of)
+def test_a_file_imports_from_lower_floors_and_its_own_room_only(path):
+    own = room_of(module_of(path))
+    for module in imports_of(path):
+        other = room_of(module)
+        if other != own and {FLOOR[own], FLOOR[other]} != {0}:
+            assert FLOOR[other] < FLOOR[own], f"{name_of(path)} imports {module}, not below it"
+
+
+def test_no_files_import_each_other_in_a_circle():
+    known = {module_of(path): path for path in FILES}
+    waiting = {name: set(imports_of(path)) & set(known) for name, path in known.items()}
     while waiting:
         row = {name for name, below in waiting.items() if not below & set(waiting)}
         assert row, f"these import each other in a circle: {sorted(waiting)}"
         waiting = {name: below for name, below in waiting.items() if name not in row}
 
 
-def test_the_command_line_is_on_top_and_nothing_below_knows_it():
-    for name in FILES:
-        if not name.startswith("cli") and name not in ("__main__", "__init__"):
-            assert not {other for other in imports_of(name) if other.startswith("cli")}, name
-
-
-def test_reports_and_pictures_stand_above_plans_and_plans_above_deployment():
-    upper = {
-        0: ("report", "picture", "treatment_report"),
-        1: ("plan", "treatment"),
-        2: (
-            "deployment", "attempt", "deployment_value", "event_steps", "published_steps",
-            "untangle", "lumen",
-        ),
-    }  # fmt: skip
-
-    def level(name):
-        if name == "treatment_report" or name.startswith(("report", "picture")):
-            return 0
-        if name.startswith(tuple(upper[1])):
-            return 1
-        return 2 if name in upper[2] else 3
-
-    for name in FILES:
-        if name.startswith("cli") or name in ("__main__", "__init__"):
+@pytest.mark.parametrize("path", FILES + OUTSIDERS, ids=lambda path: str(path.relative_to(PROJECT)))
+def test_nobody_outside_of_a_room_imports_from_inside_it(path):
+    is_inside = path.is_relative_to(LIBRARY)
+    own = room_of(module_of(path)) if is_inside else None
+    for module, names in imports_of(path).items():
+        if room_of(module) == own and is_inside:
             continue
-        for other in imports_of(name):
-            assert level(other) >= level(name), f"{name} imports {other}, which stands above it"
+        assert "." not in module, f"SDFStentLib.{module} is the inside of {room_of(module)}"
+        if module in ROOMS:
+            assert names <= set(table(module).__all__), module
+        elif not module:
+            assert names <= {*ROOMS, *table("").__all__}
 
 
-def test_low_files_import_nothing_high():
-    for name in LOW:
-        for other in imports_of(name):
-            assert not other.startswith(HIGH), f"{name} imports {other}"
-
-
-@pytest.mark.parametrize("name", FILES)
-def test_only_the_gate_imports_vtk_and_nothing_imports_the_application(name):
-    outside = outside_of(name)
+@pytest.mark.parametrize("path", FILES, ids=name_of)
+def test_only_the_gate_imports_vtk_and_nothing_imports_the_application(path):
+    outside = outside_of(path)
     assert not outside & {"slicer", "qt", "ctk", "pymeshlab", "tetgen", "svmorph", "jsonschema"}
     if outside & {"vtk", "vtkmodules"}:
-        assert name in VTK_GATE
+        assert name_of(path) in VTK_GATE
 
 
 def test_importing_the_library_imports_neither_vtk_nor_scipy_spatial():
+    names = [room for room in ROOMS if room != "cli"]
     program = (
         "import sys; [sys.modules.__setitem__(name, None) for name in ('slicer', 'qt', 'ctk')];"
-        "import SDFStentLib; "
+        f"import SDFStentLib; from SDFStentLib import {', '.join(names)}; "
+        "from SDFStentLib import Deployment, Treatment, Plan, load_plan, save_plan;"
         "print([m for m in sys.modules if m.startswith(('vtk', 'scipy.spatial', 'matplotlib'))])"
     )
     done = subprocess.run(
-        [sys.executable, "-c", program],
-        cwd=LIBRARY.parent,
-        capture_output=True,
-        text=True,
-        check=True,
+        [sys.executable, "-c", program], cwd=PROJECT, capture_output=True, text=True, check=True
     )
     assert done.stdout.strip() == "[]"
 
 
-def test_every_name_of_the_table_of_contents_exists():
-    import SDFStentLib
-
-    assert len(set(SDFStentLib.__all__)) == len(SDFStentLib.__all__)
-    for name in SDFStentLib.__all__:
-        assert getattr(SDFStentLib, name) is not None
-    assert set(SDFStentLib.__all__) <= set(dir(SDFStentLib))
+@pytest.mark.parametrize("room", TABLES)
+def test_a_table_of_contents_names_what_there_is_and_dir_shows_it(room):
+    contents = table(room)
+    assert len(set(contents.__all__)) == len(contents.__all__)
+    for name in contents.__all__:
+        assert getattr(contents, name) is not None
+    assert dir(contents) == sorted(contents.__all__)
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):
-        SDFStentLib.nothing  # noqa: B018
+        contents.nothing  # noqa: B018
+
+
+@pytest.mark.parametrize("room", TABLES)
+def test_a_table_of_contents_begins_with_its_purpose_in_one_sentence(room):
+    first = (table(room).__doc__ or "").split("\n\n")[0]
+    assert re.fullmatch(r"[A-Z`][^\n]*\.", first), first
+
+
+def test_the_library_says_that_it_is_typed():
+    assert (LIBRARY / "py.typed").is_file()
 
 
 def test_the_version_is_that_of_the_project():
-    import re
-
-    import SDFStentLib
-
-    text = (LIBRARY.parent / "pyproject.toml").read_text(encoding="utf-8")
-    assert re.search(r'^version = "(.+)"', text, re.M).group(1) == SDFStentLib.__version__
+    text = (PROJECT / "pyproject.toml").read_text(encoding="utf-8")
+    assert re.search(r'^version = "(.+)"', text, re.M).group(1) == table("").__version__
 
 
-def test_no_shipped_file_grows_beyond_its_limit():
-    for name in FILES:
-        lines = (LIBRARY / f"{name}.py").read_text(encoding="utf-8").splitlines()
-        assert len(lines) <= 350, name
+@pytest.mark.parametrize("path", FILES, ids=name_of)
+def test_no_shipped_file_grows_beyond_its_limit(path):
+    assert len(path.read_text(encoding="utf-8").splitlines()) <= 350

@@ -1,6 +1,6 @@
 import pytest
 
-from SDFStentLib.legacy_blocks import check_blocks
+from SDFStentLib.files.formats.legacy_blocks import check_blocks
 from SDFStentLib.validation import InputError
 
 HEAD = "# vtk DataFile Version 3.0\ntitle\nASCII\nDATASET POLYDATA\n"

@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from SDFStentLib import inscribed
-from SDFStentLib.centerline import Centerline
-from SDFStentLib.distance import SurfaceIndex
-from SDFStentLib.local_surface import LocalSurface
-from SDFStentLib.phantoms import stenosed_tube
-from SDFStentLib.polyline import resampled
+from SDFStentLib.centerline.centerline import Centerline
+from SDFStentLib.geometry.distance import SurfaceIndex
+from SDFStentLib.geometry.polyline import resampled
+from SDFStentLib.measure import inscribed
+from SDFStentLib.measure.local_surface import LocalSurface
+from SDFStentLib.phantoms.phantoms import stenosed_tube
 from SDFStentLib.validation import InputError
 
 PROJECT = Path(__file__).resolve().parents[1]
@@ -63,9 +63,9 @@ def test_a_station_on_a_vertex_of_a_closed_end_is_measured(the_demo, command):
 
 GROWTH = """
 import numpy as np
-from SDFStentLib.local_surface import LocalSurface
+from SDFStentLib.measure.local_surface import LocalSurface
 from SDFStentLib.phantoms import stenosed_tube
-from SDFStentLib.polyline import resampled
+from SDFStentLib.geometry.polyline import resampled
 from SDFStentLib.validation import InputError
 tube = stenosed_tube(edge_length=1.5)
 vertex = tube.points[tube.triangles[:1, 0]]
@@ -118,7 +118,7 @@ def test_every_while_says_why_it_ends():
 
 CIRCLE = """
 import numpy as np
-from SDFStentLib.coverage import branch_ostia
+from SDFStentLib.measure.coverage import branch_ostia
 points = np.array([[0.0, 0, 0], [1, 0, 0], [1, 0, 0], [1, 0, 0]])
 branch_ostia(points, np.array([-1, 3, 1, 2]), [[0, 0, 0], [0.5, 0, 0]], np.full(4, 9.0))
 """
@@ -130,8 +130,8 @@ def test_a_centerline_that_goes_round_in_a_place_is_refused():
 
 RIM = """
 import numpy as np
-from SDFStentLib.phantom_field import Rim
-from SDFStentLib.phantom_junction import _rim_loop
+from SDFStentLib.phantoms.field import Rim
+from SDFStentLib.phantoms.junction import _rim_loop
 points = np.zeros((7, 3))
 rim = Rim(np.zeros(3), np.array([0.0, 0, 1]), 1.0)
 _rim_loop(points, np.array([[0, 1, 2], [2, 3, 4], [4, 5, 6]]), rim)

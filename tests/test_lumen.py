@@ -10,11 +10,11 @@ from deployment_cases import AXES, arc, phantom, phantom_case, straight
 from oracle import capsule_distance
 from oracle import field as plain_field
 
-from SDFStentLib.capsule_chain import CapsuleChain
-from SDFStentLib.deployment import Deployment
-from SDFStentLib.inscribed import inscribed_spheres
-from SDFStentLib.lumen import radius_correction
-from SDFStentLib.settings import DeploymentSettings
+from SDFStentLib.deformation.deployment import Deployment
+from SDFStentLib.deformation.lumen import radius_correction
+from SDFStentLib.deformation.settings import DeploymentSettings
+from SDFStentLib.field.capsule_chain import CapsuleChain
+from SDFStentLib.measure.inscribed import inscribed_spheres
 
 DEFAULT = DeploymentSettings(certify=False)
 
@@ -191,7 +191,9 @@ def test_wall_outside_the_stent_is_dragged_no_farther_than_it_was_away():
 
 def test_far_beyond_the_ends_wall_stays_where_it_was_dragged(monkeypatch):
     drawn = stented_oval(2.9)[0].result.points
-    monkeypatch.setattr("SDFStentLib.attempt.drawn_in", lambda *_: np.empty(0, dtype=np.int64))
+    monkeypatch.setattr(
+        "SDFStentLib.deformation.attempt.drawn_in", lambda *_: np.empty(0, dtype=np.int64)
+    )
     deployment = stented_oval(2.9)[0]
     undrawn = deployment.result.points
     far = np.abs(undrawn[:, 2] - 20) > 8 + 2

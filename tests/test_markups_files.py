@@ -3,8 +3,8 @@ import json
 import numpy as np
 import pytest
 
-from SDFStentLib.file_input import FileContent
-from SDFStentLib.markups_files import decode_markups, encode_markups, new_markups
+from SDFStentLib.files.content import FileContent
+from SDFStentLib.files.formats.markups import decode_markups, encode_markups, new_markups
 from SDFStentLib.validation import InputError
 
 CONTROL = np.array([[0, 0, 0], [10, 0, 0], [15, 10, 3], [30, 12, 5], [31, 14, 9.0]])

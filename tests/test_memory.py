@@ -14,10 +14,11 @@ import pytest
 from deployment_cases import ANATOMIES, anatomy, leaf_path
 from vtkmodules.vtkFiltersModeling import vtkLinearSubdivisionFilter
 
-from SDFStentLib import polydata, vtk_formats
-from SDFStentLib.phantoms import straight_tube
-from SDFStentLib.polyline import point_at
-from SDFStentLib.surface_files import read_surface
+from SDFStentLib.files import polydata
+from SDFStentLib.files.formats import vtk_files as vtk_formats
+from SDFStentLib.files.surface_files import read_surface
+from SDFStentLib.geometry.polyline import point_at
+from SDFStentLib.phantoms.phantoms import straight_tube
 
 resource = pytest.importorskip("resource", reason="memory is not measured on this system")
 

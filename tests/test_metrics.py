@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from SDFStentLib.coverage import branch_ostia
-from SDFStentLib.cross_section import equivalent_diameters
-from SDFStentLib.distance import SurfaceIndex, closest_points_on_triangles
-from SDFStentLib.inscribed import inscribed_spheres
-from SDFStentLib.metrics import DiameterProfile, diameter_profile, stenosis
-from SDFStentLib.stretch import displacements, face_stretches
+from SDFStentLib.geometry.distance import SurfaceIndex, closest_points_on_triangles
+from SDFStentLib.measure.coverage import branch_ostia
+from SDFStentLib.measure.cross_section import equivalent_diameters
+from SDFStentLib.measure.inscribed import inscribed_spheres
+from SDFStentLib.measure.metrics import DiameterProfile, diameter_profile, stenosis
+from SDFStentLib.measure.stretch import displacements, face_stretches
 from SDFStentLib.validation import InputError
 
 ROUNDING = 1e-9  # mm: algebra on coordinates below 100 mm
@@ -182,7 +182,7 @@ def test_a_large_surface_is_searched_with_the_result_of_a_small_one(monkeypatch)
     points = points * [1.0, 0.8, 1.0]
     starts = np.linspace([2.0, 0.5, 20], [-1.5, 0, 40], 12)
     thinned = inscribed_spheres(points, triangles, starts)
-    monkeypatch.setattr("SDFStentLib.local_surface._THINNED_ABOVE", 10**9)
+    monkeypatch.setattr("SDFStentLib.measure.local_surface._THINNED_ABOVE", 10**9)
     plain = inscribed_spheres(points, triangles, starts)
     np.testing.assert_allclose(thinned.radii, plain.radii, rtol=0, atol=1e-4)
 

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from mesh_files import octahedron
 
-from SDFStentLib.obj_format import decode_obj, encode_obj
+from SDFStentLib.files.formats.obj import decode_obj, encode_obj
 from SDFStentLib.validation import InputError
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from deployment_cases import PHANTOM_STENTS, anatomy_case, phantom_case
 
-from SDFStentLib.deployment import deploy
-from SDFStentLib.surface import signed_volume
+from SDFStentLib.deformation.deployment import deploy
+from SDFStentLib.geometry.faces import signed_volume
 
 pymeshlab = pytest.importorskip("pymeshlab")
 tetgen = pytest.importorskip("tetgen")
@@ -86,7 +86,7 @@ def test_a_stented_anatomy_is_sound_by_meshlab_and_tetgen(data_dir, name):
 
 
 def test_our_certificate_finds_the_faces_that_meshlab_finds(data_dir):
-    from SDFStentLib.settings import DeploymentSettings
+    from SDFStentLib.deformation.settings import DeploymentSettings
 
     case = anatomy_case(data_dir, "aorta_iliac", 200, 36, radius=12.0)
     result = deploy(*case, DeploymentSettings.published())

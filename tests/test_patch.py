@@ -7,8 +7,8 @@ import pytest
 from deployment_cases import phantom
 from mesh_files import open_tube
 
-from SDFStentLib.capsule_chain import CapsuleChain
-from SDFStentLib.patch import Patch
+from SDFStentLib.deformation.patch import Patch
+from SDFStentLib.field.capsule_chain import CapsuleChain
 
 
 @pytest.fixture(scope="module")

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from SDFStentLib import phantoms
-from SDFStentLib.intersections import self_intersecting_triangles
-from SDFStentLib.phantom_axis import helical_axis, inscribed_radii, narrowing, planar_axis
-from SDFStentLib.phantom_field import Tube, TubeUnion
-from SDFStentLib.phantom_junction import branching_tube
-from SDFStentLib.phantoms import Phantom
-from SDFStentLib.surface import face_areas, face_normals, signed_volume
-from SDFStentLib.topology import consistently_wound, edges, is_closed, is_manifold
+from SDFStentLib.certificate.intersections import self_intersecting_triangles
+from SDFStentLib.geometry.faces import face_areas, face_normals, signed_volume
+from SDFStentLib.geometry.topology import consistently_wound, edges, is_closed, is_manifold
+from SDFStentLib.phantoms.axis import helical_axis, inscribed_radii, narrowing, planar_axis
+from SDFStentLib.phantoms.field import Tube, TubeUnion
+from SDFStentLib.phantoms.junction import branching_tube
+from SDFStentLib.phantoms.phantoms import Phantom
 from SDFStentLib.validation import InputError
 
 EDGE_LENGTH = {

@@ -10,18 +10,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from SDFStentLib import phantoms, picture
-from SDFStentLib.phantoms import Phantom
-from SDFStentLib.picture import render_before_after
-from SDFStentLib.picture_geometry import (
+from SDFStentLib import phantoms
+from SDFStentLib.geometry.polyline import closest_points
+from SDFStentLib.phantoms.phantoms import Phantom
+from SDFStentLib.report.picture import picture
+from SDFStentLib.report.picture.geometry import (
     WALL_COLOR,
     diameter_colors,
     section_ring,
     stent_lattice,
     wall_colors,
 )
-from SDFStentLib.picture_view import View, best_view, label_side
-from SDFStentLib.polyline import closest_points
+from SDFStentLib.report.picture.picture import render_before_after
+from SDFStentLib.report.picture.view import View, best_view, label_side
 from SDFStentLib.validation import DeploymentError, InputError
 
 FRONT = View(np.zeros(3), np.array([0.0, 1, 0]), np.array([0.0, 0, 1]), 20.0)

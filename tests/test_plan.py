@@ -12,10 +12,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from SDFStentLib import polydata, vtk_formats
-from SDFStentLib.json_document import scaled, unscaled
-from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube
-from SDFStentLib.placement import (
+from SDFStentLib.deformation.settings import DeploymentSettings
+from SDFStentLib.files import polydata
+from SDFStentLib.files.formats import vtk_files as vtk_formats
+from SDFStentLib.phantoms.phantoms import branching_pulmonary_artery, stenosed_tube
+from SDFStentLib.plan.document import SETTINGS, plan_document, plan_text, save_plan
+from SDFStentLib.plan.json_document import scaled, unscaled
+from SDFStentLib.plan.plan import Plan, turned
+from SDFStentLib.plan.reader import load_plan, plan_from_document
+from SDFStentLib.plan.run import run_plan
+from SDFStentLib.report.of_plan import plan_report
+from SDFStentLib.stent.placement import (
     AlongAxis,
     AtCenter,
     AtDistalEnd,
@@ -23,19 +30,15 @@ from SDFStentLib.placement import (
     BetweenPoints,
     InputFile,
 )
-from SDFStentLib.plan import Plan, turned
-from SDFStentLib.plan_document import SETTINGS, plan_document, plan_text, save_plan
-from SDFStentLib.plan_reader import load_plan, plan_from_document
-from SDFStentLib.plan_run import run_plan
-from SDFStentLib.settings import DeploymentSettings
-from SDFStentLib.stent import Stent
-from SDFStentLib.treatment import Treatment
-from SDFStentLib.treatment_report import plan_report
-from SDFStentLib.treatment_warnings import overlap_length
+from SDFStentLib.stent.stent import Stent
+from SDFStentLib.treatment.treatment import Treatment
+from SDFStentLib.treatment.warnings import overlap_length
 from SDFStentLib.validation import DeploymentError, InputError
 
 SCHEMA = json.loads(
-    (Path(__file__).parents[1] / "SDFStentLib" / "plan.schema.json").read_text(encoding="utf-8")
+    (Path(__file__).parents[1] / "SDFStentLib" / "plan" / "plan.schema.json").read_text(
+        encoding="utf-8"
+    )
 )
 RANDOM = np.random.default_rng(20)
 QUICK = DeploymentSettings(certify=False)
@@ -355,7 +358,7 @@ def test_a_stent_far_wider_than_the_native_lumen_is_said_with_both_numbers(facto
 
 
 def test_a_bend_tighter_than_the_stent_is_said():
-    from SDFStentLib.phantoms import bent_tube
+    from SDFStentLib.phantoms.phantoms import bent_tube
 
     vessel = bent_tube(radius=3.0, bend_radius=4.0, angle_deg=120)
     middle = vessel.vessels[0].axis.length / 2

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from mesh_files import octahedron
 
-from SDFStentLib.ply_format import decode_ply, encode_ply, fits_ply
+from SDFStentLib.files.formats.ply import decode_ply, encode_ply, fits_ply
 from SDFStentLib.validation import InputError
 
 HEADER = """ply

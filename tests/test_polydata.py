@@ -4,7 +4,7 @@ from mesh_files import octahedron
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
 
-from SDFStentLib.polydata import (
+from SDFStentLib.files.polydata import (
     add_arrays,
     arrays_from_polydata,
     cells_from_array,

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from SDFStentLib import polyline
-from SDFStentLib.segments import PAIRS_PER_BLOCK, closest_on_segments
+from SDFStentLib.geometry import polyline
+from SDFStentLib.geometry.segments import PAIRS_PER_BLOCK, closest_on_segments
 from SDFStentLib.validation import InputError
 
 CORNER = np.array([[0.0, 0, 0], [3, 0, 0], [3, 4, 0]])

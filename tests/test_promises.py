@@ -16,16 +16,17 @@ from mesh_files import PROJECT
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkStringArray
 
-from SDFStentLib import polydata, vtk_formats
-from SDFStentLib.capsule_chain import CapsuleChain
-from SDFStentLib.phantoms import stenosed_tube
-from SDFStentLib.placement import AtCenter, BetweenPoints
-from SDFStentLib.plan import Plan
-from SDFStentLib.plan_document import save_plan
-from SDFStentLib.plan_reader import load_plan
-from SDFStentLib.plan_run import input_file, read_input_files, run_plan
-from SDFStentLib.stent import Stent
-from SDFStentLib.surface_files import read_surface
+from SDFStentLib.field.capsule_chain import CapsuleChain
+from SDFStentLib.files import polydata
+from SDFStentLib.files.formats import vtk_files as vtk_formats
+from SDFStentLib.files.surface_files import read_surface
+from SDFStentLib.phantoms.phantoms import stenosed_tube
+from SDFStentLib.plan.document import save_plan
+from SDFStentLib.plan.plan import Plan
+from SDFStentLib.plan.reader import load_plan
+from SDFStentLib.plan.run import input_file, read_input_files, run_plan
+from SDFStentLib.stent.placement import AtCenter, BetweenPoints
+from SDFStentLib.stent.stent import Stent
 
 REACH = 3.0 + 6.5 + 0.4
 """Radius of the stent, influence distance and tissue gap, mm."""

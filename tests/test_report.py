@@ -13,19 +13,19 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from SDFStentLib.coverage import BranchOstium
-from SDFStentLib.metrics import DiameterProfile
-from SDFStentLib.placement import Placement
-from SDFStentLib.report import (
+from SDFStentLib.measure.coverage import BranchOstium
+from SDFStentLib.measure.metrics import DiameterProfile
+from SDFStentLib.report.html import certificate_sentence, html_page
+from SDFStentLib.report.plot import diameter_plot
+from SDFStentLib.report.report import (
     Report,
     StentResult,
     report_json,
     write_report,
     write_report_figure,
 )
-from SDFStentLib.report_html import certificate_sentence, html_page
-from SDFStentLib.report_plot import diameter_plot
-from SDFStentLib.report_words import millimeters, number_text
+from SDFStentLib.report.words import millimeters, number_text
+from SDFStentLib.stent.placement import Placement
 from SDFStentLib.validation import InputError
 
 CLEAN = {

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from mesh_files import octahedron, open_tube
 
-from SDFStentLib.same_space import InsideTest, check_same_space, size_warnings
+from SDFStentLib.files.same_space import InsideTest, check_same_space, size_warnings
 from SDFStentLib.validation import InputError
 
 HERE = np.array([100.0, 60.0, 20.0])
@@ -82,8 +82,8 @@ def test_the_lumen_counts_as_well_as_the_length():
 
 
 def test_real_vessels_are_seen_inside(data_dir):
-    from SDFStentLib.centerline_files import read_lines
-    from SDFStentLib.surface_files import read_surface
+    from SDFStentLib.files.centerline_files import read_lines
+    from SDFStentLib.files.surface_files import read_surface
 
     for vessel in ("pulmonary", "aorta_iliac"):
         surface = read_surface(data_dir / f"{vessel}_surface_cm.vtp", "cm")

@@ -9,16 +9,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from SDFStentLib.blending import BLENDS, FALLOFFS
-from SDFStentLib.deployment import Deployment
-from SDFStentLib.phantoms import straight_tube
-from SDFStentLib.settings import (
+from SDFStentLib.deformation.deployment import Deployment
+from SDFStentLib.deformation.profiles import BLENDS, FALLOFFS
+from SDFStentLib.deformation.settings import (
     NARROWEST_SMOOTHING,
     RULES,
     SHORTEST_AND_LONGEST,
     WIDEST,
     DeploymentSettings,
 )
+from SDFStentLib.phantoms.phantoms import straight_tube
 from SDFStentLib.validation import InputError
 
 
@@ -171,7 +171,7 @@ def test_a_smoothing_that_smooths_nothing_is_refused_or_zero():
 
 @pytest.mark.parametrize("name", [*SHORTEST_AND_LONGEST, *WIDEST])
 def test_the_schema_of_plans_has_the_same_ranges(name):
-    path = Path(__file__).parents[1] / "SDFStentLib" / "plan.schema.json"
+    path = Path(__file__).parents[1] / "SDFStentLib" / "plan" / "plan.schema.json"
     schema = json.loads(path.read_text(encoding="utf-8"))
     found = schema["properties"]["settings"]["properties"][name]
     if name == "smoothing_width":

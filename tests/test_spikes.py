@@ -14,16 +14,16 @@ import pytest
 from deployment_cases import anatomy, phantom
 from mesh_files import PROJECT
 
-from SDFStentLib.capsule_chain import CapsuleChain
-from SDFStentLib.certificate import Certificate
-from SDFStentLib.deployment import Deployment
-from SDFStentLib.lumen import largest_push
-from SDFStentLib.placement import AlongAxis, AtCenter
-from SDFStentLib.settings import DeploymentSettings
-from SDFStentLib.stent import Stent, StentAxis, stent_axis
-from SDFStentLib.stent_checks import lumen_check, motion_check
-from SDFStentLib.straightening import axis_in_vessel, permitted
-from SDFStentLib.treatment import Treatment
+from SDFStentLib.certificate.certificate import Certificate
+from SDFStentLib.deformation.deployment import Deployment
+from SDFStentLib.deformation.lumen import largest_push
+from SDFStentLib.deformation.settings import DeploymentSettings
+from SDFStentLib.deformation.stent_checks import lumen_check, motion_check
+from SDFStentLib.field.capsule_chain import CapsuleChain
+from SDFStentLib.stent.placement import AlongAxis, AtCenter
+from SDFStentLib.stent.stent import Stent, StentAxis, stent_axis
+from SDFStentLib.treatment.straightening import axis_in_vessel, permitted
+from SDFStentLib.treatment.treatment import Treatment
 
 _spec = importlib.util.spec_from_file_location("judges", PROJECT / "benchmarks" / "judges.py")
 judges = importlib.util.module_from_spec(_spec)

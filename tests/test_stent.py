@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from SDFStentLib.centerline import Centerline
-from SDFStentLib.polyline import length, minimum_bend_radius, resampled
-from SDFStentLib.stent import (
+from SDFStentLib.centerline.centerline import Centerline
+from SDFStentLib.geometry.polyline import length, minimum_bend_radius, resampled
+from SDFStentLib.stent.stent import (
     AlongAxis,
     AtCenter,
     AtDistalEnd,

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 from mesh_files import octahedron
 
-from SDFStentLib.stl_format import decode_stl, encode_stl
-from SDFStentLib.topology import is_closed
+from SDFStentLib.files.formats.stl import decode_stl, encode_stl
+from SDFStentLib.geometry.topology import is_closed
 from SDFStentLib.validation import InputError
 
 

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from SDFStentLib import section, surface, topology
+from SDFStentLib.geometry import faces as surface
+from SDFStentLib.geometry import section, topology
 from SDFStentLib.validation import InputError
 
 TETRAHEDRON = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])

@@ -6,17 +6,17 @@ import pytest
 from mesh_files import octahedron, open_tube
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 
-from SDFStentLib.obj_format import encode_obj
-from SDFStentLib.polydata import (
+from SDFStentLib.files.formats.obj import encode_obj
+from SDFStentLib.files.formats.stl import encode_stl
+from SDFStentLib.files.formats.vtk_files import encode_legacy, encode_vtp
+from SDFStentLib.files.polydata import (
     arrays_from_polydata,
     polydata_from_arrays,
     polydata_from_lines,
     set_frame_of_polydata,
 )
-from SDFStentLib.stl_format import encode_stl
-from SDFStentLib.surface_files import read_surface
+from SDFStentLib.files.surface_files import read_surface
 from SDFStentLib.validation import InputError
-from SDFStentLib.vtk_formats import encode_legacy, encode_vtp
 
 
 def saved(folder, polydata, name="a.vtp"):

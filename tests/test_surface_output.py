@@ -6,12 +6,16 @@ from mesh_files import PROJECT, RUN_PYTHON, octahedron
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkIntArray, vtkStringArray
 
-from SDFStentLib.polydata import add_arrays, polydata_from_arrays, set_frame_of_polydata
-from SDFStentLib.surface import face_normals, vertex_normals
-from SDFStentLib.surface_files import read_surface
-from SDFStentLib.surface_output import check_surface_output, polydata_with_points, write_surface
+from SDFStentLib.files.formats.vtk_files import encode_vtp
+from SDFStentLib.files.polydata import add_arrays, polydata_from_arrays, set_frame_of_polydata
+from SDFStentLib.files.surface_files import read_surface
+from SDFStentLib.files.surface_output import (
+    check_surface_output,
+    polydata_with_points,
+    write_surface,
+)
+from SDFStentLib.geometry.faces import face_normals, vertex_normals
 from SDFStentLib.validation import InputError
-from SDFStentLib.vtk_formats import encode_vtp
 
 MOVED = np.array([4, 17])
 
@@ -196,8 +200,8 @@ def test_a_full_disk_is_said_and_the_old_file_stays(tmp_path, suffix):
     path.write_bytes(b"old")
     script = """
 import resource, sys
-from SDFStentLib.surface_files import read_surface
-from SDFStentLib.surface_output import write_surface
+from SDFStentLib.files.surface_files import read_surface
+from SDFStentLib.files.surface_output import write_surface
 surface = read_surface(sys.argv[1], "cm")
 resource.setrlimit(resource.RLIMIT_FSIZE, (500, 500))
 try:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from SDFStentLib import topology
-from SDFStentLib.fans import fans_by_graph, fans_by_walking
+from SDFStentLib.geometry import topology
+from SDFStentLib.geometry.fans import fans_by_graph, fans_by_walking
 
 
 def torus(rows=12, columns=9):

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from SDFStentLib import treatment as treatment_module
-from SDFStentLib.phantoms import branching_pulmonary_artery
-from SDFStentLib.placement import AtCenter
-from SDFStentLib.stent import Stent
-from SDFStentLib.topology import surface_topology
-from SDFStentLib.treatment import Treatment
+from SDFStentLib.geometry.topology import surface_topology
+from SDFStentLib.phantoms.phantoms import branching_pulmonary_artery
+from SDFStentLib.stent.placement import AtCenter
+from SDFStentLib.stent.stent import Stent
+from SDFStentLib.treatment import treatment as treatment_module
+from SDFStentLib.treatment.treatment import Treatment
 
 
 @pytest.fixture(scope="module")

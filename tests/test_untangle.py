@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from deployment_cases import anatomy_case, phantom_case
 
-from SDFStentLib.capsule_chain import CapsuleChain
-from SDFStentLib.deployment import Deployment
-from SDFStentLib.intersections import self_intersecting_triangles
-from SDFStentLib.motion import Motion
-from SDFStentLib.precision import Precision
-from SDFStentLib.settings import DeploymentSettings
-from SDFStentLib.untangle import IDLE_ROUNDS, Faults, untangled
+from SDFStentLib.certificate.intersections import self_intersecting_triangles
+from SDFStentLib.deformation.deployment import Deployment
+from SDFStentLib.deformation.motion import Motion
+from SDFStentLib.deformation.settings import DeploymentSettings
+from SDFStentLib.deformation.untangle import IDLE_ROUNDS, Faults, untangled
+from SDFStentLib.field.capsule_chain import CapsuleChain
+from SDFStentLib.geometry.precision import Precision
 
 DEFAULT = DeploymentSettings()
 PLAIN = DEFAULT.with_changes(tissue_gap=0, untangle=False)
@@ -57,7 +57,7 @@ def test_untangling_repairs_a_fold_without_the_tissue_gap(folding_case):
 
 
 def test_the_tissue_gap_leaves_the_stented_lumen_alone(folding_case):
-    from SDFStentLib.inscribed import inscribed_spheres
+    from SDFStentLib.measure.inscribed import inscribed_spheres
 
     diameters = []
     for gap in (0.0, 0.4):
@@ -173,7 +173,7 @@ def test_a_face_without_area_is_a_fault():
 
 
 def test_what_is_left_after_the_last_round_is_named(monkeypatch):
-    monkeypatch.setattr("SDFStentLib.untangle.ROUNDS", 0)
+    monkeypatch.setattr("SDFStentLib.deformation.untangle.ROUNDS", 0)
     flat, bent, triangles = a_folded_sheet()
     motion, faults, _, outcome = untangled_sheet(flat, bent, triangles)
     left = faults.among(motion.positions, np.arange(len(triangles)))

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from deployment_cases import phantom
 
-from SDFStentLib import attempt
-from SDFStentLib import deployment as engine
-from SDFStentLib.attempt import WAYS_TO_UNTANGLE
-from SDFStentLib.deployment import RETRIES, Deployment
-from SDFStentLib.settings import DeploymentSettings
+from SDFStentLib.deformation import attempt
+from SDFStentLib.deformation import deployment as engine
+from SDFStentLib.deformation.attempt import WAYS_TO_UNTANGLE
+from SDFStentLib.deformation.deployment import RETRIES, Deployment
+from SDFStentLib.deformation.settings import DeploymentSettings
 
 
 @pytest.fixture

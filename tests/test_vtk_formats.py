@@ -11,10 +11,15 @@ from vtkmodules.vtkCommonCore import VTK_ID_TYPE, vtkLogger, vtkObject, vtkOutpu
 from vtkmodules.vtkIOLegacy import vtkPolyDataWriter
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
-from SDFStentLib.file_input import FileContent, read_content
-from SDFStentLib.polydata import add_arrays, arrays_from_polydata, polydata_from_arrays
+from SDFStentLib.files.content import FileContent, read_content
+from SDFStentLib.files.formats.vtk_files import (
+    encode_legacy,
+    encode_vtp,
+    read_vtk_polydata,
+    vtk_messages,
+)
+from SDFStentLib.files.polydata import add_arrays, arrays_from_polydata, polydata_from_arrays
 from SDFStentLib.validation import InputError
-from SDFStentLib.vtk_formats import encode_legacy, encode_vtp, read_vtk_polydata, vtk_messages
 
 
 def surface_with_text():
@@ -86,7 +91,7 @@ def test_cut_files_and_noise_never_crash_never_print_and_never_pass_for_another_
         import sys, random
         from pathlib import Path
         import numpy as np
-        from SDFStentLib.surface_files import read_surface
+        from SDFStentLib.files.surface_files import read_surface
         from SDFStentLib.validation import InputError
         folder = Path(sys.argv[1])
         for path in map(Path, sys.argv[2:]):

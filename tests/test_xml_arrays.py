@@ -7,11 +7,11 @@ import pytest
 from mesh_files import octahedron
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
-from SDFStentLib.file_input import FileContent
-from SDFStentLib.polydata import polydata_from_arrays
+from SDFStentLib.files.content import FileContent
+from SDFStentLib.files.formats.vtk_files import read_vtk_polydata
+from SDFStentLib.files.formats.xml_arrays import check_arrays
+from SDFStentLib.files.polydata import polydata_from_arrays
 from SDFStentLib.validation import InputError
-from SDFStentLib.vtk_formats import read_vtk_polydata
-from SDFStentLib.xml_arrays import check_arrays
 
 MODES = ("Ascii", "Binary", "Appended")
 COMPRESSORS = ("None", "ZLib", "LZ4", "LZMA")

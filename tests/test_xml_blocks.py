@@ -1,7 +1,7 @@
 import pytest
 
+from SDFStentLib.files.formats.xml_blocks import check_announced_sizes
 from SDFStentLib.validation import InputError
-from SDFStentLib.xml_blocks import check_announced_sizes
 
 
 def vtp(inner):

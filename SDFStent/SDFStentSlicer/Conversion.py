@@ -11,7 +11,7 @@ import vtk
 from vtk.util.numpy_support import vtk_to_numpy
 
 from SDFStentLib.centerline import Centerline
-from SDFStentLib.polydata import inscribed_radius_from_polydata, lines_from_polydata
+from SDFStentLib.files import inscribed_radius_from_polydata, lines_from_polydata
 from SDFStentLib.validation import InputError
 
 

@@ -6,8 +6,8 @@ import vtk
 from slicer.i18n import tr as _
 from vtk.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 
-from SDFStentLib.polydata import polydata_from_lines
-from SDFStentLib.polyline import resampled
+from SDFStentLib.files import polydata_from_lines
+from SDFStentLib.geometry import resampled
 
 from . import Outputs
 

@@ -4,9 +4,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from SDFStentLib.polydata import arrays_from_polydata
-from SDFStentLib.topology import surface_topology
-from SDFStentLib.triangulation import triangulated_polydata
+from SDFStentLib.files import arrays_from_polydata, triangulated_polydata
+from SDFStentLib.geometry import surface_topology
 from SDFStentLib.validation import InputError
 
 from . import Conversion

@@ -14,7 +14,7 @@ from slicer import (
 from slicer.i18n import tr as _
 from slicer.parameterNodeWrapper import Choice, WithinRange, parameterNodeWrapper, parameterPack
 
-from SDFStentLib.settings import SHORTEST_AND_LONGEST, WIDEST
+from SDFStentLib.deformation import SHORTEST_AND_LONGEST, WIDEST
 from SDFStentLib.stent import MAXIMUM_DIAMETER, MAXIMUM_LENGTH
 
 

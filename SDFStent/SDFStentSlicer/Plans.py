@@ -6,13 +6,10 @@ from functools import lru_cache
 import slicer
 from slicer.i18n import tr as _
 
-from SDFStentLib import placement as library
-from SDFStentLib.placement import InputFile
-from SDFStentLib.plan import Plan, turned
-from SDFStentLib.plan_document import plan_text, save_plan
-from SDFStentLib.plan_reader import load_plan, plan_from_document
-from SDFStentLib.settings import DeploymentSettings
-from SDFStentLib.stent import Stent
+from SDFStentLib import stent as library
+from SDFStentLib.deformation import DeploymentSettings
+from SDFStentLib.plan import Plan, load_plan, plan_from_document, plan_text, save_plan, turned
+from SDFStentLib.stent import InputFile, Stent
 from SDFStentLib.validation import InputError
 
 from . import Conversion, Dependencies, Handles

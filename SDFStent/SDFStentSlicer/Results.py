@@ -4,7 +4,7 @@ import numpy as np
 import slicer
 from slicer.i18n import tr as _
 
-from SDFStentLib.metrics import stenosis
+from SDFStentLib.measure import stenosis
 
 from . import Display
 from .ParameterNode import SurfaceMap

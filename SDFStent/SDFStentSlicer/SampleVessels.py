@@ -6,7 +6,7 @@ import numpy as np
 import slicer
 from slicer.i18n import tr as _
 
-from SDFStentLib.polydata import add_arrays, polydata_from_arrays, polydata_from_lines
+from SDFStentLib.files import add_arrays, polydata_from_arrays, polydata_from_lines
 
 CATEGORY = "SDF Stent"
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from SDFStentLib.precision import Precision
-from SDFStentLib.stretch import displacements, face_stretches
+from SDFStentLib.geometry import Precision
+from SDFStentLib.measure import displacements, face_stretches
 from SDFStentLib.treatment import Treatment
 
 from .Portions import inPortions

@@ -74,9 +74,7 @@ def theArtery(arguments):
 
     if not arguments.surface:
         return SampleVessels.addSampleVessel("branching_pulmonary_artery", "Artery")
-    from SDFStentLib.centerline_files import read_centerline
-    from SDFStentLib.polydata import polydata_from_arrays
-    from SDFStentLib.surface_files import read_surface
+    from SDFStentLib.files import polydata_from_arrays, read_centerline, read_surface
 
     surface = read_surface(arguments.surface, arguments.units)
     centerline = read_centerline(arguments.centerline, arguments.units)

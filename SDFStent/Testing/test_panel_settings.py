@@ -26,7 +26,7 @@ def test_rules_are_named_for_the_user_and_stored_as_the_library_calls_them(host,
 def test_shapes_are_named_in_words_from_gradual_to_steep(host, aPanel, name):
     from SDFStentSlicer.ParameterNode import CHOICE_LABELS
 
-    from SDFStentLib.blending import BLENDS, FALLOFFS
+    from SDFStentLib.deformation import BLENDS, FALLOFFS
 
     box = getattr(aPanel.ui, name + "ComboBox")
     texts = [box.itemText(i) for i in range(box.count)]
@@ -55,8 +55,7 @@ def test_the_blend_reaches_the_library(host, aStent):
 def test_choices_are_those_of_the_library(theModule):
     from SDFStentSlicer.ParameterNode import CHOICE_LABELS, MethodParameters
 
-    from SDFStentLib.blending import BLENDS, FALLOFFS
-    from SDFStentLib.settings import RULES, DeploymentSettings
+    from SDFStentLib.deformation import BLENDS, FALLOFFS, RULES, DeploymentSettings
 
     for known, name in ((BLENDS, "blend"), (FALLOFFS, "falloff"), (RULES, "rule")):
         assert list(CHOICE_LABELS[name]) == list(known)

@@ -62,8 +62,7 @@ def test_every_placement_survives(aLogic, theParameters, aScene, tmp_path, kind)
 
 def test_the_library_replays_the_plan_of_the_panel(aLogic, theParameters, tmp_path):
     """The same files, the same plan: the points of the command line, to 1e-9 mm."""
-    from SDFStentLib.plan_reader import load_plan
-    from SDFStentLib.plan_run import run_plan
+    from SDFStentLib.plan import load_plan, run_plan
 
     for node in (theParameters.vessel, theParameters.centerline):
         saveAsFile(node, tmp_path / f"{node.GetName()}.vtp", "RAS")
@@ -111,9 +110,7 @@ def test_a_plan_in_lps_is_turned(aLogic, theParameters, tmp_path):
 
 def test_a_plan_of_the_command_line_gives_its_points_in_the_panel(aLogic, theParameters, tmp_path):
     """Files as Slicer writes them are LPS, and so is a plan that the command line makes of them."""
-    from SDFStentLib.plan_document import save_plan
-    from SDFStentLib.plan_reader import load_plan
-    from SDFStentLib.plan_run import run_plan
+    from SDFStentLib.plan import load_plan, run_plan, save_plan
 
     for node in (theParameters.vessel, theParameters.centerline):
         saveAsFile(node, tmp_path / f"{node.GetName()}.vtp", "LPS")
@@ -158,8 +155,7 @@ def test_points_without_a_frame_and_without_a_file_are_in_ras(aLogic, theParamet
 @pytest.mark.parametrize("frame", ["RAS", "LPS"])
 def test_a_saved_plan_fits_its_surface_without_a_space_tag(aLogic, theParameters, tmp_path, frame):
     """The library does not turn points where the file names no frame: they have to be in its own."""
-    from SDFStentLib.plan_reader import load_plan
-    from SDFStentLib.plan_run import run_plan
+    from SDFStentLib.plan import load_plan, run_plan
 
     for node in (theParameters.vessel, theParameters.centerline):
         path = tmp_path / f"{node.GetName()}.vtp"

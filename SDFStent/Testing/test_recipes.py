@@ -59,7 +59,7 @@ def test_every_control_of_the_panel_is_in_the_reference():
 
 def test_sentences_of_the_troubleshooting_are_those_that_users_read():
     table = GUIDE[GUIDE.index("## Troubleshooting") : GUIDE.index("## How to cite")]
-    files = [*ROOT.glob("SDFStentLib/*.py"), *ROOT.glob("SDFStent/SDFStentSlicer/*.py")]
+    files = [*ROOT.glob("SDFStentLib/**/*.py"), *ROOT.glob("SDFStent/SDFStentSlicer/*.py")]
     said = "".join(path.read_text(encoding="utf-8") for path in files)
     said = re.sub(r'"\s*\n\s*f?"', "", said)  # sentences that go on in the next line
     sentences = re.findall(r'"([^"]+)"', table)

@@ -1,0 +1,347 @@
+"""The centerline of a vessel tree as one immutable value: points, radii, ancestry."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..geometry import arc_lengths, closest_on_segments, kept_points
+from ..validation import (
+    Floats,
+    Indices,
+    InputError,
+    Points,
+    as_number,
+    as_point,
+    as_points,
+    read_only,
+)
+from .from_lines import tree_from_lines
+from .point_tree import (
+    PointTree,
+    ancestry_of,
+    as_parents,
+    as_radii,
+    branches_of,
+    interpolated,
+    mixed_radius,
+    points_between,
+    resampled_tree,
+    sums_to_root,
+)
+
+SAME_PLACE = 1e-9
+"""Distance up to which two places on a centerline are one, mm."""
+
+
+@dataclass(frozen=True, eq=False)
+class Location:
+    """A place on a centerline: on the segment that leads to point `index` from its parent.
+
+    `fraction` runs from 0 at the parent to 1 at the point; `distance` (mm) is that of the point
+    which was projected; `arc_length` (mm) counts from the root; `inscribed_radius` (mm) may be NaN.
+    """
+
+    point: Floats
+    distance: float
+    index: int
+    fraction: float
+    arc_length: float
+    inscribed_radius: float
+
+
+class JunctionChoice(NamedTuple):
+    """A junction where a path downstream had to choose; `by_radius` False: the longest branch."""
+
+    point: Floats
+    by_radius: bool
+
+
+@dataclass(frozen=True)
+class CenterlinePath:
+    """A way along a centerline: points (k, 3), inscribed radius (k,), and how it was chosen."""
+
+    points: Points
+    inscribed_radius: Floats
+    choices: tuple[JunctionChoice, ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "points", read_only(self.points))
+        object.__setattr__(self, "inscribed_radius", read_only(self.inscribed_radius))
+
+    @property
+    def length(self) -> float:
+        """Arc length, mm."""
+        return float(arc_lengths(self.points)[-1])
+
+    def reversed(self) -> CenterlinePath:
+        """The same way from its end to its start."""
+        return replace(self, points=self.points[::-1], inscribed_radius=self.inscribed_radius[::-1])
+
+
+@dataclass(frozen=True)
+class Centerline:
+    """A tree in point form.
+
+    Parameters
+    ----------
+    points : array_like, shape (n, 3)
+        Points, mm, in any order.
+    inscribed_radius : array_like, shape (n,)
+        Radius of the maximum inscribed sphere, mm; not positive or not finite counts as unknown
+        and becomes NaN.
+    parent : array_like of int, shape (n,)
+        The next point towards the root, -1 at a root. Proximal is the root's side, always.
+
+    Raises
+    ------
+    InputError
+        Fewer than two points, wrong shapes, a parent that does not exist, or a circle of parents.
+    """
+
+    points: Points
+    inscribed_radius: Floats
+    parent: Indices
+
+    def __post_init__(self) -> None:
+        points = as_points(self.points, "centerline points", minimum=2)
+        parent = as_parents(self.parent, len(points))
+        object.__setattr__(self, "points", read_only(points))
+        object.__setattr__(self, "parent", read_only(parent))
+        radius = as_radii(self.inscribed_radius, len(points))
+        object.__setattr__(self, "inscribed_radius", read_only(radius))
+
+    @classmethod
+    def from_lines(
+        cls,
+        points: ArrayLike,
+        lines: Sequence[ArrayLike],
+        inscribed_radius: ArrayLike | None = None,
+        *,
+        inlet: ArrayLike | None = None,
+    ) -> Centerline:
+        """The tree of a centerline file's lines, whatever made it.
+
+        Points that coincide are one. Lines that run within a tenth of the inscribed radius of
+        each other are one up to where they part. Pieces are joined across a gap smaller than the
+        local radius. Where the radius is unknown, 0.1 % and 1 % of the extent stand for these. A
+        loop is opened where it is farthest from the root; what then ends blind inside the sphere
+        of its junction is dropped.
+
+        The root is the end nearest to `inlet` if given. Else for two-point cells the point
+        stored first if it is an end, or the widest end; for polylines the end of the tree at
+        which most lines start or end, then rather one where they start, then the widest.
+
+        Parameters
+        ----------
+        points : array_like, shape (n, 3)
+            Points, mm; those that no line uses are left out.
+        lines : sequence of arrays of int
+            Point indices of every line, in the order of the cell.
+        inscribed_radius : array_like, shape (n,), optional
+            Radius of the maximum inscribed sphere, mm.
+        inlet : array_like, shape (3,), optional
+            A point near the end that is the root, mm.
+
+        Raises
+        ------
+        InputError
+            No line, a line through one place only, indices that do not exist, coordinates that
+            are not finite, or pieces too far apart.
+        """
+        return cls(*tree_from_lines(points, lines, inscribed_radius, inlet=inlet))
+
+    @classmethod
+    def from_polyline(
+        cls, points: ArrayLike, inscribed_radius: ArrayLike | None = None
+    ) -> Centerline:
+        """The unbranched centerline along a curve; its first point is the root."""
+        polyline = as_points(points, "centerline points", minimum=2)
+        kept = kept_points(polyline)
+        radius = as_radii(inscribed_radius, len(polyline))[kept]
+        return cls(polyline[kept], radius, np.arange(len(kept)) - 1)
+
+    @property
+    def roots(self) -> Indices:
+        """Points without parent, the proximal ends."""
+        return np.flatnonzero(self.parent < 0)
+
+    @property
+    def leaves(self) -> Indices:
+        """Points without children, the distal ends."""
+        return np.flatnonzero(self._child_counts == 0)
+
+    @property
+    def junctions(self) -> Indices:
+        """Points with more than one child."""
+        return np.flatnonzero(self._child_counts > 1)
+
+    @cached_property
+    def arc_length(self) -> Floats:
+        """Arc length from the root for every point, mm."""
+        steps = self.points - self.points[self.parent]
+        steps[self.parent < 0] = 0.0
+        return read_only(sums_to_root(self.parent, np.linalg.norm(steps, axis=1)))
+
+    @cached_property
+    def branches(self) -> tuple[Indices, ...]:
+        """Point indices from root or junction to the next junction or leaf, both included."""
+        return tuple(read_only(branch) for branch in branches_of(self.parent))
+
+    @cached_property
+    def _child_counts(self) -> Indices:
+        return np.bincount(self.parent[self.parent >= 0], minlength=len(self.parent))
+
+    def children(self, index: int) -> Indices:
+        """Points whose parent is `index`."""
+        return np.flatnonzero(self.parent == index)
+
+    def ancestry(self, index: int) -> Indices:
+        """The points from the root down to `index`, both included."""
+        return ancestry_of(self.parent, index)
+
+    def project(self, point: ArrayLike) -> Location:
+        """The nearest place on the centerline's segments.
+
+        Raises
+        ------
+        InputError
+            Not one finite point.
+        """
+        ends = np.flatnonzero(self.parent >= 0)
+        starts = self.parent[ends]
+        query = as_point(point, "point")[None]
+        found = closest_on_segments(self.points[starts], self.points[ends], query)
+        index, fraction = int(ends[found.segments[0]]), float(found.fractions[0])
+        above = int(self.parent[index])
+        at, radius = self.arc_length, self.inscribed_radius
+        along = (1.0 - fraction) * at[above] + fraction * at[index]
+        local = mixed_radius(radius[above], radius[index], fraction)
+        if along - at[above] <= SAME_PLACE and self.parent[above] >= 0:
+            # At a junction: on the segment above it, so that no branch is chosen by rounding.
+            index, fraction = above, 1.0
+        point = read_only(found.points[0])
+        distance = float(found.distances[0])
+        return Location(point, distance, index, fraction, float(along), float(local))
+
+    def path(
+        self, from_point: ArrayLike | Location, to_point: ArrayLike | Location
+    ) -> CenterlinePath:
+        """The way between the projections of two points, across junctions, in either direction.
+
+        Returns
+        -------
+        CenterlinePath
+            A single point when both project to the same place.
+
+        Raises
+        ------
+        InputError
+            The points lie on trees with different roots.
+        """
+        start, end = self._location(from_point), self._location(to_point)
+        nodes = points_between(self.parent, start.index, end.index)
+        if nodes is None:
+            raise InputError(
+                "centerline path: expected two points of one vessel tree, got points on trees "
+                "with different roots; choose both on one."
+            )
+        points = np.concatenate([start.point[None], self.points[nodes], end.point[None]])
+        radius = np.array(
+            [start.inscribed_radius, *self.inscribed_radius[nodes], end.inscribed_radius]
+        )
+        kept = kept_points(points)
+        return CenterlinePath(points[kept], radius[kept])
+
+    def path_around(self, center: ArrayLike | Location, length: float) -> CenterlinePath:
+        """Half of the length up towards the root and half down towards the outlets, mm.
+
+        Down a junction the path follows the widest branch, or the longest where a radius is
+        unknown; `choices` lists the junctions passed so. It ends where the centerline ends.
+        """
+        half = as_number(length, "length", unit="mm", above=0) / 2
+        return self._path_through(self._location(center), half, half)
+
+    def path_from_distal(self, distal: ArrayLike | Location, length: float) -> CenterlinePath:
+        """From a distal end up towards the root; shorter where the centerline ends."""
+        return self._path_through(
+            self._location(distal), as_number(length, "length", unit="mm", above=0), 0.0
+        )
+
+    def path_from_proximal(self, proximal: ArrayLike | Location, length: float) -> CenterlinePath:
+        """From a proximal end down towards the outlets; junctions as in `path_around`."""
+        return self._path_through(
+            self._location(proximal), 0.0, as_number(length, "length", unit="mm", above=0)
+        )
+
+    def resampled(self, spacing: float) -> Centerline:
+        """Equal arc length of about `spacing` (mm) along every branch, whose ends stay."""
+        spacing = as_number(spacing, "spacing", unit="mm", above=0)
+        tree = PointTree(self.points, self.inscribed_radius, self.parent)
+        return Centerline(*resampled_tree(tree, spacing))
+
+    def with_points(self, new_points: ArrayLike) -> Centerline:
+        """The same tree with its points, one for one, elsewhere."""
+        return replace(self, points=np.asarray(new_points))
+
+    def with_inscribed_radius(self, inscribed_radius: ArrayLike) -> Centerline:
+        """The same tree with other radii, one per point."""
+        return replace(self, inscribed_radius=np.asarray(inscribed_radius))
+
+    def _location(self, place: ArrayLike | Location) -> Location:
+        return place if isinstance(place, Location) else self.project(place)
+
+    def _path_through(self, place: Location, up: float, down: float) -> CenterlinePath:
+        """From `up` mm above the place to `down` mm below it."""
+        first, last = place.arc_length - up, place.arc_length + down
+        node = place.index if place.fraction > 0 else int(self.parent[place.index])
+        choices = []
+        # Ends: down a tree, whose parents are checked for circles.
+        while self.arc_length[node] < last - SAME_PLACE and self._child_counts[node]:
+            below = self.children(node)
+            if len(below) > 1:
+                below, by_radius = self._preferred(node, below)
+                choices.append(JunctionChoice(read_only(self.points[node]), by_radius))
+            node = int(below[0])
+        nodes = self.ancestry(node if self.parent[node] >= 0 else place.index)
+        at = self.arc_length[nodes]
+        ends = np.clip([first, last], 0.0, at[-1])
+        inner = nodes[(at > ends[0]) & (at < ends[1])]
+        points, radius = interpolated(self.points[nodes], self.inscribed_radius[nodes], ends)
+        points = np.concatenate([points[:1], self.points[inner], points[1:]])
+        radius = np.concatenate([radius[:1], self.inscribed_radius[inner], radius[1:]])
+        kept = kept_points(points)
+        return CenterlinePath(points[kept], radius[kept], tuple(choices))
+
+    def _preferred(self, junction: int, below: Indices) -> tuple[Indices, bool]:
+        """Children from the preferred one on, and whether the radius decided."""
+        reaches = self._reaches[below]
+        radii = np.array([self._radius_beyond(junction, int(child)) for child in below])
+        by_radius = bool(np.isfinite(radii).all())
+        order = np.lexsort((reaches, radii)) if by_radius else np.argsort(reaches, kind="stable")
+        return below[order[::-1]], by_radius
+
+    @cached_property
+    def _reaches(self) -> Floats:
+        """Per point the largest arc length among the leaves below it, mm."""
+        reaches = self.arc_length.copy()
+        for leaf in self.leaves:
+            chain = self.ancestry(int(leaf))
+            reaches[chain] = np.maximum(reaches[chain], self.arc_length[leaf])
+        return reaches
+
+    def _radius_beyond(self, junction: int, child: int) -> float:
+        """Mean radius of a branch from one to three junction radii beyond its junction, mm.
+
+        Nearer, the branches still share one sphere. A shorter branch counts with its last point.
+        """
+        branch = next(b for b in self.branches if b[0] == junction and b[1] == child)
+        radius, along = self.inscribed_radius[branch], self.arc_length[branch]
+        unit = self.inscribed_radius[junction]
+        beyond = (along >= along[0] + unit) & (along <= along[0] + 3.0 * unit)
+        return float(radius[beyond].mean() if beyond.any() else radius[-1])

@@ -1,0 +1,192 @@
+"""One tree from the lines of a centerline file, whatever made it.
+
+The same steps serve every form: weld points that coincide, merge lines that run along each
+other, join pieces across small gaps, choose the root, open loops. Tolerances are fractions of
+the inscribed radius or of the extent, so that the result does not depend on the unit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..validation import Floats, Indices, InputError, Points, as_point, as_points
+from .line_graph import LineGraph, near_pairs, reach_of, welded
+from .overlaps import merged_overlaps
+from .point_tree import PointTree, as_radii
+
+GAP_FRACTION = 1.0
+"""Pieces are joined across a gap of up to this fraction of the local inscribed radius."""
+
+GAP_EXTENT = 1e-2
+"""The same as a fraction of the bounding box's diagonal where no radius is known."""
+
+
+def tree_from_lines(
+    points: ArrayLike,
+    lines: Sequence[ArrayLike],
+    inscribed_radius: ArrayLike | None = None,
+    *,
+    inlet: ArrayLike | None = None,
+) -> PointTree:
+    """The tree that the lines describe; see `Centerline.from_lines`, which documents it.
+
+    Returns
+    -------
+    PointTree
+        Parents come before their children, branch after branch.
+    """
+    checked = as_points(points, "centerline points")
+    index_lines = _as_lines(lines, len(checked))
+    radius = as_radii(inscribed_radius, len(checked))
+    graph, line_ends = welded(checked, radius, index_lines)
+    end_points = graph.points[line_ends]
+    two_point_cells = len(index_lines) > 1 and all(len(line) == 2 for line in index_lines)
+    graph = merged_overlaps(graph, line_ends[:0] if two_point_cells else line_ends)
+    graph = _joined(graph)
+    root = _root(graph, end_points, inlet, two_point_cells)
+    return _rooted(graph, root)
+
+
+def _as_lines(lines: Sequence[ArrayLike], point_count: int) -> list[Indices]:
+    index_lines = []
+    for number, line in enumerate(lines):
+        indices = np.asarray(line)
+        if indices.size == 0:
+            continue
+        if indices.ndim != 1 or indices.dtype.kind not in "iu":
+            raise InputError(
+                f"centerline line {number}: expected a list of point indices, "
+                f"got {indices.dtype} of shape {indices.shape}."
+            )
+        if indices.min() < 0 or indices.max() >= point_count:
+            raise InputError(
+                f"centerline line {number}: expected point indices from 0 to {point_count - 1}, "
+                f"got {indices.min()} to {indices.max()}."
+            )
+        index_lines.append(indices.astype(np.int64))
+    if not index_lines:
+        raise InputError(
+            f"centerline: expected at least one line, got {point_count} points and no line; "
+            "extract the centerline again."
+        )
+    return index_lines
+
+
+def _joined(graph: LineGraph) -> LineGraph:
+    """One connected graph: gaps below the local radius are bridged, shortest first."""
+    from scipy.sparse.csgraph import connected_components, minimum_spanning_tree
+
+    labels = graph.component_labels()
+    if labels.max() == 0:
+        return graph
+    reach = reach_of(graph, GAP_FRACTION, GAP_EXTENT)
+    pairs = near_pairs(graph, reach)
+    pairs = pairs.selected(labels[pairs.nodes] != labels[graph.edges[pairs.segments, 0]])
+    # Shortest bridge per pair of pieces, then the spanning tree over the pieces.
+    pairs = pairs.selected(np.argsort(pairs.distances, kind="stable"))
+    here, there = labels[pairs.nodes], labels[graph.edges[pairs.segments, 0]]
+    couples = np.sort(np.column_stack([here, there]), axis=1)
+    couples, first = np.unique(couples, axis=0, return_index=True)
+    pairs = pairs.selected(first)
+    count = labels.max() + 1
+    weights = np.zeros((count, count))
+    # A bridge of no length would read as no bridge in a graph matrix, hence the ranks.
+    weights[couples[:, 0], couples[:, 1]] = 1.0 + np.argsort(np.argsort(pairs.distances))
+    used = minimum_spanning_tree(weights).toarray()[couples[:, 0], couples[:, 1]] > 0
+    if used.sum() < count - 1:
+        groups = connected_components(weights, directed=False)[1]
+        _refuse_gap(graph, groups[labels], reach)
+    return graph.bridged(pairs.selected(used))
+
+
+def _refuse_gap(graph: LineGraph, labels: Indices, reach: Floats) -> None:
+    """Name the gap between the largest piece and the piece nearest to it."""
+    from scipy.spatial import cKDTree
+
+    largest = np.bincount(labels).argmax()
+    inside, outside = np.flatnonzero(labels == largest), np.flatnonzero(labels != largest)
+    distances, nearest = cKDTree(graph.points[inside]).query(graph.points[outside])
+    closest = distances.argmin()
+    here, there = outside[closest], inside[nearest[closest]]
+    place = (graph.points[here] + graph.points[there]) / 2
+    raise InputError(
+        f"centerline: expected connected lines, got {labels.max() + 1} pieces with a gap of "
+        f"{distances[closest]:.3g} mm at ({place[0]:.4g}, {place[1]:.4g}, {place[2]:.4g}), wider "
+        f"than the {max(reach[here], reach[there]):.3g} mm that are bridged there; connect the "
+        "lines or give one piece only."
+    )
+
+
+def _root(
+    graph: LineGraph, line_ends: Floats, inlet: ArrayLike | None, two_point_cells: bool
+) -> int:
+    """The node where the tree starts; the rules are in `Centerline.from_lines`."""
+    leaves = np.flatnonzero(graph.degrees() == 1)
+    if inlet is not None or not len(leaves):
+        candidates = leaves if len(leaves) else np.arange(len(graph.points))
+        wanted = line_ends[0, 0] if inlet is None else as_point(inlet, "inlet")
+        distances = np.linalg.norm(graph.points[candidates] - wanted, axis=1)
+        return int(candidates[distances.argmin()])
+    if two_point_cells and leaves[0] == 0:
+        return 0
+    starts = ends = np.zeros(len(leaves), dtype=np.int64)
+    if not two_point_cells:
+        starts = _lines_at(graph, leaves, line_ends[:, 0])
+        ends = _lines_at(graph, leaves, line_ends[:, 1])
+    radius = np.nan_to_num(graph.radius[leaves], nan=0.0)
+    # Most common end of lines, then rather their start, then the widest, then the first.
+    order = np.lexsort((leaves, -radius, -starts, -np.maximum(starts, ends)))
+    return int(leaves[order[0]])
+
+
+def _lines_at(graph: LineGraph, leaves: Indices, points: Points) -> Indices:
+    """How many of the points lie at each leaf, that is within its radius and nearest to it."""
+    from scipy.spatial import cKDTree
+
+    distances, nearest = cKDTree(graph.points[leaves]).query(points)
+    near = distances <= reach_of(graph, GAP_FRACTION, GAP_EXTENT)[leaves[nearest]]
+    return np.bincount(nearest[near], minlength=len(leaves))
+
+
+def _rooted(graph: LineGraph, root: int) -> PointTree:
+    """Shortest way from the root to every node; spurs that an opened loop leaves are dropped."""
+    from scipy.sparse import csr_matrix
+    from scipy.sparse.csgraph import depth_first_order, dijkstra
+
+    _, parent = dijkstra(graph.matrix(), directed=False, indices=root, return_predecessors=True)
+    parent = np.where(parent < 0, -1, parent).astype(np.int64)
+    kept = _without_spurs(graph, parent)
+    children = np.flatnonzero(kept & (parent >= 0))
+    count = len(parent)
+    links = csr_matrix((np.ones(len(children)), (parent[children], children)), (count, count))
+    order = depth_first_order(links, root, return_predecessors=False).astype(np.int64)
+    new_index = np.full(count + 1, -1, dtype=np.int64)
+    new_index[order] = np.arange(len(order))
+    return PointTree(graph.points[order], graph.radius[order], new_index[parent[order]])
+
+
+def _without_spurs(graph: LineGraph, parent: Indices) -> NDArray[np.bool_]:
+    """Which nodes stay: dead ends made by opening a loop go when inside their junction's sphere."""
+    kept = np.ones(len(parent), dtype=bool)
+    child_count = np.bincount(parent[parent >= 0], minlength=len(parent))
+    reach = reach_of(graph, GAP_FRACTION, GAP_EXTENT)
+    made_by_cut = list(np.flatnonzero((child_count == 0) & (graph.degrees() > 1)))
+    # Ends: a node comes in when it loses its last child, once.
+    while made_by_cut:
+        spur, size = [made_by_cut.pop()], 0.0
+        # Ends: shortest ways lead to the root.
+        while parent[spur[-1]] >= 0 and child_count[spur[-1]] <= (len(spur) > 1):
+            above = parent[spur[-1]]
+            size += float(np.linalg.norm(graph.points[spur[-1]] - graph.points[above]))
+            spur.append(above)
+        junction = spur[-1]
+        if parent[spur[0]] < 0 or size > reach[junction]:
+            continue
+        kept[spur[:-1]] = False
+        child_count[junction] -= 1
+        if child_count[junction] == 0:
+            made_by_cut.append(junction)
+    return kept

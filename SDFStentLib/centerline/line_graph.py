@@ -1,0 +1,206 @@
+"""The graph of a centerline file's lines: points welded, edges, what lies near what."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry import component_labels, distances_to_segments
+from ..validation import Floats, Indices, InputError, Points
+from .point_tree import mixed_radius
+
+WELD_EXTENT = 1e-6
+"""Points nearer than this fraction of the bounding box's diagonal are one point."""
+
+
+class NearPairs(NamedTuple):
+    """Nodes near segments of which they are no end: distance, mm, and fraction along it."""
+
+    nodes: Indices
+    segments: Indices
+    fractions: Floats
+    distances: Floats
+
+    def selected(self, which: NDArray[np.generic]) -> NearPairs:
+        """The pairs that a mask or an index array picks."""
+        return NearPairs(*(column[which] for column in self))
+
+
+class LineGraph(NamedTuple):
+    """Nodes with a radius (NaN: unknown) and undirected edges (m, 2), each once, no loops."""
+
+    points: Points
+    radius: Floats
+    edges: Indices
+
+    def degrees(self) -> Indices:
+        """Number of edges at each node."""
+        return np.bincount(self.edges.ravel(), minlength=len(self.points))
+
+    def edge_lengths(self) -> Floats:
+        """Length of each edge, mm."""
+        return np.linalg.norm(self.points[self.edges[:, 0]] - self.points[self.edges[:, 1]], axis=1)
+
+    def extent(self) -> float:
+        """Diagonal of the bounding box, mm."""
+        return float(np.linalg.norm(np.ptp(self.points, axis=0)))
+
+    def matrix(self) -> Any:
+        """Edge lengths as a sparse matrix (one entry per edge), for scipy's graph functions."""
+        # SciPy is imported where it is used, throughout: it would slow every start of the program.
+        from scipy.sparse import csr_matrix
+
+        shape = (len(self.points), len(self.points))
+        return csr_matrix((self.edge_lengths(), (self.edges[:, 0], self.edges[:, 1])), shape)
+
+    def component_labels(self) -> Indices:
+        """Number of the connected piece of every node."""
+        return component_labels(len(self.points), self.edges[:, 0], self.edges[:, 1])
+
+    def with_edges(self, more: Indices) -> LineGraph:
+        """The graph with edges added; loops and doubles are left out."""
+        return self._replace(edges=_unique_edges(np.concatenate([self.edges, more])))
+
+    def bridged(self, bridges: NearPairs) -> LineGraph:
+        """The graph with each pair's node joined to its segment, which is split at the foot.
+
+        The foot is the end of the segment where it falls on it, or the node itself where that
+        lies on the segment.
+        """
+        edges, fractions = bridges.segments, bridges.fractions
+        feet, radius = self.interpolated(edges, fractions)
+        nodes = self.end_at(edges, fractions)
+        inner = nodes < 0
+        on_segment = inner & (bridges.distances <= WELD_EXTENT * self.extent())
+        nodes[on_segment] = bridges.nodes[on_segment]
+        new = np.flatnonzero(inner & ~on_segment)
+        nodes[new] = len(self.points) + np.arange(len(new))
+        split = split_edges(self.edges, edges[inner], fractions[inner], nodes[inner])
+        return LineGraph(
+            np.concatenate([self.points, feet[new]]),
+            np.concatenate([self.radius, radius[new]]),
+            _unique_edges(np.concatenate([split, np.column_stack([bridges.nodes, nodes])])),
+        )
+
+    def interpolated(self, edges: Indices, fractions: Floats) -> tuple[Points, Floats]:
+        """Points and radii on edges; where one end has no radius that of the other one."""
+        starts, ends = self.edges[edges].T
+        weights = fractions[:, None]
+        feet = (1.0 - weights) * self.points[starts] + weights * self.points[ends]
+        return feet, mixed_radius(self.radius[starts], self.radius[ends], fractions)
+
+    def end_at(self, edges: Indices, fractions: Floats) -> Indices:
+        """The end of the edge with which a point on it coincides; -1 for a point between."""
+        ends = self.edges[edges, (fractions >= 0.5).astype(np.int64)]
+        to_end = np.minimum(fractions, 1.0 - fractions) * self.edge_lengths()[edges]
+        return np.where(to_end <= WELD_EXTENT * self.extent(), ends, -1)
+
+    def without_isolated(self) -> LineGraph:
+        """The graph without nodes that have no edge; the others keep their order."""
+        used, edges = np.unique(self.edges, return_inverse=True)
+        return LineGraph(self.points[used], self.radius[used], edges.reshape(-1, 2))
+
+
+def reach_of(graph: LineGraph, fraction: float, extent_fraction: float) -> Floats:
+    """Per node `fraction` of its radius, or of the extent where the radius is unknown, mm."""
+    known = fraction * graph.radius
+    return np.where(np.isnan(known), extent_fraction * graph.extent(), known)
+
+
+def welded(points: Points, radius: Floats, lines: list[Indices]) -> tuple[LineGraph, Indices]:
+    """The graph of the lines with coincident points made one node.
+
+    Returns
+    -------
+    LineGraph, array of shape (number of lines, 2)
+        Nodes keep the order in which their points are stored; first and last node of each line.
+
+    Raises
+    ------
+    InputError
+        All points of the lines coincide.
+    """
+    used, compact = np.unique(np.concatenate(lines), return_inverse=True)
+    tolerance = WELD_EXTENT * float(np.linalg.norm(np.ptp(points[used], axis=0)))
+    node_of = _coincident(points[used], tolerance)
+    nodes = node_of[compact.ravel()]
+    lasts = np.cumsum([len(line) for line in lines]) - 1
+    steps = np.column_stack([nodes[:-1], nodes[1:]])
+    edges = _unique_edges(np.delete(steps, lasts[:-1], axis=0))
+    if len(edges) == 0:
+        raise InputError(
+            "centerline: expected a line through at least two different points, got "
+            f"{len(used)} point(s) at one place; extract the centerline again."
+        )
+    _, first = np.unique(node_of, return_index=True)
+    node_radius = np.full(len(first), np.nan)
+    with_radius = np.flatnonzero(np.isfinite(radius[used]))[::-1]
+    node_radius[node_of[with_radius]] = radius[used][with_radius]
+    firsts = np.concatenate([[0], lasts[:-1] + 1])
+    graph = LineGraph(points[used][first], node_radius, edges)
+    return graph, np.column_stack([nodes[firsts], nodes[lasts]])
+
+
+def _coincident(points: Points, tolerance: float) -> Indices:
+    """Node number of each point; points within the tolerance share one, counted as stored."""
+    from scipy.sparse import csr_matrix
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
+
+    # Rounding first bounds the number of pairs, however many points lie at one place.
+    cells = np.round((points - points.min(axis=0)) / max(tolerance, np.finfo(float).tiny))
+    _, first, cell_of = np.unique(cells, axis=0, return_index=True, return_inverse=True)
+    pairs = cKDTree(points[first]).query_pairs(tolerance, output_type="ndarray")
+    links = csr_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), (len(first), len(first)))
+    labels = connected_components(links, directed=False)[1][cell_of.ravel()]
+    _, first_use, number = np.unique(labels, return_index=True, return_inverse=True)
+    as_stored = np.empty(len(first_use), dtype=np.int64)
+    as_stored[np.argsort(first_use)] = np.arange(len(first_use))
+    return as_stored[number.ravel()]
+
+
+def _unique_edges(edges: Indices) -> Indices:
+    edges = np.sort(edges[edges[:, 0] != edges[:, 1]], axis=1)
+    return np.unique(edges, axis=0)
+
+
+def split_edges(
+    edges: Indices,
+    which: Indices,
+    fractions: Floats,
+    nodes: Indices,
+    without: Indices | tuple[int, ...] = (),
+) -> Indices:
+    """The edges with nodes inserted into some of them, at fractions from their first end.
+
+    `which` edge gets which of `nodes` at which of `fractions`; edges `without` are left out.
+    """
+    parts = [np.delete(edges, np.concatenate([which, without]).astype(np.int64), axis=0)]
+    order = np.lexsort((fractions, which))
+    for edge in np.unique(which):
+        inner = nodes[order[which[order] == edge]]
+        path = np.concatenate([edges[edge, :1], inner, edges[edge, 1:]])
+        parts.append(np.column_stack([path[:-1], path[1:]]))
+    return _unique_edges(np.concatenate(parts))
+
+
+def near_pairs(graph: LineGraph, reach: Floats) -> NearPairs:
+    """All nodes within the reach (of the wider end) of a segment of which they are no end."""
+    from scipy.spatial import cKDTree
+
+    starts, ends = graph.points[graph.edges[:, 0]], graph.points[graph.edges[:, 1]]
+    limits = reach[graph.edges].max(axis=1)
+    found = cKDTree(graph.points).query_ball_point(
+        (starts + ends) / 2, graph.edge_lengths() / 2 * (1 + 1e-9) + limits, return_sorted=True
+    )
+    segments = np.repeat(np.arange(len(graph.edges)), [len(nodes) for nodes in found])
+    nodes = np.concatenate(found).astype(np.int64)
+    other = (nodes[:, None] != graph.edges[segments]).all(axis=1)
+    nodes, segments = nodes[other], segments[other]
+    squared, fractions = distances_to_segments(
+        graph.points[nodes], starts[segments], ends[segments]
+    )
+    distances = np.sqrt(squared)
+    return NearPairs(nodes, segments, fractions, distances).selected(distances <= limits[segments])

@@ -1,0 +1,165 @@
+"""Arithmetic on trees in point form: every point knows the next one towards the root."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..geometry import arc_lengths, locate, point_at, segment_count
+from ..validation import Floats, Indices, InputError, Points
+
+
+class PointTree(NamedTuple):
+    """Points (n, 3) and inscribed radius (n,), NaN: unknown, in mm; parent (n,), -1 at the root."""
+
+    points: Points
+    inscribed_radius: Floats
+    parent: Indices
+
+
+def as_radii(values: ArrayLike | None, count: int) -> Floats:
+    """Inscribed radius per point; NaN where it is missing, not finite or not positive.
+
+    Raises
+    ------
+    InputError
+        Not one number per point.
+    """
+    if values is None:
+        return np.full(count, np.nan)
+    try:
+        radius = np.array(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"inscribed radius: expected numbers, got {error}.") from error
+    if radius.shape != (count,):
+        raise InputError(
+            f"inscribed radius: expected one number for each of {count} centerline points, "
+            f"got shape {radius.shape}."
+        )
+    radius[~(np.isfinite(radius) & (radius > 0))] = np.nan
+    return radius
+
+
+def as_parents(values: ArrayLike, count: int) -> Indices:
+    """Parent of each point, -1 at a root.
+
+    Raises
+    ------
+    InputError
+        Not one integer per point, a parent that does not exist, a circle, or no edge at all.
+    """
+    parent = np.asarray(values)
+    if parent.shape != (count,) or parent.dtype.kind not in "iu":
+        raise InputError(
+            f"centerline parents: expected {count} integers, got {parent.dtype} {parent.shape}."
+        )
+    if parent.min() < -1 or parent.max() >= count:
+        raise InputError(
+            f"centerline parents: expected -1 to {count - 1}, got {parent.min()} to {parent.max()}."
+        )
+    above = parent = parent.astype(np.int64)
+    # Each round doubles the steps upwards, so that only a circle outlasts log2(count) of them.
+    for _ in range(count.bit_length()):
+        above = np.where(above >= 0, above[above], -1)
+    if (above >= 0).any():
+        raise InputError(
+            "centerline parents: expected every point to lead to a root, "
+            f"got a circle that holds point {above.max()}; open it somewhere."
+        )
+    if (parent < 0).all():
+        raise InputError("centerline parents: expected connected points, got roots only.")
+    return parent
+
+
+def sums_to_root(parent: Indices, values: Floats) -> Floats:
+    """Sum of the values from the root down to each point, both included."""
+    sums, above = values.copy(), parent.copy()
+    # Ends: parents are checked for circles, so that everything comes to a root.
+    while (above >= 0).any():
+        sums = sums + np.where(above >= 0, sums[above], 0.0)
+        above = np.where(above >= 0, above[above], -1)
+    return sums
+
+
+def ancestry_of(parent: Indices, index: int) -> Indices:
+    """The points from the root down to `index`, both included."""
+    chain = [int(index)]
+    # Ends: parents are checked for circles.
+    while parent[chain[-1]] >= 0:
+        chain.append(int(parent[chain[-1]]))
+    return np.array(chain[::-1], dtype=np.int64)
+
+
+def branches_of(parent: Indices) -> tuple[Indices, ...]:
+    """Point indices from root or junction to the next junction or leaf, both included."""
+    child_counts = np.bincount(parent[parent >= 0], minlength=len(parent))
+    stops = (child_counts != 1) | (parent < 0)
+    found = []
+    for end in np.flatnonzero(stops & (parent >= 0)):
+        branch = [int(end), int(parent[end])]
+        # Ends: upwards, where the root is a stop.
+        while not stops[branch[-1]]:
+            branch.append(int(parent[branch[-1]]))
+        found.append(np.array(branch[::-1], dtype=np.int64))
+    return tuple(found)
+
+
+def points_between(parent: Indices, start: int, end: int) -> Indices | None:
+    """The points passed on the way from a place above `start` to a place above `end`.
+
+    A place is on the segment from a point's parent to the point. Places on one segment have no
+    point between; None when the two have different roots.
+    """
+    up, down = ancestry_of(parent, start), ancestry_of(parent, end)
+    count = min(len(up), len(down))
+    differs = np.flatnonzero(up[:count] != down[:count])
+    shared = int(differs[0]) if len(differs) else count
+    if shared == 0:
+        return None
+    if shared == len(up) == len(down):
+        return up[:0]
+    if shared == len(up):
+        return down[shared - 1 : -1]
+    if shared == len(down):
+        return up[shared - 1 : -1][::-1]
+    return np.concatenate([up[shared - 1 : -1][::-1], down[shared:-1]])
+
+
+def mixed_radius(first: ArrayLike, second: ArrayLike, fraction: ArrayLike) -> Floats:
+    """Linear between two radii; the known one where only one is known."""
+    first, second, fraction = np.asarray(first), np.asarray(second), np.asarray(fraction)
+    mean = (1.0 - fraction) * first + fraction * second
+    return np.where(np.isnan(first), second, np.where(np.isnan(second), first, mean))
+
+
+def interpolated(points: Points, radius: Floats, at: Floats) -> tuple[Points, Floats]:
+    """Points and radii at the given arc lengths of a polyline of at least two points."""
+    segments, fractions = locate(points, at)
+    return point_at(points, at), mixed_radius(radius[segments], radius[segments + 1], fractions)
+
+
+def resampled_tree(tree: PointTree, spacing: float) -> PointTree:
+    """Equal arc length along every branch; roots, junctions and leaves stay where they are."""
+    paths = branches_of(tree.parent)
+    nodes = np.unique(np.concatenate([*[path[[0, -1]] for path in paths], _roots(tree.parent)]))
+    number = {int(node): i for i, node in enumerate(nodes)}
+    points, radius = [tree.points[nodes]], [tree.inscribed_radius[nodes]]
+    parent = [np.full(len(nodes), -1, dtype=np.int64)]
+    count = len(nodes)
+    for path in paths:
+        total = arc_lengths(tree.points[path])[-1]
+        at = np.linspace(0.0, total, segment_count(float(total), spacing) + 1)[1:-1]
+        new_points, new_radius = interpolated(tree.points[path], tree.inscribed_radius[path], at)
+        chain = np.array([number[int(path[0])], *range(count, count + len(at))], dtype=np.int64)
+        points.append(new_points)
+        radius.append(new_radius)
+        parent.append(chain[:-1])
+        parent[0][number[int(path[-1])]] = chain[-1]
+        count += len(at)
+    return PointTree(np.concatenate(points), np.concatenate(radius), np.concatenate(parent))
+
+
+def _roots(parent: Indices) -> Indices:
+    return np.flatnonzero(parent < 0)

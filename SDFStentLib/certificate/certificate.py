@@ -1,0 +1,337 @@
+"""Proof that a surface is sound, and that a deployment left it so.
+
+`check_surface` judges one surface; `certify` compares a surface before and after, only where it
+moved, in the numbers that the written file will hold. It has to come last, after everything that
+moves a point.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, DTypeLike, NDArray
+
+from ..geometry import Topology, consistently_wound, signed_volume, stored_points, surface_topology
+from ..validation import Indices, InputError, as_points, as_triangles, read_only
+from .face_quality import (
+    Comparison,
+    Place,
+    Verdict,
+    count_in_words,
+    degenerate_triangles,
+    faults_in_words,
+    inverted_triangles,
+    places,
+    sliver_triangles,
+)
+from .intersections import intersecting_pairs
+from .promises import LumenCheck, MotionCheck
+
+AS_PRESCRIBED = "its lumen is nowhere narrower than prescribed, and wider only where it was"
+
+
+@dataclass(frozen=True)
+class SurfaceCheck:
+    """What `check_surface` found.
+
+    Attributes
+    ----------
+    topology : Topology
+        Closed, manifold, consistently wound, boundary edges, connected parts.
+    is_outward : bool
+        Closed, consistently wound, and its volume is positive.
+    inverted_triangles, degenerate_triangles, sliver_triangles, self_intersecting_triangles
+        Ascending indices: turned over against the neighbourhood; without area; with an angle
+        below 1 degree; crossing, touching or covering another triangle.
+    places : tuple of Place
+        Where triangles of the first, second and last kind gather, most of them first.
+    """
+
+    topology: Topology
+    is_outward: bool
+    inverted_triangles: Indices
+    degenerate_triangles: Indices
+    sliver_triangles: Indices
+    self_intersecting_triangles: Indices
+    places: tuple[Place, ...]
+
+    @property
+    def is_watertight(self) -> bool:
+        """Closed and manifold."""
+        return self.topology.is_watertight
+
+    @property
+    def is_manifold(self) -> bool:
+        """At most two faces at every edge, one fan at every vertex."""
+        return self.topology.is_manifold
+
+    @property
+    def passed(self) -> bool:
+        """Manifold, no face turned over, without area or intersecting; an open surface passes."""
+        return self.is_manifold and not self.places
+
+    def sentence(self) -> str:
+        """The finding in one sentence."""
+        words = f"The surface is {self.topology.in_words()}"
+        if not self.places:
+            return words + " and has no self-intersection."
+        faults = faults_in_words(
+            self.places,
+            (len(self.self_intersecting_triangles), "intersecting"),
+            (len(self.inverted_triangles), "turned over"),
+            (len(self.degenerate_triangles), "without area"),
+        )
+        return f"{words} and has {faults}."
+
+    def as_dict(self) -> dict[str, Any]:
+        """The finding as it stands in a report."""
+        return {
+            "watertight": self.is_watertight,
+            "manifold": self.is_manifold,
+            "outward": self.is_outward,
+            "boundary_edges": self.topology.boundary_edge_count,
+            "components": self.topology.component_count,
+            "inverted_triangles": self.inverted_triangles.tolist(),
+            "degenerate_triangles": self.degenerate_triangles.tolist(),
+            "sliver_triangles": self.sliver_triangles.tolist(),
+            "self_intersecting_triangles": self.self_intersecting_triangles.tolist(),
+            "places": [place.center for place in self.places],
+        }
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """What `certify` found.
+
+    Attributes
+    ----------
+    topology : Topology
+        That of the input, which a deployment cannot change.
+    moved_points : int
+        Number of points whose stored coordinates changed.
+    self_intersecting_before, self_intersecting_after, new_self_intersecting
+        Ascending indices of triangles that intersect another where one of the two moved; new are
+        those that did not do so before.
+    new_inverted, new_degenerate
+        Triangles turned over, or without area, that were not before.
+    places : tuple of Place
+        Where new faults gather, most triangles first.
+    motion, lumen : tuples of MotionCheck and LumenCheck
+        For every stent; empty where surfaces were compared without one, and the latter where the
+        settings promise no lumen: without `finish` or `facet_compensation`, as published.
+    """
+
+    topology: Topology
+    moved_points: int
+    self_intersecting_before: Indices
+    self_intersecting_after: Indices
+    new_self_intersecting: Indices
+    new_inverted: Indices
+    new_degenerate: Indices
+    places: tuple[Place, ...]
+    motion: tuple[MotionCheck, ...] = ()
+    lumen: tuple[LumenCheck, ...] = ()
+
+    @property
+    def passed(self) -> bool:
+        """No new fault of any kind; an open or faulty input passes when nothing got worse."""
+        return not self.places and all(check.passed for check in self._checks)
+
+    @property
+    def is_watertight(self) -> bool:
+        """Closed and manifold."""
+        return self.topology.is_watertight
+
+    @property
+    def is_manifold(self) -> bool:
+        """At most two faces at every edge, one fan at every vertex."""
+        return self.topology.is_manifold
+
+    def sentence(self) -> str:
+        """The finding in one sentence for the person who will use the surface."""
+        if not self.passed:
+            return f"Not certified: the surface has {'; '.join(self._faults())}."
+        shape = self.topology.in_words()
+        old = count_in_words(len(self.self_intersecting_after))
+        kept = "" if old[0] == "0" else f"; {old} intersected already in the input"
+        wide = f"; {AS_PRESCRIBED}" if self.lumen else ""
+        return f"Certified: the surface is {shape}, as it was, and has no new fault{kept}{wide}."
+
+    @property
+    def _checks(self) -> tuple[LumenCheck | MotionCheck, ...]:
+        return (*self.lumen, *self.motion)
+
+    def _faults(self) -> list[str]:
+        """What is wrong, each with a number and a place."""
+        faults = [check.fault() for check in self._checks if not check.passed]
+        if not self.places:
+            return faults
+        triangles = faults_in_words(
+            self.places,
+            (len(self.new_self_intersecting), "that newly intersect"),
+            (len(self.new_inverted), "newly turned over"),
+            (len(self.new_degenerate), "newly without area"),
+        )
+        return [triangles, *faults]
+
+    def as_dict(self) -> dict[str, Any]:
+        """The `certificate` part of a report; what is known to the writer only is added there."""
+        return {
+            "passed": self.passed,
+            "sentence": self.sentence(),
+            "watertight": self.is_watertight,
+            "manifold": self.is_manifold,
+            "boundary_edges": self.topology.boundary_edge_count,
+            "inverted_triangles": self.new_inverted.tolist(),
+            "degenerate_triangles": self.new_degenerate.tolist(),
+            "self_intersections": {
+                "before": len(self.self_intersecting_before),
+                "after": len(self.self_intersecting_after),
+                "new": len(self.new_self_intersecting),
+                "triangle_ids": self.new_self_intersecting.tolist(),
+            },
+            "places": [place.center for place in self.places],
+            "moved_points": self.moved_points,
+            "motion": [check.as_dict() for check in self.motion],
+            "lumen": [check.as_dict() for check in self.lumen],
+        }
+
+
+def check_surface(
+    points: ArrayLike,
+    triangles: ArrayLike,
+    *,
+    dtype: DTypeLike = np.float64,
+    scale: float = 1.0,
+) -> SurfaceCheck:
+    """Whether a surface is closed, manifold, oriented and free of faulty triangles.
+
+    Parameters
+    ----------
+    points, triangles : array_like, shapes (n, 3) and (m, 3)
+        Surface, mm.
+    dtype, scale
+        Type and unit of the stored coordinates, `points * scale`; the check is on these.
+
+    Raises
+    ------
+    InputError
+        Arrays that do not fit, a `dtype` that is no floating type, or a `scale` not above 0.
+    """
+    points = as_points(points)
+    triangles = as_triangles(triangles, len(points))
+    stored = stored_points(points, dtype, scale)
+    topology = surface_topology(triangles)
+    wound = triangles if topology.is_consistently_wound else consistently_wound(triangles)[0]
+
+    pairs = intersecting_pairs(points, triangles, dtype=dtype, scale=scale)
+    intersecting = np.unique(pairs)
+    inverted = inverted_triangles(stored, wound)
+    degenerate = degenerate_triangles(stored, triangles)
+    faults = np.r_[intersecting, inverted, degenerate]
+    return SurfaceCheck(
+        topology=topology,
+        is_outward=topology.is_closed
+        and topology.is_consistently_wound
+        and signed_volume(stored, triangles) > 0,
+        inverted_triangles=read_only(inverted),
+        degenerate_triangles=read_only(degenerate),
+        sliver_triangles=read_only(sliver_triangles(stored, triangles)),
+        self_intersecting_triangles=read_only(intersecting),
+        places=tuple(places(points, triangles, faults, pairs)),
+    )
+
+
+def certify(
+    before: ArrayLike,
+    after: ArrayLike,
+    triangles: ArrayLike,
+    moved: ArrayLike | None = None,
+    *,
+    dtype: DTypeLike = np.float32,
+    scale: float = 1.0,
+    check: SurfaceCheck | None = None,
+    topology: Topology | None = None,
+) -> Certificate:
+    """Whether a surface is as sound after its points moved as it was before.
+
+    Parameters
+    ----------
+    before, after : array_like, shape (n, 3)
+        Points of the input and of the result, mm.
+    triangles : array_like, shape (m, 3)
+        The same for both, consistently wound.
+    moved : array_like, optional
+        Indices, or a mask (n,), of the points that may have moved; found by comparison when left
+        out. Those whose stored coordinates are unchanged are dropped.
+    dtype, scale
+        Type and unit of the stored coordinates, `points * scale`; the judgement is on these.
+    check : SurfaceCheck, optional
+        `check_surface` of the input, to spare its topology being looked at again, and, when it
+        found no intersection, the search in the input. Without it the input is searched only at
+        the faces that intersect in the result.
+    topology : Topology, optional
+        `surface_topology` of the triangles, when that much is known.
+
+    Raises
+    ------
+    InputError
+        Arrays that do not fit, a `dtype` that is no floating type, or a `scale` not above 0.
+    """
+    before, after = as_points(before, "before"), as_points(after, "after")
+    if before.shape != after.shape:
+        raise InputError(
+            f"after: expected {len(before)} points as before, got {len(after)}; "
+            "certify a result of the same surface."
+        )
+    triangles = as_triangles(triangles, len(after))
+    if topology is None:
+        topology = surface_topology(triangles) if check is None else check.topology
+    comparison = Comparison(
+        before,
+        triangles,
+        dtype,
+        scale,
+        None if check is None else check.self_intersecting_triangles,
+    )
+    return certificate_of(comparison.verdict(after, may_move=_mask(moved, len(before))), topology)
+
+
+def certificate_of(
+    verdict: Verdict,
+    topology: Topology,
+    motion: tuple[MotionCheck, ...] = (),
+    lumen: tuple[LumenCheck, ...] = (),
+) -> Certificate:
+    """The certificate of a result that was compared with its input."""
+    return Certificate(
+        topology=topology,
+        moved_points=int(np.count_nonzero(verdict.has_moved)),
+        self_intersecting_before=read_only(np.unique(verdict.pairs_before)),
+        self_intersecting_after=read_only(np.unique(verdict.pairs)),
+        new_self_intersecting=read_only(verdict.new_self_intersecting),
+        new_inverted=read_only(verdict.new_inverted),
+        new_degenerate=read_only(verdict.new_degenerate),
+        places=verdict.places,
+        motion=motion,
+        lumen=lumen,
+    )
+
+
+def _mask(moved: ArrayLike | None, count: int) -> NDArray[np.bool_] | None:
+    """The points that may have moved as a mask (n,); None for all."""
+    if moved is None:
+        return None
+    chosen = np.asarray(moved)
+    may_move = np.zeros(count, dtype=bool)
+    if chosen.size:
+        try:
+            may_move[chosen] = True
+        except IndexError as error:
+            raise InputError(
+                f"moved: expected indices or a mask of {count} points, got {chosen.dtype} "
+                f"{chosen.shape} ({error})."
+            ) from error
+    return may_move

@@ -1,0 +1,213 @@
+"""Triangles of a surface that cross, touch or cover one another where they are not joined.
+
+Two triangles intersect when they have a point in common that does not lie on a corner or a side
+which both have. So crossing, a corner or side that touches another face, coplanar overlap, a
+neighbour folded flat onto its neighbour and a doubled triangle all count. Corners at exactly equal
+coordinates are the same corner, whatever their numbers: the two banks of a seam are neighbours,
+not intersections. Triangles without area are left out (`certificate.py` counts them by
+themselves). The decision is exact for the coordinates as they are stored.
+
+The way there: boxes that overlap (`triangle_pairs.py`); pairs inside a fan that is spread out flat
+are cleared together; the rest is decided pair by pair (`triangle_contact.py`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import ArrayLike, DTypeLike, NDArray
+
+from ..geometry import compacted, may_meet_box, stored_points
+from ..validation import Flags, Indices, InputError, Points, Triangles, as_triangles
+from .triangle_contact import certain_contact, exact_contact, first_shared
+from .triangle_pairs import face_boxes, overlapping_pairs
+
+_BLOCK = 1 << 15
+"""Pairs decided at once: their corners fit into the cache of one core."""
+
+_FLAT = 16 * 2.0**-53
+"""Bound on the rounding of a plane triangle's area, over the square of its longest difference."""
+
+
+def self_intersecting_triangles(
+    points: ArrayLike,
+    triangles: ArrayLike,
+    among: ArrayLike | None = None,
+    *,
+    dtype: DTypeLike = np.float64,
+    scale: float = 1.0,
+) -> Indices:
+    """Triangles that intersect another triangle of the surface, in ascending order.
+
+    Parameters
+    ----------
+    points, triangles : array_like, shapes (n, 3) and (m, 3)
+        Surface, mm.
+    among : array_like, optional
+        Indices, or a mask (m,), of the triangles that moved: only pairs with at least one of them
+        are looked at. By default all.
+    dtype, scale
+        Type and unit of the stored coordinates, `points * scale`; the decision is on these.
+
+    Raises
+    ------
+    InputError
+        Arrays that do not fit, a `dtype` that is no floating type, or a `scale` not above 0.
+    """
+    return np.unique(intersecting_pairs(points, triangles, among, dtype=dtype, scale=scale))
+
+
+def intersecting_pairs(
+    points: ArrayLike,
+    triangles: ArrayLike,
+    among: ArrayLike | None = None,
+    *,
+    dtype: DTypeLike = np.float64,
+    scale: float = 1.0,
+) -> Indices:
+    """Pairs (k, 2) of triangles that intersect; parameters as in `self_intersecting_triangles`.
+
+    The lower index stands first; pairs are in ascending order.
+    """
+    points = stored_points(points, dtype, scale)
+    triangles = as_triangles(triangles, len(points))
+    is_moved = _as_mask(among, len(triangles))
+    found = [np.empty((0, 2), dtype=np.int64)]
+    if is_moved.any():
+        near = _near(points, triangles, is_moved)
+        points, triangles = compacted(points, triangles[near])
+        boxes = face_boxes(points, triangles, is_moved[near])
+        near = near[boxes.faces]
+        corners = np.ascontiguousarray(triangles[boxes.faces].T)
+        columns = np.ascontiguousarray(points.T)
+        is_clear = _is_in_flat_fans(columns, corners)
+        for one, other in overlapping_pairs(boxes):
+            for shared, first, second, rows in _by_shared_corners(corners, is_clear, one, other):
+                meets = _decided(columns, shared, first, second)
+                pair = np.stack([one[rows[meets]], other[rows[meets]]], axis=1)
+                found.append(np.sort(near[pair], axis=1))
+    pairs = np.concatenate(found)
+    return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
+
+
+def _as_mask(among: ArrayLike | None, count: int) -> Flags:
+    if among is None:
+        return np.ones(count, dtype=bool)
+    chosen = np.asarray(among)
+    if chosen.dtype == bool and chosen.shape == (count,):
+        return chosen
+    mask = np.zeros(count, dtype=bool)
+    if chosen.size == 0:
+        return mask
+    if chosen.ndim != 1 or chosen.dtype.kind not in "iu":
+        raise InputError(
+            f"among: expected indices or a mask of {count} triangles, got {chosen.dtype} "
+            f"{chosen.shape}."
+        )
+    if chosen.min() < 0 or chosen.max() >= count:
+        raise InputError(
+            f"among: expected triangle indices from 0 to {count - 1}, got {chosen.min()} to "
+            f"{chosen.max()}."
+        )
+    mask[chosen] = True
+    return mask
+
+
+def _near(points: Points, triangles: Triangles, is_moved: Flags) -> Indices:
+    """Faces whose boxes reach into the box around all moved ones."""
+    if is_moved.all():
+        return np.arange(len(triangles))
+    moved = np.zeros(len(points), dtype=bool)
+    moved[triangles[is_moved]] = True
+    ends = points[moved]
+    return np.flatnonzero(may_meet_box(points, triangles, ends.min(axis=0), ends.max(axis=0)))
+
+
+def _is_in_flat_fans(columns: NDArray[np.float64], corners: Indices) -> Flags:
+    """Faces (b,) that cannot intersect any face they share a corner with.
+
+    Seen along one coordinate axis, all faces round a vertex turn the same way, form one closed
+    ring and go round once: then they lie side by side. A face is clear when this holds at all
+    its corners, with all faces there among those given.
+    """
+    normals, certainty = _axis_areas(columns, corners)
+    count = columns.shape[1]
+    at = corners.ravel()
+
+    sums = np.stack([np.bincount(at, np.tile(n, 3), minlength=count) for n in normals])
+    axis = np.argmax(np.abs(sums), axis=0)
+    sign = np.where(np.take_along_axis(sums, axis[None], axis=0)[0] > 0, 1.0, -1.0)
+
+    faces = np.arange(corners.shape[1])
+    after, before = corners[[1, 2, 0]].ravel(), corners[[2, 0, 1]].ravel()
+    turned = normals[axis[at], np.tile(faces, 3)] * sign[at] <= np.tile(certainty, 3)
+    across = (axis + 2) % 3
+    height = columns[across, np.arange(count)][at]
+    rises = (columns[across[at], after] < height) & (columns[across[at], before] >= height)
+    # First and second power sums of the numbers met going round, entering minus leaving, vanish
+    # on closed rings, and not with one or two open fans. Three open fans at one vertex, which no
+    # manifold has, could pass for a ring only by an accident of their numbering.
+    gap = (after - before).astype(np.float64)
+    is_flat = np.bincount(at, turned, minlength=count) == 0
+    is_flat &= np.bincount(at, rises, minlength=count) == 1
+    is_flat &= np.bincount(at, gap, minlength=count) == 0
+    is_flat &= np.bincount(at, gap * (after + before), minlength=count) == 0
+    return np.asarray(is_flat[corners].all(axis=0))
+
+
+def _axis_areas(columns: NDArray[np.float64], corners: Indices) -> tuple[NDArray, NDArray]:
+    """Twice the areas (3, b) seen along each axis, and the bound on their rounding."""
+    first, second, third = columns[:, corners[0]], columns[:, corners[1]], columns[:, corners[2]]
+    one, other = second - first, third - first
+    areas = np.stack(
+        [
+            one[(k + 1) % 3] * other[(k + 2) % 3] - one[(k + 2) % 3] * other[(k + 1) % 3]
+            for k in range(3)
+        ]
+    )
+    size = np.maximum(np.abs(one).max(axis=0), np.abs(other).max(axis=0))
+    return areas, _FLAT * size**2
+
+
+def _by_shared_corners(
+    corners: Indices, is_clear: Flags, one: Indices, other: Indices
+) -> Iterator[tuple[int, Indices, Indices, Indices]]:
+    """Undecided pairs by their number of shared corners.
+
+    Yields (number, corners of the one (3, k), corners of the other (3, k), rows), shared corners
+    first.
+    """
+    for start in range(0, len(one), _BLOCK):
+        left, right = one[start : start + _BLOCK], other[start : start + _BLOCK]
+        first, second = corners.take(left, axis=1), corners.take(right, axis=1)
+        shared = np.zeros(len(left), dtype=np.uint8)
+        for corner in first:
+            for opposite in second:
+                shared += corner == opposite
+        is_open = (shared == 0) | ~(is_clear[left] | is_clear[right])
+        for number in range(4):
+            chosen = np.flatnonzero(is_open & (shared == number))
+            if not len(chosen):
+                continue
+            some, others = first.take(chosen, axis=1), second.take(chosen, axis=1)
+            if number in (1, 2):
+                equal = some[:, None] == others[None]
+                some = _turned(some, first_shared(equal.any(axis=1)))
+                others = _turned(others, first_shared(equal.any(axis=0)))
+            yield number, some, others, start + chosen
+
+
+def _turned(corners: Indices, start: Indices) -> Indices:
+    return np.take_along_axis(corners, (start + np.arange(3)[:, None]) % 3, axis=0)
+
+
+def _decided(columns: NDArray[np.float64], shared: int, first: Indices, second: Indices) -> Flags:
+    one = columns.take(first, axis=1).swapaxes(0, 1)
+    other = columns.take(second, axis=1).swapaxes(0, 1)
+    if shared == 3:
+        return exact_contact(one, other)
+    meets, is_open = certain_contact(one, other, shared)
+    if is_open.any():
+        meets[is_open] = exact_contact(one[..., is_open], other[..., is_open])
+    return meets

@@ -1,0 +1,176 @@
+"""The command `demo`: a synthetic patient, treated and reported."""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from time import perf_counter
+
+from ..files import (
+    add_arrays,
+    encode_vtp,
+    polydata_from_arrays,
+    polydata_from_lines,
+    set_frame_of_polydata,
+)
+from ..phantoms import Phantom, branching_pulmonary_artery
+from ..plan import (
+    InputFiles,
+    Plan,
+    PlanResult,
+    input_file,
+    read_input_files,
+    save_plan,
+    treatment_of,
+)
+from ..report import plan_report, render_before_after, write_report
+from ..stent import BetweenPoints, Stent
+from ..treatment import TreatedStent
+from ..validation import DeploymentError
+from .console import Console
+from .outputs import Outputs
+
+STENT_DIAMETER = 7.5
+"""Of the demo, mm: a little over the 7 mm of the healthy branch."""
+
+STENT_ENDS = (19.0, 41.0)
+"""Arc lengths on the main and left pulmonary artery, mm; the junction is at 24."""
+
+NOT_CERTIFIED = 3
+
+
+def demo_command(options: argparse.Namespace, console: Console) -> int:
+    """Make a patient, treat it, and write everything into a folder."""
+    start = perf_counter()
+    folder = Path(options.output)
+    outputs = Outputs(folder=folder)
+    phantom = branching_pulmonary_artery()
+    with tempfile.TemporaryDirectory(prefix="sdfstent-") as workshop:
+        originals = _written_patient(phantom, Path(workshop))
+        inputs = _placed_in(folder, read_input_files(originals[0], originals[1]))
+        plan = _plan(phantom, inputs)
+        treatment = treatment_of(plan, inputs)
+        with console.progress("Deploying") as show:
+            for state in treatment:
+                show(state.fraction)
+        result = PlanResult(plan, inputs, treatment.result)
+        for original in originals:
+            outputs.add(folder / original.name, _copy_of(original))
+        missing = _add_results(outputs, folder, result)
+        outputs.write()
+    _tell(console, folder, result.treatment.stents[0], missing)
+    certificate = result.treatment.certificate
+    assert certificate is not None
+    console.say(certificate.sentence())
+    console.say(f"All in {folder}, after {perf_counter() - start:.1f} s.")
+    return 0 if certificate.passed else NOT_CERTIFIED
+
+
+def _placed_in(folder: Path, inputs: InputFiles) -> InputFiles:
+    """The inputs under the names where they end up: plan and report outlive the workshop."""
+    surface, line_file = inputs.surface, inputs.line_file
+    assert line_file is not None
+    return replace(
+        inputs,
+        surface=replace(surface, path=folder / surface.path.name),
+        line_file=replace(line_file, path=folder / line_file.path.name),
+    )
+
+
+def _plan(phantom: Phantom, inputs: InputFiles) -> Plan:
+    ends = phantom.axis_at(STENT_ENDS)
+    stent = Stent(STENT_DIAMETER, placement=BetweenPoints(*ends), name="left pulmonary artery")
+    assert inputs.line_file is not None
+    return Plan(
+        stents=(stent,),
+        surface=input_file(inputs.surface),
+        centerline=input_file(inputs.line_file),
+        frame=inputs.surface.frame,
+    )
+
+
+def _written_patient(phantom: Phantom, folder: Path) -> list[Path]:
+    """The surface with SimVascular's face ids, and the centerline as VMTK would give it."""
+    surface = polydata_from_arrays(
+        phantom.points, phantom.triangles, cell_arrays={"ModelFaceID": phantom.face_ids}
+    )
+    tree = phantom.centerline
+    lines = polydata_from_lines(tree.points, [tree.ancestry(int(leaf)) for leaf in tree.leaves])
+    add_arrays(lines, {"MaximumInscribedSphereRadius": tree.inscribed_radius}, {})
+    paths = []
+    for name, polydata in (("surface.vtp", surface), ("centerline.vtp", lines)):
+        set_frame_of_polydata(polydata, "RAS")
+        paths.append(folder / name)
+        paths[-1].write_bytes(encode_vtp(polydata))
+    return paths
+
+
+def _add_results(outputs: Outputs, folder: Path, result: PlanResult) -> list[str]:
+    """Everything that comes of the treatment; returns what was left out, filled when written."""
+    missing: list[str] = []
+
+    def picture(path: Path) -> None:
+        try:
+            _draw(path, result)
+        except DeploymentError as error:
+            # A machine without an OpenGL library can do everything else.
+            missing.append(str(error))
+
+    report = plan_report(result)
+    outputs.add(folder / "surface_stented.vtp", lambda path: result.write_surface(path))
+    outputs.add(folder / "centerline_stented.vtp", lambda path: result.write_centerline(path))
+    outputs.add(folder / "plan.json", lambda path: save_plan(result.plan, path, relative_to=folder))
+    for name in ("report.json", "report.html"):
+        outputs.add(folder / name, lambda path: write_report(report, path))
+    outputs.add(folder / "before_after.png", picture, may_be_missing=True)
+    return missing
+
+
+def _draw(path: Path, result: PlanResult) -> None:
+    surface, stent = result.inputs.surface, result.treatment.stents[0]
+    render_before_after(
+        path,
+        surface.points,
+        result.treatment.points,
+        surface.triangles,
+        stent.axis.points,
+        stent.stent.diameter,
+        arc_length=stent.before.arc_length,
+        diameter_before=stent.before.inscribed_diameter,
+        diameter_after=stent.after.inscribed_diameter,
+        title="Synthetic pulmonary artery of a child",
+    )
+
+
+def _copy_of(original: Path) -> Callable[[Path], None]:
+    data = original.read_bytes()
+
+    def write(path: Path) -> None:
+        path.write_bytes(data)
+
+    return write
+
+
+def _tell(console: Console, folder: Path, stent: TreatedStent, missing: list[str]) -> None:
+    before, after = stent.before, stent.after
+    console.say(
+        "A synthetic pulmonary artery of a child; its left branch is narrowed to "
+        f"{before.minimum:.1f} mm at its origin."
+    )
+    console.say(
+        f"A stent of {stent.stent.diameter:g} x {stent.axis.deployed_length:.0f} mm across "
+        f"the bifurcation opens it to {after.minimum:.1f} mm."
+    )
+    covered = sum(branch.is_covered for branch in stent.branches)
+    if covered:
+        console.say(f"It covers the origin of {covered} side branch: the right pulmonary artery.")
+    console.say(f"  {folder / 'report.html'}            diameters before and after, to read")
+    if missing:
+        console.warn(missing)
+    else:
+        console.say(f"  {folder / 'before_after.png'}       picture of both")
+    console.say(f"  {folder / 'surface_stented.vtp'}    surface to mesh, with its face ids")
+    console.say(f"  {folder / 'plan.json'}              to change and carry out: sdfstent run")

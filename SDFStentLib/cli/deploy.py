@@ -1,0 +1,226 @@
+"""The commands `deploy` and `run`."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from collections.abc import Sequence
+from importlib.util import find_spec
+from pathlib import Path
+from time import perf_counter
+
+from ..deformation import DeploymentSettings
+from ..files import check_line_output, check_surface_output
+from ..plan import (
+    InputFiles,
+    Plan,
+    PlanResult,
+    input_file,
+    load_plan,
+    read_input_files,
+    read_plan_inputs,
+    save_plan,
+    treatment_of,
+)
+from ..report import Report, plan_report, write_report, write_report_figure
+from ..stent import Stent
+from ..treatment import TreatedStent
+from ..validation import InputError
+from .console import Console
+from .outputs import Outputs
+from .place import check_place, place_of
+from .steps import StepFiles
+
+NOT_CERTIFIED = 3
+
+
+def deploy_command(options: argparse.Namespace, console: Console) -> int:
+    """Deploy one stent; 0, or 3 when the certificate fails."""
+    start = perf_counter()
+    way = check_place(options, needed=True)
+    assert way is not None
+    outputs = Outputs([options.surface, options.centerline, options.axis])
+    job = _Job(options, console, outputs)
+    check_surface_output(options.output)
+    outputs.add(options.output, job.write_surface)
+    if options.output_centerline:
+        if not options.centerline:
+            raise InputError("expected --centerline FILE with --output-centerline, got none.")
+        check_line_output(options.output_centerline)
+        outputs.add(options.output_centerline, job.write_centerline)
+    for path in options.report:
+        _check_suffix(path, "a report", (".json", ".html"))
+        outputs.add(path, job.write_report)
+    if options.save_plan:
+        outputs.add(options.save_plan, lambda path: job.write_plan(path, options.save_plan))
+    job.add_common()
+
+    settings = _settings(options)
+    inputs = read_input_files(options.surface, options.centerline, options.units)
+    job.plan = _plan(options, way, settings, inputs)
+    return job.done(inputs, start)
+
+
+def run_command(options: argparse.Namespace, console: Console) -> int:
+    """Carry out a plan; 0, or 3 when the certificate fails."""
+    start = perf_counter()
+    plan = load_plan(options.plan, accept_changed_inputs=options.accept_changed_inputs)
+    files = [plan.surface, plan.centerline, *(stent.axis_file for stent in plan.stents)]
+    inputs = [options.plan, *(file.path for file in files if file)]
+    outputs = Outputs(inputs, options.output)
+    job = _Job(options, console, outputs)
+    job.plan = plan
+    folder = Path(options.output)
+    if plan.surface is not None:
+        surface = Path(plan.surface.path)
+        outputs.add(folder / f"{surface.stem}_stented{surface.suffix}", job.write_surface)
+    if plan.centerline is not None:
+        name = Path(plan.centerline.path).name
+        suffix = ".mrk.json" if name.lower().endswith(".mrk.json") else Path(name).suffix
+        stem = name[: len(name) - len(suffix)]
+        outputs.add(folder / f"{stem}_stented{suffix}", job.write_centerline)
+    for name in ("report.json", "report.html"):
+        outputs.add(folder / name, job.write_report)
+    if os.path.realpath(folder / "plan.json") != os.path.realpath(options.plan):
+        outputs.add(folder / "plan.json", lambda path: job.write_plan(path, folder / "plan.json"))
+    job.add_common()
+
+    accept = options.accept_changed_inputs
+    return job.done(read_plan_inputs(plan, accept_changed_inputs=accept), start)
+
+
+class _Job:
+    """A plan on its way from the options to the outputs."""
+
+    def __init__(self, options: argparse.Namespace, console: Console, outputs: Outputs) -> None:
+        self.options, self.console, self.outputs = options, console, outputs
+        self.plan = Plan()
+        self.result: PlanResult | None = None
+        self.lost: tuple[str, ...] = ()
+        self.write_start = 0.0
+        self.steps: StepFiles | None = None
+
+    def add_common(self) -> None:
+        """The outputs that `deploy` and `run` share."""
+        if self.options.figure:
+            _check_figure(self.options.figure)
+            self.outputs.add(self.options.figure, self.write_figure)
+        if self.options.steps:
+            self.steps = StepFiles(self.options.every)
+            self.outputs.add_folder(self.options.steps, self.steps.write, StepFiles.is_own)
+        elif self.options.every is not None:
+            raise InputError("expected --steps DIR with --every, got none.")
+
+    def done(self, inputs: InputFiles, start: float) -> int:
+        """Deploy, write, and say what came of it; the exit code."""
+        treatment = treatment_of(self.plan, inputs)
+        with self.console.progress("Deploying") as show:
+            for state in treatment:
+                show(state.fraction, f"diameter {2 * state.deployment.radius:.1f} mm")
+                if self.steps is not None:
+                    self.steps.take(inputs.surface, state)
+        self.result = PlanResult(self.plan, inputs, treatment.result)
+        self.write_start = perf_counter()
+        lost = self.outputs.write()
+        self.console.warn([*self.result.warnings, *lost])
+        for stent in self.result.treatment.stents:
+            self.console.say(treatment.label(stent.number) + lumen_sentence(stent))
+        certificate = self.result.treatment.certificate
+        if certificate is not None:
+            self.console.say(certificate.sentence())
+        written = ", ".join(self.outputs.names())
+        self.console.say(f"Wrote {written} in {perf_counter() - start:.1f} s.")
+        return 0 if certificate is None or certificate.passed else NOT_CERTIFIED
+
+    def write_surface(self, path: Path) -> Sequence[str]:
+        """The treated surface; comes first, so that the report can tell what was lost."""
+        self.lost = self._result.write_surface(path, arrays=self.options.arrays)
+        return self.lost
+
+    def write_centerline(self, path: Path) -> Sequence[str]:
+        """The moved centerline."""
+        return self._result.write_centerline(path)
+
+    def write_report(self, path: Path) -> None:
+        """JSON or HTML."""
+        write_report(self._report(), path)
+
+    def write_figure(self, path: Path) -> None:
+        """The diameters as a picture."""
+        write_report_figure(self._report(), path)
+
+    def write_plan(self, path: Path, final: str | os.PathLike[str]) -> None:
+        """The plan, its files relative to the folder where it will be."""
+        save_plan(self.plan, path, relative_to=os.path.dirname(os.path.abspath(final)))
+
+    @property
+    def _result(self) -> PlanResult:
+        assert self.result is not None
+        return self.result
+
+    def _report(self) -> Report:
+        seconds = perf_counter() - self.write_start
+        lost = tuple(sentence.split(": ", 1)[-1] for sentence in self.lost)
+        return plan_report(self._result, lost=lost, timings={"write": seconds})
+
+
+def lumen_sentence(stent: TreatedStent) -> str:
+    """What one stent did to the lumen."""
+    before, after = stent.before, stent.after
+    return (
+        f"Lumen over {stent.axis.deployed_length:.1f} mm: narrowest {before.minimum:.1f} mm "
+        f"before, {after.minimum:.1f} mm after; mean {before.mean:.1f} mm "
+        f"before, {after.mean:.2f} mm after; prescribed {stent.stent.diameter:g} mm."
+    )
+
+
+def _plan(
+    options: argparse.Namespace, way: str, settings: DeploymentSettings, inputs: InputFiles
+) -> Plan:
+    place = place_of(options, way, inputs.surface.frame)
+    stent = Stent(
+        options.diameter,
+        placement=place.placement,
+        length=options.length,
+        foreshortening_fraction=options.foreshortening,
+    )
+    return Plan(
+        stents=(stent,),
+        surface=input_file(inputs.surface),
+        centerline=None if inputs.line_file is None else input_file(inputs.line_file),
+        units=options.units,
+        frame=inputs.surface.frame,
+        settings=settings,
+        straightening_fraction=options.straighten,
+    )
+
+
+def _settings(options: argparse.Namespace) -> DeploymentSettings:
+    return DeploymentSettings(
+        influence_distance=options.influence,
+        smoothing_width=options.smoothing,
+        capsule_length=options.capsule,
+        tissue_gap=options.tissue_gap,
+        step=options.step,
+        falloff=options.falloff,
+        blend=options.blend,
+        rule=options.rule,
+        facet_compensation=not options.no_compensation,
+    )
+
+
+def _check_figure(path: str) -> None:
+    _check_suffix(path, "a figure", (".png", ".svg", ".pdf"))
+    if find_spec("matplotlib") is None:
+        raise InputError(
+            "--figure: expected matplotlib to draw with, it is not installed; "
+            "pip install matplotlib, or take --report F.html, which has the figure, too."
+        )
+
+
+def _check_suffix(path: str, what: str, suffixes: Sequence[str]) -> None:
+    if Path(path).suffix.lower() not in suffixes:
+        raise InputError(
+            f"{path}: expected {what} that ends in {', '.join(suffixes)}, got "
+            f"{Path(path).suffix or 'no suffix'!r}; rename it."
+        )

@@ -1,0 +1,202 @@
+"""The commands `measure` and `check`."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from ..certificate import check_surface
+from ..files import SurfaceFile, check_same_space, read_surface
+from ..geometry import length
+from ..measure import DiameterProfile, diameter_profile
+from ..plan import InputFiles, read_input_files
+from ..stent import Stent, stent_axis
+from ..units import millimeters_per
+from ..validation import InputError, Points, as_number
+from .console import Console
+from .place import check_place, place_of
+
+NOT_SOUND = 3
+
+_PROBE_DIAMETER = 1.0
+"""Of the stent that stands for the place to be measured, mm; it only has to be some number."""
+
+
+@dataclass(frozen=True)
+class _Line:
+    """A line along which diameters are measured."""
+
+    title: str
+    points: Points
+    profile: DiameterProfile
+
+
+def measure_command(options: argparse.Namespace, console: Console) -> int:
+    """Print the diameters along a vessel."""
+    way = check_place(options, needed=False)
+    if way is None and options.centerline is None:
+        raise InputError("expected --axis FILE or --centerline FILE, got neither; give one.")
+    if way is None and options.length is not None:
+        raise InputError("expected a place with --length, such as --center X Y Z, got none.")
+    spacing = as_number(options.spacing, "--spacing", unit="mm", above=0)
+    inputs = read_input_files(options.surface, options.centerline, options.units)
+    ways, warnings = _ways(options, way, inputs)
+    surface = inputs.surface
+    lines = [
+        _Line(title, points, diameter_profile(surface.points, surface.triangles, points, spacing))
+        for title, points in ways
+    ]
+    warnings += [f"{line.title}: {gap}" for line in lines for gap in line.profile.gaps]
+    if options.json:
+        print(json.dumps(_document(inputs, lines, warnings), indent=2, allow_nan=False))
+        return 0
+    console.warn(warnings)
+    for line in lines:
+        _print_table(line, millimeters_per(surface.units), surface.units)
+    return 0
+
+
+def check_command(options: argparse.Namespace) -> int:
+    """Say whether a surface is sound; 3 when it is not."""
+    surface = read_surface(options.surface, options.units)
+    check = check_surface(
+        surface.points,
+        surface.triangles,
+        dtype=surface.coordinate_type,
+        scale=1 / millimeters_per(surface.units),
+    )
+    document = {
+        **_surface_document(surface),
+        "passed": check.passed,
+        "sentence": check.sentence(),
+        **check.as_dict(),
+        "warnings": list(surface.warnings),
+    }
+    if options.json:
+        print(json.dumps(document, indent=2, allow_nan=False))
+    elif not options.quiet:
+        _print_check(document)
+    return 0 if check.passed else NOT_SOUND
+
+
+def _ways(
+    options: argparse.Namespace, way: str | None, inputs: InputFiles
+) -> tuple[list[tuple[str, Points]], list[str]]:
+    """The lines to be measured with their titles, and warnings."""
+    warnings = list(inputs.warnings)
+    tree = inputs.centerline
+    if way is None:
+        assert tree is not None
+        branches = [tree.points[branch] for branch in tree.branches]
+        branches = [points for points in branches if length(points) > 0]
+        return [(f"Branch {n}", points) for n, points in enumerate(branches, start=1)], warnings
+    place = place_of(options, way, inputs.surface.frame)
+    stent = Stent(
+        _PROBE_DIAMETER,
+        placement=place.placement,
+        length=options.length,
+        foreshortening_fraction=0.0,
+    )
+    axis = stent_axis(stent, tree)
+    if way == "axis":
+        surface = inputs.surface
+        warnings += check_same_space(
+            surface.points,
+            surface.triangles,
+            axis.points,
+            surface_name=str(surface.path),
+            centerline_name=options.axis,
+        )
+    # Of what is said about a stent, the junctions and the length hold for a part to measure.
+    told = [
+        sentence.replace("The stent", "The part").replace("the stent", "the part")
+        for sentence in axis.warnings
+        if "bend" not in sentence
+    ]
+    return [("Part", axis.points)], [*warnings, *place.warnings, *told]
+
+
+def _print_table(line: _Line, factor: float, units: str) -> None:
+    profile = line.profile
+    ends = " to ".join(_point(line.points[end] / factor) for end in (0, -1))
+    print(f"{line.title}: {length(line.points):.1f} mm, from {ends} {units}")
+    print("  at (mm)  inscribed (mm)  equivalent (mm)")
+    for row in zip(
+        profile.arc_length, profile.inscribed_diameter, profile.equivalent_diameter, strict=True
+    ):
+        print(f"{row[0]:9.1f}  {_cell(row[1]):>14}  {_cell(row[2]):>15}")
+    if math.isfinite(profile.minimum):
+        print(
+            f"  inscribed: narrowest {profile.minimum:.2f} mm at {profile.minimum_arc_length:.1f} "
+            f"mm, mean {profile.mean:.2f} mm, widest {profile.maximum:.2f} mm"
+        )
+    print()
+
+
+def _document(inputs: InputFiles, lines: list[_Line], warnings: list[str]) -> dict[str, Any]:
+    return {
+        "schema": "sdfstent-diameters",
+        "version": 1,
+        **_surface_document(inputs.surface),
+        "lines": [
+            {
+                "title": line.title,
+                "start_mm": line.points[0].tolist(),
+                "end_mm": line.points[-1].tolist(),
+                "length_mm": length(line.points),
+                "arc_length_mm": line.profile.arc_length.tolist(),
+                "inscribed_mm": [_known(value) for value in line.profile.inscribed_diameter],
+                "equivalent_mm": [_known(value) for value in line.profile.equivalent_diameter],
+                "minimum_mm": _known(line.profile.minimum),
+                "mean_mm": _known(line.profile.mean),
+                "maximum_mm": _known(line.profile.maximum),
+            }
+            for line in lines
+        ],
+        "warnings": warnings,
+    }
+
+
+def _surface_document(surface: SurfaceFile) -> dict[str, Any]:
+    return {
+        "file": str(surface.path),
+        "sha256": surface.sha256,
+        "points": len(surface.points),
+        "triangles": len(surface.triangles),
+        "units": surface.units,
+    }
+
+
+def _print_check(document: dict[str, Any]) -> None:
+    print(document["sentence"])
+    print(
+        f"{document['points']} points, {document['triangles']} triangles, "
+        f"{document['components']} connected part(s), {document['boundary_edges']} boundary edges."
+    )
+    for key, words in (
+        ("self_intersecting_triangles", "intersect another one"),
+        ("inverted_triangles", "are turned over"),
+        ("degenerate_triangles", "have no area"),
+        ("sliver_triangles", "have an angle below 1 degree"),
+    ):
+        if document[key]:
+            shown = ", ".join(map(str, document[key][:10]))
+            more = ", ..." if len(document[key]) > 10 else ""
+            print(f"{len(document[key])} triangles {words}: {shown}{more}")
+    for sentence in document["warnings"]:
+        print(f"warning: {sentence}")
+
+
+def _point(point: Points) -> str:
+    return "(" + ", ".join(f"{value:.4g}" for value in point) + ")"
+
+
+def _cell(value: float) -> str:
+    return f"{value:.2f}" if math.isfinite(value) else "-"
+
+
+def _known(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None

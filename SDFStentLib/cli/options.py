@@ -1,0 +1,224 @@
+"""The options of every command."""
+
+from __future__ import annotations
+
+import argparse
+from typing import NoReturn
+
+from ..deformation import BLENDS, FALLOFFS, RULES, DeploymentSettings
+from ..units import MILLIMETERS
+from ..version import VERSION
+
+_DEFAULTS = DeploymentSettings()
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser that says in one sentence what is wrong."""
+
+    def error(self, message: str) -> NoReturn:
+        """End with the sentence on stderr and exit code 2."""
+        message = message.replace("3 arguments", "three numbers with spaces between them")
+        self.exit(2, f"{self.prog}: {message}; see {self.prog} --help.\n")
+
+
+def parser() -> Parser:
+    """The parser of the whole command line."""
+    top = Parser(
+        prog="sdfstent",
+        description="Virtual stenting of vessel surfaces. Sizes in mm; points in the unit and "
+        "frame of the files. Research use only, not a medical device.",
+        epilog="Exit codes: 0 done and certified; 1 unexpected error; 2 bad input, nothing "
+        "written; 3 done, but the certificate fails; 130 interrupted, nothing written.",
+        allow_abbrev=False,
+    )
+    top.add_argument("--version", action="version", version=f"sdfstent {VERSION}")
+    commands = top.add_subparsers(
+        dest="command", metavar="COMMAND", required=True, parser_class=Parser
+    )
+    _deploy(commands.add_parser("deploy", help="deploy one stent", allow_abbrev=False))
+    _run(commands.add_parser("run", help="carry out a plan of stents", allow_abbrev=False))
+    _measure(commands.add_parser("measure", help="diameters along a vessel", allow_abbrev=False))
+    _check(commands.add_parser("check", help="is a surface sound", allow_abbrev=False))
+    _demo(commands.add_parser("demo", help="treat a synthetic patient", allow_abbrev=False))
+    return top
+
+
+def _deploy(command: argparse.ArgumentParser) -> None:
+    command.description = "Deploy one stent in a vessel surface."
+    command.add_argument("surface", type=_path, metavar="SURFACE", help="VTP, VTK, STL, PLY or OBJ")
+    command.add_argument(
+        "-o", "--output", type=_path, metavar="OUT", required=True, help="surface to write"
+    )
+    command.add_argument("--diameter", type=_number, metavar="D", required=True, help="mm")
+    _add_place(command)
+    command.add_argument(
+        "--foreshortening",
+        type=_number,
+        metavar="F",
+        help="part of the length that is lost on expansion (default 0.1 with --length, else 0)",
+    )
+    _add_method(command)
+    out = command.add_argument_group("output")
+    _add_units(out)
+    out.add_argument(
+        "--output-centerline", type=_path, metavar="F", help="the centerline, moved along"
+    )
+    out.add_argument(
+        "--report",
+        type=_path,
+        metavar="F",
+        action="append",
+        default=[],
+        help=".json or .html; may be repeated",
+    )
+    out.add_argument(
+        "--save-plan", type=_path, metavar="F", help="what determines the result, for `run`"
+    )
+    _add_output(out)
+    _add_talk(command)
+
+
+def _run(command: argparse.ArgumentParser) -> None:
+    command.description = (
+        "Carry out a plan: stents in order, in a surface. Writes the surface, the centerline, "
+        "report.json, report.html and plan.json."
+    )
+    command.add_argument("plan", type=_path, metavar="PLAN", help="JSON, see docs/plan.md")
+    command.add_argument(
+        "-o", "--output", type=_path, metavar="DIR", required=True, help="folder to write"
+    )
+    command.add_argument(
+        "--accept-changed-inputs",
+        action="store_true",
+        help="go on although a file is not the one that the plan was made with",
+    )
+    _add_output(command.add_argument_group("output"))
+    _add_talk(command)
+
+
+def _measure(command: argparse.ArgumentParser) -> None:
+    command.description = (
+        "Diameters along a vessel: of the largest inscribed sphere and of the circle with the "
+        "area of the cross-section. Without a place: of every branch of the centerline."
+    )
+    command.add_argument("surface", type=_path, metavar="SURFACE", help="VTP, VTK, STL, PLY or OBJ")
+    _add_place(command)
+    command.add_argument(
+        "--spacing", type=_number, metavar="MM", default=1.0, help="of the stations (default 1)"
+    )
+    _add_units(command)
+    command.add_argument("--json", action="store_true", help="print JSON instead of a table")
+    _add_talk(command)
+
+
+def _check(command: argparse.ArgumentParser) -> None:
+    command.description = "Topology and self-intersections of a surface."
+    command.add_argument("surface", type=_path, metavar="SURFACE", help="VTP, VTK, STL, PLY or OBJ")
+    _add_units(command)
+    command.add_argument("--json", action="store_true", help="print JSON instead of sentences")
+    _add_talk(command)
+
+
+def _demo(command: argparse.ArgumentParser) -> None:
+    command.description = (
+        "Treat a synthetic patient: a pulmonary artery whose left branch is narrowed by 40 % at "
+        "its origin gets a stent across the bifurcation."
+    )
+    command.add_argument("-o", "--output", type=_path, metavar="DIR", default="sdfstent-demo")
+    _add_talk(command)
+
+
+def _add_place(command: argparse.ArgumentParser) -> None:
+    place = command.add_argument_group("where")
+    place.add_argument("--axis", type=_path, metavar="FILE", help="the curve is the stent axis")
+    place.add_argument("--centerline", type=_path, metavar="FILE", help="of the vessel, any form")
+    place.add_argument(
+        "--length", type=_number, metavar="L", help="mm; with --axis about its middle"
+    )
+    for name, what in (
+        ("center", "the middle of the stent"),
+        ("distal", "its distal end"),
+        ("proximal", "its proximal end"),
+        ("from", "one end"),
+        ("to", "the other end"),
+    ):
+        place.add_argument(
+            f"--{name}",
+            dest="from_point" if name == "from" else name,
+            type=_number,
+            nargs=3,
+            metavar=("X", "Y", "Z"),
+            help=what,
+        )
+
+
+def _add_method(command: argparse.ArgumentParser) -> None:
+    method = command.add_argument_group("method")
+    for name, default, what in (
+        ("influence", _DEFAULTS.influence_distance, "distance at which the deformation ends, mm"),
+        ("smoothing", _DEFAULTS.smoothing_width, "width of the smooth minimum, mm"),
+        ("capsule", _DEFAULTS.capsule_length, "length of a capsule, mm"),
+        ("tissue-gap", _DEFAULTS.tissue_gap, "kept between the stent and other lumens' walls, mm"),
+    ):
+        method.add_argument(
+            f"--{name}",
+            type=_number,
+            metavar="MM",
+            default=default,
+            help=f"{what} (default {default:g})",
+        )
+    steps = ", ".join(f"{step:g} with {rule}" for rule, step in RULES.items())
+    method.add_argument("--step", type=_number, metavar="MM", help=f"radius step (default {steps})")
+    method.add_argument("--falloff", choices=list(FALLOFFS), default=_DEFAULTS.falloff)
+    method.add_argument("--blend", choices=list(BLENDS), default=_DEFAULTS.blend)
+    method.add_argument(
+        "--straighten",
+        type=_number,
+        metavar="F",
+        default=0.0,
+        help="share of the way to its chord that the axis is straightened, 0 to 1",
+    )
+    method.add_argument("--rule", choices=list(RULES), default=_DEFAULTS.rule)
+    method.add_argument(
+        "--no-compensation",
+        action="store_true",
+        help="bring only the vertices, not the lumen, to the prescribed diameter",
+    )
+
+
+def _add_output(group: argparse._ArgumentGroup) -> None:
+    group.add_argument("--figure", type=_path, metavar="F", help="diameters as .png, .svg or .pdf")
+    group.add_argument(
+        "--steps", type=_path, metavar="DIR", help="the surface at every step, for ParaView"
+    )
+    group.add_argument(
+        "--every", type=_number, metavar="MM", help="with --steps: only after so much of diameter"
+    )
+    group.add_argument(
+        "--arrays", action="store_true", help="add displacement and stretch to the surface"
+    )
+
+
+def _add_units(group: argparse._ActionsContainer) -> None:
+    group.add_argument(
+        "--units", choices=list(MILLIMETERS), default="mm", help="of the files (default mm)"
+    )
+
+
+def _add_talk(command: argparse.ArgumentParser) -> None:
+    command.add_argument("--quiet", action="store_true", help="say nothing but errors")
+    command.add_argument("--debug", action="store_true", help="show where an error came from")
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"expected a number, got {text!r}") from None
+
+
+def _path(text: str) -> str:
+    # Nothing would be taken for the working folder, or for an option that is left out.
+    if not text:
+        raise argparse.ArgumentTypeError("expected a file or folder, got nothing")
+    return text

@@ -1,0 +1,91 @@
+"""From the options of the command line to a placement."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..files import axis_of, in_frame_of, read_lines
+from ..plan import POINT_PLACEMENTS, scaled
+from ..stent import AlongAxis, BetweenPoints, InputFile, Placement
+from ..units import MILLIMETERS, Frame
+from ..validation import InputError
+
+
+class Place(NamedTuple):
+    """Where, and what was noticed on reading it."""
+
+    placement: Placement
+    warnings: tuple[str, ...]
+
+
+def check_place(options: argparse.Namespace, *, needed: bool) -> str | None:
+    """Which of the ways to say where is used, before any file is read.
+
+    Returns
+    -------
+    str or None
+        center, distal, proximal, from, axis, or None when nothing says where.
+
+    Raises
+    ------
+    InputError
+        None although one is needed, several, or one without what belongs to it.
+    """
+    given = [name for name in POINT_PLACEMENTS if getattr(options, name) is not None]
+    if (options.from_point is None) != (options.to is None):
+        raise InputError("expected both --from and --to, got one of them; give the other end.")
+    given += ["from"] if options.to is not None else []
+    given += ["axis"] if options.axis is not None else []
+    if len(given) > 1:
+        raise InputError(
+            f"expected one place, got {' and '.join('--' + name for name in given)}; leave one out."
+        )
+    if not given:
+        if needed:
+            raise InputError(
+                "expected where the stent goes, got nothing; give --axis, or --centerline with "
+                "--center, --distal, --proximal, or --from and --to."
+            )
+        return None
+    way = given[0]
+    if way != "axis" and options.centerline is None:
+        raise InputError(f"expected --centerline FILE with --{way}, got none; give one.")
+    if way in POINT_PLACEMENTS and options.length is None:
+        raise InputError(f"expected --length L (mm) with --{way}, got none; give one.")
+    if way == "from" and options.length is not None:
+        raise InputError(
+            "expected no --length between two points, which determine it; leave it or one of "
+            "--from and --to out."
+        )
+    return way
+
+
+def place_of(options: argparse.Namespace, way: str, frame: Frame | None) -> Place:
+    """The placement, mm, in the frame of the surface.
+
+    Raises
+    ------
+    InputError
+        An axis file that cannot be read, or points that are not finite.
+    """
+    if way == "axis":
+        line_file = in_frame_of(read_lines(options.axis, options.units), frame)
+        file = InputFile(options.axis, line_file.sha256)
+        return Place(AlongAxis(axis_of(line_file), file), line_file.warnings)
+    if way == "from":
+        start, end = (_mm(point, options.units) for point in (options.from_point, options.to))
+        return Place(BetweenPoints(start, end), ())
+    point = _mm(getattr(options, way), options.units)
+    return Place(POINT_PLACEMENTS[way](point), ())
+
+
+def _mm(point: Sequence[float], units: str) -> NDArray[np.float64]:
+    for value in point:
+        if not abs(value) < 1e300:
+            raise InputError(f"point: expected three finite numbers, got {value}.")
+    return np.array([scaled(value, MILLIMETERS[units]) for value in point])

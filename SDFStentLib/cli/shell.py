@@ -1,0 +1,98 @@
+"""The command `sdfstent`: reads the command line, and turns every failure into one sentence."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import sys
+import traceback
+from collections.abc import Sequence
+from decimal import Decimal
+from typing import TextIO
+
+from ..validation import DeploymentError, InputError
+from .console import Console, error_line, with_options
+from .options import parser
+
+DONE, UNEXPECTED, BAD_INPUT, NOT_CERTIFIED, INTERRUPTED = 0, 1, 2, 3, 130
+
+_NEGATIVE = re.compile(r"-(\d+\.?\d*|\.\d+)[eE][-+]?\d{1,3}")
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run a command; returns its exit code.
+
+    Parameters
+    ----------
+    argv : sequence of str, optional
+        The arguments, those of the process by default.
+    """
+    # A stream that whoever started the process has closed is None.
+    sys.stdout, sys.stderr = sys.stdout or _nowhere(), sys.stderr or _nowhere()
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")
+    arguments = [_without_exponent(word) for word in (sys.argv[1:] if argv is None else argv)]
+    try:
+        options = parser().parse_args(arguments)
+    except SystemExit as end:  # after --help, --version and errors of usage
+        return int(end.code or 0)
+    try:
+        code = _command(options)
+        sys.stdout.flush()
+        return code
+    except BrokenPipeError:
+        # Whoever read the output has seen enough; nothing may be flushed into it at the end.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return DONE
+    except (Exception, KeyboardInterrupt) as error:
+        return _failed(error, options)
+
+
+def _command(options: argparse.Namespace) -> int:
+    """Late imports: vtk and scipy take longer to import than most mistakes to be found."""
+    console = Console(options, quiet=options.quiet)
+    if options.command == "deploy":
+        from .deploy import deploy_command
+
+        return deploy_command(options, console)
+    if options.command == "run":
+        from .deploy import run_command
+
+        return run_command(options, console)
+    if options.command == "measure":
+        from .measure import measure_command
+
+        return measure_command(options, console)
+    if options.command == "check":
+        from .measure import check_command
+
+        return check_command(options)
+    from .demo import demo_command
+
+    return demo_command(options, console)
+
+
+def _nowhere() -> TextIO:
+    return open(os.devnull, "w", encoding="utf-8")
+
+
+def _failed(error: BaseException, options: argparse.Namespace) -> int:
+    if options.debug:
+        traceback.print_exception(error)
+    if isinstance(error, KeyboardInterrupt):
+        error_line("sdfstent: interrupted; nothing was written.")
+        return INTERRUPTED
+    if isinstance(error, InputError | DeploymentError):
+        error_line(f"sdfstent {options.command}: {with_options(str(error), options)}")
+        return BAD_INPUT
+    hint = "" if options.debug else " Run it again with --debug to see where."
+    words = " ".join(f"{type(error).__name__}: {error}".split())
+    error_line(f"sdfstent {options.command}: unexpected error ({words}).{hint}")
+    return UNEXPECTED
+
+
+def _without_exponent(word: str) -> str:
+    """-1e-3 as -0.001: argparse takes the first for an option."""
+    return format(Decimal(word), "f") if _NEGATIVE.fullmatch(word) else word

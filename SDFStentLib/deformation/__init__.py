@@ -1,0 +1,25 @@
+"""The wall follows one stent, radius step by radius step, to the prescribed lumen."""
+
+from __future__ import annotations
+
+from .deployment import Deployment, deploy
+from .profiles import BLENDS, FALLOFFS
+from .settings import RULES, SHORTEST_AND_LONGEST, WIDEST, DeploymentSettings
+from .values import DeploymentResult, DeploymentState
+
+__all__ = [
+    "BLENDS",
+    "FALLOFFS",
+    "RULES",
+    "SHORTEST_AND_LONGEST",
+    "WIDEST",
+    "Deployment",
+    "DeploymentResult",
+    "DeploymentSettings",
+    "DeploymentState",
+    "deploy",
+]
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -1,0 +1,289 @@
+"""One run of a deployment: the points that can move, the radius steps, the finished lumen."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..certificate import MotionCheck
+from ..field import CapsuleChain
+from ..geometry import (
+    connected,
+    consistently_wound,
+    dot,
+    faces_at,
+    vertex_neighbors,
+    vertex_normals,
+)
+from ..measure import caps_across
+from ..validation import DeploymentError, Points, Triangles
+from .event_steps import event_steps
+from .lumen import drawn_in, facets_compensated, finished, projected
+from .motion import Motion
+from .patch import Patch
+from .published_steps import published_steps
+from .stent_checks import motion_check
+from .untangle import RELAXATION, Faults, Relief, grown, untangled
+from .values import DeploymentState, DeploymentTask
+
+WALL_CLEARANCE = 0.9
+"""The crimped stent never reaches beyond this share of the nearest wall's distance."""
+
+WAYS_TO_UNTANGLE = ((RELAXATION, False), (0.2, False), (RELAXATION, True))
+"""Shares of the way to the mean of the neighbors, and whether the lumen is relieved, in turn.
+
+The first is quick. The second gets some folds apart in which the first swings to and fro. The third
+takes the facet compensation back round the fold: some facets there lie inside again, by up to the
+height of their arc, and those that it pushed into each other come free.
+"""
+
+FEW_FAULTS = 20
+"""Faulty faces up to which the next way is tried; 4 to 11 were left where it helped."""
+
+RELIEVED_RINGS = 3
+
+
+CAPS_WITHIN = 2.0
+"""Distance from the stent's ends, in its radii, within which caps are looked for."""
+
+
+class Attempt:
+    """One run of the radius steps with one tissue gap."""
+
+    def __init__(self, task: DeploymentTask, ramp: tuple[float, float], gap: float) -> None:
+        self.task, self._gap = task, gap
+        self.motion, self.numbers = self._active(gap)
+        self.start = self.motion.positions.copy()
+        self.wall_count = int(self.motion.touchable.sum())
+        self.ascending = np.argsort(self.numbers[: self.wall_count])
+        if not self.wall_count:
+            raise DeploymentError(
+                "stent: expected the vessel's wall within "
+                f"{task.radius + task.settings.influence_distance:.1f} mm of the stent "
+                "axis, got none; check that surface and axis are in the same unit and frame."
+            )
+        self.patch = Patch.around(task.points, task.triangles, self.numbers[: self.wall_count])
+        self.patch_start = self.patch.points(task.points, self.start[: self.wall_count])
+        nearest = float(self.motion.level[: self.wall_count].min())
+        self.start_radius = min(task.settings.crimped_radius, WALL_CLEARANCE * nearest)
+        # A wall point of the stented lumen for certain; unknown without a tissue gap.
+        self._nearest_own: int | None = None
+        self._uncompensated = self.start
+        self.relief: Relief | None = None
+        if gap > 0:
+            self._keep_tissue(ramp, gap)
+
+    def steps(self) -> Iterator[float]:
+        """Run the radius steps; yields the field level reached after each."""
+        settings = self.task.settings
+        run = event_steps if settings.rule == "events" else published_steps
+        return run(self.motion, settings.step_rule(), self.start_radius, self.task.target_level)
+
+    def state(self, level: float) -> DeploymentState:
+        """What has moved so far, in the caller's numbers."""
+        task, target = self.task, self.task.target_level
+        x, y, z = (self.motion.positions != self.start).T
+        moved = x | y | z
+        wall = self.ascending[moved[self.ascending]]
+        dragged = self.wall_count + np.flatnonzero(moved[self.wall_count :])
+        companions = task.companions.copy()
+        companions[self.numbers[dragged] - len(task.points)] = self.motion.positions[dragged]
+        return DeploymentState(
+            radius=min(level + task.radius - target, task.radius),
+            fraction=min(level / target, 1.0) * (1 - 1e-9),
+            indices=self.numbers[wall],
+            coordinates=self.motion.positions[wall],
+            companions=companions,
+        )
+
+    def finish(self) -> None:
+        """After the last step: put the wall in contact on the prescribed lumen, if asked to."""
+        if self.task.settings.finish:
+            self._put_on_lumen()
+        self._close_seams()
+
+    def motion_check(self) -> MotionCheck:
+        """How far the wall has moved, against what the method can move."""
+        before, after = self.start[: self.wall_count], self.motion.positions[: self.wall_count]
+        return motion_check(before, after, self.task.chain, self.task.radius, self._gap)
+
+    def _put_on_lumen(self) -> None:
+        task, settings = self.task, self.task.settings
+        self.motion.refreshed()
+        projected(self.motion, task.target_level)
+        on_stent = finished(
+            self.motion,
+            task.target_level,
+            task.radius,
+            settings.contact_tolerance,
+        )
+        if self._nearest_own is not None:
+            own = self._own_wall(self._nearest_own)
+            back = drawn_in(self.motion, own, self.start[own], task.target_level, task.radius)
+            on_stent = np.union1d(on_stent, back)
+        self._uncompensated = self.motion.positions.copy()
+        if settings.facet_compensation:
+            facets_compensated(self.motion, self._wall_triangles(), on_stent, task.radius)
+
+    def _wall_triangles(self) -> Triangles:
+        """The patch but for flat caps across the stent's ends, which are no lumen to keep wide.
+
+        Their corners go apart to all sides; no push would bring their middle off the axis.
+        """
+        return self.patch.triangles[~self._is_cap]
+
+    @cached_property
+    def _is_cap(self) -> NDArray[np.bool_]:
+        """Which faces of the patch belong to flat caps across the stent's ends."""
+        nodes, reach = self.task.chain.nodes, CAPS_WITHIN * self.task.radius
+        return caps_across(self.patch_start, self.patch.triangles, nodes, reach)
+
+    def untangle(self, faulty: NDArray[np.int64]) -> int:
+        """Take apart faulty faces of the surface; returns the rounds that it took."""
+        task = self.task
+        # A fault may lie in a face that is only crossed by a moved one, outside the patch.
+        local = np.flatnonzero(np.isin(self.patch.faces, faulty))
+        if not len(local):
+            return 0
+        wound, _ = consistently_wound(self.patch.triangles)
+        faults = Faults(self.patch_start, wound, task.precision)
+        folded = self.motion.positions.copy()
+        best, fewest, rounds = folded, len(local), 0
+        for relaxation, is_relieved in WAYS_TO_UNTANGLE:
+            self.motion.positions[:] = folded
+            bad, relief = self._relieved(faults, local) if is_relieved else (local, None)
+            outcome = untangled(
+                self.motion, faults, self.wall_count, task.target_level, bad, relaxation
+            )
+            rounds += outcome.rounds
+            if len(outcome.remaining) < fewest:
+                best, fewest = self.motion.positions.copy(), len(outcome.remaining)
+                self.relief = relief
+            if not 0 < fewest <= FEW_FAULTS:
+                break
+        self.motion.positions[:] = best
+        self._close_seams()
+        return rounds
+
+    def _relieved(
+        self, faults: Faults, bad: NDArray[np.int64]
+    ) -> tuple[NDArray[np.int64], Relief | None]:
+        """Take the facet compensation back round faulty faces; returns what is faulty then."""
+        neighbors = vertex_neighbors(faults.triangles, len(faults.before))
+        near = grown(np.unique(faults.triangles[bad]), neighbors, RELIEVED_RINGS)
+        near = near[near < self.wall_count]
+        pushed = np.linalg.norm(self.motion.positions[near] - self._uncompensated[near], axis=1)
+        relief = None
+        if pushed.any():
+            x, y, z = self._uncompensated[near[pushed.argmax()]].tolist()
+            relief = Relief((x, y, z), float(pushed.max()))
+        self.motion.positions[near] = self._uncompensated[near]
+        after = self.patch.points(self.task.points, self.motion.positions[: self.wall_count])
+        touched = np.zeros(len(after), dtype=bool)
+        touched[near] = True
+        return faults.among(after, np.flatnonzero(faces_at(touched, faults.triangles))), relief
+
+    def _close_seams(self) -> None:
+        """Put points that are stored more than once where the first of them went."""
+        twin = self.patch.twin[: self.wall_count]
+        if (twin != np.arange(self.wall_count)).any():
+            self.motion.positions[: self.wall_count] = self.motion.positions[twin]
+
+    def _active(self, gap: float) -> tuple[Motion, NDArray[np.int64]]:
+        """The points that can move, and their numbers among points and companions."""
+        task = self.task
+        reach = task.target_level + task.settings.influence_distance + gap
+        wall, near_wall = _within(task.points, task.chain, reach)
+        # A point that no triangle uses is no wall; nobody would see it touched.
+        is_used = task.is_used[wall]
+        wall, near_wall = wall[is_used], near_wall[is_used]
+        dragged, near_dragged = _within(task.companions, task.chain, reach)
+        numbers = np.concatenate([wall, len(task.points) + dragged])
+        motion = Motion(
+            task.chain,
+            np.concatenate([task.points[wall], task.companions[dragged]]),
+            np.arange(len(numbers)) < len(wall),
+            np.concatenate([near_wall, near_dragged]),
+        )
+        # A companion inside the expanded stent stays; a point beyond reach never moves.
+        keep = motion.touchable | (motion.level >= task.target_level)
+        motion.restricted(keep & (motion.level < reach))
+        return motion, numbers[motion.indices]
+
+    def _keep_tissue(self, ramp: tuple[float, float], gap: float) -> None:
+        """Let walls of other lumens keep a tissue thickness from the stent.
+
+        Such a wall looks back at the stent: its outward normal does not point along the field.
+        Without the gap it would be swept onto the same surface as the wall of the stented lumen.
+        """
+        wall = slice(0, self.wall_count)
+        direction = self.motion.direction[wall]
+        level = self.motion.level[wall]
+        normals = None
+        # What is known costs nothing; the patch costs little, the whole surface much.
+        task = self.task
+        may_have = task.may_have_several_parts and self.patch.has_several_parts
+        if not (may_have and task.has_several_parts):
+            normals = self.patch.outward_normals(
+                self.patch_start, direction, level, task.is_known_consistently_wound
+            )
+        if normals is None:
+            normals = vertex_normals(task.points, task.outward_triangles)
+            normals = normals[self.numbers[wall]][self.patch.twin[wall]]
+        facing = -dot(normals, direction)
+        share = np.clip((facing - ramp[0]) / (ramp[1] - ramp[0]), 0, 1)
+        offset = np.zeros(len(self.motion.level))
+        offset[wall] = gap * share**2 * (3 - 2 * share)
+        self.motion.set_offset(offset)
+        if not task.settings.finish:
+            return
+        # The middle of a cap ahead may be nearest, and joined to no wall by free points.
+        is_own = (offset[wall] == 0) & self._is_beside()
+        self._nearest_own = int(np.where(is_own, level, np.inf).argmin())
+
+    def _is_beside(self) -> NDArray[np.bool_]:
+        """Which points of the wall lie beside the stent: not beyond an end, nor in a cap."""
+        points, nodes = self.motion.positions[: self.wall_count], self.task.chain.nodes
+        reach = self.motion.level[: self.wall_count] + self.task.chain.smoothing_width
+        is_beside = np.ones(len(points), dtype=bool)
+        for end, inner in (nodes[:2], nodes[:-3:-1]):
+            offset = points - end
+            is_nearest = dot(offset, offset) <= reach**2
+            is_beside &= ~(is_nearest & (offset @ (end - inner) > 0))
+        in_cap = np.unique(self.patch.triangles[self._is_cap])
+        is_beside[in_cap[in_cap < len(points)]] = False
+        return is_beside
+
+    def _own_wall(self, nearest: int) -> NDArray[np.int64]:
+        """Wall without tissue offset that hangs together with the point of it nearest to the axis.
+
+        The far wall of a neighbor faces away from the stent as well, but is joined to it only by
+        walls that do not.
+        """
+        count = self.wall_count
+        is_free = np.zeros(len(self.patch.vertices), dtype=bool)
+        is_free[:count] = self.motion.offset[:count] == 0
+        sides = np.concatenate([self.patch.triangles[:, :2], self.patch.triangles[:, 1:]])
+        sides = sides[is_free[sides].all(axis=1)]
+        _, label = connected(len(self.patch.vertices), sides[:, 0], sides[:, 1])
+        label = label[self.patch.twin][:count]
+        return np.flatnonzero(is_free[:count] & (label == label[nearest]))
+
+
+def _within(
+    points: Points, chain: CapsuleChain, reach: float
+) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
+    """Points whose field may be below reach, and their nearest nodes: a box first, then nodes."""
+    # The smooth distance is less than k below the true one.
+    reach = reach + chain.smoothing_width
+    low, high = chain.nodes.min(axis=0) - reach, chain.nodes.max(axis=0) + reach
+    inside = np.flatnonzero((points[:, 0] > low[0]) & (points[:, 0] < high[0]))
+    for axis in (1, 2):
+        column = points[inside, axis]
+        inside = inside[(column > low[axis]) & (column < high[axis])]
+    near, distance = chain.folding.nearest_nodes(points[inside])
+    kept = distance < reach
+    return inside[kept], near[kept]

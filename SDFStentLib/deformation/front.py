@@ -1,0 +1,131 @@
+"""The front of a deployment: points that may come into contact within one radius step."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry import norm
+from .contact_search import ContactSearch
+from .contact_set import ContactSet
+from .motion import Motion, influence_rates
+from .step_rule import StepRule
+
+SUBSTEPS = 8
+"""Substeps of the front in every step: 0.1 mm in the longest one by default, finer at first."""
+
+
+class Front:
+    """Points that run ahead through a step in substeps, each contact at its own radius.
+
+    Attributes
+    ----------
+    members : (n,) array
+        Their numbers in the motion.
+    positions : (n, 3) array
+        Where they are, mm.
+    amount, rate : (n,) arrays
+        How far each has moved along its direction, mm, and its rate now.
+    contact_radius : (n,) array
+        Stent radius at which each came into contact, mm; infinite for those that did not.
+    nearest : (n,) array
+        Number in the motion of the contact point nearest to each, -1 for none within reach.
+    """
+
+    def __init__(
+        self,
+        motion: Motion,
+        rule: StepRule,
+        members: NDArray[np.int64],
+        contact: ContactSet,
+        reach: float,
+    ) -> None:
+        self.members = members
+        self.positions = motion.positions[members]
+        self.amount = np.zeros(len(members))
+        self.rate = contact.rate[members]
+        self.contact_radius = np.full(len(members), np.inf)
+        self.nearest = contact.nearest[members]
+        self._rule = rule
+        self._reach = reach
+        self._level = motion.level[members]
+        self._direction, self._slope = motion.direction[members], motion.slope[members]
+        # The nearest contact point of each: its place at the start of the step and its velocity.
+        self._anchor = motion.positions[self.nearest]
+        self._anchor[self.nearest < 0] = np.inf
+        self._velocity = motion.direction[self.nearest]
+        self._touching = np.zeros(len(members), dtype=bool)
+        self._late = np.zeros(len(members))
+
+    @property
+    def has_touched(self) -> NDArray[np.bool_]:
+        """(n,) which have come into contact."""
+        return self._touching
+
+    def run(self, radius: float, growth: float) -> None:
+        """Move through a step from a stent radius by a growth, mm."""
+        substep = growth / SUBSTEPS
+        for index in range(SUBSTEPS):
+            elapsed = index * substep
+            dragged = self._updated_rates(radius, elapsed)
+            hits, since = self._moved(radius + elapsed, substep, dragged)
+            if hits.any() and not self._touching.all():
+                self._hand_over(np.flatnonzero(hits), since, elapsed + substep)
+        self._advance(self._updated_rates(radius, growth))
+
+    def _updated_rates(self, radius: float, elapsed: float) -> NDArray[np.float64]:
+        """Bring the rates up to date; returns the motion missed since the last contacts.
+
+        A new contact point drags its neighbors from the moment of contact, not from the end of
+        the substep in which it is noticed.
+        """
+        rule = self._rule
+        above = self._level - (radius + elapsed)
+        apart = norm(self.positions - self._anchor - elapsed * self._velocity)
+        previous = self.rate
+        self.rate = influence_rates(above, apart, rule.influence_distance, rule.falloff, rule.blend)
+        self.rate[self._touching] = 1
+        missed = self._late * (self.rate - previous)
+        self._late[:] = 0
+        return missed
+
+    def _moved(
+        self, radius: float, substep: float, missed: NDArray[np.float64]
+    ) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
+        """Move by a substep; returns who came into contact and how long before its end, mm."""
+        tolerance = self._rule.contact_tolerance
+        above = self._level - radius
+        amount = missed + self.rate * substep
+        short = above + amount * self._slope - substep - tolerance
+        hits = (short < 0) & ~self._touching
+        # A point that is overtaken ends the substep on the stent.
+        amount[hits] = np.maximum(substep + tolerance - above, amount)[hits]
+        self._advance(amount)
+        closing = np.maximum(substep * (1 - self.rate[hits] * self._slope[hits]), 1e-12)
+        since = np.clip(-short[hits] / closing, 0, 1) * substep
+        self.contact_radius[hits] = radius + substep - since
+        self._touching |= hits
+        self._level[self._touching] = radius + substep + tolerance
+        return hits, since
+
+    def _hand_over(
+        self, sources: NDArray[np.int64], since: NDArray[np.float64], elapsed: float
+    ) -> None:
+        """Tie waiting points to new contact points that are nearer than their old one."""
+        waiting = np.flatnonzero(~self._touching)
+        search = ContactSearch(self.positions[sources])
+        old = self.positions[waiting] - self._anchor[waiting] - elapsed * self._velocity[waiting]
+        old = np.minimum(norm(old), self._reach)
+        gap, nearest = search.nearest(self.positions[waiting], old.max(initial=0))
+        closer = gap < old
+        waiting, nearest = waiting[closer], nearest[closer]
+        self._late[waiting] = since[nearest]
+        nearest = sources[nearest]
+        self.nearest[waiting] = self.members[nearest]
+        self._velocity[waiting] = self._direction[nearest]
+        self._anchor[waiting] = self.positions[nearest] - elapsed * self._direction[nearest]
+
+    def _advance(self, amount: NDArray[np.float64]) -> None:
+        self.positions += amount[:, None] * self._direction
+        self._level += amount * self._slope
+        self.amount += amount

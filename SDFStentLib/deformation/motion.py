@@ -1,0 +1,251 @@
+"""The points that a deployment can move, and what one radius step needs to know of them.
+
+This is the mutable working state of a running deployment; it never leaves the library.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..field import CapsuleChain, Field
+from ..geometry import dot
+from ..validation import Points
+from .contact_search import ContactSearch
+from .profiles import Profile
+
+STRAIGHT = np.cos(np.deg2rad(2.0))
+"""Directions that differ by less count as the same: the smooth minimum's ripple stays below."""
+
+SAMPLE = 1500
+"""Points at which the way ahead is looked at; fewer where there are not so many."""
+
+BIN_SIZE = 3.0
+"""Edge of the cubes that group points, mm, counted from the start of the stent axis.
+
+Skipping resting cubes is exact; which points follow a curved field is decided cube by cube.
+"""
+
+CELLS_PER_BIN = 4
+CELL_SIZE = BIN_SIZE / CELLS_PER_BIN
+"""Edge of the cells, mm, whose points may share a guess: see `NewContacts`."""
+
+NODES_PER_BIN = 3
+"""Axis nodes whose points are kept together; then cubes put them in order."""
+
+
+class Motion:
+    """Positions of the active points with their stored field.
+
+    Attributes
+    ----------
+    indices : (n,) array
+        Position of every active point in the caller's array: the wall first, then points that
+        are only dragged along, each ordered for spatial coherence.
+    positions, direction : (n, 3) arrays
+        Current coordinates, mm, and unit direction of motion.
+    level : (n,) array
+        Distance field minus the tissue offset, mm: the stent radius that reaches the point.
+    slope : (n,) array
+        Rate at which `level` grows when the point moves along its direction.
+    cell : (n,) array
+        Number, ascending, of the small cell in which the point started; see `CELL_SIZE`.
+    offset : (n,) array
+        Tissue thickness kept between the stent and the point, mm.
+    touchable : (n,) bool array
+        Whether the stent can touch the point (wall) or only drag it along (centerline).
+    is_curved : (n,) bool array
+        Whether the direction changes along the way, see `look_ahead`.
+    estimated_error : float
+        Largest estimated distance to the converged limit of the steps so far, mm; 0 where the
+        step rule does not estimate it.
+    """
+
+    def __init__(
+        self,
+        chain: CapsuleChain,
+        points: Points,
+        touchable: NDArray[np.bool_],
+        near: NDArray[np.int32] | None = None,
+    ) -> None:
+        self._origin = chain.nodes[0]
+        if near is None:
+            near, _ = chain.folding.nearest_nodes(points)
+        local = points - self._origin
+        self._mirror = _mirror(local)
+        order, self.cell = _spatial_order(self._mirror * local, touchable, near)
+        self.chain = chain
+        self.indices = order
+        self.positions = points[order]
+        self._near = near[order]
+        field = chain.folding.at(self.positions, self._near)
+        self.level = field.distance
+        self.direction = field.direction
+        self.slope = field.slope
+        self.offset = np.zeros(len(points))
+        self.touchable = touchable[order]
+        self.is_curved = np.zeros(len(points), dtype=bool)
+        self.estimated_error = 0.0
+        self._extrapolated = np.zeros(len(points), dtype=bool)
+
+    @cached_property
+    def resting(self) -> RestingPoints:
+        """The points in cubes; made when first asked for, before anything moves."""
+        return RestingPoints(self.positions - self._origin, self._origin, self._mirror)
+
+    def restricted(self, keep: NDArray[np.bool_]) -> None:
+        """Drop the points that are not kept; before anything moves."""
+        for name in (
+            "indices", "positions", "level", "direction", "slope", "offset", "touchable",
+            "cell", "is_curved", "_near", "_extrapolated",
+        ):  # fmt: skip
+            setattr(self, name, getattr(self, name)[keep])
+        self.__dict__.pop("resting", None)
+
+    def set_offset(self, offset: NDArray[np.float64]) -> None:
+        """Keep a tissue thickness, mm, between the stent and every point."""
+        self.level += self.offset - offset
+        self.offset = offset
+
+    def moved_to(self, where: NDArray[Any], positions: Points) -> None:
+        """Put some points elsewhere and evaluate their field there."""
+        field = self.field_at(where, positions)
+        self.positions[where] = positions
+        self.level[where] = field.distance - self.offset[where]
+        self.direction[where] = field.direction
+        self.slope[where] = field.slope
+        self._extrapolated[where] = False
+
+    def field_at(self, where: NDArray[Any], positions: Points) -> Field:
+        """The field that some points would have elsewhere, but near where they are."""
+        return self.chain.folding.at(positions, self._near[where])
+
+    def axis_distance(self, where: NDArray[Any], positions: Points) -> NDArray[np.float64]:
+        """The true distance to the axis, mm, that some points would have elsewhere."""
+        return self.chain.folding.axis_distance(positions, self._near[where])
+
+    def advanced(self, where: NDArray[Any], amount: float | NDArray[np.float64]) -> None:
+        """Move some points along their direction; their level is extrapolated, see `refreshed`."""
+        amount = np.broadcast_to(amount, len(where))
+        self.positions[where] += amount[:, None] * self.direction[where]
+        self.level[where] += amount * self.slope[where]
+        self._extrapolated[where] = True
+
+    def refreshed(self) -> None:
+        """Evaluate the field of all points whose level was extrapolated."""
+        where = np.flatnonzero(self._extrapolated)
+        self.moved_to(where, self.positions[where])
+
+    def look_ahead(self, distance: float) -> None:
+        """Find the points whose direction changes along the way, half and the whole of it, mm.
+
+        Of many points a sample is looked at, and a cube of points is curved when one of its
+        sample is.
+        """
+        sample = np.arange(0, len(self.positions), max(1, len(self.positions) // SAMPLE))
+        direction = self.direction[sample]
+        curved = np.zeros(len(sample), dtype=bool)
+        for share in (0.5, 1.0):
+            ahead = self.field_at(sample, self.positions[sample] + share * distance * direction)
+            curved |= dot(ahead.direction, direction) < STRAIGHT
+        cube = self.resting.cube
+        in_curved_cube = np.zeros(len(self.positions) + 1, dtype=bool)
+        in_curved_cube[cube[sample[curved]]] = True
+        self.is_curved = in_curved_cube[cube]
+
+
+class RestingPoints:
+    """Points that have not moved yet, in cubes, so that far ones are skipped together.
+
+    A point outside the influence distance of every contact point rests, hence its cube keeps its
+    size. A cube wakes, for good, when a contact point comes nearer to its centre than the influence
+    distance plus its radius; only awake points are searched one by one. Skipping is exact.
+    """
+
+    def __init__(self, positions: Points, origin: Points, mirror: Points) -> None:
+        """Positions are relative to an origin on the stent, so that shifts change nothing."""
+        cubes = np.floor(mirror * positions / BIN_SIZE).astype(np.int64)
+        change = np.any(np.diff(cubes, axis=0) != 0, axis=1)
+        starts = np.concatenate([[0], np.flatnonzero(change) + 1]).astype(np.int64)
+        if len(positions) == 0:
+            starts = starts[:0]
+        counts = np.diff(np.append(starts, len(positions)))
+        sums = np.add.reduceat(positions, starts, axis=0) if len(starts) else np.empty((0, 3))
+        centres = sums / counts[:, None]
+        self._centres = centres + origin
+        self.cube = np.repeat(np.arange(len(starts)), counts)
+        offsets = positions - centres[self.cube]
+        squares = dot(offsets, offsets)
+        reach = np.maximum.reduceat(squares, starts) if len(starts) else squares
+        self._reach = np.sqrt(reach)
+        self._asleep = np.arange(len(starts))
+        self.awake = np.zeros(len(positions), dtype=bool)
+
+    def wake(self, contact: ContactSearch, influence_distance: float) -> None:
+        """Wake the cubes that a contact point may influence."""
+        if not len(self._asleep):
+            return
+        reach = self._reach[self._asleep] + influence_distance
+        distances, _ = contact.nearest(self._centres[self._asleep], float(reach.max()))
+        woken = distances <= reach
+        if woken.any():
+            cubes = np.zeros(len(self._centres), dtype=bool)
+            cubes[self._asleep[woken]] = True
+            self.awake |= cubes[self.cube]
+            self._asleep = self._asleep[~woken]
+
+
+def influence_rates(
+    level_above: NDArray[np.float64],
+    contact_distance: NDArray[np.float64],
+    influence_distance: float,
+    falloff: Profile,
+    blend: Profile,
+) -> NDArray[np.float64]:
+    """Motion per radius step of points that are not in contact, in [0, 1].
+
+    Parameters
+    ----------
+    level_above : (n,) array
+        Signed distance to the stent, mm.
+    contact_distance : (n,) array
+        Distance to the nearest contact point, mm; infinite where there is none.
+    """
+    near = np.minimum(contact_distance / influence_distance, 1)
+    above = np.minimum(np.maximum(level_above / influence_distance, 0), 1)
+    return falloff(above) * blend(near)
+
+
+def _mirror(points: Points) -> Points:
+    """Signs (3,) that turn coordinates the way in which most points lie.
+
+    So that RAS and LPS, which differ by two signs, group the same points together.
+    """
+    return np.where(points.sum(axis=0) < 0, -1.0, 1.0)
+
+
+def _spatial_order(
+    points: Points, touchable: NDArray[np.bool_], near: NDArray[np.int32]
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Wall before companions, each along the stent, by the cube and the cell it is in.
+
+    So that points that are worked on together share capsules and branches of a search tree. Also
+    returns the number of the cell of each point, in that order.
+    """
+    if not len(points):
+        return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
+    cells = np.floor(points / CELL_SIZE).astype(np.int64)
+    cubes = cells // CELLS_PER_BIN
+    cubes -= cubes.min(axis=0)
+    # One number to sort by, from what counts most to what counts least.
+    key = near // NODES_PER_BIN + np.where(touchable, 0, int(near.max()) // NODES_PER_BIN + 1)
+    for axis, extent in enumerate(cubes.max(axis=0) + 1):
+        key = key * extent + cubes[:, axis]
+    for axis in range(3):
+        key = key * CELLS_PER_BIN + cells[:, axis] % CELLS_PER_BIN
+    order = np.argsort(key, kind="stable")
+    key = key[order]
+    return order, np.concatenate([[0], np.cumsum(key[1:] != key[:-1])])

@@ -1,0 +1,173 @@
+"""What a deployment promises of its stent, judged on the result: motion and lumen.
+
+A deformation without any fold can still be wrong. Two statements, each with a number and a place:
+no point moved farther than the method can move one, and the lumen along the stent is the
+prescribed one.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..certificate import NARROWER, WIDER, LumenCheck, MotionCheck, Place
+from ..field import CapsuleChain
+from ..geometry import may_meet_box, resampled, tangents
+from ..measure import (
+    LocalSurface,
+    caps_across,
+    equivalent_diameters,
+    inscribed_spheres,
+    winding_numbers,
+)
+from ..validation import Floats, Points, Triangles
+
+COARSEST = np.sqrt(2.0)
+"""Farthest that wall in contact can be from the axis, in radii: see `lumen.largest_push`."""
+
+ROUGH = 0.01
+"""Share of the radius up to which the wall's distance from the axis stands for a sphere that may be
+too narrow, and the tolerance of spheres that may be too wide."""
+
+NEAR = 2.0
+"""Distance from the axis, in radii, of the triangles among which wide spheres are looked for."""
+
+CAPS_WITHIN = 2.0
+"""Distance from the stent's ends, in its radii, within which flat caps count as open."""
+
+INSIDE = 0.3
+"""Winding numbers are 1 inside, 0 outside and 1/2 in the middle of an open end."""
+
+
+def motion_check(
+    before: Points, after: Points, chain: CapsuleChain, radius: float, tissue: float
+) -> MotionCheck:
+    """Whether no point of the wall moved farther than the method can move one.
+
+    Every point goes along its field line. In contact it ends where the stent does, `radius` from
+    the axis and behind a thickness of tissue, and facet compensation pushes it out by `COARSEST` at
+    most: from the distance d it moves up to sqrt(2) (radius + tissue) - d. Out of contact it is
+    dragged along by no more than the stent grows, which is its radius.
+
+    Parameters
+    ----------
+    before, after : (k, 3) arrays
+        Points that moved, mm.
+    chain : CapsuleChain
+    radius, tissue : float
+        Of the stent, and of the tissue gap, mm.
+    """
+    if not len(before):
+        return MotionCheck(0.0, radius, _place(chain.nodes[0]))
+    moved = np.linalg.norm(after - before, axis=1)
+    # All others are below their bound by nature.
+    where = np.union1d(np.flatnonzero(moved > radius), [moved.argmax()])
+    reach = COARSEST * (radius + tissue) - chain.axis_distance(before[where])
+    bound = np.maximum(reach, radius)
+    worst = int((moved[where] - bound).argmax())
+    at = where[worst]
+    return MotionCheck(float(moved[at]), float(bound[worst]), _place(before[at]))
+
+
+def lumen_check(
+    before: Points,
+    after: Points,
+    triangles: Triangles,
+    chain: CapsuleChain,
+    radius: float,
+    own: tuple[Points, Points] | None = None,
+) -> LumenCheck:
+    """Whether the lumen along a stent is the prescribed one.
+
+    The wall's distance from the axis is a lower bound of the inscribed sphere; only where that is
+    too little, the sphere itself is looked for. Flat caps of in- and outlets count as open.
+
+    Parameters
+    ----------
+    before, after : (n, 3) arrays
+        The surface without and with all stents, mm.
+    triangles : (m, 3) array
+    chain : CapsuleChain
+    radius : float
+        Of the stent, mm.
+    own : pair of (n, 3) arrays, optional
+        The surface just before and after this stent, where there are others: these may be wider.
+    """
+    narrowest, narrowest_at = _narrowest(before, after, triangles, chain, radius)
+    widest, native, widest_at = _widest(*(own or (before, after)), triangles, chain, radius)
+    return LumenCheck(2 * radius, 2 * narrowest, narrowest_at, 2 * widest, widest_at, 2 * native)
+
+
+def _narrowest(
+    before: Points, after: Points, triangles: Triangles, chain: CapsuleChain, radius: float
+) -> tuple[float, Place]:
+    stations, wanted = chain.nodes, (1 - NARROWER) * radius
+    width = LocalSurface(after, triangles, stations).distances(stations)
+    if width.min() < (1 - ROUGH) * radius:
+        triangles = triangles[~caps_across(before, triangles, stations, CAPS_WITHIN * radius)]
+        width = LocalSurface(after, triangles, stations).distances(stations)
+    doubtful = np.flatnonzero(width < (1 - ROUGH) * radius)
+    if len(doubtful):
+        directions = tangents(stations)[doubtful]
+        spheres = inscribed_spheres(after, triangles, stations[doubtful], directions)
+        width[doubtful] = np.fmax(spheres.radii, width[doubtful])
+    at = int(width.argmin())
+    if width[at] < wanted:
+        return float(width[at]), _place(stations[at])
+    middle = len(stations) // 2
+    if _is_outside(
+        after, triangles, stations[[middle, 0, -1]], tangents(stations)[[middle, 0, -1]]
+    ):
+        return 0.0, _place(stations[middle])
+    return float(min(width[at], radius)), _place(stations[at])
+
+
+def _widest(
+    before: Points, after: Points, triangles: Triangles, chain: CapsuleChain, radius: float
+) -> tuple[float, float, Place]:
+    """Largest sphere over what was as wide before, the latter, and the station; radii."""
+    # A sphere reaches over its neighbors at this distance, and need not be exact.
+    stations = resampled(chain.nodes, radius / 2)
+    directions = tangents(stations)
+    tolerance = ROUGH * radius
+    low, high = stations.min(axis=0) - NEAR * radius, stations.max(axis=0) + NEAR * radius
+    near = triangles[may_meet_box(after, triangles, low, high)]
+    if not len(near):
+        return radius, radius, _place(stations[0])
+    found = inscribed_spheres(after, near, stations, directions, tolerance=tolerance).radii
+    wide = np.flatnonzero(found > (1 + WIDER) * radius)
+    if not len(wide):
+        return radius, radius, _place(stations[0])
+    # Fewer triangles are never nearer; where there is doubt all of them are looked at.
+    found[wide] = inscribed_spheres(after, triangles, stations[wide], directions[wide]).radii
+    native = inscribed_spheres(
+        _united(before, chain, radius), triangles, stations[wide], directions[wide]
+    ).radii
+    native = np.fmax(native, radius)
+    worst = int((found[wide] / native).argmax())
+    return float(found[wide[worst]]), float(native[worst]), _place(stations[wide[worst]])
+
+
+def _united(before: Points, chain: CapsuleChain, radius: float) -> Points:
+    """The surface of the native lumen and the stent together, nothing dragged along."""
+    united = before.copy()
+    low, high = chain.nodes.min(axis=0) - radius, chain.nodes.max(axis=0) + radius
+    inside = np.flatnonzero(((before > low) & (before < high)).all(axis=1))
+    short = radius - chain.axis_distance(before[inside])
+    inside, short = inside[short > 0], short[short > 0]
+    united[inside] += short[:, None] * chain.field(before[inside]).direction
+    return united
+
+
+def _is_outside(points: Points, triangles: Triangles, stations: Points, directions: Points) -> bool:
+    """Whether no station lies in a closed section of the lumen, nor otherwise inside."""
+    for station, direction in zip(stations, directions, strict=True):
+        section = equivalent_diameters(points, triangles, station[None], direction[None])
+        is_inside = np.isfinite(section[0])
+        if is_inside or winding_numbers(station[None], points, triangles)[0] >= INSIDE:
+            return False
+    return True
+
+
+def _place(point: Floats) -> Place:
+    x, y, z = np.asarray(point, dtype=np.float64).tolist()
+    return x, y, z

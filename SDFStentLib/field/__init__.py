@@ -1,0 +1,17 @@
+"""The stent as a distance field: a chain of capsules, joined by a smooth minimum."""
+
+from __future__ import annotations
+
+from .capsule_chain import CapsuleChain
+from .chain_field import Field
+from .smoothing import smooth_minimum
+
+__all__ = [
+    "CapsuleChain",
+    "Field",
+    "smooth_minimum",
+]
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -1,0 +1,96 @@
+"""The stent as a chain of capsules: one distance field for every radius.
+
+The signed distance of the chain at radius r is `distance - r`, because the smooth minimum commutes
+with adding a constant. So the field is evaluated once per point and position, never per radius.
+Source: SDFStent, arXiv 2605.22009, section 2.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..geometry import length, resampled, without_repeats
+from ..validation import InputError, Points, as_number, as_points, read_only
+from .chain_field import ChainField, Field
+
+
+@dataclass(frozen=True)
+class CapsuleChain:
+    """Capsules along an axis, joined by the quadratic smooth minimum. Immutable.
+
+    Attributes
+    ----------
+    nodes : (m + 1, 3) array
+        Ends of the m capsules, mm, from the proximal to the distal end.
+    smoothing_width : float
+        k of the smooth minimum, mm; 0 gives the hard minimum.
+    """
+
+    nodes: Points
+    smoothing_width: float = 0.4
+
+    def __post_init__(self) -> None:
+        nodes = as_points(self.nodes, "capsule chain nodes", minimum=2)
+        if (np.linalg.norm(np.diff(nodes, axis=0), axis=1) == 0).any():
+            raise InputError(
+                "capsule chain nodes: expected distinct neighbors, got a repeated node; build the "
+                "chain with CapsuleChain.along, which removes repeats."
+            )
+        object.__setattr__(self, "nodes", read_only(nodes))
+        width = as_number(self.smoothing_width, "smoothing width", unit="mm", minimum=0)
+        object.__setattr__(self, "smoothing_width", width)
+
+    @classmethod
+    def along(
+        cls, axis: ArrayLike, *, capsule_length: float = 1.0, smoothing_width: float = 0.4
+    ) -> CapsuleChain:
+        """A chain along a stent axis, resampled to capsules of equal length.
+
+        Parameters
+        ----------
+        axis : (n, 3) array_like
+            Stent axis, mm, from the proximal to the distal end; repeats are removed.
+        capsule_length : float
+            Wanted capsule length, mm; the nearest length that divides the axis is used.
+
+        Raises
+        ------
+        InputError
+            An axis without length, or a capsule length that is not positive.
+        """
+        spacing = as_number(capsule_length, "capsule length", unit="mm", above=0)
+        points = without_repeats(as_points(axis, "stent axis", minimum=2))
+        if len(points) < 2:
+            raise InputError("stent axis: expected a line with length, got a single place.")
+        return cls(resampled(points, spacing), smoothing_width)
+
+    @property
+    def length(self) -> float:
+        """Length of the axis, mm."""
+        return length(self.nodes)
+
+    def field(self, points: ArrayLike) -> Field:
+        """Smooth distance to the axis and its gradient.
+
+        The fold runs in order from the distal to the proximal end, as published. Works in blocks:
+        memory stays bounded whatever the number of points.
+
+        Parameters
+        ----------
+        points : (n, 3) array_like
+            Where to evaluate, mm.
+        """
+        return self.folding.at(as_points(points))
+
+    def axis_distance(self, points: ArrayLike) -> NDArray[np.float64]:
+        """True distance (n,) of points (n, 3) to the axis, mm, without smoothing."""
+        return self.folding.axis_distance(as_points(points))
+
+    @cached_property
+    def folding(self) -> ChainField:
+        """What evaluates the field, for points that are known to be sound."""
+        return ChainField(self.nodes[::-1], self.smoothing_width)

@@ -1,0 +1,324 @@
+"""Evaluation of a capsule chain's field: blocks of points, windows of capsules, proof of both.
+
+Most capsules are too far from a point to take part in its smooth minimum. Points that come with
+their nearest node, ordered so that neighbors follow each other, are folded over a window of
+capsules only, and every point has to prove that the capsules outside change nothing:
+
+* Capsules after the window cannot matter when all are farther than the folded distance plus k:
+  the smooth minimum of two values that differ by k or more is the smaller one.
+* The fold of the capsules before the window is not less than their smallest distance minus k.
+  Begun with that lower bound, each later pairwise weight w leaves 1 - w of the difference to the
+  true value, and less than that of a larger one; the fold has forgotten it where nothing is left.
+
+A point without proof, such as one between the legs of a hairpin, is folded over the whole chain.
+So a window decides how fast the field is, never what it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry import dot, norm
+from ..validation import Floats, Points
+
+NOTHING = np.empty(0, dtype=np.int64)
+
+BLOCK_POINTS = 2048
+BLOCK_ELEMENTS = 1 << 16
+"""Points, and points times capsules, worked on at once: what fits a core's cache."""
+
+SINGLE_THREAD_SIZE = 200_000
+"""Multiplications in a matrix product that BLAS does in the caller's thread."""
+
+WINDOW = 10.0, 5.0
+"""Reach of a window before and after the nearest node, mm: nearly every point proves that."""
+
+FORGOTTEN = 1e-13
+"""Share of its begin that is left in a folded value when it counts as nothing."""
+
+BESIDE = 3
+"""Capsules beside the nearest nodes among which the nearest one is looked for."""
+
+NO_DISTANCE, NO_SLOPE = 5e-8, 1e-6
+"""Distance, in units of 4 k, and slope below which rounding decides."""
+
+
+class Field(NamedTuple):
+    """Distance field of a capsule chain at some points."""
+
+    distance: Floats
+    """(n,) smooth distance to the axis, mm; subtract the radius for the signed distance."""
+    direction: Points
+    """(n, 3) unit gradient; zero where the gradient vanishes (a point on the axis)."""
+    slope: Floats
+    """(n,) length of the gradient before it was made a unit vector, in [0, 1]."""
+
+
+class ChainField:
+    """The field of a chain of nodes, folded in their order. Immutable.
+
+    Coordinates are centred on the nodes and divided by 4 k. For a capsule with middle `m`, unit
+    direction `u` and length `l`, the offset along it is `x = u . (p - m)`, `c` is `x` clipped to
+    `l / 2`, and the squared distance is `|p - m|^2 - c (2 x - c)`. Both terms are rows of matrix
+    products with the lifted point `[x, y, z, 1, |p|^2]`.
+    """
+
+    def __init__(self, nodes: Points, smoothing_width: float) -> None:
+        self.is_smooth = smoothing_width > 0
+        self.scale = 1 / (4 * smoothing_width) if self.is_smooth else 1.0
+        self.centre = nodes.mean(axis=0)
+        ends = (nodes - self.centre) * self.scale
+        axes = np.diff(ends, axis=0)
+        lengths = norm(axes)
+        middles = (ends[:-1] + ends[1:]) / 2
+        units = axes / lengths[:, None]
+        self.count = len(axes)
+        self.to_ends = _squares_from(ends)
+        self.to_middles = _squares_from(middles)
+        self.along = np.column_stack([units, -dot(units, middles)])
+        self.half_lengths = lengths[:, None] / 2
+        self.middles = np.vstack([middles.T, np.ones(self.count)])
+        self.units = units.T.copy()
+        # The squared distance to a capsule axis is less than that to its nearer end by at most
+        # this, where the foot is in the middle.
+        self.slack = float(lengths.max()) ** 2 / 4
+        self.reach = [int(np.ceil(reach * self.scale / lengths.mean())) for reach in WINDOW]
+
+    def at(self, points: Points, near: NDArray[np.int32] | None = None) -> Field:
+        """The field at some points.
+
+        Parameters
+        ----------
+        points : (n, 3) array
+            mm.
+        near : (n,) array, optional
+            About the nearest node of each, see `nearest_nodes`. Without it, or without smoothing,
+            all capsules are folded for every point.
+        """
+        field = Field(np.empty(len(points)), np.empty((len(points), 3)), np.empty(len(points)))
+        near = near if self.is_smooth else None
+        for part, block, window in self._blocks(points, near, *self.reach):
+            unproven = block.folded(points[part], window, field, part)
+            if len(unproven):
+                unproven += part.start
+                block.folded(points[unproven], slice(0, self.count), field, unproven)
+        return field
+
+    def axis_distance(self, points: Points, near: NDArray[np.int32] | None = None) -> Floats:
+        """True distance to the axis (n,), mm; parameters as for `at`."""
+        distance = np.empty(len(points))
+        for part, block, window in self._blocks(points, near, BESIDE, BESIDE):
+            distance[part], unproven = block.nearest(points[part], window)
+            if len(unproven):
+                unproven += part.start
+                distance[unproven], _ = block.nearest(points[unproven], slice(0, self.count))
+        return distance
+
+    def nearest_nodes(self, points: Points) -> tuple[NDArray[np.int32], Floats]:
+        """Number (n,), in the order of the fold, of the node nearest to each point.
+
+        And a lower bound (n,) of the true distance to the axis, mm, that is less than half a
+        capsule too low.
+        """
+        nearest, bound = np.empty(len(points), dtype=np.int32), np.empty(len(points))
+        for start in range(0, len(points), BLOCK_POINTS):
+            part = slice(start, start + BLOCK_POINTS)
+            squares = _product(self.to_ends, self.lifted(points[part]))
+            nearest[part] = squares.argmin(axis=0)
+            bound[part] = squares.min(axis=0)
+        return nearest, np.sqrt(np.maximum(bound - self.slack, 0)) / self.scale
+
+    def lifted(self, points: Points) -> Floats:
+        """Rows x, y, z, 1 and the squared norm, in the chain's own coordinates."""
+        lifted = np.empty((5, len(points)))
+        np.subtract(points.T, self.centre[:, None], out=lifted[:3])
+        lifted[:3] *= self.scale
+        lifted[3] = 1
+        np.einsum("ij,ij->j", lifted[:3], lifted[:3], out=lifted[4])
+        return lifted
+
+    def window(self, near: NDArray[np.int32], before: int, after: int) -> slice:
+        """The capsules round some nodes, so many before and after them."""
+        first, last = int(near.min()) - before, int(near.max()) + after
+        return slice(max(0, first), min(self.count, last))
+
+    def _blocks(
+        self, points: Points, near: NDArray[np.int32] | None, before: int, after: int
+    ) -> Iterator[tuple[slice, _Block, slice]]:
+        """Parts of the points, the one block they are worked on in, the capsules to look at."""
+        size = BLOCK_POINTS if near is not None else max(256, BLOCK_ELEMENTS // self.count)
+        size = max(1, min(len(points), size))
+        block = _Block(self, size)
+        window = slice(0, self.count)
+        for start in range(0, len(points), size):
+            part = slice(start, min(start + size, len(points)))
+            if near is not None:
+                window = self.window(near[part], before, after)
+            yield part, block, window
+
+
+class _Block:
+    """Room for the work on a block of points; it serves block after block."""
+
+    def __init__(self, chain: ChainField, size: int) -> None:
+        self._chain = chain
+        self._distances, self._offsets, self._clipped, self._weights = np.empty(
+            (4, chain.count + 1, size)
+        )
+
+    def folded(self, points: Points, window: slice, field: Field, where: Any) -> NDArray[np.int64]:
+        """Write the field of some points to their places; returns the points without proof."""
+        chain = self._chain
+        lifted = chain.lifted(points)
+        distances, along = self._capsules(lifted, window)
+        weights = self._weights[: len(distances), : len(points)]
+        before, after = self._outside(lifted, window)
+        if chain.is_smooth:
+            room = self._offsets[: len(distances), : len(points)]
+            distance, is_proven = fold(distances, weights, room, before, after)
+        else:
+            distance, is_proven = hard_minimum(distances, weights), None
+
+        weights /= distances
+        gradient = lifted[:3]
+        pull = _product(chain.middles[:, window], weights)
+        gradient *= pull[3]
+        gradient -= pull[:3]
+        weights *= along
+        gradient -= _product(chain.units[:, window], weights)
+        slope = np.sqrt(np.einsum("ij,ij->j", gradient, gradient))
+        # On the axis and where neighbors cancel, the direction is undefined; zero moves nothing.
+        gradient *= np.divide(1, slope, out=np.zeros_like(slope), where=slope > NO_SLOPE)
+        field.distance[where] = distance / chain.scale
+        field.direction[where] = gradient.T
+        field.slope[where] = slope
+        return NOTHING if is_proven is None else np.flatnonzero(~is_proven)
+
+    def nearest(self, points: Points, window: slice) -> tuple[Floats, NDArray[np.int64]]:
+        """True distance of some points, and those without proof."""
+        lifted = self._chain.lifted(points)
+        distance = self._capsules(lifted, window)[0].min(axis=0)
+        unproven = NOTHING
+        beside = [bound for bound in self._outside(lifted, window) if bound is not None]
+        if beside:
+            unproven = np.flatnonzero(np.min(beside, axis=0) < distance)
+        return distance / self._chain.scale, unproven
+
+    def _capsules(self, lifted: Floats, window: slice) -> tuple[Floats, Floats]:
+        """Distances to the capsule axes and the clipped offsets along them, (capsules, n)."""
+        chain = self._chain
+        rows, count = window.stop - window.start, lifted.shape[1]
+        distances, offsets, clipped = (
+            array[:rows, :count] for array in (self._distances, self._offsets, self._clipped)
+        )
+        _product(chain.to_middles[window], lifted, distances)
+        _product(chain.along[window], lifted[:4], offsets)
+        limit = chain.half_lengths[window]
+        # Two calls instead of np.clip, which takes several times as long.
+        np.maximum(offsets, -limit, out=clipped)
+        np.minimum(clipped, limit, out=clipped)
+        offsets += offsets
+        offsets -= clipped
+        offsets *= clipped
+        distances -= offsets
+        # Of a point on the axis rounding decides; with the floor its slope comes out as nothing.
+        np.maximum(distances, NO_DISTANCE**2, out=distances)
+        np.sqrt(distances, out=distances)
+        return distances, clipped
+
+    def _outside(self, lifted: Floats, window: slice) -> tuple[Floats | None, Floats | None]:
+        """Lower bounds (n,) of the distances to capsules before and after the window."""
+        chain = self._chain
+        bounds: list[Floats | None] = []
+        for ends in (slice(0, window.start + 1), slice(window.stop, chain.count + 1)):
+            count = ends.stop - ends.start
+            if count < 2:
+                bounds.append(None)
+                continue
+            room = self._offsets[:count, : lifted.shape[1]]
+            nearest = _product(chain.to_ends[ends], lifted, room).min(axis=0)
+            nearest -= chain.slack
+            np.maximum(nearest, 0, out=nearest)
+            bounds.append(np.sqrt(nearest, out=nearest))
+        return bounds[0], bounds[1]
+
+
+def fold(
+    distances: Floats,
+    weights: Floats,
+    room: Floats,
+    before: Floats | None = None,
+    after: Floats | None = None,
+) -> tuple[Floats, NDArray[np.bool_] | None]:
+    """Smooth minimum over rows, in order, with k = 1/4; writes the rows' shares in the gradient.
+
+    The share of row j is `w_j prod_{i > j} (1 - w_i)` with the pairwise weights of
+    `smooth_minimum`; shares of a point sum to one.
+
+    Parameters
+    ----------
+    distances, weights, room : (m, n) arrays
+        In units of 4 k; the weights are written, and the room is written over.
+    before, after : (n,) arrays, optional
+        Lower bounds of distances in rows that were left out at either side.
+
+    Returns
+    -------
+    distance : (n,) array
+    is_proven : (n,) bool array or None
+        Whether the rows left out change nothing; None when there are none.
+    """
+    # Kept a quarter of a unit higher, the running value D becomes D - t^2 with t = w / 2 = D - d,
+    # cut to [0, 1/2]; from d + 1/2 on it is what it is for d + 1/2.
+    first = 0 if before is not None else 1
+    value = before.copy() if before is not None else distances[0] + 0.25
+    np.add(distances, 0.5, out=room)
+    weights[:first] = 0.5
+    square = np.empty_like(value)
+    for half, distance, most in zip(weights[first:], distances[first:], room[first:], strict=True):
+        np.minimum(value, most, out=value)
+        np.subtract(value, distance, out=half)
+        np.maximum(half, 0, out=half)
+        np.multiply(half, half, out=square)
+        value -= square
+    weights += weights
+    remaining = 1 - weights[-1]
+    for row in weights[-2::-1]:
+        row *= remaining
+        remaining -= row
+    is_proven = None
+    if before is not None:
+        is_proven = np.abs(remaining) < FORGOTTEN
+    if after is not None:
+        is_late = after >= value
+        is_proven = is_late if is_proven is None else is_proven & is_late
+    value -= 0.25
+    return value, is_proven
+
+
+def hard_minimum(distances: Floats, weights: Floats) -> Floats:
+    """Minimum over rows; writes weight 1 to the first row that has it and 0 to the others."""
+    weights[:] = 0
+    np.put_along_axis(weights, distances.argmin(axis=0)[None], 1.0, axis=0)
+    return distances.min(axis=0)
+
+
+def _squares_from(places: Points) -> Floats:
+    """Rows that turn lifted points into squared distances from some places, by matrix product."""
+    squares = dot(places, places)
+    return np.column_stack([-2 * places, squares, np.ones(len(places))])
+
+
+def _product(left: Floats, right: Floats, out: Floats | None = None) -> Floats:
+    """Matrix product in column chunks, below the size at which BLAS starts threads of its own."""
+    if out is None:
+        out = np.empty((left.shape[0], right.shape[1]))
+    columns = max(1, SINGLE_THREAD_SIZE // left.size)
+    for start in range(0, right.shape[1], columns):
+        part = slice(start, start + columns)
+        np.matmul(left, right[:, part], out=out[:, part])
+    return out

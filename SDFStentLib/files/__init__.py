@@ -1,0 +1,98 @@
+"""Surfaces and centerlines in files, read strictly and written whole or not at all.
+
+What is named here is imported when it is first asked for: much of it needs vtk.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..late import late_names
+
+if TYPE_CHECKING:
+    from .atomic import atomic_path, cannot_write, check_writable, write_bytes
+    from .centerline_files import (
+        LineFile,
+        axis_of,
+        in_frame_of,
+        read_axis,
+        read_centerline,
+        read_lines,
+    )
+    from .centerline_output import check_line_output, write_centerline
+    from .content import read_content
+    from .formats import encode_vtp
+    from .polydata import (
+        add_arrays,
+        arrays_from_polydata,
+        inscribed_radius_from_polydata,
+        lines_from_polydata,
+        polydata_from_arrays,
+        polydata_from_lines,
+        set_frame_of_polydata,
+    )
+    from .same_space import check_same_space
+    from .surface_files import SurfaceFile, read_surface
+    from .surface_output import check_surface_output, write_surface
+    from .triangulation import triangulated_polydata
+
+__all__ = [
+    "LineFile",
+    "SurfaceFile",
+    "add_arrays",
+    "arrays_from_polydata",
+    "atomic_path",
+    "axis_of",
+    "cannot_write",
+    "check_line_output",
+    "check_same_space",
+    "check_surface_output",
+    "check_writable",
+    "encode_vtp",
+    "in_frame_of",
+    "inscribed_radius_from_polydata",
+    "lines_from_polydata",
+    "polydata_from_arrays",
+    "polydata_from_lines",
+    "read_axis",
+    "read_centerline",
+    "read_content",
+    "read_lines",
+    "read_surface",
+    "set_frame_of_polydata",
+    "triangulated_polydata",
+    "write_bytes",
+    "write_centerline",
+    "write_surface",
+]
+
+__getattr__, __dir__ = late_names(
+    __name__,
+    {
+        "atomic": ["atomic_path", "cannot_write", "check_writable", "write_bytes"],
+        "centerline_files": [
+            "LineFile",
+            "axis_of",
+            "in_frame_of",
+            "read_axis",
+            "read_centerline",
+            "read_lines",
+        ],
+        "centerline_output": ["check_line_output", "write_centerline"],
+        "content": ["read_content"],
+        "formats.vtk_files": ["encode_vtp"],
+        "polydata": [
+            "add_arrays",
+            "arrays_from_polydata",
+            "inscribed_radius_from_polydata",
+            "lines_from_polydata",
+            "polydata_from_arrays",
+            "polydata_from_lines",
+            "set_frame_of_polydata",
+        ],
+        "same_space": ["check_same_space"],
+        "surface_files": ["SurfaceFile", "read_surface"],
+        "surface_output": ["check_surface_output", "write_surface"],
+        "triangulation": ["triangulated_polydata"],
+    },
+)

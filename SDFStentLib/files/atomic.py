@@ -1,0 +1,108 @@
+"""Files that appear whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import secrets
+import stat
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from ..validation import InputError
+
+
+@contextmanager
+def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """A temporary file beside `path` that takes its place when the block ends well.
+
+    The temporary file has the suffix of `path` and lies in the same folder, so that the change
+    of name is atomic: whoever looks, also after a crash, finds the old file or the whole new
+    one. When the block raises, the temporary file is removed and the old one is untouched. A
+    symbolic link stays one, its target is replaced. Permissions of an old file are kept.
+
+    Parameters
+    ----------
+    path : path
+        The file to write.
+
+    Yields
+    ------
+    Path
+        The temporary file, empty, to be written by the block.
+
+    Raises
+    ------
+    InputError
+        No such folder, no permission, `path` is no ordinary file, or the disk is full.
+    """
+    target = check_writable(path)
+    temporary = target.with_name(f".sdfstent-{secrets.token_hex(6)}{target.suffix}")
+    try:
+        os.close(os.open(temporary, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
+        if target.exists():
+            os.chmod(temporary, stat.S_IMODE(target.stat().st_mode))
+        yield temporary
+        _flush_to_disk(temporary)
+        os.replace(temporary, target)
+    except OSError as error:
+        raise cannot_write(target, error) from error
+    finally:
+        with suppress(OSError):
+            temporary.unlink(missing_ok=True)
+    # The new name itself survives a power cut only once the folder is on the disk; where a
+    # folder cannot be opened (Windows) there is no such call.
+    with suppress(OSError):
+        _flush_to_disk(target.parent)
+
+
+def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
+    """Write `data` to `path` through `atomic_path`; `InputError` when that fails."""
+    with atomic_path(path) as temporary, temporary.open("wb") as file:
+        file.write(data)
+
+
+def check_writable(path: str | os.PathLike[str]) -> Path:
+    """The file that writing to `path` replaces, links followed; before anything is computed.
+
+    Raises
+    ------
+    InputError
+        The folder does not exist or may not be written, or `path` is a folder, a device or a
+        pipe.
+    """
+    try:
+        target = Path(os.path.realpath(path))
+        if target.is_dir():
+            raise InputError(f"{path}: expected a file to write, got a folder; add a file name.")
+        if target.exists() and not target.is_file():
+            raise InputError(f"{path}: expected a file to write, got a device or a pipe.")
+        if not target.parent.is_dir():
+            raise InputError(
+                f"{path}: expected an existing folder, {target.parent} is none; create it first."
+            )
+        if not os.access(target.parent, os.W_OK | os.X_OK):
+            raise InputError(
+                f"{path}: no permission to write in {target.parent}; choose another folder."
+            )
+    except InputError:
+        raise
+    except (OSError, ValueError) as error:  # ValueError: a null character in the name
+        raise cannot_write(path, error) from error
+    return target
+
+
+def _flush_to_disk(path: Path) -> None:
+    descriptor = os.open(path, os.O_RDONLY if path.is_dir() else os.O_RDWR)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def cannot_write(path: str | os.PathLike[str], error: Exception) -> InputError:
+    """The sentence about a file or folder that the system does not let us write."""
+    reason = getattr(error, "strerror", None) or str(error)
+    return InputError(
+        f"{path}: cannot be written ({reason}); free space, or choose another folder or name."
+    )

@@ -1,0 +1,229 @@
+"""Centerlines and axes from files, raw as the file has them or as a tree."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from vtkmodules.vtkCommonDataModel import vtkPolyData
+
+from ..centerline import Centerline
+from ..geometry import without_repeats
+from ..units import MILLIMETERS, Frame, flipped, millimeters_per
+from ..validation import InputError, Points, read_only
+from .content import FileContent, read_content
+from .formats import decode_markups, read_vtk_polydata
+from .polydata import inscribed_radius_from_polydata, lines_from_polydata, polydata_from_lines
+
+LINE_SUFFIXES = (".vtp", ".vtk", ".mrk.json")
+"""Formats that centerlines and axes are read from and written to."""
+
+
+@dataclass(frozen=True)
+class LineFile:
+    """Lines as a file has them, nothing merged or put in order.
+
+    Attributes
+    ----------
+    points : (n, 3) array
+        Coordinates, mm, in the frame `frame`, read-only.
+    lines : tuple of arrays of int64
+        Each line as point indices in the order of its cell.
+    inscribed_radius : (n,) array or None
+        Radius of the inscribed sphere, mm, NaN where unknown; `None` without such an array.
+    units : str
+        Unit of the file, in which it is written again.
+    frame : "RAS", "LPS" or None
+        Frame of `points`; `None` where the file does not say.
+    path : Path
+    sha256 : str
+        Of the file's bytes, hexadecimal.
+    warnings : tuple of str
+        Sentences for the report.
+    is_flipped : bool
+        Whether `points` were turned to the other frame by `in_frame_of`; the file that is
+        written is in the frame of the one that was read.
+    markups : bytes or None
+        The whole file if it is a markups file, to be written again.
+    """
+
+    points: Points
+    lines: tuple[NDArray[np.int64], ...]
+    inscribed_radius: NDArray[np.float64] | None
+    units: str
+    frame: Frame | None
+    path: Path
+    sha256: str
+    warnings: tuple[str, ...] = ()
+    is_flipped: bool = False
+    markups: bytes | None = field(default=None, repr=False)
+    _polydata: vtkPolyData | None = field(default=None, repr=False, compare=False)
+
+    def polydata(self) -> vtkPolyData:
+        """A copy of the polydata in unit and frame of the file, with all its arrays.
+
+        Of a markups file: polydata of its curves.
+        """
+        if self._polydata is None:
+            stored = flipped(self.points) if self.is_flipped else self.points
+            return polydata_from_lines(stored / millimeters_per(self.units), list(self.lines))
+        copy = vtkPolyData()
+        copy.DeepCopy(self._polydata)
+        return copy
+
+    @property
+    def file_frame(self) -> Frame | None:
+        """Frame of the file, that of `points` unless these were turned."""
+        if not self.is_flipped:
+            return self.frame
+        return "RAS" if self.frame == "LPS" else "LPS"
+
+    def centerline(self) -> Centerline:
+        """The tree of these lines; `InputError` naming the file where there is none."""
+        try:
+            return Centerline.from_lines(self.points, self.lines, self.inscribed_radius)
+        except InputError as error:
+            raise InputError(f"{self.path}: {error}") from error
+
+
+def read_lines(path: str | os.PathLike[str], units: str = "mm") -> LineFile:
+    """Read lines from VTP, legacy VTK or a Slicer markups curve.
+
+    Parameters
+    ----------
+    path : path
+    units : {"mm", "cm", "m"}
+        Unit of the coordinates in the file. A markups file that names another unit than mm is
+        believed; mm is what Slicer always writes, whatever the unit of its models.
+
+    Raises
+    ------
+    InputError
+        Missing, empty, cut short, damaged, of another format, without a line of two points,
+        NaN or infinite coordinates, unknown units.
+    """
+    scale = millimeters_per(units)
+    content = read_content(path)
+    if content.path.name.lower().endswith(".json"):
+        return _from_markups(content, units)
+    if content.suffix not in (".vtp", ".vtk"):
+        raise InputError(
+            f"{path}: expected a centerline as {', '.join(LINE_SUFFIXES)}, got "
+            f"{content.suffix or 'no suffix'!r}; convert it."
+        )
+    polydata, frame = read_vtk_polydata(content)
+    name = str(content.path)
+    points, lines = lines_from_polydata(polydata, name)
+    radius = inscribed_radius_from_polydata(polydata)
+    if radius is not None and len(radius) != len(points):
+        raise InputError(
+            f"{name}: expected {len(points)} radii, got {len(radius)}; the file is damaged."
+        )
+    _check_lines(points, lines, name)
+    return LineFile(
+        points=read_only(points * scale),
+        lines=tuple(read_only(line) for line in lines),
+        inscribed_radius=None if radius is None else read_only(radius * scale),
+        units=units,
+        frame=frame,
+        path=content.path,
+        sha256=content.sha256,
+        _polydata=polydata,
+    )
+
+
+def read_centerline(path: str | os.PathLike[str], units: str = "mm") -> Centerline:
+    """The centerline tree of a file; parameters and errors as `read_lines`.
+
+    `read_lines` keeps also the frame, the warnings and what is needed to write it again.
+    """
+    return read_lines(path, units).centerline()
+
+
+def read_axis(path: str | os.PathLike[str], units: str = "mm") -> Points:
+    """The one line of a file, (n, 3), mm, in the order of its cell; see `axis_of`."""
+    return axis_of(read_lines(path, units))
+
+
+def axis_of(line_file: LineFile) -> Points:
+    """The points (n, 3) of the one line of a file, mm, in the order of its cell.
+
+    Raises
+    ------
+    InputError
+        The file has several lines, also when they are pieces of one.
+    """
+    lines = [line for line in line_file.lines if len(line) > 1]
+    if len(lines) != 1:
+        raise InputError(
+            f"{line_file.path}: expected one line as axis, got {len(lines)}; save one line, or "
+            "give the file as centerline."
+        )
+    return line_file.points[lines[0]]
+
+
+def in_frame_of(line_file: LineFile, frame: Frame | None) -> LineFile:
+    """Lines in the frame of a surface: x and y negated where both tags are known and differ.
+
+    Where one of the tags is missing the lines come back as they are.
+
+    Parameters
+    ----------
+    line_file : LineFile
+    frame : "RAS", "LPS" or None
+        Frame of the surface, `SurfaceFile.frame`.
+    """
+    if line_file.frame is None or frame is None or line_file.frame == frame:
+        return line_file
+    turned = (
+        f"{line_file.path}: it is in {line_file.frame}, the surface in {frame}; its x and y "
+        "were negated."
+    )
+    return replace(
+        line_file,
+        points=read_only(flipped(line_file.points)),
+        frame=frame,
+        warnings=(*line_file.warnings, turned),
+        is_flipped=not line_file.is_flipped,
+    )
+
+
+def _from_markups(content: FileContent, units: str) -> LineFile:
+    markups = decode_markups(content)
+    warnings: tuple[str, ...] = ()
+    if markups.units not in MILLIMETERS:
+        raise InputError(f"{content.path}: expected mm, cm or m, got {markups.units!r}.")
+    if markups.units != "mm" and markups.units != units:
+        warnings = (f"{content.path}: it says that it is in {markups.units}, not {units}.",)
+        units = markups.units
+    ends = np.cumsum([len(curve) for curve in markups.curves])
+    points = np.concatenate(markups.curves) * millimeters_per(units)
+    lines = np.split(np.arange(len(points)), ends[:-1])
+    return LineFile(
+        points=read_only(points),
+        lines=tuple(read_only(line) for line in lines),
+        inscribed_radius=None,
+        units=units,
+        frame=markups.frame,
+        path=content.path,
+        sha256=content.sha256,
+        warnings=warnings,
+        markups=content.data,
+    )
+
+
+def _check_lines(points: Points, lines: Sequence[NDArray[np.int64]], name: str) -> None:
+    if not lines:
+        raise InputError(
+            f"{name}: expected a centerline of lines, got {len(points)} points without a line; "
+            "save the centerline, not its surface or its points."
+        )
+    if not any(len(line) > 1 and len(without_repeats(points[line])) > 1 for line in lines):
+        raise InputError(
+            f"{name}: expected a line of at least two different points, got one point; "
+            "compute the centerline again."
+        )

@@ -1,0 +1,98 @@
+"""Centerlines into files: the points moved, everything else as it was read."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import vtkPolyData
+
+from ..units import flipped, millimeters_per
+from ..validation import InputError, Points, as_points
+from .atomic import check_writable, write_bytes
+from .centerline_files import LINE_SUFFIXES, LineFile
+from .content import header_text
+from .formats import encode_legacy, encode_markups, encode_vtp, new_markups
+from .polydata import set_frame_of_polydata
+
+
+def write_centerline(
+    path: str | os.PathLike[str], line_file: LineFile, points: ArrayLike
+) -> tuple[str, ...]:
+    """Write lines with their points moved, whole or not at all.
+
+    Unit, frame, data types, cells and arrays are those of the file that was read. A markups
+    curve keeps its control points, moved; a curve of VTP or VTK becomes one when `path` ends
+    with `.mrk.json`, if it is one line.
+
+    Parameters
+    ----------
+    path : path
+        The suffix says the format: .vtp, .vtk or .mrk.json.
+    line_file : LineFile
+    points : array_like, shape (n, 3)
+        All points in the order of `line_file.points`, mm.
+
+    Returns
+    -------
+    tuple of str
+        Sentences about what this format cannot keep.
+
+    Raises
+    ------
+    InputError
+        Unknown suffix, another number of points, several lines into a markups file that were
+        none before, or the file cannot be written.
+    """
+    target = check_line_output(path)
+    moved = as_points(points, "points")
+    if len(moved) != len(line_file.points):
+        raise InputError(f"points: expected {len(line_file.points)}, got {len(moved)}.")
+    if target.name.lower().endswith(".json"):
+        write_bytes(target, _markups_bytes(path, line_file, _in_file(line_file, moved)))
+        is_kept = line_file.markups is not None
+        return () if is_kept else (f"{path}: arrays are not kept in .mrk.json; write .vtp.",)
+    polydata = _polydata_with(line_file, moved)
+    set_frame_of_polydata(polydata, line_file.file_frame)
+    if target.suffix.lower() == ".vtk":
+        write_bytes(target, encode_legacy(polydata, header_text(line_file.file_frame)))
+    else:
+        write_bytes(target, encode_vtp(polydata))
+    return ()
+
+
+def check_line_output(path: str | os.PathLike[str]) -> Path:
+    """The file that `write_centerline` would replace; `InputError` early where it could not."""
+    if not Path(path).name.lower().endswith(LINE_SUFFIXES):
+        raise InputError(
+            f"{path}: expected one of {', '.join(LINE_SUFFIXES)} to write a centerline; rename it."
+        )
+    return check_writable(path)
+
+
+def _in_file(line_file: LineFile, points: Points) -> Points:
+    turned = flipped(points) if line_file.is_flipped else points
+    return turned / millimeters_per(line_file.units)
+
+
+def _markups_bytes(path: str | os.PathLike[str], line_file: LineFile, points: Points) -> bytes:
+    if line_file.markups is not None:
+        return encode_markups([points[line] for line in line_file.lines], line_file.markups)
+    if len(line_file.lines) != 1:
+        raise InputError(
+            f"{path}: a markups file takes one line, the centerline has "
+            f"{len(line_file.lines)}; write .vtp."
+        )
+    return new_markups(points[line_file.lines[0]], line_file.file_frame, line_file.units)
+
+
+def _polydata_with(line_file: LineFile, points: Points) -> vtkPolyData:
+    polydata = line_file.polydata()
+    coordinates = vtk_to_numpy(polydata.GetPoints().GetData())
+    # Only what moved, so that the others keep their bits whatever the unit is.
+    moved = np.flatnonzero((points != line_file.points).any(axis=1))
+    coordinates[moved] = _in_file(line_file, points[moved]).astype(coordinates.dtype)
+    return polydata

@@ -1,0 +1,84 @@
+"""What every reader of files needs: the bytes, their hash, the frame in its header."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..units import Frame, as_frame
+from ..validation import InputError
+
+
+@dataclass(frozen=True)
+class FileContent:
+    """A file as it was read: where it is, its bytes and their SHA-256 (hexadecimal)."""
+
+    path: Path
+    data: bytes
+    sha256: str
+
+    @property
+    def suffix(self) -> str:
+        """The suffix in lower case, with its dot."""
+        return self.path.suffix.lower()
+
+
+def read_content(path: str | os.PathLike[str]) -> FileContent:
+    """The bytes of a file that exists and is not empty.
+
+    Raises
+    ------
+    InputError
+        Missing, a folder, a device, empty, or not readable.
+    """
+    try:
+        path = Path(path)
+        if path.is_dir():
+            raise InputError(f"{path}: expected a file, got a folder; name a file in it.")
+        if not path.exists():
+            raise InputError(f"{path}: no such file; check the path.")
+        if not path.is_file():
+            raise InputError(f"{path}: expected a file, got a device or a pipe.")
+        data = path.read_bytes()
+    except (OSError, ValueError) as error:  # ValueError: a null character in the name
+        if isinstance(error, InputError):
+            raise
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(f"{path}: cannot be read ({reason}); check its permissions.") from error
+    if not data:
+        raise InputError(f"{path}: expected a mesh or a line, got an empty file; write it again.")
+    return FileContent(path, data, hashlib.sha256(data).hexdigest())
+
+
+_BEGINNINGS = {
+    b"# vtk DataFile": "a legacy VTK file (name it .vtk)",
+    b"ply": "a PLY file (name it .ply)",
+    b"solid": "an STL file (name it .stl)",
+    b"<?xml": "another XML file",
+    b"PK": "a ZIP archive (unpack it)",
+    b"\x1f\x8b": "a compressed file (unpack it)",
+}
+
+
+def kind_in_words(data: bytes) -> str:
+    """What a file that is not what its name says seems to be: by its beginning, for a message."""
+    if b"<VTKFile" in data[:4096]:
+        return "a VTK XML file (name it .vtp)"
+    for beginning, words in _BEGINNINGS.items():
+        if data.startswith(beginning):
+            return words
+    return f"a file that begins with {data[:12]!r}"
+
+
+def frame_in_text(text: str) -> Frame | None:
+    """The frame that a header or a comment names as Slicer does, `SPACE=LPS`; `None` without."""
+    found = re.search(r"SPACE\s*=\s*(RAS|LPS)\b", text)
+    return as_frame(found.group(1)) if found else None
+
+
+def header_text(frame: Frame | None) -> str:
+    """The title of a written file, which names the frame as Slicer does where it is known."""
+    return f"SDFStent output. SPACE={frame}" if frame else "SDFStent output."

@@ -1,0 +1,94 @@
+"""Wavefront OBJ: points and polygons; texture and normals of corners are left behind."""
+
+from __future__ import annotations
+
+import re
+from itertools import chain
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...validation import InputError, Triangles
+from .plain_mesh import PlainMesh, offsets_of
+
+_LOST = {b"vt": "texture coordinates", b"vn": "normals", b"usemtl": "materials", b"g": "groups"}
+
+
+def decode_obj(data: bytes, name: str) -> PlainMesh:
+    """Read the points and polygons of an OBJ file, topology as its indices say.
+
+    Corners are joined by point index alone, so that a surface with texture seams or sharp
+    normals stays watertight; what is not kept is named in `warnings`.
+
+    Parameters
+    ----------
+    data : bytes
+        The whole file.
+    name : str
+        What to call it in messages.
+
+    Raises
+    ------
+    InputError
+        No OBJ file, or a number that is none.
+    """
+    lines = data.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ").splitlines()
+    point_rows = [line.split()[1:4] for line in lines if line[:2] in (b"v ", b"v\t")]
+    face_lines = [line for line in lines if line[:2] in (b"f ", b"f\t")]
+    if any(b"/" in line for line in face_lines):  # texture and normal after the point
+        face_lines = re.sub(rb"/[^\s]*", b"", b"\n".join(face_lines)).split(b"\n")
+    faces = [line.split()[1:] for line in face_lines]
+    if not point_rows or data.find(b"\0") >= 0:
+        raise InputError(f"{name}: expected an OBJ file with points (v x y z), found none.")
+    try:
+        points = np.array(point_rows, dtype=np.bytes_).reshape(-1, 3).astype(np.float64)
+        corners = np.array(list(chain.from_iterable(faces)), dtype=np.bytes_).astype(np.int64)
+    except ValueError as error:
+        raise InputError(f"{name}: expected numbers after v and f, got {error}.") from error
+    if (corners == 0).any():
+        raise InputError(f"{name}: expected point numbers from 1 in its faces, got 0.")
+    sizes = np.array([len(face) for face in faces], dtype=np.int64)
+    if len(sizes) and sizes.min() < 3:
+        raise InputError(
+            f"{name}: expected faces of three corners or more, got one of {sizes.min()}; it may "
+            "be cut short, write it again."
+        )
+    corners = _from_one_or_from_the_end(corners, sizes, lines)
+    text = "\n".join(line.decode("latin-1") for line in lines[:50] if line[:1] == b"#")
+    return PlainMesh(points, offsets_of(sizes), corners, text=text, warnings=_lost(lines, name))
+
+
+def encode_obj(points: NDArray[np.floating], triangles: Triangles, title: str) -> bytes:
+    """OBJ text with all digits of the points' precision.
+
+    Parameters
+    ----------
+    points : array, shape (n, 3), float32 or float64
+    triangles : array, shape (m, 3)
+    title : str
+        First comment.
+    """
+    pattern = "v %.9g %.9g %.9g\n" if points.dtype == np.float32 else "v %r %r %r\n"
+    parts = [f"# {title}\n"]
+    parts.append((pattern * len(points)) % tuple(points.ravel().tolist()))
+    parts.append(("f %d %d %d\n" * len(triangles)) % tuple((triangles + 1).ravel().tolist()))
+    return "".join(parts).encode("ascii", "replace")
+
+
+def _from_one_or_from_the_end(
+    corners: NDArray[np.int64], sizes: NDArray[np.int64], lines: list[bytes]
+) -> NDArray[np.int64]:
+    """Indices from 0; a negative number counts back from the points read so far."""
+    if not (corners < 0).any():
+        return corners - 1
+    kinds = np.array([line[:2] for line in lines], dtype="S2")
+    is_face = (kinds == b"f ") | (kinds == b"f\t")
+    seen = np.cumsum((kinds == b"v ") | (kinds == b"v\t"))[is_face]
+    return np.where(corners < 0, corners + np.repeat(seen, sizes), corners - 1)
+
+
+def _lost(lines: list[bytes], name: str) -> tuple[str, ...]:
+    starts = {line[:7] for line in lines if line[:2] not in (b"v ", b"f ")}
+    keys = {start.split()[0] for start in starts if start.strip()}
+    lost = [words for key, words in _LOST.items() if key in keys]
+    return (f"{name}: {', '.join(lost)} of the OBJ file are not kept.",) if lost else ()

@@ -1,0 +1,181 @@
+"""Surfaces from files, with everything that the file holds besides."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkPoints
+from vtkmodules.vtkCommonDataModel import vtkPolyData
+
+from ..geometry import dot, face_areas
+from ..units import Frame, millimeters_per
+from ..validation import InputError, Points, Triangles, as_points, read_only
+from .content import FileContent, frame_in_text, read_content
+from .formats import PlainMesh, decode_obj, decode_ply, decode_stl, read_vtk_polydata
+from .polydata import add_arrays, arrays_from_polydata, polydata_from_polygons
+from .same_space import size_warnings
+from .triangulation import triangulated_polydata
+
+SURFACE_SUFFIXES = (".vtp", ".vtk", ".stl", ".ply", ".obj")
+"""Formats that surfaces are read from and written to."""
+
+_PLAIN_DECODERS: dict[str, Callable[[bytes, str], PlainMesh]] = {
+    ".stl": decode_stl,
+    ".ply": decode_ply,
+    ".obj": decode_obj,
+}
+
+
+@dataclass(frozen=True)
+class SurfaceFile:
+    """A surface as a file has it.
+
+    Attributes
+    ----------
+    points : (n, 3) array
+        Coordinates, mm, in the frame of the file, read-only.
+    triangles : (m, 3) array of int64
+        Indices into the points, read-only.
+    units : str
+        Unit of the file, `"mm"`, `"cm"` or `"m"`; what is written is in it again.
+    frame : "RAS", "LPS" or None
+        What the file's SPACE tag says; `None` without one.
+    path : Path
+    sha256 : str
+        Of the file's bytes, hexadecimal.
+    coordinate_type : numpy dtype
+        Precision of the coordinates in the file, float32 or float64.
+    warnings : tuple of str
+        Sentences for the report: what was changed in reading, what looks wrong.
+    """
+
+    points: Points
+    triangles: Triangles
+    units: str
+    frame: Frame | None
+    path: Path
+    sha256: str
+    coordinate_type: np.dtype[Any]
+    warnings: tuple[str, ...]
+    _polydata: vtkPolyData = field(repr=False, compare=False)
+
+    def polydata(self) -> vtkPolyData:
+        """A copy of the polydata in the unit of the file, with all its arrays."""
+        copy = vtkPolyData()
+        copy.DeepCopy(self._polydata)
+        return copy
+
+    def as_stored(self, coordinates: ArrayLike) -> Points:
+        """Coordinates (k, 3), mm, as they come back from a file of this unit and precision."""
+        scale = millimeters_per(self.units)
+        stored = (as_points(coordinates) / scale).astype(self.coordinate_type)
+        return stored.astype(np.float64) * scale
+
+
+def read_surface(path: str | os.PathLike[str], units: str = "mm") -> SurfaceFile:
+    """Read a surface from VTP, legacy VTK, STL, PLY or OBJ.
+
+    Polygons and strips are cut into triangles, vertices and lines dropped, each with a warning;
+    points without a triangle and degenerate triangles stay. Equal corners of STL become one
+    point.
+
+    Parameters
+    ----------
+    path : path
+    units : {"mm", "cm", "m"}
+        Unit of the coordinates in the file.
+
+    Raises
+    ------
+    InputError
+        Missing, empty, cut short, damaged, of another format, without triangles, NaN or
+        infinite coordinates, unknown units.
+    """
+    scale = millimeters_per(units)
+    content = read_content(path)
+    polydata, frame, warnings = _read_polydata(content)
+    name = str(content.path)
+    template, changes = triangulated_polydata(polydata, name)
+    warnings += changes
+    if template.GetPoints().GetData().GetDataTypeAsString() not in ("float", "double"):
+        template = _with_double_points(template)
+        warnings += (f"{name}: its coordinates are integers; they are written as doubles.",)
+    points, triangles = arrays_from_polydata(template, name)
+    _check_arrays(template, name)
+    points = points * scale
+    warnings += _degenerate(points, triangles, name)
+    warnings += size_warnings(points, triangles, name, units)
+    return SurfaceFile(
+        points=read_only(points),
+        triangles=read_only(triangles),
+        units=units,
+        frame=frame,
+        path=content.path,
+        sha256=content.sha256,
+        coordinate_type=vtk_to_numpy(template.GetPoints().GetData()).dtype,
+        warnings=warnings,
+        _polydata=template,
+    )
+
+
+def _read_polydata(content: FileContent) -> tuple[vtkPolyData, Frame | None, tuple[str, ...]]:
+    if content.suffix in (".vtp", ".vtk"):
+        return *read_vtk_polydata(content), ()
+    if content.suffix not in _PLAIN_DECODERS:
+        raise InputError(
+            f"{content.path}: expected a surface as {', '.join(SURFACE_SUFFIXES)}, got "
+            f"{content.suffix or 'no suffix'!r}; convert it."
+        )
+    name = str(content.path)
+    mesh = _PLAIN_DECODERS[content.suffix](content.data, name)
+    if len(mesh.corners) and (mesh.corners.min() < 0 or mesh.corners.max() >= len(mesh.points)):
+        raise InputError(
+            f"{name}: expected point indices from 0 to {len(mesh.points) - 1} in its faces, got "
+            f"{mesh.corners.min()} to {mesh.corners.max()}; the file is damaged."
+        )
+    polydata = polydata_from_polygons(mesh.points, mesh.offsets, mesh.corners)
+    add_arrays(polydata, mesh.point_arrays, mesh.cell_arrays)
+    if "Normals" in mesh.point_arrays:
+        polydata.GetPointData().SetActiveNormals("Normals")
+    return polydata, frame_in_text(mesh.text), mesh.warnings
+
+
+def _with_double_points(polydata: vtkPolyData) -> vtkPolyData:
+    points = vtkPoints()
+    points.SetDataTypeToDouble()
+    points.DeepCopy(polydata.GetPoints())
+    result = vtkPolyData()
+    result.ShallowCopy(polydata)
+    result.SetPoints(points)
+    return result
+
+
+def _check_arrays(polydata: vtkPolyData, name: str) -> None:
+    for kind, data, count in (
+        ("point", polydata.GetPointData(), polydata.GetNumberOfPoints()),
+        ("cell", polydata.GetCellData(), polydata.GetNumberOfCells()),
+    ):
+        for index in range(data.GetNumberOfArrays()):
+            array = data.GetAbstractArray(index)
+            if array.GetNumberOfTuples() != count:
+                raise InputError(
+                    f"{name}: expected {count} rows in its {kind} array {array.GetName()}, got "
+                    f"{array.GetNumberOfTuples()}; the file is damaged."
+                )
+
+
+def _degenerate(points: Points, triangles: Triangles, name: str) -> tuple[str, ...]:
+    longest = np.zeros(len(triangles))
+    for one, other in ((0, 1), (1, 2), (2, 0)):
+        edge = points[triangles[:, one]] - points[triangles[:, other]]
+        np.maximum(longest, dot(edge, edge), out=longest)
+    # Corners on one line within the rounding of single precision (1e-7 of the longest edge).
+    count = int((2 * face_areas(points, triangles) <= 1e-7 * longest).sum())
+    return (f"{name}: {count} triangles are degenerate (no area).",) if count else ()

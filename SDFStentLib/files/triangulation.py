@@ -1,0 +1,152 @@
+"""Polygons and strips of polydata cut into triangles, with every array carried along."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from vtkmodules.vtkCommonCore import vtkIdList
+from vtkmodules.vtkCommonDataModel import vtkPolyData, vtkPolygon
+
+from ..geometry import dot
+from ..validation import InputError, Points, Triangles
+from .polydata import cell_array, cells_from_array, points_from_polydata, polygons_from_polydata
+
+
+class Triangulated(NamedTuple):
+    """Polydata of nothing but triangles, and sentences about what had to be changed."""
+
+    polydata: vtkPolyData
+    warnings: tuple[str, ...]
+
+
+def triangulated_polydata(polydata: vtkPolyData, name: str = "surface") -> Triangulated:
+    """The surface with its polygons and strips cut into triangles.
+
+    Vertices and lines are dropped, points without a cell stay. Every array is kept: that of a
+    polygon is carried to each of its triangles. Polydata that has only triangles comes back as
+    it is.
+
+    Parameters
+    ----------
+    polydata : vtkPolyData
+        Not modified.
+    name : str
+        What to call it in messages.
+
+    Raises
+    ------
+    InputError
+        No polygon at all, or an index without a point.
+    """
+    warnings = []
+    sizes = np.diff(polygons_from_polydata(polydata, name).offsets)
+    strips = cells_from_array(polydata.GetStrips(), polydata.GetNumberOfPoints(), name)
+    others = polydata.GetNumberOfVerts() + polydata.GetNumberOfLines()
+    if len(sizes) + len(strips.offsets) - 1 == 0:
+        raise InputError(f"{name}: expected a surface of triangles, got none; save the surface.")
+    if (sizes == 3).all() and others == 0 and polydata.GetNumberOfStrips() == 0:
+        return Triangulated(polydata, ())
+
+    result = _cut_into_triangles(polydata, name)
+    polygons = int((sizes != 3).sum()) + polydata.GetNumberOfStrips()
+    if polygons:
+        warnings.append(
+            f"{name}: {polygons} polygons or strips were cut into triangles, "
+            f"{result.GetNumberOfCells()} triangles now."
+        )
+    if others:
+        warnings.append(f"{name}: {others} vertices and lines among the cells were dropped.")
+    return Triangulated(result, tuple(warnings))
+
+
+def _cut_into_triangles(polydata: vtkPolyData, name: str) -> vtkPolyData:
+    polygons, source = _cut_polygons(polydata, name)
+    first_polygon = polydata.GetNumberOfVerts() + polydata.GetNumberOfLines()
+    strips, strip_of = _cut_strips(polydata)
+    first_strip = first_polygon + polydata.GetNumberOfPolys()
+    triangles = np.concatenate([polygons, strips])
+    source = np.concatenate([source + first_polygon, strip_of + first_strip])
+
+    result = vtkPolyData()
+    result.SetPoints(polydata.GetPoints())
+    result.SetPolys(cell_array(3 * np.arange(len(triangles) + 1), triangles.ravel()))
+    result.GetPointData().ShallowCopy(polydata.GetPointData())
+    result.GetFieldData().ShallowCopy(polydata.GetFieldData())
+    data = result.GetCellData()
+    data.CopyAllOn()  # ids as well, which VTK leaves out by default
+    data.CopyAllocate(polydata.GetCellData(), len(source))
+    data.CopyData(polydata.GetCellData(), _id_list(source), _id_list(np.arange(len(source))))
+    return result
+
+
+def _cut_polygons(polydata: vtkPolyData, name: str) -> tuple[Triangles, NDArray[np.int64]]:
+    """Triangles of the polygons, concave ones too, and the polygon of each.
+
+    Not by VTK's filter: that of 9.6 mixes up the data of cells where it drops some.
+    """
+    points = points_from_polydata(polydata, name)
+    offsets, corners = polygons_from_polydata(polydata)
+    sizes = np.diff(offsets)
+    three, four = np.flatnonzero(sizes == 3), np.flatnonzero(sizes == 4)
+    triangles = [corners[offsets[three, None] + np.arange(3)]]
+    triangles.append(_cut_quads(points, corners[offsets[four, None] + np.arange(4)]))
+    source = [three, np.repeat(four, 2)]
+    for number in np.flatnonzero(sizes > 4):
+        cut = _cut_polygon(points, corners[offsets[number] : offsets[number + 1]])
+        triangles.append(cut)
+        source.append(np.full(len(cut), number))
+    order = np.argsort(np.concatenate(source), kind="stable")
+    return np.concatenate(triangles)[order], np.concatenate(source)[order]
+
+
+def _cut_quads(points: Points, quads: NDArray[np.int64]) -> Triangles:
+    """Two triangles of each quad, along the shorter diagonal that lies inside of it."""
+    halves = [quads[:, [0, 1, 2, 0, 2, 3]], quads[:, [0, 1, 3, 1, 2, 3]]]
+    is_inside, length = [], []
+    for half, (start, end) in zip(halves, ((0, 2), (1, 3)), strict=True):
+        first, second = (_area_vectors(points, half[:, part]) for part in (slice(3), slice(3, 6)))
+        is_inside.append(dot(first, second) > 0)
+        length.append(np.linalg.norm(points[quads[:, end]] - points[quads[:, start]], axis=1))
+    is_second = np.where(is_inside[0] == is_inside[1], length[1] < length[0], is_inside[1])
+    return np.where(is_second[:, None], halves[1], halves[0]).reshape(-1, 3)
+
+
+def _area_vectors(points: Points, triangles: Triangles) -> Points:
+    a, b, c = points[triangles].swapaxes(0, 1)
+    return np.cross(b - a, c - a)
+
+
+def _cut_polygon(points: Points, corners: NDArray[np.int64]) -> Triangles:
+    polygon, found = vtkPolygon(), vtkIdList()
+    for corner in corners.tolist():
+        polygon.GetPointIds().InsertNextId(corner)
+        polygon.GetPoints().InsertNextPoint(points[corner].tolist())
+    if polygon.EarCutTriangulation(found) and found.GetNumberOfIds() == 3 * (len(corners) - 2):
+        ids = [found.GetId(position) for position in range(found.GetNumberOfIds())]
+        return corners[np.array(ids, dtype=np.int64)].reshape(-1, 3)
+    # No plane polygon without crossings: a fan at least keeps the surface closed.
+    first = np.full(len(corners) - 2, corners[0])
+    return np.stack([first, corners[1:-1], corners[2:]], axis=1)
+
+
+def _cut_strips(polydata: vtkPolyData) -> tuple[Triangles, NDArray[np.int64]]:
+    """Triangles of the strips, every second one turned, and the strip of each."""
+    cells = cells_from_array(polydata.GetStrips(), polydata.GetNumberOfPoints(), "strips")
+    triangles, source = [np.zeros((0, 3), dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
+    for number, start in enumerate(cells.offsets[:-1]):
+        strip = cells.corners[start : cells.offsets[number + 1]]
+        faces = np.stack([strip[:-2], strip[1:-1], strip[2:]], axis=1)
+        faces[1::2] = faces[1::2, [1, 0, 2]]
+        triangles.append(faces)
+        source.append(np.full(len(faces), number))
+    return np.concatenate(triangles), np.concatenate(source)
+
+
+def _id_list(values: NDArray[np.integer]) -> vtkIdList:
+    ids = vtkIdList()
+    ids.SetNumberOfIds(len(values))
+    for position, value in enumerate(values.tolist()):
+        ids.SetId(position, value)
+    return ids

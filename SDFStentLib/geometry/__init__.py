@@ -1,0 +1,98 @@
+"""Polylines and triangle surfaces: what can be said of them without knowing a vessel."""
+
+from __future__ import annotations
+
+from .connected_parts import component_labels, connected
+from .distance import NearPairs, SurfaceIndex
+from .faces import (
+    compacted,
+    face_areas,
+    face_normals,
+    faces_at,
+    may_meet_box,
+    oriented_triangles,
+    signed_volume,
+    vertex_normals,
+)
+from .polyline import (
+    arc_lengths,
+    closest_points,
+    cut,
+    frames,
+    kept_points,
+    length,
+    locate,
+    minimum_bend_radius,
+    point_at,
+    resampled,
+    segment_count,
+    tangents,
+    without_repeats,
+)
+from .precision import Precision, stored_points
+from .ragged import blocks_of, ranges
+from .rows import across, dot, norm
+from .section import plane_section
+from .segments import closest_on_segments, distances_to_segments
+from .topology import (
+    Topology,
+    VertexNeighbors,
+    boundary_edges,
+    consistently_wound,
+    edges,
+    is_closed,
+    is_manifold,
+    surface_topology,
+    vertex_neighbors,
+)
+
+__all__ = [
+    "NearPairs",
+    "Precision",
+    "SurfaceIndex",
+    "Topology",
+    "VertexNeighbors",
+    "across",
+    "arc_lengths",
+    "blocks_of",
+    "boundary_edges",
+    "closest_on_segments",
+    "closest_points",
+    "compacted",
+    "component_labels",
+    "connected",
+    "consistently_wound",
+    "cut",
+    "distances_to_segments",
+    "dot",
+    "edges",
+    "face_areas",
+    "face_normals",
+    "faces_at",
+    "frames",
+    "is_closed",
+    "is_manifold",
+    "kept_points",
+    "length",
+    "locate",
+    "may_meet_box",
+    "minimum_bend_radius",
+    "norm",
+    "oriented_triangles",
+    "plane_section",
+    "point_at",
+    "ranges",
+    "resampled",
+    "segment_count",
+    "signed_volume",
+    "stored_points",
+    "surface_topology",
+    "tangents",
+    "vertex_neighbors",
+    "vertex_normals",
+    "without_repeats",
+]
+
+
+def __dir__() -> list[str]:
+    return __all__

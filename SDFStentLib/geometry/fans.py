@@ -1,0 +1,58 @@
+"""Fans: the faces round a vertex that follow each other across edges; one where it is manifold.
+
+Side 3 f + k of face f starts at corner 3 f + k; arrays of sides may have 32 bits.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..validation import Indices
+from .connected_parts import connected
+
+Sides = NDArray[Any]
+
+
+def fans_by_walking(corners: Indices, first: Sides, second: Sides) -> int:
+    """Number of fans in a surface that is edge manifold and consistently wound.
+
+    Crossing the side that starts at a corner leads to the next corner of the same fan. Fans are
+    the cycles and the ends of that walk, which is doubled until it is longer than any fan.
+    """
+    count = len(corners)
+    own = np.arange(count, dtype=first.dtype)
+    onward = own.copy()
+    onward[first], onward[second] = _following(second), _following(first)
+    is_end = onward == own
+    lowest = np.minimum(own, onward)
+    longest = int(np.bincount(corners).max())
+    reach = 1
+    # Ends: the reach doubles from 1.
+    while reach < longest:
+        np.minimum(lowest, lowest[onward], out=lowest)
+        onward = onward[onward]
+        reach *= 2
+    is_closed_fan = ~is_end[onward]
+    return int(np.count_nonzero(is_end) + np.count_nonzero(is_closed_fan & (lowest == own)))
+
+
+def fans_by_graph(corners: Indices, side: Sides, other: Sides) -> int:
+    """Number of fans in any surface: parts of the graph of corners."""
+    # Side 3 f + k starts at corner 3 f + k and ends at the following corner of the same face;
+    # two corners belong to one fan when they sit at the same end of a shared edge.
+    same_way = corners[side] == corners[other]
+    return connected(
+        len(corners),
+        np.r_[side, _following(side)],
+        np.r_[
+            np.where(same_way, other, _following(other)),
+            np.where(same_way, _following(other), other),
+        ],
+    )[0]
+
+
+def _following(side: Sides) -> Sides:
+    return side - side % 3 + (side + 1) % 3

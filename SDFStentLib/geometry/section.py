@@ -1,0 +1,184 @@
+"""Cutting a surface with a plane, and telling what lies inside a closed one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..validation import (
+    Flags,
+    Floats,
+    InputError,
+    Points,
+    Triangles,
+    as_point,
+    as_points,
+    as_triangles,
+)
+from .ragged import blocks_of, ranges
+from .rows import dot
+
+_BLOCK = 1 << 19
+"""Pairs of query and triangle that are looked at together; some 50 MB of temporaries."""
+
+_REPEAT = 1e-9
+"""Corners of a section nearer to each other than this, mm, are one corner."""
+
+
+class SectionLoop(NamedTuple):
+    """One connected piece of a plane section.
+
+    Attributes
+    ----------
+    points : (k, 3) array
+        Corners in order, mm, without repeats; the first is not repeated at the end of a loop.
+    is_closed : bool
+        False for the cut through an open rim.
+    """
+
+    points: Points
+    is_closed: bool
+
+
+def plane_section(
+    points: ArrayLike, triangles: ArrayLike, origin: ArrayLike, normal: ArrayLike
+) -> list[SectionLoop]:
+    """Cut of a surface with a plane, as polylines.
+
+    A point exactly in the plane counts as above it, so every cut triangle gives exactly one
+    segment and a closed surface only closed loops, also when the plane runs through vertices or
+    along edges. On an outward oriented surface loops run counterclockwise about `normal` round
+    the lumen, clockwise round holes. Pieces that shrink to a point are left out.
+
+    Parameters
+    ----------
+    points, triangles : array_like, shapes (n, 3) and (m, 3)
+    origin : array_like, shape (3,)
+        A point of the plane, mm.
+    normal : array_like, shape (3,)
+        Normal of the plane, any length but zero.
+
+    Raises
+    ------
+    InputError
+        Arrays that do not fit, or a zero normal.
+    """
+    points = as_points(points)
+    triangles = as_triangles(triangles, len(points))
+    origin, normal = as_point(origin, "origin"), as_point(normal, "normal")
+    if not np.any(normal):
+        raise InputError("normal: expected a direction, got the zero vector; give a plane normal.")
+    heights = (points - origin) @ (normal / np.linalg.norm(normal))
+    is_above = heights >= 0
+
+    above = is_above[triangles]
+    cut = np.flatnonzero(above.any(axis=1) & ~above.all(axis=1))
+    start, end = triangles[cut], triangles[cut][:, [1, 2, 0]]
+    # Each cut triangle has one side that goes down through the plane and one that goes up.
+    down = np.argmax(is_above[start] & ~is_above[end], axis=1)
+    up = np.argmax(~is_above[start] & is_above[end], axis=1)
+    rows = np.arange(len(cut))
+    sides = np.r_[
+        np.stack([end[rows, down], start[rows, down]], axis=1),
+        np.stack([start[rows, up], end[rows, up]], axis=1),
+    ]
+    crossed, node = np.unique(sides[:, 0] * len(points) + sides[:, 1], return_inverse=True)
+    below, above_ends = np.divmod(crossed, len(points))
+    fraction = heights[below] / (heights[below] - heights[above_ends])
+    corners = points[below] + fraction[:, None] * (points[above_ends] - points[below])
+    corners[fraction == 1.0] = points[above_ends[fraction == 1.0]]
+    chains = _chains(node.reshape(2, -1).T, len(crossed))
+    loops = (_without_repeats(corners[chain], is_loop) for chain, is_loop in chains)
+    return [loop for loop in loops if len(loop.points) > 1]
+
+
+def is_inside(queries: ArrayLike, points: ArrayLike, triangles: ArrayLike) -> Flags:
+    """Whether each query (k,) lies inside a closed surface: its ray upward meets it an odd time.
+
+    Orientation does not matter. Whether a face is met is decided by edge in one fixed order, so
+    that a ray through an edge or a vertex is counted once and not twice. A query exactly on the
+    surface may come out either way; with an open surface the result means little.
+
+    Raises
+    ------
+    InputError
+        Points and triangles do not fit, or `queries` are not of shape (k, 3).
+    """
+    queries = as_points(queries, "queries")
+    points = as_points(points)
+    triangles = as_triangles(triangles, len(points))
+    order = np.argsort(queries[:, 0], kind="stable")
+    sorted_queries = queries[order]
+    lowest, highest = _extent(points[:, 0][triangles])
+    first = np.searchsorted(sorted_queries[:, 0], lowest, side="left")
+    counts = np.searchsorted(sorted_queries[:, 0], highest, side="right") - first
+
+    crossings = np.zeros(len(queries), dtype=np.int64)
+    for faces in blocks_of(counts, _BLOCK):
+        face = np.repeat(faces, counts[faces])
+        query = ranges(first[faces], counts[faces])
+        hit = _is_crossed_upward(sorted_queries[query], points, triangles[face])
+        crossings += np.bincount(query[hit], minlength=len(queries))
+    result = np.empty(len(queries), dtype=bool)
+    result[order] = crossings % 2 == 1
+    return result
+
+
+def _chains(segments: NDArray[np.int64], count: int) -> Iterator[tuple[list[int], bool]]:
+    """Node lists of connected segments: open chains first, then loops."""
+    at_node: list[list[int]] = [[] for _ in range(count)]
+    for number, (start, end) in enumerate(segments.tolist()):
+        at_node[start].append(number)
+        at_node[end].append(number)
+    used = [False] * len(segments)
+    nodes = segments.tolist()
+    is_end = np.array([len(at_node[start]) == 1 for start, _ in nodes], dtype=bool)
+    is_last = np.array([len(at_node[end]) == 1 for _, end in nodes], dtype=bool)
+    for first in np.r_[
+        np.flatnonzero(is_end), np.flatnonzero(is_last & ~is_end), np.arange(len(segments))
+    ].tolist():
+        if used[first]:
+            continue
+        backward = not is_end[first] and bool(is_last[first])
+        chain = [nodes[first][1] if backward else nodes[first][0]]
+        following: int | None = first
+        # Ends: every segment is used once.
+        while following is not None:
+            used[following] = True
+            start, end = nodes[following]
+            chain.append(end if chain[-1] == start else start)
+            following = next((s for s in at_node[chain[-1]] if not used[s]), None)
+        is_loop = chain[0] == chain[-1]
+        yield (chain[:-1] if is_loop else chain), is_loop
+
+
+def _without_repeats(corners: Points, is_loop: bool) -> SectionLoop:
+    previous = np.roll(corners, 1, axis=0)
+    is_new = np.any(np.abs(corners - previous) > _REPEAT, axis=1)
+    if not is_loop:
+        is_new[0] = True
+    return SectionLoop(corners[is_new], is_loop)
+
+
+def _extent(values: Floats) -> tuple[Floats, Floats]:
+    return values.min(axis=1), values.max(axis=1)
+
+
+def _is_crossed_upward(queries: Floats, points: Points, triangles: Triangles) -> Flags:
+    """Whether the ray from each query towards +z meets the triangle in the same row."""
+    x, y = queries[:, 0], queries[:, 1]
+    odd = np.zeros(len(queries), dtype=bool)
+    for start, end in ((0, 1), (1, 2), (2, 0)):
+        ends = np.sort(triangles[:, [start, end]], axis=1)
+        low, high = points[ends[:, 0]], points[ends[:, 1]]
+        spans = (low[:, 1] > y) != (high[:, 1] > y)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            slope = (high[:, 0] - low[:, 0]) / (high[:, 1] - low[:, 1])
+            odd ^= spans & (x < low[:, 0] + (y - low[:, 1]) * slope)
+    first, second, third = points[triangles.T]
+    normals = np.cross(second - first, third - first)
+    rise = dot(normals, first - queries)
+    return odd & (rise * normals[:, 2] > 0)

@@ -1,0 +1,284 @@
+"""How the triangles of a surface hang together: edges, fans, components; no coordinates here."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..validation import Indices, Triangles, as_triangles
+from .connected_parts import component_labels, connected
+from .fans import fans_by_graph, fans_by_walking
+
+Sides = NDArray[Any]
+"""Numbers of triangle sides, in 32 bits where that is enough."""
+
+
+class Edges(NamedTuple):
+    """The unique edges of a surface and the faces at each.
+
+    Attributes
+    ----------
+    vertices : (e, 2) array
+        End points of each edge, the lower index first, in ascending order.
+    face_edges : (m, 3) array
+        Edge of every triangle side; side k runs from corner k to corner (k + 1) % 3.
+    offsets, sides : (e + 1,) and (3 m,) arrays
+        The sides at edge i are `sides[offsets[i]:offsets[i + 1]]`, side 3 f + k being side k of
+        face f.
+    """
+
+    vertices: Indices
+    face_edges: Indices
+    offsets: Indices
+    sides: Indices
+
+    @property
+    def face_counts(self) -> Indices:
+        """(e,) number of triangle sides at each edge; 2 everywhere on a closed manifold."""
+        return np.diff(self.offsets)
+
+    @property
+    def faces(self) -> Indices:
+        """(3 m,) face of every entry of `sides`."""
+        return self.sides // 3
+
+    @property
+    def paired_sides(self) -> Indices:
+        """(p, 2) the two sides at every edge that has exactly two."""
+        first = self.offsets[:-1][self.face_counts == 2]
+        return np.stack([self.sides[first], self.sides[first + 1]], axis=1)
+
+
+class VertexNeighbors(NamedTuple):
+    """Vertices joined to each vertex by an edge, in compressed rows.
+
+    Attributes
+    ----------
+    offsets : (n + 1,) array
+    indices : (k,) array
+        The neighbours of vertex i are `indices[offsets[i]:offsets[i + 1]]`, ascending.
+    """
+
+    offsets: Indices
+    indices: Indices
+
+
+class Topology(NamedTuple):
+    """What the triangles alone say about a surface.
+
+    Attributes
+    ----------
+    is_closed : bool
+        No edge is free.
+    is_edge_manifold, is_vertex_manifold : bool
+        At most two faces at every edge; one fan of faces at every vertex.
+    is_consistently_wound : bool
+        The two faces at an edge run along it in opposite directions, at every edge.
+    boundary_edge_count, component_count : int
+        Edges with one face; parts joined by edges.
+    """
+
+    is_closed: bool
+    is_edge_manifold: bool
+    is_vertex_manifold: bool
+    is_consistently_wound: bool
+    boundary_edge_count: int
+    component_count: int
+
+    @property
+    def is_manifold(self) -> bool:
+        """Manifold, with or without boundary, at edges and vertices."""
+        return self.is_edge_manifold and self.is_vertex_manifold
+
+    @property
+    def is_watertight(self) -> bool:
+        """Closed and manifold: the surface bounds a volume without a leak."""
+        return self.is_closed and self.is_manifold
+
+    def in_words(self) -> str:
+        """Watertight, not manifold or open, as a part of a sentence."""
+        if self.is_watertight:
+            return "watertight"
+        if not self.is_manifold:
+            return "not manifold"
+        return f"open ({self.boundary_edge_count} boundary edges)"
+
+
+def edges(triangles: ArrayLike) -> Edges:
+    """Unique edges of a surface with the faces at each.
+
+    Parameters
+    ----------
+    triangles : array_like, shape (m, 3)
+        Indices of the corners.
+
+    Raises
+    ------
+    InputError
+        `triangles` are not integers of shape (m, 3).
+    """
+    triangles = _as_triangles(triangles)
+    keys, sides, is_first = _sorted_sides(triangles)
+    offsets = np.r_[np.flatnonzero(is_first), len(keys)]
+    face_edges = np.empty(len(keys), dtype=np.int64)
+    face_edges[sides] = np.cumsum(is_first) - 1
+    vertices = np.stack(np.divmod(keys[is_first], int(triangles.max()) + 1), axis=1)
+    return Edges(vertices, face_edges.reshape(-1, 3), offsets, sides.astype(np.int64))
+
+
+def boundary_edges(triangles: ArrayLike) -> Indices:
+    """Edges (b, 2) at which there is only one face, in the direction of that face.
+
+    `InputError` as in `edges`.
+    """
+    triangles = _as_triangles(triangles)
+    found = edges(triangles)
+    single = found.sides[found.offsets[:-1][found.face_counts == 1]]
+    return np.stack([triangles.ravel()[single], _side_ends(triangles)[single]], axis=1)
+
+
+def is_closed(triangles: ArrayLike) -> bool:
+    """Whether no edge is free: every edge has an even number of triangle sides (two, if manifold).
+
+    `InputError` as in `edges`.
+    """
+    return surface_topology(triangles).is_closed
+
+
+def is_manifold(triangles: ArrayLike) -> bool:
+    """Whether the surface is manifold, with or without boundary, at its edges and its vertices.
+
+    `InputError` as in `edges`.
+    """
+    return surface_topology(triangles).is_manifold
+
+
+def surface_topology(triangles: ArrayLike) -> Topology:
+    """All that the triangles alone say about a surface; `InputError` as in `edges`."""
+    triangles = _as_triangles(triangles)
+    corners = triangles.ravel()
+    sides, is_first = _sorted_sides(triangles)[1:]
+    starts = np.flatnonzero(is_first)
+    counts = np.diff(starts, append=len(sides))
+    is_closed = bool(np.all(counts % 2 == 0))
+    boundary_edge_count = int(np.count_nonzero(counts == 1))
+    has_length = not np.any(corners[sides[starts]] == _side_ends(triangles)[sides[starts]])
+    is_edge_manifold = bool(np.all(counts <= 2) and has_length)
+    pairs = starts[counts == 2]
+    first, second = sides[pairs], sides[pairs + 1]
+    del starts, counts, pairs  # of a large surface these are as large as the graphs below
+    is_consistently_wound = not np.any(corners[first] == corners[second])
+    if is_edge_manifold and is_consistently_wound:
+        fans = fans_by_walking(corners, first, second)
+    else:
+        fans = fans_by_graph(corners, *_meeting_sides(sides, is_first))
+    del first, second
+    side, other = _meeting_sides(sides, is_first)
+    del sides, is_first
+    return Topology(
+        is_closed=is_closed,
+        is_edge_manifold=is_edge_manifold,
+        is_vertex_manifold=fans == int(np.count_nonzero(np.bincount(corners))),
+        is_consistently_wound=is_consistently_wound,
+        boundary_edge_count=boundary_edge_count,
+        component_count=connected(len(triangles), side // 3, other // 3)[0],
+    )
+
+
+def vertex_neighbors(triangles: ArrayLike, point_count: int | None = None) -> VertexNeighbors:
+    """Neighbours of every vertex.
+
+    Parameters
+    ----------
+    triangles : array_like, shape (m, 3)
+    point_count : int, optional
+        Number of points; by default up to the highest index in use. Points without a triangle
+        have no neighbours.
+
+    Raises
+    ------
+    InputError
+        As in `edges`, or an index not below `point_count`.
+    """
+    if point_count is not None:
+        triangles = as_triangles(triangles, point_count)
+    pairs = edges(triangles).vertices
+    pairs = pairs[pairs[:, 0] != pairs[:, 1]]
+    count = int(pairs.max(initial=-1)) + 1 if point_count is None else point_count
+    start = np.r_[pairs[:, 0], pairs[:, 1]]
+    end = np.r_[pairs[:, 1], pairs[:, 0]]
+    order = np.lexsort((end, start))
+    offsets = np.r_[0, np.cumsum(np.bincount(start, minlength=count))]
+    return VertexNeighbors(offsets, end[order])
+
+
+def consistently_wound(triangles: ArrayLike) -> tuple[Triangles, Indices]:
+    """Triangles whose neighbours all agree in winding, and the part each belongs to.
+
+    In each part the fewer faces are turned (the first face keeps its winding when both are as
+    many). Only edges with exactly two faces carry winding across. A part that cannot be oriented
+    (a Moebius band) keeps the winding it came with. `InputError` as in `edges`.
+
+    Returns
+    -------
+    triangles : (m, 3) array
+    part : (m,) array
+        Faces with the same number are joined through edges with two faces.
+    """
+    result = _as_triangles(triangles).copy()
+    count = len(result)
+    sides = edges(triangles).paired_sides
+    left, right = sides[:, 0] // 3, sides[:, 1] // 3
+    disagree = result.ravel()[sides[:, 0]] == result.ravel()[sides[:, 1]]
+    # Every face stands twice in the graph, as it is (f) and turned (f + count). Faces that agree
+    # are joined as they are and as turned; faces that disagree, one as it is, the other turned.
+    label = component_labels(
+        2 * count,
+        np.r_[left, left + count],
+        np.r_[right + count * disagree, right + count * ~disagree],
+    )
+    as_is, turned = label[:count], label[count:]
+    part = np.unique(np.minimum(as_is, turned), return_inverse=True)[1].reshape(-1)
+    # Each part is a pair of mirrored sheets; `as_is > turned` marks one side of the split.
+    minority = as_is > turned
+    share = np.bincount(part, weights=minority) / np.bincount(part)
+    turn = (minority ^ (share > 0.5)[part]) & (as_is != turned)
+    result[turn] = result[turn][:, ::-1]
+    return result, part
+
+
+def _as_triangles(triangles: ArrayLike) -> Triangles:
+    array = np.asarray(triangles)
+    highest = int(array.max()) if array.size and array.dtype.kind in "iu" else 0
+    return as_triangles(array, highest + 1)
+
+
+def _side_ends(triangles: Triangles) -> Indices:
+    return triangles[:, [1, 2, 0]].ravel()
+
+
+def _sorted_sides(
+    triangles: Triangles,
+) -> tuple[Indices, Sides, NDArray[np.bool_]]:
+    """Key of every triangle side by its edge, ascending; the sides in that order; first of each.
+
+    Sides are numbered in 32 bits where that is enough: they are the largest arrays of a topology.
+    """
+    first, second = triangles.ravel(), _side_ends(triangles)
+    keys = np.minimum(first, second)
+    keys *= int(triangles.max()) + 1
+    keys += np.maximum(first, second)
+    del second
+    sides = np.argsort(keys, kind="stable")
+    keys = keys[sides]
+    is_first = np.ones(len(keys), dtype=bool)
+    np.not_equal(keys[1:], keys[:-1], out=is_first[1:])
+    return keys, sides.astype(np.int32 if len(keys) < 2**31 else np.int64), is_first
+
+
+def _meeting_sides(sides: Sides, is_first: NDArray[np.bool_]) -> tuple[Sides, Sides]:
+    """Every side but the first at its edge, and the one before it there."""
+    later = np.flatnonzero(~is_first)
+    return sides[later], sides[later - 1]

@@ -1,0 +1,33 @@
+"""How wide a lumen is, what a stent covers, and how far tissue was stretched."""
+
+from __future__ import annotations
+
+from .caps import bulged_caps, caps_across
+from .coverage import BranchOstium, branch_ostia
+from .cross_section import equivalent_diameters, winding_numbers
+from .inscribed import InscribedSpheres, inscribed_spheres
+from .local_surface import LocalSurface
+from .metrics import DiameterProfile, Reference, diameter_profile, stenosis
+from .stretch import displacements, face_stretches
+
+__all__ = [
+    "BranchOstium",
+    "DiameterProfile",
+    "InscribedSpheres",
+    "LocalSurface",
+    "Reference",
+    "branch_ostia",
+    "bulged_caps",
+    "caps_across",
+    "diameter_profile",
+    "displacements",
+    "equivalent_diameters",
+    "face_stretches",
+    "inscribed_spheres",
+    "stenosis",
+    "winding_numbers",
+]
+
+
+def __dir__() -> list[str]:
+    return __all__

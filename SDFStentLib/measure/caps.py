@@ -1,0 +1,128 @@
+"""Flat caps of in- and outlets, and whether a stent has bulged them.
+
+A cap is where a simulation prescribes flow or pressure on a plane. A stent that ends in or near it
+pushes it out of its plane; the user has to know.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry import component_labels, dot, edges, face_normals, faces_at, may_meet_box
+from ..validation import Points, Triangles
+
+FLAT = np.cos(np.deg2rad(1.0))
+"""Faces whose normals differ by less lie in one plane."""
+
+ONE_WAY = np.cos(np.deg2rad(5.0))
+"""The mean of a flat spot's unit normals is at least so long. On a fine mesh the whole of a round
+wall hangs together by faces that differ by less than `FLAT`; its normals cancel."""
+
+RIM = np.cos(np.deg2rad(45.0))
+"""A cap meets the wall at a steeper angle than this; a flat spot of the wall does not."""
+
+ACROSS = np.cos(np.deg2rad(30.0))
+"""Cosine between an axis and the normal of a cap that counts as across it."""
+
+FEWEST_FACES = 6
+NOTICEABLE = 0.05
+"""Motion out of the plane, mm, that is worth a word."""
+
+
+class BulgedCap(NamedTuple):
+    """A flat cap that a deployment has pushed out of its plane."""
+
+    center: tuple[float, float, float]
+    """mm."""
+    height: float
+    """Largest motion out of the plane, mm."""
+
+    def sentence(self) -> str:
+        """What happened and what to do, for the user."""
+        x, y, z = self.center
+        return (
+            f"The flat cap near ({x:.1f}, {y:.1f}, {z:.1f}) mm is pushed up to {self.height:.2f} "
+            "mm out of its plane by the stent; end the stent farther from it, or extend the "
+            "vessel, when a boundary condition belongs there."
+        )
+
+
+class FlatCap(NamedTuple):
+    """A flat spot with a steep rim."""
+
+    faces: NDArray[np.int64]
+    """Ascending."""
+    normal: NDArray[np.float64]
+    """(3,) unit vector."""
+
+
+def flat_caps(points: Points, faces: Triangles) -> list[FlatCap]:
+    """Flat spots with a steep rim among some faces (m, 3)."""
+    if len(faces) < FEWEST_FACES:
+        return []
+    normals = face_normals(points, faces)
+    pairs = edges(faces).paired_sides // 3
+    cosine = dot(normals[pairs[:, 0]], normals[pairs[:, 1]])
+    flat = pairs[cosine > FLAT]
+    label = component_labels(len(faces), flat[:, 0], flat[:, 1])
+
+    border = label[pairs[:, 0]] != label[pairs[:, 1]]
+    sides, angles = label[pairs[border]], np.repeat(cosine[border, None], 2, axis=1)
+    count = np.bincount(sides.ravel(), minlength=label.max() + 1)
+    steep = np.bincount(sides.ravel(), weights=(angles < RIM).ravel(), minlength=len(count))
+    is_cap = (np.bincount(label) >= FEWEST_FACES) & (steep > 0.8 * count)
+    found = []
+    for number in np.flatnonzero(is_cap):
+        own = np.flatnonzero(label == number)
+        mean = normals[own].mean(axis=0)
+        length = np.linalg.norm(mean)
+        if length >= ONE_WAY:
+            found.append(FlatCap(own, mean / length))
+    return found
+
+
+def caps_across(points: Points, faces: Triangles, axis: Points, reach: float) -> NDArray[np.bool_]:
+    """Which faces (m,) belong to flat caps across an axis (n, 3), within some mm of its ends."""
+    is_capped = np.zeros(len(faces), dtype=bool)
+    for end, inner in (axis[:2], axis[:-3:-1]):
+        direction = (end - inner) / np.linalg.norm(end - inner)
+        near = np.flatnonzero(may_meet_box(points, faces, end - reach, end + reach))
+        if len(near) < FEWEST_FACES:
+            continue
+        # Most ends have few faces across the axis, which is quickly told.
+        across = np.abs(face_normals(points, faces[near]) @ direction) > ACROSS
+        if np.count_nonzero(across) < FEWEST_FACES:
+            continue
+        for cap in flat_caps(points, faces[near]):
+            if abs(cap.normal @ direction) > ACROSS:
+                is_capped[near[cap.faces]] = True
+    return is_capped
+
+
+def bulged_caps(
+    before: Points, after: Points, triangles: Triangles, moved: NDArray[np.int64]
+) -> tuple[BulgedCap, ...]:
+    """Caps that were flat before and are not any more.
+
+    Parameters
+    ----------
+    before, after : (n, 3) arrays
+        Points of the surface, mm.
+    triangles : (m, 3) array
+    moved : (k,) array
+        Points that moved; only faces at them are looked at.
+    """
+    has_moved = np.zeros(len(before), dtype=bool)
+    has_moved[moved] = True
+    faces = triangles[faces_at(has_moved, triangles)]
+    found = []
+    for cap in flat_caps(before, faces):
+        corners = np.unique(faces[cap.faces])
+        height = float(np.abs((after[corners] - before[corners]) @ cap.normal).max())
+        if height > NOTICEABLE:
+            x, y, z = before[corners].mean(axis=0).tolist()
+            found.append(BulgedCap((x, y, z), height))
+    return tuple(found)

@@ -1,0 +1,145 @@
+"""Inscribed spheres near a closed end of a vessel, measured as if the end were open.
+
+A flat cap is where a model was cut, not a wall. Nearer to it than its own radius a sphere touches
+the cap first, and the vessel would seem to narrow to nothing towards every in- and outlet.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry import arc_lengths, dot, may_meet_box
+from ..validation import Floats, Points, Triangles
+from .caps import flat_caps
+from .inscribed import InscribedSpheres, inscribed_spheres
+from .local_surface import LocalSurface
+
+AHEAD = np.cos(np.deg2rad(30.0))
+"""A sphere that touches the surface so nearly along the axis, on the side of its nearer end, may
+touch a cap."""
+
+SQUARELY = np.cos(np.deg2rad(15.0))
+"""The same for an end that is no flat cap; between is the ridge of a flow divider, for example."""
+
+ROUND = 0.98
+"""Inscribed over equivalent diameter from which the sphere fills the section: no end is nearer."""
+
+IN_SURFACE = 1e-6
+"""mm."""
+
+TOUCH = 1e-3
+"""Share of its radius by which a surface may be farther from a sphere's centre and touch it."""
+
+
+def past_closed_ends(
+    points: Points,
+    triangles: Triangles,
+    stations: Points,
+    directions: Points,
+    spheres: InscribedSpheres,
+    equivalent: Floats,
+) -> tuple[InscribedSpheres, Floats]:
+    """The spheres, those that touch a closed end of the vessel measured anew without its cap.
+
+    Parameters
+    ----------
+    points, triangles : (k, 3) and (m, 3) arrays
+    stations, directions : (n, 3) arrays
+        Axis points, in order, and unit directions of the axis there.
+    spheres : InscribedSpheres
+        Those at the stations.
+    equivalent : (n,) array
+        Equivalent diameters of the sections there, mm; NaN where there is none.
+
+    Returns
+    -------
+    InscribedSpheres
+        NaN where a sphere touches an end that is no flat cap, such as one that a stent bulged, and
+        where it climbs out through one that the axis meets askew.
+    (n,) array
+        The equivalent diameters, NaN where a cap, a little askew, cuts the section off.
+    """
+    arc = arc_lengths(stations)
+    to_end = np.minimum(arc, arc[-1] - arc)
+    # Within a radius of the lumen, and a tenth for the sag of a bend; sections may be NaN.
+    near_end = to_end <= 1.1 * np.fmax(spheres.radii, equivalent / 2)
+    near_end &= ~(2 * spheres.radii > ROUND * equivalent) & np.isfinite(spheres.radii)
+    at_end = np.flatnonzero(near_end)
+    outward = np.where((arc < arc[-1] / 2)[:, None], -directions, directions)
+    at_end = at_end[_touches(points, triangles, outward, spheres, at_end, AHEAD)]
+    if not len(at_end):
+        return spheres, equivalent
+    width = float(np.nanmax(np.concatenate([equivalent[at_end], 2 * spheres.radii])))
+    is_capped = _in_caps(points, triangles, stations[at_end], directions[at_end], width)
+    kept = triangles[~is_capped]
+    anew = inscribed_spheres(points, kept, stations[at_end], directions[at_end])
+    centers, radii = spheres.centers.copy(), spheres.radii.copy()
+    centers[at_end], radii[at_end] = anew
+    found = InscribedSpheres(centers, radii)
+    closed = at_end[_touches(points, kept, outward, found, at_end, SQUARELY)]
+    centers[closed], radii[closed] = np.nan, np.nan
+    caps = points[triangles[is_capped].ravel()]
+    cut = [i for i in at_end if _is_crossed(caps, stations[i], directions[i], width)]
+    equivalent = equivalent.copy()
+    equivalent[cut] = np.nan
+    return found, equivalent
+
+
+def _touches(
+    points: Points,
+    triangles: Triangles,
+    outward: Points,
+    spheres: InscribedSpheres,
+    where: NDArray[np.int64],
+    cosine: float,
+) -> NDArray[np.bool_]:
+    """Which of some spheres (k,) touch the surface in their outward direction, so nearly.
+
+    One that has climbed out of the surface, through a cap that was left out, touches nothing.
+    """
+    touches = np.zeros(len(where), dtype=bool)
+    known = np.flatnonzero(np.isfinite(spheres.radii[where]))
+    where = where[known]
+    if len(where):
+        centers, radii = spheres.centers[where], spheres.radii[where]
+        # Of a sphere of radius 0 rounding tells what it touches.
+        reach = np.maximum((1 + TOUCH) * radii, IN_SURFACE)
+        surface = LocalSurface(points, triangles, centers)
+        query, triangle = surface.near(centers, reach)
+        offset = surface.index.closest_points(centers[query], triangle) - centers[query]
+        distance = np.linalg.norm(offset, axis=1)
+        along = dot(offset, outward[where[query]])
+        is_ahead = (distance <= reach[query]) & (along >= cosine * distance)
+        # Of a centre in the surface itself, rounding tells the direction.
+        touches[known[query[is_ahead | (distance < IN_SURFACE)]]] = True
+    return touches
+
+
+def _in_caps(
+    points: Points,
+    triangles: Triangles,
+    stations: Points,
+    directions: Points,
+    margin: float,
+) -> NDArray[np.bool_]:
+    """Which triangles (m,) lie in flat caps across the axis, near some stations."""
+    low, high = stations.min(axis=0) - margin, stations.max(axis=0) + margin
+    near = np.flatnonzero(may_meet_box(points, triangles, low, high))
+    is_capped = np.zeros(len(triangles), dtype=bool)
+    for cap in flat_caps(points, triangles[near]):
+        offset = stations - points[triangles[near[cap.faces]]].mean(axis=(0, 1))
+        beside = dot(offset, offset).argmin()
+        # The sides of a box are flat spots with a steep rim as well.
+        if abs(cap.normal @ directions[beside]) >= AHEAD:
+            is_capped[near[cap.faces]] = True
+    return is_capped
+
+
+def _is_crossed(points: Points, station: Floats, direction: Floats, width: float) -> bool:
+    """Whether the plane across the axis has some of the points near the station on both sides."""
+    offset = points - station
+    offset = offset[dot(offset, offset) < width**2]
+    heights = offset @ direction
+    touch = TOUCH * width
+    return bool(len(heights) and heights.min() < -touch and heights.max() > touch)

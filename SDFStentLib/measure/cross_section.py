@@ -1,0 +1,102 @@
+"""The cross-section of the lumen round an axis point, and whether the point is inside at all."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..geometry import across, dot, plane_section
+from ..validation import Floats, InputError, Points, Triangles, as_points, as_triangles
+
+
+def equivalent_diameters(
+    points: ArrayLike, triangles: ArrayLike, centers: ArrayLike, directions: ArrayLike
+) -> Floats:
+    """Diameter (n,) of the circle with the area of the lumen's cross-section, 2 sqrt(A / pi), mm.
+
+    The cross-section is the smallest closed loop of the cut that has the axis point inside; other
+    vessels that the plane meets do not count.
+
+    Parameters
+    ----------
+    points, triangles : array_like, shapes (k, 3) and (m, 3)
+    centers, directions : array_like, shapes (n, 3)
+        Axis points and the normals of the planes through them, of any length but zero.
+
+    Returns
+    -------
+    (n,) array
+        NaN where the axis point lies in no closed loop.
+
+    Raises
+    ------
+    InputError
+        Wrong shapes or a zero direction.
+    """
+    points = as_points(points)
+    triangles = as_triangles(triangles, len(points))
+    centers, directions = as_points(centers, "centers"), as_points(directions, "directions")
+    if len(centers) != len(directions):
+        raise InputError(
+            f"directions: expected one for each of the {len(centers)} centers, "
+            f"got {len(directions)}."
+        )
+    if len(directions) and not directions.any(axis=1).all():
+        raise InputError("directions: expected no zero vector; remove repeated axis points.")
+    areas = [
+        _lumen_area(points, triangles, center, direction)
+        for center, direction in zip(centers, directions, strict=True)
+    ]
+    return 2 * np.sqrt(np.array(areas, dtype=np.float64) / np.pi)
+
+
+def _lumen_area(points: Points, triangles: Triangles, center: Floats, direction: Floats) -> float:
+    # Only triangles that may be cut go on, which is quick even on a large surface. The bits say
+    # "below" and "above"; who is as near to the plane as rounding is neither, and goes on.
+    normal = direction / np.linalg.norm(direction)
+    heights = (points - center) @ normal
+    margin = 1e-9 * max(1.0, float(np.abs(center).max()))
+    side = (heights < -margin).astype(np.uint8) | (heights > margin).astype(np.uint8) << 1
+    cut = triangles[(side[triangles[:, 0]] & side[triangles[:, 1]] & side[triangles[:, 2]]) == 0]
+    if len(cut) == 0:
+        return float("nan")
+    used, compact = np.unique(cut, return_inverse=True)
+    loops = plane_section(points[used], compact.reshape(-1, 3), center, direction)
+    areas = []
+    for loop in loops:
+        if not loop.is_closed:
+            continue
+        flat = (loop.points - center) @ across(normal[None])[0].T
+        if _holds_origin(flat):
+            areas.append(_polygon_area(flat))
+    return min(areas, default=float("nan"))
+
+
+def _holds_origin(polygon: Floats) -> bool:
+    """Whether the origin is inside a closed polygon (k, 2): a ray crosses it an odd time."""
+    (x, y), (next_x, next_y) = polygon.T, np.roll(polygon, -1, axis=0).T
+    crosses = (y > 0) != (next_y > 0)
+    along = x[crosses] - y[crosses] * (next_x - x)[crosses] / (next_y - y)[crosses]
+    return bool(np.count_nonzero(along > 0) % 2)
+
+
+def _polygon_area(polygon: Floats) -> float:
+    following = np.roll(polygon, -1, axis=0)
+    return abs(float(np.sum(polygon[:, 0] * following[:, 1] - polygon[:, 1] * following[:, 0])) / 2)
+
+
+def winding_numbers(queries: Points, points: Points, triangles: Triangles) -> Floats:
+    """How often the surface goes round each query (absolute value).
+
+    Sum of solid angles over 4 pi: van Oosterom and Strackee 1983, doi 10.1109/TBME.1983.325207.
+    """
+    corners = points[triangles] if len(queries) else np.empty((0, 3, 3))
+    result = np.empty(len(queries))
+    for number, query in enumerate(queries):
+        a, b, c = np.moveaxis(corners - query, 1, 0)
+        la, lb, lc = (np.linalg.norm(side, axis=1) for side in (a, b, c))
+        volume = dot(a, np.cross(b, c))
+        dots = [dot(first, second) for first, second in ((a, b), (b, c), (c, a))]
+        angle = np.arctan2(volume, la * lb * lc + dots[0] * lc + dots[1] * la + dots[2] * lb)
+        result[number] = abs(angle.sum()) / (2 * np.pi)
+    return result

@@ -1,0 +1,240 @@
+"""The largest sphere inside the lumen near each point of an axis.
+
+The centre is free in the plane through the axis point normal to the axis. It climbs: at a centre c
+every nearby triangle i has a distance d_i and a unit direction g_i away from it, and because the
+distance to a triangle is convex,
+
+    d_i(c + x) >= d_i + g_i x.
+
+The step x therefore solves a small linear programme, largest t with t <= d_i + g_i x and x in a
+box, and the true distance after the step is at least t: every step climbs. The new centre lies
+inside the old sphere, which holds no wall, so a centre can never pass through one.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..geometry import NearPairs, SurfaceIndex, across, norm
+from ..geometry import tangents as polyline_tangents
+from ..validation import Floats, Indices, InputError, Points, as_number, as_points, as_triangles
+from .local_surface import LocalSurface
+from .max_min_step import LinearRows, largest_steps
+
+_FIRST_BOX, _SMALLEST_BOX, _LARGEST_BOX = 0.05, 0.005, 0.5
+"""Half width of the box of a step, as a fraction of the present radius. With 0.5 even the corner
+of the box is nearer than the wall."""
+
+_ROUGH_TOLERANCE = 1e-3
+"""Of a search among a part of the triangles, mm."""
+
+_STATIONS = 64
+"""Stations searched together: bounds the memory, and keeps the part of the surface local."""
+
+_ROUNDS = 200
+"""Most steps of a climb; one that is not done by then ends where it is, with the radius there."""
+
+
+class InscribedSpheres(NamedTuple):
+    """Centres (n, 3) and radii (n,), mm; NaN in both where there is no lumen round the point."""
+
+    centers: Points
+    radii: Floats
+
+
+def inscribed_spheres(
+    points: ArrayLike,
+    triangles: ArrayLike,
+    centers: ArrayLike,
+    tangents: ArrayLike | None = None,
+    *,
+    tolerance: float = 1e-6,
+) -> InscribedSpheres:
+    """Maximum inscribed sphere at each axis point.
+
+    Parameters
+    ----------
+    points, triangles : array_like, shapes (k, 3) and (m, 3)
+        The surface, open or closed; orientation does not matter.
+    centers : array_like, shape (n, 3)
+        Axis points inside the lumen, mm, from where the search starts.
+    tangents : array_like, shape (n, 3), optional
+        Direction of the axis at each point, any length but zero. Default: from `centers` as a
+        polyline.
+    tolerance : float
+        A centre stays when the linear model promises less gain than this, mm.
+
+    Returns
+    -------
+    InscribedSpheres
+        The radius is the exact distance from the returned centre to the surface, hence never too
+        large. NaN when the centre climbs out of the surface's bounding box (the axis point was
+        outside); 0 at an axis point on the wall.
+
+    Notes
+    -----
+    The maximum is the one that a climb from the axis point reaches. In a cross-section with
+    several pockets it is the pocket of the axis, and where a flat lumen has a rough wall the
+    result may stay below the largest sphere by about the height of the roughness. Near a junction
+    the sphere grows into it as far as the plane allows.
+
+    Raises
+    ------
+    InputError
+        Wrong shapes, a zero tangent, or a single centre without a tangent.
+    """
+    points = as_points(points)
+    triangles = as_triangles(triangles, len(points))
+    centers = as_points(centers, "centers")
+    as_number(tolerance, "tolerance", unit="mm", above=0)
+    if tangents is None and len(centers) < 2:
+        raise InputError(
+            f"centers: expected at least 2 points or a tangent for each, got {len(centers)}."
+        )
+    directions = polyline_tangents(centers) if tangents is None else _unit(tangents, centers)
+    axes = across(directions)
+    found = InscribedSpheres(np.empty_like(centers), np.empty(len(centers)))
+    for start in range(0, len(centers), _STATIONS):
+        block = slice(start, start + _STATIONS)
+        surface = LocalSurface(points, triangles, centers[block])
+        spheres = _largest_spheres(surface, centers[block], axes[block], tolerance)
+        found.centers[block], found.radii[block] = spheres
+    return found
+
+
+def _largest_spheres(
+    surface: LocalSurface, starts: Points, axes: Floats, tolerance: float
+) -> InscribedSpheres:
+    """Climb on few triangles first, then on all, then make sure that no wall lies between."""
+    thinned = surface.thinned()
+    if thinned is None:
+        return _climb(surface, starts, surface.distances(starts), axes, tolerance)
+    rough = _largest_spheres(thinned, starts, axes, _ROUGH_TOLERANCE)
+    lost = np.flatnonzero(np.isnan(rough.radii))
+    # Fewer triangles are never nearer: the rough radius is an upper bound.
+    centers, bounds = rough.centers.copy(), rough.radii.copy()
+    centers[lost], bounds[lost] = starts[lost], surface.distances(starts[lost])
+    centers, radii = _climb(surface, centers, bounds, axes, tolerance, first_box=_SMALLEST_BOX)
+
+    # Empty spheres that overlap lie in the same lumen, and most hold the axis point anyway.
+    moved = np.linalg.norm(centers - starts, axis=1)
+    doubtful = np.flatnonzero(~(moved < radii))
+    exact = surface.distances(starts[doubtful])
+    is_apart = ~(moved[doubtful] < radii[doubtful] + exact)
+    again, exact = doubtful[is_apart], exact[is_apart]
+    centers[again], radii[again] = _climb(surface, starts[again], exact, axes[again], tolerance)
+    return InscribedSpheres(centers, radii)
+
+
+def _climb(
+    surface: LocalSurface,
+    starts: Points,
+    bounds: Floats,
+    axes: Floats,
+    tolerance: float,
+    *,
+    first_box: float = _FIRST_BOX,
+) -> InscribedSpheres:
+    """Local maxima reached from `starts`, where the radii are at most `bounds`."""
+    centers, radii = starts.copy(), bounds.copy()
+    box = first_box * radii
+    active = np.flatnonzero(radii > 0)
+    near = _Neighbourhood(surface, len(centers))
+    for _ in range(_ROUNDS):
+        if len(active) == 0:
+            break
+        # Inside the box the radius grows and every distance shrinks by at most its half diagonal.
+        reach = 2 * np.sqrt(2) * box[active]
+        rows = _rows(near, centers, axes, radii, reach, active)
+        radii[active] = rows.radii
+        step, height = largest_steps(rows, box[active])
+        moves = height - rows.radii > tolerance
+        active, step, height = active[moves], step[moves], height[moves]
+        length = np.linalg.norm(step, axis=1)
+        centers[active] += np.einsum("ni,nij->nj", step, axes[active])
+        # The true radius lies between `height` and this; the next round finds it.
+        radii[active] += length
+        near.forget(active, length)
+        is_held = np.abs(step).max(axis=1) > 0.99 * box[active]
+        box[active] = np.where(is_held, 3 * box[active], 2 * length)
+        box[active] = np.clip(box[active], _SMALLEST_BOX * height, _LARGEST_BOX * height)
+        outside = np.any((centers < surface.lowest) | (centers > surface.highest), axis=1)
+        centers[outside], radii[outside] = np.nan, np.nan
+        active = active[~outside[active]]
+    if len(active):
+        radii[active] = surface.distances(centers[active])
+    return InscribedSpheres(centers, radii)
+
+
+class _Neighbourhood:
+    """Triangles near every centre, found once and thinned out as the centres settle."""
+
+    def __init__(self, surface: LocalSurface, count: int) -> None:
+        self._surface = surface
+        self._covered = np.full(count, -np.inf)
+        self._pairs = NearPairs(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64))
+
+    def forget(self, active: Indices, moved: Floats) -> None:
+        """Centres have moved: what is known to be complete shrinks by as much."""
+        self._covered[active] -= moved
+
+    def pairs(
+        self, centers: Points, active: Indices, radii: Floats, spare: Floats
+    ) -> tuple[NearPairs, SurfaceIndex]:
+        """All triangles within `radii` of the active centres, kept up to `radii + spare`."""
+        wanted = radii + spare
+        if np.any(radii > self._covered[active]):
+            found = self._surface.near(centers[active], wanted)
+            query, triangle = active[found.query], found.triangle
+            self._covered[active] = wanted
+        else:
+            query, triangle = self._pairs
+            self._covered[active] = np.minimum(self._covered[active], wanted)
+        index = self._surface.index
+        bounds = index.lower_bounds(centers[query], triangle)
+        limit = np.full(len(centers), -np.inf)
+        limit[active] = self._covered[active]
+        kept = bounds <= limit[query]
+        self._pairs = NearPairs(query[kept], triangle[kept])
+        limit[active] = radii
+        inner = bounds <= limit[query]
+        return NearPairs(query[inner], triangle[inner]), index
+
+
+def _rows(
+    near: _Neighbourhood,
+    centers: Points,
+    axes: Floats,
+    radii: Floats,
+    reach: Floats,
+    active: Indices,
+) -> LinearRows:
+    """Linear models of the distances that matter within the boxes, and the exact radii."""
+    (query, triangle), index = near.pairs(centers, active, radii[active] + reach, reach)
+    offset = centers[query] - index.closest_points(centers[query], triangle)
+    distance = norm(offset)
+    starts = np.searchsorted(query, active)
+    radius = np.minimum.reduceat(distance, starts)
+    group = np.searchsorted(active, query)
+    matters = distance <= (radius + reach)[group]
+    query, offset, distance = query[matters], offset[matters], distance[matters]
+    slope = np.einsum("nij,nj->ni", axes[query], offset) / np.maximum(distance, 1e-300)[:, None]
+    return LinearRows(distance, slope, np.searchsorted(query, active), radius)
+
+
+def _unit(tangents: ArrayLike, centers: Points) -> Points:
+    tangents = as_points(tangents, "tangents")
+    if len(tangents) != len(centers):
+        raise InputError(
+            f"tangents: expected one for each of the {len(centers)} centers, got {len(tangents)}."
+        )
+    lengths = np.linalg.norm(tangents, axis=1)
+    if np.any(lengths == 0):
+        raise InputError(
+            f"tangents: expected directions, got zero at point {np.argmin(lengths)}; "
+            "remove repeated axis points."
+        )
+    return tangents / lengths[:, None]

@@ -1,0 +1,82 @@
+"""The part of a surface that lies near some centres."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..geometry import NearPairs, SurfaceIndex, dot, may_meet_box
+from ..validation import Floats, Points, Triangles
+
+_THINNED_ABOVE, _THINNING = 4000, 8
+"""A surface with more triangles than this is thinned to one in so many."""
+
+_AMPLY = 1.1
+"""Factor on what the box is to grow by, against rounding."""
+
+
+class LocalSurface:
+    """The part of a surface near some centres; grows when they ask for more."""
+
+    def __init__(
+        self,
+        points: Points,
+        triangles: Triangles,
+        centers: Points,
+        extent: tuple[Floats, Floats] | None = None,
+    ) -> None:
+        self._points, self._triangles, self._centers = points, triangles, centers
+        self.lowest: Floats
+        self.highest: Floats
+        self.lowest, self.highest = extent or (points.min(axis=0), points.max(axis=0))
+        # Any vertex in use bounds the distance to the wall; a thousand bound it well enough.
+        some = points[triangles[:: max(1, len(triangles) // 1000), 0]]
+        offset = (centers[:, None] - some).reshape(-1, 3)
+        squared = dot(offset, offset).reshape(len(centers), -1)
+        self._grow(2.5 * float(np.sqrt(squared.min(axis=1).max())))
+
+    def near(self, centers: Points, radii: Floats) -> NearPairs:
+        """`SurfaceIndex.near`, complete; triangle numbers change when `index` does."""
+        self._cover(centers, radii)
+        return self.index.near(centers, radii)
+
+    def distances(self, centers: Points) -> Floats:
+        """Distance (n,) from centres to the whole surface."""
+        distance = self.index.distances(centers).distance
+        if self._cover(centers, distance):
+            # More triangles are never farther away: what has been covered is enough.
+            distance = self.index.distances(centers).distance
+        return distance
+
+    def thinned(self) -> LocalSurface | None:
+        """A random part of the triangles; None where there are too few to be worth it."""
+        if len(self._triangles) < _THINNED_ABOVE:
+            return None
+        # A regular choice could leave out whole sides of a regular mesh.
+        count = len(self._triangles)
+        chosen = np.random.default_rng(0).integers(0, count, count // _THINNING)
+        extent = (self.lowest, self.highest)
+        return LocalSurface(self._points, self._triangles[chosen], self._centers, extent)
+
+    def _grow(self, margin: float) -> None:
+        """Take the triangles in the box round the centres; it holds a vertex in use."""
+        self._margin = margin
+        self._low = self._centers.min(axis=0) - margin
+        self._high = self._centers.max(axis=0) + margin
+        kept = self._triangles
+        if not self._is_whole():
+            kept = kept[may_meet_box(self._points, kept, self._low, self._high)]
+        self.index = SurfaceIndex(self._points, kept)
+
+    def _is_whole(self) -> bool:
+        return bool(np.all(self._low <= self.lowest) and np.all(self._high >= self.highest))
+
+    def _cover(self, centers: Points, radii: Floats) -> bool:
+        """Grow, at most once, to hold all within the radii of the centres; whether it grew."""
+        reach = radii[:, None]
+        beyond = np.maximum(self._low - (centers - reach), centers + reach - self._high)
+        missing = float(beyond.max(initial=0.0))
+        if missing <= 0 or self._is_whole():
+            return False
+        # Doubling spares growing at every step, but twice the margin of a centre on a vertex is 0.
+        self._grow(max(2 * self._margin, self._margin + _AMPLY * missing))
+        return True

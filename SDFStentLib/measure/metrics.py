@@ -1,0 +1,270 @@
+"""Diameters along a vessel, and how narrow it is.
+
+Two diameters, because neither tells all. The *inscribed* diameter is that of the largest sphere
+that fits into the lumen, its centre free in the plane across the axis: what a stent or a balloon
+feels. The *equivalent* diameter is that of the circle with the area of the lumen's cross-section:
+what the flow feels. They agree in a round tube; elsewhere the inscribed one is the smaller.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..geometry import arc_lengths, resampled, tangents
+from ..validation import Floats, InputError, Points, as_number, as_points, as_triangles, read_only
+from .closed_ends import past_closed_ends
+from .cross_section import equivalent_diameters, winding_numbers
+from .inscribed import inscribed_spheres
+
+Reference = Literal["mean of the two ends", "proximal", "distal", "interpolated"]
+REFERENCES: tuple[str, ...] = get_args(Reference)
+
+_WINDING_INSIDE = 0.3
+"""Winding numbers are 1 inside, 0 outside and 1/2 in the middle of an open end."""
+
+
+@dataclass(frozen=True)
+class DiameterProfile:
+    """Diameters at stations along an axis, ordered as the axis (proximal to distal).
+
+    NaN where a diameter could not be measured; `gaps` says in words where and why.
+    """
+
+    arc_length: Floats
+    """(n,) position along the axis, mm."""
+    centers: Points
+    """(n, 3) centres of the inscribed spheres, mm."""
+    inscribed_diameter: Floats
+    """(n,) mm."""
+    equivalent_diameter: Floats
+    """(n,) mm."""
+
+    def __post_init__(self) -> None:
+        for name in ("arc_length", "centers", "inscribed_diameter", "equivalent_diameter"):
+            object.__setattr__(self, name, read_only(getattr(self, name)))
+
+    @property
+    def minimum(self) -> float:
+        """Smallest inscribed diameter, mm; NaN when there is none."""
+        return _statistic(np.min, self.inscribed_diameter)
+
+    @property
+    def maximum(self) -> float:
+        """Largest inscribed diameter, mm."""
+        return _statistic(np.max, self.inscribed_diameter)
+
+    @property
+    def mean(self) -> float:
+        """Mean inscribed diameter of the stations, mm."""
+        return _statistic(np.mean, self.inscribed_diameter)
+
+    @property
+    def sd(self) -> float:
+        """Standard deviation of the inscribed diameters (of all stations: divided by n), mm."""
+        return _statistic(np.std, self.inscribed_diameter)
+
+    @property
+    def minimum_arc_length(self) -> float:
+        """Position of the smallest inscribed diameter, mm; the first of equals."""
+        known = np.flatnonzero(np.isfinite(self.inscribed_diameter))
+        if len(known) == 0:
+            return float("nan")
+        return float(self.arc_length[known[np.argmin(self.inscribed_diameter[known])]])
+
+    @property
+    def gaps(self) -> tuple[str, ...]:
+        """A sentence for each kind of diameter that is missing somewhere."""
+        return tuple(
+            f"No {name} diameter at {np.isnan(values).sum()} of {len(values)} stations "
+            f"({_ranges(self.arc_length, np.isnan(values))} mm along the axis): {reason}."
+            for name, values, reason in (
+                (
+                    "inscribed",
+                    self.inscribed_diameter,
+                    "the axis is outside the lumen there, or at an end that is no flat cap across",
+                ),
+                (
+                    "equivalent",
+                    self.equivalent_diameter,
+                    "no closed cross-section of the surface lies round the axis there, or a cap "
+                    "cuts it off",
+                ),
+            )
+            if np.isnan(values).any()
+        )
+
+    def over(self, start: float, end: float) -> DiameterProfile:
+        """The stations from `start` to `end` (mm of arc length, both included).
+
+        Raises
+        ------
+        InputError
+            No station lies there.
+        """
+        # Stations are computed positions: one that is meant to be at the end may round beyond.
+        chosen = (self.arc_length >= start - 1e-9) & (self.arc_length <= end + 1e-9)
+        if not chosen.any():
+            raise InputError(
+                f"over: expected a part of 0 to {self.arc_length[-1]:g} mm that holds a station, "
+                f"got {start:g} to {end:g} mm."
+            )
+        return DiameterProfile(
+            self.arc_length[chosen],
+            self.centers[chosen],
+            self.inscribed_diameter[chosen],
+            self.equivalent_diameter[chosen],
+        )
+
+
+@dataclass(frozen=True)
+class Stenosis:
+    """How narrow a vessel is, with the reference that this is measured against.
+
+    Percent *diameter* stenosis is 100 (1 - minimum / reference) of the inscribed diameters,
+    percent *area* stenosis the same of the cross-section areas. 50 % by diameter are 75 % by area
+    in a round lumen. Negative: wider than the reference everywhere. NaN: not measurable.
+    """
+
+    reference: str
+    minimum_diameter: float
+    """Minimum lumen diameter (inscribed), mm."""
+    minimum_arc_length: float
+    """Where along the axis it is, mm."""
+    reference_diameter: float
+    percent_diameter: float
+    minimum_area: float
+    """Smallest cross-section, mm^2; it may lie elsewhere than the smallest diameter."""
+    reference_area: float
+    percent_area: float
+
+
+def diameter_profile(
+    points: ArrayLike, triangles: ArrayLike, axis_points: ArrayLike, spacing: float = 1.0
+) -> DiameterProfile:
+    """Inscribed and equivalent diameter at stations along an axis.
+
+    Parameters
+    ----------
+    points, triangles : array_like, shapes (k, 3) and (m, 3)
+        The surface, open or closed.
+    axis_points : array_like, shape (n, 3)
+        Polyline inside the lumen, mm. It gives the stations and the planes across; it need not
+        be in the middle.
+    spacing : float
+        Distance of the stations, mm; changed a little so that both ends are stations.
+
+    Returns
+    -------
+    DiameterProfile
+        NaN at a station outside the surface. Flat caps of in- and outlets count as open for the
+        inscribed diameter; NaN before an end that is not flat, and for the equivalent diameter
+        where a cap cuts the section. In a junction the plane may cut along the other branch: both
+        diameters grow there, the equivalent one most.
+
+    Raises
+    ------
+    InputError
+        Wrong shapes, fewer than two axis points, or a spacing that is not above 0.
+    """
+    points = as_points(points)
+    triangles = as_triangles(triangles, len(points))
+    stations = resampled(axis_points, as_number(spacing, "spacing", unit="mm", above=0))
+    directions = tangents(stations)
+    equivalent = equivalent_diameters(points, triangles, stations, directions)
+    spheres, equivalent = past_closed_ends(
+        points,
+        triangles,
+        stations,
+        directions,
+        inscribed_spheres(points, triangles, stations, directions),
+        equivalent,
+    )
+
+    # A closed section round the station proves that it is inside; the few others are looked at.
+    outside = np.flatnonzero(np.isnan(equivalent))
+    outside = outside[winding_numbers(stations[outside], points, triangles) < _WINDING_INSIDE]
+    centers, inscribed = spheres.centers.copy(), 2 * spheres.radii
+    centers[outside], inscribed[outside] = np.nan, np.nan
+    return DiameterProfile(arc_lengths(stations), centers, inscribed, equivalent)
+
+
+def stenosis(
+    profile: DiameterProfile,
+    reference: Reference = "mean of the two ends",
+    *,
+    reference_profile: DiameterProfile | None = None,
+) -> Stenosis:
+    """Narrowest place of a profile against its ends.
+
+    Parameters
+    ----------
+    profile : DiameterProfile
+    reference : str
+        "mean of the two ends", "proximal" or "distal" (the first or last station with a
+        diameter), or "interpolated" (on the line between the two, at the narrowest place).
+    reference_profile : DiameterProfile, optional
+        Profile whose ends are the reference; default `profile` itself. Give the one before
+        treatment to tell the residual stenosis after it.
+
+    Raises
+    ------
+    InputError
+        An unknown reference.
+    """
+    if reference not in REFERENCES:
+        raise InputError(
+            f"reference: expected one of {', '.join(map(repr, REFERENCES))}, got {reference!r}."
+        )
+    source = profile if reference_profile is None else reference_profile
+    at = profile.minimum_arc_length
+    diameter = _reference(source.arc_length, source.inscribed_diameter, reference, at)
+    areas = np.pi / 4 * profile.equivalent_diameter**2
+    minimum_area = _statistic(np.min, areas)
+    area_at = float(profile.arc_length[np.nanargmin(areas)]) if np.isfinite(areas).any() else np.nan
+    area = _reference(
+        source.arc_length, np.pi / 4 * source.equivalent_diameter**2, reference, area_at
+    )
+    return Stenosis(
+        reference,
+        profile.minimum,
+        at,
+        diameter,
+        _percent(profile.minimum, diameter),
+        minimum_area,
+        area,
+        _percent(minimum_area, area),
+    )
+
+
+def _statistic(function: object, values: Floats) -> float:
+    known = values[np.isfinite(values)]
+    return float(function(known)) if len(known) else float("nan")  # type: ignore[operator]
+
+
+def _reference(arc_length: Floats, values: Floats, reference: str, at: float) -> float:
+    known = np.flatnonzero(np.isfinite(values))
+    if len(known) == 0:
+        return float("nan")
+    ends = known[[0, -1]]
+    first, last = values[ends]
+    if reference == "interpolated":
+        return float(np.interp(at, arc_length[ends], values[ends]))
+    chosen = {"proximal": first, "distal": last, "mean of the two ends": (first + last) / 2}
+    return float(chosen[reference])
+
+
+def _percent(minimum: float, reference: float) -> float:
+    return 100 * (1 - minimum / reference) if reference > 0 else float("nan")
+
+
+def _ranges(positions: Floats, chosen: NDArray[np.bool_]) -> str:
+    """The runs of chosen positions in words: "0.0 to 3.0 and 9.0"."""
+    edges = np.flatnonzero(np.diff(np.r_[0, chosen.astype(np.int8), 0])).reshape(-1, 2)
+    runs = [(positions[first], positions[after - 1]) for first, after in edges]
+    return " and ".join(
+        f"{low:.1f}" + (f" to {high:.1f}" if high > low else "") for low, high in runs
+    )

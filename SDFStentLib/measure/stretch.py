@@ -1,0 +1,82 @@
+"""How much a surface is stretched and moved between two states of the same mesh."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..geometry import dot
+from ..validation import Floats, InputError, Points, Triangles, as_points, as_triangles
+
+
+class FaceStretch(NamedTuple):
+    """Per face (m,), as ratios after / before: 1 is unchanged.
+
+    `area` is the product of the other two. NaN at a face without area before.
+    """
+
+    area: Floats
+    largest: Floats
+    smallest: Floats
+
+
+def face_stretches(before: ArrayLike, after: ArrayLike, triangles: ArrayLike) -> FaceStretch:
+    """Area stretch and principal stretches of every triangle.
+
+    A triangle maps linearly onto itself in the other state. The singular values s1 >= s2 of this
+    2-D deformation gradient F are the largest and the smallest ratio of lengths in it. They follow
+    from invariants, (s1 + s2)^2 = tr(F'F) + 2 J and (s1 - s2)^2 = tr(F'F) - 2 J with J = s1 s2,
+    the ratio of the areas.
+
+    Parameters
+    ----------
+    before, after : array_like, shape (n, 3)
+        The points in both states, mm.
+    triangles : array_like, shape (m, 3)
+
+    Raises
+    ------
+    InputError
+        Different numbers of points, or triangles that do not fit them.
+    """
+    before, after = _both_states(before, after)
+    triangles = as_triangles(triangles, len(before))
+    uu, uv, vv = _metric(before, triangles)
+    new_uu, new_uv, new_vv = _metric(after, triangles)
+    old_area, new_area = uu * vv - uv * uv, new_uu * new_vv - new_uv * new_uv
+    has_area = old_area > np.finfo(float).eps * uu * vv
+    squared = np.where(has_area, old_area, np.nan)
+
+    trace = (vv * new_uu - 2 * uv * new_uv + uu * new_vv) / squared
+    area = np.sqrt(np.maximum(new_area, 0.0) / squared)
+    total = np.sqrt(np.maximum(trace + 2 * area, 0.0))
+    difference = np.sqrt(np.maximum(trace - 2 * area, 0.0))
+    return FaceStretch(area, (total + difference) / 2, (total - difference) / 2)
+
+
+def displacements(before: ArrayLike, after: ArrayLike) -> Floats:
+    """Distance (n,) that every point has moved, mm.
+
+    `InputError` when the two states differ in their number of points.
+    """
+    before, after = _both_states(before, after)
+    return np.linalg.norm(after - before, axis=1)
+
+
+def _both_states(before: ArrayLike, after: ArrayLike) -> tuple[Points, Points]:
+    before, after = as_points(before, "before"), as_points(after, "after")
+    if len(before) != len(after):
+        raise InputError(
+            f"after: expected the {len(before)} points of the state before, got {len(after)}; "
+            "give two states of the same mesh."
+        )
+    return before, after
+
+
+def _metric(points: Points, triangles: Triangles) -> tuple[Floats, Floats, Floats]:
+    """Scalar products of the two sides at the first corner."""
+    first = points[triangles[:, 0]]
+    u, v = points[triangles[:, 1]] - first, points[triangles[:, 2]] - first
+    return dot(u, u), dot(u, v), dot(v, v)

@@ -1,0 +1,196 @@
+"""What a synthetic vessel is: its surface, exact axes, radii, openings and centerline."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..centerline import Centerline
+from ..validation import Floats, Points, Triangles, read_only
+from .axis import Axis, inscribed_radii
+from .mesh import Patch
+
+CENTERLINE_SPACING = 0.5
+"""Of the centerline points, mm."""
+
+
+@dataclass(frozen=True, eq=False)
+class Vessel:
+    """One tube of a phantom: its axis and the radius of its cross section by arc length."""
+
+    name: str
+    axis: Axis
+    radius: Callable[[Floats], Floats]
+
+
+@dataclass(frozen=True, eq=False)
+class Opening:
+    """A flat cap: name, face id, center (3,) mm, unit normal (3,) out of the lumen, radius mm."""
+
+    name: str
+    face_id: int
+    center: Floats
+    outward: Floats
+    radius: float
+
+    @property
+    def is_inlet(self) -> bool:
+        """Whether blood comes in here."""
+        return self.name.endswith("inlet")
+
+
+@dataclass(frozen=True, eq=False)
+class Throat:
+    """The narrowest place: vessel number, arc length mm, point (3,) mm, diameters mm."""
+
+    vessel: int
+    arc_length: float
+    point: Floats
+    diameter: float
+    reference_diameter: float
+
+
+@dataclass(frozen=True, eq=False)
+class Phantom:
+    """A synthetic patient.
+
+    Attributes
+    ----------
+    name : str
+    points, triangles, face_ids : (n, 3), (m, 3), (m,) arrays
+        The surface, mm, and the id of every triangle's face.
+    centerline : Centerline
+        Points on the exact axes from inlet to outlets. Its inscribed radius is that of the
+        largest sphere inside the exact wall; caps are not counted as wall.
+    vessels : tuple of Vessel
+        The exact axes and section radii.
+    openings : tuple of Opening
+        In order of the face ids.
+    throat : Throat or None
+        Where a stent belongs.
+    """
+
+    name: str
+    points: Points
+    triangles: Triangles
+    face_ids: NDArray[np.int64]
+    centerline: Centerline
+    vessels: tuple[Vessel, ...]
+    openings: tuple[Opening, ...]
+    throat: Throat | None = None
+
+    def axis_at(self, arc_length: ArrayLike, vessel: int = 0) -> Points:
+        """Exact axis points (n, 3), mm, at arc lengths (n,) from the start of a vessel."""
+        return self.vessels[vessel].axis.point(arc_length)
+
+    def radius_at(self, arc_length: ArrayLike, vessel: int = 0) -> Floats:
+        """Radius (n,) of the cross section, mm, at arc lengths (n,) of a vessel.
+
+        Near the junction of a branching phantom, where the vessels are blended, the lumen is
+        wider than this.
+        """
+        return self.vessels[vessel].radius(np.atleast_1d(np.asarray(arc_length, dtype=float)))
+
+
+def assembled(
+    name: str,
+    patch: Patch,
+    vessels: tuple[Vessel, ...],
+    openings: Sequence[Opening],
+    *,
+    joints: Sequence[float | None] = (),
+    throat: float | None = None,
+    radii_of: Callable[[Vessel, Floats], Floats] | None = None,
+) -> Phantom:
+    """A phantom with its centerline and throat.
+
+    Parameters
+    ----------
+    patch : Patch
+        The closed surface.
+    joints : sequence of float or None
+        For each vessel after the first: the arc length of the first at which it starts, or
+        None for a vessel of its own.
+    throat : float, optional
+        Arc length of the first vessel at which it is narrowest.
+    radii_of : callable, optional
+        Inscribed radii of a vessel at arc lengths; by default those of a swept tube.
+    """
+    radii_of = radii_of or (lambda vessel, at: inscribed_radii(vessel.axis, vessel.radius, at))
+    return Phantom(
+        name=name,
+        points=read_only(patch.points),
+        triangles=read_only(patch.triangles),
+        face_ids=read_only(patch.face_ids),
+        centerline=_centerline(vessels, joints, radii_of),
+        vessels=vessels,
+        openings=tuple(openings),
+        throat=None if throat is None else _throat(vessels[0], throat),
+    )
+
+
+def ends_of(vessel: Vessel, first_face_id: int, prefix: str = "") -> list[Opening]:
+    """The two openings of a tube; face ids count on from the given one."""
+    stations = np.array([0.0, vessel.axis.length])
+    centers, tangents = vessel.axis.point(stations), vessel.axis.tangent(stations)
+    radii = vessel.radius(stations)
+    return [
+        Opening(
+            prefix + ("inlet", "outlet")[end],
+            first_face_id + end,
+            read_only(centers[end]),
+            read_only((-1, 1)[end] * tangents[end]),
+            float(radii[end]),
+        )
+        for end in (0, 1)
+    ]
+
+
+def _throat(vessel: Vessel, arc_length: float) -> Throat:
+    ends = vessel.radius(np.array([0.0, vessel.axis.length]))
+    return Throat(
+        vessel=0,
+        arc_length=arc_length,
+        point=read_only(vessel.axis.point(arc_length)[0]),
+        diameter=2 * float(vessel.radius(np.array([arc_length]))[0]),
+        reference_diameter=2 * float(ends[1]),
+    )
+
+
+def _centerline(
+    vessels: Sequence[Vessel],
+    joints: Sequence[float | None],
+    radii_of: Callable[[Vessel, Floats], Floats],
+) -> Centerline:
+    """Points along the exact axes; a side vessel hangs on the point where it leaves the first."""
+    stops = sorted({0.0, vessels[0].axis.length, *(at for at in joints if at is not None)})
+    stations = [_stations(stops)]
+    parents = [np.arange(len(stations[0])) - 1]
+    count = len(stations[0])
+    for vessel, joint in zip(vessels[1:], joints, strict=True):
+        at = _stations([0.0, vessel.axis.length])
+        root = -1
+        if joint is not None:
+            at, root = at[1:], int(np.argmin(np.abs(stations[0] - joint)))
+        parents.append(np.r_[root, count + np.arange(len(at) - 1)])
+        stations.append(at)
+        count += len(at)
+    pairs = list(zip(vessels, stations, strict=True))
+    return Centerline(
+        points=np.vstack([vessel.axis.point(at) for vessel, at in pairs]),
+        inscribed_radius=np.concatenate([radii_of(vessel, at) for vessel, at in pairs]),
+        parent=np.concatenate(parents),
+    )
+
+
+def _stations(stops: Sequence[float]) -> Floats:
+    """Arc lengths from stop to stop, `CENTERLINE_SPACING` or a little less apart."""
+    parts = [np.array([stops[0]])]
+    for start, end in pairwise(stops):
+        count = int(np.ceil((end - start) / CENTERLINE_SPACING - 1e-9))
+        parts.append(np.linspace(start, end, count + 1)[1:])
+    return np.concatenate(parts)

@@ -1,0 +1,62 @@
+"""One document that holds all that determines a result: written, read and carried out.
+
+What is named here is imported when it is first asked for: much of it needs vtk.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..late import late_names
+
+if TYPE_CHECKING:
+    from .document import POINT_PLACEMENTS, plan_text, save_plan
+    from .json_document import scaled
+    from .plan import Plan, turned
+    from .reader import load_plan, plan_from_document
+    from .run import (
+        InputFiles,
+        PlanResult,
+        input_file,
+        read_input_files,
+        read_plan_inputs,
+        run_plan,
+        treatment_of,
+    )
+
+__all__ = [
+    "POINT_PLACEMENTS",
+    "InputFiles",
+    "Plan",
+    "PlanResult",
+    "input_file",
+    "load_plan",
+    "plan_from_document",
+    "plan_text",
+    "read_input_files",
+    "read_plan_inputs",
+    "run_plan",
+    "save_plan",
+    "scaled",
+    "treatment_of",
+    "turned",
+]
+
+__getattr__, __dir__ = late_names(
+    __name__,
+    {
+        "document": ["POINT_PLACEMENTS", "plan_text", "save_plan"],
+        "json_document": ["scaled"],
+        "plan": ["Plan", "turned"],
+        "reader": ["load_plan", "plan_from_document"],
+        "run": [
+            "InputFiles",
+            "PlanResult",
+            "input_file",
+            "read_input_files",
+            "read_plan_inputs",
+            "run_plan",
+            "treatment_of",
+        ],
+    },
+)

@@ -1,0 +1,141 @@
+"""Plans as JSON documents: writing. `reader` reads; `plan.schema.json` describes them."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+from ..deformation import DeploymentSettings
+from ..files import write_bytes
+from ..stent import (
+    AlongAxis,
+    AtCenter,
+    AtDistalEnd,
+    AtProximalEnd,
+    BetweenPoints,
+    InputFile,
+    Placement,
+    Stent,
+)
+from ..units import MILLIMETERS
+from ..validation import InputError
+from .json_document import json_text, text_value, unscaled
+from .plan import Plan
+
+SCHEMA = "sdfstent-plan"
+SCHEMA_VERSION = 1
+
+POINT_PLACEMENTS: dict[str, type[AtCenter] | type[AtDistalEnd] | type[AtProximalEnd]] = {
+    "center": AtCenter,
+    "distal": AtDistalEnd,
+    "proximal": AtProximalEnd,
+}
+"""Placements by one point, as the document and the command line call them."""
+
+SETTINGS = tuple(field.name for field in fields(DeploymentSettings))
+"""Names of the method's parameters, the same in the document."""
+
+NAMED_SETTINGS = ("rule", "falloff", "blend", "calibration")
+"""Those that are names."""
+
+
+def save_plan(
+    plan: Plan, path: str | os.PathLike[str], *, relative_to: str | os.PathLike[str] | None = None
+) -> None:
+    """Write a plan as JSON, whole or not at all.
+
+    Parameters
+    ----------
+    plan : Plan
+    path : path
+    relative_to : path, optional
+        Folder that the paths of its files start from; that of the plan by default, as it must be
+        when the plan is read.
+
+    Raises
+    ------
+    InputError
+        Settings with a function of one's own, a name of a stent that is no text, or a file that
+        cannot be written.
+    """
+    folder = os.path.dirname(os.path.abspath(path)) if relative_to is None else relative_to
+    write_bytes(path, plan_text(plan, os.fspath(folder)).encode())
+
+
+def plan_text(plan: Plan, folder: str | None = None) -> str:
+    """The plan as JSON text; files relative to a folder, or absolute."""
+    return json_text(plan_document(plan, folder)) + "\n"
+
+
+def plan_document(plan: Plan, folder: str | None = None) -> dict[str, Any]:
+    """The plan as values of JSON. Points in its unit, as `Decimal`; everything else in mm.
+
+    Raises
+    ------
+    InputError
+        Settings with a function of one's own or a name that is no text, which a document cannot
+        hold.
+    """
+    method: dict[str, Any] = {name: getattr(plan.settings, name) for name in SETTINGS}
+    for name in NAMED_SETTINGS:
+        if not isinstance(method[name], str):
+            raise InputError(
+                f"settings.{name}: expected a name, got a function; a plan holds names only."
+            )
+    return {
+        "schema": SCHEMA,
+        "version": SCHEMA_VERSION,
+        "sdfstent_version": plan.sdfstent_version,
+        "inputs": {
+            "units": plan.units,
+            "frame": plan.frame,
+            "surface": _file_document(plan.surface, folder),
+            "centerline": _file_document(plan.centerline, folder),
+        },
+        "stents": [_stent_document(stent, plan.units, folder) for stent in plan.stents],
+        "settings": {**method, "straightening_fraction": plan.straightening_fraction},
+    }
+
+
+def _stent_document(stent: Stent, units: str, folder: str | None) -> dict[str, Any]:
+    return {
+        "name": text_value(stent.name, "stent name"),
+        "enabled": stent.enabled,
+        "diameter": float(stent.diameter),
+        "length": stent.length,
+        "foreshortening_fraction": stent.foreshortening_fraction,
+        "placement": placement_document(stent.placement, units, folder),
+    }
+
+
+def placement_document(
+    placement: Placement,
+    units: str = "mm",
+    folder: str | None = None,
+) -> dict[str, Any]:
+    """A placement as in a plan's document, its points in a unit as `Decimal`."""
+
+    def point(coordinates: Any) -> list[Any]:
+        return [unscaled(value, MILLIMETERS[units]) for value in coordinates]
+
+    if isinstance(placement, AlongAxis):
+        by_file = _file_document(placement.file, folder)
+        return {"axis": by_file or {"points": [point(p) for p in placement.points]}}
+    if isinstance(placement, BetweenPoints):
+        return {"from": point(placement.start), "to": point(placement.end)}
+    name = next(key for key, kind in POINT_PLACEMENTS.items() if isinstance(placement, kind))
+    return {name: point(placement.point)}
+
+
+def _file_document(file: InputFile | None, folder: str | None) -> dict[str, Any] | None:
+    if file is None:
+        return None
+    path = file.path
+    if folder is not None:
+        try:
+            path = os.path.relpath(path, folder)
+        except ValueError:  # another drive, on Windows
+            path = file.path
+    return {"file": Path(path).as_posix(), "sha256": file.sha256}

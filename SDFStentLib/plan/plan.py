@@ -1,0 +1,72 @@
+"""The plan: one value that holds everything that determines a result.
+
+`document` and `reader` turn it into JSON and back, `run` carries it out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from ..deformation import DeploymentSettings
+from ..stent import ByValue, InputFile, Stent
+from ..units import Frame, flipped, millimeters_per
+from ..validation import InputError, as_number
+from ..version import VERSION
+
+
+@dataclass(frozen=True, eq=False)
+class Plan(ByValue):
+    """Stents in order, where they go, in what, and how. Plans with the same values are equal.
+
+    Attributes
+    ----------
+    stents : tuple of Stent
+        In the order of deployment: later ones see the vessel as earlier ones left it. Lengths and
+        points in mm, in the frame `frame`.
+    surface, centerline : InputFile, optional
+        Left out where a program has them in memory.
+    units : {"mm", "cm", "m"}
+        Unit of the files, and of the points in the plan's document.
+    frame : "RAS", "LPS" or None
+        Frame of the points; `None` is the surface's, whatever that is.
+    settings : DeploymentSettings
+    straightening_fraction : float
+        Share of the way to its chord by which every stent straightens its axis, 0 to 1.
+    sdfstent_version : str
+        Of the program that made the plan.
+    """
+
+    stents: tuple[Stent, ...] = ()
+    surface: InputFile | None = None
+    centerline: InputFile | None = None
+    units: str = "mm"
+    frame: Frame | None = None
+    settings: DeploymentSettings = field(default_factory=DeploymentSettings)
+    straightening_fraction: float = 0.0
+    sdfstent_version: str = VERSION
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "stents", tuple(self.stents))
+        millimeters_per(self.units)
+        if self.frame not in (None, "RAS", "LPS"):
+            raise InputError(f"frame: expected RAS, LPS or none, got {self.frame!r}.")
+        as_number(self.straightening_fraction, "straightening fraction", minimum=0, maximum=1)
+        for number, stent in enumerate(self.stents, start=1):
+            if not isinstance(stent, Stent):
+                raise InputError(
+                    f"stent {number} of the plan: expected a Stent, got {type(stent).__name__}."
+                )
+
+
+def turned(stent: Stent) -> Stent:
+    """The stent in the other patient frame, RAS or LPS: x and y of its placement negated."""
+    placement = stent.placement
+    changes: dict[str, Any] = {
+        name: flipped(value)
+        for name, value in vars(placement).items()
+        if isinstance(value, np.ndarray)
+    }
+    return replace(stent, placement=replace(placement, **changes))

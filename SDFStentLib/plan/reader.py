@@ -1,0 +1,237 @@
+"""Plans as JSON documents: strict reading."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..deformation import DeploymentSettings
+from ..files import read_content
+from ..stent import AlongAxis, BetweenPoints, InputFile, Placement, Stent
+from ..units import MILLIMETERS, Frame
+from ..validation import InputError, Points
+from .document import NAMED_SETTINGS, POINT_PLACEMENTS, SCHEMA, SCHEMA_VERSION, SETTINGS
+from .json_document import in_words, number, parsed, scaled, section, sequence, text_value, truth
+from .plan import Plan
+
+AxisReader = Callable[[InputFile, str, Frame | None], Points]
+"""Reads the curve of an axis file in a unit and a frame, mm."""
+
+_SWITCHES = ("finish", "facet_compensation", "untangle", "certify")
+
+
+def load_plan(path: str | os.PathLike[str], *, accept_changed_inputs: bool = False) -> Plan:
+    """Read a plan; paths in it are relative to its folder, curves in axis files are read.
+
+    Parameters
+    ----------
+    path : path
+    accept_changed_inputs : bool
+        Read axis files also when they are not the ones that the plan was made with.
+
+    Raises
+    ------
+    InputError
+        A file that cannot be read, no JSON, another schema or version, or a key or a value that
+        does not belong there, with its place.
+    """
+    from .axis import read_axis_file  # vtk, for plans that name a file only
+
+    if os.path.isfile(path) and os.path.getsize(path) == 0:
+        raise InputError(f"{path}: expected a plan in JSON, got an empty file.")
+    content = read_content(path)
+    folder = os.path.dirname(os.path.abspath(path))
+    try:
+        text = content.data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: expected a plan in JSON, got no text in UTF-8.") from error
+    document = parsed(text, str(path))
+
+    def read(file: InputFile, units: str, frame: Frame | None) -> Points:
+        return read_axis_file(file, units, frame, accept_changed=accept_changed_inputs)
+
+    try:
+        return plan_from_document(document, folder, read)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+
+
+def plan_from_document(
+    document: Any, folder: str | None = None, axis_reader: AxisReader | None = None
+) -> Plan:
+    """A plan from the values of its document.
+
+    Parameters
+    ----------
+    document : mapping
+        As `json.loads` gives it; fractions may be `Decimal`.
+    folder : path, optional
+        What relative paths are relative to; the working folder by default.
+    axis_reader : callable, optional
+        Reads axis files; without it a plan that names one is refused.
+
+    Raises
+    ------
+    InputError
+        Another schema or version, unknown or missing keys, or values that do not belong there.
+    """
+    _check_version(document)
+    section(
+        document,
+        "plan",
+        ("schema", "version", "stents"),
+        ("sdfstent_version", "inputs", "settings"),
+    )
+    inputs = section(
+        document.get("inputs", {}), "inputs", (), ("units", "frame", "surface", "centerline")
+    )
+    units, frame = inputs.get("units", "mm"), inputs.get("frame")
+    if not isinstance(units, str) or units not in MILLIMETERS:
+        raise InputError(f"inputs.units: expected mm, cm or m, got {in_words(units)}.")
+    if frame not in (None, "RAS", "LPS"):
+        raise InputError(f"inputs.frame: expected RAS, LPS or null, got {in_words(frame)}.")
+    reader = _StentReader(units, frame, folder, axis_reader)
+    settings, straightening = _settings(document.get("settings", {}))
+    made_by = {}
+    if "sdfstent_version" in document:
+        made_by = {"sdfstent_version": text_value(document["sdfstent_version"], "sdfstent_version")}
+    return Plan(
+        stents=tuple(
+            reader.stent(value, f"stents[{index}]")
+            for index, value in enumerate(sequence(document["stents"], "stents"))
+        ),
+        surface=_file(inputs.get("surface"), "inputs.surface", folder),
+        centerline=_file(inputs.get("centerline"), "inputs.centerline", folder),
+        units=units,
+        frame=frame,
+        settings=settings,
+        straightening_fraction=straightening,
+        **made_by,
+    )
+
+
+class _StentReader:
+    """Stents of one document, with what they need to know of it."""
+
+    def __init__(
+        self, units: str, frame: Frame | None, folder: str | None, axis_reader: AxisReader | None
+    ) -> None:
+        self.units, self.frame, self.folder = units, frame, folder
+        self.axis_reader = axis_reader
+
+    def stent(self, value: Any, where: str) -> Stent:
+        stent = section(
+            value,
+            where,
+            ("diameter", "placement"),
+            ("name", "enabled", "length", "foreshortening_fraction"),
+        )
+        placement = self._placement(stent["placement"], f"{where}.placement")
+        changes: dict[str, Any] = {
+            key: None if stent.get(key) is None else float(number(stent[key], f"{where}.{key}"))
+            for key in ("length", "foreshortening_fraction")
+        }
+        diameter = float(number(stent["diameter"], f"{where}.diameter"))
+        changes["name"] = text_value(stent.get("name", ""), f"{where}.name")
+        changes["enabled"] = truth(stent.get("enabled", True), f"{where}.enabled")
+        return _named(where, lambda: Stent(diameter, placement=placement, **changes))
+
+    def _placement(self, value: Any, where: str) -> Placement:
+        keys = ("center", "distal", "proximal", "from", "to", "axis")
+        given = section(value, where, (), keys)
+        if set(given) == {"from", "to"}:
+            ends = [self._point(given[key], f"{where}.{key}") for key in ("from", "to")]
+            return _named(where, lambda: BetweenPoints(*ends))
+        if set(given) == {"axis"}:
+            return self._axis(given["axis"], f"{where}.axis")
+        if len(given) == 1 and set(given) <= set(POINT_PLACEMENTS):
+            (key,) = given
+            point = self._point(given[key], f"{where}.{key}")
+            return _named(where, lambda: POINT_PLACEMENTS[key](point))
+        raise InputError(
+            f"{where}: expected one of center, distal, proximal, from with to, or axis, "
+            f"got {', '.join(given) or 'nothing'}."
+        )
+
+    def _axis(self, value: Any, where: str) -> AlongAxis:
+        given = section(value, where, (), ("points", "file", "sha256"))
+        if set(given) == {"points"}:
+            listed = sequence(given["points"], f"{where}.points")
+            points = [self._point(p, f"{where}.points[{i}]") for i, p in enumerate(listed)]
+            return _named(where, lambda: AlongAxis(np.array(points)))
+        if "file" not in given or "points" in given:
+            raise InputError(f"{where}: expected either points or a file.")
+        file = _file(given, where, self.folder)
+        assert file is not None
+        if self.axis_reader is None:
+            raise InputError(
+                f"{where}.file: expected the curve's points, got a file, which can be read from "
+                "a plan file only; load the plan from its file."
+            )
+        points_read = self.axis_reader(file, self.units, self.frame)
+        return _named(where, lambda: AlongAxis(points_read, file))
+
+    def _point(self, value: Any, where: str) -> NDArray[np.float64]:
+        coordinates = sequence(value, where)
+        if len(coordinates) != 3:
+            raise InputError(f"{where}: expected three numbers, got {in_words(value)}.")
+        factor = MILLIMETERS[self.units]
+        numbers = [number(item, f"{where}[{i}]") for i, item in enumerate(coordinates)]
+        return np.array([scaled(item, factor) for item in numbers])
+
+
+def _settings(value: Any) -> tuple[DeploymentSettings, float]:
+    given = dict(section(value, "settings", (), (*SETTINGS, "straightening_fraction")))
+    for key in given:
+        where = f"settings.{key}"
+        if key in _SWITCHES:
+            truth(given[key], where)
+        elif key in NAMED_SETTINGS:
+            text_value(given[key], where)
+        elif not (key == "step" and given[key] is None):
+            given[key] = float(number(given[key], where))
+    straightening = given.pop("straightening_fraction", 0.0)
+    return _named("settings", lambda: DeploymentSettings(**given)), straightening
+
+
+def _check_version(document: Any) -> None:
+    if not isinstance(document, Mapping) or document.get("schema") != SCHEMA:
+        found = in_words(document.get("schema") if isinstance(document, Mapping) else document)
+        raise InputError(f"schema: expected {SCHEMA!r}, got {found}; this is no plan.")
+    if document.get("version") != SCHEMA_VERSION or document.get("version") is True:
+        raise InputError(
+            f"version: expected {SCHEMA_VERSION}, got {in_words(document.get('version'))}; "
+            "use the version of sdfstent that wrote the plan."
+        )
+
+
+def _file(value: Any, where: str, folder: str | None) -> InputFile | None:
+    if value is None:
+        return None
+    given = section(value, where, ("file",), ("sha256",))
+    path = _path(given["file"], f"{where}.file")
+    known = given.get("sha256")
+    sha256 = None if known is None else text_value(known, f"{where}.sha256").lower()
+    return _named(where, lambda: InputFile(path and os.path.join(folder or "", path), sha256))
+
+
+def _path(value: Any, where: str) -> str:
+    """The value if a file may have that name: bytes, also such that are no valid text, but no 0."""
+    try:
+        if isinstance(value, str) and b"\0" not in os.fsencode(value):
+            return value
+    except UnicodeEncodeError:
+        pass
+    raise InputError(f"{where}: expected the name of a file, got {in_words(value)}; correct it.")
+
+
+def _named(where: str, make: Callable[[], Any]) -> Any:
+    """What `make` gives; its complaint with the place in the document."""
+    try:
+        return make()
+    except InputError as error:
+        raise InputError(f"{where}: {error}") from error

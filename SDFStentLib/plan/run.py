@@ -1,0 +1,229 @@
+"""Carry out a plan on its files: read, deploy, measure, write."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from time import perf_counter
+
+import numpy as np
+
+from ..centerline import Centerline
+from ..files import (
+    LineFile,
+    SurfaceFile,
+    check_same_space,
+    in_frame_of,
+    read_lines,
+    read_surface,
+    write_centerline,
+    write_surface,
+)
+from ..geometry import Precision
+from ..measure import face_stretches
+from ..stent import AlongAxis, InputFile
+from ..treatment import Treatment, TreatmentResult, TreatmentState
+from ..units import millimeters_per
+from ..validation import InputError
+from ..version import VERSION
+from .axis import changed_input
+from .plan import Plan, turned
+
+
+@dataclass(frozen=True)
+class InputFiles:
+    """A surface and a centerline that belong together, read.
+
+    Attributes
+    ----------
+    surface : SurfaceFile
+    line_file : LineFile or None
+        The centerline as its file has it, in the frame of the surface.
+    centerline : Centerline or None
+        The tree made of it.
+    warnings : tuple of str
+    seconds : float
+        That reading took.
+    """
+
+    surface: SurfaceFile
+    line_file: LineFile | None
+    centerline: Centerline | None
+    warnings: tuple[str, ...]
+    seconds: float
+
+    @property
+    def precision(self) -> Precision:
+        """How coordinates are stored in the surface's file."""
+        return Precision(self.surface.coordinate_type, 1 / millimeters_per(self.surface.units))
+
+
+@dataclass(frozen=True)
+class PlanResult:
+    """A plan that was carried out: the plan, what was read, and what came of it."""
+
+    plan: Plan
+    inputs: InputFiles
+    treatment: TreatmentResult
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Of reading and of the treatment."""
+        return (*self.inputs.warnings, *self.treatment.warnings)
+
+    def write_surface(
+        self, path: str | os.PathLike[str], *, arrays: bool = False
+    ) -> tuple[str, ...]:
+        """Write the surface in unit, precision and with the arrays of the one that was read.
+
+        With `arrays` also `Displacement` (mm, new minus old), `AreaStretch` and
+        `PrincipalStretchMax`, `PrincipalStretchMin`. Returns sentences about what the format
+        cannot keep; `InputError` for a file that cannot be written.
+        """
+        surface, result = self.inputs.surface, self.treatment
+        point_arrays, cell_arrays = {}, {}
+        if arrays:
+            stretch = face_stretches(surface.points, result.points, surface.triangles)
+            point_arrays["Displacement"] = result.points - surface.points
+            cell_arrays = {
+                "AreaStretch": stretch.area,
+                "PrincipalStretchMax": stretch.largest,
+                "PrincipalStretchMin": stretch.smallest,
+            }
+        return write_surface(
+            path, surface, result.indices, result.coordinates, point_arrays, cell_arrays
+        )
+
+    def write_centerline(self, path: str | os.PathLike[str]) -> tuple[str, ...]:
+        """Write the moved centerline in the form of its file; `InputError` without one."""
+        if self.inputs.line_file is None:
+            raise InputError(
+                f"{path}: expected a centerline to write, the plan has none; leave this output out."
+            )
+        return write_centerline(path, self.inputs.line_file, self.treatment.companions)
+
+
+def run_plan(
+    plan: Plan,
+    *,
+    accept_changed_inputs: bool = False,
+    progress: Callable[[TreatmentState], None] | None = None,
+) -> PlanResult:
+    """Read the files of a plan and carry it out; `progress` is called with every state.
+
+    Raises
+    ------
+    InputError
+        Files that cannot be read, that changed since the plan was made, or that do not belong
+        together; a stent that cannot be placed.
+    DeploymentError
+        A stent away from the surface.
+    """
+    inputs = read_plan_inputs(plan, accept_changed_inputs=accept_changed_inputs)
+    treatment = treatment_of(plan, inputs)
+    for state in treatment:
+        if progress is not None:
+            progress(state)
+    return PlanResult(plan, inputs, treatment.result)
+
+
+def read_input_files(
+    surface: str | os.PathLike[str],
+    centerline: str | os.PathLike[str] | None = None,
+    units: str = "mm",
+) -> InputFiles:
+    """Read a surface and its centerline, and check that they are in the same space.
+
+    Raises
+    ------
+    InputError
+        As the readers, and for a centerline outside of the surface, in another unit or frame.
+    """
+    start = perf_counter()
+    surface_file = read_surface(surface, units)
+    line_file, tree = None, None
+    warnings = surface_file.warnings
+    if centerline is not None:
+        line_file = in_frame_of(read_lines(centerline, units), surface_file.frame)
+        tree = line_file.centerline()
+        warnings += line_file.warnings
+        warnings += _same_space(surface_file, tree.points, os.fspath(centerline))
+    return InputFiles(surface_file, line_file, tree, warnings, perf_counter() - start)
+
+
+def read_plan_inputs(plan: Plan, *, accept_changed_inputs: bool = False) -> InputFiles:
+    """Read the surface and the centerline of a plan.
+
+    Raises
+    ------
+    InputError
+        As `read_input_files`; a plan without a surface file; a file whose hash is another.
+    """
+    if plan.surface is None:
+        raise InputError(
+            "inputs.surface: expected a file, the plan names none; save the plan with its surface."
+        )
+    center = plan.centerline
+    inputs = read_input_files(
+        plan.surface.path, None if center is None else center.path, plan.units
+    )
+    pairs = [(plan.surface, inputs.surface.sha256)]
+    if center is not None and inputs.line_file is not None:
+        pairs.append((center, inputs.line_file.sha256))
+    changed = [sentence for pair in pairs if (sentence := changed_input(*pair))]
+    if changed and not accept_changed_inputs:
+        raise InputError(changed[0])
+    warnings = list(inputs.warnings)
+    warnings += [f"{file.path}: it is not the file the plan was made with; accepted as asked."
+                 for file, sha256 in pairs if changed_input(file, sha256)]  # fmt: skip
+    if plan.sdfstent_version != VERSION:
+        warnings.append(
+            f"The plan was made by sdfstent {plan.sdfstent_version}, this is {VERSION}: "
+            "the result may differ."
+        )
+    return replace(inputs, warnings=tuple(warnings))
+
+
+def treatment_of(plan: Plan, inputs: InputFiles) -> Treatment:
+    """The treatment that a plan prescribes for what was read; iterate it, or ask its `result`.
+
+    Raises
+    ------
+    InputError
+        A stent that cannot be placed, or an axis outside of the surface.
+    """
+    surface = inputs.surface
+    stents = plan.stents
+    if plan.frame is not None and surface.frame not in (None, plan.frame):
+        stents = tuple(turned(stent) for stent in stents)
+    for number, stent in enumerate(stents, start=1):
+        if stent.enabled and isinstance(stent.placement, AlongAxis):
+            file = stent.placement.file
+            name = f"axis of stent {number}" if file is None else file.path
+            _same_space(surface, stent.placement.points, name)
+    return Treatment(
+        surface.points,
+        surface.triangles,
+        stents,
+        inputs.centerline,
+        plan.settings,
+        straightening_fraction=plan.straightening_fraction,
+        companions=None if inputs.line_file is None else inputs.line_file.points,
+        precision=inputs.precision,
+    )
+
+
+def input_file(read: SurfaceFile | LineFile) -> InputFile:
+    """What a plan keeps of a file that was read."""
+    return InputFile(os.fspath(read.path), read.sha256)
+
+
+def _same_space(surface: SurfaceFile, points: np.ndarray, name: str) -> tuple[str, ...]:
+    return check_same_space(
+        surface.points,
+        surface.triangles,
+        points,
+        surface_name=os.fspath(surface.path),
+        centerline_name=name,
+    )

@@ -1,0 +1,237 @@
+"""The report as one self-contained page: no scripts, nothing loaded from elsewhere."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from html import escape
+from typing import Any
+
+from .plot import diameter_plot
+from .words import (
+    UNKNOWN,
+    input_rows,
+    millimeters,
+    number_text,
+    plain_label,
+    point_text,
+    stent_rows,
+    stent_titles,
+)
+
+_STYLE = """
+body{font:15px/1.45 system-ui,sans-serif;color:#1a1a1a;max-width:860px;margin:24px auto;
+padding:0 16px}
+h1{font-size:23px;margin:0 0 2px}h3{font-size:14px;margin:12px 0 2px}
+h2{font-size:17px;margin:28px 0 6px;border-bottom:1px solid #ccc}
+.sub{color:#555;margin:0 0 12px}.notice{font-weight:600;border-left:5px solid #b30000;
+padding:4px 10px;background:#fff4f2}table{border-collapse:collapse;width:100%;margin:6px 0}
+th,td{text-align:left;padding:5px 10px;border-bottom:1px solid #e4e4e4;vertical-align:top}
+td.n,th.n{text-align:right;font-variant-numeric:tabular-nums}.first td{font-size:17px}
+.good{border-left:5px solid #1a7f37;background:#eef8f0;padding:6px 10px}
+.bad{border-left:5px solid #b30000;background:#fff0ee;padding:6px 10px}
+.warn{border-left:5px solid #b37400;background:#fff8e8;padding:6px 10px;margin:4px 0}
+.words td:first-child{width:36%}
+.small{font-size:13px;color:#444}table.file td{word-break:break-all}svg{width:100%;height:auto}
+@media print{body{margin:0;max-width:none}h2{break-after:avoid}table,svg{break-inside:avoid}}
+"""
+
+
+def html_page(document: Mapping[str, Any]) -> str:
+    """The page made from a report document (`Report.as_dict()`, or its JSON read back)."""
+    stents = document["stents"]
+    files = ", ".join(str(entry.get("file", "")).split("/")[-1] for entry in document["inputs"])
+    parts = [
+        "<!DOCTYPE html>\n<html lang='en'><head><meta charset='utf-8'>",
+        "<meta name='viewport' content='width=device-width'>",
+        f"<title>Virtual stenting report</title><style>{_STYLE}</style></head><body>",
+        "<h1>Virtual stenting report</h1>",
+        f"<p class='sub'>{escape(files)} &middot; {escape(str(document['created']))} &middot; "
+        f"sdfstent {escape(str(document['sdfstent_version']))}</p>",
+        f"<p class='notice'>{escape(document['notice'])}</p>",
+    ]
+    parts += [_certificate(document["certificate"]), *_warnings(document["warnings"])]
+    titles = stent_titles(stents)
+    for title, stent in zip(titles, stents, strict=True):
+        heading = "Lumen" if title == "Stent" else f"{title}, lumen"
+        parts += [f"<h2>{escape(heading)} before and after</h2>"]
+        parts += [_first_numbers(stent["diameters"]), diameter_plot(stent["diameters"])]
+    frame = next((entry.get("frame") for entry in document["inputs"]), None)
+    parts += [
+        *(_stent(title, stent, frame) for title, stent in zip(titles, stents, strict=True)),
+        *_branches(document["branches"]),
+        _definitions(document["definitions"]),
+        _inputs(document["inputs"], document["timings"]),
+        "</body></html>\n",
+    ]
+    return "\n".join(parts)
+
+
+def certificate_sentence(certificate: Mapping[str, Any] | None) -> tuple[bool, str]:
+    """Whether the surface may be used as it is, and the sentence that says so."""
+    if not certificate:
+        return False, "The deployed surface was not checked."
+    if "sentence" in certificate and "passed" in certificate:
+        return bool(certificate["passed"]), str(certificate["sentence"])
+    crossings = certificate.get("self_intersections")
+    new = _count(crossings.get("new") if isinstance(crossings, Mapping) else crossings)
+    inverted = _count(certificate.get("inverted_triangles"))
+    faults = [
+        f"is {'not ' if certificate.get(name) is False else 'not known to be '}{name}"
+        for name in ("watertight", "manifold")
+        if not certificate.get(name)
+    ]
+    if new is None:
+        faults.append("was not tested for self-intersections")
+    elif new:
+        faults.append(f"has {new} new self-intersecting triangle{'s' if new > 1 else ''}")
+    if inverted:
+        faults.append(f"has {inverted} inverted triangle{'s' if inverted > 1 else ''}")
+    if not faults and certificate.get("passed", True):
+        return True, "Certified: watertight, manifold, no inverted and no new crossing triangles."
+    said = f"the deployed surface {', '.join(faults) or 'failed its check'}"
+    if certificate.get("passed"):
+        return True, f"Certified against the input: {said}, which the input was as well."
+    return False, f"NOT certified: {said}."
+
+
+def _count(value: Any) -> int | None:
+    """A number, or the length of a list of triangles."""
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return len(value)
+    return None if value is None else int(value)
+
+
+def _first_numbers(diameters: Mapping[str, Any]) -> str:
+    """What a clinician reads first."""
+    narrow, over = diameters["minimum_lumen"], diameters["over_stented_length"]
+    degree, before, after = diameters["stenosis"], over["before"], over["after"]
+    rows = [
+        (
+            "Minimum lumen diameter",
+            millimeters(narrow["before_mm"]),
+            millimeters(narrow["after_mm"]),
+        ),
+        (
+            "Diameter stenosis",
+            _degree(degree["percent_diameter_before"]),
+            _degree(degree["percent_diameter_after"]),
+        ),
+        (
+            "Area stenosis",
+            _degree(degree["percent_area_before"]),
+            _degree(degree["percent_area_after"]),
+        ),
+        ("Mean lumen diameter &plusmn; SD", _mean_sd(before), _mean_sd(after)),
+        ("Smallest to largest", _range(before), _range(after)),
+        (
+            "Mean equivalent diameter",
+            millimeters(before["equivalent_mean_mm"]),
+            millimeters(after["equivalent_mean_mm"]),
+        ),
+    ]
+    prescribed = [value for value in diameters["along"]["prescribed_mm"] if value is not None]
+    wanted = _span(prescribed)
+    lines = [
+        f"<tr class='first'><td>{name}</td><td class='n'>{old}</td><td class='n'>{new}</td></tr>"
+        for name, old, new in rows
+    ]
+    return (
+        "<table><tr><th>over the stented length</th><th class='n'>before</th>"
+        f"<th class='n'>after</th></tr>{''.join(lines)}</table><p class='small'>"
+        f"Prescribed lumen diameter: {wanted}. Mean after minus prescribed: "
+        f"{millimeters(over['mean_after_minus_prescribed_mm'], signed=True)}.<br>"
+        f"Stenosis against the reference &ldquo;{escape(degree['reference'])}&rdquo;, measured "
+        f"{escape(degree['reference_measured'])}: {millimeters(degree['reference_diameter_mm'])} "
+        "diameter, "
+        f"{number_text(degree['reference_area_mm2'], 1)} mm&sup2; area.</p>"
+    )
+
+
+def _certificate(certificate: Mapping[str, Any] | None) -> str:
+    passed, sentence = certificate_sentence(certificate)
+    return f"<p class='{'good' if passed else 'bad'}'>{escape(sentence)}</p>"
+
+
+def _warnings(warnings: Sequence[str]) -> list[str]:
+    if not warnings:
+        return []
+    lines = "".join(f"<p class='warn'>{escape(sentence)}</p>" for sentence in warnings)
+    return [f"<h2>Warnings</h2>{lines}"]
+
+
+def _stent(title: str, stent: Mapping[str, Any], frame: str | None) -> str:
+    return f"<h2>{escape(title)}, as planned</h2>{_rows(stent_rows(stent, frame))}"
+
+
+def _rows(rows: Iterable[tuple[str, str]], style: str = "") -> str:
+    lines = "".join(
+        f"<tr><td>{escape(name)}</td><td>{escape(text)}</td></tr>" for name, text in rows
+    )
+    return f"<table class='words{style}'>{lines}</table>"
+
+
+def _branches(branches: Sequence[Mapping[str, Any]]) -> list[str]:
+    if not branches:
+        return []
+    rows = "".join(
+        f"<tr><td>{branch['stent']}</td><td>{point_text(branch['ostium_mm'])}</td>"
+        f"<td class='n'>{millimeters(branch['distance_inside_proximal_end_mm'], signed=True)}</td>"
+        f"<td class='n'>{millimeters(branch['distance_inside_distal_end_mm'], signed=True)}</td>"
+        f"<td>{'<b>covered</b>' if branch['covered'] else 'free'}</td></tr>"
+        for branch in branches
+    )
+    return [
+        "<h2>Side branches</h2><table><tr><th>stent</th><th>ostium at (mm)</th>"
+        "<th class='n'>inside proximal end</th><th class='n'>inside distal end</th>"
+        f"<th>ostium</th></tr>{rows}</table><p class='small'>Distances along the stent axis from "
+        "its ends; negative: beyond that end.</p>"
+    ]
+
+
+def _definitions(definitions: Mapping[str, str]) -> str:
+    rows = "".join(
+        f"<tr><td>{escape(term)}</td><td>{escape(text)}</td></tr>"
+        for term, text in definitions.items()
+    )
+    return f"<h2>Definitions</h2><table class='small'>{rows}</table>"
+
+
+def _inputs(inputs: Sequence[Mapping[str, Any]], timings: Mapping[str, Any]) -> str:
+    tables = "".join(
+        f"<h3>{escape(str(entry.get('role', 'file')).capitalize())}</h3>"
+        f"{_rows(input_rows(entry), ' small file')}"
+        for entry in inputs
+    )
+    times = ", ".join(
+        f"{escape(plain_label(key).lower())} {number_text(value, 2)} s"
+        for key, value in timings.items()
+    )
+    return f"<h2>Input files</h2>{tables}<p class='small'>Time: {times or 'not measured'}.</p>"
+
+
+def _degree(percent: float | None) -> str:
+    if percent is None:
+        return UNKNOWN
+    if round(percent) >= 0:
+        return f"{max(percent, 0.0):.0f} %"
+    return f"none ({-percent:.0f} % above reference)"
+
+
+def _mean_sd(statistics: Mapping[str, Any]) -> str:
+    if statistics["mean_mm"] is None:
+        return UNKNOWN
+    return f"{statistics['mean_mm']:.2f} &plusmn; {statistics['sd_mm']:.2f} mm"
+
+
+def _range(statistics: Mapping[str, Any]) -> str:
+    ends = (statistics["minimum_mm"], statistics["maximum_mm"])
+    return _span([value for value in ends if value is not None])
+
+
+def _span(values: Sequence[float]) -> str:
+    if not values:
+        return UNKNOWN
+    low, high = min(values), max(values)
+    if round(low, 2) == round(high, 2):
+        return f"{low:.2f} mm"
+    return f"{low:.2f} to {high:.2f} mm"

@@ -1,0 +1,107 @@
+"""The report of a plan that was carried out."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from datetime import datetime, timezone
+from typing import Any
+
+from ..plan import PlanResult
+from ..treatment import TreatedStent
+from ..version import VERSION
+from .report import Report, StentResult
+
+
+def plan_report(
+    result: PlanResult,
+    *,
+    lost: tuple[str, ...] = (),
+    timings: Mapping[str, float] | None = None,
+) -> Report:
+    """The report, ready to be written as JSON, page and figure.
+
+    Parameters
+    ----------
+    result : PlanResult
+    lost : tuple of str
+        Sentences of the writers about arrays that an output format cannot keep.
+    timings : mapping, optional
+        More seconds by name, such as that for writing.
+    """
+    certificate = result.treatment.certificate
+    judged = None
+    if certificate is not None:
+        judged = {**certificate.as_dict(), "arrays_kept": not lost}
+    return Report(
+        inputs=tuple(_inputs(result)),
+        stents=tuple(_stent_result(stent) for stent in result.treatment.stents),
+        certificate=judged,
+        warnings=(*result.warnings, *lost),
+        timings={"read": result.inputs.seconds, **result.treatment.timings, **(timings or {})},
+        created=datetime.now(timezone.utc).isoformat(timespec="seconds"),
+        version=VERSION,
+    )
+
+
+def _stent_result(stent: TreatedStent) -> StentResult:
+    return StentResult(
+        description=_description(stent),
+        before=stent.before,
+        after=stent.after,
+        prescribed_diameter=stent.stent.diameter,  # type: ignore[arg-type]
+        branches=stent.branches,
+    )
+
+
+def _description(stent: TreatedStent) -> dict[str, Any]:
+    chosen, axis = stent.stent, stent.axis
+    name = {"name": chosen.name} if chosen.name else {}
+    return {
+        "number": stent.number,
+        **name,
+        "lumen_diameter_mm": chosen.diameter,
+        "nominal_length_mm": axis.nominal_length,
+        "deployed_length_mm": axis.deployed_length,
+        "foreshortening_fraction": chosen.foreshortening,
+        "placement": type(chosen.placement).__name__,
+        "axis": {
+            "start_mm": axis.points[0],
+            "end_mm": axis.points[-1],
+            "length_mm": axis.deployed_length,
+            "chord_mm": axis.chord,
+            "min_bend_radius_mm": axis.minimum_bend_radius(chosen.radius),
+        },
+        "moved_points": stent.moved_points,
+    }
+
+
+def _inputs(result: PlanResult) -> list[dict[str, Any]]:
+    surface, line_file = result.inputs.surface, result.inputs.line_file
+    found: list[dict[str, Any]] = [
+        {
+            "role": "surface",
+            "file": os.fspath(surface.path),
+            "sha256": surface.sha256,
+            "points": len(surface.points),
+            "triangles": len(surface.triangles),
+            "units": surface.units,
+            "frame": surface.frame,
+        }
+    ]
+    if line_file is not None:
+        found.append(
+            {
+                "role": "centerline",
+                "file": os.fspath(line_file.path),
+                "sha256": line_file.sha256,
+                "points": len(line_file.points),
+                "lines": len(line_file.lines),
+                "units": line_file.units,
+                "frame": line_file.file_frame,
+            }
+        )
+    for stent in result.plan.stents:
+        if (file := stent.axis_file) is not None:
+            found.append({"role": "axis", "file": file.path, "sha256": file.sha256})
+    return found

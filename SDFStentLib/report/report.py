@@ -1,0 +1,265 @@
+"""The report of a deployment: one JSON document, from which the page and the figure are made."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field, is_dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..files import atomic_path
+from ..measure import BranchOstium, DiameterProfile, Reference, stenosis
+from ..validation import InputError, read_only
+from .figure import write_figure
+from .html import html_page
+
+SCHEMA = "sdfstent-report"
+SCHEMA_VERSION = 1
+RESEARCH_USE = "Research use only, not a medical device."
+
+DEFINITIONS = {
+    "inscribed diameter": (
+        "diameter of the largest sphere that fits into the lumen, its centre free in the plane "
+        "across the stent axis (maximum inscribed sphere, MIS); flat caps of in- and outlets count "
+        "as open"
+    ),
+    "equivalent diameter": (
+        "diameter of the circle with the area of the lumen's cross-section in that plane, "
+        "2 sqrt(area / pi); in a junction it takes in the opening of the other branch"
+    ),
+    "prescribed diameter": "lumen diameter that the stent was set to reach at that place",
+    "minimum lumen diameter": "smallest inscribed diameter over the stented length (MLD)",
+    "reference diameter": (
+        "inscribed diameter that the narrowest place is compared with, taken before treatment at "
+        "the ends of the stented length by the named rule"
+    ),
+    "percent diameter stenosis": "100 (1 - minimum lumen diameter / reference diameter)",
+    "percent area stenosis": (
+        "100 (1 - smallest cross-section area / reference area), areas before treatment at the "
+        "same ends; 50 % by diameter are 75 % by area in a round lumen, and more where an end lies "
+        "in a junction"
+    ),
+    "SD": "standard deviation over the stations, which are equally spaced along the axis",
+}
+
+
+@dataclass(frozen=True)
+class StentResult:
+    """What one stent is, and what it did to the lumen.
+
+    The two profiles are measured at the same stations, over the stented length.
+    """
+
+    description: Mapping[str, Any]
+    """Device, lengths, diameters, axis and profile, with units in the keys (`..._mm`)."""
+    before: DiameterProfile
+    after: DiameterProfile
+    prescribed_diameter: NDArray[np.float64]
+    """Per station, mm; one number for all is enough."""
+    branches: tuple[BranchOstium, ...] = ()
+    reference: Reference = "mean of the two ends"
+
+    def __post_init__(self) -> None:
+        stations = self.before.arc_length.shape
+        if self.after.arc_length.shape != stations or not np.allclose(
+            self.after.arc_length, self.before.arc_length, rtol=0, atol=1e-6
+        ):
+            raise InputError(
+                "after: expected the stations of the profile before, got "
+                f"{len(self.after.arc_length)} others; measure both along the same axis."
+            )
+        prescribed = np.asarray(self.prescribed_diameter, dtype=np.float64)
+        if prescribed.shape not in ((), stations):
+            raise InputError(
+                f"prescribed_diameter: expected one number or {stations[0]}, "
+                f"got shape {prescribed.shape}."
+            )
+        whole = read_only(np.broadcast_to(prescribed, stations))
+        object.__setattr__(self, "prescribed_diameter", whole)
+
+
+@dataclass(frozen=True)
+class Report:
+    """Everything that is told about a run; `as_dict` gives the document."""
+
+    inputs: tuple[Mapping[str, Any], ...]
+    """Per file: file, sha256, points, triangles, units, frame."""
+    stents: tuple[StentResult, ...]
+    certificate: Any = None
+    """A mapping, or an object with `as_dict()`."""
+    warnings: tuple[str, ...] = ()
+    timings: Mapping[str, float] = field(default_factory=dict)
+    """Seconds by name; the document calls them `<name>_s`."""
+    created: str = ""
+    """Date and time, ISO 8601."""
+    version: str = ""
+    """Of the program."""
+
+    def as_dict(self) -> dict[str, Any]:
+        """The document: plain values only, None where a number is not known.
+
+        Raises
+        ------
+        InputError
+            A value that has no place in JSON.
+        """
+        stents = [_stent_section(stent) for stent in self.stents]
+        document = {
+            "schema": SCHEMA,
+            "schema_version": SCHEMA_VERSION,
+            "notice": RESEARCH_USE,
+            "sdfstent_version": self.version,
+            "created": self.created,
+            "inputs": self.inputs,
+            "stents": stents,
+            "diameters": stents[0]["diameters"] if stents else None,
+            "certificate": self.certificate,
+            "branches": [
+                {"stent": stent.description.get("number", place), **_branch_section(branch)}
+                for place, stent in enumerate(self.stents, start=1)
+                for branch in stent.branches
+            ],
+            "warnings": self.warnings,
+            "timings": {f"{name}_s": seconds for name, seconds in self.timings.items()},
+            "definitions": DEFINITIONS,
+        }
+        return {key: _plain(value, key) for key, value in document.items()}
+
+
+def report_json(report: Report) -> str:
+    """The report as JSON text; numbers that are not known are `null`, never NaN."""
+    return json.dumps(report.as_dict(), indent=2, allow_nan=False, ensure_ascii=False) + "\n"
+
+
+def write_report(report: Report, path: str | os.PathLike[str]) -> None:
+    """Write the report to `path`: JSON or HTML by its suffix, whole or not at all.
+
+    Raises
+    ------
+    InputError
+        Another suffix than .json, .html and .htm, or a file that cannot be written.
+    """
+    suffix = Path(path).suffix.lower()
+    if suffix == ".json":
+        text = report_json(report)
+    elif suffix in (".html", ".htm"):
+        text = html_page(report.as_dict())
+    else:
+        raise InputError(
+            f"{os.fspath(path)}: expected a report file that ends in .json or .html, "
+            f"got {suffix or 'no suffix'!r}."
+        )
+    with atomic_path(path) as temporary:
+        # The name of a file need not be valid text; JSON reads the escape back.
+        temporary.write_text(text, encoding="utf-8", errors="backslashreplace")
+
+
+def write_report_figure(report: Report, path: str | os.PathLike[str]) -> None:
+    """Draw the diameters along each stent to a PNG, SVG or PDF file; needs matplotlib.
+
+    Raises
+    ------
+    InputError
+        matplotlib is not installed, the suffix is unknown, or there is nothing to draw.
+    """
+    document = report.as_dict()
+    with atomic_path(path) as temporary:
+        write_figure(document, temporary, Path(path).suffix)
+
+
+def _stent_section(stent: StentResult) -> dict[str, Any]:
+    return {**stent.description, "diameters": _diameter_section(stent)}
+
+
+def _diameter_section(stent: StentResult) -> dict[str, Any]:
+    before, after = stent.before, stent.after
+    narrow_before = stenosis(before, stent.reference)
+    narrow_after = stenosis(after, stent.reference, reference_profile=before)
+    error = after.inscribed_diameter - stent.prescribed_diameter
+    return {
+        "along": {
+            "arc_length_mm": before.arc_length,
+            "mis_before_mm": before.inscribed_diameter,
+            "mis_after_mm": after.inscribed_diameter,
+            "equivalent_before_mm": before.equivalent_diameter,
+            "equivalent_after_mm": after.equivalent_diameter,
+            "prescribed_mm": stent.prescribed_diameter,
+        },
+        "over_stented_length": {
+            "before": _statistics(before),
+            "after": _statistics(after),
+            "mean_after_minus_prescribed_mm": _mean(error),
+        },
+        "minimum_lumen": {
+            "before_mm": before.minimum,
+            "before_at_mm": before.minimum_arc_length,
+            "after_mm": after.minimum,
+            "after_at_mm": after.minimum_arc_length,
+        },
+        "stenosis": {
+            "reference": stent.reference,
+            "reference_measured": "before treatment, at the ends of the stented length",
+            "reference_diameter_mm": narrow_before.reference_diameter,
+            "reference_area_mm2": narrow_before.reference_area,
+            "percent_diameter_before": narrow_before.percent_diameter,
+            "percent_diameter_after": narrow_after.percent_diameter,
+            "percent_area_before": narrow_before.percent_area,
+            "percent_area_after": narrow_after.percent_area,
+        },
+    }
+
+
+def _statistics(profile: DiameterProfile) -> dict[str, float]:
+    return {
+        "minimum_mm": profile.minimum,
+        "maximum_mm": profile.maximum,
+        "mean_mm": profile.mean,
+        "sd_mm": profile.sd,
+        "equivalent_mean_mm": _mean(profile.equivalent_diameter),
+    }
+
+
+def _branch_section(branch: BranchOstium) -> dict[str, Any]:
+    return {
+        "ostium_mm": branch.position,
+        "radius_mm": branch.radius,
+        "distance_inside_proximal_end_mm": branch.distance_inside_proximal_end,
+        "distance_inside_distal_end_mm": branch.distance_inside_distal_end,
+        "covered": branch.is_covered,
+    }
+
+
+def _mean(values: NDArray[np.float64]) -> float:
+    known = values[np.isfinite(values)]
+    return float(known.mean()) if len(known) else math.nan
+
+
+def _plain(value: Any, name: str) -> Any:
+    """Plain Python values for JSON; None instead of NaN and infinity."""
+    if hasattr(value, "as_dict"):
+        return _plain(value.as_dict(), name)
+    if is_dataclass(value) and not isinstance(value, type):
+        return _plain(asdict(value), name)
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item, f"{name}.{key}") for key, item in value.items()}
+    if isinstance(value, np.ndarray | np.generic):
+        return _plain(value.tolist(), name)
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if value is None or isinstance(value, bool | int | str):
+        return value
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    if isinstance(value, Sequence | set | frozenset):
+        items = sorted(value) if isinstance(value, set | frozenset) else value
+        return [_plain(item, f"{name}[{number}]") for number, item in enumerate(items)]
+    raise InputError(
+        f"{name}: expected numbers, texts, lists and mappings, got {type(value).__name__}; "
+        "give plain values to the report."
+    )

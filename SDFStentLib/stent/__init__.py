@@ -1,0 +1,36 @@
+"""A stent: its size, where it goes, and the axis that follows from both."""
+
+from __future__ import annotations
+
+from .placement import (
+    AlongAxis,
+    AtCenter,
+    AtDistalEnd,
+    AtProximalEnd,
+    BetweenPoints,
+    ByValue,
+    InputFile,
+    Placement,
+)
+from .stent import MAXIMUM_DIAMETER, MAXIMUM_LENGTH, Stent, StentAxis, stent_axis, straightened
+
+__all__ = [
+    "MAXIMUM_DIAMETER",
+    "MAXIMUM_LENGTH",
+    "AlongAxis",
+    "AtCenter",
+    "AtDistalEnd",
+    "AtProximalEnd",
+    "BetweenPoints",
+    "ByValue",
+    "InputFile",
+    "Placement",
+    "Stent",
+    "StentAxis",
+    "stent_axis",
+    "straightened",
+]
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -1,0 +1,119 @@
+"""The ways to say where a stent goes; `stent_axis` makes an axis of each."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, fields, is_dataclass
+from typing import Any
+
+import numpy as np
+
+from ..geometry import without_repeats
+from ..validation import Floats, InputError, Points, as_point, as_points, read_only
+
+
+@dataclass(frozen=True)
+class InputFile:
+    """A file that goes into a plan: its absolute path, and its SHA-256 where that is known."""
+
+    path: str
+    sha256: str | None = None
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.path, str | os.PathLike) or not os.fspath(self.path):
+            raise InputError(f"input file: expected a path, got {self.path!r}.")
+        object.__setattr__(self, "path", os.path.abspath(self.path))
+
+
+class ByValue:
+    """Dataclasses that are equal when all their values are, those of arrays included."""
+
+    def __eq__(self, other: object) -> bool:
+        return type(other) is type(self) and _values(self) == _values(other)
+
+    def __hash__(self) -> int:
+        return hash(_values(self))
+
+
+@dataclass(frozen=True, eq=False)
+class AtCenter(ByValue):
+    """The stent's middle is nearest to this point: half of it above, half below."""
+
+    point: Floats
+
+    def __post_init__(self) -> None:
+        _keep_point(self, "point", "center")
+
+
+@dataclass(frozen=True, eq=False)
+class AtDistalEnd(ByValue):
+    """The stent's distal end is nearest to this point: it reaches up towards the root."""
+
+    point: Floats
+
+    def __post_init__(self) -> None:
+        _keep_point(self, "point", "distal end")
+
+
+@dataclass(frozen=True, eq=False)
+class AtProximalEnd(ByValue):
+    """The stent's proximal end is nearest to this point: it reaches down to the outlets."""
+
+    point: Floats
+
+    def __post_init__(self) -> None:
+        _keep_point(self, "point", "proximal end")
+
+
+@dataclass(frozen=True, eq=False)
+class BetweenPoints(ByValue):
+    """The stent lies on the way between two points, across junctions; their order is free."""
+
+    start: Floats
+    end: Floats
+
+    def __post_init__(self) -> None:
+        _keep_point(self, "start", "stent start")
+        _keep_point(self, "end", "stent end")
+
+
+@dataclass(frozen=True, eq=False)
+class AlongAxis(ByValue):
+    """The curve (n, 3) itself is the axis, first point proximal; no centerline is needed.
+
+    `file` is the one from which the curve was read, where there is one.
+    """
+
+    points: Points
+    file: InputFile | None = None
+
+    def __post_init__(self) -> None:
+        points = without_repeats(as_points(self.points, "stent axis", minimum=1))
+        if len(points) < 2:
+            raise InputError(
+                "stent axis: expected a curve through at least two different points, "
+                f"got {len(self.points)} point(s) at one place; draw a longer curve."
+            )
+        object.__setattr__(self, "points", read_only(points))
+
+
+Placement = AtCenter | AtDistalEnd | AtProximalEnd | BetweenPoints | AlongAxis
+
+PLACEMENT_NAMES = [kind.__name__ for kind in Placement.__args__]
+
+
+def _keep_point(placement: object, field_name: str, name: str) -> None:
+    point = as_point(getattr(placement, field_name), name)
+    object.__setattr__(placement, field_name, read_only(point))
+
+
+def _values(value: Any) -> Any:
+    """Nested tuples of plain values, to compare and to hash."""
+    if is_dataclass(value):
+        inner = ((item.name, _values(getattr(value, item.name))) for item in fields(value))
+        return (type(value).__name__, *inner)
+    if isinstance(value, np.ndarray):
+        return _values(value.tolist())
+    if isinstance(value, list | tuple):
+        return tuple(_values(item) for item in value)
+    return value

@@ -1,0 +1,19 @@
+"""Several stents in order, each in the vessel that the earlier ones left, and measured."""
+
+from __future__ import annotations
+
+from .straightening import axis_in_vessel
+from .treatment import Treatment
+from .value import TreatedStent, TreatmentResult, TreatmentState
+
+__all__ = [
+    "TreatedStent",
+    "Treatment",
+    "TreatmentResult",
+    "TreatmentState",
+    "axis_in_vessel",
+]
+
+
+def __dir__() -> list[str]:
+    return __all__

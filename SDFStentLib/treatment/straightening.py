@@ -1,0 +1,114 @@
+"""How far the vessel lets a stent's axis be straightened.
+
+A straightened axis leaves the middle of a bent lumen. Nearer to the wall than the facets are long
+it pushes their corners apart to both sides, and outside of the lumen it pushes the wall inward: the
+lumen would become narrower. So the axis goes towards its chord only as long as it keeps away.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..centerline import Centerline
+from ..geometry import resampled
+from ..measure import LocalSurface
+from ..stent import Stent, StentAxis, stent_axis, straightened
+from ..validation import Points, Triangles
+
+Floats = NDArray[np.float64]
+
+KEPT = 0.5
+"""Share of its distance from the wall that the axis keeps, or of the stent's radius if less."""
+
+SPACING = 1.0
+"""Of the places of the axis that are looked at, mm."""
+
+ROUNDS = 64
+"""Steps towards the chord. Each is proven to stay in the lumen, so that stopping early is safe."""
+
+NOTICEABLE = 1e-3
+"""Share of the way to the chord that is worth a word."""
+
+
+def axis_in_vessel(
+    stent: Stent,
+    centerline: Centerline | None,
+    points: Points,
+    triangles: Triangles,
+    straightening_fraction: float = 0.0,
+) -> StentAxis:
+    """The axis of a stent, straightened as far as asked for and as the vessel permits.
+
+    Parameters and errors as for `stent_axis`; a warning tells where less than asked for was used.
+    """
+    native = stent_axis(stent, centerline)
+    if not straightening_fraction:
+        return native
+    used, place = permitted(native.points, stent.radius, points, triangles, straightening_fraction)
+    axis = stent_axis(stent, centerline, straightening_fraction=used)
+    if used > straightening_fraction - NOTICEABLE:
+        return axis
+    x, y, z = place.tolist()
+    sentence = (
+        f"The axis is straightened by {used:.2f} of the way to its chord instead of "
+        f"{straightening_fraction:g}: farther on it comes too near to the wall at "
+        f"({x:.1f}, {y:.1f}, {z:.1f}) mm; a shorter stent can be straightened more."
+    )
+    return StentAxis(
+        axis.points,
+        axis.inscribed_radius,
+        axis.nominal_length,
+        axis.prescribed_length,
+        (*axis.warnings, sentence),
+    )
+
+
+def permitted(
+    axis: Points, radius: float, points: Points, triangles: Triangles, fraction: float
+) -> tuple[float, Points]:
+    """The part of a straightening that keeps the axis off the wall.
+
+    Every place of the axis goes along its way to the chord by steps no longer than the wall is
+    away, less what it has to keep; so it cannot pass through one.
+
+    Parameters
+    ----------
+    axis : (n, 3) array
+        Before it is straightened, mm.
+    radius : float
+        Of the stent, mm.
+    points, triangles : (k, 3) and (m, 3) arrays
+        The vessel, mm.
+    fraction : float
+        Share of the way to the chord that is asked for.
+
+    Returns
+    -------
+    float
+        At most `fraction`.
+    (3,) array
+        Where the axis then is nearest to what it has to keep, mm.
+    """
+    start = resampled(axis, SPACING)
+    way = straightened(start, 1.0) - start
+    length = np.linalg.norm(way, axis=1)
+    surface = LocalSurface(points, triangles, np.concatenate([start, start + fraction * way]))
+    distance = surface.distances(start)
+    kept = KEPT * np.minimum(distance, radius)
+    is_going = length * fraction > NOTICEABLE * radius
+    done = np.where(is_going, 0.0, fraction)
+    active = np.flatnonzero(is_going)
+    for _ in range(ROUNDS):
+        room = np.maximum(distance[active] - kept[active], 0)
+        done[active] = np.minimum(done[active] + room / length[active], fraction)
+        # Where the room is used up the others need not go on any farther.
+        is_stopped = room < NOTICEABLE * radius
+        limit = done[active[is_stopped]].min(initial=fraction)
+        active = active[~is_stopped & (done[active] < limit)]
+        if not len(active):
+            break
+        distance[active] = surface.distances(start[active] + done[active, None] * way[active])
+    first = int(done.argmin())
+    used = float(done[first])
+    return used, start[first] + used * way[first]

@@ -1,0 +1,293 @@
+"""Several stents in order: later ones see the vessel as earlier ones left it.
+
+>>> treatment = Treatment(points, triangles, stents, centerline)     # doctest: +SKIP
+>>> for state in treatment:                                        # stop iterating to cancel
+...     show(state.fraction, state.points())
+>>> treatment.result.certificate.passed
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..centerline import Centerline
+from ..certificate import Certificate, certify
+from ..deformation import Deployment, DeploymentResult, DeploymentSettings, DeploymentState
+from ..geometry import Precision, Topology, consistently_wound, surface_topology
+from ..measure import BranchOstium, branch_ostia, bulged_caps, diameter_profile
+from ..stent import Stent, StentAxis
+from ..validation import (
+    DeploymentError,
+    InputError,
+    Points,
+    as_number,
+    as_points,
+    as_triangles,
+    read_only,
+)
+from .straightening import axis_in_vessel
+from .value import TreatedStent, TreatmentResult, TreatmentState
+from .warnings import check_width, narrowed, nothing_moved, overdilated, overlap
+
+PROFILE_SPACING = 1.0
+"""Distance of the stations at which diameters are measured, mm."""
+
+
+class Treatment:
+    """Stents that are deployed one after another. Iterating deploys; `result` also measures.
+
+    Parameters
+    ----------
+    points, triangles : array_like, shapes (n, 3) and (m, 3)
+        Surface of the vessel, mm. Never modified.
+    stents : sequence of Stent
+        In order; those switched off are skipped and named.
+    centerline : Centerline, optional
+        Needed for every placement but along an axis. It moves along, and later stents are
+        placed on it where it is then.
+    settings : DeploymentSettings, optional
+        With `certify`, one certificate is made at the end for the whole treatment.
+    straightening_fraction : float
+        Share of the way to its chord by which every stent straightens its axis.
+    companions : array_like, shape (c, 3), optional
+        Further points that are dragged along.
+    precision : Precision, optional
+        How the result will be stored.
+    topology : Topology, optional
+        `surface_topology(triangles)` where known, to look at it once for many treatments.
+
+    Raises
+    ------
+    InputError
+        Arrays that cannot be used, no stent that is switched on, or one that cannot be placed.
+    DeploymentError
+        While iterating: a stent away from the surface.
+    """
+
+    def __init__(
+        self,
+        points: ArrayLike,
+        triangles: ArrayLike,
+        stents: Sequence[Stent],
+        centerline: Centerline | None = None,
+        settings: DeploymentSettings | None = None,
+        *,
+        straightening_fraction: float = 0.0,
+        companions: ArrayLike | None = None,
+        precision: Precision | None = None,
+        topology: Topology | None = None,
+    ) -> None:
+        self.points = as_points(points, "surface points", minimum=3)
+        self.triangles = as_triangles(triangles, len(self.points), "surface triangles")
+        self.stents = tuple(stents)
+        self.centerline = centerline
+        self.settings = settings or DeploymentSettings()
+        self.straightening_fraction = as_number(
+            straightening_fraction, "straightening fraction", minimum=0, maximum=1
+        )
+        self.companions = as_points(() if companions is None else companions, "companion points")
+        self.precision = precision or Precision()
+        self._topology = topology or surface_topology(self.triangles)
+        self._result: TreatmentResult | None = None
+        self._stages: list[_Stage] = []
+        self._enabled = [(n, s) for n, s in enumerate(self.stents, start=1) if s.enabled]
+        if not self._enabled:
+            raise InputError(
+                f"plan: expected at least one stent that is switched on, got {len(self.stents)} "
+                "stents, all switched off; switch one on."
+                if self.stents
+                else "plan: expected at least one stent, got none; add one."
+            )
+        # Fails here rather than after the first stent; the axes are found again as it goes.
+        for number, stent in self._enabled:
+            self._axis(number, stent, centerline, self.points)
+
+    def __iter__(self) -> Iterator[TreatmentState]:
+        """Yield the states of every stent in turn."""
+        self._result, self._stages = None, []
+        points, centerline, companions = self.points, self.centerline, self.companions
+        for done, (number, stent) in enumerate(self._enabled):
+            start = perf_counter()
+            axis = self._axis(number, stent, centerline, points)
+            is_only = len(self._enabled) == 1
+            tree = np.empty((0, 3)) if centerline is None else centerline.points
+            deployment = Deployment(
+                points,
+                self.triangles,
+                axis.points,
+                stent.radius,
+                self.settings.with_changes(certify=self.settings.certify and is_only),
+                companions=np.concatenate([tree, companions]),
+                precision=self.precision,
+                topology=self._topology,
+            )
+            ready = perf_counter()
+            for state in self._states_of(deployment, number):
+                fraction = (done + state.fraction) / len(self._enabled)
+                yield TreatmentState(number, fraction, state, points, axis)
+            result = deployment.result
+            stage = _Stage(number, stent, axis, centerline, deployment, result)
+            stage.seconds = (ready - start, perf_counter() - ready)
+            self._stages.append(stage)
+            points = result.points
+            moved_tree, companions = np.split(result.state.companions, [len(tree)])
+            centerline = None if centerline is None else centerline.with_points(moved_tree)
+        self._final = (points, centerline, companions)
+
+    @property
+    def result(self) -> TreatmentResult:
+        """The finished treatment, measured and certified; runs it when that has not happened."""
+        if self._result is None:
+            if len(self._stages) < len(self._enabled):
+                for _ in self:
+                    pass
+            self._result = self._measured()
+        return self._result
+
+    def label(self, number: int) -> str:
+        """How a message names a stent; empty when there is only one, without a name."""
+        name = self.stents[number - 1].name
+        if len(self.stents) == 1 and not name:
+            return ""
+        return f"Stent {number} ({name}): " if name else f"Stent {number}: "
+
+    def _axis(
+        self, number: int, stent: Stent, centerline: Centerline | None, points: Points
+    ) -> StentAxis:
+        try:
+            axis = axis_in_vessel(
+                stent, centerline, points, self.triangles, self.straightening_fraction
+            )
+            check_width(stent.diameter, axis, self.points)
+            return axis
+        except InputError as error:
+            raise InputError(f"{self.label(number)}{error}") from error
+
+    def _states_of(self, deployment: Deployment, number: int) -> Iterator[DeploymentState]:
+        try:
+            yield from deployment
+        except DeploymentError as error:
+            raise DeploymentError(f"{self.label(number)}{error}") from error
+
+    def _measured(self) -> TreatmentResult:
+        points, centerline, companions = self._final
+        clock = perf_counter()
+        treated = tuple(self._treated(stage, points) for stage in self._stages)
+        measured = perf_counter()
+        indices = np.flatnonzero((points != self.points).any(axis=1))
+        certificate = self._certificate(points, indices) if self.settings.certify else None
+        return TreatmentResult(
+            points=read_only(points),
+            indices=read_only(indices),
+            centerline=centerline,
+            companions=read_only(companions),
+            stents=treated,
+            certificate=certificate,
+            warnings=tuple(self._warnings(treated, points, indices)),
+            timings={
+                "setup": sum(stage.seconds[0] for stage in self._stages),
+                "deploy": sum(stage.seconds[1] for stage in self._stages),
+                "measure": measured - clock,
+                "certify": perf_counter() - measured,
+            },
+        )
+
+    def _treated(self, stage: _Stage, after: Points) -> TreatedStent:
+        axis = stage.axis.points
+        before_profile, after_profile = (
+            diameter_profile(points, self.triangles, axis, PROFILE_SPACING)
+            for points in (self.points, after)
+        )
+        try:
+            branches = stage.branches()
+        except InputError as error:
+            stage.warnings = (*stage.warnings, f"Side branches were not looked for: {error}")
+            branches = ()
+        return TreatedStent(
+            number=stage.number,
+            stent=stage.stent,
+            axis=stage.axis,
+            before=before_profile,
+            after=after_profile,
+            branches=branches,
+            moved_points=len(stage.result.state.indices),
+        )
+
+    def _narrowed(self, stage: _Stage, treated: TreatedStent) -> str:
+        """A sentence when later stents pushed tissue into this one; measured only if it may be."""
+        if stage is self._stages[-1] or treated.after.minimum > 0.97 * stage.stent.diameter:
+            return ""
+        own = diameter_profile(
+            stage.result.points, self.triangles, stage.axis.points, PROFILE_SPACING
+        )
+        return narrowed(own, treated.after)
+
+    def _certificate(self, after: Points, moved: NDArray[np.int64]) -> Certificate:
+        """For one stent its own, for several from the input to the end of the last one."""
+        only = self._stages[0].result.certificate
+        if len(self._stages) == 1 and only is not None:
+            return only
+        is_wound = self._topology.is_consistently_wound
+        certificate = certify(
+            self.points,
+            after,
+            self.triangles if is_wound else consistently_wound(self.triangles)[0],
+            moved=moved,
+            dtype=self.precision.dtype,
+            scale=self.precision.scale,
+            topology=self._topology,
+        )
+        lumen = [
+            check
+            for stage in self._stages
+            for check in stage.deployment.lumen_checks(
+                self.points, after, (stage.deployment.points, stage.result.points)
+            )
+        ]
+        motion = tuple(stage.result.motion for stage in self._stages)
+        return replace(certificate, motion=motion, lumen=tuple(lumen))
+
+    def _warnings(
+        self, treated: Sequence[TreatedStent], after: Points, moved: NDArray[np.int64]
+    ) -> Iterator[str]:
+        for number, stent in enumerate(self.stents, start=1):
+            if not stent.enabled:
+                yield f"{self.label(number)}it is switched off and was not deployed."
+        for stage, done in zip(self._stages, treated, strict=True):
+            own = [*stage.axis.warnings, *stage.warnings, nothing_moved(done)]
+            own += [overdilated(done), self._narrowed(stage, done)]
+            relief = stage.result.relief
+            own.append("" if relief is None else relief.sentence())
+            own += [f"Before treatment: {gap}" for gap in done.before.gaps]
+            own += [f"After treatment: {gap}" for gap in done.after.gaps]
+            yield from (self.label(done.number) + sentence for sentence in own if sentence)
+        for index, second in enumerate(treated):
+            for first in treated[:index]:
+                yield from overlap(first, second)
+        for cap in bulged_caps(self.points, after, self.triangles, moved):
+            yield cap.sentence()
+
+
+@dataclass
+class _Stage:
+    """One stent as it was deployed, before it is measured."""
+
+    number: int
+    stent: Stent
+    axis: StentAxis
+    centerline: Centerline | None
+    deployment: Deployment
+    result: DeploymentResult
+    warnings: tuple[str, ...] = ()
+    seconds: tuple[float, float] = (0.0, 0.0)
+
+    def branches(self) -> tuple[BranchOstium, ...]:
+        if self.centerline is None:
+            return ()
+        tree = self.centerline
+        return branch_ostia(tree.points, tree.parent, self.axis.points, tree.inscribed_radius)
