@@ -34,6 +34,7 @@ from .ragged import blocks_of, ranges
 from .rows import across, dot, norm
 from .section import plane_section
 from .segments import closest_on_segments, distances_to_segments
+from .surface import Surface
 from .topology import (
     Topology,
     VertexNeighbors,
@@ -49,6 +50,7 @@ from .topology import (
 __all__ = [
     "NearPairs",
     "Precision",
+    "Surface",
     "SurfaceIndex",
     "Topology",
     "VertexNeighbors",

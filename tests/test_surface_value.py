@@ -1,0 +1,91 @@
+"""A surface is one value: checked once, never changed, and its topology looked at once."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+from mesh_files import octahedron
+
+from SDFStentLib.geometry import Surface, surface, surface_topology, vertex_normals
+from SDFStentLib.validation import InputError
+
+
+def test_a_surface_keeps_what_it_is_given_and_shares_none_of_it():
+    points, triangles = octahedron()
+    made = Surface(points, triangles)
+    assert np.array_equal(made.points, points)
+    assert np.array_equal(made.triangles, triangles)
+    first = points[0].copy()
+    points[0] += 1
+    triangles[0] = triangles[0][::-1]
+    assert np.array_equal(made.points[0], first)
+    assert not np.array_equal(made.triangles[0], triangles[0])
+
+
+def test_nothing_of_a_surface_can_be_changed():
+    made = Surface(*octahedron())
+    arrays = (made.points, made.triangles, *made.neighbors, made.face_normals, made.vertex_normals)
+    for array in arrays:
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 0
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        made.points = made.points
+
+
+def test_a_surface_knows_its_topology_neighbors_and_normals():
+    points, triangles = octahedron()
+    made = Surface(points.tolist(), triangles.tolist())
+    assert made.topology == surface_topology(triangles)
+    assert made.topology.is_watertight
+    offsets, indices = made.neighbors
+    for vertex in range(len(points)):
+        around = triangles[(triangles == vertex).any(axis=1)]
+        own = indices[offsets[vertex] : offsets[vertex + 1]]
+        assert own.tolist() == sorted(set(around.ravel().tolist()) - {vertex})
+    corners = points[triangles]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    np.testing.assert_allclose(made.face_normals, normals, atol=1e-12)
+    # Of a sphere about the origin the normal of a point is nearly its direction.
+    direction = points / np.linalg.norm(points, axis=1)[:, None]
+    assert (np.sum(made.vertex_normals * direction, axis=1) > 0.95).all()
+
+
+def test_a_moved_surface_has_its_own_normals_and_the_same_topology(monkeypatch):
+    points, triangles = octahedron()
+    made = Surface(points, triangles)
+    assert made.topology.is_closed
+    monkeypatch.setattr(surface, "surface_topology", None)  # looked at again, it would fail
+    monkeypatch.setattr(surface, "as_triangles", None)
+    moved = made.with_points(points * (1, 2, 1))
+    assert moved.topology is made.topology
+    assert moved.triangles is made.triangles
+    assert moved.neighbors is made.neighbors
+    expected = vertex_normals(points * (1, 2, 1), triangles)
+    assert np.array_equal(moved.vertex_normals, expected)
+    assert not np.array_equal(moved.vertex_normals, made.vertex_normals)
+
+
+@pytest.mark.parametrize(
+    ("points", "triangles", "message"),
+    [
+        (np.zeros((2, 3)), [[0, 1, 1]], "surface points: expected at least 3 points, got 2"),
+        (np.zeros((3, 2)), [[0, 1, 2]], r"surface points: expected shape \(n, 3\)"),
+        (np.full((3, 3), np.nan), [[0, 1, 2]], "surface points: expected finite coordinates"),
+        (np.eye(3), [[0, 1, 3]], "surface triangles: expected point indices from 0 to 2"),
+        (np.eye(3), np.empty((0, 3), int), "surface triangles: expected at least one triangle"),
+    ],
+)
+def test_what_is_no_surface_is_refused(points, triangles, message):
+    with pytest.raises(InputError, match=message):
+        Surface(points, triangles)
+
+
+def test_other_points_must_be_as_many_and_finite():
+    made = Surface(*octahedron())
+    with pytest.raises(InputError, match=r"expected .* points as before, got 1"):
+        made.with_points(made.points[:1])
+    with pytest.raises(InputError, match="surface points: expected finite coordinates"):
+        made.with_points(np.full_like(made.points, np.inf))
