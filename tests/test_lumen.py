@@ -11,9 +11,8 @@ from oracle import capsule_distance
 from oracle import field as plain_field
 
 from SDFStentLib.deformation.deployment import Deployment
-from SDFStentLib.deformation.lumen import radius_correction
 from SDFStentLib.deformation.settings import DeploymentSettings
-from SDFStentLib.field.capsule_chain import CapsuleChain
+from SDFStentLib.field.capsule_chain import CapsuleChain, radius_correction
 from SDFStentLib.measure.inscribed import inscribed_spheres
 
 DEFAULT = DeploymentSettings(certify=False)

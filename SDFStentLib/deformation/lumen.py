@@ -10,8 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..field import CapsuleChain
-from ..geometry import across, dot
+from ..geometry import dot
 from ..validation import Points, Triangles
 from .motion import Motion
 
@@ -48,27 +47,6 @@ In 24 random stents of the anatomies the largest push was 1.05 times that, in be
 
 COMPENSATION_PASSES = 2
 COMPENSATION_ROUNDS = 5
-
-
-def radius_correction(chain: CapsuleChain, radius: float) -> float:
-    """How much the smooth minimum inflates the chain at a radius, mm: mean over the stent.
-
-    The paper subtracts k/4 everywhere. On a real axis the inflation depends on bends, capsule
-    length and radius, so it is measured: the mean difference between the true and the smooth
-    distance on circles of that radius round the middle of every capsule.
-    """
-    middle = (chain.nodes[:-1] + chain.nodes[1:]) / 2
-    along = np.diff(chain.nodes, axis=0)
-    along /= np.linalg.norm(along, axis=1)[:, None]
-    first, second = across(along).swapaxes(0, 1)
-    angles = np.linspace(0, 2 * np.pi, 12, endpoint=False)
-    circle = np.cos(angles)[:, None, None] * first + np.sin(angles)[:, None, None] * second
-    samples = (middle + radius * circle).reshape(-1, 3)
-    true_distance = chain.axis_distance(samples)
-    on_stent = true_distance > 0.999 * radius
-    if not on_stent.any():
-        return chain.smoothing_width / 4
-    return float((true_distance - chain.field(samples).distance)[on_stent].mean())
 
 
 def projected(motion: Motion, level: float) -> None:

@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..certificate import Certificate, LumenCheck, MotionCheck
-from ..field import CapsuleChain
+from ..field import CapsuleChain, radius_correction
 from ..geometry import Precision, Topology, oriented_triangles, signed_volume, surface_topology
 from ..validation import Points, Triangles, as_length, as_points, as_triangles
-from .lumen import radius_correction
 from .settings import THINNEST_AND_WIDEST_RADIUS, DeploymentSettings
 from .stent_checks import lumen_check
 from .untangle import Relief

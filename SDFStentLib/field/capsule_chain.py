@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..geometry import length, resampled, without_repeats
+from ..geometry import across, length, resampled, without_repeats
 from ..validation import InputError, Points, as_number, as_points, read_only
 from .chain_field import ChainField, Field
 
@@ -94,3 +94,24 @@ class CapsuleChain:
     def folding(self) -> ChainField:
         """What evaluates the field, for points that are known to be sound."""
         return ChainField(self.nodes[::-1], self.smoothing_width)
+
+
+def radius_correction(chain: CapsuleChain, radius: float) -> float:
+    """How much the smooth minimum inflates the chain at a radius, mm: mean over the stent.
+
+    The paper subtracts k/4 everywhere. On a real axis the inflation depends on bends, capsule
+    length and radius, so it is measured: the mean difference between the true and the smooth
+    distance on circles of that radius round the middle of every capsule.
+    """
+    middle = (chain.nodes[:-1] + chain.nodes[1:]) / 2
+    along = np.diff(chain.nodes, axis=0)
+    along /= np.linalg.norm(along, axis=1)[:, None]
+    first, second = across(along).swapaxes(0, 1)
+    angles = np.linspace(0, 2 * np.pi, 12, endpoint=False)
+    circle = np.cos(angles)[:, None, None] * first + np.sin(angles)[:, None, None] * second
+    samples = (middle + radius * circle).reshape(-1, 3)
+    true_distance = chain.axis_distance(samples)
+    on_stent = true_distance > 0.999 * radius
+    if not on_stent.any():
+        return chain.smoothing_width / 4
+    return float((true_distance - chain.field(samples).distance)[on_stent].mean())
