@@ -95,7 +95,7 @@ def test_labels_with_sentences_are_wrapped(aPanel):
 def test_no_color_is_set_by_hand_in_the_panel():
     from pathlib import Path
 
-    text = (Path(__file__).parents[1] / "Resources" / "UI" / "SDFStent.ui").read_text()
+    text = (Path(__file__).parents[1] / "Resources" / "UI" / "SDFStent.ui").read_text("utf-8")
     assert "color" not in text.replace("Color the stented vessel", "").lower()
     assert "styleSheet" not in text
 
