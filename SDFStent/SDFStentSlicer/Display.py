@@ -111,8 +111,10 @@ def _addOutput(parameterNode, className, name):
 
 def _folder(hierarchy, parameterNode):
     """The subject hierarchy folder that holds another result of the parameter set, or a new one."""
-    outputs = [getattr(parameterNode, role) for role in OUTPUT_ROLES]
-    for node in filter(None, outputs):
+    for role in OUTPUT_ROLES:
+        node = getattr(parameterNode, role)
+        if node is None or node.GetID() in Outputs.takenIDs(parameterNode, role):
+            continue
         item = hierarchy.GetItemByDataNode(node)
         folder = hierarchy.GetItemParent(item) if item else 0
         if folder and hierarchy.GetItemAttribute(folder, FOLDER_ATTRIBUTE):

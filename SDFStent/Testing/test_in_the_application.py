@@ -239,6 +239,7 @@ def test_results_are_in_one_folder_per_parameter_set(aLogic, theParameters, aSce
     aLogic.deploy(theParameters)
     other = aLogic.addParameterSet("Longer stent")
     other.vessel, other.centerline = theParameters.vessel, theParameters.centerline
+    other.outputVessel = theParameters.outputVessel  # not its own: it gets another one
     aLogic.addStent(other, diameter=8.5, length=20.0)
     aLogic.deploy(other)
     first = {folderOf(node) for node in outputsOf(theParameters)}
