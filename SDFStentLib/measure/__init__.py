@@ -6,6 +6,8 @@ from .caps import bulged_caps, caps_across
 from .coverage import BranchOstium, branch_ostia
 from .cross_section import equivalent_diameters, winding_numbers
 from .inscribed import InscribedSpheres, inscribed_spheres
+from .lesion_value import HealthyPlace, Lesion
+from .lesions import find_lesions, lesion_after, lesion_against, lesions_within
 from .local_surface import LocalSurface
 from .metrics import DiameterProfile, Reference, diameter_profile, stenosis
 from .stretch import displacements, face_stretches
@@ -13,7 +15,9 @@ from .stretch import displacements, face_stretches
 __all__ = [
     "BranchOstium",
     "DiameterProfile",
+    "HealthyPlace",
     "InscribedSpheres",
+    "Lesion",
     "LocalSurface",
     "Reference",
     "branch_ostia",
@@ -23,7 +27,11 @@ __all__ = [
     "displacements",
     "equivalent_diameters",
     "face_stretches",
+    "find_lesions",
     "inscribed_spheres",
+    "lesion_after",
+    "lesion_against",
+    "lesions_within",
     "stenosis",
     "winding_numbers",
 ]

@@ -35,6 +35,9 @@ _STATIONS = 64
 """Stations searched together: bounds the memory, and keeps the part of the surface local."""
 
 _ROUNDS = 200
+
+_ON_WALL = 1e-9
+"""An axis point nearer to the wall than this, mm, lies on it: rounding tells no direction away."""
 """Most steps of a climb; one that is not done by then ends where it is, with the radius there."""
 
 
@@ -141,7 +144,7 @@ def _climb(
     """Local maxima reached from `starts`, where the radii are at most `bounds`."""
     centers, radii = starts.copy(), bounds.copy()
     box = first_box * radii
-    active = np.flatnonzero(radii > 0)
+    active = np.flatnonzero(radii > _ON_WALL)
     near = _Neighbourhood(surface, len(centers))
     for _ in range(_ROUNDS):
         if len(active) == 0:

@@ -1,0 +1,71 @@
+"""What is told of a lesion, as a value."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..validation import Points, read_only
+
+Place = tuple[float, float, float]
+"""A point, mm."""
+
+
+@dataclass(frozen=True)
+class HealthyPlace:
+    """Healthy vessel that a lesion is measured against."""
+
+    point: Place
+    """On the centerline, mm."""
+    arc_length: float
+    """From the root, mm."""
+    diameter: float
+    """Inscribed, mm."""
+    area: float
+    """Of the cross-section, mm^2; NaN where no closed one lies round the place."""
+
+
+@dataclass(frozen=True, eq=False)
+class Lesion:
+    """A narrowing of a vessel against the healthy vessel beside it.
+
+    Percent by diameter compares inscribed diameters, percent by area cross-sections. Proximal is
+    the side of the centerline's root. Arc lengths count from the root; all lengths are in mm.
+    """
+
+    branch: int
+    """Index into `Centerline.branches` of the branch in which it is narrowest."""
+    branch_arc_length: float
+    """Of the narrowest place, from the start of that branch."""
+    arc_length: float
+    """Of the narrowest place."""
+    start: float
+    end: float
+    """Between these arc lengths it is more than a tenth narrower than the reference."""
+    point: Place
+    """Center of the inscribed sphere at the narrowest place, mm."""
+    minimum_diameter: float
+    """Inscribed."""
+    reference_diameter: float
+    """At the narrowest place."""
+    percent_diameter: float
+    minimum_area: float
+    """Smallest cross-section, mm^2; it may lie elsewhere than the smallest diameter. NaN where
+    no closed section lies round the centerline."""
+    reference_area: float
+    """At the smallest section, mm^2."""
+    percent_area: float
+    proximal: HealthyPlace | None
+    distal: HealthyPlace | None
+    """What it is measured against; None for a side that tells nothing, such as a junction."""
+    reference: str
+    """The same in words, to follow "against"."""
+    line: Points
+    """(k, 3) the centerline from `start` to `end`, mm."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "line", read_only(self.line))
+
+    @property
+    def length(self) -> float:
+        """From start to end, mm."""
+        return self.end - self.start

@@ -1,0 +1,218 @@
+"""Lesions: all that are there, none that are not, and the same numbers whatever is tried."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from deployment_cases import ANATOMIES, anatomy, phantom
+from lesion_cases import bifurcation_case, tapering, tube_case
+
+from SDFStentLib.centerline.centerline import Centerline
+from SDFStentLib.deformation.deployment import deploy
+from SDFStentLib.field import CapsuleChain
+from SDFStentLib.geometry.polyline import cut
+from SDFStentLib.measure.inscribed import inscribed_spheres
+from SDFStentLib.measure.lesions import find_lesions, lesion_after, lesion_against, lesions_within
+from SDFStentLib.measure.tree_lumen import closed_surface
+from SDFStentLib.phantoms.axis import planar_axis
+from SDFStentLib.phantoms.mesh import swept_tube
+from SDFStentLib.validation import InputError
+
+NEAR = 2.0
+"""Percentage points within which a degree is right: a reference beside a junction is a little
+narrowed or widened by it."""
+
+
+def lesions_of(case):
+    return find_lesions(case.points, case.triangles, case.centerline)
+
+
+def assert_as_built(case):
+    found = list(lesions_of(case))
+    for known in case.known:
+        away = [np.linalg.norm(np.subtract(one.point, known.point)) for one in found]
+        assert min(away, default=np.inf) < known.length / 4, f"{known} missed among {found}"
+        one = found.pop(int(np.argmin(away)))
+        assert one.percent_diameter == pytest.approx(known.percent, abs=NEAR)
+    assert not found, f"invented: {found}"
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_lesions_in_series_in_a_tapering_vessel_are_all_found_and_none_more(seed):
+    assert_as_built(tube_case(seed, count=(1, 2, 3, 0)[seed % 4]))
+
+
+@pytest.mark.parametrize("where", [None, "trunk", "ostium", "branch"])
+@pytest.mark.parametrize("seed", [22])
+def test_lesions_at_a_bifurcation_are_found_and_a_narrower_branch_is_none(where, seed):
+    assert_as_built(bifurcation_case(seed, where))
+
+
+def test_a_vessel_that_tapers_in_steps_has_no_lesion():
+    axis = planar_axis([(90.0, 0.0)])
+
+    def stepping(at):
+        at = np.asarray(at)
+        return 5.0 - np.clip((at - 20) / 6, 0, 1) - 1.5 * np.clip((at - 55) / 4, 0, 1)
+
+    patch = swept_tube(axis, stepping, 0.8)
+    line = Centerline.from_polyline(axis.point(np.linspace(0, 90, 91)))
+    assert find_lesions(patch.points, patch.triangles, line) == ()
+
+
+def test_an_aneurysm_makes_no_lesion_of_the_vessel_beside_it():
+    axis = planar_axis([(120.0, 0.0)])
+    healthy = tapering(5.0, 4.0, 120.0)
+
+    def radius(at):
+        return healthy(at) * (1 + 0.9 * np.exp(-(((np.asarray(at) - 50) / 10) ** 2)))
+
+    patch = swept_tube(axis, radius, 1.0)
+    line = Centerline.from_polyline(axis.point(np.linspace(0, 120, 121)))
+    assert find_lesions(patch.points, patch.triangles, line) == ()
+
+
+def test_a_stenosis_across_a_junction_is_one_lesion():
+    made = phantom("branching_pulmonary_artery")
+    first, second = find_lesions(made.points, made.triangles, made.centerline)
+    assert np.linalg.norm(np.subtract(first.point, made.throat.point)) < 1.0
+    assert first.proximal is None
+    assert first.distal is not None
+    assert first.reference_diameter == pytest.approx(made.throat.reference_diameter, rel=0.03)
+    assert first.percent_diameter == pytest.approx(40, abs=3)
+    # The right branch was built with 5.2 mm at its origin, where it widens into the junction, and
+    # 7 mm from 8 mm on: a mild narrowing of its own.
+    assert second.branch != first.branch
+    assert 15 < second.percent_diameter < 100 * (1 - 5.2 / 7)
+
+
+def forms_of(line):
+    """The same centerline as files may hold it."""
+    ways = [line.ancestry(leaf) for leaf in line.leaves]
+    apart = np.concatenate([line.points[way] for way in ways])
+    ends = np.cumsum([0, *map(len, ways)])
+    lines = [np.arange(*pair) for pair in pairwise(ends)]
+    radius = line.inscribed_radius
+    return {
+        "delivered": line,
+        "resampled": line.resampled(2.0),
+        "no radius": line.with_inscribed_radius(np.full(len(radius), np.nan)),
+        "backward": Centerline.from_lines(
+            line.points, [way[::-1] for way in ways], radius, inlet=line.points[line.leaves[0]]
+        ),
+        "overlapping": Centerline.from_lines(apart, lines),
+        "many overlapping": Centerline.from_lines(apart, lines * 60),
+    }
+
+
+def test_the_pulmonary_artery_s_lesions_are_the_same_for_every_form_of_the_centerline(data_dir):
+    vessel = anatomy(data_dir, "pulmonary")
+    for form, line in forms_of(vessel.centerline).items():
+        first, second, *mild = find_lesions(vessel.points, vessel.triangles, line)
+        assert first.minimum_diameter == pytest.approx(4.95, abs=0.03), form
+        assert first.percent_diameter == pytest.approx(51, abs=2), form
+        assert second.minimum_diameter == pytest.approx(5.89, abs=0.03), form
+        assert second.percent_diameter == pytest.approx(49, abs=2), form
+        assert len(mild) == 2, form
+        assert all(15 < one.percent_diameter < 30 for one in mild), form
+        sides = sorted(place.diameter for place in (first.proximal, first.distal))
+        np.testing.assert_allclose(sides, [9.7, 10.5], atol=0.15, err_msg=form)
+
+
+@pytest.mark.parametrize("name", ["aorta_iliac", "vmtk_aorta"])
+def test_aneurysms_junctions_and_rounded_outlets_are_no_lesions(data_dir, name):
+    vessel = anatomy(data_dir, name)
+    assert name in ANATOMIES
+    forms = forms_of(vessel.centerline)
+    for form in ("delivered", "backward", "overlapping"):
+        assert find_lesions(vessel.points, vessel.triangles, forms[form]) == (), form
+
+
+def test_the_degree_is_that_of_spheres_and_circles_measured_by_hand(data_dir):
+    """The reference from the two places that the lesion names, by another route than its own."""
+    vessel = anatomy(data_dir, "pulmonary")
+    lesion = find_lesions(vessel.points, vessel.triangles, vessel.centerline)[0]
+    way = vessel.centerline.path(lesion.proximal.point, lesion.distal.point)
+    widths = 2 * inscribed_spheres(vessel.points, vessel.triangles, way.points).radii
+    along = np.linspace(0, 1, len(widths))
+    at = widths.argmin()
+    reference = np.interp(along[at], [0, 1], widths[[0, -1]])
+    assert lesion.percent_diameter == pytest.approx(100 * (1 - widths[at] / reference), abs=1.0)
+    assert lesion.percent_area == pytest.approx(
+        100 * (1 - lesion.minimum_area / lesion.reference_area)
+    )
+
+
+@pytest.mark.parametrize("length", [8.0, 20.0, 40.0])
+def test_a_stent_s_length_changes_neither_lesion_nor_reference(length):
+    made = phantom("stenosed_tube", edge_length=0.8, length=60.0)
+    (before,) = find_lesions(made.points, made.triangles, made.centerline)
+    assert before.percent_diameter == pytest.approx(40, abs=0.5)
+    assert before.percent_area == pytest.approx(64, abs=0.5)
+    axis = made.axis_at(np.linspace(30 - length / 2, 30 + length / 2, 100))
+    done = deploy(made.points, made.triangles, CapsuleChain.along(axis), 2.7)
+    assert lesions_within([before], axis) == (before,)
+    after = lesion_after(before, done.points, made.triangles)
+    assert after.reference_diameter == pytest.approx(6.0, abs=0.05)
+    left = 2 * inscribed_spheres(done.points, made.triangles, before.line).radii.min()
+    assert after.percent_diameter == pytest.approx(100 * (1 - left / 6), abs=0.5)
+    if length > 16:
+        assert after.percent_diameter == pytest.approx(10, abs=1)
+
+
+def test_a_stent_elsewhere_covers_no_lesion():
+    made = phantom("stenosed_tube", edge_length=0.8)
+    found = find_lesions(made.points, made.triangles, made.centerline)
+    line = made.axis_at(np.linspace(0, 40, 81))
+    assert lesions_within(found, cut(line, 22, 40)) == ()
+    assert lesions_within(found, cut(line, 15, 25)) == found
+
+
+def test_the_user_s_own_reference_stands_instead():
+    made = phantom("stenosed_tube", edge_length=0.8, length=60.0)
+    (lesion,) = find_lesions(made.points, made.triangles, made.centerline)
+    surface = made.points, made.triangles, made.centerline
+    one = lesion_against(lesion, [[0, 0, 24]], *surface)
+    # On the slope of the stenosis, where the exact sphere is narrower than the section.
+    marked = 2 * made.centerline.project([0, 0, 24]).inscribed_radius
+    assert one.reference_diameter == pytest.approx(marked, rel=0.01)
+    assert one.percent_diameter == pytest.approx(100 * (1 - 3.6 / marked), abs=0.5)
+    assert "marked" in one.reference
+    assert one.distal is None
+    both = lesion_against(lesion, [[0, 0, 50], [0, 0, 10]], *surface)
+    assert both.percent_diameter == pytest.approx(40, abs=0.5)
+    assert both.proximal.point[2] == pytest.approx(10)
+
+
+def test_a_reference_that_cannot_be_one_is_refused_in_a_sentence():
+    made = phantom("stenosed_tube", edge_length=0.8)
+    (lesion,) = find_lesions(made.points, made.triangles, made.centerline)
+    surface = made.points, made.triangles, made.centerline
+    with pytest.raises(InputError, match="one or two marked places, got 0"):
+        lesion_against(lesion, [], *surface)
+    with pytest.raises(InputError, match="two distal of it"):
+        lesion_against(lesion, [[0, 0, 30], [0, 0, 35]], *surface)
+    with pytest.raises(InputError, match="inside of the vessel"):
+        lesion_against(lesion, [[9, 0, 30]], *surface)
+    with pytest.raises(InputError, match="outside"):
+        find_lesions(
+            made.points, made.triangles, made.centerline.with_points(made.centerline.points + 99)
+        )
+
+
+def test_an_open_surface_has_the_lesions_of_the_closed_one():
+    made = phantom("stenosed_tube", edge_length=0.8)
+    wall = made.triangles[made.face_ids == 1]
+    (closed,) = find_lesions(made.points, made.triangles, made.centerline)
+    (opened,) = find_lesions(made.points, wall, made.centerline)
+    assert opened.percent_diameter == pytest.approx(closed.percent_diameter, abs=1e-6)
+    assert len(closed_surface(made.points, wall)[0]) == len(made.points) + 2
+
+
+def test_an_axis_point_a_rounding_away_from_the_wall_has_no_sphere():
+    """It stopped the search: no triangle was found within a radius of 1e-17 mm."""
+    made = phantom("straight_tube", edge_length=1.0)
+    spheres = inscribed_spheres(made.points, made.triangles, [[0, 0, 3e-17], [0, 0, 10]])
+    assert spheres.radii[0] < 1e-9 < spheres.radii[1]
