@@ -27,7 +27,8 @@ STAGES = {
     "radius steps": "event_steps",
     "states for the caller": "state",
     "finish and facet compensation": "finish",
-    "certificate": "_certificate",
+    "certificate of the surface": "_certificate",
+    "certificate of the lumen": "lumen_checks",
 }
 KINDS = {
     "distance field": "folded",

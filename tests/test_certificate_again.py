@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from deployment_cases import phantom
@@ -53,7 +55,10 @@ def test_after_untangling_the_certificate_is_that_of_the_whole(
         dtype=precision.dtype,
         scale=precision.scale,
     )
-    assert_same(vars(result.certificate), vars(whole))
+    # What is promised of a stent is not judged by comparing two surfaces: see `test_spikes.py`.
+    assert result.certificate.motion
+    assert result.certificate.lumen
+    assert_same(vars(replace(result.certificate, motion=(), lumen=())), vars(whole))
 
 
 def bumps(points, rng, count, size):
