@@ -165,6 +165,7 @@ def _on_line(along: Floats, before: _Side, after: _Side) -> Floats:
 def _in_aneurysm(along: Floats, steady: Floats, is_apart: Bools) -> Bools:
     """Stations in focal widenings: much wider than the vessel on both sides, and not most of it."""
     found = np.zeros(len(along), dtype=bool)
+    # Ends: every round finds more stations, the widest at least, or returns.
     while True:
         rest = np.flatnonzero(is_apart & ~found)
         if len(rest) < 3:
@@ -182,6 +183,7 @@ def _in_aneurysm(along: Floats, steady: Floats, is_apart: Bools) -> Bools:
 def _foot(steady: Floats, start: int, step: int) -> int:
     """The lowest station down the slope of a widening."""
     lowest, at = start, start
+    # Ends: with the stations.
     while 0 <= at + step < len(steady):
         at += step
         if steady[at] < steady[lowest]:

@@ -170,10 +170,12 @@ def _chains(count: int, onward: dict[_Arm, _Arm]) -> list[list[_Arm]]:
         if number in used:
             continue
         start = _Arm(number, 0)
+        # Ends: arms are joined in pairs, so segments form chains, or rings back to this one.
         while start in onward and onward[start].number != number:
             before = onward[start]
             start = _Arm(before.number, 1 - before.end)
         chain = [start]
+        # Ends: as above.
         while (leaving := _Arm(chain[-1].number, 1 - chain[-1].end)) in onward:
             if onward[leaving].number == start.number:
                 break
