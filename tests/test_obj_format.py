@@ -58,3 +58,18 @@ f -4 -3 -2 -1
 def test_what_is_no_obj_is_said(text, words):
     with pytest.raises(InputError, match=words):
         decode_obj(text, "a.obj")
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9223372036854775808\n",
+        b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 -9223372036854775809\n",
+        b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3.5\n",
+        b"v 0 0\nv 1 0 0\nv 0 1 0 0\nf 1 2 3\n",
+        b"v 0 0 1" + b"0" * 10**6 + b"x\n" + b"v 1 0 0\n" * 4000 + b"f 1 2 3\n",
+    ],
+)
+def test_numbers_beyond_all_bounds_are_said(data):
+    with pytest.raises(InputError, match="expected numbers after v and f"):
+        decode_obj(data, "a.obj")

@@ -125,3 +125,14 @@ def test_points_alone_are_no_error_yet():
     mesh = decode_ply(data, "a.ply")
     assert mesh.points.tolist() == [[1, 2, 3]]
     assert len(mesh.corners) == 0
+
+
+@pytest.mark.parametrize("corner", ["1.7", "9223372036854775808", "x", "1" + "0" * 10**6])
+@pytest.mark.parametrize("more", ["", "4 0 1 2 0\n"])
+def test_a_corner_that_is_no_integer_is_said(corner, more):
+    head = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+    head += f"property float z\nelement face {2 if more else 1}\n"
+    head += "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n"
+    with pytest.raises(InputError, match="do not fit its PLY header"):
+        decode_ply(f"{head}3 0 {corner} 2\n{more}".encode(), "a.ply")
+    assert decode_ply(f"{head}3 0 1.0 2\n{more}".encode(), "a.ply").corners[1] == 1

@@ -60,3 +60,12 @@ def test_words_instead_of_numbers_are_refused():
 
 def test_no_facet_is_no_error_yet():
     assert len(decode_stl(b"x" * 80 + b"\0" * 4, "a.stl").corners) == 0
+
+
+def test_bytes_behind_the_announced_triangles_are_said():
+    points, triangles = octahedron(rounds=0)
+    data = encode_stl(points, triangles, None, "x")
+    fewer = data[:80] + (7).to_bytes(4, "little") + data[84:]
+    with pytest.raises(InputError, match="its number of triangles is damaged"):
+        decode_stl(fewer, "a.stl")
+    assert len(decode_stl(data + b"\0\0\n", "a.stl").corners) == 3 * len(triangles)

@@ -144,11 +144,12 @@ def damaged(name, data):
         (
             "a.vtp",
             b'<VTKFile type="PolyData"><Piece NumberOfPoints="99999999999"/></VTKFile>',
-            "announces 99999999999 elements",
+            "expected one PolyData",
         ),
-        ("a.vtp", b'<VTKFile type="PolyData"><PolyData></VTKFile>', "the file is damaged"),
+        ("a.vtp", b'<VTKFile type="PolyData"><PolyData></VTKFile>', "expected well-formed XML"),
         ("a.vtk", b"<VTKFile>", r"expected a legacy VTK file, got a VTK XML file \(name it .vtp"),
-        ("a.vtk", b"# vtk DataFile Version 3.0\n", "got no data set"),
+        ("a.vtk", b"# vtk DataFile Version 3.0\n", "expected ASCII or BINARY in its third line"),
+        ("a.vtk", b"# vtk DataFile Version 3.0\n\nASCII\n", "got no data set"),
         (
             "a.vtk",
             b"# vtk DataFile Version 3.0\nx\nASCII\nDATASET STRUCTURED_GRID\n",
@@ -164,7 +165,7 @@ def damaged(name, data):
             "a.vtk",
             b"# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\nPOINTS 1 float\n0 0 0\n"
             b"POINT_DATA 1\nFIELD FieldData 1\nname 1 9 string\na\n",
-            "expected 9 numbers or words",
+            "expected 9 texts, got the end",
         ),
     ],
 )

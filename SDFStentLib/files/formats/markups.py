@@ -142,4 +142,7 @@ def _spline(control_points: Points, name: str) -> Points:
 
 
 def _as_bytes(document: dict[str, Any]) -> bytes:
-    return (json.dumps(document, indent=2, ensure_ascii=False) + "\n").encode()
+    try:
+        return (json.dumps(document, indent=2, ensure_ascii=False) + "\n").encode()
+    except UnicodeEncodeError:  # a label holds half of a character; escaped, it comes back
+        return (json.dumps(document, indent=2) + "\n").encode()

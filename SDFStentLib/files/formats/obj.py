@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ...validation import InputError, Triangles
 from .plain_mesh import PlainMesh, offsets_of
+from .text_numbers import numbers_in
 
 _LOST = {b"vt": "texture coordinates", b"vn": "normals", b"usemtl": "materials", b"g": "groups"}
 
@@ -41,8 +42,10 @@ def decode_obj(data: bytes, name: str) -> PlainMesh:
     if not point_rows or data.find(b"\0") >= 0:
         raise InputError(f"{name}: expected an OBJ file with points (v x y z), found none.")
     try:
-        points = np.array(point_rows, dtype=np.bytes_).reshape(-1, 3).astype(np.float64)
-        corners = np.array(list(chain.from_iterable(faces)), dtype=np.bytes_).astype(np.int64)
+        if any(len(row) != 3 for row in point_rows):
+            raise ValueError("a point of fewer")
+        points = numbers_in(b" ".join(chain.from_iterable(point_rows)), np.float64).reshape(-1, 3)
+        corners = numbers_in(b" ".join(chain.from_iterable(faces)), np.int64)
     except ValueError as error:
         raise InputError(f"{name}: expected numbers after v and f, got {error}.") from error
     if (corners == 0).any():

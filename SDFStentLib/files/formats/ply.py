@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ...validation import InputError, Triangles
 from ..content import kind_in_words
 from .plain_mesh import PlainMesh, offsets_of
+from .text_numbers import numbers_in
 
 _TYPES = {
     "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4",
@@ -202,18 +203,20 @@ def _ascii_columns(element: _Element, tokens: list[bytes], sizes: list[int]) -> 
     needed = element.count * sum(widths)
     if len(tokens) < needed:
         return None
-    table = np.array(tokens[:needed]).astype(np.float64).reshape(element.count, -1)
     columns: dict[str, Any] = {}
-    at = 0
+    at, row = 0, sum(widths)
     for listed, size, width in zip(element.properties, sizes, widths, strict=True):
-        values = table[:, at : at + width]
         if listed.count_kind:
-            if (values[:, 0] != size).any():
+            if set(tokens[at:needed:row]) != {b"%d" % size}:
                 return None
+            # One column of tokens after the other, then as rows again.
+            parts = [tokens[at + part : needed : row] for part in range(1, width)]
+            values = [numbers_in(b" ".join(part), listed.kind) for part in parts]
+            corners = np.stack(values, axis=1) if values else np.zeros(0)
             offsets = size * np.arange(element.count + 1)
-            columns[listed.name] = (offsets, values[:, 1:].ravel().astype(np.int64))
+            columns[listed.name] = (offsets, corners.ravel().astype(np.int64))
         else:
-            columns[listed.name] = values[:, 0].astype(listed.kind)
+            columns[listed.name] = numbers_in(b" ".join(tokens[at:needed:row]), listed.kind)
         at += width
     return columns, tokens[needed:]
 
@@ -252,7 +255,7 @@ def _read_rows(
         if number < 0:
             raise ValueError("negative length of a list")
         if order == "":
-            found = np.array(body[at : at + number] or [b"0"]).astype(np.float64)[:number]
+            found = numbers_in(b" ".join(body[at : at + number]), kind)
             at += number
         else:
             dtype = np.dtype(order + kind)

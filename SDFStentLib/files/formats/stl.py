@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from ...validation import InputError, Points, Triangles
 from .plain_mesh import PlainMesh, offsets_of
+from .text_numbers import numbers_in
 
 HEADER_SIZE = 80
 
@@ -41,6 +43,11 @@ def decode_stl(data: bytes, name: str) -> PlainMesh:
         raise InputError(
             f"{name}: expected an STL file of {size} bytes as its header says, got {len(data)}; "
             "it is cut short or no STL file, write it again."
+        )
+    if data[size:].strip(b"\0 \t\r\n"):
+        raise InputError(
+            f"{name}: expected an STL file of {size} bytes as its header says, got {len(data)}; "
+            "its number of triangles is damaged, write it again."
         )
     facets = np.frombuffer(data, _FACET, count, count_end)
     points, corners = _merged(facets["corners"].reshape(-1, 3))
@@ -82,7 +89,7 @@ def _decode_ascii(data: bytes, name: str) -> PlainMesh:
             f"{len(rows)} corners of {facets} facets; it is cut short, write it again."
         )
     try:
-        coordinates = np.array(rows, dtype=np.bytes_).reshape(-1, 3).astype(np.float32)
+        coordinates = numbers_in(b" ".join(chain.from_iterable(rows)), np.float32).reshape(-1, 3)
     except ValueError as error:
         raise InputError(f"{name}: expected numbers as STL corners, got {error}.") from error
     points, corners = _merged(coordinates)

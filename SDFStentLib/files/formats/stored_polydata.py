@@ -1,0 +1,90 @@
+"""Polydata as a VTK file has it, in NumPy; what the strict readers of both formats return."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+CELL_KINDS = ("Verts", "Lines", "Polys", "Strips")
+"""In the order in which polydata counts its cells."""
+
+
+class Kind(NamedTuple):
+    """How values are stored: VTK's class of arrays, and the numbers in NumPy ("" for text)."""
+
+    vtk_class: str
+    dtype: str
+
+    @property
+    def is_text(self) -> bool:
+        """Whether the values are strings."""
+        return self.vtk_class == "vtkStringArray"
+
+    @property
+    def is_bit(self) -> bool:
+        """Whether eight values are packed in one byte."""
+        return self.vtk_class == "vtkBitArray"
+
+
+@dataclass(frozen=True)
+class StoredArray:
+    """An array with its name.
+
+    Attributes
+    ----------
+    name : str or None
+    kind : Kind
+    values : array, shape (n, k), or list of bytes of length n * k
+        Numbers, or the strings of a string array.
+    components : int
+        The k above.
+    component_names : dict of int to str
+        Those that have one.
+    """
+
+    name: str | None
+    kind: Kind
+    values: NDArray[Any] | list[bytes]
+    components: int = 1
+    component_names: dict[int, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class ArrayGroup:
+    """The arrays of the points, the cells or the whole, and which of them has which role.
+
+    Attributes
+    ----------
+    arrays : list of StoredArray
+    roles : dict of str to str
+        Such as `{"Normals": "name of an array"}`, in VTK's words.
+    tables : dict of str to array, shape (m, 4), uint8
+        Lookup tables (red, green, blue, opacity) by the name of the array that is shown so.
+    """
+
+    arrays: list[StoredArray] = field(default_factory=list)
+    roles: dict[str, str] = field(default_factory=dict)
+    tables: dict[str, NDArray[np.uint8]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class StoredPolydata:
+    """Everything of a file.
+
+    Attributes
+    ----------
+    points : StoredArray
+        Three components.
+    cells : dict of str to (offsets, corners)
+        By the names of `CELL_KINDS`; offsets (m + 1,) and corners are int64, and fit together.
+    point_data, cell_data, field_data : ArrayGroup
+    """
+
+    points: StoredArray
+    cells: dict[str, tuple[NDArray[np.int64], NDArray[np.int64]]]
+    point_data: ArrayGroup
+    cell_data: ArrayGroup
+    field_data: ArrayGroup
