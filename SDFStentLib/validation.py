@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+import math
+import os
+import re
 from decimal import Decimal
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+# Of ASCII and Latin-1, separators of lines, and what changes the direction of writing.
+_CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069]")
 
 Points = NDArray[np.float64]
 """(n, 3) array of coordinates, mm."""
@@ -22,6 +29,10 @@ Indices = NDArray[np.int64]
 
 Flags = NDArray[np.bool_]
 """Array of truth values."""
+
+
+LARGEST_COORDINATE = 1e6
+"""Of any point, mm: a kilometer, far beyond every scanner."""
 
 
 class InputError(ValueError):
@@ -65,12 +76,17 @@ def as_points(values: ArrayLike, name: str = "points", *, minimum: int = 0) -> P
             f"{name}: expected finite coordinates, got NaN or infinity at {len(bad)} of "
             f"{len(points)} points, the first is point {bad[0]}; repair the file."
         )
+    if points.size and max(points.max(), -points.min()) > LARGEST_COORDINATE:
+        raise InputError(
+            f"{name}: expected coordinates up to {LARGEST_COORDINATE:g}, got "
+            f"{max(points.max(), -points.min()):g}; check its units, or repair the file."
+        )
     return points
 
 
 def as_point(values: ArrayLike, name: str = "point") -> NDArray[np.float64]:
     """One finite point as a float64 array of shape (3,); `InputError` otherwise."""
-    return as_points(np.reshape(np.asarray(values, dtype=object), (1, -1)), name)[0]
+    return as_points(np.reshape(np.asarray(values, dtype=object), (1, -1)), name, minimum=1)[0]
 
 
 def as_triangles(values: ArrayLike, point_count: int, name: str = "triangles") -> Triangles:
@@ -114,7 +130,7 @@ def as_number(
     """
     wanted = _range_in_words(above, minimum, maximum, unit)
     try:
-        number = float(value)
+        number = math.nan if isinstance(value, str | bytes) else float(value)
     except (TypeError, ValueError, OverflowError):
         raise InputError(f"{name}: expected {wanted}, got {in_short(value)}.") from None
     outside = (
@@ -126,6 +142,19 @@ def as_number(
     if isinstance(value, bool) or outside:
         raise InputError(f"{name}: expected {wanted}, got {in_short(value)}.")
     return number
+
+
+def as_path(value: Any, name: str = "path") -> Path:
+    """A path from text or a path; `InputError` for anything else."""
+    if not isinstance(value, str | os.PathLike) or not isinstance(os.fspath(value), str):
+        raise InputError(f"{name}: expected the path of a file, got {in_short(value)}.")
+    return Path(value)
+
+
+def check_is_a(value: Any, kind: type, name: str) -> None:
+    """`InputError` unless a value is of the kind that a function takes."""
+    if not isinstance(value, kind):
+        raise InputError(f"{name}: expected a {kind.__name__}, got {in_short(value)}.")
 
 
 def as_length(value: Any, name: str, shortest: float, longest: float) -> float:
@@ -141,6 +170,15 @@ def in_short(value: Any) -> str:
     except ValueError:  # Python does not write integers of more than some thousand digits
         return "a number of thousands of digits"
     return text if len(text) <= 60 else f"{text[:40]}... ({len(text)} characters)"
+
+
+def printable(text: str) -> str:
+    """A text whose control characters are written as escapes; line ends and tabs stay.
+
+    Names come from files: in a terminal or on a page they could move the cursor, clear the screen
+    or turn the direction of writing around.
+    """
+    return _CONTROL.sub(lambda found: ascii(found[0])[1:-1], text)
 
 
 def read_only(array: NDArray[Any]) -> NDArray[Any]:

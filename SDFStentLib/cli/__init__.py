@@ -1,13 +1,24 @@
-"""The shell: `sdfstent deploy`, `run`, `measure`, `check` and `demo`."""
+"""The shell: `sdfstent deploy`, `run`, `measure`, `check` and `demo`.
+
+What is named here is imported when it is first asked for: signals are taken before anything else.
+"""
 
 from __future__ import annotations
 
-from .shell import main
+from typing import TYPE_CHECKING
+
+from ..late import late_names
+
+if TYPE_CHECKING:
+    from .shell import main
+    from .signals import INTERRUPTED, end_at_once
 
 __all__ = [
+    "INTERRUPTED",
+    "end_at_once",
     "main",
 ]
 
-
-def __dir__() -> list[str]:
-    return __all__
+__getattr__, __dir__ = late_names(
+    __name__, {"shell": ["main"], "signals": ["INTERRUPTED", "end_at_once"]}
+)

@@ -8,6 +8,8 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any, TextIO
 
+from ..validation import printable
+
 _OPTIONS = (
     ("to", "between two points to choose", "between two points (--from, --to) to choose"),
     ("units", "the unit of the files.", "the unit of the files (--units mm, cm or m)."),
@@ -29,13 +31,14 @@ class Console:
     def say(self, sentence: str = "") -> None:
         """A line of the result; nothing when quiet."""
         if not self.quiet:
-            print(sentence)
+            print(printable(sentence))
 
     def warn(self, sentences: Iterable[str]) -> None:
         """Each on a line of stderr; nothing when quiet, for the report has them too."""
         if not self.quiet:
             for sentence in sentences:
-                print(f"warning: {with_options(sentence, self.options)}", file=sys.stderr)
+                words = with_options(sentence, self.options)
+                print(printable(f"warning: {words}"), file=sys.stderr)
 
     @contextmanager
     def progress(self, what: str) -> Iterator[Any]:
@@ -58,7 +61,7 @@ def with_options(sentence: str, options: argparse.Namespace | None) -> str:
 
 def error_line(sentence: str) -> None:
     """The one sentence of a failure."""
-    print(sentence, file=sys.stderr)
+    print(printable(" ".join(sentence.split("\n"))), file=sys.stderr)
 
 
 class _Bar:

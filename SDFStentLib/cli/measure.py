@@ -15,7 +15,7 @@ from ..measure import DiameterProfile, diameter_profile
 from ..plan import InputFiles, read_input_files
 from ..stent import Stent, stent_axis
 from ..units import millimeters_per
-from ..validation import InputError, Points, as_number
+from ..validation import InputError, Points, as_number, printable
 from .console import Console
 from .place import check_place, place_of
 
@@ -59,7 +59,7 @@ def measure_command(options: argparse.Namespace, console: Console) -> int:
     return 0
 
 
-def check_command(options: argparse.Namespace) -> int:
+def check_command(options: argparse.Namespace, _console: Console) -> int:
     """Say whether a surface is sound; 3 when it is not."""
     surface = read_surface(options.surface, options.units)
     check = check_surface(
@@ -179,6 +179,7 @@ def _print_check(document: dict[str, Any]) -> None:
     for key, words in (
         ("self_intersecting_triangles", "intersect another one"),
         ("inverted_triangles", "are turned over"),
+        ("flipped_triangles", "are wound against their neighbors"),
         ("degenerate_triangles", "have no area"),
         ("sliver_triangles", "have an angle below 1 degree"),
     ):
@@ -187,7 +188,7 @@ def _print_check(document: dict[str, Any]) -> None:
             more = ", ..." if len(document[key]) > 10 else ""
             print(f"{len(document[key])} triangles {words}: {shown}{more}")
     for sentence in document["warnings"]:
-        print(f"warning: {sentence}")
+        print(printable(f"warning: {sentence}"))
 
 
 def _point(point: Points) -> str:

@@ -3,23 +3,17 @@
 from __future__ import annotations
 
 import os
-import shutil
-import stat
-import tempfile
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import NamedTuple
 
-from ..files import cannot_write, check_writable
+from ..files import StagingFolder, cannot_write, check_writable, commit, sweep
 from ..validation import InputError
+from .signals import uninterrupted, uninterrupted_from_now
 
 Writer = Callable[[Path], "Iterable[str] | None"]
 """Writes to a path; may return sentences about what could not be kept."""
-
-
-_OLD = ".old"
-"""Name of the old state in the staging folder, which is removed afterwards."""
 
 
 class _Job(NamedTuple):
@@ -34,7 +28,8 @@ class Outputs:
     """Files and folders that a command writes, checked at once and written at the end.
 
     Everything is written beside its place first and moved there when all of it is done: a
-    failure or an interruption leaves no output, or all of them.
+    failure or an interruption leaves no output, or all of them. What runs that were killed have
+    left in the folders of the outputs is finished or undone first.
 
     Parameters
     ----------
@@ -61,6 +56,7 @@ class Outputs:
         A writer that `may_be_missing` may leave it out; then an older one goes, too.
         """
         target = Path(os.path.realpath(path))
+        sweep(target.parent)
         if self._folder is None or target.parent != self._folder or self._folder.is_dir():
             target = check_writable(path)
         self._add(_Job(os.fspath(path), target, write, may_be_missing))
@@ -69,6 +65,7 @@ class Outputs:
         self, path: str | os.PathLike[str], write: Writer, own: Callable[[str], bool]
     ) -> None:
         """A folder that is new, empty, or holds only files of its own kind, which it replaces."""
+        sweep(Path(os.path.realpath(path)).parent)
         target = _check_folder(path, may_come=self._folder)
         if os.path.ismount(target):
             raise InputError(
@@ -97,18 +94,20 @@ class Outputs:
         """
         sentences: list[str] = []
         with self._made_folder(), ExitStack() as stack:
-            moves = []
+            folders: dict[Path, StagingFolder] = {}
+            names: dict[StagingFolder, list[str]] = {}
             for job in self._jobs:
-                staged = stack.enter_context(_staging(job.target.parent)) / job.target.name
+                parent = job.target.parent
+                if parent not in folders:
+                    folders[parent] = stack.enter_context(_staging(parent))
+                names.setdefault(folders[parent], []).append(job.target.name)
+                sentences += _written(job, folders[parent].staged(job.target.name))
+            with uninterrupted():
                 try:
-                    found = job.write(staged) or ()
+                    commit(names)
                 except OSError as error:
-                    raise cannot_write(job.path, error) from error
-                except InputError as error:
-                    raise InputError(str(error).replace(str(staged), job.path)) from error
-                sentences += [sentence.replace(str(staged), job.path) for sentence in found]
-                moves.append((job, staged))
-            _move_all(moves)
+                    raise cannot_write(next(iter(folders)), error) from error
+                uninterrupted_from_now()
         return sentences
 
     def _add(self, job: _Job) -> None:
@@ -168,60 +167,25 @@ def _check_folder(path: str | os.PathLike[str], may_come: Path | None = None) ->
     return target
 
 
-@contextmanager
-def _staging(parent: Path) -> Iterator[Path]:
+def _written(job: _Job, staged: Path) -> list[str]:
+    """Write one output where it is staged; the sentences of its writer, naming its place."""
     try:
-        folder = Path(tempfile.mkdtemp(prefix=".sdfstent-", dir=parent))
+        found = job.write(staged) or ()
+    except OSError as error:
+        raise cannot_write(job.path, error) from error
+    except InputError as error:
+        raise InputError(str(error).replace(str(staged), job.path)) from error
+    return [sentence.replace(str(staged), job.path) for sentence in found]
+
+
+@contextmanager
+def _staging(parent: Path) -> Iterator[StagingFolder]:
+    try:
+        folder = StagingFolder(parent)
     except OSError as error:
         raise cannot_write(parent, error) from error
     try:
         yield folder
     finally:
-        shutil.rmtree(folder, ignore_errors=True)
-
-
-def _move_all(moves: Sequence[tuple[_Job, Path]]) -> None:
-    """Put everything in its place; when one cannot be, all of them get their old state back."""
-    begun: list[tuple[Path, Path, bool]] = []
-    try:
-        for job, staged in moves:
-            begun.append((job.target, staged, staged.exists()))
-            try:
-                _move(*begun[-1])
-            except OSError as error:
-                raise cannot_write(job.path, error) from error
-    except BaseException:
-        for entry in reversed(begun):
-            with suppress(OSError):
-                _put_back(*entry)
-        raise
-
-
-def _move(target: Path, staged: Path, is_there: bool) -> None:
-    """Move what was staged, if anything, to its place; the old state stays beside it."""
-    old = staged.with_name(_OLD)
-    if target.is_dir():
-        os.replace(target, old)
-    elif target.exists():
-        if is_there:
-            os.chmod(staged, stat.S_IMODE(target.stat().st_mode))
-        try:
-            os.link(target, old)
-        except OSError:  # a file system without hard links
-            shutil.copy2(target, old)
-    if is_there:
-        os.replace(staged, target)
-    else:
-        target.unlink(missing_ok=True)
-
-
-def _put_back(target: Path, staged: Path, was_there: bool) -> None:
-    """Undo a move, wherever it was interrupted."""
-    old = staged.with_name(_OLD)
-    is_moved = was_there and not staged.exists()
-    if is_moved and target.is_dir():
-        shutil.rmtree(target)
-    elif is_moved:
-        target.unlink(missing_ok=True)
-    if old.exists() and not target.exists():
-        os.replace(old, target)
+        with uninterrupted():
+            folder.remove()

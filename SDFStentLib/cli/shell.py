@@ -7,15 +7,16 @@ import os
 import re
 import sys
 import traceback
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from decimal import Decimal
 from typing import TextIO
 
 from ..validation import DeploymentError, InputError
 from .console import Console, error_line, with_options
 from .options import parser
+from .signals import INTERRUPTED, SENTENCE, interruptions
 
-DONE, UNEXPECTED, BAD_INPUT, NOT_CERTIFIED, INTERRUPTED = 0, 1, 2, 3, 130
+DONE, UNEXPECTED, BAD_INPUT, NOT_CERTIFIED = 0, 1, 2, 3
 
 _NEGATIVE = re.compile(r"-(\d+\.?\d*|\.\d+)[eE][-+]?\d{1,3}")
 
@@ -39,7 +40,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     except SystemExit as end:  # after --help, --version and errors of usage
         return int(end.code or 0)
     try:
-        code = _command(options)
+        command = _imported(options.command)
+        with interruptions():
+            code = command(options, Console(options, quiet=options.quiet))
         sys.stdout.flush()
         return code
     except BrokenPipeError:
@@ -50,28 +53,19 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _failed(error, options)
 
 
-def _command(options: argparse.Namespace) -> int:
-    """Late imports: vtk and scipy take longer to import than most mistakes to be found."""
-    console = Console(options, quiet=options.quiet)
-    if options.command == "deploy":
-        from .deploy import deploy_command
+def _imported(name: str) -> Callable[[argparse.Namespace, Console], int]:
+    """The command, imported late: vtk and scipy take longer than most mistakes to be found."""
+    if name in ("deploy", "run"):
+        from .deploy import deploy_command, run_command
 
-        return deploy_command(options, console)
-    if options.command == "run":
-        from .deploy import run_command
+        return deploy_command if name == "deploy" else run_command
+    if name in ("measure", "check"):
+        from .measure import check_command, measure_command
 
-        return run_command(options, console)
-    if options.command == "measure":
-        from .measure import measure_command
-
-        return measure_command(options, console)
-    if options.command == "check":
-        from .measure import check_command
-
-        return check_command(options)
+        return measure_command if name == "measure" else check_command
     from .demo import demo_command
 
-    return demo_command(options, console)
+    return demo_command
 
 
 def _nowhere() -> TextIO:
@@ -82,7 +76,7 @@ def _failed(error: BaseException, options: argparse.Namespace) -> int:
     if options.debug:
         traceback.print_exception(error)
     if isinstance(error, KeyboardInterrupt):
-        error_line("sdfstent: interrupted; nothing was written.")
+        error_line(SENTENCE)
         return INTERRUPTED
     if isinstance(error, InputError | DeploymentError):
         error_line(f"sdfstent {options.command}: {with_options(str(error), options)}")

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from .centerline_output import check_line_output, write_centerline
     from .content import read_content
     from .formats import encode_vtp
+    from .output_set import StagingFolder, commit, sweep
     from .polydata import (
         add_arrays,
         arrays_from_polydata,
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "LineFile",
+    "StagingFolder",
     "SurfaceFile",
     "add_arrays",
     "arrays_from_polydata",
@@ -48,6 +50,7 @@ __all__ = [
     "check_same_space",
     "check_surface_output",
     "check_writable",
+    "commit",
     "encode_vtp",
     "in_frame_of",
     "inscribed_radius_from_polydata",
@@ -60,6 +63,7 @@ __all__ = [
     "read_lines",
     "read_surface",
     "set_frame_of_polydata",
+    "sweep",
     "triangulated_polydata",
     "write_bytes",
     "write_centerline",
@@ -81,6 +85,7 @@ __getattr__, __dir__ = late_names(
         "centerline_output": ["check_line_output", "write_centerline"],
         "content": ["read_content"],
         "formats.vtk_files": ["encode_vtp"],
+        "output_set": ["StagingFolder", "commit", "sweep"],
         "polydata": [
             "add_arrays",
             "arrays_from_polydata",

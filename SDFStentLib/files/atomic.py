@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from ..validation import InputError
+from ..validation import InputError, as_path
 
 
 @contextmanager
@@ -43,7 +43,7 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
         if target.exists():
             os.chmod(temporary, stat.S_IMODE(target.stat().st_mode))
         yield temporary
-        _flush_to_disk(temporary)
+        flush_to_disk(temporary)
         os.replace(temporary, target)
     except OSError as error:
         raise cannot_write(target, error) from error
@@ -53,7 +53,7 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
     # The new name itself survives a power cut only once the folder is on the disk; where a
     # folder cannot be opened (Windows) there is no such call.
     with suppress(OSError):
-        _flush_to_disk(target.parent)
+        flush_to_disk(target.parent)
 
 
 def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
@@ -72,7 +72,7 @@ def check_writable(path: str | os.PathLike[str]) -> Path:
         pipe.
     """
     try:
-        target = Path(os.path.realpath(path))
+        target = Path(os.path.realpath(as_path(path)))
         if target.is_dir():
             raise InputError(f"{path}: expected a file to write, got a folder; add a file name.")
         if target.exists() and not target.is_file():
@@ -92,7 +92,8 @@ def check_writable(path: str | os.PathLike[str]) -> Path:
     return target
 
 
-def _flush_to_disk(path: Path) -> None:
+def flush_to_disk(path: Path) -> None:
+    """Wait until a file, or the names in a folder, would survive a power cut."""
     descriptor = os.open(path, os.O_RDONLY if path.is_dir() else os.O_RDWR)
     try:
         os.fsync(descriptor)

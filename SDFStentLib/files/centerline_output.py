@@ -11,7 +11,7 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 
 from ..units import flipped, millimeters_per
-from ..validation import InputError, Points, as_points
+from ..validation import InputError, Points, as_path, as_points, check_is_a
 from .atomic import check_writable, write_bytes
 from .centerline_files import LINE_SUFFIXES, LineFile
 from .content import header_text
@@ -47,6 +47,7 @@ def write_centerline(
         Unknown suffix, another number of points, several lines into a markups file that were
         none before, or the file cannot be written.
     """
+    check_is_a(line_file, LineFile, "line_file")
     target = check_line_output(path)
     moved = as_points(points, "points")
     if len(moved) != len(line_file.points):
@@ -66,7 +67,7 @@ def write_centerline(
 
 def check_line_output(path: str | os.PathLike[str]) -> Path:
     """The file that `write_centerline` would replace; `InputError` early where it could not."""
-    if not Path(path).name.lower().endswith(LINE_SUFFIXES):
+    if not as_path(path).name.lower().endswith(LINE_SUFFIXES):
         raise InputError(
             f"{path}: expected one of {', '.join(LINE_SUFFIXES)} to write a centerline; rename it."
         )

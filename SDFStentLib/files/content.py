@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..units import Frame, as_frame
-from ..validation import InputError
+from ..validation import InputError, as_path
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ def read_content(path: str | os.PathLike[str]) -> FileContent:
         Missing, a folder, a device, empty, or not readable.
     """
     try:
-        path = Path(path)
+        path = as_path(path)
         if path.is_dir():
             raise InputError(f"{path}: expected a file, got a folder; name a file in it.")
         if not path.exists():

@@ -109,7 +109,7 @@ def read_surface(path: str | os.PathLike[str], units: str = "mm") -> SurfaceFile
         warnings += (f"{name}: its coordinates are integers; they are written as doubles.",)
     points, triangles = arrays_from_polydata(template, name)
     _check_arrays(template, name)
-    points = points * scale
+    points = as_points(points * scale, name)
     warnings += _degenerate(points, triangles, name)
     warnings += size_warnings(points, triangles, name, units)
     return SurfaceFile(

@@ -13,7 +13,7 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkDataSetAttributes, vtkPolyData
 
 from ..units import millimeters_per
-from ..validation import InputError, as_points
+from ..validation import InputError, as_path, as_points, check_is_a
 from .atomic import check_writable, write_bytes
 from .content import header_text
 from .formats import encode_legacy, encode_obj, encode_ply, encode_stl, encode_vtp, fits_ply
@@ -64,6 +64,7 @@ def write_surface(
     InputError
         Unknown suffix, indices or arrays that do not fit, or the file cannot be written.
     """
+    check_is_a(surface, SurfaceFile, "surface")
     target = check_surface_output(path)
     polydata = polydata_with_points(surface, indices, coordinates)
     add_arrays(polydata, point_arrays, cell_arrays)
@@ -79,7 +80,7 @@ def write_surface(
 
 def check_surface_output(path: str | os.PathLike[str]) -> Path:
     """The file that `write_surface` would replace; `InputError` early where it could not."""
-    suffix = Path(path).suffix.lower()
+    suffix = as_path(path).suffix.lower()
     if suffix not in SURFACE_SUFFIXES:
         raise InputError(
             f"{path}: expected one of {', '.join(SURFACE_SUFFIXES)} to write, got "

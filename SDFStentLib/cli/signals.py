@@ -1,0 +1,75 @@
+"""Ctrl-C and SIGTERM: one interruption, once, and none while files change their places."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
+from typing import Any, NoReturn
+
+INTERRUPTED = 130
+SENTENCE = "sdfstent: interrupted; nothing was written."
+
+_SIGNALS = (signal.SIGINT, signal.SIGTERM)
+_open_blocks: list[None] = []  # of `interruptions`
+
+
+@contextmanager
+def interruptions() -> Iterator[None]:
+    """Within the block the first signal is a `KeyboardInterrupt`, and further ones are ignored."""
+
+    def interrupt(_number: int, _frame: FrameType | None) -> NoReturn:
+        _set(signal.SIG_IGN)
+        raise KeyboardInterrupt
+
+    before = _set(interrupt)
+    _open_blocks.append(None)
+    try:
+        yield
+    finally:
+        _open_blocks.pop()
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+@contextmanager
+def uninterrupted() -> Iterator[None]:
+    """Within the block signals are ignored: it is short, and ends in one state or the other."""
+    before = _set(signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def uninterrupted_from_now() -> None:
+    """Ignore signals up to the end of the block of `interruptions`: what it is for is done."""
+    if _open_blocks:
+        _set(signal.SIG_IGN)
+
+
+def end_at_once() -> None:
+    """From now on a signal ends the process with a sentence: for the time of the imports."""
+
+    def end(_number: int, _frame: FrameType | None) -> NoReturn:
+        os.write(2, f"{SENTENCE}\n".encode())
+        os._exit(INTERRUPTED)
+
+    _set(end)
+
+
+def _set(handler: Any) -> dict[int, Any]:
+    """Set the handler of the signals that are not ignored already; those of before."""
+    if threading.current_thread() is not threading.main_thread():
+        return {}
+    found = {number: signal.getsignal(number) for number in _SIGNALS}
+    before: dict[int, Any] = {
+        number: old for number, old in found.items() if old not in (signal.SIG_IGN, None)
+    }
+    for number in before:
+        signal.signal(number, handler)
+    return before

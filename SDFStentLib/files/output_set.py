@@ -1,0 +1,243 @@
+"""Files of several folders that change together: one commit point, finished or undone by the next.
+
+Everything new is written in a staging folder `.sdfstent-*` beside its place. A file `committed` in
+the first of these folders is the commit point: as long as it is missing, the old state holds, and
+from the moment it is there, the new one. Whoever is killed in between leaves staging folders; the
+next run on one of the folders finishes the moves of a committed set, and takes back those of
+another. A lock that the system drops with its process tells the dead ones from the living.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import stat
+import tempfile
+import time
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
+from pathlib import Path
+
+from ..validation import InputError
+from .atomic import cannot_write, flush_to_disk
+
+_PREFIX = ".sdfstent-"
+_LOCK, _MOVES, _COMMITTED = "lock", "moves.json", "committed"
+_NEW, _OLD = "new", "old"
+
+
+class StagingFolder:
+    """What becomes of some names in one folder, beside it until it is moved there.
+
+    Parameters
+    ----------
+    parent : Path
+        The folder of the outputs, which exists.
+    """
+
+    def __init__(self, parent: Path) -> None:
+        # A run that sweeps at this moment may take the folder, not yet locked, for a dead one's.
+        self._lock: int | None = None
+        while self._lock is None:
+            self.path = Path(tempfile.mkdtemp(prefix=_PREFIX, dir=parent))
+            self._lock = _locked(self.path / _LOCK)
+        for name in (_NEW, _OLD):
+            (self.path / name).mkdir()
+
+    def staged(self, name: str) -> Path:
+        """Where the new file or folder of this name is written first."""
+        return self.path / _NEW / name
+
+    def remove(self) -> None:
+        """Forget everything that lies here."""
+        if self._lock is not None:
+            os.close(self._lock)
+            self._lock = None
+        _remove(self.path)
+
+
+def commit(folders: Mapping[StagingFolder, Iterable[str]]) -> None:
+    """Move everything that was staged to its place, all of it or nothing.
+
+    Parameters
+    ----------
+    folders : mapping of StagingFolder to names
+        The names that are replaced; one that was not staged is removed.
+
+    Raises
+    ------
+    InputError
+        Something could not be moved; then all have their old state again.
+    """
+    first = next(iter(folders)).path
+    for folder, names in folders.items():
+        moves = {name: folder.staged(name).exists() for name in names}
+        _write(folder.path / _MOVES, {"first": os.fspath(first), "moves": moves})
+        for name, is_there in moves.items():
+            if is_there:
+                _flush(folder.staged(name))
+    paths = [folder.path for folder in folders]
+    _write(first / _COMMITTED, [os.fspath(path) for path in paths])
+    try:
+        for path in paths:
+            _move(path)
+    except BaseException:
+        (first / _COMMITTED).unlink(missing_ok=True)
+        for path in paths:
+            _take_back(path)
+        raise
+
+
+def sweep(parent: Path) -> None:
+    """Finish or undo what runs that were killed have left in this folder."""
+    for path in sorted(parent.glob(f"{_PREFIX}*")):
+        with suppress(OSError):
+            if path.is_dir() and not path.is_symlink():
+                _settle(path)
+            elif path.is_file() and _is_old(path):
+                path.unlink(missing_ok=True)
+
+
+def _settle(path: Path) -> None:
+    """Bring a set of which one staging folder is here to its end, unless its run is alive."""
+    if not (path / _LOCK).exists():
+        path.rmdir()  # an empty one; another's files are left alone
+        return
+    try:
+        first = Path(json.loads((path / _MOVES).read_text(encoding="utf-8"))["first"])
+    except (OSError, ValueError):
+        first = path  # killed before anything was moved
+    lock = _lock_of_the_dead((first if first.is_dir() else path) / _LOCK)
+    if lock is None:
+        return
+    try:
+        with suppress(OSError, InputError):
+            committed = first / _COMMITTED
+            if committed.exists():
+                paths = [Path(name) for name in json.loads(committed.read_text(encoding="utf-8"))]
+                for other in paths:
+                    _move(other)
+                # The commit point goes last: without it the moves would be taken back.
+                for other in [*paths[1:], first]:
+                    _remove(other)
+            else:
+                _take_back(path)
+                _remove(path)
+    finally:
+        os.close(lock)
+
+
+def _moves(path: Path) -> dict[str, bool]:
+    try:
+        found: dict[str, bool] = json.loads((path / _MOVES).read_text(encoding="utf-8"))["moves"]
+    except (OSError, ValueError):
+        return {}
+    return found
+
+
+def _move(path: Path) -> None:
+    """Move what is new to its place and what is old aside; again, where that was cut off."""
+    for name, is_new in _moves(path).items():
+        target, new, old = path.parent / name, path / _NEW / name, path / _OLD / name
+        if is_new and not new.exists():
+            continue  # it is in its place
+        try:
+            if target.is_dir() or (target.exists() and not is_new):
+                os.replace(target, old)
+            elif target.exists():
+                os.chmod(new, stat.S_IMODE(target.stat().st_mode))
+                _keep(target, old)
+            if is_new:
+                os.replace(new, target)
+        except OSError as error:
+            raise cannot_write(target, error) from error
+    with suppress(OSError):  # such a call does not exist for folders everywhere
+        flush_to_disk(path.parent)
+
+
+def _take_back(path: Path) -> None:
+    """Put what is old back in its place; again, where that was cut off."""
+    for name, is_new in _moves(path).items():
+        target, new, old = path.parent / name, path / _NEW / name, path / _OLD / name
+        with suppress(OSError):
+            if is_new and not new.exists() and target.exists():
+                os.replace(target, new)
+            if old.exists() and not target.exists():
+                os.replace(old, target)
+
+
+def _keep(target: Path, old: Path) -> None:
+    """A second name for a file, or a copy where the file system has no second names."""
+    if old.exists():
+        return
+    try:
+        os.link(target, old)
+    except OSError:
+        part = old.with_name(f"{old.name}.part")
+        shutil.copy2(target, part)
+        os.replace(part, old)
+
+
+def _write(path: Path, value: object) -> None:
+    """A small file that is whole as soon as it has its name, also after a power cut."""
+    part = path.with_name(f"{path.name}.part")
+    part.write_text(json.dumps(value), encoding="utf-8")
+    flush_to_disk(part)
+    os.replace(part, path)
+    with suppress(OSError):
+        flush_to_disk(path.parent)
+
+
+def _flush(path: Path) -> None:
+    for part in path.rglob("*") if path.is_dir() else [path]:
+        if part.is_file():
+            flush_to_disk(part)
+
+
+def _remove(path: Path) -> None:
+    """A staging folder; its lock goes last, for without it the folder is not swept."""
+    for name in (_NEW, _OLD, _MOVES, _COMMITTED, _LOCK):
+        part = path / name
+        if part.is_dir():
+            shutil.rmtree(part, ignore_errors=True)
+        else:
+            with suppress(OSError):
+                part.unlink(missing_ok=True)
+    shutil.rmtree(path, ignore_errors=True)
+
+
+def _is_old(path: Path) -> bool:
+    """Whether a file that is written in one go was left behind: nobody writes that long."""
+    return time.time() - path.stat().st_mtime > 3600
+
+
+def _locked(path: Path) -> int | None:
+    """The lock of a new folder, `None` if that was swept away before it was locked."""
+    try:
+        descriptor = os.open(path, os.O_CREAT | os.O_RDWR, 0o600)
+    except FileNotFoundError:
+        return None
+    with suppress(ImportError):  # Windows has no such locks: there nothing is swept
+        import fcntl
+
+        fcntl.flock(descriptor, fcntl.LOCK_EX)
+    if path.exists():
+        return descriptor
+    os.close(descriptor)
+    return None
+
+
+def _lock_of_the_dead(path: Path) -> int | None:
+    """The lock of a run that is over, `None` while it is alive."""
+    try:
+        import fcntl
+    except ImportError:
+        return None
+    descriptor = os.open(path, os.O_CREAT | os.O_RDWR, 0o600)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        os.close(descriptor)
+        return None
+    return descriptor

@@ -1,0 +1,146 @@
+"""A set of outputs changes together, wherever its run is killed; the next run cleans up."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+
+import pytest
+from mesh_files import PROJECT
+
+from SDFStentLib.cli.outputs import Outputs
+
+pytest.importorskip("fcntl", reason="what killed runs leave is swept where files can be locked")
+
+WRITER = """
+import os, sys
+from pathlib import Path
+from SDFStentLib.files import output_set
+from SDFStentLib.cli.outputs import Outputs
+folder, at = Path(sys.argv[1]), int(sys.argv[2])
+calls = 0
+def dying(function):
+    def call(*arguments, **named):
+        global calls
+        calls += 1
+        if calls == at:
+            os.kill(os.getpid(), 9)
+        return function(*arguments, **named)
+    return call
+for name in ("replace", "link", "unlink", "rmdir", "mkdir", "open", "chmod"):
+    setattr(os, name, dying(getattr(os, name)))
+outputs = Outputs()
+def steps(path):
+    path.mkdir()
+    (path / "step_0000.vtp").write_text("new")
+outputs.add(folder / "a" / "one.vtp", lambda path: path.write_text("new") and None)
+outputs.add(folder / "b" / "two.vtp", lambda path: path.write_text("new") and None)
+outputs.add(folder / "b" / "gone.png", lambda path: None, may_be_missing=True)
+outputs.add_folder(folder / "b" / "steps", steps, lambda name: name.startswith("step_"))
+outputs.write()
+print(calls)
+"""
+OLD = {"a/one.vtp": "old", "b/two.vtp": "old", "b/gone.png": "old", "b/steps/step_0000.vtp": "old"}
+NEW = {"a/one.vtp": "new", "b/two.vtp": "new", "b/steps/step_0000.vtp": "new"}
+
+
+def everything_in(folder):
+    return {
+        path.relative_to(folder).as_posix(): path.read_text()
+        for path in sorted(folder.rglob("*"))
+        if path.is_file()
+    }
+
+
+def prepare(folder):
+    for name, text in OLD.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text)
+
+
+def run(folder, at):
+    return subprocess.run(
+        [sys.executable, "-c", WRITER, str(folder), str(at)],
+        cwd=PROJECT, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+
+
+def next_run(folder):
+    outputs = Outputs()
+    for name in ("a", "b"):
+        outputs.add(folder / name / "other.txt", lambda path: path.write_text("x") and None)
+    outputs.write()
+    for name in ("a", "b"):
+        (folder / name / "other.txt").unlink()
+
+
+def test_a_kill_at_any_call_leaves_all_old_or_all_new_after_the_next_run(tmp_path):
+    prepare(tmp_path / "whole")
+    done = run(tmp_path / "whole", -1)
+    assert everything_in(tmp_path / "whole") == NEW, done.stderr
+    seen = set()
+    for at in range(1, int(done.stdout) + 1):
+        folder = tmp_path / str(at)
+        prepare(folder)
+        assert run(folder, at).returncode == -signal.SIGKILL
+        next_run(folder)
+        found = everything_in(folder)
+        assert found in (OLD, NEW), at
+        assert not list(folder.rglob(".sdfstent-*")), at
+        seen.add(found == NEW)
+    assert seen == {True, False}
+
+
+def test_the_staging_folder_of_a_living_run_is_left_alone(tmp_path):
+    from SDFStentLib.files.output_set import StagingFolder, sweep
+
+    living = StagingFolder(tmp_path)
+    sweep(tmp_path)
+    assert living.path.is_dir()
+    living.remove()
+    assert not any(tmp_path.iterdir())
+
+
+def test_what_is_not_ours_is_not_swept(tmp_path):
+    from SDFStentLib.files.output_set import sweep
+
+    (tmp_path / ".sdfstent-mine").mkdir()
+    (tmp_path / ".sdfstent-mine" / "notes.txt").write_text("x")
+    (tmp_path / ".sdfstent-link").symlink_to(tmp_path / ".sdfstent-mine")
+    sweep(tmp_path)
+    assert (tmp_path / ".sdfstent-mine" / "notes.txt").read_text() == "x"
+
+
+SIGNALLED = """
+import os, signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)
+from SDFStentLib.cli.signals import end_at_once
+end_at_once()
+os.kill(os.getpid(), int(sys.argv[1]))
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_during_the_imports_ends_in_a_sentence(number):
+    done = subprocess.run(
+        [sys.executable, "-c", SIGNALLED, str(int(number))],
+        cwd=PROJECT, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 130
+    assert done.stderr == "sdfstent: interrupted; nothing was written.\n"
+
+
+def test_only_the_first_signal_interrupts(monkeypatch):
+    from SDFStentLib.cli.signals import interruptions
+
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with interruptions():
+            with pytest.raises(KeyboardInterrupt):
+                os.kill(os.getpid(), signal.SIGTERM)
+            os.kill(os.getpid(), signal.SIGINT)  # ignored
+        assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    finally:
+        signal.signal(signal.SIGINT, before)
