@@ -61,10 +61,13 @@ def test_a_sphere_is_sound(sphere):
     assert json.loads(json.dumps(check.as_dict()))["self_intersecting_triangles"] == []
 
 
-def test_a_sphere_turned_inside_out_is_sound_but_not_outward(sphere):
+def test_a_sphere_turned_inside_out_does_not_pass(sphere):
     check = check_surface(sphere[0], sphere[1][:, ::-1])
-    assert check.passed
+    assert not check.passed
     assert not check.is_outward
+    assert check.is_inside_out
+    assert len(check.flipped_triangles) == 0
+    assert "it is inside out" in check.sentence()
 
 
 def test_mixed_windings_are_not_taken_for_inverted_faces(sphere):
@@ -72,9 +75,23 @@ def test_mixed_windings_are_not_taken_for_inverted_faces(sphere):
     mixed = triangles.copy()
     mixed[::3] = mixed[::3][:, ::-1]
     check = check_surface(points, mixed)
-    assert check.passed
+    assert len(check.inverted_triangles) == 0
+    assert not check.passed
     assert not check.topology.is_consistently_wound
     assert not check.is_outward
+
+
+@pytest.mark.parametrize("every", [2, 3, 10**6])
+@pytest.mark.parametrize("is_open", [False, True])
+def test_faces_wound_against_their_neighbors_are_named(sphere, every, is_open):
+    points, triangles = sphere
+    mixed = triangles[5 * is_open :].copy()
+    mixed[7::every] = mixed[7::every][:, ::-1]
+    check = check_surface(points, mixed)
+    assert not check.passed
+    number = len(mixed[7::every])
+    assert len(check.flipped_triangles) == min(number, len(mixed) - number)
+    assert f"{len(check.flipped_triangles)} of its triangles are wound" in check.sentence()
 
 
 def test_moving_rigidly_changes_nothing(sphere):

@@ -25,6 +25,7 @@ from .face_quality import (
     inverted_triangles,
     places,
     sliver_triangles,
+    winding_in_words,
 )
 from .intersections import intersecting_pairs
 from .promises import LumenCheck, MotionCheck
@@ -47,6 +48,8 @@ class SurfaceCheck:
         below 1 degree; crossing, touching or covering another triangle.
     places : tuple of Place
         Where triangles of the first, second and last kind gather, most of them first.
+    flipped_triangles : array
+        Ascending indices of those wound against their neighbors, the fewer of each part.
     """
 
     topology: Topology
@@ -56,6 +59,7 @@ class SurfaceCheck:
     sliver_triangles: Indices
     self_intersecting_triangles: Indices
     places: tuple[Place, ...]
+    flipped_triangles: Indices
 
     @property
     def is_watertight(self) -> bool:
@@ -69,21 +73,27 @@ class SurfaceCheck:
 
     @property
     def passed(self) -> bool:
-        """Manifold, no face turned over, without area or intersecting; an open surface passes."""
-        return self.is_manifold and not self.places
+        """Manifold, outward where closed, no fault of any kind; an open surface passes."""
+        faults = self.places or self.flipped_triangles.size or self.is_inside_out
+        return self.is_manifold and not faults
+
+    @property
+    def is_inside_out(self) -> bool:
+        """Closed and consistently wound, with its faces to the inside."""
+        return self.topology.is_oriented and not self.is_outward
 
     def sentence(self) -> str:
         """The finding in one sentence."""
-        words = f"The surface is {self.topology.in_words()}"
-        if not self.places:
-            return words + " and has no self-intersection."
-        faults = faults_in_words(
-            self.places,
-            (len(self.self_intersecting_triangles), "intersecting"),
-            (len(self.inverted_triangles), "turned over"),
-            (len(self.degenerate_triangles), "without area"),
-        )
-        return f"{words} and has {faults}."
+        faults = "no self-intersection"
+        if self.places:
+            faults = faults_in_words(
+                self.places,
+                (len(self.self_intersecting_triangles), "intersecting"),
+                (len(self.inverted_triangles), "turned over"),
+                (len(self.degenerate_triangles), "without area"),
+            )
+        faults += winding_in_words(len(self.flipped_triangles), self.is_inside_out)
+        return f"The surface is {self.topology.in_words()} and has {faults}."
 
     def as_dict(self) -> dict[str, Any]:
         """The finding as it stands in a report."""
@@ -93,6 +103,8 @@ class SurfaceCheck:
             "outward": self.is_outward,
             "boundary_edges": self.topology.boundary_edge_count,
             "components": self.topology.component_count,
+            "inside_out": self.is_inside_out,
+            "flipped_triangles": self.flipped_triangles.tolist(),
             "inverted_triangles": self.inverted_triangles.tolist(),
             "degenerate_triangles": self.degenerate_triangles.tolist(),
             "sliver_triangles": self.sliver_triangles.tolist(),
@@ -233,14 +245,13 @@ def check_surface(
     faults = np.r_[intersecting, inverted, degenerate]
     return SurfaceCheck(
         topology=topology,
-        is_outward=topology.is_closed
-        and topology.is_consistently_wound
-        and signed_volume(stored, triangles) > 0,
+        is_outward=topology.is_oriented and signed_volume(stored, triangles) > 0,
         inverted_triangles=read_only(inverted),
         degenerate_triangles=read_only(degenerate),
         sliver_triangles=read_only(sliver_triangles(stored, triangles)),
         self_intersecting_triangles=read_only(intersecting),
         places=tuple(places(points, triangles, faults, pairs)),
+        flipped_triangles=read_only(np.flatnonzero((wound != triangles).any(axis=1))),
     )
 
 

@@ -144,6 +144,13 @@ def faults_in_words(spots: Sequence[Place], *counted: tuple[int, str]) -> str:
     return f"{faults} at {len(spots)} places, most of them near {spots[0]}"
 
 
+def winding_in_words(flipped: int, is_inside_out: bool) -> str:
+    """What is wrong with the winding of triangles, as the end of a sentence."""
+    if flipped:
+        return f", and {flipped} of its triangles are wound against their neighbors"
+    return ", and it is inside out: its triangles must be turned" if is_inside_out else ""
+
+
 def count_in_words(count: int) -> str:
     """Such as "1 triangle" or "1,200 triangles"."""
     return f"{count:,} triangle" + ("" if count == 1 else "s")

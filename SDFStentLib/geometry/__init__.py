@@ -25,7 +25,6 @@ from .polyline import (
     minimum_bend_radius,
     point_at,
     resampled,
-    resampled_to,
     segment_count,
     tangents,
     without_repeats,
@@ -33,7 +32,7 @@ from .polyline import (
 from .precision import Precision, stored_points
 from .ragged import blocks_of, ranges
 from .rows import across, dot, norm
-from .section import is_inside, plane_section
+from .section import plane_section
 from .segments import closest_on_segments, distances_to_segments
 from .surface import Surface
 from .topology import (
@@ -74,7 +73,6 @@ __all__ = [
     "faces_at",
     "frames",
     "is_closed",
-    "is_inside",
     "is_manifold",
     "kept_points",
     "length",
@@ -87,7 +85,6 @@ __all__ = [
     "point_at",
     "ranges",
     "resampled",
-    "resampled_to",
     "segment_count",
     "signed_volume",
     "stored_points",

@@ -93,6 +93,11 @@ class Topology(NamedTuple):
         return self.is_edge_manifold and self.is_vertex_manifold
 
     @property
+    def is_oriented(self) -> bool:
+        """Closed and consistently wound: it has an inside."""
+        return self.is_closed and self.is_consistently_wound
+
+    @property
     def is_watertight(self) -> bool:
         """Closed and manifold: the surface bounds a volume without a leak."""
         return self.is_closed and self.is_manifold
