@@ -9,8 +9,8 @@ The main path, in six statements (`examples/` and the README have them with numb
 5. deploy: `Deployment`, `deploy`, several stents `Treatment`;
 6. measure and certify: `diameter_profile`, `certify`.
 
-`Plan` with `load_plan`, `save_plan`, `run_plan` is all of it in one document. Names that need vtk
-are imported when they are first asked for.
+`Plan` with `load_plan`, `save_plan`, `run_plan` is all of it in one document. Names are
+imported when they are first asked for.
 """
 
 from __future__ import annotations

@@ -15,7 +15,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..geometry import arc_lengths, resampled, tangents
-from ..validation import Floats, InputError, Points, as_number, as_points, as_triangles, read_only
+from ..validation import (
+    Floats,
+    InputError,
+    Points,
+    as_number,
+    as_points,
+    as_triangles,
+    check_is_a,
+    read_only,
+)
 from .closed_ends import past_closed_ends
 from .cross_section import equivalent_diameters, winding_numbers
 from .inscribed import inscribed_spheres
@@ -215,6 +224,7 @@ def stenosis(
     InputError
         An unknown reference.
     """
+    check_is_a(profile, DiameterProfile, "profile")
     if reference not in REFERENCES:
         raise InputError(
             f"reference: expected one of {', '.join(map(repr, REFERENCES))}, got {reference!r}."

@@ -20,7 +20,7 @@ from ..stent import (
     Stent,
 )
 from ..units import MILLIMETERS
-from ..validation import InputError
+from ..validation import InputError, as_path, check_is_a
 from .json_document import json_text, text_value, unscaled
 from .plan import Plan
 
@@ -60,7 +60,8 @@ def save_plan(
         Settings with a function of one's own, a name of a stent that is no text, or a file that
         cannot be written.
     """
-    folder = os.path.dirname(os.path.abspath(path)) if relative_to is None else relative_to
+    check_is_a(plan, Plan, "plan")
+    folder = os.path.dirname(os.path.abspath(as_path(path))) if relative_to is None else relative_to
     write_bytes(path, plan_text(plan, os.fspath(folder)).encode())
 
 

@@ -13,7 +13,7 @@ from ..deformation import DeploymentSettings
 from ..files import read_content
 from ..stent import AlongAxis, BetweenPoints, InputFile, Placement, Stent
 from ..units import MILLIMETERS, Frame
-from ..validation import InputError, Points
+from ..validation import InputError, Points, as_path
 from .document import NAMED_SETTINGS, POINT_PLACEMENTS, SCHEMA, SCHEMA_VERSION, SETTINGS
 from .json_document import in_words, number, parsed, scaled, section, sequence, text_value, truth
 from .plan import Plan
@@ -41,6 +41,7 @@ def load_plan(path: str | os.PathLike[str], *, accept_changed_inputs: bool = Fal
     """
     from .axis import read_axis_file  # vtk, for plans that name a file only
 
+    path = as_path(path)
     if os.path.isfile(path) and os.path.getsize(path) == 0:
         raise InputError(f"{path}: expected a plan in JSON, got an empty file.")
     content = read_content(path)

@@ -25,7 +25,7 @@ from ..measure import face_stretches
 from ..stent import AlongAxis, InputFile
 from ..treatment import Treatment, TreatmentResult, TreatmentState
 from ..units import millimeters_per
-from ..validation import InputError
+from ..validation import InputError, check_is_a
 from ..version import VERSION
 from .axis import changed_input
 from .plan import Plan, turned
@@ -120,6 +120,7 @@ def run_plan(
     DeploymentError
         A stent away from the surface.
     """
+    check_is_a(plan, Plan, "plan")
     inputs = read_plan_inputs(plan, accept_changed_inputs=accept_changed_inputs)
     treatment = treatment_of(plan, inputs)
     for state in treatment:

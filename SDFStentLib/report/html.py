@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from typing import Any
 
+from ..validation import printable
 from .plot import diameter_plot
 from .words import (
     UNKNOWN,
@@ -63,7 +64,7 @@ def html_page(document: Mapping[str, Any]) -> str:
         _inputs(document["inputs"], document["timings"]),
         "</body></html>\n",
     ]
-    return "\n".join(parts)
+    return printable("\n".join(parts))
 
 
 def certificate_sentence(certificate: Mapping[str, Any] | None) -> tuple[bool, str]:

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from ..centerline import Centerline, CenterlinePath, JunctionChoice, Location
 from ..geometry import arc_lengths, cut, length, minimum_bend_radius
-from ..validation import Floats, InputError, Points, as_number, as_points, read_only
+from ..validation import Floats, InputError, Points, as_number, as_points, check_is_a, read_only
 from .placement import (
     PLACEMENT_NAMES,
     AlongAxis,
@@ -188,6 +188,7 @@ def stent_axis(
     InputError
         No centerline, a point too far from it, or nothing of it left for the stent.
     """
+    check_is_a(stent, Stent, "stent")
     if isinstance(stent.placement, AlongAxis):
         found = _along_axis(stent.placement)
     else:

@@ -1,0 +1,68 @@
+"""Every public function with something that it does not take: a sentence, not a Python error."""
+
+from __future__ import annotations
+
+import contextlib
+import inspect
+
+import numpy as np
+import pytest
+
+import SDFStentLib
+from SDFStentLib import AtCenter, InputError, Stent, deploy, read_surface, run_plan
+from SDFStentLib.phantoms import straight_tube
+from SDFStentLib.validation import as_points, printable
+
+WRONG = [
+    None, "8", b"x", 3, 3.5, float("nan"), [], {}, object(), np.zeros((2, 2)), [None], 1e400, -1,
+    True, "\ud800", np.array(["a"]),
+]  # fmt: skip
+
+
+def public_callables():
+    for name in SDFStentLib.__all__:
+        value = getattr(SDFStentLib, name)
+        is_error = inspect.isclass(value) and issubclass(value, BaseException)
+        if callable(value) and not is_error and value is not Stent:
+            yield name
+
+
+@pytest.mark.parametrize("name", list(public_callables()))
+def test_a_wrong_argument_is_said_in_a_sentence(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    function = getattr(SDFStentLib, name)
+    needed = [
+        parameter
+        for parameter in inspect.signature(function).parameters.values()
+        if parameter.default is parameter.empty and parameter.kind.name.startswith("POSITIONAL")
+    ]
+    for value in WRONG:
+        with contextlib.suppress(InputError):
+            function(*[value] * len(needed))
+
+
+@pytest.mark.parametrize("value", [None, "8", b"x", float("nan"), [], {}, True])
+def test_a_stent_says_what_it_expected(value):
+    with pytest.raises(InputError, match="expected a number"):
+        Stent(value, length=10.0, placement=AtCenter((0.0, 0.0, 0.0)))
+
+
+def test_the_reported_calls_end_in_a_sentence():
+    with pytest.raises(InputError, match="expected the path of a file, got None"):
+        read_surface(None)
+    with pytest.raises(InputError, match="expected a Plan, got None"):
+        run_plan(None)
+
+
+def test_coordinates_beyond_every_patient_are_refused():
+    tube = straight_tube(radius=5.0, length=40.0)
+    with pytest.raises(InputError, match=r"expected coordinates up to 1e\+06, got 1e\+11"):
+        deploy(1e11 * np.sign(tube.points), tube.triangles, [[0, 0, 10], [0, 0, 30]], 6.0)
+    assert len(as_points([[1e6, 0, -1e6]])) == 1
+
+
+def test_control_characters_are_written_as_escapes():
+    assert (
+        printable("a\x1b[2Jb\x9b\u202e\n\tä\U0001f600")
+        == r"a\x1b[2Jb\x9b\u202e" + "\n\tä\U0001f600"
+    )
