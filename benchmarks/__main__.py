@@ -32,6 +32,8 @@ TITLES = {
     "lumen": "The deployed lumen",
     "where_time_goes": "Where the time goes",
     "random_stents": "Random stents in the anatomies",
+    "damaged_files": "Damaged files",
+    "interruptions": "Interruptions",
 }
 RESULTS = PROJECT / "benchmarks" / "results.json"
 NEEDS_SVMORPH = ("against_svmorph",)

@@ -173,3 +173,11 @@ def test_the_larger_aortas_are_the_same_aorta(data_dir):
     assert len(four.triangles) == 4 * len(one.triangles)
     np.testing.assert_array_equal(four.points[: len(one.points)], one.points)
     np.testing.assert_array_equal(four.axis, one.axis)
+
+
+def test_damaged_files_of_every_format_end_in_a_sentence_or_a_surface():
+    found = quick("damaged_files")
+    assert found["bad"] == []
+    assert found["sentences"] + found["surfaces"] == found["damages"] >= 60
+    assert found["sentences"] > 0
+    assert found["surfaces"] > 0

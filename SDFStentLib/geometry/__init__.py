@@ -25,6 +25,7 @@ from .polyline import (
     minimum_bend_radius,
     point_at,
     resampled,
+    resampled_to,
     segment_count,
     tangents,
     without_repeats,
@@ -32,7 +33,7 @@ from .polyline import (
 from .precision import Precision, stored_points
 from .ragged import blocks_of, ranges
 from .rows import across, dot, norm
-from .section import plane_section
+from .section import is_inside, plane_section
 from .segments import closest_on_segments, distances_to_segments
 from .surface import Surface
 from .topology import (
@@ -73,6 +74,7 @@ __all__ = [
     "faces_at",
     "frames",
     "is_closed",
+    "is_inside",
     "is_manifold",
     "kept_points",
     "length",
@@ -85,6 +87,7 @@ __all__ = [
     "point_at",
     "ranges",
     "resampled",
+    "resampled_to",
     "segment_count",
     "signed_volume",
     "stored_points",
