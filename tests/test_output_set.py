@@ -107,10 +107,10 @@ def test_what_is_not_ours_is_not_swept(tmp_path):
     from SDFStentLib.files.output_set import sweep
 
     (tmp_path / ".sdfstent-mine").mkdir()
-    (tmp_path / ".sdfstent-mine" / "notes.txt").write_text("x")
+    (tmp_path / ".sdfstent-mine" / "notes.txt").write_text("x", encoding="utf-8")
     (tmp_path / ".sdfstent-link").symlink_to(tmp_path / ".sdfstent-mine")
     sweep(tmp_path)
-    assert (tmp_path / ".sdfstent-mine" / "notes.txt").read_text() == "x"
+    assert (tmp_path / ".sdfstent-mine" / "notes.txt").read_text(encoding="utf-8") == "x"
 
 
 SIGNALLED = """

@@ -39,6 +39,7 @@ class StagingFolder:
     def __init__(self, parent: Path) -> None:
         # A run that sweeps at this moment may take the folder, not yet locked, for a dead one's.
         self._lock: int | None = None
+        # Ends: at the latest when no other run begins; each sweeps once.
         while self._lock is None:
             self.path = Path(tempfile.mkdtemp(prefix=_PREFIX, dir=parent))
             self._lock = _locked(self.path / _LOCK)
@@ -218,7 +219,8 @@ def _locked(path: Path) -> int | None:
         descriptor = os.open(path, os.O_CREAT | os.O_RDWR, 0o600)
     except FileNotFoundError:
         return None
-    with suppress(ImportError):  # Windows has no such locks: there nothing is swept
+    # Windows has no such locks, nor have some network folders: there nothing is swept.
+    with suppress(ImportError, OSError):
         import fcntl
 
         fcntl.flock(descriptor, fcntl.LOCK_EX)

@@ -113,6 +113,7 @@ class LegacyCursor:
         """The names of components; whatever else stands up to the next empty line is left out."""
         names: dict[int, str] = {}
         self._end_line()
+        # Ends: every line moves on in the data.
         while self._at < len(self._data) and (line := self._line().strip()):
             if line == b"COMPONENT_NAMES":
                 found = [unquote_to_bytes(self._line()) for _ in range(components)]

@@ -104,6 +104,7 @@ class _Reader:
 
     def polydata(self) -> StoredPolydata:
         self._check_data_set()
+        # Ends: every word moves on in the data, and there is none after its end.
         while word := self._cursor.word():
             self._block(word.lower())
         if self._points is None:
@@ -273,6 +274,7 @@ def _from_list(listed: NDArray[np.int64], count: int) -> _Cells:
     heads: list[int] = []
     at = 0
     numbers = listed.tolist()
+    # Ends: `at` grows by one at least.
     while at < len(numbers) and len(heads) < count and numbers[at] >= 0:
         heads.append(at)
         at += 1 + numbers[at]
