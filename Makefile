@@ -31,11 +31,11 @@ clean:
 	@$(PYTHON) -m venv .venv || \
 	  { echo "Python's venv module is needed (on Debian: apt-get install python3-venv)" >&2; exit 1; }
 	@echo "Installing into .venv; the first time takes a minute."
-	@$(PIP) --editable '.[figures]'
+	@$(PIP) --editable .
 	@touch $@
 
 .venv/ready-test: .venv/ready
-	@$(PIP) --editable '.[figures,test,slicer]'
+	@$(PIP) --editable '.[test,slicer]'
 	@touch $@
 
 .venv/ready-lint: .venv/ready

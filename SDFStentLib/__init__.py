@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from .files import read_axis, read_centerline, read_surface, write_centerline, write_surface
     from .measure import diameter_profile, stenosis
     from .plan import Plan, load_plan, run_plan, save_plan
-    from .report import render_before_after
+    from .report import before_after_picture
     from .stent import (
         AlongAxis,
         AtCenter,
@@ -57,6 +57,7 @@ __all__ = [
     "Stent",
     "Treatment",
     "__version__",
+    "before_after_picture",
     "certify",
     "check_surface",
     "deploy",
@@ -65,7 +66,6 @@ __all__ = [
     "read_axis",
     "read_centerline",
     "read_surface",
-    "render_before_after",
     "run_plan",
     "save_plan",
     "stenosis",
@@ -90,7 +90,7 @@ __getattr__, __dir__ = late_names(
         ],
         "measure": ["diameter_profile", "stenosis"],
         "plan": ["Plan", "load_plan", "run_plan", "save_plan"],
-        "report": ["render_before_after"],
+        "report": ["before_after_picture"],
         "stent": [
             "AlongAxis",
             "AtCenter",

@@ -11,6 +11,7 @@ import signal
 import subprocess
 import sys
 import time
+from base64 import b64encode
 from dataclasses import fields
 from functools import partial
 from pathlib import Path
@@ -81,17 +82,19 @@ def left_over(folder):
 
 
 def test_deploy_writes_every_output_and_says_what_came_of_it(a_folder, capsys):
-    pytest.importorskip("matplotlib")
     code = deploy(
         "--output-centerline", "moved.vtp", "--report", "r.json", "--report", "r.html",
-        "--figure", "f.png", "--steps", "steps", "--arrays", "--save-plan", "p.json",
+        "--figure", "f.png", "--picture", "v.png", "--steps", "steps", "--arrays",
+        "--save-plan", "p.json",
     )  # fmt: skip
     said = capsys.readouterr()
     assert code == 0
     assert left_over(a_folder) == {
-        "out.vtp", "moved.vtp", "r.json", "r.html", "f.png", "steps", "p.json"
+        "out.vtp", "moved.vtp", "r.json", "r.html", "f.png", "v.png", "steps", "p.json"
     }  # fmt: skip
     assert "prescribed 6 mm" in said.out
+    page = Path("r.html").read_text(encoding="utf-8")
+    assert b64encode(Path("v.png").read_bytes()).decode() in page
     assert "Certified: the surface is watertight" in said.out
     report = json.loads(Path("r.json").read_text(encoding="utf-8"))
     along = report["stents"][0]["diameters"]["along"]
@@ -282,6 +285,7 @@ def bad_files(folder):
         ({"more": ["--report", "r.txt"]}, "ends in .json, .html, got '.txt'; rename it."),
         ({"more": ["--report", "r.json", "--report", "r.json"]}, "two outputs have this name"),
         ({"more": ["--figure", "f.gif"]}, "f.gif: expected a figure that ends in .png"),
+        ({"more": ["--picture", "f.svg"]}, "f.svg: expected a picture that ends in .png"),
         ({"more": ["--every", "1"]}, "expected --steps DIR with --every"),
         ({"more": ["--steps", "s", "--every", "0"]}, "--every: expected a number greater than 0"),
         ({"more": ["--steps", "tube.vtp"]}, "tube.vtp: expected a folder, got a file"),
@@ -419,13 +423,31 @@ def test_check_tells_sound_surfaces_from_others(a_folder, capsys):
     assert capsys.readouterr().out == ""
 
 
+def test_without_opengl_the_report_comes_and_a_picture_is_refused_at_once(
+    a_folder, monkeypatch, capsys
+):
+    import SDFStentLib.report.picture.process as process
+
+    monkeypatch.setattr(process, "PROGRAM", "raise SystemExit('no OpenGL here')")
+    assert deploy("--report", "r.html") == 0
+    said = capsys.readouterr().err
+    assert said.count("The picture could not be rendered: VTK's process ended with code 1") == 1
+    assert "This page has no picture" in Path("r.html").read_text(encoding="utf-8")
+    for option in ("--picture", "--figure"):
+        before = left_over(a_folder)
+        assert deploy(option, "x.png", out="other.vtp") == 2
+        assert "it said: no OpenGL here" in capsys.readouterr().err
+        assert left_over(a_folder) == before
+    assert deploy("--figure", "x.svg", out="other.vtp") == 0
+
+
 def test_the_demo_names_its_files_where_they_are_and_leaves_no_empty_picture(
     tmp_path, monkeypatch, capsys
 ):
     def no_opengl(path, *_, **__):
         raise DeploymentError("The picture needs an OpenGL library.")
 
-    monkeypatch.setattr(SDFStentLib.cli.demo, "render_before_after", no_opengl)
+    monkeypatch.setattr(SDFStentLib.cli.demo, "before_after_picture", no_opengl)
     monkeypatch.chdir(tmp_path)
     Path("demo").mkdir()
     Path("demo/before_after.png").write_bytes(b"of an earlier demo")
@@ -438,7 +460,9 @@ def test_the_demo_names_its_files_where_they_are_and_leaves_no_empty_picture(
     for entry, name in zip(inputs, ("surface.vtp", "centerline.vtp"), strict=True):
         assert Path(entry["file"]) == Path("demo") / name
         assert hashlib.sha256(Path(entry["file"]).read_bytes()).hexdigest() == entry["sha256"]
-    assert str(Path("demo/surface.vtp")) in Path("demo/report.html").read_text(encoding="utf-8")
+    page = Path("demo/report.html").read_text(encoding="utf-8")
+    assert str(Path("demo/surface.vtp")) in page
+    assert "no picture of the vessel. The picture needs an OpenGL library." in page
     plan = load_plan("demo/plan.json")
     assert plan.surface.path == os.path.abspath("demo/surface.vtp")
 

@@ -26,7 +26,7 @@ from ..plan import (
     save_plan,
     treatment_of,
 )
-from ..report import plan_report, render_before_after, write_report
+from ..report import before_after_picture, plan_report, write_report
 from ..stent import BetweenPoints, Stent
 from ..treatment import TreatedStent
 from ..validation import DeploymentError
@@ -58,7 +58,7 @@ def demo_command(options: argparse.Namespace, console: Console) -> int:
                 show(state.fraction)
         result = PlanResult(plan, inputs, treatment.result)
         for original in originals:
-            outputs.add(folder / original.name, _copy_of(original))
+            outputs.add(folder / original.name, _writing(original.read_bytes()))
         missing = _add_results(outputs, folder, result)
         outputs.write()
     _tell(console, folder, result.treatment.stents[0], missing)
@@ -109,47 +109,28 @@ def _written_patient(phantom: Phantom, folder: Path) -> list[Path]:
 
 
 def _add_results(outputs: Outputs, folder: Path, result: PlanResult) -> list[str]:
-    """Everything that comes of the treatment; returns what was left out, filled when written."""
+    """Everything that comes of the treatment; returns what was left out."""
     missing: list[str] = []
-
-    def picture(path: Path) -> None:
-        try:
-            _draw(path, result)
-        except DeploymentError as error:
-            # A machine without an OpenGL library can do everything else.
-            missing.append(str(error))
-
-    report = plan_report(result)
+    picture = None
+    try:
+        picture = before_after_picture(result, "Synthetic pulmonary artery of a child")
+    except DeploymentError as error:
+        # A machine without an OpenGL library can do everything else.
+        missing.append(str(error))
+    report = plan_report(result, picture=picture or missing[0])
     outputs.add(folder / "surface_stented.vtp", lambda path: result.write_surface(path))
     outputs.add(folder / "centerline_stented.vtp", lambda path: result.write_centerline(path))
     outputs.add(folder / "plan.json", lambda path: save_plan(result.plan, path, relative_to=folder))
     for name in ("report.json", "report.html"):
         outputs.add(folder / name, lambda path: write_report(report, path))
-    outputs.add(folder / "before_after.png", picture, may_be_missing=True)
+    outputs.add(folder / "before_after.png", _writing(picture), may_be_missing=True)
     return missing
 
 
-def _draw(path: Path, result: PlanResult) -> None:
-    surface, stent = result.inputs.surface, result.treatment.stents[0]
-    render_before_after(
-        path,
-        surface.points,
-        result.treatment.points,
-        surface.triangles,
-        stent.axis.points,
-        stent.stent.diameter,
-        arc_length=stent.before.arc_length,
-        diameter_before=stent.before.inscribed_diameter,
-        diameter_after=stent.after.inscribed_diameter,
-        title="Synthetic pulmonary artery of a child",
-    )
-
-
-def _copy_of(original: Path) -> Callable[[Path], None]:
-    data = original.read_bytes()
-
+def _writing(data: bytes | None) -> Callable[[Path], None]:
     def write(path: Path) -> None:
-        path.write_bytes(data)
+        if data is not None:
+            path.write_bytes(data)
 
     return write
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import os
 from collections.abc import Sequence
-from importlib.util import find_spec
 from pathlib import Path
 from time import perf_counter
 
@@ -22,10 +21,18 @@ from ..plan import (
     save_plan,
     treatment_of,
 )
-from ..report import Report, plan_report, write_report, write_report_figure
+from ..report import (
+    FIGURE_SUFFIXES,
+    Report,
+    before_after_picture,
+    check_rendering,
+    plan_report,
+    write_report,
+    write_report_figure,
+)
 from ..stent import Stent
 from ..treatment import TreatedStent
-from ..validation import InputError
+from ..validation import DeploymentError, InputError
 from .console import Console
 from .outputs import Outputs
 from .place import check_place, place_of
@@ -99,12 +106,19 @@ class _Job:
         self.lost: tuple[str, ...] = ()
         self.write_start = 0.0
         self.steps: StepFiles | None = None
+        self._picture: bytes | str = ""
 
     def add_common(self) -> None:
         """The outputs that `deploy` and `run` share."""
-        if self.options.figure:
-            _check_figure(self.options.figure)
-            self.outputs.add(self.options.figure, self.write_figure)
+        figure, picture = self.options.figure, self.options.picture
+        if figure:
+            _check_suffix(figure, "a figure", FIGURE_SUFFIXES)
+            self.outputs.add(figure, self.write_figure)
+        if picture:
+            _check_suffix(picture, "a picture", (".png",))
+            self.outputs.add(picture, self.write_picture)
+        if picture or (figure and figure.lower().endswith(".png")):
+            check_rendering()
         if self.options.steps:
             self.steps = StepFiles(self.options.every)
             self.outputs.add_folder(self.options.steps, self.steps.write, StepFiles.is_own)
@@ -141,13 +155,31 @@ class _Job:
         """The moved centerline."""
         return self._result.write_centerline(path)
 
-    def write_report(self, path: Path) -> None:
-        """JSON or HTML."""
-        write_report(self._report(), path)
+    def write_report(self, path: Path) -> Sequence[str]:
+        """JSON or HTML; a page without its picture is better than none."""
+        picture = None if path.suffix.lower() == ".json" else self.picture
+        write_report(self._report(picture), path)
+        return [picture] if isinstance(picture, str) else []
 
     def write_figure(self, path: Path) -> None:
-        """The diameters as a picture."""
+        """The diameters along the stents."""
         write_report_figure(self._report(), path)
+
+    def write_picture(self, path: Path) -> None:
+        """The vessel before and after."""
+        if isinstance(self.picture, str):
+            raise DeploymentError(self.picture)
+        path.write_bytes(self.picture)
+
+    @property
+    def picture(self) -> bytes | str:
+        """The vessel before and after, drawn once, or why it could not be."""
+        if not self._picture:
+            try:
+                self._picture = before_after_picture(self._result)
+            except DeploymentError as error:
+                self._picture = str(error)
+        return self._picture
 
     def write_plan(self, path: Path, final: str | os.PathLike[str]) -> None:
         """The plan, its files relative to the folder where it will be."""
@@ -158,10 +190,10 @@ class _Job:
         assert self.result is not None
         return self.result
 
-    def _report(self) -> Report:
+    def _report(self, picture: bytes | str | None = None) -> Report:
         seconds = perf_counter() - self.write_start
         lost = tuple(sentence.split(": ", 1)[-1] for sentence in self.lost)
-        return plan_report(self._result, lost=lost, timings={"write": seconds})
+        return plan_report(self._result, lost=lost, timings={"write": seconds}, picture=picture)
 
 
 def lumen_sentence(stent: TreatedStent) -> str:
@@ -207,15 +239,6 @@ def _settings(options: argparse.Namespace) -> DeploymentSettings:
         rule=options.rule,
         facet_compensation=not options.no_compensation,
     )
-
-
-def _check_figure(path: str) -> None:
-    _check_suffix(path, "a figure", (".png", ".svg", ".pdf"))
-    if find_spec("matplotlib") is None:
-        raise InputError(
-            "--figure: expected matplotlib to draw with, it is not installed; "
-            "pip install matplotlib, or take --report F.html, which has the figure, too."
-        )
 
 
 def _check_suffix(path: str, what: str, suffixes: Sequence[str]) -> None:

@@ -187,7 +187,10 @@ def _add_method(command: argparse.ArgumentParser) -> None:
 
 
 def _add_output(group: argparse._ArgumentGroup) -> None:
-    group.add_argument("--figure", type=_path, metavar="F", help="diameters as .png, .svg or .pdf")
+    group.add_argument("--figure", type=_path, metavar="F", help="diameters as .png or .svg")
+    group.add_argument(
+        "--picture", type=_path, metavar="F", help="the vessel before and after as .png"
+    )
     group.add_argument(
         "--steps", type=_path, metavar="DIR", help="the surface at every step, for ParaView"
     )

@@ -11,13 +11,15 @@ from ..late import late_names
 
 if TYPE_CHECKING:
     from .of_plan import plan_report
-    from .picture import render_before_after
-    from .report import Report, write_report, write_report_figure
+    from .picture import before_after_picture, check_rendering
+    from .report import FIGURE_SUFFIXES, Report, write_report, write_report_figure
 
 __all__ = [
+    "FIGURE_SUFFIXES",
     "Report",
+    "before_after_picture",
+    "check_rendering",
     "plan_report",
-    "render_before_after",
     "write_report",
     "write_report_figure",
 ]
@@ -26,7 +28,7 @@ __getattr__, __dir__ = late_names(
     __name__,
     {
         "of_plan": ["plan_report"],
-        "picture.picture": ["render_before_after"],
-        "report": ["Report", "write_report", "write_report_figure"],
+        "picture": ["before_after_picture", "check_rendering"],
+        "report": ["FIGURE_SUFFIXES", "Report", "write_report", "write_report_figure"],
     },
 )

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from base64 import b64encode
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from typing import Any
 
 from ..validation import printable
+from .drawing import svg
 from .plot import diameter_plot
 from .words import (
     UNKNOWN,
@@ -32,13 +34,16 @@ td.n,th.n{text-align:right;font-variant-numeric:tabular-nums}.first td{font-size
 .bad{border-left:5px solid #b30000;background:#fff0ee;padding:6px 10px}
 .warn{border-left:5px solid #b37400;background:#fff8e8;padding:6px 10px;margin:4px 0}
 .words td:first-child{width:36%}
-.small{font-size:13px;color:#444}table.file td{word-break:break-all}svg{width:100%;height:auto}
-@media print{body{margin:0;max-width:none}h2{break-after:avoid}table,svg{break-inside:avoid}}
+.small{font-size:13px;color:#444}table.file td{word-break:break-all}svg,img{width:100%;height:auto}
+@media print{body{margin:0;max-width:none}h2{break-after:avoid}table,svg,img{break-inside:avoid}}
 """
 
 
-def html_page(document: Mapping[str, Any]) -> str:
-    """The page made from a report document (`Report.as_dict()`, or its JSON read back)."""
+def html_page(document: Mapping[str, Any], picture: bytes | str | None = None) -> str:
+    """The page made from a report document (`Report.as_dict()`, or its JSON read back).
+
+    `picture` is a PNG that is put into the page, or the sentence that says why there is none.
+    """
     stents = document["stents"]
     files = ", ".join(str(entry.get("file", "")).split("/")[-1] for entry in document["inputs"])
     parts = [
@@ -51,11 +56,14 @@ def html_page(document: Mapping[str, Any]) -> str:
         f"<p class='notice'>{escape(document['notice'])}</p>",
     ]
     parts += [_certificate(document["certificate"]), *_warnings(document["warnings"])]
+    parts += _picture(picture)
     titles = stent_titles(stents)
     for title, stent in zip(titles, stents, strict=True):
         heading = "Lumen" if title == "Stent" else f"{title}, lumen"
         parts += [f"<h2>{escape(heading)} before and after</h2>"]
-        parts += [_first_numbers(stent["diameters"]), diameter_plot(stent["diameters"])]
+        plot = diameter_plot(stent["diameters"])
+        parts.append(_first_numbers(stent["diameters"]))
+        parts.append(svg(plot) if plot else "<p>No diameter could be measured.</p>")
     frame = next((entry.get("frame") for entry in document["inputs"]), None)
     parts += [
         *(_stent(title, stent, frame) for title, stent in zip(titles, stents, strict=True)),
@@ -158,6 +166,15 @@ def _warnings(warnings: Sequence[str]) -> list[str]:
         return []
     lines = "".join(f"<p class='warn'>{escape(sentence)}</p>" for sentence in warnings)
     return [f"<h2>Warnings</h2>{lines}"]
+
+
+def _picture(picture: bytes | str | None) -> list[str]:
+    if not picture:
+        return []
+    if isinstance(picture, str):
+        return [f"<p class='small'>This page has no picture of the vessel. {escape(picture)}</p>"]
+    data = b64encode(picture).decode("ascii")
+    return [f"<img alt='The vessel before and after' src='data:image/png;base64,{data}'>"]
 
 
 def _stent(title: str, stent: Mapping[str, Any], frame: str | None) -> str:

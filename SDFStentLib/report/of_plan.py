@@ -18,6 +18,7 @@ def plan_report(
     *,
     lost: tuple[str, ...] = (),
     timings: Mapping[str, float] | None = None,
+    picture: bytes | str | None = None,
 ) -> Report:
     """The report, ready to be written as JSON, page and figure.
 
@@ -28,6 +29,8 @@ def plan_report(
         Sentences of the writers about arrays that an output format cannot keep.
     timings : mapping, optional
         More seconds by name, such as that for writing.
+    picture : bytes or str, optional
+        For the page: a PNG as of `before_after_picture`, or why there is none.
     """
     certificate = result.treatment.certificate
     judged = None
@@ -41,6 +44,7 @@ def plan_report(
         timings={"read": result.inputs.seconds, **result.treatment.timings, **(timings or {})},
         created=datetime.now(timezone.utc).isoformat(timespec="seconds"),
         version=VERSION,
+        picture=picture,
     )
 
 

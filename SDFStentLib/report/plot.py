@@ -1,30 +1,34 @@
-"""Diameters along the stent as inline SVG."""
+"""Lumen diameters along a stent: the one drawing in page, SVG and PNG."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
+
+from .drawing import GRAY, INK, Disc, Drawing, Line, Mark, Words, shifted
+from .words import stent_titles
 
 _WIDTH, _HEIGHT = 820, 380
 _LEFT, _RIGHT, _TOP, _BOTTOM = 62, 14, 62, 48
+_HEADING = 30
+"""Height of the line above a plot that names its stent, where there is one."""
 
 _BEFORE, _AFTER, _PRESCRIBED = "#b35806", "#08519c", "#111111"
 """Told apart also by readers who do not tell red from green."""
 
 _CURVES = (
-    ("equivalent_before_mm", "before, equivalent", _BEFORE, "2 4", 1.6),
-    ("equivalent_after_mm", "after, equivalent", _AFTER, "2 4", 1.6),
-    ("mis_before_mm", "before, inscribed sphere", _BEFORE, "", 2.6),
-    ("mis_after_mm", "after, inscribed sphere", _AFTER, "", 2.6),
-    ("prescribed_mm", "prescribed", _PRESCRIBED, "9 5", 1.5),
+    ("mis_before_mm", "before, inscribed sphere", _BEFORE, None, 2.6),
+    ("equivalent_before_mm", "before, equivalent", _BEFORE, (2, 4), 1.6),
+    ("mis_after_mm", "after, inscribed sphere", _AFTER, None, 2.6),
+    ("equivalent_after_mm", "after, equivalent", _AFTER, (2, 4), 1.6),
+    ("prescribed_mm", "prescribed", _PRESCRIBED, (9, 5), 1.5),
 )
+"""In the order of the legend, two in a column."""
 
-Values = Sequence["float | None"]
 
-
-def diameter_plot(diameters: Mapping[str, Any]) -> str:
-    """An `<svg>` of the diameters in the section `diameters` of a report document.
+def diameter_plot(diameters: Mapping[str, Any]) -> Drawing | None:
+    """The plot of the section `diameters` of a report document; None where nothing is known.
 
     A curve is interrupted where a diameter is not known. The narrowest places are marked.
     """
@@ -32,19 +36,34 @@ def diameter_plot(diameters: Mapping[str, Any]) -> str:
     positions: list[float] = along["arc_length_mm"]
     known = [value for key, *_ in _CURVES for value in along[key] if value is not None]
     if not known or not positions:
-        return "<p>No diameter could be measured.</p>"
+        return None
     across = _Scale(positions[0], max(positions[-1], positions[0] + 1e-9), _LEFT, _WIDTH - _RIGHT)
     # From zero, so that heights compare as diameters do.
     up = _Scale(0.0, _round_up(max(known)), _HEIGHT - _BOTTOM, _TOP)
-    parts = [
-        f"<svg viewBox='0 0 {_WIDTH} {_HEIGHT}' role='img' font-family='system-ui,sans-serif' "
-        "font-size='13'><title>Lumen diameter along the stent before and after</title>",
-        *_grid(across, up),
-    ]
-    for key, _, color, dash, width in _CURVES:
-        parts += _curve(positions, along[key], across, up, color, dash, width)
-    parts += _minimum_marks(diameters["minimum_lumen"], across, up)
-    return "\n".join([*parts, *_legend(), "</svg>"])
+    marks = [*_grid(across, up)]
+    for key, _, color, dashes, width in (*_CURVES[1:4:2], *_CURVES[0:3:2], *_CURVES[4:]):
+        for piece in _pieces(positions, along[key]):
+            corners = [(across(position), up(value)) for position, value in piece]
+            marks.append(Line(corners, color, width, dashes))
+    marks += [*_minimum_marks(diameters["minimum_lumen"], across, up), *_legend()]
+    title = "Lumen diameter along the stent before and after"
+    return Drawing(_WIDTH, _HEIGHT, tuple(marks), title)
+
+
+def figure(document: Mapping[str, Any]) -> Drawing:
+    """The plots of all stents of a report document, one below the other."""
+    stents, height = document["stents"], 0
+    marks: list[Mark] = []
+    for title, stent in zip(stent_titles(stents), stents, strict=True):
+        plot = diameter_plot(stent["diameters"])
+        words = title if plot else f"{title}: no diameter could be measured"
+        marks.append(Words(words, _LEFT, height + 20, 16, anchor="start", is_bold=True))
+        height += _HEADING
+        if plot:
+            marks += shifted(plot.marks, height)
+            height += plot.height
+    marks.append(Words(document["notice"], _WIDTH / 2, height + 16, 11, GRAY))
+    return Drawing(_WIDTH, height + 28, tuple(marks), "Lumen diameters before and after")
 
 
 class _Scale:
@@ -55,7 +74,7 @@ class _Scale:
 
     def __call__(self, value: float) -> float:
         fraction = (value - self.low) / (self.high - self.low)
-        return round(self.start + fraction * (self.end - self.start), 2)
+        return self.start + fraction * (self.end - self.start)
 
     def ticks(self) -> list[float]:
         step = _tick_step(self.high - self.low)
@@ -75,81 +94,53 @@ def _round_up(value: float) -> float:
     return step * math.ceil(value * 1.08 / step)
 
 
-def _grid(across: _Scale, up: _Scale) -> list[str]:
-    parts = []
+def _grid(across: _Scale, up: _Scale) -> Iterator[Mark]:
+    right, floor = _WIDTH - _RIGHT, _HEIGHT - _BOTTOM
     for tick in up.ticks():
         y = up(tick)
-        parts.append(f"<path d='M{_LEFT} {y}H{_WIDTH - _RIGHT}' stroke='#ddd'/>")
-        parts.append(f"<text x='{_LEFT - 8}' y='{y + 4}' text-anchor='end'>{tick:g}</text>")
-    floor = _HEIGHT - _BOTTOM
+        yield Line([(_LEFT, y), (right, y)], "#dddddd")
+        yield Words(f"{tick:g}", _LEFT - 8, y + 4, anchor="end")
     for tick in across.ticks():
         x = across(tick)
-        parts.append(f"<path d='M{x} {floor}v5' stroke='#444'/>")
-        parts.append(f"<text x='{x}' y='{floor + 19}' text-anchor='middle'>{tick:g}</text>")
-    middle = (_LEFT + _WIDTH - _RIGHT) / 2
-    parts += [
-        f"<path d='M{_LEFT} {_TOP}V{floor}H{_WIDTH - _RIGHT}' fill='none' stroke='#444'/>",
-        f"<text x='{middle}' y='{_HEIGHT - 8}' text-anchor='middle'>"
-        "position along the stent, proximal to distal (mm)</text>",
-        f"<text transform='translate(16 {(_TOP + floor) / 2}) rotate(-90)' "
-        "text-anchor='middle'>lumen diameter (mm)</text>",
-    ]
-    return parts
+        yield Line([(x, floor), (x, floor + 5)])
+        yield Words(f"{tick:g}", x, floor + 19)
+    yield Line([(_LEFT, _TOP), (_LEFT, floor), (right, floor)])
+    along = "position along the stent, proximal to distal (mm)"
+    yield Words(along, (_LEFT + right) / 2, _HEIGHT - 8)
+    yield Words("lumen diameter (mm)", 18, (_TOP + floor) / 2, is_upright=True)
 
 
-def _curve(
-    positions: Sequence[float],
-    values: Values,
-    across: _Scale,
-    up: _Scale,
-    color: str,
-    dash: str,
-    width: float,
-) -> list[str]:
-    pieces: list[list[str]] = [[]]
-    for position, value in zip(positions, values, strict=True):
-        if value is None:
-            pieces.append([])
-        else:
-            pieces[-1].append(f"{across(position)},{up(value)}")
-    dashes = f" stroke-dasharray='{dash}'" if dash else ""
-    return [
-        f"<polyline points='{' '.join(piece)}' fill='none' stroke='{color}' "
-        f"stroke-width='{width}' stroke-linejoin='round'{dashes}/>"
-        for piece in pieces
-        if len(piece) > 1
-    ]
+def _pieces(
+    positions: Sequence[float], values: Sequence[float | None]
+) -> Iterator[list[tuple[float, float]]]:
+    """Runs of at least two known values."""
+    piece: list[tuple[float, float]] = []
+    for position, value in [*zip(positions, values, strict=True), (0.0, None)]:
+        if value is not None:
+            piece.append((position, value))
+            continue
+        if len(piece) > 1:
+            yield piece
+        piece = []
 
 
-def _minimum_marks(narrow: Mapping[str, Any], across: _Scale, up: _Scale) -> list[str]:
-    parts = []
+def _minimum_marks(narrow: Mapping[str, Any], across: _Scale, up: _Scale) -> Iterator[Mark]:
     for when, color in (("before", _BEFORE), ("after", _AFTER)):
         value, position = narrow[f"{when}_mm"], narrow[f"{when}_at_mm"]
         if value is None or position is None:
             continue
         x, y = across(position), up(value)
-        anchor = "end" if x > _WIDTH * 0.85 else "start" if x < _WIDTH * 0.15 else "middle"
-        parts.append(f"<circle cx='{x}' cy='{y}' r='4.5' fill='{color}'/>")
-        parts.append(
-            f"<text x='{x}' y='{y + 20}' text-anchor='{anchor}' fill='{color}' "
-            "font-weight='600' stroke='#fff' stroke-width='4' paint-order='stroke'>"
-            f"min {value:.2f} mm</text>"
-        )
-    return parts
+        words = Words(f"min {value:.2f} mm", x, y + 20, color=color, is_bold=True)
+        if x > _WIDTH * 0.85:
+            words = words._replace(anchor="end")
+        elif x < _WIDTH * 0.15:
+            words = words._replace(anchor="start")
+        yield Disc(x, y, 4.5, color)
+        yield words
 
 
-def _legend() -> list[str]:
-    parts = []
-    for number, (_, label, color, dash, width) in enumerate(sorted(_CURVES, key=_legend_order)):
+def _legend() -> Iterator[Mark]:
+    for number, (_, label, color, dashes, width) in enumerate(_CURVES):
         x, y = _LEFT + 4 + 235 * (number // 2), 14 + 22 * (number % 2)
-        dashes = f" stroke-dasharray='{dash}'" if dash else ""
-        parts.append(
-            f"<path d='M{x} {y}h34' stroke='{color}' stroke-width='{width}'{dashes}/>"
-            f"<text x='{x + 42}' y='{y + 4}'>{label}</text>"
-        )
-    return parts
-
-
-def _legend_order(curve: tuple[str, str, str, str, float]) -> int:
-    order = ("before, inscribed", "before, eq", "after, inscribed", "after, eq", "prescribed")
-    return next(place for place, start in enumerate(order) if curve[1].startswith(start))
+        yield Line([(x, y), (x + 34, y)], color, width, dashes)
+        yield Words(label, x + 42, y + 4, color=INK, anchor="start")

@@ -13,15 +13,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..files import atomic_path
+from ..files import atomic_path, write_bytes
 from ..measure import BranchOstium, DiameterProfile, Reference, stenosis
 from ..validation import InputError, read_only
-from .figure import write_figure
+from .drawing import svg
 from .html import html_page
+from .picture import painted
+from .plot import figure
 
 SCHEMA = "sdfstent-report"
 SCHEMA_VERSION = 1
 RESEARCH_USE = "Research use only, not a medical device."
+FIGURE_SUFFIXES = (".png", ".svg")
 
 DEFINITIONS = {
     "inscribed diameter": (
@@ -100,6 +103,8 @@ class Report:
     """Date and time, ISO 8601."""
     version: str = ""
     """Of the program."""
+    picture: bytes | str | None = None
+    """For the page: a PNG, or the sentence that says why there is none."""
 
     def as_dict(self) -> dict[str, Any]:
         """The document: plain values only, None where a number is not known.
@@ -149,7 +154,7 @@ def write_report(report: Report, path: str | os.PathLike[str]) -> None:
     if suffix == ".json":
         text = report_json(report)
     elif suffix in (".html", ".htm"):
-        text = html_page(report.as_dict())
+        text = html_page(report.as_dict(), report.picture)
     else:
         raise InputError(
             f"{os.fspath(path)}: expected a report file that ends in .json or .html, "
@@ -161,16 +166,25 @@ def write_report(report: Report, path: str | os.PathLike[str]) -> None:
 
 
 def write_report_figure(report: Report, path: str | os.PathLike[str]) -> None:
-    """Draw the diameters along each stent to a PNG, SVG or PDF file; needs matplotlib.
+    """Draw the diameters along each stent to an SVG or PNG file.
 
     Raises
     ------
     InputError
-        matplotlib is not installed, the suffix is unknown, or there is nothing to draw.
+        The suffix is another, there is nothing to draw, or the file cannot be written.
+    DeploymentError
+        A PNG is wanted and nothing here can render; the message names what to install.
     """
-    document = report.as_dict()
-    with atomic_path(path) as temporary:
-        write_figure(document, temporary, Path(path).suffix)
+    suffix = Path(path).suffix.lower()
+    if suffix not in FIGURE_SUFFIXES:
+        raise InputError(
+            f"{os.fspath(path)}: expected a figure that ends in {' or '.join(FIGURE_SUFFIXES)}, "
+            f"got {suffix or 'no suffix'!r}."
+        )
+    if not report.stents:
+        raise InputError("figure: expected a report with at least one stent, got none.")
+    drawing = figure(report.as_dict())
+    write_bytes(path, svg(drawing).encode() if suffix == ".svg" else painted(drawing))
 
 
 def _stent_section(stent: StentResult) -> dict[str, Any]:

@@ -1,12 +1,11 @@
-"""A picture of the vessel before and after."""
+"""A picture of the vessel before and after, drawn by VTK in a process of its own."""
 
 from __future__ import annotations
 
-from .picture import render_before_after
+from .picture import before_after_picture
+from .process import check_rendering, painted
 
-__all__ = [
-    "render_before_after",
-]
+__all__ = ["before_after_picture", "check_rendering", "painted"]
 
 
 def __dir__() -> list[str]:
