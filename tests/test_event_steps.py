@@ -20,7 +20,6 @@ CASES = {
     "aorta and iliac, 30 mm": ("aorta_iliac", 200, 30, None),
     "aorta and iliac, 36 mm, radius 12": ("aorta_iliac", 200, 36, 12.0),
     "pulmonary artery": ("pulmonary", 20, 25, None),
-    "branching aorta": ("vmtk_aorta", 20, 25, None),
 }
 
 
@@ -54,9 +53,10 @@ def test_long_steps_are_closer_to_the_converged_limit_than_the_published_ones(da
         distances[rule.rule] = apart[free]
         steps[rule.rule] = len(run.states) - 1
     published, events = distances["published"], distances["events"]
-    # Measured on these four: mean 0.004-0.005 against 0.007-0.009, 99th percentile 0.014-0.027
-    # against 0.019-0.044, largest 0.020-0.042 against 0.023-0.064 mm. Single points are chaotic
-    # (in contact or not), hence the margin for the largest.
+    # Measured on these and on VMTK's aorta, whose limit takes longest: mean 0.004-0.005 against
+    # 0.007-0.009, 99th percentile 0.014-0.027 against 0.019-0.044, largest
+    # 0.020-0.042 against 0.023-0.064 mm. Single points are chaotic (in contact or not), hence the
+    # margin for the largest.
     assert events.mean() < 0.8 * published.mean()
     assert np.quantile(events, 0.99) < 0.9 * np.quantile(published, 0.99)
     assert events.max() < 1.1 * published.max()

@@ -181,6 +181,17 @@ def test_a_table_of_contents_begins_with_its_purpose_in_one_sentence(room):
     assert re.fullmatch(r"[A-Z`][^\n]*\.", first), first
 
 
+def test_the_guide_names_every_room_and_only_files_that_exist():
+    guide = (PROJECT / "docs" / "developer_guide.md").read_text(encoding="utf-8")
+    text = guide.split("## The Slicer module")[0]
+    assert set(re.findall(r"^\| \d \| `(\w+)` \|", text, re.M)) == set(ROOMS)
+    named = re.findall(r"\b(\w+/\w+\.py)\b", text)
+    known = {path.parent.name + "/" + path.name for path in [*FILES, *OUTSIDERS]}
+    missing = [name for name in named if name not in known]
+    assert len(named) > 20
+    assert missing == []
+
+
 def test_the_library_says_that_it_is_typed():
     assert (LIBRARY / "py.typed").is_file()
 

@@ -11,11 +11,12 @@ import numpy as np
 import pytest
 
 from SDFStentLib.centerline.centerline import Centerline
+from SDFStentLib.cli.demo import _written_patient
 from SDFStentLib.geometry.distance import SurfaceIndex
 from SDFStentLib.geometry.polyline import resampled
 from SDFStentLib.measure import inscribed
 from SDFStentLib.measure.local_surface import LocalSurface
-from SDFStentLib.phantoms.phantoms import stenosed_tube
+from SDFStentLib.phantoms.phantoms import branching_pulmonary_artery, stenosed_tube
 from SDFStentLib.validation import InputError
 
 PROJECT = Path(__file__).resolve().parents[1]
@@ -37,9 +38,10 @@ def ended(*arguments, folder=PROJECT):
 
 
 @pytest.fixture(scope="module")
-def the_demo(tmp_path_factory):
+def the_patient(tmp_path_factory):
+    """A folder with the surface and the centerline of the demo."""
     folder = tmp_path_factory.mktemp("loops")
-    assert ended("-m", "SDFStentLib", "demo", "-o", "demo", "--quiet", folder=folder).stderr == ""
+    _written_patient(branching_pulmonary_artery(), folder)
     return folder
 
 
@@ -53,10 +55,10 @@ def the_demo(tmp_path_factory):
         "measure --spacing 9",
     ],
 )
-def test_a_station_on_a_vertex_of_a_closed_end_is_measured(the_demo, command):
+def test_a_station_on_a_vertex_of_a_closed_end_is_measured(the_patient, command):
     name, *options = command.split()
-    files = ["demo/surface.vtp", "--centerline", "demo/centerline.vtp"]
-    done = ended("-m", "SDFStentLib", name, *files, *options, folder=the_demo)
+    files = ["surface.vtp", "--centerline", "centerline.vtp"]
+    done = ended("-m", "SDFStentLib", name, *files, *options, folder=the_patient)
     assert done.returncode in (0, 3), done.stderr
     assert all(line.startswith("warning: ") for line in done.stderr.splitlines()), done.stderr
 

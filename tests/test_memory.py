@@ -112,7 +112,7 @@ def test_a_stent_is_deployed_certified_and_written_within_the_limit(a_vessel):
 
 
 @pytest.mark.parametrize(
-    "arguments", [["check", *SURFACE], ["measure", *SURFACE, *LINE, "--spacing", 10]]
+    "arguments", [["check", *SURFACE], ["measure", *SURFACE, *LINE, "--spacing", 30]]
 )
 def test_a_surface_is_checked_and_measured_within_the_limit(a_vessel, arguments):
     code, peak_mb, said = peak_of(a_vessel[0], *arguments)

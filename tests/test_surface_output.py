@@ -193,33 +193,37 @@ def test_outputs_are_checked_before_anything_is_computed(tmp_path):
     assert check_surface_output(tmp_path / "A.VTP") == (tmp_path / "A.VTP").resolve()
 
 
-@pytest.mark.parametrize("suffix", ["vtp", "vtk", "stl", "ply", "obj"])
-def test_a_full_disk_is_said_and_the_old_file_stays(tmp_path, suffix):
+def test_a_full_disk_is_said_and_the_old_file_stays(tmp_path):
     surface = rich_surface(tmp_path)
-    path = tmp_path / f"out.{suffix}"
-    path.write_bytes(b"old")
+    paths = [tmp_path / f"out.{suffix}" for suffix in ("vtp", "vtk", "stl", "ply", "obj")]
+    for path in paths:
+        path.write_bytes(b"old")
     script = """
 import resource, sys
 from SDFStentLib.files.surface_files import read_surface
 from SDFStentLib.files.surface_output import write_surface
 surface = read_surface(sys.argv[1], "cm")
 resource.setrlimit(resource.RLIMIT_FSIZE, (500, 500))
-try:
-    write_surface(sys.argv[2], surface, [], [])
-except ValueError as error:
-    print(error)
+for path in sys.argv[2:]:
+    try:
+        write_surface(path, surface, [], [])
+    except ValueError as error:
+        print(error)
 """
     run = subprocess.run(
-        [*RUN_PYTHON, script, surface.path, path],
+        [*RUN_PYTHON, script, surface.path, *paths],
         cwd=PROJECT,
         capture_output=True,
         text=True,
         check=True,
     )
-    assert "cannot be written" in run.stdout
+    said = run.stdout.splitlines()
+    for path, sentence in zip(paths, said, strict=True):
+        assert sentence.startswith(str(path))
+        assert "cannot be written" in sentence
+        assert path.read_bytes() == b"old"
     assert run.stderr == ""
-    assert path.read_bytes() == b"old"
-    assert {entry.name for entry in tmp_path.iterdir()} == {"rich.vtp", path.name}
+    assert {entry.name for entry in tmp_path.iterdir()} == {"rich.vtp", *(p.name for p in paths)}
 
 
 def test_real_surfaces_go_round_with_all_arrays(tmp_path, data_dir):

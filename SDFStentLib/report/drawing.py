@@ -107,9 +107,10 @@ def _element(mark: Mark) -> str:
     place = f"x='{mark.x:.2f}' y='{mark.y:.2f}'"
     if mark.is_upright:
         place = f"transform='translate({mark.x:.2f} {mark.y:.2f}) rotate(-90)'"
-    # White around the letters keeps them readable on a curve.
-    halo = "font-weight='600' stroke='#fff' stroke-width='4' paint-order='stroke' "
-    return (
-        f"<text {place} font-size='{mark.size:g}' fill='{mark.color}' "
-        f"{halo if mark.is_bold else ''}text-anchor='{mark.anchor}'>{escape(mark.text)}</text>"
-    )
+    weight = "font-weight='600' " if mark.is_bold else ""
+    start = f"<text {place} font-size='{mark.size:g}' {weight}text-anchor='{mark.anchor}' "
+    text = f"{escape(mark.text)}</text>"
+    # White around the letters keeps them readable on a curve; an element of its own, because
+    # not every program that shows SVG knows `paint-order`.
+    halo = f"{start}stroke='#fff' stroke-width='4' fill='#fff'>{text}" if mark.is_bold else ""
+    return f"{halo}{start}fill='{mark.color}'>{text}"
