@@ -68,7 +68,7 @@ def prepare(folder: Path) -> None:
             for step in path.iterdir():
                 step.unlink()
             path = path / "step_0000.vtp"
-        path.write_text("old")
+        path.write_text("old", encoding="utf-8")
 
 
 def state_of(folder: Path) -> str:

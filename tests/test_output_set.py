@@ -34,9 +34,11 @@ for name in ("replace", "link", "unlink", "rmdir", "mkdir", "open", "chmod"):
 outputs = Outputs()
 def steps(path):
     path.mkdir()
-    (path / "step_0000.vtp").write_text("new")
-outputs.add(folder / "a" / "one.vtp", lambda path: path.write_text("new") and None)
-outputs.add(folder / "b" / "two.vtp", lambda path: path.write_text("new") and None)
+    (path / "step_0000.vtp").write_text("new", encoding="utf-8")
+def new(path):
+    path.write_text("new", encoding="utf-8")
+outputs.add(folder / "a" / "one.vtp", new)
+outputs.add(folder / "b" / "two.vtp", new)
 outputs.add(folder / "b" / "gone.png", lambda path: None, may_be_missing=True)
 outputs.add_folder(folder / "b" / "steps", steps, lambda name: name.startswith("step_"))
 outputs.write()
@@ -48,7 +50,7 @@ NEW = {"a/one.vtp": "new", "b/two.vtp": "new", "b/steps/step_0000.vtp": "new"}
 
 def everything_in(folder):
     return {
-        path.relative_to(folder).as_posix(): path.read_text()
+        path.relative_to(folder).as_posix(): path.read_text(encoding="utf-8")
         for path in sorted(folder.rglob("*"))
         if path.is_file()
     }
@@ -57,7 +59,7 @@ def everything_in(folder):
 def prepare(folder):
     for name, text in OLD.items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
-        (folder / name).write_text(text)
+        (folder / name).write_text(text, encoding="utf-8")
 
 
 def run(folder, at):
@@ -70,7 +72,10 @@ def run(folder, at):
 def next_run(folder):
     outputs = Outputs()
     for name in ("a", "b"):
-        outputs.add(folder / name / "other.txt", lambda path: path.write_text("x") and None)
+        outputs.add(
+            folder / name / "other.txt",
+            lambda path: path.write_text("x", encoding="utf-8") and None,
+        )
     outputs.write()
     for name in ("a", "b"):
         (folder / name / "other.txt").unlink()
