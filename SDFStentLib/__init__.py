@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from .deformation import Deployment, DeploymentSettings, deploy
     from .field import CapsuleChain
     from .files import read_axis, read_centerline, read_surface, write_centerline, write_surface
-    from .measure import diameter_profile, stenosis
+    from .measure import diameter_profile, find_lesions, lesion_after
     from .plan import Plan, load_plan, run_plan, save_plan
     from .report import before_after_picture
     from .stent import (
@@ -62,13 +62,14 @@ __all__ = [
     "check_surface",
     "deploy",
     "diameter_profile",
+    "find_lesions",
+    "lesion_after",
     "load_plan",
     "read_axis",
     "read_centerline",
     "read_surface",
     "run_plan",
     "save_plan",
-    "stenosis",
     "stent_axis",
     "write_centerline",
     "write_surface",
@@ -88,7 +89,7 @@ __getattr__, __dir__ = late_names(
             "write_centerline",
             "write_surface",
         ],
-        "measure": ["diameter_profile", "stenosis"],
+        "measure": ["diameter_profile", "find_lesions", "lesion_after"],
         "plan": ["Plan", "load_plan", "run_plan", "save_plan"],
         "report": ["before_after_picture"],
         "stent": [

@@ -384,7 +384,9 @@ def test_run_names_what_is_wrong_with_a_plan_or_its_folder(a_folder, capsys):
 
 
 def test_measure_prints_a_table_or_json(a_folder, capsys):
-    assert main(["measure", "tube.vtp", "--units", "cm", "--centerline", "line.vtp"]) == 0
+    assert (
+        main(["measure", "tube.vtp", "--units", "cm", "--centerline", "line.vtp", "--tables"]) == 0
+    )
     said = capsys.readouterr().out
     assert "Branch 1: 40.0 mm, from (0, 0, 0) to (0, 0, 4) cm" in said
     rows = [line.split() for line in said.splitlines() if re.match(r"\s+\d+\.\d\s", line)]
@@ -531,7 +533,7 @@ def test_an_empty_name_is_refused_and_writes_nothing(a_folder, capsys):
 
 def test_more_stations_than_can_be_measured_are_refused(a_folder, capsys):
     line = ["tube.vtp", "--units", "cm", "--centerline", "line.vtp"]
-    assert main(["measure", *line, "--spacing", "1e-9"]) == 2
+    assert main(["measure", *line, "--tables", "--spacing", "1e-9"]) == 2
     said = capsys.readouterr()
     assert "spacing: expected at least 0.002 (mm) on a line of 40 mm, got 1e-09" in said.err
     assert len(said.err.splitlines()) == 1

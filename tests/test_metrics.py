@@ -1,4 +1,4 @@
-"""Distances, inscribed spheres, diameters, stenosis, stretch and coverage."""
+"""Distances, inscribed spheres, diameters, stretch and coverage."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from SDFStentLib.geometry.distance import SurfaceIndex, closest_points_on_triang
 from SDFStentLib.measure.coverage import branch_ostia
 from SDFStentLib.measure.cross_section import equivalent_diameters
 from SDFStentLib.measure.inscribed import inscribed_spheres
-from SDFStentLib.measure.metrics import DiameterProfile, diameter_profile, stenosis
+from SDFStentLib.measure.metrics import DiameterProfile, diameter_profile
 from SDFStentLib.measure.stretch import displacements, face_stretches
 from SDFStentLib.validation import InputError
 
@@ -321,8 +321,6 @@ def test_a_profile_that_lies_nowhere_in_the_lumen_has_no_statistics():
     profile = diameter_profile(*a_round_tube(), [[50, 0, 0], [50, 0, 9]])
     assert np.isnan([profile.minimum, profile.mean, profile.sd, profile.maximum]).all()
     assert np.isnan(profile.minimum_arc_length)
-    result = stenosis(profile)
-    assert np.isnan([result.percent_diameter, result.percent_area]).all()
 
 
 def test_the_radius_along_a_centerline_is_the_distance_to_the_wall_of_a_tube():
@@ -333,47 +331,11 @@ def test_the_radius_along_a_centerline_is_the_distance_to_the_wall_of_a_tube():
     np.testing.assert_allclose(radius, 4 * np.cos(np.pi / 36), rtol=1e-3)
 
 
-# Stenosis
-
-
 def a_profile(inscribed, equivalent=None):
     inscribed = np.array(inscribed, dtype=float)
     equivalent = inscribed if equivalent is None else np.array(equivalent, dtype=float)
     count = len(inscribed)
     return DiameterProfile(np.arange(count), np.zeros((count, 3)), inscribed, equivalent)
-
-
-def test_half_the_diameter_is_75_percent_of_the_area():
-    result = stenosis(a_profile([8, 6, 4, 6, 8]))
-    assert result.reference == "mean of the two ends"
-    assert result.percent_diameter == pytest.approx(50)
-    assert result.percent_area == pytest.approx(75)
-    assert (result.minimum_diameter, result.minimum_arc_length) == (4, 2)
-
-
-@pytest.mark.parametrize(
-    ("reference", "diameter"),
-    [("proximal", 10), ("distal", 6), ("mean of the two ends", 8), ("interpolated", 9)],
-)
-def test_the_reference_is_the_one_that_is_named(reference, diameter):
-    result = stenosis(a_profile([10, 3, 8, 8, 6]), reference)
-    assert result.reference_diameter == pytest.approx(diameter)
-    assert result.percent_diameter == pytest.approx(100 * (1 - 3 / diameter))
-
-
-def test_the_ends_are_the_outermost_stations_that_have_a_diameter():
-    result = stenosis(a_profile([np.nan, 8, 4, 6, np.nan]), "mean of the two ends")
-    assert result.reference_diameter == pytest.approx(7)
-
-
-def test_what_is_left_is_measured_against_the_vessel_before():
-    before, after = a_profile([8, 4, 8]), a_profile([10, 9, 10])
-    assert stenosis(after, reference_profile=before).percent_diameter == pytest.approx(-12.5)
-
-
-def test_an_unknown_reference_is_refused():
-    with pytest.raises(InputError, match=r"expected one of 'mean of the two ends', .*'nearest'"):
-        stenosis(a_profile([1, 2]), "nearest")
 
 
 # Stretch

@@ -14,9 +14,11 @@ import numpy as np
 import pytest
 
 from SDFStentLib.measure.coverage import BranchOstium
+from SDFStentLib.measure.lesion_value import HealthyPlace, Lesion
 from SDFStentLib.measure.metrics import DiameterProfile
 from SDFStentLib.report.drawing import Line
 from SDFStentLib.report.html import certificate_sentence, html_page
+from SDFStentLib.report.lesions import treated_lesion_section
 from SDFStentLib.report.plot import diameter_plot, figure
 from SDFStentLib.report.report import (
     Report,
@@ -27,6 +29,7 @@ from SDFStentLib.report.report import (
 )
 from SDFStentLib.report.words import millimeters, number_text
 from SDFStentLib.stent.placement import Placement
+from SDFStentLib.treatment.lesions import TreatedLesion
 from SDFStentLib.validation import DeploymentError, InputError
 
 CLEAN = {
@@ -43,6 +46,28 @@ def a_profile(inscribed, wider=1.0):
     return DiameterProfile(np.arange(count), np.zeros((count, 3)), inscribed, wider * inscribed)
 
 
+def a_lesion(minimum):
+    """Against 8 mm; without a section round the centerline."""
+    return Lesion(
+        branch=0,
+        branch_arc_length=10.0,
+        arc_length=10.0,
+        start=5.0,
+        end=15.0,
+        point=(1.0, 2.0, 10.0),
+        minimum_diameter=float(minimum),
+        reference_diameter=8.0,
+        percent_diameter=100 * (1 - minimum / 8),
+        minimum_area=math.nan,
+        reference_area=math.nan,
+        percent_area=math.nan,
+        proximal=HealthyPlace((0.0, 0.0, 2.0), 2.0, 8.0, math.nan),
+        distal=None,
+        reference="healthy vessel proximal of it (8.0 mm)",
+        line=np.array([[0.0, 0.0, 5.0], [0.0, 0.0, 15.0]]),
+    )
+
+
 def a_report(**changes):
     stent = StentResult(
         description={"device": "generic <10>", "deployed_length_mm": 4.0, "axis": {"length_mm": 4}},
@@ -50,10 +75,12 @@ def a_report(**changes):
         after=a_profile([8.4, 8.2, 8, 8.2, 8.4], wider=1.01),
         prescribed_diameter=np.array(8.5),
         branches=(BranchOstium(np.array([1.0, 2.0, 3.0]), math.nan, 2.0, -1.0, True),),
+        lesions=(1,),
     )
     report = Report(
         inputs=({"file": "/data/a & b.vtp", "sha256": "0f", "points": 12000, "units": "cm"},),
         stents=(stent,),
+        lesions=(treated_lesion_section(TreatedLesion(1, a_lesion(4), a_lesion(10), (1,)), "cm"),),
         certificate=CLEAN,
         warnings=("The stent was shortened.",),
         timings={"read": 0.25},
@@ -120,13 +147,38 @@ def test_the_document_holds_the_lumen_before_and_after():
     assert error == pytest.approx(-0.26)
 
 
-def test_stenosis_after_is_measured_against_the_named_reference_before():
-    degree = a_report().as_dict()["diameters"]["stenosis"]
-    assert degree["reference"] == "mean of the two ends"
-    assert degree["reference_diameter_mm"] == pytest.approx(8)
-    assert degree["percent_diameter_before"] == pytest.approx(50)
-    assert degree["percent_area_before"] == pytest.approx(75)
-    assert degree["percent_diameter_after"] == pytest.approx(0)
+def test_a_lesion_has_the_same_reference_before_and_after():
+    (lesion,) = a_report().as_dict()["lesions"]
+    assert lesion["percent_diameter"] == pytest.approx(50)
+    assert lesion["percent_area"] is None
+    assert lesion["after"]["percent_diameter"] == pytest.approx(-25)
+    assert lesion["reference"]["diameter_mm"] == 8
+    assert lesion["extent"] == {"start_mm": 5.0, "end_mm": 15.0, "length_mm": 10.0}
+    assert lesion["place"] == pytest.approx([0.1, 0.2, 1.0])
+    assert a_report().as_dict()["stents"][0]["lesions"] == [1]
+
+
+@pytest.mark.parametrize(
+    ("lesions", "covered", "words", "table"),
+    [
+        ("some", (), "This stent covers no lesion of 15 % or more.", True),
+        ("none", (), "No lesion of 15 % or more was found.", True),
+        ("unknown", None, "Lesions were not looked for", False),
+    ],
+)
+def test_a_stent_without_a_lesion_has_no_percentage(lesions, covered, words, table):
+    known = {"some": a_report().lesions, "none": (), "unknown": None}[lesions]
+    stent = replace(a_report().stents[0], lesions=covered)
+    page = html_page(a_report(stents=(stent,), lesions=known).as_dict())
+    assert words in PageReader(page).text
+    assert "Diameter stenosis" not in page
+    assert ("Lesions of the vessel" in page) == table
+
+
+def test_the_page_tells_a_lesion_before_and_after_with_its_reference():
+    text = PageReader(html_page(a_report().as_dict())).text
+    assert "Diameter stenosis, lesion 150 %none (25 % above reference)" in text
+    assert "Lesion 1 against healthy vessel proximal of it (8.0 mm)." in text
 
 
 def test_what_is_not_known_is_null_and_never_nan():
@@ -172,9 +224,9 @@ def test_a_value_without_a_place_in_json_is_refused_by_name():
 
 def test_several_stents_each_have_their_diameters():
     first = a_report().stents[0]
-    document = a_report(stents=(first, replace(first, reference="distal"))).as_dict()
-    references = [stent["diameters"]["stenosis"]["reference"] for stent in document["stents"]]
-    assert references == ["mean of the two ends", "distal"]
+    document = a_report(stents=(first, replace(first, lesions=()))).as_dict()
+    assert [stent["lesions"] for stent in document["stents"]] == [[1], []]
+    assert all("minimum_lumen" in stent["diameters"] for stent in document["stents"])
     assert [branch["stent"] for branch in document["branches"]] == [1, 2]
     assert "Stent 2 of 2" in html_page(document)
 
@@ -217,7 +269,7 @@ def test_the_page_says_what_a_clinician_reads_first():
         "4.00 mm",
         "8.00 mm",
         "50 %",
-        "mean of the two ends",
+        "healthy vessel proximal of it (8.0 mm)",
         "8.24 ± 0.15 mm",
         "Certified: watertight, manifold",
         "The stent was shortened.",
@@ -358,12 +410,6 @@ def test_a_page_without_any_diameter_or_stent_still_says_so():
     assert "nan" not in text.lower()
     bare = PageReader(html_page(a_report(stents=(), certificate=None, warnings=()).as_dict()))
     assert "was not checked" in bare.text
-
-
-def test_a_lumen_wider_than_its_reference_is_no_stenosis():
-    stent = replace(a_report().stents[0], after=a_profile([10, 10, 10, 10, 10]))
-    text = PageReader(html_page(a_report(stents=(stent,)).as_dict())).text
-    assert "none (25 % above reference)" in text
 
 
 @pytest.mark.parametrize(

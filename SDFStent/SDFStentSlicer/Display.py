@@ -268,3 +268,15 @@ def showChart(parameterNode, x, series, dashed, top):
                 node.SetXColumnName(x)
                 node.SetYColumnName(column)
     return chart
+
+
+def showPlace(point):
+    """Center all slice views on a point in world coordinates, and move all cameras so that they look at it from where they looked before."""
+    slices = slicer.vtkMRMLSliceNode
+    slices.JumpAllSlices(slicer.mrmlScene, *point, slices.CenteredJumpSlice)
+    for camera in slicer.util.getNodesByClass("vtkMRMLCameraNode"):
+        shift = np.subtract(point, camera.GetFocalPoint())
+        with slicer.util.NodeModify(camera):
+            camera.SetPosition(*np.add(camera.GetPosition(), shift))
+            camera.SetFocalPoint(*point)
+        camera.ResetClippingRange()

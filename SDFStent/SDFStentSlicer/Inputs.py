@@ -9,6 +9,7 @@ from SDFStentLib.geometry import surface_topology
 from SDFStentLib.validation import InputError
 
 from . import Conversion
+from .Lesions import LesionSearch
 
 
 class Vessel(NamedTuple):
@@ -27,7 +28,7 @@ class Inputs:
     """Remembers the last conversion of each kind."""
 
     def __init__(self):
-        self._vessel = self._centerline = (None, None)
+        self._vessel = self._centerline = self._lesions = (None, None)
 
     def vessel(self, parameterNode):
         """The `Vessel`."""
@@ -49,6 +50,20 @@ class Inputs:
         if node is None or stamp != self._centerline[0]:
             self._centerline = (stamp, Conversion.centerlineOf(node))
         return self._centerline[1]
+
+    def lesions(self, parameterNode):
+        """The `LesionSearch` of vessel and centerline, the same object until one of them changes."""
+        node = parameterNode.vessel
+        stamp = (
+            Conversion.changeStamp(node),
+            Conversion.segmentOf(parameterNode),
+            Conversion.changeStamp(parameterNode.centerline),
+        )
+        if stamp != self._lesions[0]:
+            vessel, centerline = self.vessel(parameterNode), self.centerline(parameterNode)
+            search = LesionSearch(vessel.points, vessel.triangles, centerline)
+            self._lesions = (stamp, search)
+        return self._lesions[1]
 
     def sizeLimits(self, parameterNode):
         """Largest sensible diameter and length of a stent for this vessel, mm."""

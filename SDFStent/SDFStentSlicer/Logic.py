@@ -4,12 +4,15 @@ import logging
 import sys
 import weakref
 
+import numpy as np
 import slicer
 import vtk
 from slicer.i18n import tr as _
 from slicer.ScriptedLoadableModule import ScriptedLoadableModuleLogic
 from vtk.util.numpy_support import vtk_to_numpy
 
+from SDFStentLib.stent import DEFAULT_FORESHORTENING, AtCenter
+from SDFStentLib.treatment import placement_at
 from SDFStentLib.validation import DeploymentError, InputError
 
 from . import Dependencies, Display, Handles, Outputs, Plans, Results
@@ -159,6 +162,31 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
         """The library's centerline of a parameter node, in world coordinates."""
         return self._inputs.centerline(parameterNode)
 
+    def lesionSearch(self, parameterNode):
+        """The search for the lesions of the vessel; None before vessel and centerline are chosen.
+
+        `for _ in search.portions(): pass` ends with `search.found`, the library's lesions, the tightest first.
+        """
+        if parameterNode.vessel is None or parameterNode.centerline is None:
+            return None
+        return self._inputs.lesions(parameterNode)
+
+    def addStentAt(self, parameterNode, lesion):
+        """Append a stent at a lesion, as wide as the healthy vessel there; returns the handle.
+
+        Expanded it is as long as the lesion, whose ends are where the lumen is within a tenth of the healthy one; in whole mm.
+        """
+        length = float(np.ceil(lesion.length / (1 - DEFAULT_FORESHORTENING)))
+        place = placement_at(lesion, self._inputs.centerline(parameterNode), length)
+        handle = self.addStent(
+            parameterNode,
+            diameter=round(lesion.reference_diameter, 1),
+            length=length,
+            placement=Placement.CENTER if isinstance(place, AtCenter) else Placement.DISTAL_END,
+        )
+        handle.SetNthControlPointPositionWorld(0, *place.point)
+        return handle
+
     def sizeLimits(self, parameterNode):
         """Largest sensible diameter and length for the sliders, mm."""
         return self._inputs.sizeLimits(parameterNode)
@@ -198,6 +226,7 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
             dtype=vtk_to_numpy(vessel.polyData.GetPoints().GetData()).dtype,
             topology=vessel.topology,
             places=Dependencies.places(parameterNode),
+            search=None if centerline is None or live else self._inputs.lesions(parameterNode),
         )
         signature = self.signature(parameterNode)
         surface = self._surface(parameterNode, vessel.polyData)
@@ -264,6 +293,8 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
             Results.clearNumbers(parameterNode)
 
     # Showing
+
+    showPlace = staticmethod(Display.showPlace)
 
     def updateDisplay(self, parameterNode):
         """Bring what is shown into line with the parameters; makes no nodes."""

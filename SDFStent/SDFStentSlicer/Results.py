@@ -4,7 +4,7 @@ import numpy as np
 import slicer
 from slicer.i18n import tr as _
 
-from SDFStentLib.measure import stenosis
+from SDFStentLib.measure import SMALLEST_DEGREE
 
 from . import Display
 from .ParameterNode import SurfaceMap
@@ -48,7 +48,9 @@ def showMeasured(parameterNode, run):
     """The numbers: sentences, table and plot."""
     with slicer.util.NodeModify(parameterNode):
         showProfile(parameterNode, run)
-        parameterNode.lumenSummary = "\n\n".join(stentSummary(s) for s in run.result.stents)
+        parameterNode.lumenSummary = "\n\n".join(
+            stentSummary(treated, run.lesions) for treated in run.result.stents
+        )
         parameterNode.certificateSummary = (
             run.result.certificate.sentence() if run.result.certificate else _("Not certified.")
         )
@@ -57,10 +59,9 @@ def showMeasured(parameterNode, run):
         )
 
 
-def stentSummary(treated):
+def stentSummary(treated, lesions):
     """What a clinician reads first about one stent, a line per quantity."""
     before, after, planned = treated.before, treated.after, treated.stent
-    old, residual = stenosis(before), stenosis(after, reference_profile=before)
     return "\n".join(
         (
             _("{name}, {diameter:.1f} mm").format(name=planned.name, diameter=planned.diameter),
@@ -70,14 +71,30 @@ def stentSummary(treated):
             _(
                 "Mean \N{PLUS-MINUS SIGN} SD in the stent: {before} \N{RIGHTWARDS ARROW} {after} mm ({prescribed:.1f} prescribed)"
             ).format(before=_spread(before), after=_spread(after), prescribed=planned.diameter),
-            _("Diameter stenosis: {before} \N{RIGHTWARDS ARROW} {after}").format(
-                before=degree(old.percent_diameter), after=degree(residual.percent_diameter)
-            ),
-            _("Reference: {reference} before treatment, {diameter} mm").format(
-                reference=residual.reference, diameter=_number(residual.reference_diameter)
-            ),
+            *lesionLines(lesions, treated.number),
         )
     )
+
+
+def lesionLines(lesions, number):
+    """The degree of the lesions that a stent covers, before and after, against the vessel's own healthy lumen."""
+    if lesions is None:
+        return [_("Lesions were not looked for: that takes a centerline.")]
+    covered = [one for one in lesions if number in one.stents]
+    if not covered:
+        percent = round(100 * SMALLEST_DEGREE)
+        return [_("It covers no lesion of {percent} % or more.").format(percent=percent)]
+    return [
+        _(
+            "Lesion {number}, diameter stenosis: {before} \N{RIGHTWARDS ARROW} {after}, against {reference}"
+        ).format(
+            number=one.number,
+            before=degree(one.before.percent_diameter),
+            after=degree(one.after.percent_diameter),
+            reference=one.before.reference,
+        )
+        for one in covered
+    ]
 
 
 def degree(percent):

@@ -4,7 +4,7 @@ import numpy as np
 
 from SDFStentLib.geometry import Precision
 from SDFStentLib.measure import displacements, face_stretches
-from SDFStentLib.treatment import Treatment
+from SDFStentLib.treatment import Treatment, treated_lesions
 
 from .Portions import inPortions
 
@@ -28,16 +28,18 @@ class Stenting:
         dtype=np.float32,
         topology=None,
         places=(),
+        search=None,
     ):
         """`planned` is a list of `Stent`; `dtype` is the type in which the result is stored.
 
         `topology` is that of the triangles where it is known, to look at it once for many deployments.
-        `places` says for every stent by what the caller finds it again.
+        `places` says for every stent by what the caller finds it again. `search` is the `LesionSearch` of the vessel.
         """
         self.original = self.points = points
         self.triangles, self.centerline = triangles, centerline
         self.recorded, self._axes = [], {}
         self.places, self.result = list(places), None
+        self.search, self.lesions = search, None
         self.shownMap = self.shownStent = None
         self._treatment = Treatment(
             points,
@@ -71,8 +73,14 @@ class Stenting:
         self._follow()
 
     def measure(self):
-        """Diameters and certificate of the finished treatment; yields None until it is done."""
-        self.result = yield from inPortions(lambda: self._treatment.result)
+        """Diameters, certificate and lesions of the finished treatment; yields None until it is done."""
+        self.result = result = yield from inPortions(lambda: self._treatment.result)
+        if self.search is not None:
+            yield from self.search.portions()
+            found = self.search.found
+            self.lesions = yield from inPortions(
+                lambda: treated_lesions(found, result.stents, result.points, self.triangles)
+            )
 
     @staticmethod
     def _computed(function, responsive):

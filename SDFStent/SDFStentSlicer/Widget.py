@@ -13,6 +13,7 @@ from . import Outputs
 from .DeploySession import DeploySession
 from .GuiBinding import GuiBinding
 from .InputWatch import InputWatch
+from .LesionTable import LesionTable
 from .Logic import SDFStentLogic
 from .ParameterNode import CHOICE_LABELS, Placement
 from .StentList import StentList
@@ -33,7 +34,7 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         ScriptedLoadableModuleWidget.__init__(self, parent)
         VTKObservationMixin.__init__(self)
         self.logic = logic
-        self.session = self.stents = self.table = None
+        self.session = self.stents = self.table = self.lesions = None
         self._parameterNode = self._binding = self._lastSet = None
         self._inputs = InputWatch(self.onInputModified, self.onHandleReleased)
 
@@ -53,6 +54,7 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.logic = self.logic or SDFStentLogic()
         self.session = DeploySession(self.logic, self._onStart, self._onProgress, self._onDone)
         self.table = StentTable(self.ui, self._onSelectStent, self._onEnableStent)
+        self.lesions = LesionTable(self.ui, self.logic.lesionSearch, self._onSelectLesion)
         self._connect()
         self._observeScene(slicer.mrmlScene)
         self.initializeParameterNode()
@@ -141,6 +143,7 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self._parameterNode = parameterNode
         self.session.setParameterNode(parameterNode)
         self.stents = None
+        self.lesions.follow(parameterNode)
         if parameterNode is not None:
             self._lastSet = parameterNode.parameterNode
             self.ui.parameterSetSelector.setCurrentNode(self._lastSet)
@@ -168,10 +171,12 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
             return  # synchronizing has called this again
         self.logic.chooseSegment(self._parameterNode)
         self._inputs.watch(self.logic.inputNodes(self._parameterNode))
+        self.lesions.follow(self._parameterNode)
         self._updatePanel()
         self._requestUpdate()
 
     def onInputModified(self):
+        self.lesions.follow(self._parameterNode)
         self._updateEnabled()
         self._requestUpdate()
 
@@ -320,8 +325,16 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
     def _onEnableStent(self, row, enabled):
         self.stents.enable(row, enabled)
 
+    def _onSelectLesion(self, lesion):
+        self.logic.showPlace(lesion.point)
+
     def onAddStent(self):
-        self._attempt(lambda: self.logic.addStent(self._parameterNode))
+        lesion = self.lesions.selected
+        if lesion is None:
+            self._attempt(lambda: self.logic.addStent(self._parameterNode))
+        else:
+            self._attempt(lambda: self.logic.addStentAt(self._parameterNode, lesion))
+            self.lesions.clearSelection()
 
     def onCopyStent(self):
         self._attempt(lambda: self.logic.copyStent(self._parameterNode))

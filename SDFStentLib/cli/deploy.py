@@ -27,6 +27,7 @@ from ..report import (
     before_after_picture,
     check_rendering,
     plan_report,
+    stent_lesion_sentences,
     write_report,
     write_report_figure,
 )
@@ -35,7 +36,7 @@ from ..treatment import TreatedStent
 from ..validation import DeploymentError, InputError
 from .console import Console
 from .outputs import Outputs
-from .place import check_place, place_of
+from .place import check_place, lesion_place, place_of
 from .steps import StepFiles
 
 NOT_CERTIFIED = 3
@@ -138,7 +139,10 @@ class _Job:
         lost = self.outputs.write()
         self.console.warn([*self.result.warnings, *lost])
         for stent in self.result.treatment.stents:
-            self.console.say(treatment.label(stent.number) + lumen_sentence(stent))
+            label = treatment.label(stent.number)
+            self.console.say(label + lumen_sentence(stent))
+            for sentence in stent_lesion_sentences(self.result.lesions, stent.number):
+                self.console.say(label + sentence)
         certificate = self.result.treatment.certificate
         if certificate is not None:
             self.console.say(certificate.sentence())
@@ -209,7 +213,10 @@ def lumen_sentence(stent: TreatedStent) -> str:
 def _plan(
     options: argparse.Namespace, way: str, settings: DeploymentSettings, inputs: InputFiles
 ) -> Plan:
-    place = place_of(options, way, inputs.surface.frame)
+    if way == "at_lesion":
+        place = lesion_place(options, inputs)
+    else:
+        place = place_of(options, way, inputs.surface.frame)
     stent = Stent(
         options.diameter,
         placement=place.placement,

@@ -5,19 +5,25 @@ from __future__ import annotations
 import argparse
 import json
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from ..certificate import check_surface
 from ..files import SurfaceFile, check_same_space, read_surface
 from ..geometry import length
-from ..measure import DiameterProfile, diameter_profile
+from ..measure import DiameterProfile, Lesion, diameter_profile, lesion_against
 from ..plan import InputFiles, read_input_files
+from ..report import NO_LESION, lesion_section, lesion_sentences, lesions_csv
 from ..stent import Stent, stent_axis
 from ..units import millimeters_per
 from ..validation import InputError, Points, as_number, printable
 from .console import Console
-from .place import check_place, place_of
+from .outputs import Outputs
+from .place import check_place, place_of, points_mm
 
 NOT_SOUND = 3
 
@@ -41,19 +47,31 @@ def measure_command(options: argparse.Namespace, console: Console) -> int:
         raise InputError("expected --axis FILE or --centerline FILE, got neither; give one.")
     if way is None and options.length is not None:
         raise InputError("expected a place with --length, such as --center X Y Z, got none.")
+    if options.centerline is None and (options.csv is not None or options.reference):
+        asked = "--csv" if options.csv is not None else "--reference"
+        raise InputError(f"expected --centerline FILE with {asked}, got none; give one.")
+    outputs = Outputs([options.surface, options.centerline, options.axis])
+    if options.csv is not None:
+        outputs.add(options.csv, lambda path: _write_text(path, table))
     spacing = as_number(options.spacing, "--spacing", unit="mm", above=0)
     inputs = read_input_files(options.surface, options.centerline, options.units)
     ways, warnings = _ways(options, way, inputs)
     surface = inputs.surface
+    lesions = _lesions(options, inputs)
     lines = [
         _Line(title, points, diameter_profile(surface.points, surface.triangles, points, spacing))
         for title, points in ways
     ]
     warnings += [f"{line.title}: {gap}" for line in lines for gap in line.profile.gaps]
+    table = lesions_csv(lesions or (), surface.units)
+    outputs.write()
     if options.json:
-        print(json.dumps(_document(inputs, lines, warnings), indent=2, allow_nan=False))
+        document = _document(inputs, lesions, lines, warnings)
+        print(json.dumps(document, indent=2, allow_nan=False))
         return 0
     console.warn(warnings)
+    if lesions is not None:
+        _print_lesions(lesions, surface.units)
     for line in lines:
         _print_table(line, millimeters_per(surface.units), surface.units)
     return 0
@@ -90,9 +108,9 @@ def _ways(
     tree = inputs.centerline
     if way is None:
         assert tree is not None
-        branches = [tree.points[branch] for branch in tree.branches]
-        branches = [points for points in branches if length(points) > 0]
-        return [(f"Branch {n}", points) for n, points in enumerate(branches, start=1)], warnings
+        branches = [tree.points[branch] for branch in tree.branches] if options.tables else []
+        named = [(f"Branch {n}", points) for n, points in enumerate(branches, start=1)]
+        return [(name, points) for name, points in named if length(points) > 0], warnings
     place = place_of(options, way, inputs.surface.frame)
     stent = Stent(
         _PROBE_DIAMETER,
@@ -119,6 +137,31 @@ def _ways(
     return [("Part", axis.points)], [*warnings, *place.warnings, *told]
 
 
+def _lesions(options: argparse.Namespace, inputs: InputFiles) -> tuple[Lesion, ...] | None:
+    """Those of the vessel; the one beside places that were marked against these."""
+    lesions, tree = inputs.lesions, inputs.centerline
+    if not options.reference or not lesions or tree is None:
+        return lesions
+    places = points_mm(options.reference, options.units)
+    ways = [sum(tree.path(lesion.point, place).length for place in places) for lesion in lesions]
+    chosen = int(np.argmin(ways))
+    surface = inputs.surface
+    marked = lesion_against(lesions[chosen], places, surface.points, surface.triangles, tree)
+    return (*lesions[:chosen], marked, *lesions[chosen + 1 :])
+
+
+def _write_text(path: Path, text: str) -> None:
+    path.write_text(text, encoding="utf-8")
+
+
+def _print_lesions(lesions: Sequence[Lesion], units: str) -> None:
+    if not lesions:
+        print(NO_LESION)
+    for number, lesion in enumerate(lesions, start=1):
+        first, second = lesion_sentences(number, lesion, units)
+        print(f"{first}\n  {second}")
+
+
 def _print_table(line: _Line, factor: float, units: str) -> None:
     profile = line.profile
     ends = " to ".join(_point(line.points[end] / factor) for end in (0, -1))
@@ -136,11 +179,20 @@ def _print_table(line: _Line, factor: float, units: str) -> None:
     print()
 
 
-def _document(inputs: InputFiles, lines: list[_Line], warnings: list[str]) -> dict[str, Any]:
+def _document(
+    inputs: InputFiles,
+    lesions: Sequence[Lesion] | None,
+    lines: list[_Line],
+    warnings: list[str],
+) -> dict[str, Any]:
+    units = inputs.surface.units
     return {
         "schema": "sdfstent-diameters",
         "version": 1,
         **_surface_document(inputs.surface),
+        "lesions": None
+        if lesions is None
+        else [lesion_section(n, one, units) for n, one in enumerate(lesions, start=1)],
         "lines": [
             {
                 "title": line.title,

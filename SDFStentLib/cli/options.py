@@ -37,7 +37,11 @@ def parser() -> Parser:
     )
     _deploy(commands.add_parser("deploy", help="deploy one stent", allow_abbrev=False))
     _run(commands.add_parser("run", help="carry out a plan of stents", allow_abbrev=False))
-    _measure(commands.add_parser("measure", help="diameters along a vessel", allow_abbrev=False))
+    _measure(
+        commands.add_parser(
+            "measure", help="lesions of a vessel, and diameters along it", allow_abbrev=False
+        )
+    )
     _check(commands.add_parser("check", help="is a surface sound", allow_abbrev=False))
     _demo(commands.add_parser("demo", help="treat a synthetic patient", allow_abbrev=False))
     return top
@@ -50,7 +54,12 @@ def _deploy(command: argparse.ArgumentParser) -> None:
         "-o", "--output", type=_path, metavar="OUT", required=True, help="surface to write"
     )
     command.add_argument("--diameter", type=_number, metavar="D", required=True, help="mm")
-    _add_place(command)
+    _add_place(command).add_argument(
+        "--at-lesion",
+        type=_whole,
+        metavar="N",
+        help="centered on that lesion, numbered as `measure` lists them",
+    )
     command.add_argument(
         "--foreshortening",
         type=_number,
@@ -98,8 +107,8 @@ def _run(command: argparse.ArgumentParser) -> None:
 
 def _measure(command: argparse.ArgumentParser) -> None:
     command.description = (
-        "Diameters along a vessel: of the largest inscribed sphere and of the circle with the "
-        "area of the cross-section. Without a place: of every branch of the centerline."
+        "Lesions of a vessel tree, the tightest first, and diameters along a part of it: of the "
+        "largest inscribed sphere and of the circle with the area of the cross-section."
     )
     command.add_argument("surface", type=_path, metavar="SURFACE", help="VTP, VTK, STL, PLY or OBJ")
     _add_place(command)
@@ -107,7 +116,20 @@ def _measure(command: argparse.ArgumentParser) -> None:
         "--spacing", type=_number, metavar="MM", default=1.0, help="of the stations (default 1)"
     )
     _add_units(command)
-    command.add_argument("--json", action="store_true", help="print JSON instead of a table")
+    command.add_argument(
+        "--tables", action="store_true", help="the diameters along every branch, too"
+    )
+    command.add_argument(
+        "--reference",
+        type=_number,
+        nargs=3,
+        action="append",
+        metavar=("X", "Y", "Z"),
+        default=[],
+        help="healthy vessel that the lesion beside it is measured against; once or twice",
+    )
+    command.add_argument("--json", action="store_true", help="print JSON instead of sentences")
+    command.add_argument("--csv", type=_path, metavar="F", help="write the table of lesions")
     _add_talk(command)
 
 
@@ -128,7 +150,7 @@ def _demo(command: argparse.ArgumentParser) -> None:
     _add_talk(command)
 
 
-def _add_place(command: argparse.ArgumentParser) -> None:
+def _add_place(command: argparse.ArgumentParser) -> argparse._ArgumentGroup:
     place = command.add_argument_group("where")
     place.add_argument("--axis", type=_path, metavar="FILE", help="the curve is the stent axis")
     place.add_argument("--centerline", type=_path, metavar="FILE", help="of the vessel, any form")
@@ -150,6 +172,7 @@ def _add_place(command: argparse.ArgumentParser) -> None:
             metavar=("X", "Y", "Z"),
             help=what,
         )
+    return place
 
 
 def _add_method(command: argparse.ArgumentParser) -> None:
@@ -218,6 +241,13 @@ def _number(text: str) -> float:
         return float(text)
     except ValueError:
         raise argparse.ArgumentTypeError(f"expected a number, got {text!r}") from None
+
+
+def _whole(text: str) -> int:
+    try:
+        return int(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"expected a whole number, got {text!r}") from None
 
 
 def _path(text: str) -> str:

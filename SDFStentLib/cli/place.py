@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..files import axis_of, in_frame_of, read_lines
-from ..plan import POINT_PLACEMENTS, scaled
-from ..stent import AlongAxis, BetweenPoints, InputFile, Placement
+from ..plan import POINT_PLACEMENTS, InputFiles, scaled
+from ..stent import DEFAULT_FORESHORTENING, AlongAxis, BetweenPoints, InputFile, Placement
+from ..treatment import placement_at
 from ..units import MILLIMETERS, Frame
 from ..validation import InputError
 
@@ -40,23 +41,23 @@ def check_place(options: argparse.Namespace, *, needed: bool) -> str | None:
     if (options.from_point is None) != (options.to is None):
         raise InputError("expected both --from and --to, got one of them; give the other end.")
     given += ["from"] if options.to is not None else []
-    given += ["axis"] if options.axis is not None else []
+    given += [name for name in ("axis", "at_lesion") if getattr(options, name, None) is not None]
     if len(given) > 1:
         raise InputError(
-            f"expected one place, got {' and '.join('--' + name for name in given)}; leave one out."
+            f"expected one place, got {' and '.join(map(_option, given))}; leave one out."
         )
     if not given:
         if needed:
             raise InputError(
                 "expected where the stent goes, got nothing; give --axis, or --centerline with "
-                "--center, --distal, --proximal, or --from and --to."
+                "--center, --distal, --proximal, --at-lesion, or --from and --to."
             )
         return None
     way = given[0]
     if way != "axis" and options.centerline is None:
-        raise InputError(f"expected --centerline FILE with --{way}, got none; give one.")
-    if way in POINT_PLACEMENTS and options.length is None:
-        raise InputError(f"expected --length L (mm) with --{way}, got none; give one.")
+        raise InputError(f"expected --centerline FILE with {_option(way)}, got none; give one.")
+    if way in (*POINT_PLACEMENTS, "at_lesion") and options.length is None:
+        raise InputError(f"expected --length L (mm) with {_option(way)}, got none; give one.")
     if way == "from" and options.length is not None:
         raise InputError(
             "expected no --length between two points, which determine it; leave it or one of "
@@ -82,6 +83,45 @@ def place_of(options: argparse.Namespace, way: str, frame: Frame | None) -> Plac
         return Place(BetweenPoints(start, end), ())
     point = _mm(getattr(options, way), options.units)
     return Place(POINT_PLACEMENTS[way](point), ())
+
+
+def lesion_place(options: argparse.Namespace, inputs: InputFiles) -> Place:
+    """The placement at the lesion that was asked for.
+
+    Raises
+    ------
+    InputError
+        The vessel has no lesion of that number.
+    """
+    assert inputs.lesions is not None
+    assert inputs.centerline is not None
+    number, count = options.at_lesion, len(inputs.lesions)
+    if not 1 <= number <= count:
+        there = f"a lesion from 1 to {count}" if count else "a vessel with lesions"
+        advice = "see `sdfstent measure` for the list" if count else "place the stent by points"
+        raise InputError(
+            f"--at-lesion: expected {there}, got {number} in one that has {count or 'none'}; "
+            f"{advice}."
+        )
+    lost = options.foreshortening
+    return Place(
+        placement_at(
+            inputs.lesions[number - 1],
+            inputs.centerline,
+            options.length,
+            DEFAULT_FORESHORTENING if lost is None else lost,
+        ),
+        (),
+    )
+
+
+def points_mm(points: Sequence[Sequence[float]], units: str) -> list[NDArray[np.float64]]:
+    """Points of the command line, mm."""
+    return [_mm(point, units) for point in points]
+
+
+def _option(name: str) -> str:
+    return "--" + name.replace("_", "-")
 
 
 def _mm(point: Sequence[float], units: str) -> NDArray[np.float64]:

@@ -9,17 +9,18 @@ from .inscribed import InscribedSpheres, inscribed_spheres
 from .lesion_value import HealthyPlace, Lesion
 from .lesions import find_lesions, lesion_after, lesion_against, lesions_within
 from .local_surface import LocalSurface
-from .metrics import DiameterProfile, Reference, diameter_profile, stenosis
+from .metrics import DiameterProfile, diameter_profile
+from .narrowings import SMALLEST_DEGREE
 from .stretch import displacements, face_stretches
 
 __all__ = [
+    "SMALLEST_DEGREE",
     "BranchOstium",
     "DiameterProfile",
     "HealthyPlace",
     "InscribedSpheres",
     "Lesion",
     "LocalSurface",
-    "Reference",
     "branch_ostia",
     "bulged_caps",
     "caps_across",
@@ -32,7 +33,6 @@ __all__ = [
     "lesion_after",
     "lesion_against",
     "lesions_within",
-    "stenosis",
     "winding_numbers",
 ]
 

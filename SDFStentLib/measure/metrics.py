@@ -1,4 +1,4 @@
-"""Diameters along a vessel, and how narrow it is.
+"""Diameters along a vessel.
 
 Two diameters, because neither tells all. The *inscribed* diameter is that of the largest sphere
 that fits into the lumen, its centre free in the plane across the axis: what a stent or a balloon
@@ -9,7 +9,6 @@ what the flow feels. They agree in a round tube; elsewhere the inscribed one is 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -28,9 +27,6 @@ from ..validation import (
 from .closed_ends import past_closed_ends
 from .cross_section import equivalent_diameters, winding_numbers
 from .inscribed import inscribed_spheres
-
-Reference = Literal["mean of the two ends", "proximal", "distal", "interpolated"]
-REFERENCES: tuple[str, ...] = get_args(Reference)
 
 _WINDING_INSIDE = 0.3
 """Winding numbers are 1 inside, 0 outside and 1/2 in the middle of an open end."""
@@ -129,28 +125,6 @@ class DiameterProfile:
         )
 
 
-@dataclass(frozen=True)
-class Stenosis:
-    """How narrow a vessel is, with the reference that this is measured against.
-
-    Percent *diameter* stenosis is 100 (1 - minimum / reference) of the inscribed diameters,
-    percent *area* stenosis the same of the cross-section areas. 50 % by diameter are 75 % by area
-    in a round lumen. Negative: wider than the reference everywhere. NaN: not measurable.
-    """
-
-    reference: str
-    minimum_diameter: float
-    """Minimum lumen diameter (inscribed), mm."""
-    minimum_arc_length: float
-    """Where along the axis it is, mm."""
-    reference_diameter: float
-    percent_diameter: float
-    minimum_area: float
-    """Smallest cross-section, mm^2; it may lie elsewhere than the smallest diameter."""
-    reference_area: float
-    percent_area: float
-
-
 def diameter_profile(
     points: ArrayLike, triangles: ArrayLike, axis_points: ArrayLike, spacing: float = 1.0
 ) -> DiameterProfile:
@@ -201,74 +175,9 @@ def diameter_profile(
     return DiameterProfile(arc_lengths(stations), centers, inscribed, equivalent)
 
 
-def stenosis(
-    profile: DiameterProfile,
-    reference: Reference = "mean of the two ends",
-    *,
-    reference_profile: DiameterProfile | None = None,
-) -> Stenosis:
-    """Narrowest place of a profile against its ends.
-
-    Parameters
-    ----------
-    profile : DiameterProfile
-    reference : str
-        "mean of the two ends", "proximal" or "distal" (the first or last station with a
-        diameter), or "interpolated" (on the line between the two, at the narrowest place).
-    reference_profile : DiameterProfile, optional
-        Profile whose ends are the reference; default `profile` itself. Give the one before
-        treatment to tell the residual stenosis after it.
-
-    Raises
-    ------
-    InputError
-        An unknown reference.
-    """
-    check_is_a(profile, DiameterProfile, "profile")
-    if reference not in REFERENCES:
-        raise InputError(
-            f"reference: expected one of {', '.join(map(repr, REFERENCES))}, got {reference!r}."
-        )
-    source = profile if reference_profile is None else reference_profile
-    at = profile.minimum_arc_length
-    diameter = _reference(source.arc_length, source.inscribed_diameter, reference, at)
-    areas = np.pi / 4 * profile.equivalent_diameter**2
-    minimum_area = _statistic(np.min, areas)
-    area_at = float(profile.arc_length[np.nanargmin(areas)]) if np.isfinite(areas).any() else np.nan
-    area = _reference(
-        source.arc_length, np.pi / 4 * source.equivalent_diameter**2, reference, area_at
-    )
-    return Stenosis(
-        reference,
-        profile.minimum,
-        at,
-        diameter,
-        _percent(profile.minimum, diameter),
-        minimum_area,
-        area,
-        _percent(minimum_area, area),
-    )
-
-
 def _statistic(function: object, values: Floats) -> float:
     known = values[np.isfinite(values)]
     return float(function(known)) if len(known) else float("nan")  # type: ignore[operator]
-
-
-def _reference(arc_length: Floats, values: Floats, reference: str, at: float) -> float:
-    known = np.flatnonzero(np.isfinite(values))
-    if len(known) == 0:
-        return float("nan")
-    ends = known[[0, -1]]
-    first, last = values[ends]
-    if reference == "interpolated":
-        return float(np.interp(at, arc_length[ends], values[ends]))
-    chosen = {"proximal": first, "distal": last, "mean of the two ends": (first + last) / 2}
-    return float(chosen[reference])
-
-
-def _percent(minimum: float, reference: float) -> float:
-    return 100 * (1 - minimum / reference) if reference > 0 else float("nan")
 
 
 def _ranges(positions: Floats, chosen: NDArray[np.bool_]) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from time import perf_counter
 
 import numpy as np
@@ -21,9 +22,15 @@ from ..files import (
     write_surface,
 )
 from ..geometry import Precision
-from ..measure import face_stretches
+from ..measure import Lesion, face_stretches, find_lesions
 from ..stent import AlongAxis, InputFile
-from ..treatment import Treatment, TreatmentResult, TreatmentState
+from ..treatment import (
+    TreatedLesion,
+    Treatment,
+    TreatmentResult,
+    TreatmentState,
+    treated_lesions,
+)
 from ..units import millimeters_per
 from ..validation import InputError, check_is_a
 from ..version import VERSION
@@ -58,6 +65,13 @@ class InputFiles:
         """How coordinates are stored in the surface's file."""
         return Precision(self.surface.coordinate_type, 1 / millimeters_per(self.surface.units))
 
+    @cached_property
+    def lesions(self) -> tuple[Lesion, ...] | None:
+        """Of the vessel, found when first asked for; None without a centerline."""
+        if self.centerline is None:
+            return None
+        return find_lesions(self.surface.points, self.surface.triangles, self.centerline)
+
 
 @dataclass(frozen=True)
 class PlanResult:
@@ -71,6 +85,16 @@ class PlanResult:
     def warnings(self) -> tuple[str, ...]:
         """Of reading and of the treatment."""
         return (*self.inputs.warnings, *self.treatment.warnings)
+
+    @cached_property
+    def lesions(self) -> tuple[TreatedLesion, ...] | None:
+        """Those of the vessel before and after; None without a centerline."""
+        if self.inputs.lesions is None:
+            return None
+        result = self.treatment
+        return treated_lesions(
+            self.inputs.lesions, result.stents, result.points, self.inputs.surface.triangles
+        )
 
     def write_surface(
         self, path: str | os.PathLike[str], *, arrays: bool = False

@@ -10,16 +10,28 @@ from typing import TYPE_CHECKING
 from ..late import late_names
 
 if TYPE_CHECKING:
+    from .lesions import (
+        NO_LESION,
+        lesion_section,
+        lesion_sentences,
+        lesions_csv,
+        stent_lesion_sentences,
+    )
     from .of_plan import plan_report
     from .picture import before_after_picture, check_rendering
     from .report import FIGURE_SUFFIXES, Report, write_report, write_report_figure
 
 __all__ = [
     "FIGURE_SUFFIXES",
+    "NO_LESION",
     "Report",
     "before_after_picture",
     "check_rendering",
+    "lesion_section",
+    "lesion_sentences",
+    "lesions_csv",
     "plan_report",
+    "stent_lesion_sentences",
     "write_report",
     "write_report_figure",
 ]
@@ -27,6 +39,13 @@ __all__ = [
 __getattr__, __dir__ = late_names(
     __name__,
     {
+        "lesions": [
+            "NO_LESION",
+            "lesion_section",
+            "lesion_sentences",
+            "lesions_csv",
+            "stent_lesion_sentences",
+        ],
         "of_plan": ["plan_report"],
         "picture": ["before_after_picture", "check_rendering"],
         "report": ["FIGURE_SUFFIXES", "Report", "write_report", "write_report_figure"],

@@ -9,6 +9,7 @@ from typing import Any
 
 from ..validation import printable
 from .drawing import svg
+from .lesion_table import covered_words, lesion_rows, lesion_table, stent_lesions
 from .plot import diameter_plot
 from .words import (
     UNKNOWN,
@@ -62,11 +63,12 @@ def html_page(document: Mapping[str, Any], picture: bytes | str | None = None) -
         heading = "Lumen" if title == "Stent" else f"{title}, lumen"
         parts += [f"<h2>{escape(heading)} before and after</h2>"]
         plot = diameter_plot(stent["diameters"])
-        parts.append(_first_numbers(stent["diameters"]))
+        parts.append(_first_numbers(stent["diameters"], stent_lesions(document, stent)))
         parts.append(svg(plot) if plot else "<p>No diameter could be measured.</p>")
     frame = next((entry.get("frame") for entry in document["inputs"]), None)
     parts += [
         *(_stent(title, stent, frame) for title, stent in zip(titles, stents, strict=True)),
+        *lesion_table(document["lesions"]),
         *_branches(document["branches"]),
         _definitions(document["definitions"]),
         _inputs(document["inputs"], document["timings"]),
@@ -110,26 +112,19 @@ def _count(value: Any) -> int | None:
     return None if value is None else int(value)
 
 
-def _first_numbers(diameters: Mapping[str, Any]) -> str:
+def _first_numbers(
+    diameters: Mapping[str, Any], lesions: Sequence[Mapping[str, Any]] | None
+) -> str:
     """What a clinician reads first."""
     narrow, over = diameters["minimum_lumen"], diameters["over_stented_length"]
-    degree, before, after = diameters["stenosis"], over["before"], over["after"]
+    before, after = over["before"], over["after"]
     rows = [
         (
             "Minimum lumen diameter",
             millimeters(narrow["before_mm"]),
             millimeters(narrow["after_mm"]),
         ),
-        (
-            "Diameter stenosis",
-            _degree(degree["percent_diameter_before"]),
-            _degree(degree["percent_diameter_after"]),
-        ),
-        (
-            "Area stenosis",
-            _degree(degree["percent_area_before"]),
-            _degree(degree["percent_area_after"]),
-        ),
+        *lesion_rows(lesions or ()),
         ("Mean lumen diameter &plusmn; SD", _mean_sd(before), _mean_sd(after)),
         ("Smallest to largest", _range(before), _range(after)),
         (
@@ -149,10 +144,7 @@ def _first_numbers(diameters: Mapping[str, Any]) -> str:
         f"<th class='n'>after</th></tr>{''.join(lines)}</table><p class='small'>"
         f"Prescribed lumen diameter: {wanted}. Mean after minus prescribed: "
         f"{millimeters(over['mean_after_minus_prescribed_mm'], signed=True)}.<br>"
-        f"Stenosis against the reference &ldquo;{escape(degree['reference'])}&rdquo;, measured "
-        f"{escape(degree['reference_measured'])}: {millimeters(degree['reference_diameter_mm'])} "
-        "diameter, "
-        f"{number_text(degree['reference_area_mm2'], 1)} mm&sup2; area.</p>"
+        f"{escape(covered_words(lesions))}</p>"
     )
 
 
@@ -225,14 +217,6 @@ def _inputs(inputs: Sequence[Mapping[str, Any]], timings: Mapping[str, Any]) -> 
         for key, value in timings.items()
     )
     return f"<h2>Input files</h2>{tables}<p class='small'>Time: {times or 'not measured'}.</p>"
-
-
-def _degree(percent: float | None) -> str:
-    if percent is None:
-        return UNKNOWN
-    if round(percent) >= 0:
-        return f"{max(percent, 0.0):.0f} %"
-    return f"none ({-percent:.0f} % above reference)"
 
 
 def _mean_sd(statistics: Mapping[str, Any]) -> str:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from datetime import datetime, timezone
 from typing import Any
 
 from ..plan import PlanResult
-from ..treatment import TreatedStent
+from ..treatment import TreatedLesion, TreatedStent
 from ..version import VERSION
+from .lesions import treated_lesion_section
 from .report import Report, StentResult
 
 
@@ -32,14 +33,17 @@ def plan_report(
     picture : bytes or str, optional
         For the page: a PNG as of `before_after_picture`, or why there is none.
     """
-    certificate = result.treatment.certificate
+    certificate, units = result.treatment.certificate, result.inputs.surface.units
     judged = None
     if certificate is not None:
         judged = {**certificate.as_dict(), "arrays_kept": not lost}
     return Report(
         inputs=tuple(_inputs(result)),
-        stents=tuple(_stent_result(stent) for stent in result.treatment.stents),
+        stents=tuple(_stent_result(stent, result.lesions) for stent in result.treatment.stents),
         certificate=judged,
+        lesions=None
+        if result.lesions is None
+        else tuple(treated_lesion_section(one, units) for one in result.lesions),
         warnings=(*result.warnings, *lost),
         timings={"read": result.inputs.seconds, **result.treatment.timings, **(timings or {})},
         created=datetime.now(timezone.utc).isoformat(timespec="seconds"),
@@ -48,13 +52,16 @@ def plan_report(
     )
 
 
-def _stent_result(stent: TreatedStent) -> StentResult:
+def _stent_result(stent: TreatedStent, lesions: Sequence[TreatedLesion] | None) -> StentResult:
     return StentResult(
         description=_description(stent),
         before=stent.before,
         after=stent.after,
         prescribed_diameter=stent.stent.diameter,  # type: ignore[arg-type]
         branches=stent.branches,
+        lesions=None
+        if lesions is None
+        else tuple(one.number for one in lesions if stent.number in one.stents),
     )
 
 

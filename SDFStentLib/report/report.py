@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..files import atomic_path, write_bytes
-from ..measure import BranchOstium, DiameterProfile, Reference, stenosis
+from ..measure import SMALLEST_DEGREE, BranchOstium, DiameterProfile
 from ..validation import InputError, read_only
 from .drawing import svg
 from .html import html_page
@@ -38,15 +38,20 @@ DEFINITIONS = {
     ),
     "prescribed diameter": "lumen diameter that the stent was set to reach at that place",
     "minimum lumen diameter": "smallest inscribed diameter over the stented length (MLD)",
-    "reference diameter": (
-        "inscribed diameter that the narrowest place is compared with, taken before treatment at "
-        "the ends of the stented length by the named rule"
+    "lesion": (
+        f"part of the vessel that is at least {100 * SMALLEST_DEGREE:.0f} % narrower than the "
+        "healthy vessel beside it; found before treatment, and the same whatever stent is tried"
     ),
-    "percent diameter stenosis": "100 (1 - minimum lumen diameter / reference diameter)",
+    "reference": (
+        "healthy vessel proximal and distal of the lesion, before treatment; between the two it "
+        "tapers; where one side is a junction the other one stands alone"
+    ),
+    "percent diameter stenosis": (
+        "100 (1 - smallest inscribed diameter of the lesion / that of the reference at that place)"
+    ),
     "percent area stenosis": (
-        "100 (1 - smallest cross-section area / reference area), areas before treatment at the "
-        "same ends; 50 % by diameter are 75 % by area in a round lumen, and more where an end lies "
-        "in a junction"
+        "100 (1 - smallest cross-section area of the lesion / that of the reference at that "
+        "place); 50 % by diameter are 75 % by area in a round lumen"
     ),
     "SD": "standard deviation over the stations, which are equally spaced along the axis",
 }
@@ -66,7 +71,8 @@ class StentResult:
     prescribed_diameter: NDArray[np.float64]
     """Per station, mm; one number for all is enough."""
     branches: tuple[BranchOstium, ...] = ()
-    reference: Reference = "mean of the two ends"
+    lesions: tuple[int, ...] | None = None
+    """Numbers of the lesions that it covers; None when none were looked for."""
 
     def __post_init__(self) -> None:
         stations = self.before.arc_length.shape
@@ -96,6 +102,8 @@ class Report:
     stents: tuple[StentResult, ...]
     certificate: Any = None
     """A mapping, or an object with `as_dict()`."""
+    lesions: tuple[Mapping[str, Any], ...] | None = None
+    """Of the vessel, by number; None when none were looked for."""
     warnings: tuple[str, ...] = ()
     timings: Mapping[str, float] = field(default_factory=dict)
     """Seconds by name; the document calls them `<name>_s`."""
@@ -124,6 +132,7 @@ class Report:
             "inputs": self.inputs,
             "stents": stents,
             "diameters": stents[0]["diameters"] if stents else None,
+            "lesions": self.lesions,
             "certificate": self.certificate,
             "branches": [
                 {"stent": stent.description.get("number", place), **_branch_section(branch)}
@@ -188,13 +197,15 @@ def write_report_figure(report: Report, path: str | os.PathLike[str]) -> None:
 
 
 def _stent_section(stent: StentResult) -> dict[str, Any]:
-    return {**stent.description, "diameters": _diameter_section(stent)}
+    return {
+        **stent.description,
+        "lesions": stent.lesions,
+        "diameters": _diameter_section(stent),
+    }
 
 
 def _diameter_section(stent: StentResult) -> dict[str, Any]:
     before, after = stent.before, stent.after
-    narrow_before = stenosis(before, stent.reference)
-    narrow_after = stenosis(after, stent.reference, reference_profile=before)
     error = after.inscribed_diameter - stent.prescribed_diameter
     return {
         "along": {
@@ -215,16 +226,6 @@ def _diameter_section(stent: StentResult) -> dict[str, Any]:
             "before_at_mm": before.minimum_arc_length,
             "after_mm": after.minimum,
             "after_at_mm": after.minimum_arc_length,
-        },
-        "stenosis": {
-            "reference": stent.reference,
-            "reference_measured": "before treatment, at the ends of the stented length",
-            "reference_diameter_mm": narrow_before.reference_diameter,
-            "reference_area_mm2": narrow_before.reference_area,
-            "percent_diameter_before": narrow_before.percent_diameter,
-            "percent_diameter_after": narrow_after.percent_diameter,
-            "percent_area_before": narrow_before.percent_area,
-            "percent_area_after": narrow_after.percent_area,
         },
     }
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
@@ -25,7 +26,7 @@ _INPUT_WORDS = {
     "frame": "Frame",
 }
 
-_TOLD_ELSEWHERE = ("number", "name", "diameters")
+_TOLD_ELSEWHERE = ("number", "name", "diameters", "lesions")
 """Of a stent: in its heading, and in the tables before."""
 
 
@@ -123,6 +124,15 @@ def millimeters(value: float | None, digits: int = 2, *, signed: bool = False) -
         return UNKNOWN
     sign = "+" if signed and _rounded(value, digits) > 0 else ""
     return f"{sign}{number_text(value, digits)} mm"
+
+
+def degree_text(percent: float | None) -> str:
+    """Percent stenosis in words; below 0 there is none."""
+    if percent is None or not math.isfinite(percent):
+        return UNKNOWN
+    if round(percent) >= 0:
+        return f"{max(percent, 0.0):.0f} %"
+    return f"none ({-percent:.0f} % above reference)"
 
 
 def _rounded(value: float, digits: int) -> float:

@@ -12,9 +12,18 @@ from .placement import (
     InputFile,
     Placement,
 )
-from .stent import MAXIMUM_DIAMETER, MAXIMUM_LENGTH, Stent, StentAxis, stent_axis, straightened
+from .stent import (
+    DEFAULT_FORESHORTENING,
+    MAXIMUM_DIAMETER,
+    MAXIMUM_LENGTH,
+    Stent,
+    StentAxis,
+    stent_axis,
+    straightened,
+)
 
 __all__ = [
+    "DEFAULT_FORESHORTENING",
     "MAXIMUM_DIAMETER",
     "MAXIMUM_LENGTH",
     "AlongAxis",

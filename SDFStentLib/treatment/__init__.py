@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from .lesions import TreatedLesion, placement_at, treated_lesions
 from .straightening import axis_in_vessel
 from .treatment import Treatment
 from .value import TreatedStent, TreatmentResult, TreatmentState
 
 __all__ = [
+    "TreatedLesion",
     "TreatedStent",
     "Treatment",
     "TreatmentResult",
     "TreatmentState",
     "axis_in_vessel",
+    "placement_at",
+    "treated_lesions",
 ]
 
 

@@ -1,0 +1,124 @@
+"""The list of the vessel's lesions in the panel, before any stent is added."""
+
+import qt
+from slicer.i18n import tr as _
+
+from SDFStentLib.measure import SMALLEST_DEGREE
+from SDFStentLib.report import lesion_sentences
+
+from .Results import degree
+from .SteppedRun import SteppedRun
+
+SETTLE_MS = 250
+"""The vessel has to rest so long, so that nothing is searched while it is being edited."""
+
+
+class LesionTable:
+    """Searches in small portions once vessel and centerline are chosen, and shows in `ui.lesionTable` what was found.
+
+    `onSelect(lesion)` is called when the user selects a lesion; `selected` is that one, None without.
+    """
+
+    def __init__(self, ui, searchOf, onSelect):
+        self.ui, self._searchOf, self._onSelect = ui, searchOf, onSelect
+        self._parameterNode = self._search = None
+        self._updating = False
+        self._run = SteppedRun(lambda _value: None, self._done)
+        self._timer = qt.QTimer()
+        self._timer.setSingleShot(True)
+        self._timer.setInterval(SETTLE_MS)
+        self._timer.connect("timeout()", self._begin)
+        ui.lesionTable.connect("itemSelectionChanged()", self._selectionChanged)
+        ui.lesionTable.connect("cellClicked(int,int)", self._clicked)
+        self._show("")
+
+    @property
+    def isBusy(self):
+        """Whether a search is under way or about to start."""
+        return self._run.isRunning or self._timer.isActive()
+
+    @property
+    def selected(self):
+        """The lesion that the user has selected, or None."""
+        row = self.ui.lesionTable.currentRow()
+        found = () if self._search is None else self._search.found or ()
+        isSelected = bool(self.ui.lesionTable.selectedItems())
+        return found[row] if isSelected and 0 <= row < len(found) else None
+
+    def follow(self, parameterNode):
+        """Show the lesions of a parameter node's vessel, or of none; called whenever its inputs may have changed."""
+        if parameterNode is not self._parameterNode:
+            self._leave()
+        self._parameterNode = parameterNode
+        if parameterNode is not None:
+            self._timer.start()
+
+    def clearSelection(self):
+        """Select no lesion."""
+        self.ui.lesionTable.clearSelection()
+
+    def _leave(self):
+        self._timer.stop()
+        self._run.cancel()
+        self._search = None
+        self._show("")
+
+    def _begin(self):
+        try:
+            search = self._searchOf(self._parameterNode)
+        except ValueError as error:
+            self._leave()
+            self._show(str(error))
+            return
+        if search is self._search:
+            return
+        self._leave()
+        self._search = search
+        if search is not None:
+            self._show(_("Looking for lesions..."))
+            self._run.start(0.0 for _part in search.portions())
+
+    def _done(self, error):
+        search = self._search
+        if error is not None:
+            self._show(str(error))
+        elif search.found:
+            self._show("", search.found)
+        else:
+            none = _("No lesion of {percent} % or more was found.")
+            self._show(search.sentence or none.format(percent=round(100 * SMALLEST_DEGREE)))
+
+    def _show(self, sentence, lesions=()):
+        """A sentence, or the lesions with a row each."""
+        table = self.ui.lesionTable
+        self._updating = True
+        try:
+            table.clearSelection()
+            table.setRowCount(len(lesions))
+            for row, lesion in enumerate(lesions):
+                for column, text in enumerate(_texts(row + 1, lesion)):
+                    item = qt.QTableWidgetItem(text)
+                    item.setToolTip(" ".join(lesion_sentences(row + 1, lesion)))
+                    table.setItem(row, column, item)
+        finally:
+            self._updating = False
+        table.visible = len(lesions) > 0
+        self.ui.lesionLabel.text = sentence
+        self.ui.lesionLabel.visible = bool(sentence)
+
+    def _selectionChanged(self):
+        if not self._updating and self.selected is not None:
+            self._onSelect(self.selected)
+
+    def _clicked(self, _row, _column):
+        """Go there again when the selected one is clicked once more."""
+        self._selectionChanged()
+
+
+def _texts(number, lesion):
+    return (
+        _("{number} (branch {branch})").format(number=number, branch=lesion.branch + 1),
+        degree(lesion.percent_diameter),
+        f"{lesion.minimum_diameter:.1f} mm",
+        f"{lesion.length:.0f} mm",
+    )

@@ -1,0 +1,27 @@
+"""The lesions of a vessel: found once, off the application's thread."""
+
+from SDFStentLib.measure import find_lesions
+from SDFStentLib.validation import InputError
+
+from .Portions import inPortions
+
+
+class LesionSearch:
+    """The lesions of one vessel with one centerline. No nodes in here.
+
+    `found` is None until `portions` was run to its end, then a tuple of the library's `Lesion`, the tightest first; `sentence`
+    says why it is empty where the vessel could not be searched.
+    """
+
+    def __init__(self, points, triangles, centerline):
+        self._inputs = points, triangles, centerline
+        self.found, self.sentence = None, ""
+
+    def portions(self):
+        """Search; yields None until it is done. Does nothing when it is."""
+        if self.found is not None:
+            return
+        try:
+            self.found = yield from inPortions(lambda: find_lesions(*self._inputs))
+        except InputError as error:
+            self.found, self.sentence = (), str(error)

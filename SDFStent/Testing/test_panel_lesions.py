@@ -1,0 +1,165 @@
+"""The lesions of the vessel in the panel: found by themselves, gone to by a click, treated by Add."""
+
+import time
+
+import numpy as np
+import pytest
+import slicer
+import vtk
+from panel_helpers import deploy, theThroat
+
+
+def found(host, panel):
+    """Wait until the search has come to its end; the lesions."""
+    host.processUntil(lambda: not panel.lesions.isBusy, 60.0)
+    return panel.lesions._search.found
+
+
+def clickRow(host, table, row):
+    from PySide6 import QtCore, QtTest
+
+    place = table.visualItemRect(table.item(row, 1)).center()
+    QtTest.QTest.mouseClick(table.viewport(), QtCore.Qt.LeftButton, QtCore.Qt.NoModifier, place)
+    host.process()
+
+
+def test_lesions_are_listed_before_any_stent_is_added(host, theInputs, thePictures):
+    lesions = found(host, theInputs)
+    table = theInputs.ui.lesionTable
+    assert len(theInputs._parameterNode.stents) == 0
+    assert table.visible
+    assert table.rowCount == len(lesions) >= 1
+    assert np.linalg.norm(np.subtract(lesions[0].point, theThroat())) < 1.5
+    # The phantom was built with 40 % there.
+    assert float(table.item(0, 1).text().split()[0]) == pytest.approx(40, abs=3)
+    assert "against" in table.item(0, 0).toolTip()
+    assert not theInputs.ui.lesionLabel.visible
+    theInputs.parent.resize(460, 900)
+    host.process()
+    assert table.horizontalScrollBar().maximum() == 0
+    host.grab(theInputs.parent, thePictures / "lesions.png")
+
+
+def test_a_click_goes_to_the_lesion_in_slices_and_3d(host, theInputs, aScene):
+    camera = aScene.AddNewNodeByClass("vtkMRMLCameraNode")
+    sliceNode = aScene.AddNewNodeByClass("vtkMRMLSliceNode")
+    camera.SetPosition(300.0, 0.0, 0.0)
+    camera.SetFocalPoint(0.0, 0.0, 0.0)
+    lesion = found(host, theInputs)[0]
+    clickRow(host, theInputs.ui.lesionTable, 0)
+    np.testing.assert_allclose(camera.GetFocalPoint(), lesion.point, atol=1e-6)
+    way = np.subtract(camera.GetPosition(), camera.GetFocalPoint())
+    np.testing.assert_allclose(way, [300, 0, 0], atol=1e-6)
+    middle = [sliceNode.GetSliceToRAS().GetElement(row, 3) for row in range(3)]
+    np.testing.assert_allclose(middle, lesion.point, atol=1e-6)
+    camera.SetFocalPoint(9.0, 9.0, 9.0)
+    clickRow(host, theInputs.ui.lesionTable, 0)  # once more: back again
+    np.testing.assert_allclose(camera.GetFocalPoint(), lesion.point, atol=1e-6)
+
+
+def test_add_with_a_lesion_selected_places_a_stent_there_that_opens_it(host, theInputs):
+    from SDFStentSlicer.Handles import middlePoint
+
+    lesion = found(host, theInputs)[0]
+    clickRow(host, theInputs.ui.lesionTable, 0)
+    host.click(theInputs.ui.addStentButton)
+    stent = theInputs._parameterNode.stent
+    assert stent.diameter == pytest.approx(lesion.reference_diameter, abs=0.06)
+    assert lesion.length <= 0.9 * stent.length < lesion.length + 0.9
+    deploy(host, theInputs)
+    run = theInputs.logic.lastRun(theInputs._parameterNode)
+    assert run.lesions[0].stents == (1,)
+    assert run.lesions[0].before is lesion
+    assert abs(run.lesions[0].after.percent_diameter) < 10
+    assert "Lesion 1, diameter stenosis: 4" in theInputs.ui.lumenLabel.text
+    assert "against healthy vessel" in theInputs.ui.lumenLabel.text
+    assert theInputs.lesions.selected is None
+    host.click(theInputs.ui.addStentButton)  # nothing selected: at the middle as ever
+    parameters = theInputs._parameterNode
+    place = parameters.stent.handle.GetNthControlPointPositionWorld(0)
+    centerline = theInputs.logic.centerlineOf(parameters)
+    np.testing.assert_allclose(place, middlePoint(centerline), atol=1e-4)
+    assert parameters.stent.length == 20.0
+
+
+def test_a_stent_elsewhere_covers_no_lesion_and_has_no_percentage(host, theInputs):
+    found(host, theInputs)
+    host.click(theInputs.ui.addStentButton)
+    parameters = theInputs._parameterNode
+    centerline = theInputs.logic.centerlineOf(parameters)
+    root = centerline.points[centerline.roots[0]]
+    place = centerline.path_from_proximal(root, 12.0).points[-1]
+    parameters.stent.handle.SetNthControlPointPositionWorld(0, *place)
+    theInputs.ui.diameterSlider.value, theInputs.ui.lengthSlider.value = 11.0, 8.0
+    deploy(host, theInputs)
+    assert "It covers no lesion of 15 % or more." in theInputs.ui.lumenLabel.text
+    assert "stenosis:" not in theInputs.ui.lumenLabel.text
+
+
+def test_lesions_are_found_once_per_vessel_and_again_for_another(host, theInputs):
+    parameters = theInputs._parameterNode
+    first = found(host, theInputs)
+    host.click(theInputs.ui.addStentButton)
+    assert found(host, theInputs) is first
+    matrix = slicer.vtkMRMLLinearTransformNode()
+    slicer.mrmlScene.AddNode(matrix)
+    for node in (parameters.vessel, parameters.centerline):
+        node.SetAndObserveTransformNodeID(matrix.GetID())
+    moved = vtk.vtkMatrix4x4()
+    moved.SetElement(0, 3, 50.0)
+    matrix.SetMatrixTransformToParent(moved)
+    second = found(host, theInputs)
+    assert second is not first
+    np.testing.assert_allclose(np.subtract(second[0].point, first[0].point), [50, 0, 0], atol=0.05)
+    theInputs.ui.centerlineSelector.setCurrentNode(None)
+    host.processUntil(lambda: not theInputs.lesions.isBusy)
+    assert not theInputs.ui.lesionTable.visible
+
+
+def test_the_search_never_holds_the_application_for_long(host, aPanel, aVessel):
+    from SDFStentSlicer import SteppedRun
+
+    ticks = []
+    tick = SteppedRun.SteppedRun._tick
+
+    def timed(run):
+        start = time.perf_counter()
+        tick(run)
+        ticks.append(time.perf_counter() - start)
+
+    run = aPanel.lesions._run
+    run._timer.timeout.disconnect()
+    run._timer.connect("timeout()", lambda: timed(run))
+    vessel, centerline = aVessel
+    aPanel.ui.vesselSelector.setCurrentNode(vessel)
+    aPanel.ui.centerlineSelector.setCurrentNode(centerline)
+    assert "Looking for lesions" in waitForLabel(host, aPanel)
+    found(host, aPanel)
+    assert len(ticks) > 3
+    assert np.median(ticks) < 0.05
+
+
+def waitForLabel(host, panel):
+    host.processUntil(lambda: panel.ui.lesionLabel.visible)
+    return panel.ui.lesionLabel.text
+
+
+def test_a_vessel_without_lesions_says_so(host, aPanel, aScene):
+    from SDFStentLib.files import polydata_from_arrays, polydata_from_lines
+    from SDFStentLib.phantoms import straight_tube
+
+    made = straight_tube(edge_length=1.0)
+    for name, data in (
+        ("Tube", polydata_from_arrays(made.points, made.triangles)),
+        (
+            "Line",
+            polydata_from_lines(made.centerline.points, [np.arange(len(made.centerline.points))]),
+        ),
+    ):
+        node = aScene.AddNewNodeByClass("vtkMRMLModelNode", name)
+        node.SetAndObservePolyData(data)
+        selector = "vesselSelector" if name == "Tube" else "centerlineSelector"
+        getattr(aPanel.ui, selector).setCurrentNode(node)
+    assert found(host, aPanel) == ()
+    assert aPanel.ui.lesionLabel.text == "No lesion of 15 % or more was found."
+    assert not aPanel.ui.lesionTable.visible

@@ -1,0 +1,169 @@
+"""Lesions as a report, a table and the command line tell them."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from ..measure import SMALLEST_DEGREE, HealthyPlace, Lesion
+from ..treatment import TreatedLesion
+from ..units import MILLIMETERS
+from .words import degree_text
+
+NO_LESION = f"No lesion of {100 * SMALLEST_DEGREE:.0f} % or more was found."
+COVERS_NONE = f"This stent covers no lesion of {100 * SMALLEST_DEGREE:.0f} % or more."
+NOT_LOOKED_FOR = "Lesions were not looked for: that takes a centerline of the vessel."
+
+COLUMNS = (
+    "lesion",
+    "branch",
+    "along_branch_mm",
+    "x",
+    "y",
+    "z",
+    "units",
+    "length_mm",
+    "minimum_diameter_mm",
+    "reference_diameter_mm",
+    "percent_diameter",
+    "minimum_area_mm2",
+    "reference_area_mm2",
+    "percent_area",
+    "proximal_diameter_mm",
+    "distal_diameter_mm",
+    "reference",
+)
+"""Of the table of lesions; x, y, z are in the unit and frame of the surface's file."""
+
+
+def lesion_section(number: int, lesion: Lesion, units: str = "mm") -> dict[str, Any]:
+    """One lesion as a report has it; branches count from 1, coordinates are in mm and as filed."""
+    return {
+        "number": number,
+        "branch": lesion.branch + 1,
+        "along_branch_mm": lesion.branch_arc_length,
+        "place_mm": list(lesion.point),
+        "place": list(_filed(lesion.point, units)),
+        "units": units,
+        "extent": {
+            "start_mm": lesion.start,
+            "end_mm": lesion.end,
+            "length_mm": lesion.length,
+        },
+        "path_mm": lesion.line.tolist(),
+        **_degrees(lesion),
+        "reference": {
+            "words": lesion.reference,
+            "diameter_mm": lesion.reference_diameter,
+            "area_mm2": _known(lesion.reference_area),
+            "proximal": _healthy_section(lesion.proximal),
+            "distal": _healthy_section(lesion.distal),
+        },
+    }
+
+
+def treated_lesion_section(treated: TreatedLesion, units: str = "mm") -> dict[str, Any]:
+    """The same with what is left of it after treatment, and the stents that cover it."""
+    return {
+        **lesion_section(treated.number, treated.before, units),
+        "after": _degrees(treated.after),
+        "stents": list(treated.stents),
+    }
+
+
+def lesion_sentences(number: int, lesion: Lesion, units: str = "mm") -> tuple[str, str]:
+    """A lesion in two sentences: what it is, and what it is measured against."""
+    place = ", ".join(f"{value:.4g}" for value in _filed(lesion.point, units))
+    return (
+        f"Lesion {number}: {degree_text(lesion.percent_diameter)} by diameter, "
+        f"{degree_text(lesion.percent_area)} by area; branch {lesion.branch + 1}, "
+        f"{lesion.branch_arc_length:.1f} mm along it, at ({place}) {units}; "
+        f"{lesion.length:.1f} mm long; minimum {lesion.minimum_diameter:.2f} mm against "
+        f"{lesion.reference_diameter:.2f} mm.",
+        f"Reference: {lesion.reference}.",
+    )
+
+
+def stent_lesion_sentences(lesions: Sequence[TreatedLesion] | None, stent: int) -> list[str]:
+    """What a stent did to the lesions that it covers, or that it covers none."""
+    if lesions is None:
+        return [NOT_LOOKED_FOR]
+    covered = [one for one in lesions if stent in one.stents]
+    if not covered:
+        return [COVERS_NONE]
+    return [
+        f"Lesion {one.number}: {degree_text(one.before.percent_diameter)} by diameter before, "
+        f"{degree_text(one.after.percent_diameter)} after; by area "
+        f"{degree_text(one.before.percent_area)} before, "
+        f"{degree_text(one.after.percent_area)} after; against {one.before.reference}."
+        for one in covered
+    ]
+
+
+def lesions_csv(lesions: Sequence[Lesion], units: str = "mm") -> str:
+    """The lesions as a table with one row each; an empty cell where a number is not known."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    for number, lesion in enumerate(lesions, start=1):
+        writer.writerow([_cell(value) for value in _row(number, lesion, units)])
+    return text.getvalue()
+
+
+def _row(number: int, lesion: Lesion, units: str) -> list[Any]:
+    sides = [side.diameter if side else math.nan for side in (lesion.proximal, lesion.distal)]
+    return [
+        number,
+        lesion.branch + 1,
+        lesion.branch_arc_length,
+        *_filed(lesion.point, units),
+        units,
+        lesion.length,
+        lesion.minimum_diameter,
+        lesion.reference_diameter,
+        lesion.percent_diameter,
+        lesion.minimum_area,
+        lesion.reference_area,
+        lesion.percent_area,
+        *sides,
+        lesion.reference,
+    ]
+
+
+def _cell(value: Any) -> Any:
+    if not isinstance(value, float):
+        return value
+    return f"{value:.6g}" if math.isfinite(value) else ""
+
+
+def _degrees(lesion: Lesion) -> Mapping[str, Any]:
+    return {
+        "minimum": {
+            "diameter_mm": lesion.minimum_diameter,
+            "area_mm2": _known(lesion.minimum_area),
+        },
+        "percent_diameter": lesion.percent_diameter,
+        "percent_area": _known(lesion.percent_area),
+    }
+
+
+def _healthy_section(place: HealthyPlace | None) -> dict[str, Any] | None:
+    if place is None:
+        return None
+    return {
+        "place_mm": list(place.point),
+        "arc_length_mm": place.arc_length,
+        "diameter_mm": place.diameter,
+        "area_mm2": _known(place.area),
+    }
+
+
+def _known(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def _filed(point: Sequence[float], units: str) -> tuple[float, ...]:
+    return tuple(value / MILLIMETERS[units] for value in point)

@@ -1,0 +1,277 @@
+"""Lesions on the command line: as `measure` lists them, and as `deploy` treats them."""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from deployment_cases import ANATOMIES, anatomy
+
+from SDFStentLib.cli.shell import main
+from SDFStentLib.files import polydata
+from SDFStentLib.files.formats import vtk_files as vtk_formats
+from SDFStentLib.files.surface_files import read_surface
+from SDFStentLib.geometry.polyline import resampled_to
+from SDFStentLib.measure.inscribed import inscribed_spheres
+from SDFStentLib.measure.lesions import find_lesions, lesions_within
+from SDFStentLib.phantoms.phantoms import branching_pulmonary_artery, stenosed_tube, straight_tube
+from SDFStentLib.stent.placement import AtDistalEnd
+from SDFStentLib.stent.stent import Stent, stent_axis
+from SDFStentLib.treatment.lesions import placement_at
+
+LENGTHS = (8.0, 12.0, 20.0, 30.0, 40.0)
+
+
+def written(folder, name, vessel):
+    """A vessel and its centerline in files, cm; the options that name them."""
+    surface = polydata.polydata_from_arrays(vessel.points / 10, vessel.triangles)
+    tree = vessel.centerline
+    line = polydata.polydata_from_lines(
+        tree.points / 10, [tree.ancestry(int(leaf)) for leaf in tree.leaves]
+    )
+    polydata.add_arrays(line, {"MaximumInscribedSphereRadius": tree.inscribed_radius / 10}, {})
+    for part, data in (("", surface), ("_line", line)):
+        (folder / f"{name}{part}.vtp").write_bytes(vtk_formats.encode_vtp(data))
+    return [str(folder / f"{name}.vtp"), "--centerline", str(folder / f"{name}_line.vtp"),
+            "--units", "cm"]  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("vessels")
+
+
+@pytest.fixture(scope="module")
+def tube(folder):
+    return written(folder, "tube", stenosed_tube(edge_length=0.8, length=60.0))
+
+
+@pytest.fixture(scope="module")
+def healthy(folder):
+    return written(folder, "healthy", straight_tube(edge_length=1.0))
+
+
+@pytest.fixture(scope="module")
+def pulmonary(data_dir):
+    surface, line, units = ANATOMIES["pulmonary"]
+    return [str(data_dir / surface), "--centerline", str(data_dir / line), "--units", units]
+
+
+def said_of(arguments, capsys, code=0):
+    assert main([str(word) for word in arguments]) == code
+    said = capsys.readouterr()
+    return said.out if code == 0 else said.err
+
+
+def document_of(arguments, capsys):
+    return json.loads(said_of([*arguments, "--json"], capsys))
+
+
+# measure
+
+
+def test_measure_says_of_a_lesion_all_that_was_built(tube, capsys):
+    said = said_of(["measure", *tube], capsys)
+    assert re.search(
+        r"^Lesion 1: 40 % by diameter, 64 % by area; branch 1, (29\.\d|30\.\d) mm", said
+    )
+    x, y, z = map(float, re.search(r"at \((.*?)\) cm", said).group(1).split(", "))
+    np.testing.assert_allclose([x, y, z], [0, 0, 3], atol=0.03)
+    widths = re.search(r"minimum (\S+) mm against (\S+) mm", said).groups()
+    # Facets of 0.8 mm lie inside of the circle.
+    np.testing.assert_allclose(np.array(widths, dtype=float), [3.6, 6.0], atol=0.05)
+    assert "Reference: healthy vessel proximal of it (6.0 mm) and distal of it (6.0 mm)" in said
+    assert "inscribed (mm)" not in said
+
+
+def test_a_vessel_without_lesions_says_so(healthy, capsys):
+    assert said_of(["measure", *healthy], capsys) == "No lesion of 15 % or more was found.\n"
+    assert document_of(["measure", *healthy], capsys)["lesions"] == []
+
+
+def test_tables_come_where_they_are_asked_for_and_after_the_lesions(tube, capsys):
+    for more in (["--tables"], ["--center", 0, 0, 3, "--length", 10]):
+        said = said_of(["measure", *tube, *more], capsys)
+        assert 0 <= said.index("Lesion 1") < said.index("inscribed (mm)")
+        assert len(document_of(["measure", *tube, *more], capsys)["lines"]) == 1
+    assert document_of(["measure", *tube], capsys)["lines"] == []
+
+
+def test_without_a_centerline_no_lesions_are_claimed(tube, folder, capsys):
+    axis = folder / "tube_line.vtp"
+    document = document_of(["measure", tube[0], "--axis", axis, "--units", "cm"], capsys)
+    assert document["lesions"] is None
+    for option in (["--csv", folder / "no.csv"], ["--reference", 0, 0, 1]):
+        said = said_of(["measure", tube[0], "--axis", axis, *option], capsys, code=2)
+        assert f"expected --centerline FILE with {option[0]}, got none" in said
+
+
+def test_the_table_of_lesions_has_the_numbers_of_the_document(pulmonary, tmp_path, capsys):
+    path = tmp_path / "lesions.csv"
+    lesions = document_of(["measure", *pulmonary, "--csv", path], capsys)["lesions"]
+    rows = list(csv.DictReader(path.open(encoding="utf-8")))
+    assert len(rows) == len(lesions) == 4
+    for row, lesion in zip(rows, lesions, strict=True):
+        assert int(row["lesion"]) == lesion["number"]
+        assert float(row["percent_diameter"]) == pytest.approx(lesion["percent_diameter"], rel=1e-5)
+        assert float(row["percent_area"]) == pytest.approx(lesion["percent_area"], rel=1e-5)
+        filed = [float(row[axis]) for axis in "xyz"]
+        np.testing.assert_allclose(np.multiply(filed, 10), lesion["place_mm"], rtol=1e-4)
+        assert row["units"] == "cm"
+
+
+def test_the_place_and_the_minimum_are_those_of_spheres_on_the_path(pulmonary, data_dir, capsys):
+    vessel = anatomy(data_dir, "pulmonary")
+    for lesion in document_of(["measure", *pulmonary], capsys)["lesions"]:
+        path = np.array(lesion["path_mm"])
+        spheres = inscribed_spheres(vessel.points, vessel.triangles, path)
+        at = spheres.radii.argmin()
+        assert lesion["minimum"]["diameter_mm"] == pytest.approx(2 * spheres.radii[at], abs=0.15)
+        np.testing.assert_allclose(np.multiply(lesion["place"], 10), lesion["place_mm"])
+        branch = vessel.centerline.branches[lesion["branch"] - 1]
+        away = np.linalg.norm(vessel.centerline.points[branch] - lesion["place_mm"], axis=1)
+        along = vessel.centerline.arc_length[branch] - vessel.centerline.arc_length[branch[0]]
+        assert along[away.argmin()] == pytest.approx(lesion["along_branch_mm"], abs=1.5)
+
+
+def test_the_csv_is_never_written_over_an_input(tube, capsys):
+    said = said_of(["measure", *tube, "--csv", tube[0]], capsys, code=2)
+    assert "expected another file than the input" in said
+
+
+def test_the_marked_reference_stands_for_the_lesion_beside_it_only(pulmonary, capsys):
+    before = document_of(["measure", *pulmonary], capsys)["lesions"]
+    wide = before[0]["reference"]["proximal"]
+    marked = [f"{value / 10:.5f}" for value in wide["place_mm"]]
+    after = document_of(["measure", *pulmonary, "--reference", *marked], capsys)["lesions"]
+    assert "marked" in after[0]["reference"]["words"]
+    expected = 100 * (1 - before[0]["minimum"]["diameter_mm"] / wide["diameter_mm"])
+    assert after[0]["percent_diameter"] == pytest.approx(expected, abs=1)
+    assert after[1:] == before[1:]
+
+
+# deploy
+
+
+def deployed(arguments, tmp_path, capsys, code=0):
+    report = tmp_path / "report.json"
+    said = said_of(
+        ["deploy", *arguments, "-o", tmp_path / "out.vtp", "--report", report], capsys, code
+    )
+    return said, json.loads(report.read_text(encoding="utf-8")) if code == 0 else None
+
+
+@pytest.mark.parametrize("number", ["0", "2", "-1"])
+def test_a_lesion_that_is_not_there_ends_in_how_many_there_are(tube, tmp_path, capsys, number):
+    place = ["--at-lesion", number, "--length", 10, "--diameter", 6]
+    said, _ = deployed([*tube, *place], tmp_path, capsys, code=2)
+    assert f"--at-lesion: expected a lesion from 1 to 1, got {number}" in said
+    assert len(said.splitlines()) == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_vessel_without_lesions_has_none_to_place_a_stent_at(healthy, tmp_path, capsys):
+    place = ["--at-lesion", 1, "--length", 10, "--diameter", 8]
+    said, _ = deployed([*healthy, *place], tmp_path, capsys, code=2)
+    assert "--at-lesion: expected a vessel with lesions, got 1 in one that has none" in said
+
+
+def test_what_belongs_to_a_lesion_is_asked_for(tube, tmp_path, capsys):
+    for more, words in (
+        ([*tube, "--at-lesion", 1], "expected --length L (mm) with --at-lesion"),
+        ([tube[0], "--at-lesion", 1, "--length", 9], "expected --centerline FILE with --at-lesion"),
+        ([*tube, "--at-lesion", "1.5", "--length", 9], "expected a whole number, got '1.5'"),
+        (
+            [*tube, "--at-lesion", 1, "--center", 0, 0, 1, "--length", 9],
+            "expected one place, got --center and --at-lesion",
+        ),
+    ):
+        said, _ = deployed([*more, "--diameter", 6], tmp_path, capsys, code=2)
+        assert words in said
+
+
+def test_a_stent_at_a_lesion_has_the_middle_of_its_extent(tube, tmp_path, capsys):
+    place = ["--at-lesion", 1, "--length", 20, "--diameter", 6]
+    said, report = deployed([*tube, *place], tmp_path, capsys)
+    ends = [report["stents"][0]["axis"][key] for key in ("start_mm", "end_mm")]
+    np.testing.assert_allclose(np.mean(ends, axis=0), [0, 0, 30], atol=0.3)
+    assert np.ptp(ends, axis=0)[2] == pytest.approx(18, abs=0.1)
+    assert "Lesion 1: 40 % by diameter before" in said
+    assert report["lesions"][0]["after"]["percent_diameter"] == pytest.approx(0, abs=1.5)
+
+
+@cache
+def branching_vessels(data_dir):
+    """An artery and a phantom with the lesions of each."""
+    vessels = anatomy(data_dir, "pulmonary"), branching_pulmonary_artery(edge_length=0.8)
+    return [(one, find_lesions(one.points, one.triangles, one.centerline)) for one in vessels]
+
+
+@pytest.mark.parametrize("length", LENGTHS)
+def test_a_placement_covers_its_lesion_whatever_the_length_and_the_branch(data_dir, length):
+    """Lesions of the artery lie in both branches, in the one that is not the widest, too."""
+    for vessel, lesions in branching_vessels(data_dir):
+        assert lesions
+        for lesion in lesions:
+            placement = placement_at(lesion, vessel.centerline, length)
+            stent = Stent(8.0, placement=placement, length=length)
+            axis = stent_axis(stent, vessel.centerline)
+            assert lesion in lesions_within(lesions, axis.points)
+            is_shortened = axis.deployed_length < axis.prescribed_length - 1e-6
+            if isinstance(placement, AtDistalEnd) or is_shortened or length < 2 * lesion.length:
+                continue
+            middle = resampled_to(axis.points, 101)[50]
+            assert np.linalg.norm(middle - resampled_to(lesion.line, 101)[50]) < 1.0
+
+
+# the same number whatever stent is tried
+
+
+def test_one_lesion_reads_the_same_for_stents_of_8_to_40_mm(pulmonary, tmp_path, capsys):
+    """Against the mean of the stents' two ends it read 9, 17, 28, 40, 47 %."""
+    surface = read_surface(pulmonary[0], units="cm")
+    told = []
+    for length in LENGTHS:
+        place = ["--at-lesion", 1, "--length", length, "--diameter", 8]
+        _, report = deployed([*pulmonary, *place], tmp_path, capsys)
+        (number,) = report["stents"][0]["lesions"]
+        lesion = report["lesions"][number - 1]
+        told.append(lesion["percent_diameter"])
+        treated = read_surface(tmp_path / "out.vtp", units="cm")
+        path = np.array(lesion["path_mm"])
+        for side, values in ((surface, lesion), (treated, lesion["after"])):
+            radii = inscribed_spheres(side.points, side.triangles, path).radii
+            assert values["minimum"]["diameter_mm"] <= 2 * radii.min() + 0.02
+        assert lesion["stents"] == [1]
+        assert lesion["after"]["percent_diameter"] < 45
+    assert np.ptp(told) < 1e-9
+    # By hand: 4.95 mm against the healthy lumen on both sides, 9.8 and 10.6 mm.
+    assert told[0] == pytest.approx(100 * (1 - 4.95 / 10.2), abs=2)
+
+
+def test_a_stent_that_covers_no_lesion_says_so_and_gives_no_percentage(tube, tmp_path, capsys):
+    place = ["--center", 0, 0, 0.8, "--length", 8, "--diameter", 6.5]
+    said, report = deployed([*tube, *place, "--report", tmp_path / "r.html"], tmp_path, capsys)
+    assert "This stent covers no lesion of 15 % or more." in said
+    assert report["stents"][0]["lesions"] == []
+    assert report["lesions"][0]["stents"] == []
+    assert "covers no lesion of 15 % or more" in (tmp_path / "r.html").read_text(encoding="utf-8")
+    assert "stenosis" not in json.dumps(report["stents"])
+
+
+def test_without_a_centerline_the_report_says_that_lesions_were_not_looked_for(
+    tube, folder, tmp_path, capsys
+):
+    place = [tube[0], "--units", "cm", "--axis", folder / "tube_line.vtp", "--length", 20]
+    said, report = deployed(
+        [*place, "--diameter", 6, "--report", tmp_path / "r.html"], tmp_path, capsys
+    )
+    assert "Lesions were not looked for" in said
+    assert report["lesions"] is None
+    assert report["stents"][0]["lesions"] is None
+    assert "Lesions were not looked for" in Path(tmp_path / "r.html").read_text(encoding="utf-8")
