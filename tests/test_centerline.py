@@ -96,6 +96,32 @@ def test_lines_that_run_to_the_inlet_instead_of_from_it_have_the_same_root():
     assert_is_the_fork(tree)
 
 
+@pytest.mark.parametrize("backward", [False, True])
+@pytest.mark.parametrize("as_cells", [False, True])
+def test_one_line_begins_at_its_wider_end_however_it_is_stored(backward, as_cells):
+    """Stored backward, `--distal` was another place without a word."""
+    points = a_line(INLET, WIDE_OUTLET, 1.0)
+    radius = np.linspace(5, 3, len(points))
+    if backward:
+        points, radius = points[::-1], radius[::-1]
+    whole = np.arange(len(points))
+    lines = list(np.column_stack([whole[:-1], whole[1:]])) if as_cells else [whole]
+    tree = Centerline.from_lines(points, lines, radius)
+    np.testing.assert_array_equal(tree.points[tree.roots[0]], INLET)
+    alike = Centerline.from_lines(points, lines, np.full(len(points), 4.0))
+    np.testing.assert_array_equal(alike.points[alike.roots[0]], points[0])
+
+
+def test_a_place_within_a_junction_s_sphere_says_which_branch_is_followed():
+    tree = a_fork()
+    toward = (LONG_OUTLET - FORK) / np.linalg.norm(LONG_OUTLET - FORK)
+    for distance, rules in ((2.0, ["nearest"]), (8.0, [])):
+        place = FORK + distance * toward
+        for path in (tree.path_around(place, 12.0), tree.path_from_proximal(place, 12.0)):
+            assert [choice.rule for choice in path.choices] == rules
+        assert tree.path_from_distal(place, 12.0).choices == ()
+
+
 def test_a_trunk_sampled_differently_by_each_line_is_one_trunk():
     points, lines = stacked([fork_lines(1.0)[0], fork_lines(0.77)[1]])
     assert_is_the_fork(Centerline.from_lines(points, lines, fork_radius(points)))
@@ -384,14 +410,14 @@ def test_a_path_around_a_point_has_half_on_either_side_and_follows_the_wide_daug
     np.testing.assert_allclose(path.points[0], [0, 0, -15], atol=ROUNDING)
     assert path.length == pytest.approx(30, abs=ROUNDING)
     assert path.points[-1][0] > 0
-    assert [choice.by_radius for choice in path.choices] == [True]
+    assert [choice.rule for choice in path.choices] == ["widest"]
 
 
 def test_without_radius_the_longest_daughter_is_followed():
     tree = a_fork().with_inscribed_radius(np.full(len(a_fork().points), np.nan))
     path = tree.path_around([0, 1, -30], 30)
     assert path.points[-1][0] < 0
-    assert [choice.by_radius for choice in path.choices] == [False]
+    assert [choice.rule for choice in path.choices] == ["longest"]
 
 
 def test_a_point_on_a_daughter_keeps_to_it_and_chooses_nothing():

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from .centerline import Centerline, CenterlinePath, JunctionChoice, Location
+from .centerline import Centerline, CenterlinePath, Location
+from .junctions import JunctionChoice
 from .point_tree import as_parents
 
 __all__ = [

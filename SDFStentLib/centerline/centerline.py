@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,6 +21,7 @@ from ..validation import (
     read_only,
 )
 from .from_lines import tree_from_lines
+from .junctions import JunctionChoice, Rule, chosen_by_place
 from .point_tree import (
     PointTree,
     ancestry_of,
@@ -53,13 +53,6 @@ class Location:
     fraction: float
     arc_length: float
     inscribed_radius: float
-
-
-class JunctionChoice(NamedTuple):
-    """A junction where a path downstream had to choose; `by_radius` False: the longest branch."""
-
-    point: Floats
-    by_radius: bool
 
 
 @dataclass(frozen=True)
@@ -133,9 +126,10 @@ class Centerline:
         loop is opened where it is farthest from the root; what then ends blind inside the sphere
         of its junction is dropped.
 
-        The root is the end nearest to `inlet` if given. Else for two-point cells the point
-        stored first if it is an end, or the widest end; for polylines the end of the tree at
-        which most lines start or end, then rather one where they start, then the widest.
+        The root is the end nearest to `inlet` if given. Else for polylines the end of the tree
+        at which most lines start or end; then the end that is wider than every other one by a
+        tenth. Only where neither tells, the order in the file does: for two-point cells the
+        point stored first if it is an end, for polylines an end where they start.
 
         Parameters
         ----------
@@ -300,13 +294,20 @@ class Centerline:
         """From `up` mm above the place to `down` mm below it."""
         first, last = place.arc_length - up, place.arc_length + down
         node = place.index if place.fraction > 0 else int(self.parent[place.index])
-        choices = []
+        above = self.ancestry(int(self.parent[place.index]))
+        choices = chosen_by_place(
+            self.points[above],
+            self.inscribed_radius[above],
+            place.arc_length - self.arc_length[above],
+            self._child_counts[above] if down > 0 else np.zeros(len(above), dtype=np.int64),
+        )
         # Ends: down a tree, whose parents are checked for circles.
         while self.arc_length[node] < last - SAME_PLACE and self._child_counts[node]:
             below = self.children(node)
             if len(below) > 1:
                 below, by_radius = self._preferred(node, below)
-                choices.append(JunctionChoice(read_only(self.points[node]), by_radius))
+                rule: Rule = "widest" if by_radius else "longest"
+                choices.append(JunctionChoice(read_only(self.points[node]), rule))
             node = int(below[0])
         nodes = self.ancestry(node if self.parent[node] >= 0 else place.index)
         at = self.arc_length[nodes]

@@ -23,6 +23,10 @@ GAP_FRACTION = 1.0
 GAP_EXTENT = 1e-2
 """The same as a fraction of the bounding box's diagonal where no radius is known."""
 
+WIDER = 1.1
+"""Times as wide as every other end from which the widest end is the root, whatever the order in
+which a file stores its lines; less may be the way in which ends are measured."""
+
 
 def tree_from_lines(
     points: ArrayLike,
@@ -130,15 +134,18 @@ def _root(
         wanted = line_ends[0, 0] if inlet is None else as_point(inlet, "inlet")
         distances = np.linalg.norm(graph.points[candidates] - wanted, axis=1)
         return int(candidates[distances.argmin()])
-    if two_point_cells and leaves[0] == 0:
+    radius = np.nan_to_num(graph.radius[leaves], nan=0.0)
+    second = np.sort(radius)[-2] if len(radius) > 1 and radius.min() > 0 else np.inf
+    is_widest = radius > WIDER * second
+    if two_point_cells and leaves[0] == 0 and not is_widest.any():
         return 0
     starts = ends = np.zeros(len(leaves), dtype=np.int64)
     if not two_point_cells:
         starts = _lines_at(graph, leaves, line_ends[:, 0])
         ends = _lines_at(graph, leaves, line_ends[:, 1])
-    radius = np.nan_to_num(graph.radius[leaves], nan=0.0)
-    # Most common end of lines, then rather their start, then the widest, then the first.
-    order = np.lexsort((leaves, -radius, -starts, -np.maximum(starts, ends)))
+    # Most common end of lines, then one that is clearly the widest: both are the same for lines
+    # that are stored backward. Then rather the start of lines, then the widest, then the first.
+    order = np.lexsort((leaves, -radius, -starts, ~is_widest, -np.maximum(starts, ends)))
     return int(leaves[order[0]])
 
 

@@ -36,7 +36,7 @@ from ..treatment import TreatedStent
 from ..validation import DeploymentError, InputError
 from .console import Console
 from .outputs import Outputs
-from .place import check_place, lesion_place, place_of
+from .place import check_place, lesion_place, place_of, root_of
 from .steps import StepFiles
 
 NOT_CERTIFIED = 3
@@ -64,7 +64,7 @@ def deploy_command(options: argparse.Namespace, console: Console) -> int:
     job.add_common()
 
     settings = _settings(options)
-    inputs = read_input_files(options.surface, options.centerline, options.units)
+    inputs = read_input_files(options.surface, options.centerline, options.units, root_of(options))
     job.plan = _plan(options, way, settings, inputs)
     return job.done(inputs, start)
 
@@ -223,6 +223,7 @@ def _plan(
         length=options.length,
         foreshortening_fraction=options.foreshortening,
     )
+    root = root_of(options)
     return Plan(
         stents=(stent,),
         surface=input_file(inputs.surface),
@@ -231,6 +232,7 @@ def _plan(
         frame=inputs.surface.frame,
         settings=settings,
         straightening_fraction=options.straighten,
+        root=None if root is None else tuple(root.tolist()),
     )
 
 

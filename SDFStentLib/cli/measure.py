@@ -23,7 +23,7 @@ from ..units import millimeters_per
 from ..validation import InputError, Points, as_number, printable
 from .console import Console
 from .outputs import Outputs
-from .place import check_place, place_of, points_mm
+from .place import check_place, place_of, points_mm, root_of
 
 NOT_SOUND = 3
 
@@ -54,7 +54,7 @@ def measure_command(options: argparse.Namespace, console: Console) -> int:
     if options.csv is not None:
         outputs.add(options.csv, lambda path: _write_text(path, table))
     spacing = as_number(options.spacing, "--spacing", unit="mm", above=0)
-    inputs = read_input_files(options.surface, options.centerline, options.units)
+    inputs = read_input_files(options.surface, options.centerline, options.units, root_of(options))
     ways, warnings = _ways(options, way, inputs)
     surface = inputs.surface
     lesions = _lesions(options, inputs)
@@ -70,7 +70,10 @@ def measure_command(options: argparse.Namespace, console: Console) -> int:
         print(json.dumps(document, indent=2, allow_nan=False))
         return 0
     console.warn(warnings)
-    if lesions is not None:
+    if lesions is not None and inputs.centerline is not None:
+        root = inputs.centerline.points[inputs.centerline.roots[0]]
+        filed = _point(root / millimeters_per(surface.units))
+        print(f"Proximal is the end at {filed} {surface.units}; --root X Y Z names another one.")
         _print_lesions(lesions, surface.units)
     for line in lines:
         _print_table(line, millimeters_per(surface.units), surface.units)
@@ -190,6 +193,9 @@ def _document(
         "schema": "sdfstent-diameters",
         "version": 1,
         **_surface_document(inputs.surface),
+        "root_mm": None
+        if inputs.centerline is None
+        else inputs.centerline.points[inputs.centerline.roots[0]].tolist(),
         "lesions": None
         if lesions is None
         else [lesion_section(n, one, units) for n, one in enumerate(lesions, start=1)],

@@ -155,6 +155,13 @@ def _add_place(command: argparse.ArgumentParser) -> argparse._ArgumentGroup:
     place.add_argument("--axis", type=_path, metavar="FILE", help="the curve is the stent axis")
     place.add_argument("--centerline", type=_path, metavar="FILE", help="of the vessel, any form")
     place.add_argument(
+        "--root",
+        type=_number,
+        nargs=3,
+        metavar=("X", "Y", "Z"),
+        help="the end of the centerline near this point is proximal (default: the tree tells)",
+    )
+    place.add_argument(
         "--length", type=_number, metavar="L", help="mm; with --axis about its middle"
     )
     for name, what in (

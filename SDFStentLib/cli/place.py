@@ -37,6 +37,8 @@ def check_place(options: argparse.Namespace, *, needed: bool) -> str | None:
     InputError
         None although one is needed, several, or one without what belongs to it.
     """
+    if options.root is not None and options.centerline is None:
+        raise InputError("expected --centerline FILE with --root, got none; give one.")
     given = [name for name in POINT_PLACEMENTS if getattr(options, name) is not None]
     if (options.from_point is None) != (options.to is None):
         raise InputError("expected both --from and --to, got one of them; give the other end.")
@@ -113,6 +115,11 @@ def lesion_place(options: argparse.Namespace, inputs: InputFiles) -> Place:
         ),
         (),
     )
+
+
+def root_of(options: argparse.Namespace) -> NDArray[np.float64] | None:
+    """The point near the root of the centerline, mm, where one was given."""
+    return None if options.root is None else _mm(options.root, options.units)
 
 
 def points_mm(points: Sequence[Sequence[float]], units: str) -> list[NDArray[np.float64]]:

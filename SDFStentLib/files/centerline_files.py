@@ -82,10 +82,14 @@ class LineFile:
             return self.frame
         return "RAS" if self.frame == "LPS" else "LPS"
 
-    def centerline(self) -> Centerline:
-        """The tree of these lines; `InputError` naming the file where there is none."""
+    def centerline(self, root: Points | None = None) -> Centerline:
+        """The tree of these lines; `InputError` naming the file where there is none.
+
+        Its root is the end nearest to `root`, (3,) mm; without it by the rules of
+        `Centerline.from_lines`.
+        """
         try:
-            return Centerline.from_lines(self.points, self.lines, self.inscribed_radius)
+            return Centerline.from_lines(self.points, self.lines, self.inscribed_radius, inlet=root)
         except InputError as error:
             raise InputError(f"{self.path}: {error}") from error
 

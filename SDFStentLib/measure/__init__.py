@@ -12,6 +12,7 @@ from .local_surface import LocalSurface
 from .metrics import DiameterProfile, diameter_profile
 from .narrowings import SMALLEST_DEGREE
 from .stretch import displacements, face_stretches
+from .tree_lumen import closed_surface
 
 __all__ = [
     "SMALLEST_DEGREE",
@@ -24,6 +25,7 @@ __all__ = [
     "branch_ostia",
     "bulged_caps",
     "caps_across",
+    "closed_surface",
     "diameter_profile",
     "displacements",
     "equivalent_diameters",

@@ -94,10 +94,15 @@ def plan_document(plan: Plan, folder: str | None = None) -> dict[str, Any]:
             "frame": plan.frame,
             "surface": _file_document(plan.surface, folder),
             "centerline": _file_document(plan.centerline, folder),
+            "root": None if plan.root is None else _filed(plan.root, plan.units),
         },
         "stents": [_stent_document(stent, plan.units, folder) for stent in plan.stents],
         "settings": {**method, "straightening_fraction": plan.straightening_fraction},
     }
+
+
+def _filed(point: Any, units: str) -> list[Any]:
+    return [unscaled(value, MILLIMETERS[units]) for value in point]
 
 
 def _stent_document(stent: Stent, units: str, folder: str | None) -> dict[str, Any]:
@@ -119,7 +124,7 @@ def placement_document(
     """A placement as in a plan's document, its points in a unit as `Decimal`."""
 
     def point(coordinates: Any) -> list[Any]:
-        return [unscaled(value, MILLIMETERS[units]) for value in coordinates]
+        return _filed(coordinates, units)
 
     if isinstance(placement, AlongAxis):
         by_file = _file_document(placement.file, folder)

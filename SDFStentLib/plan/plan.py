@@ -35,6 +35,8 @@ class Plan(ByValue):
     settings : DeploymentSettings
     straightening_fraction : float
         Share of the way to its chord by which every stent straightens its axis, 0 to 1.
+    root : tuple of three floats, optional
+        A point near the end of the centerline that is its root, mm, in the frame of the surface.
     sdfstent_version : str
         Of the program that made the plan.
     """
@@ -47,6 +49,7 @@ class Plan(ByValue):
     settings: DeploymentSettings = field(default_factory=DeploymentSettings)
     straightening_fraction: float = 0.0
     sdfstent_version: str = VERSION
+    root: tuple[float, float, float] | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "stents", tuple(self.stents))

@@ -88,7 +88,10 @@ def plan_from_document(
         ("sdfstent_version", "inputs", "settings"),
     )
     inputs = section(
-        document.get("inputs", {}), "inputs", (), ("units", "frame", "surface", "centerline")
+        document.get("inputs", {}),
+        "inputs",
+        (),
+        ("units", "frame", "surface", "centerline", "root"),
     )
     units, frame = inputs.get("units", "mm"), inputs.get("frame")
     if not isinstance(units, str) or units not in MILLIMETERS:
@@ -111,6 +114,7 @@ def plan_from_document(
         frame=frame,
         settings=settings,
         straightening_fraction=straightening,
+        root=reader.root(inputs.get("root")),
         **made_by,
     )
 
@@ -123,6 +127,12 @@ class _StentReader:
     ) -> None:
         self.units, self.frame, self.folder = units, frame, folder
         self.axis_reader = axis_reader
+
+    def root(self, value: Any) -> tuple[float, float, float] | None:
+        if value is None:
+            return None
+        x, y, z = self._point(value, "inputs.root").tolist()
+        return x, y, z
 
     def stent(self, value: Any, where: str) -> Stent:
         stent = section(

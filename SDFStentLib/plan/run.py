@@ -31,8 +31,8 @@ from ..treatment import (
     TreatmentState,
     treated_lesions,
 )
-from ..units import millimeters_per
-from ..validation import InputError, check_is_a
+from ..units import Frame, flipped, millimeters_per
+from ..validation import InputError, Points, check_is_a
 from ..version import VERSION
 from .axis import changed_input
 from .plan import Plan, turned
@@ -157,8 +157,13 @@ def read_input_files(
     surface: str | os.PathLike[str],
     centerline: str | os.PathLike[str] | None = None,
     units: str = "mm",
+    root: Points | None = None,
+    root_frame: Frame | None = None,
 ) -> InputFiles:
     """Read a surface and its centerline, and check that they are in the same space.
+
+    The root of the centerline is its end nearest to `root`, (3,) mm in the frame `root_frame`,
+    where that is given; the surface's where no frame is.
 
     Raises
     ------
@@ -171,7 +176,9 @@ def read_input_files(
     warnings = surface_file.warnings
     if centerline is not None:
         line_file = in_frame_of(read_lines(centerline, units), surface_file.frame)
-        tree = line_file.centerline()
+        if root is not None and root_frame is not None:
+            root = flipped(root) if surface_file.frame not in (None, root_frame) else root
+        tree = line_file.centerline(root)
         warnings += line_file.warnings
         warnings += _same_space(surface_file, tree.points, os.fspath(centerline))
     return InputFiles(surface_file, line_file, tree, warnings, perf_counter() - start)
@@ -191,7 +198,11 @@ def read_plan_inputs(plan: Plan, *, accept_changed_inputs: bool = False) -> Inpu
         )
     center = plan.centerline
     inputs = read_input_files(
-        plan.surface.path, None if center is None else center.path, plan.units
+        plan.surface.path,
+        None if center is None else center.path,
+        plan.units,
+        None if plan.root is None else np.array(plan.root),
+        plan.frame,
     )
     pairs = [(plan.surface, inputs.surface.sha256)]
     if center is not None and inputs.line_file is not None:

@@ -24,6 +24,7 @@ _INPUT_WORDS = {
     "lines": "Lines",
     "units": "Unit of the file",
     "frame": "Frame",
+    "root_mm": "Root, its proximal end (x, y, z)",
 }
 
 _TOLD_ELSEWHERE = ("number", "name", "diameters", "lesions")

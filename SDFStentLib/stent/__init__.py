@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from .beside import placement_points
 from .placement import (
     AlongAxis,
     AtCenter,
@@ -36,6 +37,7 @@ __all__ = [
     "Placement",
     "Stent",
     "StentAxis",
+    "placement_points",
     "stent_axis",
     "straightened",
 ]

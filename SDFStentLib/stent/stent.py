@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from ..centerline import Centerline, CenterlinePath, JunctionChoice, Location
 from ..geometry import arc_lengths, cut, length, minimum_bend_radius
 from ..validation import Floats, InputError, Points, as_number, as_points, check_is_a, read_only
+from .beside import beside_sentences
 from .placement import (
     PLACEMENT_NAMES,
     AlongAxis,
@@ -200,6 +201,8 @@ def stent_axis(
     _require_length(found)
     axis = StentAxis(found.points, found.inscribed_radius, nominal, prescribed)
     warnings = [_shortened(axis), *(_choice(choice) for choice in found.choices)]
+    if centerline is not None:
+        warnings += beside_sentences(stent.placement, centerline)
     if straightening_fraction:
         points = straightened(axis.points, straightening_fraction)
         axis = StentAxis(points, found.inscribed_radius, nominal, prescribed)
@@ -313,10 +316,9 @@ def _shortened(axis: StentAxis) -> str:
 
 def _choice(choice: JunctionChoice) -> str:
     x, y, z = choice.point
-    rule = "widest" if choice.by_radius else "longest"
     return (
-        f"At the junction near ({x:.4g}, {y:.4g}, {z:.4g}) the stent follows the {rule} branch; "
-        "place it between two points to choose another one."
+        f"At the junction near ({x:.4g}, {y:.4g}, {z:.4g}) the stent follows the {choice.rule} "
+        "branch; place it between two points to choose another one."
     )
 
 

@@ -15,6 +15,7 @@ from ..geometry import resampled
 from ..measure import LocalSurface
 from ..stent import Stent, StentAxis, stent_axis, straightened
 from ..validation import Points, Triangles
+from .in_lumen import check_in_lumen
 
 Floats = NDArray[np.float64]
 
@@ -43,6 +44,8 @@ def axis_in_vessel(
     Parameters and errors as for `stent_axis`; a warning tells where less than asked for was used.
     """
     native = stent_axis(stent, centerline)
+    if centerline is not None:
+        check_in_lumen(stent.placement, centerline, points, triangles)
     if not straightening_fraction:
         return native
     used, place = permitted(native.points, stent.radius, points, triangles, straightening_fraction)

@@ -1,0 +1,43 @@
+"""Points of a placement that lie beside the centerline, on which the stent is put."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..centerline import Centerline
+from ..validation import Floats
+from .placement import AlongAxis, AtCenter, AtDistalEnd, BetweenPoints, Placement
+
+FAR = 0.5
+"""From this many local inscribed radii on the distance to the centerline is told."""
+
+FAR_UNKNOWN = 2.0
+"""The same where the radius is unknown, mm."""
+
+
+def placement_points(placement: Placement) -> list[tuple[str, Floats]]:
+    """The points of a placement with their names; none along a curve."""
+    if isinstance(placement, BetweenPoints):
+        return [("stent start", placement.start), ("stent end", placement.end)]
+    if isinstance(placement, AlongAxis):
+        return []
+    if isinstance(placement, AtCenter):
+        return [("center", placement.point)]
+    name = "distal end" if isinstance(placement, AtDistalEnd) else "proximal end"
+    return [(name, placement.point)]
+
+
+def beside_sentences(placement: Placement, centerline: Centerline) -> list[str]:
+    """A sentence for every point that is noticeably away from where the stent is put."""
+    sentences = []
+    for name, point in placement_points(placement):
+        place = centerline.project(point)
+        radius = place.inscribed_radius
+        if place.distance <= (FAR * radius if np.isfinite(radius) else FAR_UNKNOWN):
+            continue
+        x, y, z = place.point
+        sentences.append(
+            f"The {name} lies {place.distance:.1f} mm beside the centerline; the place on it that "
+            f"is nearest, ({x:.4g}, {y:.4g}, {z:.4g}) mm, was taken."
+        )
+    return sentences
