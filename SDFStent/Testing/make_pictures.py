@@ -146,6 +146,7 @@ def main(folder):
     everything = vtk_to_numpy(vessel.GetPolyData().GetPoints().GetData())
     ui.vesselSelector.setCurrentNode(vessel)
     ui.centerlineSelector.setCurrentNode(centerline)
+    host.processUntil(lambda: not panel.lesions.isBusy, 60.0)
     studio.look(everything, zoom=1.25)
     studio.take("tutorial-1-inputs.png", "inputs", "outputs")
 

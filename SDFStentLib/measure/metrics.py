@@ -21,7 +21,6 @@ from ..validation import (
     as_number,
     as_points,
     as_triangles,
-    check_is_a,
     read_only,
 )
 from .closed_ends import past_closed_ends
