@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from html import escape
 from typing import Literal, NamedTuple
 
+from ..validation import printable
+
 INK = "#212933"
 GRAY = "#6b7580"
 
@@ -76,7 +78,7 @@ def shifted(marks: Sequence[Mark], down: float) -> list[Mark]:
 
 def svg(drawing: Drawing) -> str:
     """The drawing as an `<svg>` that stands alone or in a page."""
-    return "\n".join(
+    lines = "\n".join(
         [
             f"<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {drawing.width} "
             f"{drawing.height}' role='img' font-family='system-ui,sans-serif'>"
@@ -85,6 +87,7 @@ def svg(drawing: Drawing) -> str:
             "</svg>",
         ]
     )
+    return printable(lines)
 
 
 def _element(mark: Mark) -> str:
