@@ -108,6 +108,10 @@ def test_the_staging_folder_of_a_living_run_is_left_alone(tmp_path):
     assert not any(tmp_path.iterdir())
 
 
+def test_a_command_without_outputs_moves_nothing():
+    Outputs().write()
+
+
 def test_what_is_not_ours_is_not_swept(tmp_path):
     from SDFStentLib.files.output_set import sweep
 

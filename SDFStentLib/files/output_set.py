@@ -71,6 +71,8 @@ def commit(folders: Mapping[StagingFolder, Iterable[str]]) -> None:
     InputError
         Something could not be moved; then all have their old state again.
     """
+    if not folders:
+        return
     first = next(iter(folders)).path
     for folder, names in folders.items():
         moves = {name: folder.staged(name).exists() for name in names}

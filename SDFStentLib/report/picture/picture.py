@@ -11,7 +11,7 @@ from ...geometry import point_at
 from ...measure import DiameterProfile
 from ...plan import PlanResult
 from ...treatment import TreatedStent
-from ...validation import Floats, Points
+from ...validation import Floats, Points, check_is_a
 from ..drawing import GRAY, INK, Box, Drawing, Line, Mark, Words
 from .process import painted
 from .shapes import (
@@ -56,6 +56,7 @@ def before_after_picture(result: PlanResult, title: str = "") -> bytes:
     DeploymentError
         Nothing here can render; the message names what to install.
     """
+    check_is_a(result, PlanResult, "result")
     drawing, panels = before_after_scene(result, title)
     return painted(drawing, panels)
 
