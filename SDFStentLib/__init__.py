@@ -1,5 +1,7 @@
 """Virtual stenting of vessel surfaces: NumPy in, NumPy out, millimetres everywhere.
 
+A vessel's wall is a `Surface`, checked once; arrays become one by `Surface(points, triangles)`.
+
 The main path, in six statements (`examples/` and the README have them with numbers):
 
 1. read a surface and a centerline: `read_surface`, `read_centerline`;
@@ -26,6 +28,7 @@ if TYPE_CHECKING:
     from .deformation import Deployment, DeploymentSettings, deploy
     from .field import CapsuleChain
     from .files import read_axis, read_centerline, read_surface, write_centerline, write_surface
+    from .geometry import Precision, Surface
     from .measure import diameter_profile, find_lesions, lesion_after
     from .plan import Plan, load_plan, run_plan, save_plan
     from .report import before_after_picture
@@ -54,7 +57,9 @@ __all__ = [
     "DeploymentSettings",
     "InputError",
     "Plan",
+    "Precision",
     "Stent",
+    "Surface",
     "Treatment",
     "__version__",
     "before_after_picture",
@@ -89,6 +94,7 @@ __getattr__, __dir__ = late_names(
             "write_centerline",
             "write_surface",
         ],
+        "geometry": ["Precision", "Surface"],
         "measure": ["diameter_profile", "find_lesions", "lesion_after"],
         "plan": ["Plan", "load_plan", "run_plan", "save_plan"],
         "report": ["before_after_picture"],

@@ -14,7 +14,7 @@ import numpy as np
 
 from SDFStentLib.deformation import Deployment, DeploymentSettings
 from SDFStentLib.field import CapsuleChain
-from SDFStentLib.geometry import Topology, surface_topology
+from SDFStentLib.geometry import Surface
 
 from .common import (
     Case,
@@ -46,21 +46,19 @@ def touching_radius(case: Case) -> float:
     return float(CapsuleChain.along(case.axis).field(case.points).distance.min()) - 0.01
 
 
-def one_of_ours(
-    case: Case, name: str, start: float, topology: Topology | None
-) -> Callable[[], Deployment]:
+def one_of_ours(case: Case, name: str, start: float) -> Callable[[], Deployment]:
     settings = MODES[name].with_changes(crimped_radius=start)
-    known = None if name.endswith("first") else topology
+    is_first = name.endswith("first")
 
     def run() -> Deployment:
+        # Of a new surface nothing is known, neither that it is sound nor its topology.
+        surface = Surface(case.points, case.triangles) if is_first else case.surface
         deployment = Deployment(
-            case.points,
-            case.triangles,
-            case.axis,
+            surface,
+            settings.chain(case.axis),
             case.radius,
             settings,
             companions=case.centerline,
-            topology=known,
         )
         for _ in deployment:
             pass
@@ -71,13 +69,13 @@ def one_of_ours(
 
 def compared(case: Case, start: float, rounds: int) -> Found:
     """Times, ratios and the largest difference between svmorph and our exact mode."""
-    exact = one_of_ours(case, "exact", start, None)()
+    exact = one_of_ours(case, "exact", start)()
     peer = SvmorphPeer(case.points, case.centerline, case.axis, start, exact.target_level)
     theirs = peer.deployed()
     apart = np.linalg.norm(exact.result.points - theirs, axis=1)
-    topology = surface_topology(case.triangles)
+    assert case.surface.topology
     runs: dict[str, Callable[[], object]] = {"svmorph": peer.deployed}
-    runs |= {name: one_of_ours(case, name, start, topology) for name in MODES}
+    runs |= {name: one_of_ours(case, name, start) for name in MODES}
     runs["default"]()  # imports
     times = interleaved(runs, rounds)
     return {

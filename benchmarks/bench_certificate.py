@@ -21,6 +21,7 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 
 from SDFStentLib.certificate import certify, check_surface, self_intersecting_triangles
+from SDFStentLib.geometry import Precision, Surface
 
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
 MOVED_FRACTION = 0.122
@@ -68,6 +69,7 @@ def meshlab_seconds(points: np.ndarray, triangles: np.ndarray) -> float:
 
 def row(points: np.ndarray, triangles: np.ndarray, with_meshlab: bool) -> str:
     """One line of the table."""
+    single = Precision(np.float32)
     repeats = 5 if len(triangles) < 1e6 else 1
     distance = np.linalg.norm(points - points[5], axis=1)
     reach = np.sort(distance)[int(MOVED_FRACTION * len(points))]
@@ -77,17 +79,18 @@ def row(points: np.ndarray, triangles: np.ndarray, with_meshlab: bool) -> str:
     among = np.isin(triangles, moved).any(axis=1)
 
     def local() -> np.ndarray:
-        return self_intersecting_triangles(after, triangles, among, dtype=np.float32)
+        return self_intersecting_triangles(single.stored(after), triangles, among)
 
-    check = check_surface(points, triangles, dtype=np.float32)
+    surface = Surface(points, triangles)
+    check = check_surface(surface, precision=single)
     cells = [
         len(triangles),
         np.count_nonzero(among),
         len(local()),
         f"{seconds(local, repeats):.3f}",
-        f"{seconds(lambda: certify(points, after, triangles, moved, check=check), repeats):.3f}",
-        f"{seconds(lambda: certify(points, after, triangles, moved), 1):.3f}",
-        f"{seconds(lambda: check_surface(points, triangles, dtype=np.float32), 1):.3f}",
+        f"{seconds(lambda: certify(surface, after, moved, check=check), repeats):.3f}",
+        f"{seconds(lambda: certify(Surface(points, triangles), after, moved), 1):.3f}",
+        f"{seconds(lambda: check_surface(Surface(points, triangles), precision=single), 1):.3f}",
         f"{peak_megabytes(local):.0f}",
         f"{meshlab_seconds(after, triangles):.3f}" if with_meshlab else "-",
     ]

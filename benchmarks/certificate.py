@@ -14,7 +14,7 @@ import numpy as np
 
 from SDFStentLib.certificate import certify, check_surface
 from SDFStentLib.deformation import Deployment, DeploymentSettings
-from SDFStentLib.geometry import surface_topology
+from SDFStentLib.geometry import Precision, Surface
 
 from .bench_certificate import meshlab_seconds, row, seconds
 from .common import Found, aorta_case, duration, markdown, progress, run_alone
@@ -30,29 +30,31 @@ def of_deployment(level: int) -> Found:
     """The certificate of a 36 mm x 24 mm stent in the subdivided aorta."""
     case = aorta_case(level)
     progress(f"{len(case.triangles)} triangles")
-    topology = surface_topology(case.triangles)
-    deployment = Deployment(
-        case.points, case.triangles, case.axis, case.radius, UNCERTIFIED, topology=topology
-    )
-    state, after = deployment.result.state, deployment.result.points
-    before, triangles = deployment.points, deployment.outward_triangles
+    chain = UNCERTIFIED.chain(case.axis)
+    deployment = Deployment(case.surface, chain, case.radius, UNCERTIFIED)
+    state, after = deployment.result.state, deployment.result.surface
+    before, triangles = case.surface, deployment.outward_triangles
+    assert before.topology.is_consistently_wound
     repeats = 5 if len(triangles) < 1e6 else 2
 
     def certified() -> object:
-        return certify(before, after, triangles, state.indices, dtype=np.float32, topology=topology)
+        return certify(before, after, state.indices)
 
     def first() -> object:
-        return certify(before, after, triangles, state.indices, dtype=np.float32)
+        return certify(Surface(before.points, triangles), after.points, state.indices)
+
+    def whole() -> object:
+        return check_surface(after, precision=Precision(np.float32))
 
     found = {
         "triangles": len(triangles),
         "moved_points": len(state.indices),
         "certificate_s": seconds(certified, repeats),
         "certificate_first_s": seconds(first, repeats),
-        "check_surface_s": seconds(lambda: check_surface(after, triangles, dtype=np.float32), 1),
+        "check_surface_s": seconds(whole, 1),
     }
     if importlib.util.find_spec("pymeshlab") and len(triangles) < 2e6:
-        found["meshlab_s"] = meshlab_seconds(after, triangles)
+        found["meshlab_s"] = meshlab_seconds(after.points, triangles)
     return found
 
 

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from SDFStentLib.geometry import arc_lengths, cut
+from SDFStentLib.geometry import Surface, arc_lengths, cut
 
 from .bench_certificate import subdivided
 from .sweep import DATA_FOLDER, vessel
@@ -31,11 +31,18 @@ class Case(NamedTuple):
     """A stent in a vessel; the centerline is dragged along."""
 
     name: str
-    points: np.ndarray
-    triangles: np.ndarray
+    surface: Surface
     axis: np.ndarray
     radius: float
     centerline: np.ndarray
+
+    @property
+    def points(self) -> np.ndarray:
+        return self.surface.points
+
+    @property
+    def triangles(self) -> np.ndarray:
+        return self.surface.triangles
 
 
 def anatomy_case(name: str, start: float, length: float, radius: float, leaf: int = 0) -> Case:
@@ -45,8 +52,7 @@ def anatomy_case(name: str, start: float, length: float, radius: float, leaf: in
     path = line.path(line.points[line.roots[0]], line.points[np.sort(line.leaves)[leaf]])
     return Case(
         name,
-        made.points,
-        made.triangles,
+        made.surface,
         cut(path.points, start, start + length),
         radius,
         path.points,
@@ -58,8 +64,7 @@ def aorta_case(subdivisions: int = 0) -> Case:
     """36 mm x 24 mm in the aorto-iliac model, across its bifurcation at 212 mm."""
     if subdivisions:
         case = aorta_case(subdivisions - 1)
-        points, triangles = subdivided(case.points, case.triangles)
-        return case._replace(points=points, triangles=triangles)
+        return case._replace(surface=Surface(*subdivided(case.points, case.triangles)))
     return anatomy_case("aorta_iliac", 200.0, 36.0, 12.0)
 
 

@@ -20,21 +20,23 @@ import numpy as np  # noqa: E402
 def first_frame(mesh: str, mode: str) -> dict[str, float]:
     """Times, s, from the start of this script to the first state, and of later ones."""
     arrays = np.load(mesh)
-    from SDFStentLib import Deployment
+    from SDFStentLib import Deployment, Surface
 
     imported = time.perf_counter()
     settings = _settings(mode)
     points, triangles, axis = (arrays[name] for name in ("points", "triangles", "axis"))
     radius = float(arrays["radius"])
     loaded = time.perf_counter()
-    deployment = Deployment(points, triangles, axis, radius, settings)
+    surface = Surface(points, triangles)
+    deployment = Deployment(surface, settings.chain(axis), radius, settings)
     next(iter(deployment))
     first = time.perf_counter()
-    topology, warm = deployment.topology, []
+    warm = []
+    assert surface.topology  # known from here on
     for shift in (0.5, -0.5, 0.3, -0.3, 0.1):
         start = time.perf_counter()
         moved = axis + np.array([shift, 0, 0])
-        next(iter(Deployment(points, triangles, moved, radius, settings, topology=topology)))
+        next(iter(Deployment(surface, settings.chain(moved), radius, settings)))
         warm.append(time.perf_counter() - start)
     return {
         "imports": imported - BEGAN,
@@ -73,12 +75,14 @@ def memory(mesh: str, mode: str) -> dict[str, float]:
     import scipy.spatial  # noqa: F401
 
     arrays = np.load(mesh)
-    vessel = [arrays[name] for name in ("points", "triangles", "axis")]
+    points, triangles, axis = (arrays[name] for name in ("points", "triangles", "axis"))
     base, peak_before = _resident_mb(), _peak_mb()
-    from SDFStentLib import Deployment
+    from SDFStentLib import Deployment, Surface
 
     library = _resident_mb() - base
-    deployment = Deployment(*vessel, float(arrays["radius"]), _settings(mode))
+    settings = _settings(mode)
+    surface = Surface(points, triangles)
+    deployment = Deployment(surface, settings.chain(axis), float(arrays["radius"]), settings)
     for _ in deployment:
         pass
     peak = _peak_mb()

@@ -14,6 +14,7 @@ import numpy as np
 
 from SDFStentLib import phantoms
 from SDFStentLib.deformation import Deployment, DeploymentSettings
+from SDFStentLib.geometry import Surface
 from SDFStentLib.measure import inscribed_spheres
 from SDFStentLib.phantoms import Phantom
 
@@ -40,16 +41,12 @@ def fine_phantoms(edge_length: float) -> Iterator[tuple[str, Phantom, float]]:
 
 
 def diameters(
-    points: np.ndarray,
-    triangles: np.ndarray,
-    axis: np.ndarray,
-    radius: float,
-    settings: DeploymentSettings,
+    surface: Surface, axis: np.ndarray, radius: float, settings: DeploymentSettings
 ) -> Found:
     """Of the lumen after a deployment, mm."""
-    deployment = Deployment(points, triangles, axis, radius, settings)
+    deployment = Deployment(surface, settings.chain(axis), radius, settings)
     after = deployment.result.points
-    inscribed = 2 * inscribed_spheres(after, triangles, deployment.chain.nodes).radii
+    inscribed = 2 * inscribed_spheres(after, surface.triangles, deployment.chain.nodes).radii
     return {
         "mean": float(inscribed.mean()),
         "sd": float(inscribed.std()),
@@ -65,7 +62,7 @@ def measured(quick: bool, largest: int | None = None) -> Found:
         progress(name)
         axis = made.axis_at(np.linspace(start, start + 16.0, 400))
         for mode, settings in MODES.items():
-            found = diameters(made.points, made.triangles, axis, DIAMETER / 2, settings)
+            found = diameters(made.surface, axis, DIAMETER / 2, settings)
             rows.append({"case": name, "mode": mode, "prescribed": DIAMETER, **found})
         if quick:
             break

@@ -47,9 +47,7 @@ CONTACT_ZONE = 0.05
 
 def _in_phantom(phantom: Phantom, start: float, length: float, radius: float) -> Case:
     axis = phantom.axis_at(np.linspace(start, start + length, 200))
-    return Case(
-        phantom.name, phantom.points, phantom.triangles, axis, radius, phantom.centerline.points
-    )
+    return Case(phantom.name, phantom.surface, axis, radius, phantom.centerline.points)
 
 
 def phantom_cases(edge_length: float = 0.8) -> Iterator[Case]:
@@ -69,7 +67,7 @@ def anatomy_cases() -> Iterator[Case]:
 
 def run(case: Case, settings: DeploymentSettings) -> tuple[Deployment, float]:
     """The deployment after its end, and its time, s."""
-    deployment = Deployment(case.points, case.triangles, case.axis, case.radius, settings)
+    deployment = Deployment(case.surface, settings.chain(case.axis), case.radius, settings)
     start = time.perf_counter()
     for _ in deployment:
         pass

@@ -45,6 +45,7 @@ from SDFStentLib.files import (  # noqa: E402
 )
 from SDFStentLib.geometry import (  # noqa: E402
     Precision,
+    Surface,
     arc_lengths,
     cut,
 )
@@ -92,10 +93,17 @@ WIDE = 1.002
 
 
 class Vessel(NamedTuple):
-    points: np.ndarray
-    triangles: np.ndarray
+    surface: Surface
     centerline: Centerline
     precision: Precision
+
+    @property
+    def points(self) -> np.ndarray:
+        return self.surface.points
+
+    @property
+    def triangles(self) -> np.ndarray:
+        return self.surface.triangles
 
 
 class WideStations(NamedTuple):
@@ -169,13 +177,8 @@ class Row(NamedTuple):
 def vessel(name: str, folder: Path = DATA_FOLDER) -> Vessel:
     surface_file, centerline_file, units = ANATOMIES[name]
     surface = read_surface(folder / surface_file, units=units)
-    scale = {"cm": 0.1, "mm": 1.0}[units]
-    return Vessel(
-        surface.points,
-        surface.triangles,
-        read_centerline(folder / centerline_file, units=units),
-        Precision(surface.coordinate_type, scale),
-    )
+    centerline = read_centerline(folder / centerline_file, units=units)
+    return Vessel(surface.surface, centerline, surface.precision)
 
 
 def random_stent(
@@ -211,7 +214,7 @@ def random_stent(
     if straightening:
         where = vessel(name, folder)
         stent = Stent(2 * radius, placement=AlongAxis(axis))
-        axis = axis_in_vessel(stent, None, where.points, where.triangles, straightening).points
+        axis = axis_in_vessel(stent, None, where.surface, straightening).points
     return RandomStent(name, axis, radius, ratio, start, straightening)
 
 
@@ -220,9 +223,8 @@ def deployed(
 ) -> tuple[Deployment, DeploymentResult]:
     where = vessel(stent.anatomy, folder)
     deployment = Deployment(
-        where.points,
-        where.triangles,
-        stent.axis,
+        where.surface,
+        settings.chain(stent.axis),
         stent.radius,
         settings,
         precision=where.precision,
@@ -261,10 +263,10 @@ def wide_stations(
         return WideStations()
     apart = np.linalg.norm(spheres.centers - stations, axis=1)
     strayed = too_wide & (apart >= spheres.radii)
-    radius, chain, united = deployment.radius, deployment.chain, deployment.points.copy()
+    radius, chain, united = deployment.radius, deployment.chain, deployment.surface.points.copy()
     short = radius - chain.axis_distance(united)
     united[short > 0] += short[short > 0, None] * chain.field(united[short > 0]).direction
-    union = inscribed_spheres(united, deployment.triangles, stations).radii
+    union = inscribed_spheres(united, deployment.surface.triangles, stations).radii
     native = too_wide & ~strayed & (union > WIDE * radius)
     return WideStations(
         int(strayed.sum()), int(native.sum()), int((too_wide & ~strayed & ~native).sum())
@@ -328,8 +330,8 @@ def narrowest(deployment: Deployment, result: DeploymentResult) -> float:
     A cap is where the vessel was cut: faces whose points lay in one plane at an end of the axis.
     """
     nodes, radius = deployment.chain.nodes, deployment.radius
-    is_cap = np.zeros(len(deployment.triangles), dtype=bool)
-    corners = deployment.points[deployment.triangles]
+    is_cap = np.zeros(len(deployment.surface.triangles), dtype=bool)
+    corners = deployment.points[deployment.surface.triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
     for end, inner in (nodes[:2], nodes[:-3:-1]):
@@ -338,7 +340,7 @@ def narrowest(deployment: Deployment, result: DeploymentResult) -> float:
         is_near = (np.linalg.norm(offset, axis=2) < 2.5 * radius).all(axis=1)
         is_ahead = (offset @ direction > -0.5 * radius).all(axis=1)
         is_cap |= is_near & is_ahead & (np.abs(normals @ direction) > 0.86)
-    wall = deployment.triangles[~is_cap]
+    wall = deployment.surface.triangles[~is_cap]
     width = wall_distances(result.points, wall, nodes) / radius
     doubtful = np.flatnonzero(width < NARROW)
     if len(doubtful):

@@ -10,9 +10,9 @@ def main():
     stent = Stent(6.0, length=20.0, placement=AtCenter(vessel.throat.point))
     axis = stent_axis(stent, vessel.centerline)
     chain = CapsuleChain.along(axis.points)
-    result = deploy(vessel.points, vessel.triangles, chain, stent.radius)
-    profile = diameter_profile(result.points, vessel.triangles, axis.points)
-    assert certify(vessel.points, result.points, vessel.triangles).passed
+    result = deploy(vessel.surface, chain, stent.radius)
+    profile = diameter_profile(result.surface, axis.points)
+    assert certify(vessel.surface, result.surface).passed
     return profile.minimum
 
 

@@ -9,7 +9,7 @@ def main():
     stent = Stent(7.0, placement=AlongAxis(vessel.axis_at(range(12, 32))))
     axis = stent_axis(stent)
     settings = DeploymentSettings(smoothing_width=0.2)
-    deployment = Deployment(vessel.points, vessel.triangles, axis.points, stent.radius, settings)
+    deployment = Deployment(vessel.surface, settings.chain(axis.points), stent.radius, settings)
     widest = [state.radius for state in deployment]
     assert widest == sorted(widest)  # a slider can go back and forth over `deployment.states`
     return deployment.states[-1].radius

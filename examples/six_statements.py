@@ -19,9 +19,9 @@ def main(folder, center=(-5.0, 0.0, 30.0)):
     # 4. Build the capsule chain.
     chain = CapsuleChain.along(axis.points)
     # 5. Deploy.
-    result = deploy(vessel.points, vessel.triangles, chain, stent.radius)
+    result = deploy(vessel.surface, chain, stent.radius)
     # 6. Measure and certify.
-    profile = diameter_profile(result.points, vessel.triangles, axis.points)
+    profile = diameter_profile(result.surface, axis.points)
     print(result.certificate.sentence())
     return profile.minimum
 

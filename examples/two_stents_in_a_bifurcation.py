@@ -10,7 +10,7 @@ def main():
         Stent(7.5, placement=BetweenPoints(*vessel.axis_at(ends)), name=name)
         for name, ends in (("main", (19, 40)), ("left", (36, 46)))
     ]
-    treatment = Treatment(vessel.points, vessel.triangles, stents, vessel.centerline)
+    treatment = Treatment(vessel.surface, stents, vessel.centerline)
     for state in treatment:  # stop iterating to cancel
         print(f"stent {state.number}: {100 * state.fraction:.0f} %")
     assert treatment.result.certificate.passed

@@ -12,6 +12,7 @@ from SDFStentLib import phantoms
 from SDFStentLib.centerline.centerline import Centerline
 from SDFStentLib.files.centerline_files import read_centerline
 from SDFStentLib.files.surface_files import read_surface
+from SDFStentLib.geometry import Surface
 from SDFStentLib.geometry.polyline import cut
 
 ANATOMIES = {
@@ -22,9 +23,16 @@ ANATOMIES = {
 
 
 class Vessel(NamedTuple):
-    points: np.ndarray
-    triangles: np.ndarray
+    surface: Surface
     centerline: Centerline
+
+    @property
+    def points(self):
+        return self.surface.points
+
+    @property
+    def triangles(self):
+        return self.surface.triangles
 
 
 class Case(NamedTuple):
@@ -35,14 +43,16 @@ class Case(NamedTuple):
     axis: np.ndarray
     radius: float
 
+    @property
+    def surface(self):
+        return Surface(self.points, self.triangles)
+
 
 @cache
 def anatomy(folder: Path, name: str) -> Vessel:
     surface_name, centerline_name, units = ANATOMIES[name]
     surface = read_surface(folder / surface_name, units=units)
-    return Vessel(
-        surface.points, surface.triangles, read_centerline(folder / centerline_name, units=units)
-    )
+    return Vessel(surface.surface, read_centerline(folder / centerline_name, units=units))
 
 
 def leaf_path(vessel: Vessel, leaf: int = 0):

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from SDFStentLib.centerline.centerline import Centerline
+from SDFStentLib.geometry import Surface
 from SDFStentLib.phantoms.axis import narrowing, planar_axis
 from SDFStentLib.phantoms.field import Tube, TubeUnion
 from SDFStentLib.phantoms.junction import branching_tube
@@ -23,8 +24,7 @@ class Known(NamedTuple):
 
 
 class Case(NamedTuple):
-    points: np.ndarray
-    triangles: np.ndarray
+    surface: Surface
     centerline: Centerline
     known: list[Known]
 
@@ -83,7 +83,7 @@ def tube_case(seed: int, count: int) -> Case:
     points = with_noise(patch.points, patch.triangles, noise, random)
     made = assembled("tube", patch, (Vessel("tube", axis, radius),), [])
     known = [Known(axis.point(c)[0], 100 * d, 2 * h) for c, h, d in lesions]
-    return Case(points, patch.triangles, made.centerline, known)
+    return Case(Surface(points, patch.triangles), made.centerline, known)
 
 
 def bifurcation_case(seed: int, where: str | None) -> Case:
@@ -130,4 +130,4 @@ def bifurcation_case(seed: int, where: str | None) -> Case:
         wall = patch.points[np.unique(patch.triangles[patch.face_ids == 1])]
         degree = 1 - union.inscribed_radii(main.point(at), wall) / healthy(at)
         known.append(Known(main.point(at[degree.argmax()])[0], 100 * degree.max(), 2 * reach))
-    return Case(patch.points, patch.triangles, made.centerline, known)
+    return Case(Surface(patch.points, patch.triangles), made.centerline, known)

@@ -7,6 +7,8 @@ import pytest
 
 from SDFStentLib import phantoms
 from SDFStentLib.deformation.deployment import deploy
+from SDFStentLib.field import CapsuleChain
+from SDFStentLib.geometry import Surface
 from SDFStentLib.measure.caps import bulged_caps
 
 
@@ -17,9 +19,9 @@ def a_tube():
 
 def bulged_by(tube, start, end):
     axis = tube.axis_at(np.linspace(start, end, 20))
-    state = deploy(tube.points, tube.triangles, axis, 3.6).state
+    state = deploy(tube.surface, CapsuleChain.along(axis), 3.6).state
     after = state.applied_to(tube.points)
-    return bulged_caps(tube.points, after, tube.triangles, state.indices)
+    return bulged_caps(tube.surface, tube.surface.with_points(after), state.indices)
 
 
 def test_a_stent_that_ends_in_the_outlet_bulges_its_cap(a_tube):
@@ -43,4 +45,7 @@ def test_flat_spots_of_a_subdivided_wall_are_not_caps():
         [np.stack([here, right, here + 8], 1), np.stack([right, right + 8, here + 8], 1)]
     )
     after = rings * [1.2, 1.2, 1]
-    assert bulged_caps(rings, after, triangles, np.arange(len(rings))) == ()
+    assert (
+        bulged_caps(Surface(rings, triangles), Surface(after, triangles), np.arange(len(rings)))
+        == ()
+    )

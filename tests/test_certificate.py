@@ -14,6 +14,7 @@ from SDFStentLib.certificate.face_quality import (
     places,
     sliver_triangles,
 )
+from SDFStentLib.geometry import Precision, Surface
 from SDFStentLib.validation import InputError
 
 
@@ -51,7 +52,7 @@ def _pushed_through(points, height=-15.0):
 
 
 def test_a_sphere_is_sound(sphere):
-    check = check_surface(*sphere)
+    check = check_surface(Surface(*sphere))
     assert check.passed
     assert check.is_watertight
     assert check.is_manifold
@@ -62,7 +63,7 @@ def test_a_sphere_is_sound(sphere):
 
 
 def test_a_sphere_turned_inside_out_does_not_pass(sphere):
-    check = check_surface(sphere[0], sphere[1][:, ::-1])
+    check = check_surface(Surface(sphere[0], sphere[1][:, ::-1]))
     assert not check.passed
     assert not check.is_outward
     assert check.is_inside_out
@@ -74,7 +75,7 @@ def test_mixed_windings_are_not_taken_for_inverted_faces(sphere):
     points, triangles = sphere
     mixed = triangles.copy()
     mixed[::3] = mixed[::3][:, ::-1]
-    check = check_surface(points, mixed)
+    check = check_surface(Surface(points, mixed))
     assert len(check.inverted_triangles) == 0
     assert not check.passed
     assert not check.topology.is_consistently_wound
@@ -87,7 +88,7 @@ def test_faces_wound_against_their_neighbors_are_named(sphere, every, is_open):
     points, triangles = sphere
     mixed = triangles[5 * is_open :].copy()
     mixed[7::every] = mixed[7::every][:, ::-1]
-    check = check_surface(points, mixed)
+    check = check_surface(Surface(points, mixed))
     assert not check.passed
     number = len(mixed[7::every])
     assert len(check.flipped_triangles) == min(number, len(mixed) - number)
@@ -97,7 +98,7 @@ def test_faces_wound_against_their_neighbors_are_named(sphere, every, is_open):
 def test_moving_rigidly_changes_nothing(sphere):
     points, triangles = sphere
     turn = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0]
-    certificate = certify(points, points @ turn + 5, triangles)
+    certificate = certify(Surface(points, triangles), points @ turn + 5)
     assert certificate.passed
     assert certificate.moved_points == len(points)
     assert certificate.sentence().startswith("Certified: the surface is watertight")
@@ -105,16 +106,16 @@ def test_moving_rigidly_changes_nothing(sphere):
 
 def test_nothing_moved_is_certified(sphere):
     points, triangles = sphere
-    certificate = certify(points, points, triangles)
+    certificate = certify(Surface(points, triangles), points)
     assert certificate.passed
     assert certificate.moved_points == 0
     # Below the precision of the stored file nothing has moved either.
-    assert certify(points, points * (1 + 1e-12), triangles).moved_points == 0
+    assert certify(Surface(points, triangles), points * (1 + 1e-12)).moved_points == 0
 
 
 def test_a_wall_pushed_through_the_other_is_named_with_its_place(sphere):
     points, triangles = sphere
-    certificate = certify(points, _pushed_through(points), triangles)
+    certificate = certify(Surface(points, triangles), _pushed_through(points))
     assert not certificate.passed
     assert len(certificate.self_intersecting_before) == 0
     new = certificate.new_self_intersecting
@@ -139,26 +140,26 @@ def test_a_wall_pushed_through_the_other_is_named_with_its_place(sphere):
 def test_the_same_with_the_points_named_or_the_input_checked(sphere):
     points, triangles = sphere
     after = _pushed_through(points)
-    plain = certify(points, after, triangles)
+    plain = certify(Surface(points, triangles), after)
     moved = np.flatnonzero(np.any(after != points, axis=1))
     mask = np.any(after != points, axis=1)
-    check = check_surface(points, triangles, dtype=np.float32)
+    check = check_surface(Surface(points, triangles), precision=Precision(np.float32))
     for changes in ({"moved": moved}, {"moved": mask}, {"check": check}):
-        again = certify(points, after, triangles, **changes)
+        again = certify(Surface(points, triangles), after, **changes)
         assert again.as_dict() == plain.as_dict()
 
 
 def test_what_intersected_before_is_not_new(sphere):
     points, triangles = sphere
     before = _pushed_through(points)
-    certificate = certify(before, before * 1.05, triangles)
+    certificate = certify(Surface(before, triangles), before * 1.05)
     assert certificate.passed
     assert len(certificate.self_intersecting_after) > 0
     assert "intersected already in the input" in certificate.sentence()
-    faulty = check_surface(before, triangles, dtype=np.float32)
+    faulty = check_surface(Surface(before, triangles), precision=Precision(np.float32))
     assert not faulty.passed
     assert "intersecting" in faulty.sentence()
-    assert certify(before, before * 1.05, triangles, check=faulty).as_dict() == (
+    assert certify(Surface(before, triangles), before * 1.05, check=faulty).as_dict() == (
         certificate.as_dict()
     )
 
@@ -170,7 +171,7 @@ def test_a_point_drawn_across_its_neighborhood_inverts_faces(sphere):
     # Along the sphere by 1.5 edges: the faces on the far side turn over, and nothing else does.
     after[point] = points[point + 1] + 0.5 * (points[point + 1] - points[point])
     after[point] *= 10.05 / np.linalg.norm(after[point])
-    certificate = certify(points, after, triangles)
+    certificate = certify(Surface(points, triangles), after)
     outward = np.cross(
         after[triangles[:, 1]] - after[triangles[:, 0]],
         after[triangles[:, 2]] - after[triangles[:, 0]],
@@ -185,9 +186,9 @@ def test_a_dent_and_a_sharp_ridge_are_not_inverted(sphere):
     points, triangles = sphere
     dent = points.copy()
     dent[points[:, 2] > 7, 2] = 14 - points[points[:, 2] > 7, 2]
-    assert certify(points, dent, triangles).passed
+    assert certify(Surface(points, triangles), dent).passed
     ridge = points * [0.02, 1, 1]
-    assert certify(points, ridge, triangles).passed
+    assert certify(Surface(points, triangles), ridge).passed
     assert len(inverted_triangles(ridge, triangles)) == 0
 
 
@@ -199,7 +200,7 @@ def test_a_collapsed_face_is_new_without_area(sphere):
     stored = after.astype(np.float32).astype(float)
     collapsed = stored.copy()
     collapsed[c] = collapsed[a]
-    certificate = certify(points, collapsed, triangles)
+    certificate = certify(Surface(points, triangles), collapsed)
     assert 100 in certificate.new_degenerate
     assert not certificate.passed
     assert "newly without area" in certificate.sentence()
@@ -207,18 +208,18 @@ def test_a_collapsed_face_is_new_without_area(sphere):
 
 def test_an_open_surface_passes_and_is_called_open(sphere):
     points, triangles = sphere
-    certificate = certify(points, 1.1 * points, triangles[1:])
+    certificate = certify(Surface(points, triangles[1:]), 1.1 * points)
     assert certificate.passed
     assert not certificate.is_watertight
     assert certificate.is_manifold
     assert "open (3 boundary edges), as it was" in certificate.sentence()
-    assert "open" in check_surface(points, triangles[1:]).sentence()
+    assert "open" in check_surface(Surface(points, triangles[1:])).sentence()
 
 
 def test_a_surface_that_is_not_manifold_is_called_so(sphere):
     points, triangles = sphere
     doubled = np.r_[triangles, triangles[:1]]
-    check = check_surface(points, doubled)
+    check = check_surface(Surface(points, doubled))
     assert not check.passed
     assert not check.is_manifold
     assert check.self_intersecting_triangles.tolist() == [0, len(triangles)]
@@ -231,9 +232,11 @@ def test_the_certificate_holds_for_the_stored_file():
     after = points.copy()
     after[3, 2] -= 1 - 1e-8
     triangles = [[0, 1, 2], [3, 4, 5]]
-    assert certify(points, after, triangles, dtype=np.float64).passed
-    assert not certify(points, after, triangles, dtype=np.float32).passed
-    assert not certify(points, after, triangles, dtype=np.float32, scale=1e-6).passed
+    assert certify(Surface(points, triangles), after, precision=Precision(np.float64)).passed
+    assert not certify(Surface(points, triangles), after, precision=Precision(np.float32)).passed
+    assert not certify(
+        Surface(points, triangles), after, precision=Precision(np.float32, 1e-6)
+    ).passed
 
 
 def test_slivers_and_faces_without_area():
@@ -264,7 +267,7 @@ def test_several_places_are_counted(sphere):
     aside = np.array([40, 0, 0])
     before = np.r_[points, points + aside]
     after = np.r_[_pushed_through(points), _pushed_through(points) + aside]
-    assert "at 2 places, most of them near" in certify(before, after, both).sentence()
+    assert "at 2 places, most of them near" in certify(Surface(before, both), after).sentence()
 
 
 @pytest.mark.parametrize(
@@ -273,11 +276,11 @@ def test_several_places_are_counted(sphere):
         ({"after": np.zeros((4, 3))}, "points as before, got 4"),
         ({"moved": [100000]}, "moved: expected indices or a mask"),
         ({"moved": [0.5]}, "moved: expected indices or a mask"),
-        ({"dtype": np.int64}, "a floating type such as float32"),
+        ({"precision": Precision(np.float32, 1e39)}, "too large for"),
     ],
 )
 def test_bad_input_is_named(sphere, changes, message):
     points, triangles = sphere
     after = changes.pop("after", points)
     with pytest.raises(InputError, match=message):
-        certify(points, after, triangles, **changes)
+        certify(Surface(points, triangles), after, **changes)

@@ -11,6 +11,7 @@ from deployment_cases import phantom
 from SDFStentLib.certificate.certificate import certify, check_surface
 from SDFStentLib.certificate.face_quality import Comparison
 from SDFStentLib.deformation.settings import DeploymentSettings
+from SDFStentLib.geometry import Precision, Surface
 
 
 def assert_same(one, other):
@@ -49,11 +50,9 @@ def test_after_untangling_the_certificate_is_that_of_the_whole(
 
     precision = sweep.vessel(name, data_dir).precision
     whole = certify(
-        deployment.points,
+        Surface(deployment.points, deployment.wound_triangles),
         result.points,
-        deployment.wound_triangles,
-        dtype=precision.dtype,
-        scale=precision.scale,
+        precision=precision,
     )
     # What is promised of a stent is not judged by comparing two surfaces: see `test_spikes.py`.
     assert result.certificate.motion
@@ -82,10 +81,12 @@ def test_whatever_was_judged_before_the_verdict_is_the_same(seed, known):
     collapsed = results[3].copy()
     collapsed[made.triangles[40:44]] = collapsed[made.triangles[40, 0]]
     results += [collapsed, before + 1.0, results[0]]
-    check = check_surface(before, made.triangles, dtype=np.float32).self_intersecting_triangles
+    check = check_surface(
+        Surface(before, made.triangles), precision=Precision(np.float32)
+    ).self_intersecting_triangles
     assert len(check)
     comparison = Comparison(
-        before, made.triangles, np.float32, 1.0, check if known != "nothing" else None
+        before, made.triangles, Precision(np.float32, 1.0), check if known != "nothing" else None
     )
     earlier, faults = None, 0
     for after in results:

@@ -7,6 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from SDFStentLib.files.surface_files import read_surface
+from SDFStentLib.geometry import Surface
 from SDFStentLib.measure.caps import flat_caps
 from SDFStentLib.measure.metrics import diameter_profile
 
@@ -46,7 +47,7 @@ A_LINE = [[0.1, 0, 0], [0.1, 0, LENGTH]]
 
 
 def test_a_capped_tube_is_as_wide_at_its_ends_as_in_its_middle():
-    profile = diameter_profile(*a_capped_duct(a_circle()), A_LINE)
+    profile = diameter_profile(Surface(*a_capped_duct(a_circle())), A_LINE)
     np.testing.assert_allclose(
         profile.inscribed_diameter, 2 * RADIUS * np.cos(np.pi / 32), rtol=1e-5
     )
@@ -61,7 +62,7 @@ def test_an_axis_that_ends_askew_on_a_cap_makes_no_vessel_narrow(turned, lean):
     points, triangles = a_capped_duct(a_circle())
     aside = 8 * np.tan(np.deg2rad(lean))
     axis = np.array([[0.1, 0, 15], [0.1, 0, 22], [0.1 + aside, 0, LENGTH]]) @ turn.T
-    profile = diameter_profile(points @ turn.T, triangles, axis, 2.0)
+    profile = diameter_profile(Surface(points @ turn.T, triangles), axis, 2.0)
     inscribed = profile.inscribed_diameter
     # The last plane may lead out of the end: it holds no sphere, or one up to half the long axis
     # of the ellipse in which it cuts the tube.
@@ -74,7 +75,7 @@ def test_an_axis_that_ends_askew_on_a_cap_makes_no_vessel_narrow(turned, lean):
 
 
 def test_a_cap_that_leans_cuts_no_section_short():
-    profile = diameter_profile(*a_capped_duct(a_circle(), tilt=np.deg2rad(20)), A_LINE)
+    profile = diameter_profile(Surface(*a_capped_duct(a_circle(), tilt=np.deg2rad(20))), A_LINE)
     inscribed, equivalent = profile.inscribed_diameter, profile.equivalent_diameter
     # An open end that leans holds a sphere that reaches past its short side: it may be wider.
     # Station 0, 0.1 mm beside the middle of the cap, lies 0.04 mm outside of it.
@@ -87,7 +88,7 @@ def test_a_cap_that_leans_cuts_no_section_short():
 
 
 def test_the_flat_sides_of_a_square_duct_are_wall():
-    profile = diameter_profile(*a_capped_duct(A_SQUARE), A_LINE)
+    profile = diameter_profile(Surface(*a_capped_duct(A_SQUARE)), A_LINE)
     np.testing.assert_allclose(profile.inscribed_diameter, 6, rtol=1e-6)
 
 
@@ -101,7 +102,7 @@ def test_a_round_wall_of_a_fine_mesh_is_no_flat_cap():
 
 def test_before_an_end_that_is_not_flat_there_is_no_inscribed_diameter():
     duct = a_capped_duct(a_circle(), bulge=1.0)
-    profile = diameter_profile(*duct, [[0.1, 0, 1.5], [0.1, 0, LENGTH - 1.5]])
+    profile = diameter_profile(Surface(*duct), [[0.1, 0, 1.5], [0.1, 0, LENGTH - 1.5]])
     inscribed = profile.inscribed_diameter
     known = np.isfinite(inscribed)
     np.testing.assert_allclose(inscribed[known], 2 * RADIUS * np.cos(np.pi / 32), rtol=1e-5)
@@ -118,7 +119,7 @@ def test_a_ridge_beside_the_way_is_no_end():
     foot = tip + np.array([[1.0, -0.6, 2.0], [1.0, 0.6, 2.0], [2.0, 0.0, 2.5]])
     ridge = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]]) + len(points)
     points, triangles = np.vstack([points, tip, foot]), np.concatenate([triangles, ridge])
-    profile = diameter_profile(points, triangles, [[0, 0, 2.0], [0, 0, 12.2]])
+    profile = diameter_profile(Surface(points, triangles), [[0, 0, 2.0], [0, 0, 12.2]])
     assert np.isfinite(profile.inscribed_diameter).all()
     assert profile.inscribed_diameter[-1] < 7.5
 
@@ -126,7 +127,8 @@ def test_a_ridge_beside_the_way_is_no_end():
 def test_open_and_capped_tubes_have_one_profile():
     points, triangles = a_capped_duct(a_circle())
     profiles = [
-        diameter_profile(points, faces, A_LINE) for faces in (triangles, triangles[: -2 * 32])
+        diameter_profile(Surface(points, faces), A_LINE)
+        for faces in (triangles, triangles[: -2 * 32])
     ]
     np.testing.assert_allclose(
         profiles[0].inscribed_diameter, profiles[1].inscribed_diameter, rtol=1e-9
@@ -143,7 +145,7 @@ def test_the_inlet_of_a_patient_is_not_narrow(data_dir, surface, line):
     vessel = read_surface(data_dir / f"{surface}_surface_cm.vtp", units="cm")
     tree = read_centerline(data_dir / f"{line}_centerline_cm.vtp", units="cm")
     path = tree.points[ancestry_of(tree.parent, len(tree.parent) - 1)]
-    profile = diameter_profile(vessel.points, vessel.triangles, path, spacing=2.0)
+    profile = diameter_profile(vessel.surface, path, spacing=2.0)
     start = profile.inscribed_diameter[:4]
     # Both trunks are nearly cylindrical for their first 10 mm.
     np.testing.assert_allclose(start, profile.inscribed_diameter[5], rtol=0.05)

@@ -12,8 +12,8 @@ from mesh_files import open_tube
 from SDFStentLib.deformation.deployment import Deployment, deploy
 from SDFStentLib.deformation.settings import DeploymentSettings
 from SDFStentLib.field.capsule_chain import CapsuleChain
+from SDFStentLib.geometry import Surface
 from SDFStentLib.geometry.precision import Precision
-from SDFStentLib.geometry.topology import surface_topology
 from SDFStentLib.measure.inscribed import inscribed_spheres
 from SDFStentLib.validation import DeploymentError, InputError
 
@@ -28,7 +28,7 @@ def case():
 
 
 def deployment_of(case, settings=DEFAULT, **others):
-    return Deployment(case.points, case.triangles, case.axis, case.radius, settings, **others)
+    return Deployment(case.surface, settings.chain(case.axis), case.radius, settings, **others)
 
 
 # States -----------------------------------------------------------------------------------------
@@ -123,7 +123,7 @@ def test_the_result_runs_the_deployment_once(case):
 
 def test_deploy_reports_every_state_and_returns_the_result(case):
     seen = []
-    result = deploy(case.points, case.triangles, case.axis, case.radius, progress=seen.append)
+    result = deploy(case.surface, CapsuleChain.along(case.axis), case.radius, progress=seen.append)
     again = list(deployment_of(case))
     assert seen[-1] is result.state
     assert [state.radius for state in seen] == [state.radius for state in again]
@@ -140,7 +140,7 @@ def test_companions_inside_the_expanded_stent_stay_and_others_move_with_the_wall
     outside = made.axis_at(np.array([18.0, 20, 22])) + np.array([4.5, 0, 0])
     far = made.axis_at(np.array([20.0])) + np.array([60.0, 0, 0])
     companions = np.concatenate([inside, outside, far])
-    run = Deployment(made.points, made.triangles, axis, 3.8, DEFAULT, companions=companions)
+    run = Deployment(made.surface, DEFAULT.chain(axis), 3.8, DEFAULT, companions=companions)
     after = run.result.state.companions
     np.testing.assert_array_equal(after[:21], inside)
     np.testing.assert_array_equal(after[24], far[0])
@@ -181,7 +181,7 @@ def test_the_certificate_is_about_the_points_that_are_returned(case):
     from SDFStentLib.certificate.certificate import certify
 
     result = deployment_of(case, precision=Precision(np.float32, 0.1)).result
-    again = certify(case.points, result.points, case.triangles, dtype=np.float32, scale=0.1)
+    again = certify(case.surface, result.points, precision=Precision(np.float32, 0.1))
     # What is about the stent is known to the deployment only.
     of_surface = replace(result.certificate, motion=(), lumen=())
     assert of_surface.as_dict() == again.as_dict()
@@ -195,10 +195,18 @@ def test_the_certificate_can_be_left_out(case):
     np.testing.assert_array_equal(result.points, deployment_of(case).result.points)
 
 
-def test_a_known_topology_changes_nothing(case):
-    known = deployment_of(case, topology=surface_topology(case.triangles)).result
-    np.testing.assert_array_equal(known.points, deployment_of(case).result.points)
-    assert known.certificate.as_dict() == deployment_of(case).result.certificate.as_dict()
+@pytest.mark.parametrize("settings", [DEFAULT, DeploymentSettings.preview()])
+@pytest.mark.parametrize("name", ["branching_pulmonary_artery", "tube_with_neighbor"])
+def test_a_topology_that_was_looked_at_already_changes_nothing(name, settings):
+    case = phantom_case(name)
+    fresh, known = case.surface, case.surface
+    assert fresh.known_topology is None
+    assert known.topology is known.known_topology
+    results = [
+        deploy(surface, settings.chain(case.axis), case.radius, settings)
+        for surface in (fresh, known)
+    ]
+    np.testing.assert_array_equal(results[0].points, results[1].points)
 
 
 # What is stented --------------------------------------------------------------------------------
@@ -245,7 +253,7 @@ def test_the_tissue_gap_can_be_left_out():
 
 def test_an_axis_may_be_given_as_a_chain(case):
     chain = CapsuleChain.along(case.axis)
-    run = Deployment(case.points, case.triangles, chain, case.radius)
+    run = Deployment(case.surface, chain, case.radius)
     assert run.chain is chain
     np.testing.assert_array_equal(run.result.points, deployment_of(case).result.points)
 
@@ -273,7 +281,9 @@ def test_the_crimped_stent_never_starts_beyond_the_wall(case):
 
 def test_a_stent_may_stick_out_of_an_open_end():
     points, triangles = open_tube(radius=3.0, length=30.0, around=24, along=40)
-    run = Deployment(points, triangles, [[0.0, 0, 20], [0, 0, 36]], 3.6)
+    run = Deployment(
+        Surface(points, triangles), CapsuleChain.along([[0.0, 0, 20], [0, 0, 36]]), 3.6
+    )
     assert run.result.certificate.passed
     rim = points[:, 2] > 29.9
     away = np.linalg.norm(run.result.points[rim][:, :2], axis=1)
@@ -282,7 +292,9 @@ def test_a_stent_may_stick_out_of_an_open_end():
 
 def test_a_stent_may_be_longer_than_the_vessel():
     points, triangles = open_tube(radius=3.0, length=20.0, around=24, along=26)
-    run = Deployment(points, triangles, [[0.0, 0, -10], [0, 0, 30]], 3.5)
+    run = Deployment(
+        Surface(points, triangles), CapsuleChain.along([[0.0, 0, -10], [0, 0, 30]]), 3.5
+    )
     assert run.result.certificate.passed
     away = np.linalg.norm(run.result.points[:, :2], axis=1)
     assert away.min() > 3.5 - 1e-4
@@ -291,7 +303,7 @@ def test_a_stent_may_be_longer_than_the_vessel():
 def test_a_stent_may_end_in_an_outlet_cap():
     made = phantom("straight_tube", edge_length=1.0)
     axis = made.axis_at(np.linspace(25, 40, 50))
-    run = Deployment(made.points, made.triangles, axis, 3.6)
+    run = Deployment(made.surface, CapsuleChain.along(axis), 3.6)
     assert run.result.certificate.passed
 
 
@@ -299,7 +311,7 @@ def test_an_axis_with_a_kink_of_20_degrees_gives_a_sound_surface():
     made = phantom("straight_tube", edge_length=0.8)
     bend = np.tan(np.radians(20)) * 6
     axis = np.array([[0, 0, 12.0], [0, 0, 20], [bend, 0, 26]])
-    run = Deployment(made.points, made.triangles, axis, 4.0)
+    run = Deployment(made.surface, CapsuleChain.along(axis), 4.0)
     assert run.result.certificate.passed
     away = run.chain.axis_distance(run.result.points)
     assert away.min() > 4.0 - 1e-3
@@ -309,14 +321,14 @@ def test_a_stent_round_a_hairpin_gives_a_sound_surface():
     made = phantom("hairpin_tube", edge_length=1.0)
     length = made.vessels[0].axis.length
     axis = made.axis_at(np.linspace(10, length - 10, 400))
-    run = Deployment(made.points, made.triangles, axis, 3.4)
+    run = Deployment(made.surface, CapsuleChain.along(axis), 3.4)
     assert run.result.certificate.passed
 
 
 @pytest.mark.parametrize("edge_length", [0.25, 3.0])
 def test_meshes_may_be_fine_or_coarse(edge_length):
     made = phantom("straight_tube", radius=5.0, length=30.0, edge_length=edge_length)
-    run = Deployment(made.points, made.triangles, made.axis_at([11.0, 19.0]), 6.0)
+    run = Deployment(made.surface, CapsuleChain.along(made.axis_at([11.0, 19.0])), 6.0)
     assert run.result.certificate.passed
     spheres = inscribed_spheres(run.result.points, made.triangles, run.chain.nodes)
     # The fine one to a few micrometres, the coarse one to its own facets.
@@ -325,7 +337,7 @@ def test_meshes_may_be_fine_or_coarse(edge_length):
 
 def test_points_without_a_triangle_are_no_obstacle(case):
     points = np.concatenate([case.points, case.axis[:5] + 2.0, [[1000.0, 0, 0]]])
-    run = Deployment(points, case.triangles, case.axis, case.radius)
+    run = Deployment(Surface(points, case.triangles), CapsuleChain.along(case.axis), case.radius)
     assert run.result.certificate.passed
     assert len(run.result.points) == len(points)
 
@@ -334,7 +346,7 @@ def test_points_without_a_triangle_are_no_obstacle(case):
 
 
 def test_a_stent_far_from_the_surface_is_refused_with_what_to_check(case):
-    run = Deployment(case.points, case.triangles, case.axis + 500, case.radius)
+    run = Deployment(case.surface, CapsuleChain.along(case.axis + 500), case.radius)
     with pytest.raises(DeploymentError, match=r"expected the vessel's wall within 10\.0 mm"):
         next(iter(run))
 
@@ -344,21 +356,21 @@ def test_a_stent_far_from_the_surface_is_refused_with_what_to_check(case):
     [
         ({"radius": 0}, "stent radius: expected a number greater than 0 .mm., got 0"),
         ({"radius": float("nan")}, "stent radius: expected a number"),
-        ({"axis": [[0, 0, 0]]}, "stent axis: expected at least 2 points, got 1"),
-        ({"axis": np.zeros((4, 3))}, "stent axis: expected a line with length"),
-        ({"axis": hairpin()[:, :2]}, "stent axis: expected shape .n, 3."),
-        ({"points": [[0.0, 0, 0]]}, "surface points: expected at least 3 points"),
-        ({"points": np.full((4, 3), np.nan)}, "surface points: expected finite coordinates"),
-        ({"triangles": np.zeros((0, 3), dtype=int)}, "surface triangles: expected at least one"),
-        ({"triangles": [[0, 1, 10**6]]}, "surface triangles: expected point indices from 0"),
-        ({"triangles": [[0.0, 1.0, 2.0]]}, "surface triangles: expected integers"),
+        (
+            {"chain": hairpin()},
+            "expected a CapsuleChain, got .ndarray.; .* CapsuleChain.along",
+        ),
+        (
+            {"surface": np.eye(3)},
+            "expected a Surface, got .ndarray.; .* by Surface.points",
+        ),
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )
 def test_bad_input_is_refused_at_once(case, change, message):
-    arguments = {**case._asdict(), **change}
+    usual = {"surface": case.surface, "chain": DEFAULT.chain(case.axis), "radius": case.radius}
     with pytest.raises(InputError, match=message):
-        Deployment(**arguments)
+        Deployment(**{**usual, **change})
 
 
 def test_bad_companions_are_refused(case):

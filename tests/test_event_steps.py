@@ -24,7 +24,7 @@ CASES = {
 
 
 def deployed(case, settings):
-    deployment = Deployment(case.points, case.triangles, case.axis, case.radius, settings)
+    deployment = Deployment(case.surface, settings.chain(case.axis), case.radius, settings)
     return deployment.result.points, deployment
 
 

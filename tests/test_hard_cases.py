@@ -11,6 +11,7 @@ from scipy.spatial import KDTree
 from SDFStentLib.deformation.deployment import deploy
 from SDFStentLib.deformation.settings import DeploymentSettings
 from SDFStentLib.field.capsule_chain import CapsuleChain
+from SDFStentLib.geometry import Surface
 from SDFStentLib.stent.placement import AlongAxis, AtCenter
 from SDFStentLib.stent.stent import Stent
 from SDFStentLib.treatment.treatment import Treatment
@@ -25,7 +26,7 @@ def along(axis, diameter):
 
 def treated(points, triangles, *stents, centerline=None):
     """The finished treatment, after what holds for every one of them has been asserted."""
-    result = Treatment(points, triangles, stents, centerline).result
+    result = Treatment(Surface(points, triangles), stents, centerline).result
     assert result.points.shape == points.shape
     assert np.isfinite(result.points).all()
     assert result.certificate.passed or " near (" in result.certificate.sentence()
@@ -196,7 +197,7 @@ def test_a_target_smaller_than_the_lumen_moves_nothing_bit_by_bit_and_says_so():
 
 def test_an_axis_far_from_the_surface_is_refused_with_what_to_check():
     made = phantom("straight_tube", edge_length=0.8)
-    treatment = Treatment(made.points, made.triangles, [along([[18.0, 0, 5], [18, 0, 30]], 7.0)])
+    treatment = Treatment(made.surface, [along([[18.0, 0, 5], [18, 0, 30]], 7.0)])
     with pytest.raises(
         DeploymentError,
         match=r"stent: expected the vessel's wall within 10\.0 mm of the stent axis, got none; "
@@ -309,7 +310,7 @@ def test_points_stored_twice_stay_together_without_what_comes_after_the_steps(da
     corners = case.points[case.triangles].reshape(-1, 3)
     triangles = np.arange(len(corners)).reshape(-1, 3)
     settings = DeploymentSettings(certify=False, untangle=False, **changes)
-    result = deploy(corners, triangles, case.axis, case.radius, settings)
+    result = deploy(Surface(corners, triangles), settings.chain(case.axis), case.radius, settings)
     assert len(result.state.indices)
     assert seam_width(corners, result.points) == 0.0
 

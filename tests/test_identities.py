@@ -10,6 +10,8 @@ from hypothesis import strategies as st
 
 from SDFStentLib.deformation.deployment import Deployment, deploy
 from SDFStentLib.deformation.settings import DeploymentSettings
+from SDFStentLib.field import CapsuleChain
+from SDFStentLib.geometry import Surface
 from SDFStentLib.measure.inscribed import inscribed_spheres
 
 DEFAULT = DeploymentSettings()
@@ -25,7 +27,7 @@ def case():
 
 def deployed(case, settings, **changes):
     case = case._replace(**changes)
-    return deploy(case.points, case.triangles, case.axis, case.radius, settings).points
+    return deploy(case.surface, settings.chain(case.axis), case.radius, settings).points
 
 
 def a_rotation(rng):
@@ -39,7 +41,7 @@ def a_rotation(rng):
 def test_a_rigid_motion_commutes_with_the_deployment(case, name, seed):
     rng = np.random.default_rng(seed)
     rotation, shift = a_rotation(rng), rng.uniform(-200, 200, 3)
-    plain = deploy(case.points, case.triangles, case.axis, case.radius, SETTINGS[name])
+    plain = deploy(case.surface, SETTINGS[name].chain(case.axis), case.radius, SETTINGS[name])
     moved = deployed(
         case,
         SETTINGS[name],
@@ -91,7 +93,9 @@ def test_scaling_all_lengths_commutes_with_the_published_deployment(case, scale)
 
 @both
 def test_nothing_moves_beyond_the_influence_distance_bit_by_bit(case, name):
-    deployment = Deployment(case.points, case.triangles, case.axis, case.radius, SETTINGS[name])
+    deployment = Deployment(
+        case.surface, SETTINGS[name].chain(case.axis), case.radius, SETTINGS[name]
+    )
     level = deployment.chain.field(case.points).distance
     reach = deployment.target_level + deployment.settings.influence_distance
     beyond = level > reach + deployment.settings.tissue_gap
@@ -103,7 +107,9 @@ def test_nothing_moves_beyond_the_influence_distance_bit_by_bit(case, name):
 
 @both
 def test_only_named_points_have_moved_and_all_of_them(case, name):
-    deployment = Deployment(case.points, case.triangles, case.axis, case.radius, SETTINGS[name])
+    deployment = Deployment(
+        case.surface, SETTINGS[name].chain(case.axis), case.radius, SETTINGS[name]
+    )
     result = deployment.result
     moved = (result.points != case.points).any(axis=1)
     np.testing.assert_array_equal(np.flatnonzero(moved), result.state.indices)
@@ -111,9 +117,9 @@ def test_only_named_points_have_moved_and_all_of_them(case, name):
 
 def test_a_short_influence_moves_only_what_is_near_a_contact(case):
     settings = DEFAULT.with_changes(influence_distance=1.0)
-    result = deploy(case.points, case.triangles, case.axis, case.radius, settings)
+    result = deploy(case.surface, settings.chain(case.axis), case.radius, settings)
     moved = result.state.indices
-    level = Deployment(case.points, case.triangles, case.axis, case.radius).chain.field(
+    level = Deployment(case.surface, CapsuleChain.along(case.axis), case.radius).chain.field(
         case.points[moved]
     )
     assert len(moved)
@@ -125,7 +131,7 @@ def test_a_short_influence_moves_only_what_is_near_a_contact(case):
 )
 def test_start_and_end_reversed_give_the_same_lumen(name):
     case = phantom_case(name, edge_length=0.6)._replace(radius=3.75)
-    chain = Deployment(case.points, case.triangles, case.axis, case.radius).chain
+    chain = Deployment(case.surface, CapsuleChain.along(case.axis), case.radius).chain
     diameters = [
         2 * inscribed_spheres(deployed(case, DEFAULT, axis=axis), case.triangles, chain.nodes).radii
         for axis in (case.axis, case.axis[::-1])
@@ -141,7 +147,7 @@ def test_without_smoothing_the_contact_lies_at_the_hard_minimum(case):
     """k = 0: no inflation, nothing to calibrate, and the wall on the true distance at once."""
     for calibration in ("axis", "paper", "none"):
         settings = PUBLISHED.with_changes(smoothing_width=0, calibration=calibration)
-        deployment = Deployment(case.points, case.triangles, case.axis, case.radius, settings)
+        deployment = Deployment(case.surface, settings.chain(case.axis), case.radius, settings)
         assert deployment.target_level == case.radius
     points = deployment.result.points
     away = deployment.chain.axis_distance(points)
@@ -174,7 +180,13 @@ def test_the_input_is_never_modified(case, name):
     points, triangles = np.array(case.points), np.array(case.triangles)
     axis, companions = np.array(case.axis), np.array(case.axis) + np.array([0, 0, 4.0])
     copies = [array.copy() for array in (points, triangles, axis, companions)]
-    deploy(points, triangles, axis, case.radius, SETTINGS[name], companions=companions)
+    deploy(
+        Surface(points, triangles),
+        SETTINGS[name].chain(axis),
+        case.radius,
+        SETTINGS[name],
+        companions=companions,
+    )
     for array, copy in zip((points, triangles, axis, companions), copies, strict=True):
         np.testing.assert_array_equal(array, copy)
 
@@ -248,7 +260,7 @@ def test_no_wall_is_left_inside_a_finished_stent(radius, start, length, falloff,
     line = phantom("bent_tube", edge_length=1.0).axis_at(np.linspace(0, 40, 400))
     axis = cut(line, start, start + length)
     settings = DEFAULT.with_changes(falloff=falloff, blend=blend, untangle=False, certify=False)
-    deployment = Deployment(made.points, made.triangles, axis, radius, settings)
+    deployment = Deployment(made.surface, settings.chain(axis), radius, settings)
     away = deployment.chain.axis_distance(deployment.result.points)
     # Three rounds along the smooth field's direction, which is up to 20 degrees off the true one.
     assert away.min() > radius - 1e-3

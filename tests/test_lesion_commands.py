@@ -209,7 +209,7 @@ def test_a_stent_at_a_lesion_has_the_middle_of_its_extent(tube, tmp_path, capsys
 def branching_vessels(data_dir):
     """An artery and a phantom with the lesions of each."""
     vessels = anatomy(data_dir, "pulmonary"), branching_pulmonary_artery(edge_length=0.8)
-    return [(one, find_lesions(one.points, one.triangles, one.centerline)) for one in vessels]
+    return [(one, find_lesions(one.surface, one.centerline)) for one in vessels]
 
 
 @pytest.mark.parametrize("length", LENGTHS)

@@ -12,6 +12,7 @@ from lesion_cases import bifurcation_case, tapering, tube_case
 from SDFStentLib.centerline.centerline import Centerline
 from SDFStentLib.deformation.deployment import deploy
 from SDFStentLib.field import CapsuleChain
+from SDFStentLib.geometry import Surface
 from SDFStentLib.geometry.polyline import cut
 from SDFStentLib.measure.inscribed import inscribed_spheres
 from SDFStentLib.measure.lesions import find_lesions, lesion_after, lesion_against, lesions_within
@@ -26,7 +27,7 @@ narrowed or widened by it."""
 
 
 def lesions_of(case):
-    return find_lesions(case.points, case.triangles, case.centerline)
+    return find_lesions(case.surface, case.centerline)
 
 
 def assert_as_built(case):
@@ -59,7 +60,7 @@ def test_a_vessel_that_tapers_in_steps_has_no_lesion():
 
     patch = swept_tube(axis, stepping, 0.8)
     line = Centerline.from_polyline(axis.point(np.linspace(0, 90, 91)))
-    assert find_lesions(patch.points, patch.triangles, line) == ()
+    assert find_lesions(Surface(patch.points, patch.triangles), line) == ()
 
 
 def test_an_aneurysm_makes_no_lesion_of_the_vessel_beside_it():
@@ -71,12 +72,12 @@ def test_an_aneurysm_makes_no_lesion_of_the_vessel_beside_it():
 
     patch = swept_tube(axis, radius, 1.0)
     line = Centerline.from_polyline(axis.point(np.linspace(0, 120, 121)))
-    assert find_lesions(patch.points, patch.triangles, line) == ()
+    assert find_lesions(Surface(patch.points, patch.triangles), line) == ()
 
 
 def test_a_stenosis_across_a_junction_is_one_lesion():
     made = phantom("branching_pulmonary_artery")
-    first, second = find_lesions(made.points, made.triangles, made.centerline)
+    first, second = find_lesions(made.surface, made.centerline)
     assert np.linalg.norm(np.subtract(first.point, made.throat.point)) < 1.0
     assert first.proximal is None
     assert first.distal is not None
@@ -110,7 +111,7 @@ def forms_of(line):
 def test_the_pulmonary_artery_s_lesions_are_the_same_for_every_form_of_the_centerline(data_dir):
     vessel = anatomy(data_dir, "pulmonary")
     for form, line in forms_of(vessel.centerline).items():
-        first, second, *mild = find_lesions(vessel.points, vessel.triangles, line)
+        first, second, *mild = find_lesions(vessel.surface, line)
         assert first.minimum_diameter == pytest.approx(4.95, abs=0.03), form
         assert first.percent_diameter == pytest.approx(51, abs=2), form
         assert second.minimum_diameter == pytest.approx(5.89, abs=0.03), form
@@ -127,13 +128,13 @@ def test_aneurysms_junctions_and_rounded_outlets_are_no_lesions(data_dir, name):
     assert name in ANATOMIES
     forms = forms_of(vessel.centerline)
     for form in ("delivered", "backward", "overlapping"):
-        assert find_lesions(vessel.points, vessel.triangles, forms[form]) == (), form
+        assert find_lesions(vessel.surface, forms[form]) == (), form
 
 
 def test_the_degree_is_that_of_spheres_and_circles_measured_by_hand(data_dir):
     """The reference from the two places that the lesion names, by another route than its own."""
     vessel = anatomy(data_dir, "pulmonary")
-    lesion = find_lesions(vessel.points, vessel.triangles, vessel.centerline)[0]
+    lesion = find_lesions(vessel.surface, vessel.centerline)[0]
     way = vessel.centerline.path(lesion.proximal.point, lesion.distal.point)
     widths = 2 * inscribed_spheres(vessel.points, vessel.triangles, way.points).radii
     along = np.linspace(0, 1, len(widths))
@@ -148,13 +149,13 @@ def test_the_degree_is_that_of_spheres_and_circles_measured_by_hand(data_dir):
 @pytest.mark.parametrize("length", [8.0, 20.0, 40.0])
 def test_a_stent_s_length_changes_neither_lesion_nor_reference(length):
     made = phantom("stenosed_tube", edge_length=0.8, length=60.0)
-    (before,) = find_lesions(made.points, made.triangles, made.centerline)
+    (before,) = find_lesions(made.surface, made.centerline)
     assert before.percent_diameter == pytest.approx(40, abs=0.5)
     assert before.percent_area == pytest.approx(64, abs=0.5)
     axis = made.axis_at(np.linspace(30 - length / 2, 30 + length / 2, 100))
-    done = deploy(made.points, made.triangles, CapsuleChain.along(axis), 2.7)
+    done = deploy(made.surface, CapsuleChain.along(axis), 2.7)
     assert lesions_within([before], axis) == (before,)
-    after = lesion_after(before, done.points, made.triangles)
+    after = lesion_after(before, done.surface)
     assert after.reference_diameter == pytest.approx(6.0, abs=0.05)
     left = 2 * inscribed_spheres(done.points, made.triangles, before.line).radii.min()
     assert after.percent_diameter == pytest.approx(100 * (1 - left / 6), abs=0.5)
@@ -164,7 +165,7 @@ def test_a_stent_s_length_changes_neither_lesion_nor_reference(length):
 
 def test_a_stent_elsewhere_covers_no_lesion():
     made = phantom("stenosed_tube", edge_length=0.8)
-    found = find_lesions(made.points, made.triangles, made.centerline)
+    found = find_lesions(made.surface, made.centerline)
     line = made.axis_at(np.linspace(0, 40, 81))
     assert lesions_within(found, cut(line, 22, 40)) == ()
     assert lesions_within(found, cut(line, 15, 25)) == found
@@ -172,8 +173,8 @@ def test_a_stent_elsewhere_covers_no_lesion():
 
 def test_the_user_s_own_reference_stands_instead():
     made = phantom("stenosed_tube", edge_length=0.8, length=60.0)
-    (lesion,) = find_lesions(made.points, made.triangles, made.centerline)
-    surface = made.points, made.triangles, made.centerline
+    (lesion,) = find_lesions(made.surface, made.centerline)
+    surface = made.surface, made.centerline
     one = lesion_against(lesion, [[0, 0, 24]], *surface)
     # On the slope of the stenosis, where the exact sphere is narrower than the section.
     marked = 2 * made.centerline.project([0, 0, 24]).inscribed_radius
@@ -188,8 +189,8 @@ def test_the_user_s_own_reference_stands_instead():
 
 def test_a_reference_that_cannot_be_one_is_refused_in_a_sentence():
     made = phantom("stenosed_tube", edge_length=0.8)
-    (lesion,) = find_lesions(made.points, made.triangles, made.centerline)
-    surface = made.points, made.triangles, made.centerline
+    (lesion,) = find_lesions(made.surface, made.centerline)
+    surface = made.surface, made.centerline
     with pytest.raises(InputError, match="one or two marked places, got 0"):
         lesion_against(lesion, [], *surface)
     with pytest.raises(InputError, match="two distal of it"):
@@ -197,16 +198,14 @@ def test_a_reference_that_cannot_be_one_is_refused_in_a_sentence():
     with pytest.raises(InputError, match="inside of the vessel"):
         lesion_against(lesion, [[9, 0, 30]], *surface)
     with pytest.raises(InputError, match="outside"):
-        find_lesions(
-            made.points, made.triangles, made.centerline.with_points(made.centerline.points + 99)
-        )
+        find_lesions(made.surface, made.centerline.with_points(made.centerline.points + 99))
 
 
 def test_an_open_surface_has_the_lesions_of_the_closed_one():
     made = phantom("stenosed_tube", edge_length=0.8)
     wall = made.triangles[made.face_ids == 1]
-    (closed,) = find_lesions(made.points, made.triangles, made.centerline)
-    (opened,) = find_lesions(made.points, wall, made.centerline)
+    (closed,) = find_lesions(made.surface, made.centerline)
+    (opened,) = find_lesions(Surface(made.points, wall), made.centerline)
     assert opened.percent_diameter == pytest.approx(closed.percent_diameter, abs=1e-6)
     assert len(closed_surface(made.points, wall)[0]) == len(made.points) + 2
 

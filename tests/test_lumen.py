@@ -13,6 +13,7 @@ from oracle import field as plain_field
 from SDFStentLib.deformation.deployment import Deployment
 from SDFStentLib.deformation.settings import DeploymentSettings
 from SDFStentLib.field.capsule_chain import CapsuleChain, radius_correction
+from SDFStentLib.geometry import Surface
 from SDFStentLib.measure.inscribed import inscribed_spheres
 
 DEFAULT = DeploymentSettings(certify=False)
@@ -20,7 +21,7 @@ DEFAULT = DeploymentSettings(certify=False)
 
 def deployment_in(made, start, length, radius, settings=DEFAULT):
     axis = made.axis_at(np.linspace(start, start + length, 400))
-    return Deployment(made.points, made.triangles, axis, radius, settings)
+    return Deployment(made.surface, settings.chain(axis), radius, settings)
 
 
 def inscribed_diameters(deployment):
@@ -118,7 +119,7 @@ def test_the_papers_correction_cannot_swallow_a_thin_stent():
 def test_the_finished_wall_lies_on_the_true_distance_from_the_axis(name):
     case = phantom_case(name)
     settings = DEFAULT.with_changes(facet_compensation=False, tissue_gap=0)
-    deployment = Deployment(case.points, case.triangles, case.axis, case.radius, settings)
+    deployment = Deployment(case.surface, settings.chain(case.axis), case.radius, settings)
     away = deployment.chain.axis_distance(deployment.result.points)
     # Three rounds along directions up to 20 degrees off; points just outside contact stay there.
     assert away.min() > case.radius - 1e-4
@@ -162,7 +163,12 @@ def oval_tube(wide):
 
 def stented_oval(wide, settings=DEFAULT):
     """Deployed; how far outside of the stent the wall beside it was and is, mm."""
-    deployment = Deployment(*oval_tube(wide), straight(16) + np.array([0, 0, 12.0]), 3.0, settings)
+    deployment = Deployment(
+        Surface(*oval_tube(wide)),
+        settings.chain(straight(16) + np.array([0, 0, 12.0])),
+        3.0,
+        settings,
+    )
     end = deployment.result.points
     beside = (end[:, 2] > 12) & (end[:, 2] < 28)
     native, after = (

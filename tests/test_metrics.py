@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from SDFStentLib.geometry import Surface
 from SDFStentLib.geometry.distance import SurfaceIndex, closest_points_on_triangles
 from SDFStentLib.measure.coverage import branch_ostia
 from SDFStentLib.measure.cross_section import equivalent_diameters
@@ -286,7 +287,7 @@ def test_outside_every_loop_there_is_no_equivalent_diameter():
 
 def test_a_profile_measures_both_diameters_at_equal_distances_with_both_ends():
     points, triangles = a_round_tube(radius=4.0, count=24)
-    profile = diameter_profile(points, triangles, [[1, 0, 10], [1, 0, 30.3]], spacing=1.0)
+    profile = diameter_profile(Surface(points, triangles), [[1, 0, 10], [1, 0, 30.3]], spacing=1.0)
     np.testing.assert_allclose(profile.arc_length, np.linspace(0, 20.3, 21), atol=ROUNDING)
     np.testing.assert_allclose(profile.inscribed_diameter, 8 * np.cos(np.pi / 24), atol=1e-5)
     extent = [profile.minimum, profile.mean, profile.maximum]
@@ -307,7 +308,7 @@ def test_the_part_of_a_profile_holds_the_stations_between_two_positions():
 
 def test_stations_outside_the_surface_have_no_diameter_and_it_is_said_where():
     points, triangles = a_round_tube(radius=4.0, length=20)
-    profile = diameter_profile(points, triangles, [[0, 0, -5], [0, 0, 25]], spacing=1.0)
+    profile = diameter_profile(Surface(points, triangles), [[0, 0, -5], [0, 0, 25]], spacing=1.0)
     outside = (profile.arc_length < 4) | (profile.arc_length > 26)
     inside = (profile.arc_length > 6) & (profile.arc_length < 24)
     assert np.isnan(profile.inscribed_diameter[outside]).all()
@@ -318,7 +319,7 @@ def test_stations_outside_the_surface_have_no_diameter_and_it_is_said_where():
 
 
 def test_a_profile_that_lies_nowhere_in_the_lumen_has_no_statistics():
-    profile = diameter_profile(*a_round_tube(), [[50, 0, 0], [50, 0, 9]])
+    profile = diameter_profile(Surface(*a_round_tube()), [[50, 0, 0], [50, 0, 9]])
     assert np.isnan([profile.minimum, profile.mean, profile.sd, profile.maximum]).all()
     assert np.isnan(profile.minimum_arc_length)
 
@@ -348,7 +349,7 @@ def test_stretches_of_an_affine_map_are_its_singular_values():
     gradient = rng.normal(size=(3, 2))
     after = points[:, :2] @ gradient.T + [1, 2, 3]
     largest, smallest = np.linalg.svd(gradient, compute_uv=False)
-    found = face_stretches(points, after, triangles)
+    found = face_stretches(Surface(points, triangles), after)
     np.testing.assert_allclose(found.largest, largest, rtol=1e-8)
     # The difference of two nearly equal roots loses some digits in needles.
     np.testing.assert_allclose(found.smallest, smallest, rtol=1e-6)
@@ -359,7 +360,7 @@ def test_rigid_motion_stretches_nothing_and_a_face_without_area_has_no_stretch()
     points = stations([0, 0, 0], [1, 0, 0], [0, 2, 0], [3, 0, 0])
     triangles = [[0, 1, 2], [0, 1, 3]]
     moved = points[:, [2, 0, 1]] + 5
-    found = face_stretches(points, moved, triangles)
+    found = face_stretches(Surface(points, triangles), moved)
     # Roots of a difference that is zero but for rounding: sqrt(1e-16).
     np.testing.assert_allclose([found.area[0], found.largest[0], found.smallest[0]], 1, atol=1e-7)
     assert np.isnan([found.area[1], found.largest[1], found.smallest[1]]).all()

@@ -7,6 +7,7 @@ import pytest
 from deployment_cases import PHANTOM_STENTS, anatomy_case, phantom_case
 
 from SDFStentLib.deformation.deployment import deploy
+from SDFStentLib.field import CapsuleChain
 from SDFStentLib.geometry.faces import signed_volume
 
 pymeshlab = pytest.importorskip("pymeshlab")
@@ -64,7 +65,7 @@ def assert_meshed_and_filled(points, triangles):
 def test_a_stented_phantom_is_sound_by_meshlab_and_tetgen(name):
     case = phantom_case(name)
     case = case._replace(radius=RADII.get(name, case.radius))
-    result = deploy(*case)
+    result = deploy(case.surface, CapsuleChain.along(case.axis), case.radius)
     assert result.certificate.passed
     assert intersecting_faces(result.points, case.triangles).tolist() == []
     assert_watertight(result.points, case.triangles)
@@ -75,7 +76,7 @@ def test_a_stented_phantom_is_sound_by_meshlab_and_tetgen(name):
 def test_a_stented_anatomy_is_sound_by_meshlab_and_tetgen(data_dir, name):
     start, length, radius = ANATOMY_STENTS[name]
     case = anatomy_case(data_dir, name, start, length, radius=radius)
-    result = deploy(*case)
+    result = deploy(case.surface, CapsuleChain.along(case.axis), case.radius)
     assert result.certificate.passed
     assert intersecting_faces(result.points, case.triangles).tolist() == []
     assert_watertight(result.points, case.triangles)
@@ -89,7 +90,12 @@ def test_our_certificate_finds_the_faces_that_meshlab_finds(data_dir):
     from SDFStentLib.deformation.settings import DeploymentSettings
 
     case = anatomy_case(data_dir, "aorta_iliac", 200, 36, radius=12.0)
-    result = deploy(*case, DeploymentSettings.published())
+    result = deploy(
+        case.surface,
+        DeploymentSettings.published().chain(case.axis),
+        case.radius,
+        DeploymentSettings.published(),
+    )
     faces = intersecting_faces(result.points, case.triangles)
     assert len(faces)
     np.testing.assert_array_equal(result.certificate.new_self_intersecting, faces)

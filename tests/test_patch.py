@@ -9,6 +9,7 @@ from mesh_files import open_tube
 
 from SDFStentLib.deformation.patch import Patch
 from SDFStentLib.field.capsule_chain import CapsuleChain
+from SDFStentLib.geometry import Surface
 
 
 @pytest.fixture(scope="module")
@@ -21,7 +22,7 @@ def middle_of(points, low=10, high=20):
 
 
 def normals_of(points, triangles, active, axis):
-    patch = Patch.around(points, triangles, active)
+    patch = Patch.around(Surface(points, triangles), active)
     field = CapsuleChain.along(axis).field(points[active])
     vertices = patch.points(points, points[active])
     return patch.outward_normals(vertices, field.direction, field.distance), field.direction
@@ -30,7 +31,7 @@ def normals_of(points, triangles, active, axis):
 def test_the_patch_has_every_face_of_an_active_vertex_and_no_other(tube):
     points, triangles = tube
     active = middle_of(points)
-    patch = Patch.around(points, triangles, active)
+    patch = Patch.around(Surface(points, triangles), active)
     touching = np.isin(triangles, active).any(axis=1)
     np.testing.assert_array_equal(patch.faces, np.flatnonzero(touching))
     np.testing.assert_array_equal(patch.vertices[patch.triangles], triangles[touching])
@@ -39,7 +40,7 @@ def test_the_patch_has_every_face_of_an_active_vertex_and_no_other(tube):
 def test_active_vertices_come_first_in_their_order_and_the_rim_follows(tube):
     points, triangles = tube
     active = np.random.default_rng(0).permutation(middle_of(points))
-    patch = Patch.around(points, triangles, active)
+    patch = Patch.around(Surface(points, triangles), active)
     assert patch.active_count == len(active)
     np.testing.assert_array_equal(patch.vertices[: len(active)], active)
     assert not np.isin(patch.vertices[len(active) :], active).any()
@@ -49,7 +50,7 @@ def test_active_vertices_come_first_in_their_order_and_the_rim_follows(tube):
 def test_its_points_are_the_active_ones_as_given_and_the_rim_as_it_was(tube):
     points, triangles = tube
     active = middle_of(points)
-    patch = Patch.around(points, triangles, active)
+    patch = Patch.around(Surface(points, triangles), active)
     moved = points[active] + 5
     together = patch.points(points, moved)
     np.testing.assert_array_equal(together[: len(active)], moved)
@@ -58,7 +59,7 @@ def test_its_points_are_the_active_ones_as_given_and_the_rim_as_it_was(tube):
 
 def test_a_patch_cannot_be_changed(tube):
     points, triangles = tube
-    patch = Patch.around(points, triangles, middle_of(points))
+    patch = Patch.around(Surface(points, triangles), middle_of(points))
     with pytest.raises(ValueError, match="read-only"):
         patch.triangles[0] = 0
 
@@ -76,7 +77,7 @@ def test_mixed_winding_tells_no_side(tube):
     points, triangles = tube
     turned = np.random.default_rng(3).random(len(triangles)) < 0.4
     wound = np.where(turned[:, None], triangles[:, ::-1], triangles)
-    patch = Patch.around(points, wound, middle_of(points))
+    patch = Patch.around(Surface(points, wound), middle_of(points))
     field = CapsuleChain.along([[0.0, 0, 5], [0, 0, 25]]).field(points[middle_of(points)])
     vertices = patch.points(points, points[middle_of(points)])
     assert patch.outward_normals(vertices, field.direction, field.distance) is None

@@ -11,7 +11,7 @@ import pytest
 from SDFStentLib import phantoms
 from SDFStentLib.certificate.intersections import self_intersecting_triangles
 from SDFStentLib.geometry.faces import face_areas, face_normals, signed_volume
-from SDFStentLib.geometry.topology import consistently_wound, edges, is_closed, is_manifold
+from SDFStentLib.geometry.topology import consistently_wound, edges, is_manifold, surface_topology
 from SDFStentLib.phantoms.axis import helical_axis, inscribed_radii, narrowing, planar_axis
 from SDFStentLib.phantoms.field import Tube, TubeUnion
 from SDFStentLib.phantoms.junction import branching_tube
@@ -68,7 +68,7 @@ def edge_lengths(points, triangles):
 @pytest.mark.parametrize("name", NAMES)
 def test_a_phantom_is_closed_manifold_and_oriented_outward(name: str) -> None:
     made = phantom(name)
-    assert is_closed(made.triangles)
+    assert surface_topology(made.triangles).is_closed
     assert is_manifold(made.triangles)
     _, part = consistently_wound(made.triangles)
     for component in range(part.max() + 1):
@@ -217,7 +217,7 @@ def test_the_volume_converges_with_the_square_of_the_edge_length() -> None:
 
 def test_the_branching_phantom_can_be_refined() -> None:
     fine = phantoms.branching_pulmonary_artery(edge_length=0.5)
-    assert is_closed(fine.triangles)
+    assert surface_topology(fine.triangles).is_closed
     assert is_manifold(fine.triangles)
     assert np.median(edge_lengths(fine.points, fine.triangles)) == pytest.approx(0.5, rel=0.1)
     assert corner_angles(fine.points, fine.triangles).min() > 20

@@ -15,6 +15,7 @@ import pytest
 from SDFStentLib.deformation.settings import DeploymentSettings
 from SDFStentLib.files import polydata
 from SDFStentLib.files.formats import vtk_files as vtk_formats
+from SDFStentLib.geometry import Surface
 from SDFStentLib.phantoms.phantoms import branching_pulmonary_artery, stenosed_tube
 from SDFStentLib.plan.document import SETTINGS, plan_document, plan_text, save_plan
 from SDFStentLib.plan.json_document import scaled, unscaled
@@ -261,7 +262,7 @@ def test_the_schema_accepts_what_the_reader_accepts_and_refuses_what_it_refuses(
 def test_two_overlapping_stents_are_deployed_in_order_and_said(a_patient):
     _, vessel = a_patient
     stents = [Stent(7.5, placement=BetweenPoints(*vessel.axis_at(e))) for e in ((19, 40), (36, 46))]
-    treatment = Treatment(vessel.points, vessel.triangles, stents, vessel.centerline)
+    treatment = Treatment(vessel.surface, stents, vessel.centerline)
     fractions = [state.fraction for state in treatment]
     assert fractions == sorted(fractions)
     assert fractions[-1] == 1
@@ -281,9 +282,11 @@ def test_two_overlapping_stents_are_deployed_in_order_and_said(a_patient):
 def test_a_later_stent_starts_from_what_the_earlier_one_left(a_patient):
     _, vessel = a_patient
     stents = [Stent(7.5, placement=BetweenPoints(*vessel.axis_at(e))) for e in ((19, 40), (36, 46))]
-    both = Treatment(vessel.points, vessel.triangles, stents, vessel.centerline, QUICK).result
-    first = Treatment(vessel.points, vessel.triangles, stents[:1], vessel.centerline, QUICK).result
-    second = Treatment(first.points, vessel.triangles, stents[1:], first.centerline, QUICK).result
+    both = Treatment(vessel.surface, stents, vessel.centerline, QUICK).result
+    first = Treatment(vessel.surface, stents[:1], vessel.centerline, QUICK).result
+    second = Treatment(
+        Surface(first.points, vessel.triangles), stents[1:], first.centerline, QUICK
+    ).result
     np.testing.assert_array_equal(second.points, both.points)
     np.testing.assert_array_equal(second.centerline.points, both.centerline.points)
 
@@ -291,7 +294,7 @@ def test_a_later_stent_starts_from_what_the_earlier_one_left(a_patient):
 def test_tissue_that_a_later_stent_pushes_into_an_earlier_one_is_said(a_patient):
     _, vessel = a_patient
     stents = [Stent(7.5, placement=BetweenPoints(*vessel.axis_at(e))) for e in ((19, 34), (30, 42))]
-    result = Treatment(vessel.points, vessel.triangles, stents, vessel.centerline, QUICK).result
+    result = Treatment(vessel.surface, stents, vessel.centerline, QUICK).result
     is_narrow = result.stents[0].after.minimum < 0.97 * 7.5
     told = [text for text in result.warnings if "Later stents push tissue into it" in text]
     assert len(told) == is_narrow
@@ -301,18 +304,18 @@ def test_a_stent_that_is_switched_off_is_skipped_and_named():
     vessel = stenosed_tube()
     stent = Stent(6.0, length=15, placement=AtCenter(vessel.throat.point))
     on, off = stent, replace(stent, name="spare", enabled=False)
-    result = Treatment(vessel.points, vessel.triangles, [off, on], vessel.centerline, QUICK).result
+    result = Treatment(vessel.surface, [off, on], vessel.centerline, QUICK).result
     assert [treated.number for treated in result.stents] == [2]
     assert "Stent 1 (spare): it is switched off and was not deployed." in result.warnings
     for stents, words in (([off], "all switched off"), ([], "at least one stent, got none")):
         with pytest.raises(InputError, match=words):
-            Treatment(vessel.points, vessel.triangles, stents, vessel.centerline)
+            Treatment(vessel.surface, stents, vessel.centerline)
 
 
 def test_a_stent_smaller_than_the_lumen_moves_nothing_and_says_so():
     vessel = stenosed_tube()
     stent = Stent(3.0, length=15, placement=AtCenter(vessel.throat.point))
-    result = Treatment(vessel.points, vessel.triangles, [stent], vessel.centerline).result
+    result = Treatment(vessel.surface, [stent], vessel.centerline).result
     assert len(result.indices) == 0
     assert result.certificate.passed
     assert any("Nothing moves: the stent of 3 mm" in text for text in result.warnings)
@@ -324,15 +327,15 @@ def test_a_stent_far_wider_than_the_vessel_or_away_from_it_is_refused():
     with pytest.raises(
         InputError, match=r"at most 4 times the lumen of .*the unit of the files\.$"
     ):
-        Treatment(vessel.points, vessel.triangles, [wide], vessel.centerline)
+        Treatment(vessel.surface, [wide], vessel.centerline)
     away = Stent(60.0, placement=AlongAxis(np.array([[0, 0, 200.0], [0, 0, 210.0]])))
     inside = Stent(6.0, length=15, placement=AtCenter(vessel.throat.point))
-    both = Treatment(vessel.points, vessel.triangles, [inside, away], vessel.centerline, QUICK)
+    both = Treatment(vessel.surface, [inside, away], vessel.centerline, QUICK)
     with pytest.raises(DeploymentError, match="Stent 2: stent: expected the vessel's wall"):
         list(both)
     far = Stent(6.0, length=15, placement=AtCenter([300.0, 0, 0]))
     with pytest.raises(InputError, match="Stent 2: center: expected a point within"):
-        Treatment(vessel.points, vessel.triangles, [inside, far], vessel.centerline)
+        Treatment(vessel.surface, [inside, far], vessel.centerline)
 
 
 @pytest.mark.parametrize(("factor", "is_said"), [(1.45, False), (1.55, True)])
@@ -342,9 +345,7 @@ def test_a_stent_far_wider_than_the_native_lumen_is_said_with_both_numbers(facto
     diameter = factor * widest
     stent = Stent(diameter, length=30, placement=AtCenter(vessel.throat.point))
     # Of the second one, too: native is the lumen before any stent.
-    result = Treatment(
-        vessel.points, vessel.triangles, [stent, stent], vessel.centerline, QUICK
-    ).result
+    result = Treatment(vessel.surface, [stent, stent], vessel.centerline, QUICK).result
     told = [text for text in result.warnings if "the widest native lumen" in text]
     assert len(told) == (2 if is_said else 0)
     for number, text in enumerate(told, start=1):
@@ -363,7 +364,7 @@ def test_a_bend_tighter_than_the_stent_is_said():
     vessel = bent_tube(radius=3.0, bend_radius=4.0, angle_deg=120)
     middle = vessel.vessels[0].axis.length / 2
     stent = Stent(9.0, length=10, placement=AtCenter(vessel.axis_at(middle)[0]))
-    treatment = Treatment(vessel.points, vessel.triangles, [stent], vessel.centerline, QUICK)
+    treatment = Treatment(vessel.surface, [stent], vessel.centerline, QUICK)
     assert any("bend tighter than the stent's radius" in text for text in treatment.result.warnings)
 
 
@@ -389,7 +390,9 @@ def test_a_plan_of_files_gives_the_same_points_as_its_arrays(a_patient):
     result = run_plan(load_plan(folder / "plan.json"), progress=states.append)
     assert states[-1].fraction == 1
     centerline = result.inputs.centerline
-    direct = Treatment(result.inputs.surface.points, vessel.triangles, [stent], centerline).result
+    direct = Treatment(
+        Surface(result.inputs.surface.points, vessel.triangles), [stent], centerline
+    ).result
     np.testing.assert_allclose(result.treatment.points, direct.points, rtol=0, atol=1e-9)
     document = plan_report(result).as_dict()
     assert document["certificate"]["arrays_kept"]

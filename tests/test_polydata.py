@@ -6,7 +6,6 @@ from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
 
 from SDFStentLib.files.polydata import (
     add_arrays,
-    arrays_from_polydata,
     cells_from_array,
     frame_of_polydata,
     inscribed_radius_from_polydata,
@@ -15,6 +14,7 @@ from SDFStentLib.files.polydata import (
     polydata_from_lines,
     polydata_from_polygons,
     set_frame_of_polydata,
+    surface_from_polydata,
 )
 from SDFStentLib.validation import InputError
 
@@ -23,19 +23,19 @@ from SDFStentLib.validation import InputError
 def test_arrays_go_to_polydata_and_back(kind):
     points, triangles = octahedron()
     polydata = polydata_from_arrays(points.astype(kind), triangles)
-    back = arrays_from_polydata(polydata)
-    assert np.array_equal(back[0], points.astype(kind))
-    assert np.array_equal(back[1], triangles)
+    back = surface_from_polydata(polydata)
+    assert np.array_equal(back.points, points.astype(kind))
+    assert np.array_equal(back.triangles, triangles)
     assert vtk_to_numpy(polydata.GetPoints().GetData()).dtype == kind
 
 
 def test_nothing_is_shared_with_the_polydata():
     points, triangles = octahedron()
     polydata = polydata_from_arrays(points, triangles)
-    read, _ = arrays_from_polydata(polydata)
+    read = surface_from_polydata(polydata)
     points[0] += 1
     vtk_to_numpy(polydata.GetPoints().GetData())[:] += 2
-    assert np.array_equal(read[0], points[0] - 1)
+    assert np.array_equal(read.points[0], points[0] - 1)
 
 
 def test_arrays_keep_name_type_and_values():
@@ -90,15 +90,15 @@ def test_the_frame_tag_can_be_set_read_and_removed():
 def test_other_cells_and_damaged_cells_are_refused():
     square = polydata_from_polygons(np.zeros((4, 3)), np.array([0, 4]), np.arange(4))
     with pytest.raises(InputError, match="vein: expected nothing but triangles"):
-        arrays_from_polydata(square, "vein")
+        surface_from_polydata(square, "vein")
     with pytest.raises(InputError, match="expected at least one triangle"):
-        arrays_from_polydata(vtkPolyData())
+        surface_from_polydata(vtkPolyData())
     wild = polydata_from_polygons(np.zeros((3, 3)), np.array([0, 3]), np.array([0, 1, 7]))
     with pytest.raises(InputError, match="expected point indices from 0 to 2"):
-        arrays_from_polydata(wild)
+        surface_from_polydata(wild)
     torn = polydata_from_polygons(np.zeros((3, 3)), np.array([0, 3, 2, 3]), np.arange(3))
     with pytest.raises(InputError, match="cells do not fit together"):
-        arrays_from_polydata(torn)
+        surface_from_polydata(torn)
 
 
 def test_cells_of_every_storage_are_read():

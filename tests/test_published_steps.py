@@ -36,7 +36,7 @@ def grown(points, chain, start, target, touchable=None, **changes):
 @pytest.mark.parametrize("name", list(PHANTOM_STENTS))
 def test_a_deployment_in_a_phantom_is_the_plain_method(name):
     case = phantom_case(name)
-    deployment = Deployment(case.points, case.triangles, case.axis, case.radius, PUBLISHED)
+    deployment = Deployment(case.surface, PUBLISHED.chain(case.axis), case.radius, PUBLISHED)
     final = list(deployment)[-1]
     nodes, target = deployment.chain.nodes, deployment.target_level
     nearest = oracle.field(case.points, nodes, 0.4).distance.min()
@@ -48,7 +48,7 @@ def test_a_deployment_in_a_phantom_is_the_plain_method(name):
 @pytest.mark.parametrize("name", list(ANATOMIES))
 def test_a_deployment_in_an_anatomy_is_the_plain_method(data_dir, name):
     case = anatomy_case(data_dir, name, 40, 12, ratio=1.15)
-    deployment = Deployment(case.points, case.triangles, case.axis, case.radius, PUBLISHED)
+    deployment = Deployment(case.surface, PUBLISHED.chain(case.axis), case.radius, PUBLISHED)
     last = list(deployment)[-1]
     nodes, target = deployment.chain.nodes, deployment.target_level
     near = near_part(case, deployment.chain, target + 8)
@@ -61,7 +61,7 @@ def test_a_deployment_in_an_anatomy_is_the_plain_method(data_dir, name):
 
 def test_every_state_on_the_way_is_the_plain_one():
     case = phantom_case("branching_pulmonary_artery")
-    deployment = Deployment(case.points, case.triangles, case.axis, case.radius, PUBLISHED)
+    deployment = Deployment(case.surface, PUBLISHED.chain(case.axis), case.radius, PUBLISHED)
     states = list(deployment)[:-1]
     nodes, target = deployment.chain.nodes, deployment.target_level
     nearest = oracle.field(case.points, nodes, 0.4).distance.min()
@@ -96,7 +96,7 @@ def test_every_state_on_the_way_is_the_plain_one():
 def test_other_parameters_are_the_plain_method_too(changes):
     case = phantom_case("tube_with_neighbor")
     settings = PUBLISHED.with_changes(**changes)
-    deployment = Deployment(case.points, case.triangles, case.axis, case.radius, settings)
+    deployment = Deployment(case.surface, settings.chain(case.axis), case.radius, settings)
     last = list(deployment)[-1]
     nodes, k = deployment.chain.nodes, settings.smoothing_width
     nearest = oracle.field(case.points, nodes, k).distance.min()

@@ -3,6 +3,7 @@ import pytest
 from mesh_files import octahedron, open_tube
 
 from SDFStentLib.files.same_space import InsideTest, check_same_space, size_warnings
+from SDFStentLib.geometry import Surface
 from SDFStentLib.validation import InputError
 
 HERE = np.array([100.0, 60.0, 20.0])
@@ -24,17 +25,17 @@ def test_inside_and_outside_need_no_orientation(flip):
     queries = generator.normal(size=(300, 3))
     queries /= np.linalg.norm(queries, axis=1, keepdims=True)
     # The facets of the sphere are less than 1 mm inside of it.
-    test = InsideTest(points, triangles[:, ::flip])
+    test = InsideTest(Surface(points, triangles[:, ::flip]))
     assert test.is_inside(28.5 * queries).all()
     assert not test.is_inside(30.5 * queries).any()
 
 
 def test_a_centerline_in_an_open_vessel_fits():
-    assert check_same_space(*moved_tube(), axis()) == ()
+    assert check_same_space(Surface(*moved_tube()), axis()) == ()
 
 
 def test_an_end_that_sticks_out_of_an_inlet_is_only_said():
-    (said,) = check_same_space(*moved_tube(), axis(-20, 59), centerline_name="c.vtp")
+    (said,) = check_same_space(Surface(*moved_tube()), axis(-20, 59), centerline_name="c.vtp")
     assert said.startswith("c.vtp: ")
     assert "lie outside of surface" in said
 
@@ -44,41 +45,41 @@ def test_other_units_are_recognized_and_the_option_named(factor):
     words = rf"c.vtp: expected it inside s.vtp, got 0 % .* {1 / factor:g} times .* name that"
     with pytest.raises(InputError, match=words):
         check_same_space(
-            *moved_tube(), factor * axis(), surface_name="s.vtp", centerline_name="c.vtp"
+            Surface(*moved_tube()), factor * axis(), surface_name="s.vtp", centerline_name="c.vtp"
         )
 
 
 def test_the_other_frame_is_recognized():
     with pytest.raises(InputError, match="one is in RAS and the other in LPS") as caught:
-        check_same_space(*moved_tube(), axis() * (-1, -1, 1))
+        check_same_space(Surface(*moved_tube()), axis() * (-1, -1, 1))
     assert "units" not in str(caught.value)
 
 
 def test_units_and_frame_may_both_be_wrong():
     with pytest.raises(InputError, match=r"different units .*also, one is in RAS"):
-        check_same_space(*moved_tube(), axis() * (-0.1, -0.1, 0.1))
+        check_same_space(Surface(*moved_tube()), axis() * (-0.1, -0.1, 0.1))
 
 
 def test_another_patient_is_not_explained_by_units():
     with pytest.raises(InputError, match="check that the two belong together"):
-        check_same_space(*moved_tube(), axis() + np.array([40, -13, 7]))
+        check_same_space(Surface(*moved_tube()), axis() + np.array([40, -13, 7]))
 
 
 def test_the_size_of_a_vessel_is_expected():
     points, triangles = octahedron(radius=30)
-    assert size_warnings(points, triangles, "s") == ()
-    (small,) = size_warnings(points / 10, triangles, "s.stl", "mm")
+    assert size_warnings(Surface(points, triangles), "s") == ()
+    (small,) = size_warnings(Surface(points / 10, triangles), "s.stl", "mm")
     assert "s.stl: read in mm, it is 6 mm long and about" in small
     assert "name the unit of the file if it is another" in small
-    assert len(size_warnings(points * 100, triangles, "s")) == 1
-    (tube,) = size_warnings(open_tube()[0] / 10, open_tube()[1], "tube")
+    assert len(size_warnings(Surface(points * 100, triangles), "s")) == 1
+    (tube,) = size_warnings(Surface(open_tube()[0] / 10, open_tube()[1]), "tube")
     assert "wide" not in tube  # the volume of an open surface says nothing
 
 
 def test_the_lumen_counts_as_well_as_the_length():
     points, triangles = octahedron(radius=1)
     thin = points * (0.5, 0.5, 40)  # 80 mm long, 1 mm wide
-    assert len(size_warnings(thin, triangles, "s")) == 1
+    assert len(size_warnings(Surface(thin, triangles), "s")) == 1
 
 
 def test_real_vessels_are_seen_inside(data_dir):
@@ -88,9 +89,9 @@ def test_real_vessels_are_seen_inside(data_dir):
     for vessel in ("pulmonary", "aorta_iliac"):
         surface = read_surface(data_dir / f"{vessel}_surface_cm.vtp", "cm")
         lines = read_lines(data_dir / f"{vessel}_centerline_cm.vtp", "cm")
-        assert check_same_space(surface.points, surface.triangles, lines.points) == ()
+        assert check_same_space(surface.surface, lines.points) == ()
         with pytest.raises(InputError, match="10 times as large"):
-            check_same_space(surface.points, surface.triangles, lines.points / 10)
+            check_same_space(surface.surface, lines.points / 10)
 
 
 @pytest.mark.parametrize("away", [(100, 0, 0), (3000, 0, 0), (0, 0, 9000)])
@@ -98,10 +99,10 @@ def test_a_line_that_fits_only_as_a_spot_is_not_blamed_on_units(away):
     points, triangles = open_tube()  # it passes by the origin, where everything shrinks to
     line = axis() - HERE + away
     with pytest.raises(InputError, match="it lies elsewhere, and neither other units") as caught:
-        check_same_space(points, triangles, line)
+        check_same_space(Surface(points, triangles), line)
     assert "times as large" not in str(caught.value)
 
 
 def test_a_short_axis_in_a_smaller_unit_is_still_recognized():
     with pytest.raises(InputError, match="it would fit 10 times as large"):
-        check_same_space(*moved_tube(), 0.1 * axis(30, 36))
+        check_same_space(Surface(*moved_tube()), 0.1 * axis(30, 36))

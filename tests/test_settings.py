@@ -18,6 +18,7 @@ from SDFStentLib.deformation.settings import (
     WIDEST,
     DeploymentSettings,
 )
+from SDFStentLib.field import CapsuleChain
 from SDFStentLib.phantoms.phantoms import straight_tube
 from SDFStentLib.validation import InputError
 
@@ -192,4 +193,4 @@ def test_a_radius_that_no_stent_has_is_refused(radius):
     tube = straight_tube(3, 20, 1.2)
     words = r"stent radius: expected a number at least 0.05 and at most 100 \(mm\), got"
     with pytest.raises(InputError, match=words):
-        Deployment(tube.points, tube.triangles, [[0, 0, 5], [0, 0, 15]], radius)
+        Deployment(tube.surface, CapsuleChain.along([[0, 0, 5], [0, 0, 15]]), radius)

@@ -20,6 +20,7 @@ from SDFStentLib.deformation.lumen import largest_push
 from SDFStentLib.deformation.settings import DeploymentSettings
 from SDFStentLib.deformation.stent_checks import lumen_check, motion_check
 from SDFStentLib.field.capsule_chain import CapsuleChain
+from SDFStentLib.geometry import Surface
 from SDFStentLib.stent.placement import AlongAxis, AtCenter
 from SDFStentLib.stent.stent import Stent, StentAxis, stent_axis
 from SDFStentLib.treatment.straightening import axis_in_vessel, permitted
@@ -57,11 +58,7 @@ def demo():
 def treated(vessel, center, diameter, length, straightening=0.0):
     stent = Stent(diameter, placement=AtCenter(np.array(center)), length=length)
     result = Treatment(
-        vessel.points,
-        vessel.triangles,
-        [stent],
-        vessel.centerline,
-        straightening_fraction=straightening,
+        vessel.surface, [stent], vessel.centerline, straightening_fraction=straightening
     ).result
     return Outcome(
         diameter / 2,
@@ -103,7 +100,7 @@ def test_the_rim_of_a_cap_is_not_flared_by_the_cap_that_the_stent_touches_first(
     """It went to 1.31 radii from the axis, and the lumen behind it to 1.15."""
     made = phantom("stenosed_tube")
     axis = made.axis_at(np.linspace(20.0, 39.7, 100))
-    deployment = Deployment(made.points, made.triangles, axis, 3.34)
+    deployment = Deployment(made.surface, CapsuleChain.along(axis), 3.34)
     after = deployment.result.points
     beside = (made.points[:, 2] > 35) & (made.points[:, 2] < 39.7)
     assert deployment.chain.axis_distance(after)[beside].max() < 1.02 * 3.34
@@ -135,7 +132,7 @@ def test_no_facet_however_coarse_for_its_stent_is_pushed_out_without_bound():
     """An axis that grazes the wall: corners that go apart by 180 degrees have no remedy."""
     made = phantom("straight_tube", edge_length=1.5)
     axis = np.array([[2.9, 0.0, 10.0], [2.9, 0.0, 26.0]])
-    deployment = Deployment(made.points, made.triangles, axis, 3.5)
+    deployment = Deployment(made.surface, CapsuleChain.along(axis), 3.5)
     result = deployment.result
     moved = np.linalg.norm(result.points - made.points, axis=1)
     assert moved.max() <= np.sqrt(2) * (3.5 + deployment.settings.tissue_gap)
@@ -168,7 +165,7 @@ def test_what_the_vessel_permits_is_done_in_full_and_without_a_word():
     made = phantom("bent_tube")
     axis = made.axis_at(np.linspace(12, 18, 60))
     stent = Stent(7.2, placement=AlongAxis(axis))
-    found = axis_in_vessel(stent, None, made.points, made.triangles, 1.0)
+    found = axis_in_vessel(stent, None, made.surface, 1.0)
     expected = stent_axis(stent, straightening_fraction=1.0)
     np.testing.assert_array_equal(found.points, expected.points)
     assert found.warnings == expected.warnings
@@ -178,7 +175,7 @@ def test_an_axis_does_not_pass_through_a_thin_wall_into_the_next_lumen():
     """Beyond the wall of a hairpin's leg is its other leg, where the axis would be free again."""
     made = phantom("hairpin_tube")
     axis = made.axis_at(np.linspace(5, 45, 120))
-    used, place = permitted(axis, 3.0, made.points, made.triangles, 1.0)
+    used, place = permitted(axis, 3.0, made.surface, 1.0)
     assert used < 0.5
     assert np.isfinite(place).all()
 
@@ -198,7 +195,7 @@ def through_the_wall(**changes):
     stent = Stent(5.95, placement=AtCenter(np.array([-1.962, 0.0, 26.172])), length=25.1)
     axis = stent_axis(stent, made.centerline, straightening_fraction=1.0)
     settings = DeploymentSettings().with_changes(**changes)
-    return Deployment(made.points, made.triangles, axis.points, 5.95 / 2, settings)
+    return Deployment(made.surface, settings.chain(axis.points), 5.95 / 2, settings)
 
 
 def test_a_lumen_narrower_than_prescribed_is_not_certified_and_says_where():
@@ -221,7 +218,7 @@ def test_a_lumen_narrower_than_prescribed_is_not_certified_and_says_where():
 def test_a_point_moved_too_far_is_not_certified_and_says_where():
     made = phantom("straight_tube", edge_length=1.0)
     axis = made.axis_at(np.linspace(10, 20, 50))
-    deployment = Deployment(made.points, made.triangles, axis, 3.6)
+    deployment = Deployment(made.surface, CapsuleChain.along(axis), 3.6)
     state = deployment.result.state
     before, after = made.points[state.indices], state.coordinates.copy()
     assert motion_check(before, after, deployment.chain, 3.6, 0.4).passed
@@ -238,14 +235,19 @@ def test_a_point_moved_too_far_is_not_certified_and_says_where():
 def test_a_lumen_blown_up_beyond_the_stent_is_not_certified():
     made = phantom("straight_tube", edge_length=1.0)
     axis = made.axis_at(np.linspace(10, 20, 50))
-    deployment = Deployment(made.points, made.triangles, axis, 3.6)
+    deployment = Deployment(made.surface, CapsuleChain.along(axis), 3.6)
     blown = deployment.result.points.copy()
     blown[:, :2] *= 1.1
-    check = lumen_check(made.points, blown, made.triangles, deployment.chain, 3.6)
+    check = lumen_check(made.surface, made.surface.with_points(blown), deployment.chain, 3.6)
     assert check.is_wide
     assert check.widest == pytest.approx(1.1 * 7.2, rel=0.01)
     native = blown.copy()
-    assert lumen_check(native, blown, made.triangles, deployment.chain, 3.6).passed
+    assert lumen_check(
+        Surface(native, made.triangles),
+        Surface(native, made.triangles).with_points(blown),
+        deployment.chain,
+        3.6,
+    ).passed
 
 
 def test_the_published_rule_promises_no_lumen_and_nothing_is_said_about_it():
@@ -257,7 +259,7 @@ def test_the_published_rule_promises_no_lumen_and_nothing_is_said_about_it():
 def test_a_stent_narrower_than_its_lumen_moves_nothing_and_is_certified():
     made = phantom("straight_tube", edge_length=1.0)
     axis = made.axis_at(np.linspace(10, 20, 50))
-    result = Deployment(made.points, made.triangles, axis, 2.0).result
+    result = Deployment(made.surface, CapsuleChain.along(axis), 2.0).result
     assert not len(result.state.indices)
     assert result.certificate.passed
     assert result.motion.distance == 0
@@ -266,7 +268,7 @@ def test_a_stent_narrower_than_its_lumen_moves_nothing_and_is_certified():
 def test_a_stent_outside_of_the_vessel_is_not_certified():
     made = phantom("straight_tube", edge_length=1.0)
     axis = made.axis_at(np.linspace(10, 20, 50)) + np.array([6.0, 0, 0])
-    certificate = Deployment(made.points, made.triangles, axis, 2.0).result.certificate
+    certificate = Deployment(made.surface, CapsuleChain.along(axis), 2.0).result.certificate
     assert not certificate.passed
     assert "outside of the lumen" in certificate.sentence()
 
@@ -274,7 +276,7 @@ def test_a_stent_outside_of_the_vessel_is_not_certified():
 def test_a_stent_that_sticks_out_of_the_vessel_is_judged_where_there_is_one():
     made = phantom("straight_tube", edge_length=1.0)
     axis = np.array([[0.0, 0, 20.0], [0.0, 0, made.points[:, 2].max() + 4.0]])
-    certificate = Deployment(made.points, made.triangles, axis, 3.4).result.certificate
+    certificate = Deployment(made.surface, CapsuleChain.along(axis), 3.4).result.certificate
     assert certificate.lumen[0].passed, certificate.sentence()
 
 
@@ -285,7 +287,7 @@ def test_every_stent_of_a_plan_is_judged_on_the_surface_that_all_of_them_leave()
         return AlongAxis(made.axis_at(np.linspace(start, end, 80)))
 
     stents = [Stent(7.2, placement=along(8, 20)), Stent(8.4, placement=along(16, 28))]
-    certificate = Treatment(made.points, made.triangles, stents).result.certificate
+    certificate = Treatment(made.surface, stents).result.certificate
     assert certificate.passed, certificate.sentence()
     assert [check.prescribed for check in certificate.lumen] == [7.2, 8.4]
     assert len(certificate.motion) == 2

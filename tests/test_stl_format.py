@@ -3,7 +3,7 @@ import pytest
 from mesh_files import octahedron
 
 from SDFStentLib.files.formats.stl import decode_stl, encode_stl
-from SDFStentLib.geometry.topology import is_closed
+from SDFStentLib.geometry.topology import surface_topology
 from SDFStentLib.validation import InputError
 
 
@@ -24,7 +24,7 @@ def test_corners_become_points_again_and_the_surface_is_closed(is_text):
     mesh = decode_stl(data, "a.stl")
     read = mesh.corners.reshape(-1, 3)
     assert len(mesh.points) == len(points)
-    assert is_closed(read)
+    assert surface_topology(read).is_closed
     assert np.array_equal(mesh.points[read], points[triangles].astype(np.float32))
     assert read[0].tolist() == [0, 1, 2]  # in the order of the file
 

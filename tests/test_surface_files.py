@@ -9,10 +9,10 @@ from SDFStentLib.files.formats.obj import encode_obj
 from SDFStentLib.files.formats.stl import encode_stl
 from SDFStentLib.files.formats.vtk_files import encode_legacy, encode_vtp
 from SDFStentLib.files.polydata import (
-    arrays_from_polydata,
     polydata_from_arrays,
     polydata_from_lines,
     set_frame_of_polydata,
+    surface_from_polydata,
 )
 from SDFStentLib.files.surface_files import read_surface
 from SDFStentLib.validation import InputError
@@ -42,7 +42,7 @@ def test_values_cannot_be_changed(tmp_path):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 1
     surface.polydata().GetPoints().SetPoint(0, 9, 9, 9)  # a copy
-    assert np.array_equal(arrays_from_polydata(surface.polydata())[0], surface.points)
+    assert np.array_equal(surface_from_polydata(surface.polydata()).points, surface.points)
 
 
 def test_stored_coordinates_are_those_of_the_file(tmp_path):

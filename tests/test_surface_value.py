@@ -8,7 +8,15 @@ import numpy as np
 import pytest
 from mesh_files import octahedron
 
-from SDFStentLib.geometry import Surface, surface, surface_topology, vertex_normals
+from SDFStentLib.geometry import (
+    Precision,
+    Surface,
+    as_surface,
+    state_of,
+    surface,
+    surface_topology,
+    vertex_normals,
+)
 from SDFStentLib.validation import InputError
 
 
@@ -89,3 +97,54 @@ def test_other_points_must_be_as_many_and_finite():
         made.with_points(made.points[:1])
     with pytest.raises(InputError, match="surface points: expected finite coordinates"):
         made.with_points(np.full_like(made.points, np.inf))
+
+
+def test_another_state_is_given_as_points_or_as_a_surface():
+    made = Surface(*octahedron())
+    moved = made.with_points(1.1 * made.points)
+    assert state_of(made, moved) is moved
+    copy = Surface(moved.points, made.triangles)
+    for other in (copy, moved.points, moved.points.tolist()):
+        state = state_of(made, other)
+        assert np.array_equal(state.points, moved.points)
+        assert state.triangles is made.triangles
+    with pytest.raises(InputError, match=r"after: expected .* points as before, got 1"):
+        state_of(made, made.points[:1])
+    turned = Surface(made.points, made.triangles[:, ::-1])
+    with pytest.raises(InputError, match="after: expected the triangles of the surface before"):
+        state_of(made, turned)
+
+
+def test_triangles_of_one_winding_are_those_of_the_surface_where_it_has_one():
+    points, triangles = octahedron()
+    made = Surface(points, triangles)
+    assert made.wound_triangles is made.triangles
+    mixed = triangles.copy()
+    mixed[::5] = mixed[::5, ::-1]
+    assert np.array_equal(Surface(points, mixed).wound_triangles, triangles)
+
+
+def test_what_is_no_surface_is_said_with_the_way_to_make_one():
+    with pytest.raises(InputError, match=r"got 'ndarray'; make one of arrays by Surface\(points"):
+        as_surface(np.eye(3))
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"dtype": np.int32}, "dtype: expected a floating type such as float32, got int32"),
+        ({"dtype": "nonsense"}, "dtype: expected a floating type"),
+        ({"scale": 0.0}, "scale: expected a number greater than 0"),
+        ({"dtype": np.float32, "scale": 1e39}, "expected coordinates that fit into float32"),
+    ],
+)
+def test_what_is_no_precision_is_refused(values, message):
+    with pytest.raises(InputError, match=message):
+        Precision(**values).stored(np.eye(3))
+
+
+def test_stored_points_are_rounded_in_the_unit_of_the_file():
+    points = np.random.default_rng(3).normal(size=(50, 3))
+    assert Precision().stored(points) is points
+    expected = (points * 0.1).astype(np.float32).astype(np.float64)
+    assert np.array_equal(Precision(np.float32, 0.1).stored(points), expected)

@@ -6,9 +6,9 @@ from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
 
 from SDFStentLib.files.polydata import (
     add_arrays,
-    arrays_from_polydata,
     polydata_from_arrays,
     polydata_from_polygons,
+    surface_from_polydata,
 )
 from SDFStentLib.files.triangulation import triangulated_polydata
 from SDFStentLib.geometry.faces import face_areas, face_normals
@@ -31,7 +31,8 @@ def test_polygons_are_cut_and_carry_their_arrays_and_ids():
     ids.SetName("GlobalElementID")
     polydata.GetCellData().SetGlobalIds(ids)
     cut, warnings = triangulated_polydata(polydata, "vein.ply")
-    points, triangles = arrays_from_polydata(cut)
+    surface = surface_from_polydata(cut)
+    points, triangles = surface.points, surface.triangles
     assert len(points) == 7  # the unused one stays
     assert len(triangles) == 5
     assert face_areas(points, triangles).sum() == pytest.approx(2.5, abs=1e-12)
@@ -54,7 +55,8 @@ def test_lines_and_vertices_go_and_strips_are_cut():
     polydata.SetStrips(strips)
     add_arrays(polydata, None, {"cell": np.array([10, 11, 12, 13])})
     cut, warnings = triangulated_polydata(polydata)
-    points, triangles = arrays_from_polydata(cut)
+    surface = surface_from_polydata(cut)
+    points, triangles = surface.points, surface.triangles
     assert face_normals(points, triangles).tolist() == [[0, 0, 1]] * 3  # a strip alternates
     assert vtk_to_numpy(cut.GetCellData().GetArray("cell")).tolist() == [12, 13, 13]
     assert len(warnings) == 2
@@ -74,7 +76,8 @@ def test_concave_polygons_are_cut_inside():
         np.array([0, 4, 8, 13]),
         np.array([0, 1, 2, 3, 5, 6, 7, 4, 8, 9, 10, 11, 12]),
     )
-    points, triangles = arrays_from_polydata(triangulated_polydata(polydata)[0])
+    surface = surface_from_polydata(triangulated_polydata(polydata)[0])
+    points, triangles = surface.points, surface.triangles
     assert len(triangles) == 7
     # Areas: of the arrow 1 (twice), of the square less its notch 16 - 6.
     assert face_areas(points, triangles).sum() == pytest.approx(12, abs=1e-12)

@@ -29,7 +29,7 @@ def folding_case(data_dir):
 
 
 def deployment_of(case, settings):
-    return Deployment(case.points, case.triangles, case.axis, case.radius, settings)
+    return Deployment(case.surface, settings.chain(case.axis), case.radius, settings)
 
 
 def test_the_published_settings_fold_where_the_default_does_not(folding_case):

@@ -11,6 +11,7 @@ from SDFStentLib.deformation import deployment as engine
 from SDFStentLib.deformation.attempt import WAYS_TO_UNTANGLE
 from SDFStentLib.deformation.deployment import RETRIES, Deployment
 from SDFStentLib.deformation.settings import DeploymentSettings
+from SDFStentLib.field import CapsuleChain
 
 
 @pytest.fixture
@@ -73,6 +74,6 @@ def test_only_the_first_other_gap_is_tried_when_a_long_fold_is_left(
     made = phantom("hairpin_tube", edge_length=1.5)
     length = made.vessels[0].axis.length
     axis = made.axis_at(np.linspace(10, length - 10, 200))
-    run = Deployment(made.points, made.triangles, axis, 5.0)
+    run = Deployment(made.surface, CapsuleChain.along(axis), 5.0)
     assert not run.result.certificate.passed
     assert len(attempts) == expected

@@ -18,7 +18,7 @@ from SDFStentLib.files.formats.vtk_files import (
     read_vtk_polydata,
     vtk_messages,
 )
-from SDFStentLib.files.polydata import add_arrays, arrays_from_polydata, polydata_from_arrays
+from SDFStentLib.files.polydata import add_arrays, polydata_from_arrays, surface_from_polydata
 from SDFStentLib.validation import InputError
 
 
@@ -53,13 +53,13 @@ def all_kinds(folder):
 
 
 def test_every_encoding_is_read_with_its_arrays(tmp_path):
-    expected = arrays_from_polydata(surface_with_text())
+    expected = surface_from_polydata(surface_with_text())
     for path in all_kinds(tmp_path):
         polydata, frame = read_vtk_polydata(read_content(path))
-        found = arrays_from_polydata(polydata)
+        found = surface_from_polydata(polydata)
         # ASCII has the digits that VTK prints.
-        assert np.allclose(found[0], expected[0], atol=1e-3), path
-        assert np.array_equal(found[1], expected[1])
+        assert np.allclose(found.points, expected.points, atol=1e-3), path
+        assert np.array_equal(found.triangles, expected.triangles)
         assert polydata.GetPointData().GetAbstractArray("name").GetValue(3) == "p3"
         assert frame is None
 
@@ -239,5 +239,5 @@ def test_a_file_name_need_not_be_valid_text(tmp_path, suffix):
         path.write_bytes(data)
     except OSError:
         pytest.skip("this file system wants valid text in file names")
-    found = arrays_from_polydata(read_vtk_polydata(read_content(path))[0])
-    assert np.array_equal(found[0], arrays_from_polydata(polydata)[0])
+    found = surface_from_polydata(read_vtk_polydata(read_content(path))[0])
+    assert np.array_equal(found.points, surface_from_polydata(polydata).points)

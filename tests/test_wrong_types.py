@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import SDFStentLib
-from SDFStentLib import AtCenter, InputError, Stent, deploy, read_surface, run_plan
+from SDFStentLib import AtCenter, InputError, Stent, Surface, read_surface, run_plan
 from SDFStentLib.phantoms import straight_tube
 from SDFStentLib.validation import as_points, printable
 
@@ -57,7 +57,7 @@ def test_the_reported_calls_end_in_a_sentence():
 def test_coordinates_beyond_every_patient_are_refused():
     tube = straight_tube(radius=5.0, length=40.0)
     with pytest.raises(InputError, match=r"expected coordinates up to 1e\+06, got 1e\+11"):
-        deploy(1e11 * np.sign(tube.points), tube.triangles, [[0, 0, 10], [0, 0, 30]], 6.0)
+        Surface(1e11 * np.sign(tube.points), tube.triangles)
     assert len(as_points([[1e6, 0, -1e6]])) == 1
 
 

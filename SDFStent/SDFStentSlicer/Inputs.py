@@ -1,11 +1,10 @@
-"""The vessel and the centerline of a parameter node as arrays, converted only when the nodes have changed."""
+"""The vessel and the centerline of a parameter node for the library, converted only when the nodes have changed."""
 
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from SDFStentLib.files import arrays_from_polydata, triangulated_polydata
-from SDFStentLib.geometry import surface_topology
+from SDFStentLib.files import surface_from_polydata, triangulated_polydata
 from SDFStentLib.validation import InputError
 
 from . import Conversion
@@ -13,15 +12,13 @@ from .Lesions import LesionSearch
 
 
 class Vessel(NamedTuple):
-    """A vessel's wall in world coordinates, and how its triangles hang together.
+    """A vessel's wall in world coordinates, as the library's `Surface` and as polydata.
 
     The polydata is shared: copy it before changing it.
     """
 
-    points: Any
-    triangles: Any
+    surface: Any
     polyData: Any
-    topology: Any
 
 
 class Inputs:
@@ -35,12 +32,10 @@ class Inputs:
         node, segmentID = parameterNode.vessel, Conversion.segmentOf(parameterNode)
         stamp = (Conversion.changeStamp(node), segmentID)
         if node is None or stamp != self._vessel[0]:
-            surface = Conversion.vesselPolyData(node, segmentID)
             name = f"Vessel {node.GetName()}"
-            polyData = triangulated_polydata(surface, name).polydata
-            points, triangles = arrays_from_polydata(polyData, name)
-            vessel = Vessel(points, triangles, polyData, surface_topology(triangles))
-            self._vessel = (stamp, vessel)
+            given = Conversion.vesselPolyData(node, segmentID)
+            polyData = triangulated_polydata(given, name).polydata
+            self._vessel = (stamp, Vessel(surface_from_polydata(polyData, name), polyData))
         return self._vessel[1]
 
     def centerline(self, parameterNode):
@@ -61,7 +56,7 @@ class Inputs:
         )
         if stamp != self._lesions[0]:
             vessel, centerline = self.vessel(parameterNode), self.centerline(parameterNode)
-            search = LesionSearch(vessel.points, vessel.triangles, centerline)
+            search = LesionSearch(vessel.surface, centerline)
             self._lesions = (stamp, search)
         return self._lesions[1]
 

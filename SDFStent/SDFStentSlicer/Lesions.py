@@ -13,8 +13,8 @@ class LesionSearch:
     says why it is empty where the vessel could not be searched.
     """
 
-    def __init__(self, points, triangles, centerline):
-        self._inputs = points, triangles, centerline
+    def __init__(self, surface, centerline):
+        self._inputs = surface, centerline
         self.found, self.sentence = None, ""
 
     def portions(self):

@@ -217,14 +217,12 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
             None if parameterNode.centerline is None else self._inputs.centerline(parameterNode)
         )
         run = Stenting(
-            vessel.points,
-            vessel.triangles,
+            vessel.surface,
             centerline,
             Plans.plannedOf(parameterNode),
             Plans.settingsOf(parameterNode, live),
             straightening=parameterNode.method.straightening / 100,
             dtype=vtk_to_numpy(vessel.polyData.GetPoints().GetData()).dtype,
-            topology=vessel.topology,
             places=Dependencies.places(parameterNode),
             search=None if centerline is None or live else self._inputs.lesions(parameterNode),
         )
@@ -380,6 +378,7 @@ def _expand(run, surface, live):
         if state is not None:
             fraction = state.fraction
             if not live:
-                surface.show(state.before, state.deployment.indices, state.deployment.coordinates)
+                moved = state.deployment
+                surface.show(state.before.points, moved.indices, moved.coordinates)
         yield fraction
     surface.show(run.points)

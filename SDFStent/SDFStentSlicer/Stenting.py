@@ -18,38 +18,32 @@ class Stenting:
 
     def __init__(
         self,
-        points,
-        triangles,
+        surface,
         centerline,
         planned,
         settings,
         *,
         straightening=0.0,
         dtype=np.float32,
-        topology=None,
         places=(),
         search=None,
     ):
         """`planned` is a list of `Stent`; `dtype` is the type in which the result is stored.
 
-        `topology` is that of the triangles where it is known, to look at it once for many deployments.
         `places` says for every stent by what the caller finds it again. `search` is the `LesionSearch` of the vessel.
         """
-        self.original = self.points = points
-        self.triangles, self.centerline = triangles, centerline
+        self.surface, self.points, self.centerline = surface, surface.points, centerline
         self.recorded, self._axes = [], {}
         self.places, self.result = list(places), None
         self.search, self.lesions = search, None
         self.shownMap = self.shownStent = None
         self._treatment = Treatment(
-            points,
-            triangles,
+            surface,
             planned,
             centerline,
             settings,
             straightening_fraction=straightening,
             precision=Precision(dtype=np.dtype(dtype)),
-            topology=topology,
         )
 
     def steps(self, responsive=False):
@@ -79,7 +73,7 @@ class Stenting:
             yield from self.search.portions()
             found = self.search.found
             self.lesions = yield from inPortions(
-                lambda: treated_lesions(found, result.stents, result.points, self.triangles)
+                lambda: treated_lesions(found, result.stents, result.surface)
             )
 
     @staticmethod
@@ -95,7 +89,7 @@ class Stenting:
         """
         reached = [state for state in self.recorded if state.fraction <= percent / 100 + 1e-9]
         if not reached:
-            return self.original, []
+            return self.surface.points, []
         state = reached[-1]
         points, radius = state.points(), state.deployment.radius
         if len(reached) < len(self.recorded) and self.recorded[len(reached)].number == state.number:
@@ -113,8 +107,8 @@ class Stenting:
     def map(self, name):
         """Values of a surface map and whether they belong to the cells."""
         if name == "Displacement":
-            return displacements(self.original, self.points), False
-        return face_stretches(self.original, self.points, self.triangles).area, True
+            return displacements(self.surface.points, self.points), False
+        return face_stretches(self.surface, self.points).area, True
 
     def _follow(self):
         """Take over surface and centerline from the last recorded state."""

@@ -164,7 +164,7 @@ def test_two_stents_are_deployed_in_order(aLogic, theParameters):
     aLogic.addStent(theParameters, diameter=9.5, length=6.0, handle=theParameters.stent.handle)
     both = aLogic.deploy(theParameters)
     second = next(state for state in aLogic.lastRun(theParameters).recorded if state.number == 2)
-    np.testing.assert_array_equal(second.before, first.points)
+    np.testing.assert_array_equal(second.before.points, first.points)
     assert [stent.stent.name for stent in both.stents] == ["Stent 1", "Stent 2"]
     assert both.stents[1].after.mean == pytest.approx(9.5, rel=0.02)
     stents = aLogic.stentList(theParameters)

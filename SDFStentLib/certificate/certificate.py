@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, DTypeLike, NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from ..geometry import Topology, consistently_wound, signed_volume, stored_points, surface_topology
-from ..validation import Indices, InputError, as_points, as_triangles, read_only
+from ..geometry import Precision, Surface, Topology, as_surface, signed_volume, state_of
+from ..validation import Indices, InputError, read_only
 from .face_quality import (
     Comparison,
     Place,
@@ -29,6 +29,9 @@ from .face_quality import (
 )
 from .intersections import intersecting_pairs
 from .promises import LumenCheck, MotionCheck
+
+AS_FLOAT32 = Precision(np.float32)
+"""What most files hold."""
 
 AS_PRESCRIBED = "its lumen is nowhere narrower than prescribed, and wider only where it was"
 
@@ -211,34 +214,25 @@ class Certificate:
         }
 
 
-def check_surface(
-    points: ArrayLike,
-    triangles: ArrayLike,
-    *,
-    dtype: DTypeLike = np.float64,
-    scale: float = 1.0,
-) -> SurfaceCheck:
+def check_surface(surface: Surface, *, precision: Precision | None = None) -> SurfaceCheck:
     """Whether a surface is closed, manifold, oriented and free of faulty triangles.
 
     Parameters
     ----------
-    points, triangles : array_like, shapes (n, 3) and (m, 3)
-        Surface, mm.
-    dtype, scale
-        Type and unit of the stored coordinates, `points * scale`; the check is on these.
+    surface : Surface
+    precision : Precision, optional
+        Type and unit of the stored coordinates; the check is on these. By default as they are.
 
     Raises
     ------
     InputError
-        Arrays that do not fit, a `dtype` that is no floating type, or a `scale` not above 0.
+        No surface, or coordinates that are too large for the type.
     """
-    points = as_points(points)
-    triangles = as_triangles(triangles, len(points))
-    stored = stored_points(points, dtype, scale)
-    topology = surface_topology(triangles)
-    wound = triangles if topology.is_consistently_wound else consistently_wound(triangles)[0]
+    points, triangles = as_surface(surface).points, surface.triangles
+    wound, stored = surface.wound_triangles, (precision or Precision()).stored(points)
+    topology = surface.topology
 
-    pairs = intersecting_pairs(points, triangles, dtype=dtype, scale=scale)
+    pairs = intersecting_pairs(stored, triangles)
     intersecting = np.unique(pairs)
     inverted = inverted_triangles(stored, wound)
     degenerate = degenerate_triangles(stored, triangles)
@@ -256,58 +250,44 @@ def check_surface(
 
 
 def certify(
-    before: ArrayLike,
-    after: ArrayLike,
-    triangles: ArrayLike,
+    before: Surface,
+    after: Surface | ArrayLike,
     moved: ArrayLike | None = None,
     *,
-    dtype: DTypeLike = np.float32,
-    scale: float = 1.0,
+    precision: Precision = AS_FLOAT32,
     check: SurfaceCheck | None = None,
-    topology: Topology | None = None,
 ) -> Certificate:
     """Whether a surface is as sound after its points moved as it was before.
 
     Parameters
     ----------
-    before, after : array_like, shape (n, 3)
-        Points of the input and of the result, mm.
-    triangles : array_like, shape (m, 3)
-        The same for both, consistently wound.
+    before : Surface
+        The input.
+    after : Surface, or array_like of shape (n, 3)
+        The result: with the same triangles, or its points, mm.
     moved : array_like, optional
         Indices, or a mask (n,), of the points that may have moved; found by comparison when left
         out. Those whose stored coordinates are unchanged are dropped.
-    dtype, scale
-        Type and unit of the stored coordinates, `points * scale`; the judgement is on these.
+    precision : Precision
+        Type and unit of the stored coordinates; the judgement is on these.
     check : SurfaceCheck, optional
-        `check_surface` of the input, to spare its topology being looked at again, and, when it
-        found no intersection, the search in the input. Without it the input is searched only at
-        the faces that intersect in the result.
-    topology : Topology, optional
-        `surface_topology` of the triangles, when that much is known.
+        `check_surface` of the input: when it found no intersection, that spares the search in the
+        input. Without it the input is searched only at the faces that intersect in the result.
 
     Raises
     ------
     InputError
-        Arrays that do not fit, a `dtype` that is no floating type, or a `scale` not above 0.
+        No surface, a result that is not one of it, or coordinates too large for the type.
     """
-    before, after = as_points(before, "before"), as_points(after, "after")
-    if before.shape != after.shape:
-        raise InputError(
-            f"after: expected {len(before)} points as before, got {len(after)}; "
-            "certify a result of the same surface."
-        )
-    triangles = as_triangles(triangles, len(after))
-    if topology is None:
-        topology = surface_topology(triangles) if check is None else check.topology
+    after = state_of(as_surface(before, "before"), after)
     comparison = Comparison(
-        before,
-        triangles,
-        dtype,
-        scale,
+        before.points,
+        before.wound_triangles,
+        precision,
         None if check is None else check.self_intersecting_triangles,
     )
-    return certificate_of(comparison.verdict(after, may_move=_mask(moved, len(before))), topology)
+    may_move = _mask(moved, len(before.points))
+    return certificate_of(comparison.verdict(after.points, may_move=may_move), before.topology)
 
 
 def certificate_of(

@@ -9,9 +9,9 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import DTypeLike, NDArray
+from numpy.typing import NDArray
 
-from ..geometry import compacted, component_labels, face_normals, faces_at, stored_points
+from ..geometry import Precision, compacted, component_labels, face_normals, faces_at
 from ..validation import Indices, Points, Triangles
 from .intersections import intersecting_pairs
 
@@ -212,8 +212,8 @@ class Comparison:
     ----------
     before, triangles : (n, 3) and (m, 3) arrays
         The input, mm, consistently wound.
-    dtype, scale
-        Type and unit of the stored coordinates, `points * scale`.
+    precision : Precision
+        Type and unit of the stored coordinates.
     known_before : array, optional
         All faces that intersect in the input, where known: with none it is not searched, else
         round all faces that moved. By default it is searched round those that intersect in the
@@ -224,13 +224,12 @@ class Comparison:
         self,
         before: Points,
         triangles: Triangles,
-        dtype: DTypeLike,
-        scale: float,
+        precision: Precision,
         known_before: Indices | None = None,
     ) -> None:
         self._triangles = triangles
-        self._dtype, self._scale, self._known_before = dtype, scale, known_before
-        self._before = stored_points(before, dtype, scale)
+        self._precision, self._known_before = precision, known_before
+        self._before = precision.stored(before)
 
     def verdict(
         self,
@@ -244,7 +243,7 @@ class Comparison:
         that they meet; all others keep their verdict. So the outcome does not depend on it.
         """
         triangles, known = self._triangles, earlier or self._nothing_moved()
-        stored = stored_points(after, self._dtype, self._scale)
+        stored = self._precision.stored(after)
         has_moved = _differing(stored, self._before)
         if may_move is not None:
             has_moved &= may_move

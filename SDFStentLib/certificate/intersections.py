@@ -16,10 +16,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import ArrayLike, DTypeLike, NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from ..geometry import compacted, may_meet_box, stored_points
-from ..validation import Flags, Indices, InputError, Points, Triangles, as_triangles
+from ..geometry import compacted, may_meet_box
+from ..validation import Flags, Indices, InputError, Points, Triangles
 from .triangle_contact import certain_contact, exact_contact, first_shared
 from .triangle_pairs import face_boxes, overlapping_pairs
 
@@ -31,47 +31,33 @@ _FLAT = 16 * 2.0**-53
 
 
 def self_intersecting_triangles(
-    points: ArrayLike,
-    triangles: ArrayLike,
-    among: ArrayLike | None = None,
-    *,
-    dtype: DTypeLike = np.float64,
-    scale: float = 1.0,
+    points: Points, triangles: Triangles, among: ArrayLike | None = None
 ) -> Indices:
     """Triangles that intersect another triangle of the surface, in ascending order.
 
     Parameters
     ----------
-    points, triangles : array_like, shapes (n, 3) and (m, 3)
-        Surface, mm.
+    points, triangles : (n, 3) and (m, 3) arrays
+        Known to be sound; the numbers that are stored, as the decision is on these.
     among : array_like, optional
         Indices, or a mask (m,), of the triangles that moved: only pairs with at least one of them
         are looked at. By default all.
-    dtype, scale
-        Type and unit of the stored coordinates, `points * scale`; the decision is on these.
 
     Raises
     ------
     InputError
-        Arrays that do not fit, a `dtype` that is no floating type, or a `scale` not above 0.
+        `among` does not name triangles.
     """
-    return np.unique(intersecting_pairs(points, triangles, among, dtype=dtype, scale=scale))
+    return np.unique(intersecting_pairs(points, triangles, among))
 
 
 def intersecting_pairs(
-    points: ArrayLike,
-    triangles: ArrayLike,
-    among: ArrayLike | None = None,
-    *,
-    dtype: DTypeLike = np.float64,
-    scale: float = 1.0,
+    points: Points, triangles: Triangles, among: ArrayLike | None = None
 ) -> Indices:
     """Pairs (k, 2) of triangles that intersect; parameters as in `self_intersecting_triangles`.
 
     The lower index stands first; pairs are in ascending order.
     """
-    points = stored_points(points, dtype, scale)
-    triangles = as_triangles(triangles, len(points))
     is_moved = _as_mask(among, len(triangles))
     found = [np.empty((0, 2), dtype=np.int64)]
     if is_moved.any():

@@ -59,7 +59,7 @@ def measure_command(options: argparse.Namespace, console: Console) -> int:
     surface = inputs.surface
     lesions = _lesions(options, inputs)
     lines = [
-        _Line(title, points, diameter_profile(surface.points, surface.triangles, points, spacing))
+        _Line(title, points, diameter_profile(surface.surface, points, spacing))
         for title, points in ways
     ]
     warnings += [f"{line.title}: {gap}" for line in lines for gap in line.profile.gaps]
@@ -83,12 +83,7 @@ def measure_command(options: argparse.Namespace, console: Console) -> int:
 def check_command(options: argparse.Namespace, _console: Console) -> int:
     """Say whether a surface is sound; 3 when it is not."""
     surface = read_surface(options.surface, options.units)
-    check = check_surface(
-        surface.points,
-        surface.triangles,
-        dtype=surface.coordinate_type,
-        scale=1 / millimeters_per(surface.units),
-    )
+    check = check_surface(surface.surface, precision=surface.precision)
     document = {
         **_surface_document(surface),
         "passed": check.passed,
@@ -125,8 +120,7 @@ def _ways(
     if way == "axis":
         surface = inputs.surface
         warnings += check_same_space(
-            surface.points,
-            surface.triangles,
+            surface.surface,
             axis.points,
             surface_name=str(surface.path),
             centerline_name=options.axis,
@@ -148,8 +142,7 @@ def _lesions(options: argparse.Namespace, inputs: InputFiles) -> tuple[Lesion, .
     places = points_mm(options.reference, options.units)
     ways = [sum(tree.path(lesion.point, place).length for place in places) for lesion in lesions]
     chosen = int(np.argmin(ways))
-    surface = inputs.surface
-    marked = lesion_against(lesions[chosen], places, surface.points, surface.triangles, tree)
+    marked = lesion_against(lesions[chosen], places, inputs.surface.surface, tree)
     return (*lesions[:chosen], marked, *lesions[chosen + 1 :])
 
 

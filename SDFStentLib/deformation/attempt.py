@@ -65,8 +65,8 @@ class Attempt:
                 f"{task.radius + task.settings.influence_distance:.1f} mm of the stent "
                 "axis, got none; check that surface and axis are in the same unit and frame."
             )
-        self.patch = Patch.around(task.points, task.triangles, self.numbers[: self.wall_count])
-        self.patch_start = self.patch.points(task.points, self.start[: self.wall_count])
+        self.patch = Patch.around(task.surface, self.numbers[: self.wall_count])
+        self.patch_start = self.patch.points(task.surface.points, self.start[: self.wall_count])
         nearest = float(self.motion.level[: self.wall_count].min())
         self.start_radius = min(task.settings.crimped_radius, WALL_CLEARANCE * nearest)
         # A wall point of the stented lumen for certain; unknown without a tissue gap.
@@ -90,7 +90,9 @@ class Attempt:
         wall = self.ascending[moved[self.ascending]]
         dragged = self.wall_count + np.flatnonzero(moved[self.wall_count :])
         companions = task.companions.copy()
-        companions[self.numbers[dragged] - len(task.points)] = self.motion.positions[dragged]
+        companions[self.numbers[dragged] - len(task.surface.points)] = self.motion.positions[
+            dragged
+        ]
         return DeploymentState(
             radius=min(level + task.radius - target, task.radius),
             fraction=min(level / target, 1.0) * (1 - 1e-9),
@@ -181,7 +183,8 @@ class Attempt:
             x, y, z = self._uncompensated[near[pushed.argmax()]].tolist()
             relief = Relief((x, y, z), float(pushed.max()))
         self.motion.positions[near] = self._uncompensated[near]
-        after = self.patch.points(self.task.points, self.motion.positions[: self.wall_count])
+        whole = self.task.surface.points
+        after = self.patch.points(whole, self.motion.positions[: self.wall_count])
         touched = np.zeros(len(after), dtype=bool)
         touched[near] = True
         return faults.among(after, np.flatnonzero(faces_at(touched, faults.triangles))), relief
@@ -194,17 +197,17 @@ class Attempt:
 
     def _active(self, gap: float) -> tuple[Motion, NDArray[np.int64]]:
         """The points that can move, and their numbers among points and companions."""
-        task = self.task
+        task, points = self.task, self.task.surface.points
         reach = task.target_level + task.settings.influence_distance + gap
-        wall, near_wall = _within(task.points, task.chain, reach)
+        wall, near_wall = _within(points, task.chain, reach)
         # A point that no triangle uses is no wall; nobody would see it touched.
         is_used = task.is_used[wall]
         wall, near_wall = wall[is_used], near_wall[is_used]
         dragged, near_dragged = _within(task.companions, task.chain, reach)
-        numbers = np.concatenate([wall, len(task.points) + dragged])
+        numbers = np.concatenate([wall, len(points) + dragged])
         motion = Motion(
             task.chain,
-            np.concatenate([task.points[wall], task.companions[dragged]]),
+            np.concatenate([points[wall], task.companions[dragged]]),
             np.arange(len(numbers)) < len(wall),
             np.concatenate([near_wall, near_dragged]),
         )
@@ -231,7 +234,7 @@ class Attempt:
                 self.patch_start, direction, level, task.is_known_consistently_wound
             )
         if normals is None:
-            normals = vertex_normals(task.points, task.outward_triangles)
+            normals = vertex_normals(task.surface.points, task.outward_triangles)
             normals = normals[self.numbers[wall]][self.patch.twin[wall]]
         facing = -dot(normals, direction)
         share = np.clip((facing - ramp[0]) / (ramp[1] - ramp[0]), 0, 1)

@@ -1,6 +1,6 @@
 """Deploy a stent: an iterable with one state per radius step, and a one-call form.
 
->>> deployment = Deployment(points, triangles, axis, radius=3.0)     # doctest: +SKIP
+>>> deployment = Deployment(surface, chain, radius=3.0)              # doctest: +SKIP
 >>> for state in deployment:                                        # stop iterating to cancel
 ...     show(state.indices, state.coordinates)
 >>> deployment.result.certificate.passed
@@ -15,8 +15,7 @@ from numpy.typing import ArrayLike
 
 from ..certificate import Comparison, Verdict, certificate_of
 from ..field import CapsuleChain
-from ..geometry import Precision, Topology
-from ..validation import read_only
+from ..geometry import Precision, Surface
 from .attempt import Attempt
 from .settings import DeploymentSettings
 from .values import DeploymentResult, DeploymentState, DeploymentTask
@@ -42,50 +41,40 @@ class Deployment(DeploymentTask):
 
     Parameters
     ----------
-    points, triangles : array_like, shapes (n, 3) and (m, 3)
-        Surface of the vessel, mm; open or closed, any winding. Never modified.
-    axis : CapsuleChain or (k, 3) array_like
-        The stent: a capsule chain, or its axis from the proximal to the distal end.
+    surface : Surface
+        Of the vessel; open or closed, any winding.
+    chain : CapsuleChain
+        The stent: `CapsuleChain.along(axis)`, or `settings.chain(axis)`.
     radius : float
         Prescribed radius of the lumen, mm.
     settings : DeploymentSettings, optional
+        Capsule length and smoothing width are those of the chain.
     companions : array_like, shape (c, 3), optional
         Points that are dragged along but never touched, such as the centerline. Those inside the
         expanded stent stay.
     precision : Precision, optional
         How the result will be stored; the certificate is about the stored numbers.
-    topology : Topology, optional
-        `surface_topology(triangles)` where known, to look at it once for many deployments.
 
     Raises
     ------
     InputError
-        Points, triangles, axis or radius that cannot be used.
+        No surface, no chain, or a radius or companions that cannot be used.
     DeploymentError
         While iterating: a surface of which no point is near the stent.
     """
 
     def __init__(
         self,
-        points: ArrayLike,
-        triangles: ArrayLike,
-        axis: CapsuleChain | ArrayLike,
+        surface: Surface,
+        chain: CapsuleChain,
         radius: float,
         settings: DeploymentSettings | None = None,
         *,
         companions: ArrayLike | None = None,
         precision: Precision | None = None,
-        topology: Topology | None = None,
     ) -> None:
         super().__init__(
-            points,
-            triangles,
-            axis,
-            radius,
-            settings or DeploymentSettings(),
-            companions,
-            precision,
-            topology,
+            surface, chain, radius, settings, companions=companions, precision=precision
         )
         self.states: list[DeploymentState] = []
         self._result: DeploymentResult | None = None
@@ -120,13 +109,14 @@ class Deployment(DeploymentTask):
             if self.settings.untangle and not verdict.passed:
                 attempt, verdict, rounds = self._untangled(comparison, attempt, verdict)
         state = attempt.state(self.target_level)._replace(fraction=1.0)
-        points, motion, certificate = state.applied_to(self.points), attempt.motion_check(), None
+        after = self.surface.with_points(state.applied_to(self.surface.points))
+        motion, certificate = attempt.motion_check(), None
         if self.settings.certify and verdict is not None:
-            lumen = self.lumen_checks(self.points, points)
-            certificate = certificate_of(verdict, self.topology, (motion,), lumen)
+            lumen = self.lumen_checks(self.surface, after)
+            certificate = certificate_of(verdict, self.surface.topology, (motion,), lumen)
         return DeploymentResult(
             state=state,
-            points=read_only(points),
+            surface=after,
             certificate=certificate,
             untangling_rounds=rounds,
             relief=attempt.relief,
@@ -159,33 +149,32 @@ class Deployment(DeploymentTask):
     def _longest_fold(self, verdict: Verdict) -> float:
         """Largest extent along an axis, mm, of a place where faces fail; 0 where none does."""
         extents = (
-            np.ptp(verdict.stored[self.triangles[list(place.triangles)].ravel()], axis=0).max()
+            np.ptp(
+                verdict.stored[self.surface.triangles[list(place.triangles)].ravel()], axis=0
+            ).max()
             for place in verdict.places
         )
         return float(max(extents, default=0.0)) / self.precision.scale
 
     def _comparison(self) -> Comparison:
-        dtype, scale = self.precision
-        return Comparison(self.points, self.wound_triangles, dtype, scale)
+        return Comparison(self.surface.points, self.wound_triangles, self.precision)
 
     def _certificate(
         self, comparison: Comparison, attempt: Attempt, earlier: Verdict | None = None
     ) -> Verdict:
         """What the certificate of an attempt will say."""
         state = attempt.state(self.target_level)
-        return comparison.verdict(state.applied_to(self.points), earlier)
+        return comparison.verdict(state.applied_to(self.surface.points), earlier)
 
 
 def deploy(
-    points: ArrayLike,
-    triangles: ArrayLike,
-    axis: CapsuleChain | ArrayLike,
+    surface: Surface,
+    chain: CapsuleChain,
     radius: float,
     settings: DeploymentSettings | None = None,
     *,
     companions: ArrayLike | None = None,
     precision: Precision | None = None,
-    topology: Topology | None = None,
     progress: Callable[[DeploymentState], None] | None = None,
 ) -> DeploymentResult:
     """Run a deployment to its end; parameters and errors as for `Deployment`.
@@ -193,14 +182,7 @@ def deploy(
     `progress` is called with every state.
     """
     deployment = Deployment(
-        points,
-        triangles,
-        axis,
-        radius,
-        settings,
-        companions=companions,
-        precision=precision,
-        topology=topology,
+        surface, chain, radius, settings, companions=companions, precision=precision
     )
     for state in deployment:
         if progress is not None:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry import component_labels, dot, vertex_normals
+from ..geometry import Surface, component_labels, dot, vertex_normals
 from ..validation import Points, Triangles, read_only
 
 
@@ -40,8 +40,9 @@ class Patch:
     twin: NDArray[np.int64]
 
     @classmethod
-    def around(cls, points: Points, triangles: Triangles, active: NDArray[np.int64]) -> Patch:
+    def around(cls, surface: Surface, active: NDArray[np.int64]) -> Patch:
         """The patch of the given active vertices of a surface."""
+        points, triangles = surface.points, surface.triangles
         number = np.full(len(points), -1, dtype=np.int64)
         number[active] = np.arange(len(active))
         is_active = number >= 0

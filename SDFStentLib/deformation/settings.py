@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
+from numpy.typing import ArrayLike
+
+from ..field import CapsuleChain
 from ..validation import InputError, as_length, as_number
 from .profiles import BLENDS, FALLOFFS, Profile, as_profile
 from .step_rule import StepRule
@@ -147,6 +150,12 @@ class DeploymentSettings:
             if name not in known:
                 raise InputError(f"settings: expected one of {', '.join(known)}, got {name!r}.")
         return replace(self, **changes)
+
+    def chain(self, axis: ArrayLike) -> CapsuleChain:
+        """The stent along an axis (n, 3), mm; parameters and errors as `CapsuleChain.along`."""
+        return CapsuleChain.along(
+            axis, capsule_length=self.capsule_length, smoothing_width=self.smoothing_width
+        )
 
     def step_rule(self) -> StepRule:
         """The part of the settings that a radius step needs."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..certificate import NARROWER, WIDER, LumenCheck, MotionCheck, Place
 from ..field import CapsuleChain
-from ..geometry import may_meet_box, resampled, tangents
+from ..geometry import Surface, may_meet_box, resampled, tangents
 from ..measure import (
     LocalSurface,
     caps_across,
@@ -69,12 +69,11 @@ def motion_check(
 
 
 def lumen_check(
-    before: Points,
-    after: Points,
-    triangles: Triangles,
+    before: Surface,
+    after: Surface,
     chain: CapsuleChain,
     radius: float,
-    own: tuple[Points, Points] | None = None,
+    own: tuple[Surface, Surface] | None = None,
 ) -> LumenCheck:
     """Whether the lumen along a stent is the prescribed one.
 
@@ -83,46 +82,48 @@ def lumen_check(
 
     Parameters
     ----------
-    before, after : (n, 3) arrays
-        The surface without and with all stents, mm.
-    triangles : (m, 3) array
+    before, after : Surface
+        Without and with all stents.
     chain : CapsuleChain
     radius : float
         Of the stent, mm.
-    own : pair of (n, 3) arrays, optional
+    own : pair of Surface, optional
         The surface just before and after this stent, where there are others: these may be wider.
     """
-    narrowest, narrowest_at = _narrowest(before, after, triangles, chain, radius)
-    widest, native, widest_at = _widest(*(own or (before, after)), triangles, chain, radius)
+    narrowest, narrowest_at = _narrowest(before, after, chain, radius)
+    widest, native, widest_at = _widest(*(own or (before, after)), chain, radius)
     return LumenCheck(2 * radius, 2 * narrowest, narrowest_at, 2 * widest, widest_at, 2 * native)
 
 
 def _narrowest(
-    before: Points, after: Points, triangles: Triangles, chain: CapsuleChain, radius: float
+    before: Surface, after: Surface, chain: CapsuleChain, radius: float
 ) -> tuple[float, Place]:
     stations, wanted = chain.nodes, (1 - NARROWER) * radius
-    width = LocalSurface(after, triangles, stations).distances(stations)
+    points, triangles = after.points, after.triangles
+    width = LocalSurface(points, triangles, stations).distances(stations)
     if width.min() < (1 - ROUGH) * radius:
-        triangles = triangles[~caps_across(before, triangles, stations, CAPS_WITHIN * radius)]
-        width = LocalSurface(after, triangles, stations).distances(stations)
+        triangles = triangles[
+            ~caps_across(before.points, triangles, stations, CAPS_WITHIN * radius)
+        ]
+        width = LocalSurface(points, triangles, stations).distances(stations)
     doubtful = np.flatnonzero(width < (1 - ROUGH) * radius)
     if len(doubtful):
         directions = tangents(stations)[doubtful]
-        spheres = inscribed_spheres(after, triangles, stations[doubtful], directions)
+        spheres = inscribed_spheres(points, triangles, stations[doubtful], directions)
         width[doubtful] = np.fmax(spheres.radii, width[doubtful])
     at = int(width.argmin())
     if width[at] < wanted:
         return float(width[at]), _place(stations[at])
     middle = len(stations) // 2
     if _is_outside(
-        after, triangles, stations[[middle, 0, -1]], tangents(stations)[[middle, 0, -1]]
+        points, triangles, stations[[middle, 0, -1]], tangents(stations)[[middle, 0, -1]]
     ):
         return 0.0, _place(stations[middle])
     return float(min(width[at], radius)), _place(stations[at])
 
 
 def _widest(
-    before: Points, after: Points, triangles: Triangles, chain: CapsuleChain, radius: float
+    before: Surface, after: Surface, chain: CapsuleChain, radius: float
 ) -> tuple[float, float, Place]:
     """Largest sphere over what was as wide before, the latter, and the station; radii."""
     # A sphere reaches over its neighbors at this distance, and need not be exact.
@@ -130,17 +131,18 @@ def _widest(
     directions = tangents(stations)
     tolerance = ROUGH * radius
     low, high = stations.min(axis=0) - NEAR * radius, stations.max(axis=0) + NEAR * radius
-    near = triangles[may_meet_box(after, triangles, low, high)]
+    points, triangles = after.points, after.triangles
+    near = triangles[may_meet_box(points, triangles, low, high)]
     if not len(near):
         return radius, radius, _place(stations[0])
-    found = inscribed_spheres(after, near, stations, directions, tolerance=tolerance).radii
+    found = inscribed_spheres(points, near, stations, directions, tolerance=tolerance).radii
     wide = np.flatnonzero(found > (1 + WIDER) * radius)
     if not len(wide):
         return radius, radius, _place(stations[0])
     # Fewer triangles are never nearer; where there is doubt all of them are looked at.
-    found[wide] = inscribed_spheres(after, triangles, stations[wide], directions[wide]).radii
+    found[wide] = inscribed_spheres(points, triangles, stations[wide], directions[wide]).radii
     native = inscribed_spheres(
-        _united(before, chain, radius), triangles, stations[wide], directions[wide]
+        _united(before.points, chain, radius), triangles, stations[wide], directions[wide]
     ).radii
     native = np.fmax(native, radius)
     worst = int((found[wide] / native).argmax())

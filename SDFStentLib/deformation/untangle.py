@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..certificate import degenerate_triangles, inverted_triangles, self_intersecting_triangles
-from ..geometry import Precision, VertexNeighbors, faces_at, stored_points, vertex_neighbors
+from ..geometry import Precision, VertexNeighbors, faces_at, vertex_neighbors
 from ..validation import Points, Triangles
 from .motion import Motion
 
@@ -68,7 +68,7 @@ class Faults:
         A face can be turned over by its neighbours too, so these are judged with it. The state
         before is looked at only where something is wrong now.
         """
-        stored, before = self._stored(after), self._stored_before
+        stored, before = self.precision.stored(after), self._stored_before
         found = self_intersecting_triangles(stored, self.triangles, faces)
         known = self_intersecting_triangles(before, self.triangles, found) if len(found) else found
         new = [np.setdiff1d(found, known)]
@@ -82,10 +82,7 @@ class Faults:
 
     @cached_property
     def _stored_before(self) -> Points:
-        return self._stored(self.before)
-
-    def _stored(self, points: Points) -> Points:
-        return stored_points(points, self.precision.dtype, self.precision.scale)
+        return self.precision.stored(self.before)
 
 
 class Untangled(NamedTuple):

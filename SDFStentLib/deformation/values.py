@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..certificate import Certificate, LumenCheck, MotionCheck
-from ..field import CapsuleChain, radius_correction
-from ..geometry import Precision, Topology, oriented_triangles, signed_volume, surface_topology
-from ..validation import Points, Triangles, as_length, as_points, as_triangles
+from ..field import CapsuleChain, as_chain, radius_correction
+from ..geometry import Precision, Surface, as_surface, oriented_triangles, signed_volume
+from ..validation import Points, Triangles, as_length, as_points
 from .settings import THINNEST_AND_WIDEST_RADIUS, DeploymentSettings
 from .stent_checks import lumen_check
 from .untangle import Relief
@@ -47,8 +47,8 @@ class DeploymentResult:
     ----------
     state : DeploymentState
         The final state.
-    points : (n, 3) array
-        All points of the surface, mm.
+    surface : Surface
+        The deformed one.
     certificate : Certificate or None
         None when the settings did not ask for one.
     untangling_rounds : int
@@ -63,12 +63,17 @@ class DeploymentResult:
     """
 
     state: DeploymentState
-    points: Points
+    surface: Surface
     certificate: Certificate | None
     untangling_rounds: int
     relief: Relief | None
     estimated_error: float
     motion: MotionCheck
+
+    @property
+    def points(self) -> Points:
+        """All points (n, 3) of the deformed surface, mm."""
+        return self.surface.points
 
 
 class DeploymentTask:
@@ -79,27 +84,18 @@ class DeploymentTask:
 
     def __init__(
         self,
-        points: ArrayLike,
-        triangles: ArrayLike,
-        axis: CapsuleChain | ArrayLike,
+        surface: Surface,
+        chain: CapsuleChain,
         radius: float,
-        settings: DeploymentSettings,
-        companions: ArrayLike | None,
-        precision: Precision | None,
-        topology: Topology | None,
+        settings: DeploymentSettings | None = None,
+        *,
+        companions: ArrayLike | None = None,
+        precision: Precision | None = None,
     ) -> None:
-        self._topology = topology
-        self.settings = settings
-        self.points = as_points(points, "surface points", minimum=3)
-        self.triangles = as_triangles(triangles, len(self.points), "surface triangles")
+        self.surface = as_surface(surface)
+        self.chain = as_chain(chain)
+        self.settings = settings or DeploymentSettings()
         self.radius = as_length(radius, "stent radius", *THINNEST_AND_WIDEST_RADIUS)
-        if not isinstance(axis, CapsuleChain):
-            axis = CapsuleChain.along(
-                axis,
-                capsule_length=settings.capsule_length,
-                smoothing_width=settings.smoothing_width,
-            )
-        self.chain = axis
         self.companions = as_points(() if companions is None else companions, "companion points")
         self.precision = precision or Precision()
 
@@ -116,47 +112,41 @@ class DeploymentTask:
     @cached_property
     def is_used(self) -> NDArray[np.bool_]:
         """Which points (n,) belong to a triangle; files exist with points that do not."""
-        is_used = np.zeros(len(self.points), dtype=bool)
-        is_used[self.triangles.ravel()] = True
+        is_used = np.zeros(len(self.surface.points), dtype=bool)
+        is_used[self.surface.triangles.ravel()] = True
         return is_used
 
-    @cached_property
-    def topology(self) -> Topology:
-        """How the triangles hang together; looked at once."""
-        return self._topology or surface_topology(self.triangles)
-
     def lumen_checks(
-        self, before: Points, after: Points, own: tuple[Points, Points] | None = None
+        self, before: Surface, after: Surface, own: tuple[Surface, Surface] | None = None
     ) -> tuple[LumenCheck, ...]:
         """`lumen_check` of this stent; none where the settings do not promise the lumen."""
         if not (self.settings.finish and self.settings.facet_compensation):
             return ()
-        return (lumen_check(before, after, self.triangles, self.chain, self.radius, own),)
+        return (lumen_check(before, after, self.chain, self.radius, own),)
 
     @property
     def has_several_parts(self) -> bool:
-        """Whether the surface is known to have parts, each with a winding of its own.
-
-        A preview that was not given the topology does not spend the time to find out.
-        """
-        return self.may_have_several_parts and self.topology.component_count > 1
+        """Whether the surface has parts, each with a winding of its own."""
+        return self.surface.topology.component_count > 1
 
     @property
     def may_have_several_parts(self) -> bool:
-        """False where the parts were counted and there is one, or will not be counted at all."""
-        if self._topology is None:
-            return self.settings.certify
-        return self._topology.component_count > 1
+        """False where the parts were counted and there is one."""
+        known = self.surface.known_topology
+        return known is None or known.component_count > 1
 
     @property
     def is_known_consistently_wound(self) -> bool:
         """Whether the winding has been looked at and is the same everywhere."""
-        return self._topology is not None and self._topology.is_consistently_wound
+        known = self.surface.known_topology
+        return known is not None and known.is_consistently_wound
 
     @property
     def wound_triangles(self) -> Triangles:
         """The triangles with one winding, outward or not."""
-        return self.triangles if self.topology.is_consistently_wound else self.outward_triangles
+        if self.surface.topology.is_consistently_wound:
+            return self.surface.triangles
+        return self.outward_triangles
 
     @cached_property
     def outward_triangles(self) -> Triangles:
@@ -165,8 +155,11 @@ class DeploymentTask:
         Of a closed surface in one piece the signed volume tells; anything else is turned part by
         part, open parts away from the stent axis.
         """
-        shape = self.topology
+        shape, points, triangles = (
+            self.surface.topology,
+            self.surface.points,
+            self.surface.triangles,
+        )
         if shape.is_closed and shape.is_consistently_wound and shape.component_count == 1:
-            outward = signed_volume(self.points, self.triangles) > 0
-            return self.triangles if outward else self.triangles[:, ::-1]
-        return oriented_triangles(self.points, self.triangles, inside=self.chain.nodes)
+            return triangles if signed_volume(points, triangles) > 0 else triangles[:, ::-1]
+        return oriented_triangles(points, triangles, inside=self.chain.nodes)

@@ -9,12 +9,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..geometry import across, length, resampled, without_repeats
-from ..validation import InputError, Points, as_number, as_points, read_only
+from ..validation import InputError, Points, as_number, as_points, in_short, read_only
 from .chain_field import ChainField, Field
 
 
@@ -94,6 +95,16 @@ class CapsuleChain:
     def folding(self) -> ChainField:
         """What evaluates the field, for points that are known to be sound."""
         return ChainField(self.nodes[::-1], self.smoothing_width)
+
+
+def as_chain(value: Any) -> CapsuleChain:
+    """The chain that it is; `InputError` for anything else, such as the points of an axis."""
+    if not isinstance(value, CapsuleChain):
+        raise InputError(
+            f"chain: expected a CapsuleChain, got {in_short(type(value).__name__)}; "
+            "make one of an axis by CapsuleChain.along(axis)."
+        )
+    return value
 
 
 def radius_correction(chain: CapsuleChain, radius: float) -> float:

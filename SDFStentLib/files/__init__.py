@@ -25,12 +25,12 @@ if TYPE_CHECKING:
     from .output_set import StagingFolder, commit, sweep
     from .polydata import (
         add_arrays,
-        arrays_from_polydata,
         inscribed_radius_from_polydata,
         lines_from_polydata,
         polydata_from_arrays,
         polydata_from_lines,
         set_frame_of_polydata,
+        surface_from_polydata,
     )
     from .same_space import check_same_space
     from .surface_files import SurfaceFile, read_surface
@@ -42,7 +42,6 @@ __all__ = [
     "StagingFolder",
     "SurfaceFile",
     "add_arrays",
-    "arrays_from_polydata",
     "atomic_path",
     "axis_of",
     "cannot_write",
@@ -63,6 +62,7 @@ __all__ = [
     "read_lines",
     "read_surface",
     "set_frame_of_polydata",
+    "surface_from_polydata",
     "sweep",
     "triangulated_polydata",
     "write_bytes",
@@ -88,7 +88,7 @@ __getattr__, __dir__ = late_names(
         "output_set": ["StagingFolder", "commit", "sweep"],
         "polydata": [
             "add_arrays",
-            "arrays_from_polydata",
+            "surface_from_polydata",
             "inscribed_radius_from_polydata",
             "lines_from_polydata",
             "polydata_from_arrays",

@@ -11,8 +11,9 @@ from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonCore import VTK_ID_TYPE, vtkPoints, vtkStringArray
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
 
+from ..geometry import Surface
 from ..units import Frame, as_frame
-from ..validation import InputError, Points, Triangles, as_points, as_triangles
+from ..validation import InputError, Points, as_points, as_triangles
 
 RADIUS_ARRAYS = ("MaximumInscribedSphereRadius", "Radius")
 """Point arrays of centerlines that hold the inscribed radius: VMTK's name, then SlicerVMTK's."""
@@ -29,14 +30,13 @@ class Cells(NamedTuple):
 
 def points_from_polydata(polydata: vtkPolyData, name: str = "polydata") -> Points:
     """Coordinates (n, 3) as a float64 copy; `InputError` for NaN or infinity."""
-    if polydata.GetNumberOfPoints() == 0:
-        return np.zeros((0, 3))
-    values = vtk_to_numpy(polydata.GetPoints().GetData())
-    return as_points(np.array(values, dtype=np.float64), name)
+    return as_points(_coordinates(polydata), name)
 
 
-def arrays_from_polydata(polydata: vtkPolyData, name: str = "surface") -> tuple[Points, Triangles]:
-    """Points (n, 3) and triangles (m, 3) of polydata that has nothing but triangles.
+def surface_from_polydata(
+    polydata: vtkPolyData, name: str = "surface", scale: float = 1.0
+) -> Surface:
+    """The surface of polydata that has nothing but triangles.
 
     Parameters
     ----------
@@ -44,11 +44,13 @@ def arrays_from_polydata(polydata: vtkPolyData, name: str = "surface") -> tuple[
         Not modified; see `triangulated_polydata` for one with other cells.
     name : str
         What to call it in messages.
+    scale : float
+        mm per unit of the polydata.
 
     Returns
     -------
-    points, triangles
-        Copies, float64 and int64; row i of the triangles is cell i of the polydata.
+    Surface
+        A copy; row i of the triangles is cell i of the polydata.
 
     Raises
     ------
@@ -59,8 +61,17 @@ def arrays_from_polydata(polydata: vtkPolyData, name: str = "surface") -> tuple[
     count = len(cells.offsets) - 1
     if count != polydata.GetNumberOfCells() or len(cells.corners) != 3 * count:
         raise InputError(f"{name}: expected nothing but triangles; triangulate it first.")
-    points = points_from_polydata(polydata, name)
-    return points, as_triangles(cells.corners.reshape(-1, 3), len(points), name)
+    if not count:
+        raise InputError(f"{name}: expected at least one triangle, got none.")
+    points = _coordinates(polydata)
+    points *= scale
+    return Surface(points, cells.corners.reshape(-1, 3), name)
+
+
+def _coordinates(polydata: vtkPolyData) -> Points:
+    if polydata.GetNumberOfPoints() == 0:
+        return np.zeros((0, 3))
+    return np.array(vtk_to_numpy(polydata.GetPoints().GetData()), dtype=np.float64)
 
 
 def polygons_from_polydata(polydata: vtkPolyData, name: str = "surface") -> Cells:

@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 from vtkmodules.vtkCommonCore import vtkIdList
 from vtkmodules.vtkCommonDataModel import vtkStaticCellLocator
 
-from ..geometry import face_areas, is_closed, signed_volume
+from ..geometry import Surface, as_surface, face_areas, signed_volume
 from ..units import flipped
-from ..validation import InputError, Points, Triangles, as_points, as_triangles
-from .polydata import polydata_from_arrays
+from ..validation import InputError, Points, as_points
+from .polydata import polydata_from_polygons
 
 UNIT_FACTORS = (10.0, 0.1, 1000.0, 0.001)
 """What separates millimetres from centimetres and metres, both ways."""
@@ -35,8 +35,7 @@ class _Fit(NamedTuple):
 
 
 def check_same_space(
-    points: ArrayLike,
-    triangles: ArrayLike,
+    surface: Surface,
     centerline_points: ArrayLike,
     *,
     surface_name: str = "surface",
@@ -51,8 +50,7 @@ def check_same_space(
 
     Parameters
     ----------
-    points, triangles : array_like, shapes (n, 3) and (m, 3)
-        The surface, mm.
+    surface : Surface
     centerline_points : array_like, shape (k, 3)
         Points of the centerline in any order, mm; about 150 of them are tested.
     surface_name, centerline_name : str
@@ -68,12 +66,10 @@ def check_same_space(
     InputError
         Less than half of the centerline is inside; says whether units or frame explain it.
     """
-    surface_points = as_points(points, surface_name, minimum=3)
-    faces = as_triangles(triangles, len(surface_points), surface_name)
     centers = as_points(centerline_points, centerline_name, minimum=1)
     count = min(len(centers), _SAMPLES)
     centers = centers[np.linspace(0, len(centers) - 1, count).round().astype(int)]
-    test = InsideTest(surface_points, faces)
+    test = InsideTest(as_surface(surface))
 
     inside = float(test.is_inside(centers).mean())
     if inside >= _ENOUGH_INSIDE:
@@ -89,19 +85,18 @@ def check_same_space(
     raise InputError(f"{found}; {_explanation(best)}")
 
 
-def size_warnings(
-    points: Points, triangles: Triangles, name: str, units: str = "mm"
-) -> tuple[str, ...]:
+def size_warnings(surface: Surface, name: str, units: str = "mm") -> tuple[str, ...]:
     """A sentence when a surface has not the size of a vessel in millimetres.
 
     The extent is the longest side of its box; the lumen of a closed surface is measured by
     four times volume over area, the diameter of a long tube.
     """
+    points, triangles = surface.points, surface.triangles
     is_used = np.zeros(len(points), dtype=bool)
     is_used[triangles] = True
     extent = float(np.ptp(points[is_used], axis=0).max())
     lumen = None
-    if is_closed(triangles):
+    if surface.topology.is_closed:
         area = float(face_areas(points, triangles).sum())
         lumen = 4 * abs(signed_volume(points, triangles)) / area if area > 0 else 0.0
     is_odd = not _SMALLEST_EXTENT <= extent <= _LARGEST_EXTENT
@@ -121,8 +116,10 @@ def size_warnings(
 class InsideTest:
     """Counts crossings of rays; the same rays for every query, so that results repeat."""
 
-    def __init__(self, points: Points, triangles: Triangles) -> None:
-        self._polydata = polydata_from_arrays(points, triangles)
+    def __init__(self, surface: Surface) -> None:
+        points = surface.points
+        offsets = 3 * np.arange(len(surface.triangles) + 1)
+        self._polydata = polydata_from_polygons(points, offsets, surface.triangles.ravel())
         self._locator = vtkStaticCellLocator()
         self._locator.SetDataSet(self._polydata)
         self._locator.BuildLocator()

@@ -14,12 +14,12 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 
-from ..geometry import dot, face_areas
+from ..geometry import Precision, Surface, dot, face_areas
 from ..units import Frame, millimeters_per
-from ..validation import InputError, Points, Triangles, as_points, read_only
+from ..validation import InputError, Points, Triangles, as_points
 from .content import FileContent, frame_in_text, read_content
 from .formats import PlainMesh, decode_obj, decode_ply, decode_stl, read_vtk_polydata
-from .polydata import add_arrays, arrays_from_polydata, polydata_from_polygons
+from .polydata import add_arrays, polydata_from_polygons, surface_from_polydata
 from .same_space import size_warnings
 from .triangulation import triangulated_polydata
 
@@ -39,10 +39,8 @@ class SurfaceFile:
 
     Attributes
     ----------
-    points : (n, 3) array
-        Coordinates, mm, in the frame of the file, read-only.
-    triangles : (m, 3) array of int64
-        Indices into the points, read-only.
+    surface : Surface
+        In mm and in the frame of the file.
     units : str
         Unit of the file, `"mm"`, `"cm"` or `"m"`; what is written is in it again.
     frame : "RAS", "LPS" or None
@@ -56,8 +54,7 @@ class SurfaceFile:
         Sentences for the report: what was changed in reading, what looks wrong.
     """
 
-    points: Points
-    triangles: Triangles
+    surface: Surface
     units: str
     frame: Frame | None
     path: Path
@@ -65,6 +62,21 @@ class SurfaceFile:
     coordinate_type: np.dtype[Any]
     warnings: tuple[str, ...]
     _polydata: vtkPolyData = field(repr=False, compare=False)
+
+    @property
+    def points(self) -> Points:
+        """Points (n, 3) of the surface, mm."""
+        return self.surface.points
+
+    @property
+    def triangles(self) -> Triangles:
+        """Triangles (m, 3) of the surface."""
+        return self.surface.triangles
+
+    @property
+    def precision(self) -> Precision:
+        """How the file holds coordinates."""
+        return Precision(self.coordinate_type, 1 / millimeters_per(self.units))
 
     def polydata(self) -> vtkPolyData:
         """A copy of the polydata in the unit of the file, with all its arrays."""
@@ -107,14 +119,12 @@ def read_surface(path: str | os.PathLike[str], units: str = "mm") -> SurfaceFile
     if template.GetPoints().GetData().GetDataTypeAsString() not in ("float", "double"):
         template = _with_double_points(template)
         warnings += (f"{name}: its coordinates are integers; they are written as doubles.",)
-    points, triangles = arrays_from_polydata(template, name)
+    surface = surface_from_polydata(template, name, scale)
     _check_arrays(template, name)
-    points = as_points(points * scale, name)
-    warnings += _degenerate(points, triangles, name)
-    warnings += size_warnings(points, triangles, name, units)
+    warnings += _degenerate(surface.points, surface.triangles, name)
+    warnings += size_warnings(surface, name, units)
     return SurfaceFile(
-        points=read_only(points),
-        triangles=read_only(triangles),
+        surface=surface,
         units=units,
         frame=frame,
         path=content.path,

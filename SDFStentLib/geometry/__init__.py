@@ -30,19 +30,18 @@ from .polyline import (
     tangents,
     without_repeats,
 )
-from .precision import Precision, stored_points
+from .precision import Precision
 from .ragged import blocks_of, ranges
 from .rows import across, dot, norm
 from .section import is_inside, plane_section
 from .segments import closest_on_segments, distances_to_segments
-from .surface import Surface
+from .surface import Surface, as_surface, state_of
 from .topology import (
     Topology,
     VertexNeighbors,
     boundary_edges,
     consistently_wound,
     edges,
-    is_closed,
     is_manifold,
     surface_topology,
     vertex_neighbors,
@@ -57,6 +56,7 @@ __all__ = [
     "VertexNeighbors",
     "across",
     "arc_lengths",
+    "as_surface",
     "blocks_of",
     "boundary_edges",
     "closest_on_segments",
@@ -73,7 +73,6 @@ __all__ = [
     "face_normals",
     "faces_at",
     "frames",
-    "is_closed",
     "is_inside",
     "is_manifold",
     "kept_points",
@@ -90,7 +89,7 @@ __all__ = [
     "resampled_to",
     "segment_count",
     "signed_volume",
-    "stored_points",
+    "state_of",
     "surface_topology",
     "tangents",
     "vertex_neighbors",

@@ -10,9 +10,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ..validation import Floats, Indices, Points, as_points, as_triangles
+from ..validation import Floats, Indices, Points, Triangles
 from .rows import dot, norm
 
 _BLOCK = 128
@@ -83,7 +82,8 @@ class SurfaceIndex:
 
     Parameters
     ----------
-    points, triangles : array_like, shapes (k, 3) and (m, 3)
+    points, triangles : (k, 3) and (m, 3) arrays
+        Known to be sound.
 
     Attributes
     ----------
@@ -96,12 +96,10 @@ class SurfaceIndex:
     huge triangles do not widen the search among the small ones.
     """
 
-    def __init__(self, points: ArrayLike, triangles: ArrayLike) -> None:
+    def __init__(self, points: Points, triangles: Triangles) -> None:
         # Imported here: scipy costs half a second, which a first frame should not pay.
         from scipy.spatial import cKDTree
 
-        points = as_points(points)
-        triangles = as_triangles(triangles, len(points))
         self.corners: Floats = points[triangles]
         a, b, c = self.corners[:, 0], self.corners[:, 1], self.corners[:, 2]
         self._centroids = (a + b + c) / 3.0

@@ -1,38 +1,34 @@
 """Triangulated surfaces: areas, normals, volume, orientation.
 
-A surface is `points` (n, 3), mm, and `triangles` (m, 3). Faces of a well oriented surface turn
-counterclockwise seen from outside, so that normals point out of the lumen.
+For arrays that are known to be sound, of a whole `Surface` or a part of one: `points` (n, 3), mm,
+and `triangles` (m, 3). Faces of a well oriented surface turn counterclockwise seen from outside, so
+that normals point out of the lumen.
 """
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from ..validation import Flags, Floats, Points, Triangles, as_points, as_triangles
+from ..validation import Flags, Floats, Points, Triangles
 from .topology import consistently_wound, edges
 
 
-def face_areas(points: ArrayLike, triangles: ArrayLike) -> Floats:
-    """Area (m,) of every face, mm^2; `InputError` when points and triangles do not fit."""
-    return 0.5 * _lengths(_area_vectors(*_checked(points, triangles)))
+def face_areas(points: Points, triangles: Triangles) -> Floats:
+    """Area (m,) of every face, mm^2."""
+    return 0.5 * _lengths(_area_vectors(points, triangles))
 
 
-def face_normals(points: ArrayLike, triangles: ArrayLike) -> Floats:
-    """Unit normals (m, 3); zero for a face without area.
-
-    `InputError` when points and triangles do not fit.
-    """
-    return np.ascontiguousarray(_unit(_area_vectors(*_checked(points, triangles))).T)
+def face_normals(points: Points, triangles: Triangles) -> Floats:
+    """Unit normals (m, 3); zero for a face without area."""
+    return np.ascontiguousarray(_unit(_area_vectors(points, triangles)).T)
 
 
-def vertex_normals(points: ArrayLike, triangles: ArrayLike) -> Floats:
+def vertex_normals(points: Points, triangles: Triangles) -> Floats:
     """Unit normals (n, 3) of the points: the faces' normals, weighted with their areas.
 
-    Zero at a point without a face and where the faces cancel. `InputError` when points and
-    triangles do not fit.
+    Zero at a point without a face and where the faces cancel.
     """
-    points, triangles = _checked(points, triangles)
     corners = triangles.ravel()
     sums = [
         np.bincount(corners, weights=np.repeat(column, 3), minlength=len(points))
@@ -41,17 +37,17 @@ def vertex_normals(points: ArrayLike, triangles: ArrayLike) -> Floats:
     return np.ascontiguousarray(_unit(np.stack(sums)).T)
 
 
-def signed_volume(points: ArrayLike, triangles: ArrayLike) -> float:
+def signed_volume(points: Points, triangles: Triangles) -> float:
     """Volume inside a closed surface, mm^3; positive when the faces look outward.
 
     Of an open surface: the volume of the cone over it from the centre of its points, whatever
-    that says. `InputError` when points and triangles do not fit.
+    that says.
     """
-    return float(_cone_volumes(*_checked(points, triangles)).sum())
+    return float(_cone_volumes(points, triangles).sum())
 
 
 def oriented_triangles(
-    points: ArrayLike, triangles: ArrayLike, inside: ArrayLike | None = None
+    points: Points, triangles: Triangles, inside: Points | None = None
 ) -> Triangles:
     """Triangles with one winding per connected part, outward where that can be told.
 
@@ -62,16 +58,10 @@ def oriented_triangles(
 
     Parameters
     ----------
-    points, triangles : array_like, shapes (n, 3) and (m, 3)
-    inside : array_like, shape (k, 3), optional
+    points, triangles : (n, 3) and (m, 3) arrays
+    inside : (k, 3) array, optional
         Points in the lumen, for instance the centerline, mm.
-
-    Raises
-    ------
-    InputError
-        Points and triangles do not fit, or `inside` is not of shape (k, 3).
     """
-    points, triangles = _checked(points, triangles)
     triangles, part = consistently_wound(triangles)
     outward = np.bincount(part, weights=_cone_volumes(points, triangles))
 
@@ -80,7 +70,7 @@ def oriented_triangles(
     is_free[part[found.sides[found.offsets[:-1][found.face_counts % 2 == 1]] // 3]] = True
     outward[is_free] = 0.0
     if inside is not None and is_free.any():
-        away = _outward_flux(points, triangles, as_points(inside, "inside", minimum=1))
+        away = _outward_flux(points, triangles, inside)
         outward[is_free] = np.bincount(part, weights=away)[is_free]
 
     turn = (outward < 0)[part]
@@ -112,11 +102,6 @@ def compacted(points: Points, triangles: Triangles) -> tuple[Points, Triangles]:
     number = np.empty(len(points), dtype=np.int64)
     number[used] = np.arange(len(used))
     return points[used], number[triangles]
-
-
-def _checked(points: ArrayLike, triangles: ArrayLike) -> tuple[Points, Triangles]:
-    points = as_points(points)
-    return points, as_triangles(triangles, len(points))
 
 
 # Vectors stand in columns, (3, m): sums along a last axis of three take NumPy several times longer.

@@ -15,8 +15,6 @@ from ..validation import (
     Points,
     Triangles,
     as_point,
-    as_points,
-    as_triangles,
 )
 from .ragged import blocks_of, ranges
 from .rows import dot
@@ -44,7 +42,7 @@ class SectionLoop(NamedTuple):
 
 
 def plane_section(
-    points: ArrayLike, triangles: ArrayLike, origin: ArrayLike, normal: ArrayLike
+    points: Points, triangles: Triangles, origin: ArrayLike, normal: ArrayLike
 ) -> list[SectionLoop]:
     """Cut of a surface with a plane, as polylines.
 
@@ -55,7 +53,8 @@ def plane_section(
 
     Parameters
     ----------
-    points, triangles : array_like, shapes (n, 3) and (m, 3)
+    points, triangles : (n, 3) and (m, 3) arrays
+        Known to be sound.
     origin : array_like, shape (3,)
         A point of the plane, mm.
     normal : array_like, shape (3,)
@@ -64,10 +63,8 @@ def plane_section(
     Raises
     ------
     InputError
-        Arrays that do not fit, or a zero normal.
+        No point, or a zero normal.
     """
-    points = as_points(points)
-    triangles = as_triangles(triangles, len(points))
     origin, normal = as_point(origin, "origin"), as_point(normal, "normal")
     if not np.any(normal):
         raise InputError("normal: expected a direction, got the zero vector; give a plane normal.")
@@ -95,21 +92,13 @@ def plane_section(
     return [loop for loop in loops if len(loop.points) > 1]
 
 
-def is_inside(queries: ArrayLike, points: ArrayLike, triangles: ArrayLike) -> Flags:
+def is_inside(queries: Points, points: Points, triangles: Triangles) -> Flags:
     """Whether each query (k,) lies inside a closed surface: its ray upward meets it an odd time.
 
     Orientation does not matter. Whether a face is met is decided by edge in one fixed order, so
     that a ray through an edge or a vertex is counted once and not twice. A query exactly on the
     surface may come out either way; with an open surface the result means little.
-
-    Raises
-    ------
-    InputError
-        Points and triangles do not fit, or `queries` are not of shape (k, 3).
     """
-    queries = as_points(queries, "queries")
-    points = as_points(points)
-    triangles = as_triangles(triangles, len(points))
     order = np.argsort(queries[:, 0], kind="stable")
     sorted_queries = queries[order]
     lowest, highest = _extent(points[:, 0][triangles])

@@ -4,10 +4,28 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
-from ..validation import Floats, InputError, Points, Triangles, as_points, as_triangles, read_only
+from numpy.typing import ArrayLike
+
+from ..validation import (
+    Floats,
+    InputError,
+    Points,
+    Triangles,
+    as_points,
+    as_triangles,
+    in_short,
+    read_only,
+)
 from .faces import face_normals, vertex_normals
-from .topology import Topology, VertexNeighbors, surface_topology, vertex_neighbors
+from .topology import (
+    Topology,
+    VertexNeighbors,
+    consistently_wound,
+    surface_topology,
+    vertex_neighbors,
+)
 
 
 class _Mesh:
@@ -26,8 +44,14 @@ class _Mesh:
         found = vertex_neighbors(self.triangles, self.point_count)
         return VertexNeighbors(read_only(found.offsets), read_only(found.indices))
 
+    @cached_property
+    def wound_triangles(self) -> Triangles:
+        if self.topology.is_consistently_wound:
+            return self.triangles
+        return read_only(consistently_wound(self.triangles)[0])
 
-@dataclass(frozen=True, eq=False)
+
+@dataclass(frozen=True, eq=False, init=False)
 class Surface:
     """Points joined by triangles. Immutable, checked when it is made and never again.
 
@@ -37,6 +61,8 @@ class Surface:
         mm; copied.
     triangles : array_like, shape (m, 3)
         Indices of the corners, any winding; copied.
+    name : str
+        What to call it in messages.
 
     Raises
     ------
@@ -47,14 +73,14 @@ class Surface:
 
     points: Points
     triangles: Triangles
-    _mesh: _Mesh = field(init=False, repr=False)
+    _mesh: _Mesh = field(repr=False)
 
-    def __post_init__(self) -> None:
-        points = as_points(self.points, "surface points", minimum=3)
-        triangles = read_only(as_triangles(self.triangles, len(points), "surface triangles"))
-        self._keep(points, _Mesh(triangles, len(points)))
+    def __init__(self, points: ArrayLike, triangles: ArrayLike, name: str = "surface") -> None:
+        checked = as_points(points, f"{name} points", minimum=3)
+        corners = read_only(as_triangles(triangles, len(checked), f"{name} triangles"))
+        self._keep(checked, _Mesh(corners, len(checked)))
 
-    def with_points(self, points: Points) -> Surface:
+    def with_points(self, points: ArrayLike, name: str = "surface points") -> Surface:
         """The same triangles at other places; what follows from them alone is not looked at again.
 
         Raises
@@ -62,11 +88,11 @@ class Surface:
         InputError
             As many points as before did not come, or they are no finite numbers.
         """
-        moved = as_points(points, "surface points")
+        moved = as_points(points, name)
         if moved.shape != self.points.shape:
             raise InputError(
-                f"surface points: expected {len(self.points)} points as before, got {len(moved)}; "
-                "make a new surface for other triangles."
+                f"{name}: expected {len(self.points)} points as before, got {len(moved)}; "
+                "give another state of the same surface."
             )
         surface = object.__new__(Surface)
         surface._keep(moved, self._mesh)
@@ -78,9 +104,19 @@ class Surface:
         return self._mesh.topology
 
     @property
+    def known_topology(self) -> Topology | None:
+        """The topology if it was looked at already. Only to choose the quicker of equal ways."""
+        return self._mesh.__dict__.get("topology")
+
+    @property
     def neighbors(self) -> VertexNeighbors:
         """The points that share an edge with each; looked at once as the topology is."""
         return self._mesh.neighbors
+
+    @property
+    def wound_triangles(self) -> Triangles:
+        """The triangles (m, 3), neighbors wound alike: see `consistently_wound`."""
+        return self._mesh.wound_triangles
 
     @cached_property
     def face_normals(self) -> Floats:
@@ -96,3 +132,35 @@ class Surface:
         object.__setattr__(self, "points", read_only(points))
         object.__setattr__(self, "triangles", mesh.triangles)
         object.__setattr__(self, "_mesh", mesh)
+
+
+def as_surface(value: Any, name: str = "surface") -> Surface:
+    """The surface that it is; `InputError` for anything else, such as an array of points."""
+    if not isinstance(value, Surface):
+        raise InputError(
+            f"{name}: expected a Surface, got {in_short(type(value).__name__)}; "
+            "make one of arrays by Surface(points, triangles)."
+        )
+    return value
+
+
+def state_of(surface: Surface, after: Surface | ArrayLike, name: str = "after") -> Surface:
+    """Another state of a surface, given as a surface with the same triangles or as its points.
+
+    Raises
+    ------
+    InputError
+        A surface with other triangles, or points that are not as many as before.
+    """
+    if not isinstance(after, Surface):
+        return surface.with_points(after, name)
+    if after.triangles is surface.triangles:
+        return after
+    if after.triangles.shape != surface.triangles.shape or (
+        (after.triangles != surface.triangles).any()
+    ):
+        raise InputError(
+            f"{name}: expected the triangles of the surface before, got others; "
+            "give another state of the same surface."
+        )
+    return surface.with_points(after.points, name)

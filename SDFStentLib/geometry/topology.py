@@ -1,13 +1,17 @@
-"""How the triangles of a surface hang together: edges, fans, components; no coordinates here."""
+"""How the triangles of a surface hang together: edges, fans, components; no coordinates here.
+
+Triangles are (m, 3) arrays of int64, at least one row and no index below 0: those of a `Surface`,
+or a part of them.
+"""
 
 from __future__ import annotations
 
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from ..validation import Indices, Triangles, as_triangles
+from ..validation import Indices, Triangles
 from .connected_parts import component_labels, connected
 from .fans import fans_by_graph, fans_by_walking
 
@@ -111,20 +115,8 @@ class Topology(NamedTuple):
         return f"open ({self.boundary_edge_count} boundary edges)"
 
 
-def edges(triangles: ArrayLike) -> Edges:
-    """Unique edges of a surface with the faces at each.
-
-    Parameters
-    ----------
-    triangles : array_like, shape (m, 3)
-        Indices of the corners.
-
-    Raises
-    ------
-    InputError
-        `triangles` are not integers of shape (m, 3).
-    """
-    triangles = _as_triangles(triangles)
+def edges(triangles: Triangles) -> Edges:
+    """Unique edges of a surface with the faces at each."""
     keys, sides, is_first = _sorted_sides(triangles)
     offsets = np.r_[np.flatnonzero(is_first), len(keys)]
     face_edges = np.empty(len(keys), dtype=np.int64)
@@ -133,36 +125,20 @@ def edges(triangles: ArrayLike) -> Edges:
     return Edges(vertices, face_edges.reshape(-1, 3), offsets, sides.astype(np.int64))
 
 
-def boundary_edges(triangles: ArrayLike) -> Indices:
-    """Edges (b, 2) at which there is only one face, in the direction of that face.
-
-    `InputError` as in `edges`.
-    """
-    triangles = _as_triangles(triangles)
+def boundary_edges(triangles: Triangles) -> Indices:
+    """Edges (b, 2) at which there is only one face, in the direction of that face."""
     found = edges(triangles)
     single = found.sides[found.offsets[:-1][found.face_counts == 1]]
     return np.stack([triangles.ravel()[single], _side_ends(triangles)[single]], axis=1)
 
 
-def is_closed(triangles: ArrayLike) -> bool:
-    """Whether no edge is free: every edge has an even number of triangle sides (two, if manifold).
-
-    `InputError` as in `edges`.
-    """
-    return surface_topology(triangles).is_closed
-
-
-def is_manifold(triangles: ArrayLike) -> bool:
-    """Whether the surface is manifold, with or without boundary, at its edges and its vertices.
-
-    `InputError` as in `edges`.
-    """
+def is_manifold(triangles: Triangles) -> bool:
+    """Whether the surface is manifold, with or without boundary, at its edges and its vertices."""
     return surface_topology(triangles).is_manifold
 
 
-def surface_topology(triangles: ArrayLike) -> Topology:
-    """All that the triangles alone say about a surface; `InputError` as in `edges`."""
-    triangles = _as_triangles(triangles)
+def surface_topology(triangles: Triangles) -> Topology:
+    """All that the triangles alone say about a surface."""
     corners = triangles.ravel()
     sides, is_first = _sorted_sides(triangles)[1:]
     starts = np.flatnonzero(is_first)
@@ -192,23 +168,16 @@ def surface_topology(triangles: ArrayLike) -> Topology:
     )
 
 
-def vertex_neighbors(triangles: ArrayLike, point_count: int | None = None) -> VertexNeighbors:
+def vertex_neighbors(triangles: Triangles, point_count: int | None = None) -> VertexNeighbors:
     """Neighbours of every vertex.
 
     Parameters
     ----------
-    triangles : array_like, shape (m, 3)
+    triangles : (m, 3) array
     point_count : int, optional
         Number of points; by default up to the highest index in use. Points without a triangle
         have no neighbours.
-
-    Raises
-    ------
-    InputError
-        As in `edges`, or an index not below `point_count`.
     """
-    if point_count is not None:
-        triangles = as_triangles(triangles, point_count)
     pairs = edges(triangles).vertices
     pairs = pairs[pairs[:, 0] != pairs[:, 1]]
     count = int(pairs.max(initial=-1)) + 1 if point_count is None else point_count
@@ -219,12 +188,12 @@ def vertex_neighbors(triangles: ArrayLike, point_count: int | None = None) -> Ve
     return VertexNeighbors(offsets, end[order])
 
 
-def consistently_wound(triangles: ArrayLike) -> tuple[Triangles, Indices]:
+def consistently_wound(triangles: Triangles) -> tuple[Triangles, Indices]:
     """Triangles whose neighbours all agree in winding, and the part each belongs to.
 
     In each part the fewer faces are turned (the first face keeps its winding when both are as
     many). Only edges with exactly two faces carry winding across. A part that cannot be oriented
-    (a Moebius band) keeps the winding it came with. `InputError` as in `edges`.
+    (a Moebius band) keeps the winding it came with.
 
     Returns
     -------
@@ -232,7 +201,7 @@ def consistently_wound(triangles: ArrayLike) -> tuple[Triangles, Indices]:
     part : (m,) array
         Faces with the same number are joined through edges with two faces.
     """
-    result = _as_triangles(triangles).copy()
+    result = triangles.copy()
     count = len(result)
     sides = edges(triangles).paired_sides
     left, right = sides[:, 0] // 3, sides[:, 1] // 3
@@ -252,12 +221,6 @@ def consistently_wound(triangles: ArrayLike) -> tuple[Triangles, Indices]:
     turn = (minority ^ (share > 0.5)[part]) & (as_is != turned)
     result[turn] = result[turn][:, ::-1]
     return result, part
-
-
-def _as_triangles(triangles: ArrayLike) -> Triangles:
-    array = np.asarray(triangles)
-    highest = int(array.max()) if array.size and array.dtype.kind in "iu" else 0
-    return as_triangles(array, highest + 1)
 
 
 def _side_ends(triangles: Triangles) -> Indices:

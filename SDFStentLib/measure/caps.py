@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry import component_labels, dot, edges, face_normals, faces_at, may_meet_box
+from ..geometry import Surface, component_labels, dot, edges, face_normals, faces_at, may_meet_box
 from ..validation import Points, Triangles
 
 FLAT = np.cos(np.deg2rad(1.0))
@@ -102,27 +102,25 @@ def caps_across(points: Points, faces: Triangles, axis: Points, reach: float) ->
     return is_capped
 
 
-def bulged_caps(
-    before: Points, after: Points, triangles: Triangles, moved: NDArray[np.int64]
-) -> tuple[BulgedCap, ...]:
+def bulged_caps(before: Surface, after: Surface, moved: NDArray[np.int64]) -> tuple[BulgedCap, ...]:
     """Caps that were flat before and are not any more.
 
     Parameters
     ----------
-    before, after : (n, 3) arrays
-        Points of the surface, mm.
-    triangles : (m, 3) array
+    before, after : Surface
+        With the same triangles.
     moved : (k,) array
         Points that moved; only faces at them are looked at.
     """
-    has_moved = np.zeros(len(before), dtype=bool)
+    has_moved = np.zeros(len(before.points), dtype=bool)
     has_moved[moved] = True
-    faces = triangles[faces_at(has_moved, triangles)]
+    faces = before.triangles[faces_at(has_moved, before.triangles)]
     found = []
-    for cap in flat_caps(before, faces):
+    for cap in flat_caps(before.points, faces):
         corners = np.unique(faces[cap.faces])
-        height = float(np.abs((after[corners] - before[corners]) @ cap.normal).max())
+        start, end = before.points[corners], after.points[corners]
+        height = float(np.abs((end - start) @ cap.normal).max())
         if height > NOTICEABLE:
-            x, y, z = before[corners].mean(axis=0).tolist()
+            x, y, z = start.mean(axis=0).tolist()
             found.append(BulgedCap((x, y, z), height))
     return tuple(found)

@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..geometry import across, dot, plane_section
-from ..validation import Floats, InputError, Points, Triangles, as_points, as_triangles
+from ..validation import Floats, InputError, Points, Triangles, as_points
 
 
 def equivalent_diameters(
-    points: ArrayLike, triangles: ArrayLike, centers: ArrayLike, directions: ArrayLike
+    points: Points, triangles: Triangles, centers: ArrayLike, directions: ArrayLike
 ) -> Floats:
     """Diameter (n,) of the circle with the area of the lumen's cross-section, 2 sqrt(A / pi), mm.
 
@@ -19,7 +19,7 @@ def equivalent_diameters(
 
     Parameters
     ----------
-    points, triangles : array_like, shapes (k, 3) and (m, 3)
+    points, triangles : (k, 3) and (m, 3) arrays
     centers, directions : array_like, shapes (n, 3)
         Axis points and the normals of the planes through them, of any length but zero.
 
@@ -33,8 +33,6 @@ def equivalent_diameters(
     InputError
         Wrong shapes or a zero direction.
     """
-    points = as_points(points)
-    triangles = as_triangles(triangles, len(points))
     centers, directions = as_points(centers, "centers"), as_points(directions, "directions")
     if len(centers) != len(directions):
         raise InputError(

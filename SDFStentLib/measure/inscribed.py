@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 
 from ..geometry import NearPairs, SurfaceIndex, across, norm
 from ..geometry import tangents as polyline_tangents
-from ..validation import Floats, Indices, InputError, Points, as_number, as_points, as_triangles
+from ..validation import Floats, Indices, InputError, Points, Triangles, as_number, as_points
 from .local_surface import LocalSurface
 from .max_min_step import LinearRows, largest_steps
 
@@ -49,8 +49,8 @@ class InscribedSpheres(NamedTuple):
 
 
 def inscribed_spheres(
-    points: ArrayLike,
-    triangles: ArrayLike,
+    points: Points,
+    triangles: Triangles,
     centers: ArrayLike,
     tangents: ArrayLike | None = None,
     *,
@@ -60,8 +60,8 @@ def inscribed_spheres(
 
     Parameters
     ----------
-    points, triangles : array_like, shapes (k, 3) and (m, 3)
-        The surface, open or closed; orientation does not matter.
+    points, triangles : (k, 3) and (m, 3) arrays
+        Of a surface, open or closed, or a part of one; orientation does not matter.
     centers : array_like, shape (n, 3)
         Axis points inside the lumen, mm, from where the search starts.
     tangents : array_like, shape (n, 3), optional
@@ -89,8 +89,6 @@ def inscribed_spheres(
     InputError
         Wrong shapes, a zero tangent, or a single centre without a tangent.
     """
-    points = as_points(points)
-    triangles = as_triangles(triangles, len(points))
     centers = as_points(centers, "centers")
     as_number(tolerance, "tolerance", unit="mm", above=0)
     if tangents is None and len(centers) < 2:

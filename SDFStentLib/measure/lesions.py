@@ -14,14 +14,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..centerline import Centerline
-from ..geometry import arc_lengths, closest_points, tangents
+from ..geometry import Surface, arc_lengths, as_surface, closest_points, tangents
 from ..validation import (
     InputError,
     Points,
     Triangles,
     as_point,
     as_points,
-    as_triangles,
 )
 from .inscribed import inscribed_spheres
 from .lesion_measuring import as_place, measured, median_area
@@ -33,15 +32,13 @@ from .vessel_runs import VesselRun, vessel_runs
 Floats = NDArray[np.float64]
 
 
-def find_lesions(
-    points: ArrayLike, triangles: ArrayLike, centerline: Centerline
-) -> tuple[Lesion, ...]:
+def find_lesions(surface: Surface, centerline: Centerline) -> tuple[Lesion, ...]:
     """All lesions of a vessel tree, the tightest first.
 
     Parameters
     ----------
-    points, triangles : array_like, shapes (k, 3) and (m, 3)
-        The surface before any stent, mm; open or closed.
+    surface : Surface
+        Before any stent; open or closed.
     centerline : Centerline
         Its root does not matter, but for what is called proximal.
 
@@ -55,10 +52,9 @@ def find_lesions(
     Raises
     ------
     InputError
-        Wrong shapes, or a centerline outside of the surface.
+        No surface, or a centerline outside of it.
     """
-    points = as_points(points)
-    triangles = as_triangles(triangles, len(points))
+    points, triangles = as_surface(surface).points, surface.triangles
     found = [
         _Found(_lesion(points, triangles, run, narrow), _junctions(run, narrow))
         for run in vessel_runs(branch_lumens(points, triangles, centerline))
@@ -72,15 +68,15 @@ def find_lesions(
     return tuple(one.lesion for one in kept)
 
 
-def lesion_after(lesion: Lesion, points: ArrayLike, triangles: ArrayLike) -> Lesion:
+def lesion_after(lesion: Lesion, surface: Surface) -> Lesion:
     """The same part of the vessel against the same reference on another surface.
 
     Parameters
     ----------
     lesion : Lesion
         As found before treatment.
-    points, triangles : array_like, shapes (k, 3) and (m, 3)
-        The surface after it, mm.
+    surface : Surface
+        After it.
 
     Returns
     -------
@@ -90,11 +86,9 @@ def lesion_after(lesion: Lesion, points: ArrayLike, triangles: ArrayLike) -> Les
     Raises
     ------
     InputError
-        Wrong shapes.
+        No surface.
     """
-    points = as_points(points)
-    triangles = as_triangles(triangles, len(points))
-    return measured(lesion, points, triangles)
+    return measured(lesion, as_surface(surface).points, surface.triangles)
 
 
 def lesions_within(lesions: Sequence[Lesion], axis_points: ArrayLike) -> tuple[Lesion, ...]:
@@ -123,11 +117,7 @@ def lesions_within(lesions: Sequence[Lesion], axis_points: ArrayLike) -> tuple[L
 
 
 def lesion_against(
-    lesion: Lesion,
-    places: Sequence[ArrayLike],
-    points: ArrayLike,
-    triangles: ArrayLike,
-    centerline: Centerline,
+    lesion: Lesion, places: Sequence[ArrayLike], surface: Surface, centerline: Centerline
 ) -> Lesion:
     """The same lesion against healthy vessel that the user marked.
 
@@ -137,8 +127,8 @@ def lesion_against(
     places : sequence of one or two (3,) arrays
         Near the centerline where the vessel is healthy, mm. Two, one on each side: the reference
         tapers from one to the other. One: it is the reference everywhere.
-    points, triangles : array_like, shapes (k, 3) and (m, 3)
-        The surface in which the lesion was found, mm.
+    surface : Surface
+        In which the lesion was found.
     centerline : Centerline
 
     Raises
@@ -146,8 +136,7 @@ def lesion_against(
     InputError
         No place or more than two, two on the same side, or a place beside the vessel.
     """
-    points = as_points(points)
-    triangles = as_triangles(triangles, len(points))
+    points, triangles = as_surface(surface).points, surface.triangles
     if len(places) not in (1, 2):
         raise InputError(f"reference: expected one or two marked places, got {len(places)}.")
     marked = [_marked(lesion, place, points, triangles, centerline) for place in places]

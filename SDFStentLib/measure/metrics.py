@@ -13,16 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..geometry import arc_lengths, resampled, tangents
-from ..validation import (
-    Floats,
-    InputError,
-    Points,
-    as_number,
-    as_points,
-    as_triangles,
-    read_only,
-)
+from ..geometry import Surface, arc_lengths, as_surface, resampled, tangents
+from ..validation import Floats, InputError, Points, as_number, read_only
 from .closed_ends import past_closed_ends
 from .cross_section import equivalent_diameters, winding_numbers
 from .inscribed import inscribed_spheres
@@ -124,16 +116,14 @@ class DiameterProfile:
         )
 
 
-def diameter_profile(
-    points: ArrayLike, triangles: ArrayLike, axis_points: ArrayLike, spacing: float = 1.0
-) -> DiameterProfile:
+def diameter_profile(surface: Surface, axis: ArrayLike, spacing: float = 1.0) -> DiameterProfile:
     """Inscribed and equivalent diameter at stations along an axis.
 
     Parameters
     ----------
-    points, triangles : array_like, shapes (k, 3) and (m, 3)
-        The surface, open or closed.
-    axis_points : array_like, shape (n, 3)
+    surface : Surface
+        Open or closed.
+    axis : array_like, shape (n, 3)
         Polyline inside the lumen, mm. It gives the stations and the planes across; it need not
         be in the middle.
     spacing : float
@@ -150,11 +140,10 @@ def diameter_profile(
     Raises
     ------
     InputError
-        Wrong shapes, fewer than two axis points, or a spacing that is not above 0.
+        No surface, fewer than two axis points, or a spacing that is not above 0.
     """
-    points = as_points(points)
-    triangles = as_triangles(triangles, len(points))
-    stations = resampled(axis_points, as_number(spacing, "spacing", unit="mm", above=0))
+    points, triangles = as_surface(surface).points, surface.triangles
+    stations = resampled(axis, as_number(spacing, "spacing", unit="mm", above=0))
     directions = tangents(stations)
     equivalent = equivalent_diameters(points, triangles, stations, directions)
     spheres, equivalent = past_closed_ends(

@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..geometry import dot
-from ..validation import Floats, InputError, Points, Triangles, as_points, as_triangles
+from ..geometry import Surface, as_surface, dot, state_of
+from ..validation import Floats, InputError, Points, Triangles, as_points
 
 
 class FaceStretch(NamedTuple):
@@ -22,7 +22,7 @@ class FaceStretch(NamedTuple):
     smallest: Floats
 
 
-def face_stretches(before: ArrayLike, after: ArrayLike, triangles: ArrayLike) -> FaceStretch:
+def face_stretches(before: Surface, after: Surface | ArrayLike) -> FaceStretch:
     """Area stretch and principal stretches of every triangle.
 
     A triangle maps linearly onto itself in the other state. The singular values s1 >= s2 of this
@@ -32,19 +32,18 @@ def face_stretches(before: ArrayLike, after: ArrayLike, triangles: ArrayLike) ->
 
     Parameters
     ----------
-    before, after : array_like, shape (n, 3)
-        The points in both states, mm.
-    triangles : array_like, shape (m, 3)
+    before : Surface
+    after : Surface, or array_like of shape (n, 3)
+        The other state: with the same triangles, or its points, mm.
 
     Raises
     ------
     InputError
-        Different numbers of points, or triangles that do not fit them.
+        No surface, or an other state that is not one of it.
     """
-    before, after = _both_states(before, after)
-    triangles = as_triangles(triangles, len(before))
-    uu, uv, vv = _metric(before, triangles)
-    new_uu, new_uv, new_vv = _metric(after, triangles)
+    after = state_of(as_surface(before, "before"), after)
+    uu, uv, vv = _metric(before.points, before.triangles)
+    new_uu, new_uv, new_vv = _metric(after.points, before.triangles)
     old_area, new_area = uu * vv - uv * uv, new_uu * new_vv - new_uv * new_uv
     has_area = old_area > np.finfo(float).eps * uu * vv
     squared = np.where(has_area, old_area, np.nan)

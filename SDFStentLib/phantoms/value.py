@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..centerline import Centerline
+from ..geometry import Surface
 from ..validation import Floats, Points, Triangles, read_only
 from .axis import Axis, inscribed_radii
 from .mesh import Patch
@@ -61,8 +62,9 @@ class Phantom:
     Attributes
     ----------
     name : str
-    points, triangles, face_ids : (n, 3), (m, 3), (m,) arrays
-        The surface, mm, and the id of every triangle's face.
+    surface : Surface
+    face_ids : (m,) array
+        The id of every triangle's face.
     centerline : Centerline
         Points on the exact axes from inlet to outlets. Its inscribed radius is that of the
         largest sphere inside the exact wall; caps are not counted as wall.
@@ -75,13 +77,22 @@ class Phantom:
     """
 
     name: str
-    points: Points
-    triangles: Triangles
+    surface: Surface
     face_ids: NDArray[np.int64]
     centerline: Centerline
     vessels: tuple[Vessel, ...]
     openings: tuple[Opening, ...]
     throat: Throat | None = None
+
+    @property
+    def points(self) -> Points:
+        """Points (n, 3) of the surface, mm."""
+        return self.surface.points
+
+    @property
+    def triangles(self) -> Triangles:
+        """Triangles (m, 3) of the surface."""
+        return self.surface.triangles
 
     def axis_at(self, arc_length: ArrayLike, vessel: int = 0) -> Points:
         """Exact axis points (n, 3), mm, at arc lengths (n,) from the start of a vessel."""
@@ -123,8 +134,7 @@ def assembled(
     radii_of = radii_of or (lambda vessel, at: inscribed_radii(vessel.axis, vessel.radius, at))
     return Phantom(
         name=name,
-        points=read_only(patch.points),
-        triangles=read_only(patch.triangles),
+        surface=Surface(patch.points, patch.triangles),
         face_ids=read_only(patch.face_ids),
         centerline=_centerline(vessels, joints, radii_of),
         vessels=vessels,

@@ -21,7 +21,6 @@ from ..files import (
     write_centerline,
     write_surface,
 )
-from ..geometry import Precision
 from ..measure import Lesion, face_stretches, find_lesions
 from ..stent import AlongAxis, InputFile
 from ..treatment import (
@@ -31,7 +30,7 @@ from ..treatment import (
     TreatmentState,
     treated_lesions,
 )
-from ..units import Frame, flipped, millimeters_per
+from ..units import Frame, flipped
 from ..validation import InputError, Points, check_is_a
 from ..version import VERSION
 from .axis import changed_input
@@ -60,17 +59,12 @@ class InputFiles:
     warnings: tuple[str, ...]
     seconds: float
 
-    @property
-    def precision(self) -> Precision:
-        """How coordinates are stored in the surface's file."""
-        return Precision(self.surface.coordinate_type, 1 / millimeters_per(self.surface.units))
-
     @cached_property
     def lesions(self) -> tuple[Lesion, ...] | None:
         """Of the vessel, found when first asked for; None without a centerline."""
         if self.centerline is None:
             return None
-        return find_lesions(self.surface.points, self.surface.triangles, self.centerline)
+        return find_lesions(self.surface.surface, self.centerline)
 
 
 @dataclass(frozen=True)
@@ -92,9 +86,7 @@ class PlanResult:
         if self.inputs.lesions is None:
             return None
         result = self.treatment
-        return treated_lesions(
-            self.inputs.lesions, result.stents, result.points, self.inputs.surface.triangles
-        )
+        return treated_lesions(self.inputs.lesions, result.stents, result.surface)
 
     def write_surface(
         self, path: str | os.PathLike[str], *, arrays: bool = False
@@ -108,7 +100,7 @@ class PlanResult:
         surface, result = self.inputs.surface, self.treatment
         point_arrays, cell_arrays = {}, {}
         if arrays:
-            stretch = face_stretches(surface.points, result.points, surface.triangles)
+            stretch = face_stretches(surface.surface, result.surface)
             point_arrays["Displacement"] = result.points - surface.points
             cell_arrays = {
                 "AreaStretch": stretch.area,
@@ -239,14 +231,13 @@ def treatment_of(plan: Plan, inputs: InputFiles) -> Treatment:
             name = f"axis of stent {number}" if file is None else file.path
             _same_space(surface, stent.placement.points, name)
     return Treatment(
-        surface.points,
-        surface.triangles,
+        surface.surface,
         stents,
         inputs.centerline,
         plan.settings,
         straightening_fraction=plan.straightening_fraction,
         companions=None if inputs.line_file is None else inputs.line_file.points,
-        precision=inputs.precision,
+        precision=surface.precision,
     )
 
 
@@ -257,8 +248,7 @@ def input_file(read: SurfaceFile | LineFile) -> InputFile:
 
 def _same_space(surface: SurfaceFile, points: np.ndarray, name: str) -> tuple[str, ...]:
     return check_same_space(
-        surface.points,
-        surface.triangles,
+        surface.surface,
         points,
         surface_name=os.fspath(surface.path),
         centerline_name=name,

@@ -5,18 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from ..centerline import Centerline
-from ..geometry import SurfaceIndex, is_inside
+from ..geometry import Surface, SurfaceIndex, is_inside
 from ..measure import closed_surface
 from ..stent import Placement, placement_points
-from ..validation import InputError, Points, Triangles
+from ..validation import InputError
 
 ON_WALL = 0.5
 """A point so near to the wall is one on it, as a click on the surface gives, mm."""
 
 
-def check_in_lumen(
-    placement: Placement, centerline: Centerline, points: Points, triangles: Triangles
-) -> None:
+def check_in_lumen(placement: Placement, centerline: Centerline, surface: Surface) -> None:
     """Refuse points outside of the lumen; those within the inscribed sphere need no look.
 
     Raises
@@ -24,6 +22,7 @@ def check_in_lumen(
     InputError
         A point of the placement is outside, and not on the wall.
     """
+    points, triangles = surface.points, surface.triangles
     for name, point in placement_points(placement):
         place = centerline.project(point)
         if place.distance < place.inscribed_radius:  # False where it is unknown

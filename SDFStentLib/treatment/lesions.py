@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..centerline import Centerline
-from ..geometry import arc_lengths, length
+from ..geometry import Surface, arc_lengths, length
 from ..measure import Lesion, lesion_after, lesions_within
 from ..stent import DEFAULT_FORESHORTENING, AtCenter, AtDistalEnd
-from ..validation import Points, Triangles, as_number
+from ..validation import Points, as_number
 from .value import TreatedStent
 
 
@@ -36,7 +36,7 @@ class TreatedLesion:
 
 
 def treated_lesions(
-    lesions: Sequence[Lesion], stents: Sequence[TreatedStent], after: Points, triangles: Triangles
+    lesions: Sequence[Lesion], stents: Sequence[TreatedStent], after: Surface
 ) -> tuple[TreatedLesion, ...]:
     """All lesions of a vessel with what a treatment left of them.
 
@@ -45,8 +45,8 @@ def treated_lesions(
     lesions : sequence of Lesion
         `find_lesions` of the vessel before treatment.
     stents : sequence of TreatedStent
-    after, triangles : (n, 3) and (m, 3) arrays
-        The surface after all stents, mm.
+    after : Surface
+        With all stents.
     """
     covered = {
         stent.number: {id(one) for one in lesions_within(lesions, stent.axis.points)}
@@ -56,7 +56,7 @@ def treated_lesions(
         TreatedLesion(
             number,
             lesion,
-            lesion_after(lesion, after, triangles),
+            lesion_after(lesion, after),
             tuple(stent for stent, within in covered.items() if id(lesion) in within),
         )
         for number, lesion in enumerate(lesions, start=1)

@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..centerline import Centerline
-from ..geometry import resampled
+from ..geometry import Surface, resampled
 from ..measure import LocalSurface
 from ..stent import Stent, StentAxis, stent_axis, straightened
-from ..validation import Points, Triangles
+from ..validation import Points
 from .in_lumen import check_in_lumen
 
 Floats = NDArray[np.float64]
@@ -35,8 +35,7 @@ NOTICEABLE = 1e-3
 def axis_in_vessel(
     stent: Stent,
     centerline: Centerline | None,
-    points: Points,
-    triangles: Triangles,
+    surface: Surface,
     straightening_fraction: float = 0.0,
 ) -> StentAxis:
     """The axis of a stent, straightened as far as asked for and as the vessel permits.
@@ -45,10 +44,10 @@ def axis_in_vessel(
     """
     native = stent_axis(stent, centerline)
     if centerline is not None:
-        check_in_lumen(stent.placement, centerline, points, triangles)
+        check_in_lumen(stent.placement, centerline, surface)
     if not straightening_fraction:
         return native
-    used, place = permitted(native.points, stent.radius, points, triangles, straightening_fraction)
+    used, place = permitted(native.points, stent.radius, surface, straightening_fraction)
     axis = stent_axis(stent, centerline, straightening_fraction=used)
     if used > straightening_fraction - NOTICEABLE:
         return axis
@@ -68,7 +67,7 @@ def axis_in_vessel(
 
 
 def permitted(
-    axis: Points, radius: float, points: Points, triangles: Triangles, fraction: float
+    axis: Points, radius: float, vessel: Surface, fraction: float
 ) -> tuple[float, Points]:
     """The part of a straightening that keeps the axis off the wall.
 
@@ -81,8 +80,7 @@ def permitted(
         Before it is straightened, mm.
     radius : float
         Of the stent, mm.
-    points, triangles : (k, 3) and (m, 3) arrays
-        The vessel, mm.
+    vessel : Surface
     fraction : float
         Share of the way to the chord that is asked for.
 
@@ -96,7 +94,8 @@ def permitted(
     start = resampled(axis, SPACING)
     way = straightened(start, 1.0) - start
     length = np.linalg.norm(way, axis=1)
-    surface = LocalSurface(points, triangles, np.concatenate([start, start + fraction * way]))
+    places = np.concatenate([start, start + fraction * way])
+    surface = LocalSurface(vessel.points, vessel.triangles, places)
     distance = surface.distances(start)
     kept = KEPT * np.minimum(distance, radius)
     is_going = length * fraction > NOTICEABLE * radius

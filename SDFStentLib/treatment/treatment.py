@@ -1,6 +1,6 @@
 """Several stents in order: later ones see the vessel as earlier ones left it.
 
->>> treatment = Treatment(points, triangles, stents, centerline)     # doctest: +SKIP
+>>> treatment = Treatment(surface, stents, centerline)              # doctest: +SKIP
 >>> for state in treatment:                                        # stop iterating to cancel
 ...     show(state.fraction, state.points())
 >>> treatment.result.certificate.passed
@@ -18,16 +18,14 @@ from numpy.typing import ArrayLike, NDArray
 from ..centerline import Centerline
 from ..certificate import Certificate, certify
 from ..deformation import Deployment, DeploymentResult, DeploymentSettings, DeploymentState
-from ..geometry import Precision, Topology, consistently_wound, surface_topology
+from ..geometry import Precision, Surface, as_surface
 from ..measure import BranchOstium, branch_ostia, bulged_caps, diameter_profile
 from ..stent import Stent, StentAxis
 from ..validation import (
     DeploymentError,
     InputError,
-    Points,
     as_number,
     as_points,
-    as_triangles,
     read_only,
 )
 from .straightening import axis_in_vessel
@@ -43,8 +41,8 @@ class Treatment:
 
     Parameters
     ----------
-    points, triangles : array_like, shapes (n, 3) and (m, 3)
-        Surface of the vessel, mm. Never modified.
+    surface : Surface
+        Of the vessel.
     stents : sequence of Stent
         In order; those switched off are skipped and named.
     centerline : Centerline, optional
@@ -58,21 +56,19 @@ class Treatment:
         Further points that are dragged along.
     precision : Precision, optional
         How the result will be stored.
-    topology : Topology, optional
-        `surface_topology(triangles)` where known, to look at it once for many treatments.
 
     Raises
     ------
     InputError
-        Arrays that cannot be used, no stent that is switched on, or one that cannot be placed.
+        No surface, companions that cannot be used, no stent that is switched on, or one that
+        cannot be placed.
     DeploymentError
         While iterating: a stent away from the surface.
     """
 
     def __init__(
         self,
-        points: ArrayLike,
-        triangles: ArrayLike,
+        surface: Surface,
         stents: Sequence[Stent],
         centerline: Centerline | None = None,
         settings: DeploymentSettings | None = None,
@@ -80,10 +76,8 @@ class Treatment:
         straightening_fraction: float = 0.0,
         companions: ArrayLike | None = None,
         precision: Precision | None = None,
-        topology: Topology | None = None,
     ) -> None:
-        self.points = as_points(points, "surface points", minimum=3)
-        self.triangles = as_triangles(triangles, len(self.points), "surface triangles")
+        self.surface = as_surface(surface)
         self.stents = tuple(stents)
         self.centerline = centerline
         self.settings = settings or DeploymentSettings()
@@ -92,7 +86,6 @@ class Treatment:
         )
         self.companions = as_points(() if companions is None else companions, "companion points")
         self.precision = precision or Precision()
-        self._topology = topology or surface_topology(self.triangles)
         self._result: TreatmentResult | None = None
         self._stages: list[_Stage] = []
         self._enabled = [(n, s) for n, s in enumerate(self.stents, start=1) if s.enabled]
@@ -105,39 +98,37 @@ class Treatment:
             )
         # Fails here rather than after the first stent; the axes are found again as it goes.
         for number, stent in self._enabled:
-            self._axis(number, stent, centerline, self.points)
+            self._axis(number, stent, centerline, self.surface)
 
     def __iter__(self) -> Iterator[TreatmentState]:
         """Yield the states of every stent in turn."""
         self._result, self._stages = None, []
-        points, centerline, companions = self.points, self.centerline, self.companions
+        surface, centerline, companions = self.surface, self.centerline, self.companions
         for done, (number, stent) in enumerate(self._enabled):
             start = perf_counter()
-            axis = self._axis(number, stent, centerline, points)
+            axis = self._axis(number, stent, centerline, surface)
             is_only = len(self._enabled) == 1
             tree = np.empty((0, 3)) if centerline is None else centerline.points
             deployment = Deployment(
-                points,
-                self.triangles,
-                axis.points,
+                surface,
+                self.settings.chain(axis.points),
                 stent.radius,
                 self.settings.with_changes(certify=self.settings.certify and is_only),
                 companions=np.concatenate([tree, companions]),
                 precision=self.precision,
-                topology=self._topology,
             )
             ready = perf_counter()
             for state in self._states_of(deployment, number):
                 fraction = (done + state.fraction) / len(self._enabled)
-                yield TreatmentState(number, fraction, state, points, axis)
+                yield TreatmentState(number, fraction, state, surface, axis)
             result = deployment.result
             stage = _Stage(number, stent, axis, centerline, deployment, result)
             stage.seconds = (ready - start, perf_counter() - ready)
             self._stages.append(stage)
-            points = result.points
+            surface = result.surface
             moved_tree, companions = np.split(result.state.companions, [len(tree)])
             centerline = None if centerline is None else centerline.with_points(moved_tree)
-        self._final = (points, centerline, companions)
+        self._final = (surface, centerline, companions)
 
     @property
     def result(self) -> TreatmentResult:
@@ -157,13 +148,11 @@ class Treatment:
         return f"Stent {number} ({name}): " if name else f"Stent {number}: "
 
     def _axis(
-        self, number: int, stent: Stent, centerline: Centerline | None, points: Points
+        self, number: int, stent: Stent, centerline: Centerline | None, surface: Surface
     ) -> StentAxis:
         try:
-            axis = axis_in_vessel(
-                stent, centerline, points, self.triangles, self.straightening_fraction
-            )
-            check_width(stent.diameter, axis, self.points)
+            axis = axis_in_vessel(stent, centerline, surface, self.straightening_fraction)
+            check_width(stent.diameter, axis, self.surface.points)
             return axis
         except InputError as error:
             raise InputError(f"{self.label(number)}{error}") from error
@@ -175,20 +164,20 @@ class Treatment:
             raise DeploymentError(f"{self.label(number)}{error}") from error
 
     def _measured(self) -> TreatmentResult:
-        points, centerline, companions = self._final
+        after, centerline, companions = self._final
         clock = perf_counter()
-        treated = tuple(self._treated(stage, points) for stage in self._stages)
+        treated = tuple(self._treated(stage, after) for stage in self._stages)
         measured = perf_counter()
-        indices = np.flatnonzero((points != self.points).any(axis=1))
-        certificate = self._certificate(points, indices) if self.settings.certify else None
+        indices = np.flatnonzero((after.points != self.surface.points).any(axis=1))
+        certificate = self._certificate(after, indices) if self.settings.certify else None
         return TreatmentResult(
-            points=read_only(points),
+            surface=after,
             indices=read_only(indices),
             centerline=centerline,
             companions=read_only(companions),
             stents=treated,
             certificate=certificate,
-            warnings=tuple(self._warnings(treated, points, indices)),
+            warnings=tuple(self._warnings(treated, after, indices)),
             timings={
                 "setup": sum(stage.seconds[0] for stage in self._stages),
                 "deploy": sum(stage.seconds[1] for stage in self._stages),
@@ -197,11 +186,10 @@ class Treatment:
             },
         )
 
-    def _treated(self, stage: _Stage, after: Points) -> TreatedStent:
+    def _treated(self, stage: _Stage, after: Surface) -> TreatedStent:
         axis = stage.axis.points
         before_profile, after_profile = (
-            diameter_profile(points, self.triangles, axis, PROFILE_SPACING)
-            for points in (self.points, after)
+            diameter_profile(surface, axis, PROFILE_SPACING) for surface in (self.surface, after)
         )
         try:
             branches = stage.branches()
@@ -215,45 +203,34 @@ class Treatment:
             before=before_profile,
             after=after_profile,
             branches=branches,
-            moved_points=len(stage.result.state.indices),
+            result=stage.result,
         )
 
     def _narrowed(self, stage: _Stage, treated: TreatedStent) -> str:
         """A sentence when later stents pushed tissue into this one; measured only if it may be."""
         if stage is self._stages[-1] or treated.after.minimum > 0.97 * stage.stent.diameter:
             return ""
-        own = diameter_profile(
-            stage.result.points, self.triangles, stage.axis.points, PROFILE_SPACING
-        )
+        own = diameter_profile(stage.result.surface, stage.axis.points, PROFILE_SPACING)
         return narrowed(own, treated.after)
 
-    def _certificate(self, after: Points, moved: NDArray[np.int64]) -> Certificate:
+    def _certificate(self, after: Surface, moved: NDArray[np.int64]) -> Certificate:
         """For one stent its own, for several from the input to the end of the last one."""
         only = self._stages[0].result.certificate
         if len(self._stages) == 1 and only is not None:
             return only
-        is_wound = self._topology.is_consistently_wound
-        certificate = certify(
-            self.points,
-            after,
-            self.triangles if is_wound else consistently_wound(self.triangles)[0],
-            moved=moved,
-            dtype=self.precision.dtype,
-            scale=self.precision.scale,
-            topology=self._topology,
-        )
+        certificate = certify(self.surface, after, moved, precision=self.precision)
         lumen = [
             check
             for stage in self._stages
             for check in stage.deployment.lumen_checks(
-                self.points, after, (stage.deployment.points, stage.result.points)
+                self.surface, after, (stage.deployment.surface, stage.result.surface)
             )
         ]
         motion = tuple(stage.result.motion for stage in self._stages)
         return replace(certificate, motion=motion, lumen=tuple(lumen))
 
     def _warnings(
-        self, treated: Sequence[TreatedStent], after: Points, moved: NDArray[np.int64]
+        self, treated: Sequence[TreatedStent], after: Surface, moved: NDArray[np.int64]
     ) -> Iterator[str]:
         for number, stent in enumerate(self.stents, start=1):
             if not stent.enabled:
@@ -269,7 +246,7 @@ class Treatment:
         for index, second in enumerate(treated):
             for first in treated[:index]:
                 yield from overlap(first, second)
-        for cap in bulged_caps(self.points, after, self.triangles, moved):
+        for cap in bulged_caps(self.surface, after, moved):
             yield cap.sentence()
 
 

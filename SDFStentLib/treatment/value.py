@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from ..centerline import Centerline
 from ..certificate import Certificate
-from ..deformation import DeploymentState
+from ..deformation import DeploymentResult, DeploymentState
+from ..geometry import Surface
 from ..measure import BranchOstium, DiameterProfile
 from ..stent import Stent, StentAxis
 from ..validation import Points
@@ -27,8 +28,8 @@ class TreatmentState:
         Done of the whole treatment, in [0, 1].
     deployment : DeploymentState
         Radius, and the points that this stent has moved.
-    before : (n, 3) array
-        The surface as the earlier stents have left it, mm.
+    before : Surface
+        As the earlier stents have left it.
     axis : StentAxis
         Where this stent lies.
     """
@@ -36,12 +37,12 @@ class TreatmentState:
     number: int
     fraction: float
     deployment: DeploymentState
-    before: Points
+    before: Surface
     axis: StentAxis
 
     def points(self) -> Points:
         """All points of the surface in this state, mm."""
-        return self.deployment.applied_to(self.before)
+        return self.deployment.applied_to(self.before.points)
 
 
 @dataclass(frozen=True)
@@ -59,8 +60,8 @@ class TreatedStent:
         Of the vessel along the axis, before any stent and after all of them.
     branches : tuple of BranchOstium
         Side branches near it; empty without a centerline.
-    moved_points : int
-        How many points of the surface it moved.
+    result : DeploymentResult
+        What came of it, before the stents after it.
     """
 
     number: int
@@ -69,7 +70,12 @@ class TreatedStent:
     before: DiameterProfile
     after: DiameterProfile
     branches: tuple[BranchOstium, ...]
-    moved_points: int
+    result: DeploymentResult
+
+    @property
+    def moved_points(self) -> int:
+        """How many points of the surface it moved."""
+        return len(self.result.state.indices)
 
 
 @dataclass(frozen=True)
@@ -78,8 +84,8 @@ class TreatmentResult:
 
     Attributes
     ----------
-    points : (n, 3) array
-        The surface after all stents, mm.
+    surface : Surface
+        After all stents.
     indices : (k,) array
         Points that moved; the others have the bits of the input.
     centerline : Centerline or None
@@ -96,7 +102,7 @@ class TreatmentResult:
         Seconds for setup, deploy, measure and certify.
     """
 
-    points: Points
+    surface: Surface
     indices: NDArray[np.int64]
     centerline: Centerline | None
     companions: Points
@@ -104,6 +110,11 @@ class TreatmentResult:
     certificate: Certificate | None
     warnings: tuple[str, ...]
     timings: dict[str, float]
+
+    @property
+    def points(self) -> Points:
+        """All points (n, 3) of the surface after all stents, mm."""
+        return self.surface.points
 
     @property
     def coordinates(self) -> Points:
