@@ -331,7 +331,7 @@ def narrowest(deployment: Deployment, result: DeploymentResult) -> float:
     """
     nodes, radius = deployment.chain.nodes, deployment.radius
     is_cap = np.zeros(len(deployment.surface.triangles), dtype=bool)
-    corners = deployment.points[deployment.surface.triangles]
+    corners = deployment.surface.points[deployment.surface.triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
     for end, inner in (nodes[:2], nodes[:-3:-1]):

@@ -50,7 +50,7 @@ def test_after_untangling_the_certificate_is_that_of_the_whole(
 
     precision = sweep.vessel(name, data_dir).precision
     whole = certify(
-        Surface(deployment.points, deployment.wound_triangles),
+        Surface(deployment.surface.points, deployment.wound_triangles),
         result.points,
         precision=precision,
     )

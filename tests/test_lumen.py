@@ -10,7 +10,9 @@ from deployment_cases import AXES, arc, phantom, phantom_case, straight
 from oracle import capsule_distance
 from oracle import field as plain_field
 
-from SDFStentLib.deformation.deployment import Deployment
+from SDFStentLib.deformation import deployment as engine
+from SDFStentLib.deformation.deployment import Deployment, deploy
+from SDFStentLib.deformation.lumen import OnStent
 from SDFStentLib.deformation.settings import DeploymentSettings
 from SDFStentLib.field.capsule_chain import CapsuleChain, radius_correction
 from SDFStentLib.geometry import Surface
@@ -27,7 +29,7 @@ def deployment_in(made, start, length, radius, settings=DEFAULT):
 def inscribed_diameters(deployment):
     """Maximum inscribed spheres at every millimetre of the stent, both ends included."""
     result = deployment.result
-    spheres = inscribed_spheres(result.points, deployment.triangles, deployment.chain.nodes)
+    spheres = inscribed_spheres(result.points, deployment.surface.triangles, deployment.chain.nodes)
     return 2 * spheres.radii
 
 
@@ -172,7 +174,8 @@ def stented_oval(wide, settings=DEFAULT):
     end = deployment.result.points
     beside = (end[:, 2] > 12) & (end[:, 2] < 28)
     native, after = (
-        deployment.chain.axis_distance(points[beside]) - 3.0 for points in (deployment.points, end)
+        deployment.chain.axis_distance(points[beside]) - 3.0
+        for points in (deployment.surface.points, end)
     )
     return deployment, native, after
 
@@ -197,12 +200,13 @@ def test_wall_outside_the_stent_is_dragged_no_farther_than_it_was_away():
 def test_far_beyond_the_ends_wall_stays_where_it_was_dragged(monkeypatch):
     drawn = stented_oval(2.9)[0].result.points
     monkeypatch.setattr(
-        "SDFStentLib.deformation.attempt.drawn_in", lambda *_: np.empty(0, dtype=np.int64)
+        "SDFStentLib.deformation.attempt.drawn_in",
+        lambda motion, positions, *_: OnStent(positions, np.empty(0, dtype=np.int64)),
     )
     deployment = stented_oval(2.9)[0]
     undrawn = deployment.result.points
     far = np.abs(undrawn[:, 2] - 20) > 8 + 2
-    assert (undrawn != deployment.points)[far].any()
+    assert (undrawn != deployment.surface.points)[far].any()
     np.testing.assert_array_equal(drawn[far], undrawn[far])
     assert (drawn != undrawn).any()
 
@@ -271,3 +275,26 @@ def test_compensation_needs_the_finish():
         for choice in (False, True)
     ]
     np.testing.assert_array_equal(*results)
+
+
+def test_after_the_last_step_the_motion_is_over_and_nobody_writes_into_it(monkeypatch):
+    attempts = []
+    plain = engine.Attempt
+
+    def recorded(*arguments):
+        attempts.append(plain(*arguments))
+        return attempts[-1]
+
+    monkeypatch.setattr(engine, "Attempt", recorded)
+    case = phantom_case("bent_tube")
+    settings = DeploymentSettings()
+    deploy(case.surface, settings.chain(case.axis), case.radius, settings)
+    motion = attempts[0].motion
+    for values in (motion.positions, motion.level, motion.direction, motion.slope, motion.offset):
+        assert not values.flags.writeable
+    assert (attempts[0].positions != motion.positions).any()
+    # What is read of it is not stale: levels and directions are those of its positions.
+    everywhere = np.arange(len(motion.positions))
+    field = motion.field_at(everywhere, motion.positions)
+    np.testing.assert_array_equal(motion.level, field.distance - motion.offset)
+    np.testing.assert_array_equal(motion.direction, field.direction)

@@ -205,7 +205,7 @@ def test_a_lumen_narrower_than_prescribed_is_not_certified_and_says_where():
     [check] = certificate.lumen
     assert check.is_narrow
     stations = deployment.chain.nodes
-    width = wall_distances(deployment.result.points, deployment.triangles, stations)
+    width = wall_distances(deployment.result.points, deployment.surface.triangles, stations)
     assert check.narrowest / 2 >= width.min() - 1e-6
     at = int(np.linalg.norm(stations - check.narrowest_at, axis=1).argmin())
     assert width[at] < 0.97 * deployment.radius

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +22,7 @@ from ..geometry import (
 from ..measure import caps_across
 from ..validation import DeploymentError, Points, Triangles
 from .event_steps import event_steps
-from .lumen import drawn_in, facets_compensated, finished, projected
+from .lumen import Expanded, drawn_in, facets_compensated, finished
 from .motion import Motion
 from .patch import Patch
 from .published_steps import published_steps
@@ -50,13 +51,28 @@ CAPS_WITHIN = 2.0
 """Distance from the stent's ends, in its radii, within which caps are looked for."""
 
 
+class _Begin(NamedTuple):
+    """From where a way to untangle begins: positions, faulty faces, what was taken back."""
+
+    positions: Points
+    bad: NDArray[np.int64]
+    relief: Relief | None = None
+
+
 class Attempt:
-    """One run of the radius steps with one tissue gap."""
+    """One run of the radius steps with one tissue gap.
+
+    Attributes
+    ----------
+    positions : (n, 3) array
+        Of the points of `motion`, mm: its own as long as it lasts, then on the finished lumen.
+    """
 
     def __init__(self, task: DeploymentTask, ramp: tuple[float, float], gap: float) -> None:
         self.task, self._gap = task, gap
         self.motion, self.numbers = self._active(gap)
-        self.start = self.motion.positions.copy()
+        self.positions = self.motion.positions
+        self.start = self.positions.copy()
         self.wall_count = int(self.motion.touchable.sum())
         self.ascending = np.argsort(self.numbers[: self.wall_count])
         if not self.wall_count:
@@ -85,50 +101,47 @@ class Attempt:
     def state(self, level: float) -> DeploymentState:
         """What has moved so far, in the caller's numbers."""
         task, target = self.task, self.task.target_level
-        x, y, z = (self.motion.positions != self.start).T
+        x, y, z = (self.positions != self.start).T
         moved = x | y | z
         wall = self.ascending[moved[self.ascending]]
         dragged = self.wall_count + np.flatnonzero(moved[self.wall_count :])
         companions = task.companions.copy()
-        companions[self.numbers[dragged] - len(task.surface.points)] = self.motion.positions[
-            dragged
-        ]
+        companions[self.numbers[dragged] - len(task.surface.points)] = self.positions[dragged]
         return DeploymentState(
             radius=min(level + task.radius - target, task.radius),
             fraction=min(level / target, 1.0) * (1 - 1e-9),
             indices=self.numbers[wall],
-            coordinates=self.motion.positions[wall],
+            coordinates=self.positions[wall],
             companions=companions,
         )
 
     def finish(self) -> None:
         """After the last step: put the wall in contact on the prescribed lumen, if asked to."""
+        positions = self.motion.positions
         if self.task.settings.finish:
-            self._put_on_lumen()
-        self._close_seams()
+            self.motion.settled(self.task.target_level)
+            positions = self._on_lumen()
+        self.motion.freeze()
+        self.positions = self._with_closed_seams(positions)
 
     def motion_check(self) -> MotionCheck:
         """How far the wall has moved, against what the method can move."""
-        before, after = self.start[: self.wall_count], self.motion.positions[: self.wall_count]
+        before, after = self.start[: self.wall_count], self.positions[: self.wall_count]
         return motion_check(before, after, self.task.chain, self.task.radius, self._gap)
 
-    def _put_on_lumen(self) -> None:
+    def _on_lumen(self) -> Points:
         task, settings = self.task, self.task.settings
-        self.motion.refreshed()
-        projected(self.motion, task.target_level)
-        on_stent = finished(
-            self.motion,
-            task.target_level,
-            task.radius,
-            settings.contact_tolerance,
-        )
+        stent = Expanded(task.target_level, task.radius, settings.contact_tolerance)
+        positions, on_stent = finished(self.motion, stent)
         if self._nearest_own is not None:
             own = self._own_wall(self._nearest_own)
-            back = drawn_in(self.motion, own, self.start[own], task.target_level, task.radius)
+            positions, back = drawn_in(self.motion, positions, own, self.start[own], stent)
             on_stent = np.union1d(on_stent, back)
-        self._uncompensated = self.motion.positions.copy()
-        if settings.facet_compensation:
-            facets_compensated(self.motion, self._wall_triangles(), on_stent, task.radius)
+        self._uncompensated = positions
+        if not settings.facet_compensation:
+            return positions
+        wall = self._wall_triangles()
+        return facets_compensated(self.motion, positions, wall, on_stent, task.radius)
 
     def _wall_triangles(self) -> Triangles:
         """The patch but for flat caps across the stent's ends, which are no lumen to keep wide.
@@ -152,48 +165,45 @@ class Attempt:
             return 0
         wound, _ = consistently_wound(self.patch.triangles)
         faults = Faults(self.patch_start, wound, task.precision)
-        folded = self.motion.positions.copy()
+        folded = self.positions
         best, fewest, rounds = folded, len(local), 0
         for relaxation, is_relieved in WAYS_TO_UNTANGLE:
-            self.motion.positions[:] = folded
-            bad, relief = self._relieved(faults, local) if is_relieved else (local, None)
+            begin = self._relieved(faults, local) if is_relieved else _Begin(folded, local)
             outcome = untangled(
-                self.motion, faults, self.wall_count, task.target_level, bad, relaxation
+                self.motion, begin.positions, faults, task.target_level, begin.bad, relaxation
             )
             rounds += outcome.rounds
             if len(outcome.remaining) < fewest:
-                best, fewest = self.motion.positions.copy(), len(outcome.remaining)
-                self.relief = relief
+                best, fewest = outcome.positions, len(outcome.remaining)
+                self.relief = begin.relief
             if not 0 < fewest <= FEW_FAULTS:
                 break
-        self.motion.positions[:] = best
-        self._close_seams()
+        self.positions = self._with_closed_seams(best)
         return rounds
 
-    def _relieved(
-        self, faults: Faults, bad: NDArray[np.int64]
-    ) -> tuple[NDArray[np.int64], Relief | None]:
-        """Take the facet compensation back round faulty faces; returns what is faulty then."""
+    def _relieved(self, faults: Faults, bad: NDArray[np.int64]) -> _Begin:
+        """The facet compensation taken back round faulty faces, and what is faulty then."""
+        positions = self.positions.copy()
         neighbors = vertex_neighbors(faults.triangles, len(faults.before))
         near = grown(np.unique(faults.triangles[bad]), neighbors, RELIEVED_RINGS)
         near = near[near < self.wall_count]
-        pushed = np.linalg.norm(self.motion.positions[near] - self._uncompensated[near], axis=1)
+        pushed = np.linalg.norm(positions[near] - self._uncompensated[near], axis=1)
         relief = None
         if pushed.any():
             x, y, z = self._uncompensated[near[pushed.argmax()]].tolist()
             relief = Relief((x, y, z), float(pushed.max()))
-        self.motion.positions[near] = self._uncompensated[near]
+        positions[near] = self._uncompensated[near]
         whole = self.task.surface.points
-        after = self.patch.points(whole, self.motion.positions[: self.wall_count])
+        after = self.patch.points(whole, positions[: self.wall_count])
         touched = np.zeros(len(after), dtype=bool)
         touched[near] = True
-        return faults.among(after, np.flatnonzero(faces_at(touched, faults.triangles))), relief
+        faces = np.flatnonzero(faces_at(touched, faults.triangles))
+        return _Begin(positions, faults.among(after, faces), relief)
 
-    def _close_seams(self) -> None:
-        """Put points that are stored more than once where the first of them went."""
+    def _with_closed_seams(self, positions: Points) -> Points:
+        """Points that are stored more than once where the first of them went."""
         twin = self.patch.twin[: self.wall_count]
-        if (twin != np.arange(self.wall_count)).any():
-            self.motion.positions[: self.wall_count] = self.motion.positions[twin]
+        return np.concatenate([positions[twin], positions[self.wall_count :]])
 
     def _active(self, gap: float) -> tuple[Motion, NDArray[np.int64]]:
         """The points that can move, and their numbers among points and companions."""
@@ -249,7 +259,7 @@ class Attempt:
 
     def _is_beside(self) -> NDArray[np.bool_]:
         """Which points of the wall lie beside the stent: not beyond an end, nor in a cap."""
-        points, nodes = self.motion.positions[: self.wall_count], self.task.chain.nodes
+        points, nodes = self.positions[: self.wall_count], self.task.chain.nodes
         reach = self.motion.level[: self.wall_count] + self.task.chain.smoothing_width
         is_beside = np.ones(len(points), dtype=bool)
         for end, inner in (nodes[:2], nodes[:-3:-1]):

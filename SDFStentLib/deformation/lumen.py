@@ -3,9 +3,14 @@
 The published method leaves the wall within a few hundredths of the smoothed field's level, and a
 lumen of flat facets is narrower than its vertices. Here vertices in contact are put on the true
 distance from the axis, then pushed out until the facets' chords lie at the prescribed radius.
+
+The motion is over and is only read: its levels and directions are those at its end, and positions
+are taken and returned.
 """
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -49,21 +54,22 @@ COMPENSATION_PASSES = 2
 COMPENSATION_ROUNDS = 5
 
 
-def projected(motion: Motion, level: float) -> None:
-    """Bring points that are still inside the stent onto its level (two Newton steps)."""
-    for _ in range(2):
-        inside = np.flatnonzero((motion.level < level - 1e-12) & motion.touchable)
-        if not len(inside):
-            return
-        slope = np.maximum(motion.slope[inside], 0.5)
-        amount = (level - motion.level[inside]) / slope
-        target = motion.positions[inside] + amount[:, None] * motion.direction[inside]
-        motion.moved_to(inside, target)
+class Expanded(NamedTuple):
+    """The stent at its target: field level and radius, mm, and what counts as contact, mm."""
+
+    level: float
+    radius: float
+    contact_tolerance: float
 
 
-def finished(
-    motion: Motion, level: float, radius: float, contact_tolerance: float
-) -> NDArray[np.int64]:
+class OnStent(NamedTuple):
+    """Positions (n, 3) of all points, mm, and which of them (k,) newly lie on the stent."""
+
+    positions: Points
+    numbers: NDArray[np.int64]
+
+
+def finished(motion: Motion, stent: Expanded) -> OnStent:
     """Move the points on the stent to the prescribed true distance from the axis.
 
     Along the field's direction, which keeps the smoothness of the published deformation; this
@@ -72,34 +78,27 @@ def finished(
     Parameters
     ----------
     motion : Motion
-        With levels evaluated, not extrapolated; its positions are changed in place.
-    level, radius : float
-        Field level and radius of the expanded stent, mm.
-    contact_tolerance : float
-        Signed distance below which a point is in contact, mm.
-
-    Returns
-    -------
-    (k,) array
-        The points on the stent, in motion order.
+        Settled: with levels evaluated, not extrapolated.
+    stent : Expanded
     """
-    band = level + CONTACT_BAND * contact_tolerance
+    band = stent.level + CONTACT_BAND * stent.contact_tolerance
+    positions = motion.positions.copy()
     near = motion.level < band + motion.chain.smoothing_width
     where = np.flatnonzero(near & motion.touchable)
-    true_distance = motion.axis_distance(where, motion.positions[where])
-    wanted = radius + motion.offset[where]
+    true_distance = motion.axis_distance(where, positions[where])
+    wanted = stent.radius + motion.offset[where]
     on_stent = (motion.level[where] < band) | (true_distance < wanted)
     where, wanted, true_distance = where[on_stent], wanted[on_stent], true_distance[on_stent]
     for round_ in range(FINISH_ROUNDS):
         if round_:
-            true_distance = motion.axis_distance(where, motion.positions[where])
-        motion.positions[where] += (wanted - true_distance)[:, None] * motion.direction[where]
-    return where
+            true_distance = motion.axis_distance(where, positions[where])
+        positions[where] += (wanted - true_distance)[:, None] * motion.direction[where]
+    return OnStent(positions, where)
 
 
 def drawn_in(
-    motion: Motion, own: NDArray[np.int64], start: Points, level: float, radius: float
-) -> NDArray[np.int64]:
+    motion: Motion, positions: Points, own: NDArray[np.int64], start: Points, stent: Expanded
+) -> OnStent:
     """Bring wall back that was dragged along ahead of the stent and ended outside of it.
 
     A stent only pushes. Wall that it reaches has no cause to end up outside of it, but near contact
@@ -111,39 +110,41 @@ def drawn_in(
     Parameters
     ----------
     motion : Motion
-        Finished; its positions are changed in place.
+        Settled.
+    positions : (n, 3) array
+        Finished, mm.
     own : (k,) array
         The points of the stented lumen's own wall.
     start : (k, 3) array
         Where these were before anything moved.
-    level, radius : float
-        Field level and radius of the expanded stent, mm.
-
-    Returns
-    -------
-    (m,) array
-        The points that now lie on the stent and did not before, in motion order.
+    stent : Expanded
     """
-    moved = np.linalg.norm(motion.positions[own] - start, axis=1)
-    outside = motion.level[own] - level
+    positions, radius = positions.copy(), stent.radius
+    moved = np.linalg.norm(positions[own] - start, axis=1)
+    outside = motion.level[own] - stent.level
     # Whatever is too far out has moved by a certain share of that; the level tells it roughly.
     surely = (1 - 1 / DRAG_BOUND) * (outside - motion.chain.smoothing_width)
     may_be = (outside > 0) & (surely < moved) & (moved > 0)
     where, start = own[may_be], start[may_be]
     native = motion.axis_distance(where, start)
-    allowed = DRAG_BOUND * np.maximum(native - radius, 0) + _beyond_ends(motion, where)
+    allowed = DRAG_BOUND * np.maximum(native - radius, 0)
+    allowed += _beyond_ends(motion, where, positions[where])
     bound = radius + allowed
-    too_far = motion.axis_distance(where, motion.positions[where]) > bound * (1 + ROUNDING)
+    too_far = motion.axis_distance(where, positions[where]) > bound * (1 + ROUNDING)
     where, bound = where[too_far], bound[too_far]
     for _ in range(FINISH_ROUNDS):
-        true_distance = motion.axis_distance(where, motion.positions[where])
-        motion.positions[where] += (bound - true_distance)[:, None] * motion.direction[where]
-    return where[bound <= (1 + NEGLIGIBLE) * radius]
+        true_distance = motion.axis_distance(where, positions[where])
+        positions[where] += (bound - true_distance)[:, None] * motion.direction[where]
+    return OnStent(positions, where[bound <= (1 + NEGLIGIBLE) * radius])
 
 
 def facets_compensated(
-    motion: Motion, triangles: Triangles, on_stent: NDArray[np.int64], radius: float
-) -> None:
+    motion: Motion,
+    positions: Points,
+    triangles: Triangles,
+    on_stent: NDArray[np.int64],
+    radius: float,
+) -> Points:
     """Push vertices out until the edges at the stent reach the prescribed radius.
 
     The distance to a straight axis is convex, so a facet is nearest to it on one of its edges;
@@ -154,29 +155,29 @@ def facets_compensated(
     because an edge from one of them to the stent can cut into the lumen as well. What remains is
     measured: see `metrics.py`.
     """
-    ends = _edges_on_stent(triangles, on_stent, len(motion.positions))
-    sides = motion.positions[ends[:, 0]] - motion.positions[ends[:, 1]]
+    ends = _edges_on_stent(triangles, on_stent, len(positions))
+    sides = positions[ends[:, 0]] - positions[ends[:, 1]]
     longest = dot(sides, sides).max(initial=0)
     # An edge between two points of a circle lies inside it by its length squared over 8 radii.
     if longest < 8 * NEGLIGIBLE * radius**2:
-        return
+        return positions
     # Sorted by vertex, the edges of each follow each other.
     order = np.argsort(ends.ravel(), kind="stable")
     by_vertex = ends.ravel()[order]
     starts = np.flatnonzero(np.concatenate([[True], by_vertex[1:] != by_vertex[:-1]]))
     group = by_vertex[starts]
-    number = np.empty(len(motion.positions), dtype=np.int64)
+    number = np.empty(len(positions), dtype=np.int64)
     number[group] = np.arange(len(group))
     ends = number[ends]
 
     edge_wanted = radius + motion.offset[group][ends].min(axis=1)
     edge_length = np.linalg.norm(sides, axis=1)
     bound = np.maximum.reduceat(largest_push(edge_length, edge_wanted)[order // 2], starts)
-    positions, direction = motion.positions[group], motion.direction[group]
-    distance = motion.axis_distance(group, positions)
+    start, direction = positions[group], motion.direction[group]
+    distance = motion.axis_distance(group, start)
     pushed = np.zeros(len(group))
     for _ in range(COMPENSATION_PASSES):
-        moved = positions + pushed[:, None] * direction
+        moved = start + pushed[:, None] * direction
         # Between passes the middle of an edge is taken to follow its two ends.
         middle = motion.axis_distance(group[ends[:, 0]], _middles(moved, ends))
         measured_at = pushed.copy()
@@ -190,7 +191,9 @@ def facets_compensated(
             pushed += push
             if np.abs(push).max() < 1e-4 * radius:
                 break
-    motion.positions[group] = positions + pushed[:, None] * direction
+    positions = positions.copy()
+    positions[group] = start + pushed[:, None] * direction
+    return positions
 
 
 def largest_push(length: ArrayLike, radius: ArrayLike) -> NDArray[np.float64]:
@@ -246,9 +249,11 @@ def _edge_distance(ends: NDArray[np.float64], middle: NDArray[np.float64]) -> ND
     return np.sqrt(np.maximum(first + slope * at + curvature * at**2, 0))
 
 
-def _beyond_ends(motion: Motion, where: NDArray[np.int64]) -> NDArray[np.float64]:
+def _beyond_ends(
+    motion: Motion, where: NDArray[np.int64], positions: Points
+) -> NDArray[np.float64]:
     """How far points lie beyond the planes across the stent's ends, mm; 0 beside the stent."""
-    nodes, positions = motion.chain.nodes, motion.positions[where]
+    nodes = motion.chain.nodes
     nearest = motion.axis_distance(where, positions) * (1 + ROUNDING)
     beyond = np.zeros(len(where))
     for end, inner in (nodes[:2], nodes[:-3:-1]):

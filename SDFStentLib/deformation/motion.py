@@ -33,6 +33,9 @@ CELLS_PER_BIN = 4
 CELL_SIZE = BIN_SIZE / CELLS_PER_BIN
 """Edge of the cells, mm, whose points may share a guess: see `NewContacts`."""
 
+NEWTON_STEPS = 2
+"""From the last radius step onto the level of the expanded stent."""
+
 NODES_PER_BIN = 3
 """Axis nodes whose points are kept together; then cubes put them in order."""
 
@@ -138,6 +141,23 @@ class Motion:
         """Evaluate the field of all points whose level was extrapolated."""
         where = np.flatnonzero(self._extrapolated)
         self.moved_to(where, self.positions[where])
+
+    def settled(self, level: float) -> None:
+        """Evaluate all fields, and bring points that are still inside the stent onto its level."""
+        self.refreshed()
+        for _ in range(NEWTON_STEPS):
+            inside = np.flatnonzero((self.level < level - 1e-12) & self.touchable)
+            if not len(inside):
+                return
+            slope = np.maximum(self.slope[inside], 0.5)
+            amount = (level - self.level[inside]) / slope
+            target = self.positions[inside] + amount[:, None] * self.direction[inside]
+            self.moved_to(inside, target)
+
+    def freeze(self) -> None:
+        """The motion is over: whoever goes on from here does so with positions of its own."""
+        for values in (self.positions, self.level, self.direction, self.slope, self.offset):
+            values.setflags(write=False)
 
     def look_ahead(self, distance: float) -> None:
         """Find the points whose direction changes along the way, half and the whole of it, mm.

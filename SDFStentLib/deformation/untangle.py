@@ -88,6 +88,8 @@ class Faults:
 class Untangled(NamedTuple):
     """What came of it."""
 
+    positions: Points
+    """All points, mm."""
     rounds: int
     remaining: NDArray[np.int64]
     """Triangles that still fail and did not before."""
@@ -95,8 +97,8 @@ class Untangled(NamedTuple):
 
 def untangled(
     motion: Motion,
+    positions: Points,
     faults: Faults,
-    wall_count: int,
     level: float,
     bad: NDArray[np.int64],
     relaxation: float = RELAXATION,
@@ -106,11 +108,11 @@ def untangled(
     Parameters
     ----------
     motion : Motion
-        The deformed wall; changed in place.
+        Over; the patch's first vertices are its points that can be touched.
+    positions : (n, 3) array
+        Of its points, mm.
     faults : Faults
         The patch and what must not come anew.
-    wall_count : int
-        The patch's first so many vertices are the first points of the motion; the others stay.
     level : float
         Field level of the expanded stent, mm: no vertex outside it may enter.
     bad : (k,) array
@@ -118,8 +120,8 @@ def untangled(
     relaxation : float
         Share of the way to the mean of the neighbors in every round.
     """
-    triangles = faults.triangles
-    after = np.concatenate([motion.positions[:wall_count], faults.before[wall_count:]])
+    triangles, wall_count = faults.triangles, int(np.count_nonzero(motion.touchable))
+    after = np.concatenate([positions[:wall_count], faults.before[wall_count:]])
     neighbors = vertex_neighbors(triangles, len(after))
     held = motion.field_at(np.arange(wall_count), after[:wall_count]).distance
     floor = np.minimum(held, level + motion.offset[:wall_count])
@@ -134,7 +136,6 @@ def untangled(
         field = motion.field_at(group, target)
         short = np.maximum(floor[group] - field.distance, 0)
         after[group] = target + short[:, None] * field.direction
-        motion.moved_to(group, after[group])
 
         touched = np.zeros(len(after), dtype=bool)
         touched[group] = True
@@ -144,9 +145,7 @@ def untangled(
         idle += 1
         if len(bad) < len(fewest):
             fewest, best, idle = bad, after.copy(), 0
-    worse = np.flatnonzero((after != best)[:wall_count].any(axis=1))
-    motion.moved_to(worse, best[worse])
-    return Untangled(rounds, fewest)
+    return Untangled(np.concatenate([best[:wall_count], positions[wall_count:]]), rounds, fewest)
 
 
 def grown(vertices: NDArray[np.int64], neighbors: VertexNeighbors, rings: int) -> NDArray[np.int64]:

@@ -96,9 +96,10 @@ class Treatment:
                 if self.stents
                 else "plan: expected at least one stent, got none; add one."
             )
-        # Fails here rather than after the first stent; the axes are found again as it goes.
-        for number, stent in self._enabled:
-            self._axis(number, stent, centerline, self.surface)
+        # Fails here rather than after the first stent. Later stents lie elsewhere once the earlier
+        # ones have moved the centerline.
+        axes = [self._axis(*enabled, centerline, self.surface) for enabled in self._enabled]
+        self._first_axis = axes[0]
 
     def __iter__(self) -> Iterator[TreatmentState]:
         """Yield the states of every stent in turn."""
@@ -106,7 +107,7 @@ class Treatment:
         surface, centerline, companions = self.surface, self.centerline, self.companions
         for done, (number, stent) in enumerate(self._enabled):
             start = perf_counter()
-            axis = self._axis(number, stent, centerline, surface)
+            axis = self._axis(number, stent, centerline, surface) if done else self._first_axis
             is_only = len(self._enabled) == 1
             tree = np.empty((0, 3)) if centerline is None else centerline.points
             deployment = Deployment(
