@@ -76,10 +76,17 @@ def as_points(values: ArrayLike, name: str = "points", *, minimum: int = 0) -> P
             f"{name}: expected finite coordinates, got NaN or infinity at {len(bad)} of "
             f"{len(points)} points, the first is point {bad[0]}; repair the file."
         )
-    if points.size and max(points.max(), -points.min()) > LARGEST_COORDINATE:
+    return points
+
+
+def as_patient_points(values: ArrayLike, name: str = "points", *, minimum: int = 0) -> Points:
+    """Coordinates as `as_points` has them, none beyond a kilometer; `InputError` otherwise."""
+    points = as_points(values, name, minimum=minimum)
+    largest = np.abs(points).max(initial=0.0)
+    if largest > LARGEST_COORDINATE:
         raise InputError(
-            f"{name}: expected coordinates up to {LARGEST_COORDINATE:g}, got "
-            f"{max(points.max(), -points.min()):g}; check its units, or repair the file."
+            f"{name}: expected coordinates up to {LARGEST_COORDINATE:g} mm, got {largest:g}; check "
+            "its units, or repair the file."
         )
     return points
 

@@ -78,7 +78,7 @@ def document_of(arguments, capsys):
 def test_measure_says_of_a_lesion_all_that_was_built(tube, capsys):
     said = said_of(["measure", *tube], capsys)
     assert re.search(
-        r"^Lesion 1: 40 % by diameter, 64 % by area; branch 1, (29\.\d|30\.\d) mm", said
+        r"^Lesion 1: 40 % by diameter, 64 % by area; branch 1, (29\.\d|30\.\d) mm", said, re.M
     )
     x, y, z = map(float, re.search(r"at \((.*?)\) cm", said).group(1).split(", "))
     np.testing.assert_allclose([x, y, z], [0, 0, 3], atol=0.03)

@@ -11,7 +11,7 @@ import pytest
 import SDFStentLib
 from SDFStentLib import AtCenter, InputError, Stent, Surface, read_surface, run_plan
 from SDFStentLib.phantoms import straight_tube
-from SDFStentLib.validation import as_points, printable
+from SDFStentLib.validation import as_patient_points, printable
 
 WRONG = [
     None, "8", b"x", 3, 3.5, float("nan"), [], {}, object(), np.zeros((2, 2)), [None], 1e400, -1,
@@ -56,9 +56,9 @@ def test_the_reported_calls_end_in_a_sentence():
 
 def test_coordinates_beyond_every_patient_are_refused():
     tube = straight_tube(radius=5.0, length=40.0)
-    with pytest.raises(InputError, match=r"expected coordinates up to 1e\+06, got 1e\+11"):
+    with pytest.raises(InputError, match=r"expected coordinates up to 1e\+06 mm, got 1e\+11"):
         Surface(1e11 * np.sign(tube.points), tube.triangles)
-    assert len(as_points([[1e6, 0, -1e6]])) == 1
+    assert len(as_patient_points([[1e6, 0, -1e6]])) == 1
 
 
 def test_control_characters_are_written_as_escapes():

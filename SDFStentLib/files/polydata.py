@@ -13,7 +13,7 @@ from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
 
 from ..geometry import Surface
 from ..units import Frame, as_frame
-from ..validation import InputError, Points, as_points, as_triangles
+from ..validation import InputError, Points, as_patient_points, as_points, as_triangles
 
 RADIUS_ARRAYS = ("MaximumInscribedSphereRadius", "Radius")
 """Point arrays of centerlines that hold the inscribed radius: VMTK's name, then SlicerVMTK's."""
@@ -30,7 +30,7 @@ class Cells(NamedTuple):
 
 def points_from_polydata(polydata: vtkPolyData, name: str = "polydata") -> Points:
     """Coordinates (n, 3) as a float64 copy; `InputError` for NaN or infinity."""
-    return as_points(_coordinates(polydata), name)
+    return as_patient_points(_coordinates(polydata), name)
 
 
 def surface_from_polydata(

@@ -13,7 +13,7 @@ from ..validation import (
     InputError,
     Points,
     Triangles,
-    as_points,
+    as_patient_points,
     as_triangles,
     in_short,
     read_only,
@@ -76,7 +76,7 @@ class Surface:
     _mesh: _Mesh = field(repr=False)
 
     def __init__(self, points: ArrayLike, triangles: ArrayLike, name: str = "surface") -> None:
-        checked = as_points(points, f"{name} points", minimum=3)
+        checked = as_patient_points(points, f"{name} points", minimum=3)
         corners = read_only(as_triangles(triangles, len(checked), f"{name} triangles"))
         self._keep(checked, _Mesh(corners, len(checked)))
 
@@ -88,7 +88,7 @@ class Surface:
         InputError
             As many points as before did not come, or they are no finite numbers.
         """
-        moved = as_points(points, name)
+        moved = as_patient_points(points, name)
         if moved.shape != self.points.shape:
             raise InputError(
                 f"{name}: expected {len(self.points)} points as before, got {len(moved)}; "

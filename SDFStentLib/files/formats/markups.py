@@ -9,7 +9,7 @@ import numpy as np
 
 from ...geometry import without_repeats
 from ...units import Frame, as_frame
-from ...validation import InputError, Points, as_points
+from ...validation import InputError, Points, as_patient_points
 from ..content import FileContent
 
 POINTS_PER_INTERVAL = 10
@@ -107,7 +107,7 @@ def _control_points(markup: dict[str, Any], name: str) -> Points:
     if not isinstance(points, list):
         raise InputError(f"{name}: expected control points in its curve, got none.")
     positions = [point.get("position") for point in points if _is_placed(point)]
-    control_points = as_points(positions, name)
+    control_points = as_patient_points(positions, name)
     if len(control_points) < 2:
         raise InputError(
             f"{name}: expected a curve of at least two control points, got {len(control_points)}; "

@@ -53,6 +53,8 @@ def before_after_picture(result: PlanResult, title: str = "") -> bytes:
 
     Raises
     ------
+    InputError
+        Something else than such a result.
     DeploymentError
         Nothing here can render; the message names what to install.
     """
