@@ -7,6 +7,10 @@ from numpy.typing import ArrayLike
 
 from ..geometry import across, dot, plane_section
 from ..validation import Floats, InputError, Points, Triangles, as_points
+from .section_areas import section_areas
+
+_STATIONS = 64
+"""Stations cut together: keeps the part of the surface local."""
 
 
 def equivalent_diameters(
@@ -41,11 +45,14 @@ def equivalent_diameters(
         )
     if len(directions) and not directions.any(axis=1).all():
         raise InputError("directions: expected no zero vector; remove repeated axis points.")
-    areas = [
-        _lumen_area(points, triangles, center, direction)
-        for center, direction in zip(centers, directions, strict=True)
-    ]
-    return 2 * np.sqrt(np.array(areas, dtype=np.float64) / np.pi)
+    normals = directions / np.linalg.norm(directions, axis=1)[:, None]
+    areas = np.empty(len(centers))
+    for start in range(0, len(centers), _STATIONS):
+        block = slice(start, start + _STATIONS)
+        areas[block], doubtful = section_areas(points, triangles, centers[block], normals[block])
+        for number in start + np.flatnonzero(doubtful):
+            areas[number] = _lumen_area(points, triangles, centers[number], directions[number])
+    return 2 * np.sqrt(areas / np.pi)
 
 
 def _lumen_area(points: Points, triangles: Triangles, center: Floats, direction: Floats) -> float:

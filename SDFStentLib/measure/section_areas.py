@@ -1,0 +1,140 @@
+"""Areas of many cross-sections at once, from the part of the surface round their centres.
+
+The plain way cuts the surface plane by plane and follows every loop. Here all planes are cut
+together, and a loop is a connected part of the graph of the cut edges: its area is a sum over its
+pieces in whatever order. Where the edges do not join two by two, the plain way has to decide.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..geometry import across, compacted, connected, dot, may_meet_box
+from ..validation import Flags, Floats, Indices, Points, Triangles
+
+_PAIRS = 1 << 21
+"""Pairs of station and vertex or triangle that are looked at together, some bytes each."""
+
+_MARGIN = 2.5
+"""Half width of the box round the stations, in distances from them to the nearest vertex."""
+
+
+class SectionAreas(NamedTuple):
+    """Areas (n,), mm^2, infinite where no closed loop was found; where that is not certain (n,)."""
+
+    area: Floats
+    is_doubtful: Flags
+
+
+class _Cuts(NamedTuple):
+    """The pieces of all sections: from node to node, each node a cut edge of one station.
+
+    Attributes
+    ----------
+    flat : (k, 2) array
+        Coordinates of the nodes in the planes of their stations, from there, mm.
+    station : (k,) array
+        Of the nodes, ascending.
+    start, end : (s,) arrays
+        Nodes of the pieces.
+    """
+
+    flat: Floats
+    station: Indices
+    start: Indices
+    end: Indices
+
+
+def section_areas(
+    points: Points, triangles: Triangles, centers: Points, normals: Points
+) -> SectionAreas:
+    """Area of the smallest closed loop round every centre, in the part of the surface near all.
+
+    Parameters
+    ----------
+    points, triangles : (k, 3) and (m, 3) arrays
+    centers, normals : (n, 3) arrays
+        Of the planes, the normals of unit length.
+
+    Returns
+    -------
+    SectionAreas
+        Doubtful where edges of more than two triangles or unlike windings are cut, and where no
+        loop was found: it may leave the part that was looked at.
+    """
+    points, triangles = _near(points, triangles, centers)
+    result = SectionAreas(np.full(len(centers), np.inf), np.ones(len(centers), dtype=bool))
+    if len(triangles):
+        size = max(1, _PAIRS // (len(points) + len(triangles)))
+        for first in range(0, len(centers), size):
+            block = slice(first, first + size)
+            found = _areas(points, triangles, centers[block], normals[block])
+            result.area[block], result.is_doubtful[block] = found
+    return result
+
+
+def _near(points: Points, triangles: Triangles, centers: Points) -> tuple[Points, Triangles]:
+    """The part of the surface in the box round the centres that holds their sections, mostly."""
+    some = points[triangles[:: max(1, len(triangles) // 1000), 0]]
+    squared = dot(centers, centers)[:, None] - 2 * centers @ some.T + dot(some, some)
+    margin = _MARGIN * np.sqrt(max(float(squared.min(axis=1, initial=np.inf).max()), 0.0))
+    low, high = centers.min(axis=0) - margin, centers.max(axis=0) + margin
+    return compacted(points, triangles[may_meet_box(points, triangles, low, high)])
+
+
+def _areas(points: Points, triangles: Triangles, centers: Points, normals: Points) -> SectionAreas:
+    cuts = _cuts(points, triangles, centers, normals)
+    count, nodes = len(centers), len(cuts.station)
+    starts, ends = np.bincount(cuts.start, minlength=nodes), np.bincount(cuts.end, minlength=nodes)
+    is_doubtful = np.zeros(count, dtype=bool)
+    is_doubtful[cuts.station[(starts > 1) | (ends > 1)]] = True
+
+    loops, label = connected(nodes, cuts.start, cuts.end)
+    is_closed = np.ones(loops, dtype=bool)
+    is_closed[label[starts != ends]] = False
+    (x, y), (next_x, next_y) = cuts.flat[cuts.start].T, cuts.flat[cuts.end].T
+    of_loop = label[cuts.start]
+    area = np.abs(np.bincount(of_loop, x * next_y - y * next_x, loops)) / 2
+    crosses = np.flatnonzero((y > 0) != (next_y > 0))
+    along = x[crosses] - y[crosses] * (next_x - x)[crosses] / (next_y - y)[crosses]
+    rays = np.bincount(of_loop[crosses[along > 0]], minlength=loops)
+
+    station = np.zeros(loops, dtype=np.int64)
+    station[label] = cuts.station
+    holds = np.flatnonzero(is_closed & (rays % 2 == 1))
+    smallest = np.full(count, np.inf)
+    np.minimum.at(smallest, station[holds], area[holds])
+    return SectionAreas(smallest, is_doubtful | np.isinf(smallest))
+
+
+def _cuts(points: Points, triangles: Triangles, centers: Points, normals: Points) -> _Cuts:
+    """As `plane_section`: a point in a plane counts as above it, so that nothing is cut twice."""
+    heights = normals @ points.T - dot(normals, centers)[:, None]
+    is_above = heights >= 0
+    corners = [is_above[:, corner].view(np.uint8) for corner in triangles.T]
+    above = corners[0] + corners[1] + corners[2]
+    station, face = np.divmod(np.flatnonzero((above == 1) | (above == 2)), len(triangles))
+    # Every cut triangle has one side that goes down through its plane and one that goes up.
+    bits = np.stack([corner[station, face] for corner in corners], axis=1)
+    following = bits[:, [1, 2, 0]]
+    down, up = np.argmax(bits > following, axis=1), np.argmax(bits < following, axis=1)
+    rows = triangles[face]
+    sides = np.r_[_sides(rows, down)[:, ::-1], _sides(rows, up)]
+    crossing = (np.r_[station, station] * len(points) + sides[:, 0]) * len(points) + sides[:, 1]
+    crossed, node = np.unique(crossing, return_inverse=True)
+    crossed, high = np.divmod(crossed, len(points))
+    at, low = np.divmod(crossed, len(points))
+    below = heights[at, low]
+    fraction = below / (below - heights[at, high])
+    offset = points[low] + fraction[:, None] * (points[high] - points[low]) - centers[at]
+    flat = np.einsum("nij,nj->ni", across(normals)[at], offset)
+    start, end = node.reshape(2, -1)
+    return _Cuts(flat, at, start, end)
+
+
+def _sides(triangles: Triangles, first: Indices) -> Triangles:
+    """The side (m, 2) of every triangle that starts at this corner."""
+    rows = np.arange(len(triangles))
+    return np.stack([triangles[rows, first], triangles[rows, (first + 1) % 3]], axis=1)
