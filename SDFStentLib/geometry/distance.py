@@ -7,7 +7,8 @@ looked at exactly. Nothing is ever missed, however uneven the mesh is.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from functools import cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -19,6 +20,10 @@ _BLOCK = 128
 
 _PAIR_BLOCK = 4096
 """Pairs looked at together: their temporaries stay in the processor's cache."""
+
+_DENSE, _DENSE_BLOCK = 1 << 15, 1 << 19
+"""Surfaces with fewer triangles than this are searched without a tree, so many pairs at once: a
+product of matrices is quicker than to grow a tree and to gather what it finds."""
 
 _SLACK = 1e-12
 """Relative widening of bounds, against rounding."""
@@ -33,10 +38,11 @@ class SurfaceDistance(NamedTuple):
 
 
 class NearPairs(NamedTuple):
-    """Pairs (p,) of query and triangle, sorted by query."""
+    """Pairs (p,) of query and triangle, sorted by query; their distance is at least `bound`, mm."""
 
     query: Indices
     triangle: Indices
+    bound: Floats
 
 
 def closest_points_on_triangles(queries: Points, corners: Floats) -> Points:
@@ -52,29 +58,32 @@ def closest_points_on_triangles(queries: Points, corners: Floats) -> Points:
     corners : (n, 3, 3) array
         Triangle, corner, coordinate.
     """
-    first = corners[:, 0]
-    u, v, offset = corners[:, 1] - first, corners[:, 2] - first, queries - first
-    uu, uv, vv = dot(u, u), dot(u, v), dot(v, v)
-    pu, pv = dot(offset, u), dot(offset, v)
+    # Coordinates in rows of their own: NumPy takes several times longer over rows of three.
+    first, second, third = np.ascontiguousarray(np.moveaxis(corners, 0, 2))
+    offset, u, v = queries.T - first, second - first, third - first
+    uu, uv, vv = _dot(u, u), _dot(u, v), _dot(v, v)
+    pu, pv = _dot(offset, u), _dot(offset, v)
     squared_area = uu * vv - uv * uv
     safe = np.where(squared_area > 0, squared_area, 1.0)
     s, t = (vv * pu - uv * pv) / safe, (uu * pv - uv * pu) / safe
     is_inside = (squared_area > 0) & (s >= 0) & (t >= 0) & (s + t <= 1)
+    on_third = np.clip(_quotient((pv - pu) + (uu - uv), uu - 2 * uv + vv), 0, 1)
 
-    best = first + np.clip(pu / np.where(uu > 0, uu, 1.0), 0, 1)[:, None] * u
-    offset = queries - best
-    best_distance = dot(offset, offset)
-    for candidate, usable in (
-        (first + np.clip(pv / np.where(vv > 0, vv, 1.0), 0, 1)[:, None] * v, True),
-        (_foot_on_third_side(queries, corners), True),
-        (first + s[:, None] * u + t[:, None] * v, is_inside),
+    best_s, best_t = np.clip(_quotient(pu, uu), 0, 1), np.zeros(len(queries))
+    rest = offset - best_s * u
+    best = _dot(rest, rest)
+    for along_u, along_v, usable in (
+        (np.zeros(len(queries)), np.clip(_quotient(pv, vv), 0, 1), True),
+        (1 - on_third, on_third, True),
+        (s, t, is_inside),
     ):
-        offset = queries - candidate
-        distance = dot(offset, offset)
-        is_better = usable & (distance < best_distance)
-        best[is_better] = candidate[is_better]
-        best_distance[is_better] = distance[is_better]
-    return best
+        rest = offset - along_u * u - along_v * v
+        squared = _dot(rest, rest)
+        is_better = usable & (squared < best)
+        best_s = np.where(is_better, along_u, best_s)
+        best_t = np.where(is_better, along_v, best_t)
+        best = np.where(is_better, squared, best)
+    return np.ascontiguousarray((first + best_s * u + best_t * v).T)
 
 
 class SurfaceIndex:
@@ -97,9 +106,6 @@ class SurfaceIndex:
     """
 
     def __init__(self, points: Points, triangles: Triangles) -> None:
-        # Imported here: scipy costs half a second, which a first frame should not pay.
-        from scipy.spatial import cKDTree
-
         self.corners: Floats = points[triangles]
         a, b, c = self.corners[:, 0], self.corners[:, 1], self.corners[:, 2]
         self._centroids = (a + b + c) / 3.0
@@ -111,10 +117,6 @@ class SurfaceIndex:
         self._normals = normals / np.where(lengths > 0, lengths, 1.0)[:, None]
         # Rounding tilts the normal of a needle: its disc gets the thickness that this costs.
         self._thickness = np.maximum.reduce([np.abs(dot(arm, self._normals)) for arm in arms])
-        self._trees = [
-            (cKDTree(self._centroids[members], balanced_tree=False, compact_nodes=False), members)
-            for members in _size_classes(self._disc_radii)
-        ]
 
     def distances(self, queries: Points) -> SurfaceDistance:
         """Distance, nearest point and triangle of every query (n, 3)."""
@@ -128,23 +130,11 @@ class SurfaceIndex:
 
     def near(self, queries: Points, radii: Floats) -> NearPairs:
         """Pairs of query (n, 3) and triangle: all that come within `radii` (n,), and few more."""
-        parts = []
-        for tree, members in self._trees:
-            reach = radii * (1 + _SLACK) + self._disc_radii[members].max()
-            found = tree.query_ball_point(queries, reach, return_sorted=False)
-            counts = np.array([len(hits) for hits in found], dtype=np.int64)
-            if counts.sum():
-                hits = np.concatenate([np.asarray(hits, dtype=np.int64) for hits in found])
-                parts.append((np.repeat(np.arange(len(queries)), counts), members[hits]))
-        if not parts:
-            return NearPairs(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64))
-        query, triangle = (np.concatenate(column) for column in zip(*parts, strict=True))
-        is_near = self.lower_bounds(queries[query], triangle) <= radii[query] * (1 + _SLACK)
-        query, triangle = query[is_near], triangle[is_near]
-        if len(parts) > 1:
-            order = np.argsort(query, kind="stable")
-            query, triangle = query[order], triangle[order]
-        return NearPairs(query, triangle)
+        is_small = len(self.corners) < _DENSE
+        query, triangle = (self._near_all if is_small else self._near_in_trees)(queries, radii)
+        bound = self.lower_bounds(queries[query], triangle)
+        is_near = bound <= radii[query] * (1 + _SLACK)
+        return NearPairs(query[is_near], triangle[is_near], bound[is_near])
 
     def lower_bounds(self, queries: Points, triangle: Indices) -> Floats:
         """Distance (p,) from query i to the disc round triangle i: never above the true one."""
@@ -165,15 +155,61 @@ class SurfaceIndex:
         return closest
 
     def _distances(self, queries: Points) -> SurfaceDistance:
-        bound = np.full(len(queries), np.inf)
-        for tree, _ in self._trees:
-            bound = np.minimum(bound, tree.query(queries)[0])
-        query, triangle = self.near(queries, bound)
+        if len(self.corners) < _DENSE:
+            bound = np.array([norm(self._centroids - query).min() for query in queries])
+        else:
+            bound = np.minimum.reduce([tree.query(queries)[0] for tree, _ in self._trees])
+        query, triangle, _ = self.near(queries, bound)
         closest = self.closest_points(queries[query], triangle)
         distance = norm(queries[query] - closest)
         order = np.lexsort((distance, query))
         first = order[np.searchsorted(query[order], np.arange(len(queries)))]
         return SurfaceDistance(distance[first], closest[first], triangle[first])
+
+    def _near_all(self, queries: Points, radii: Floats) -> tuple[Indices, Indices]:
+        """Pairs that the spheres round the triangles leave, from all pairs."""
+        middle = self._centroids.mean(axis=0)
+        theirs, ours = self._centroids - middle, queries - middle
+        squared, own, discs = dot(theirs, theirs), dot(ours, ours), self._disc_radii
+        # Squares are compared, |a - b|^2 <= (r + s)^2 with all that is mixed in one product of
+        # matrices; what rounding may do to a difference of large squares is let through.
+        left = np.column_stack([ours, radii, np.full(len(ours), -0.5)])
+        right = np.vstack([theirs.T, discs, squared - discs**2])
+        slack = 1e-12 * (squared.max() + own.max(initial=0.0) + radii.max(initial=0.0) ** 2)
+        limit = (own - radii**2 - slack) / 2
+        found = [np.empty(0, dtype=np.int64)]
+        size = max(1, _DENSE_BLOCK // len(squared))
+        for start in range(0, len(queries), size):
+            block = slice(start, start + size)
+            is_near = left[block] @ right >= limit[block, None]
+            found.append(np.flatnonzero(is_near) + start * len(squared))
+        query, triangle = np.divmod(np.concatenate(found), len(squared))
+        return query, triangle
+
+    def _near_in_trees(self, queries: Points, radii: Floats) -> tuple[Indices, Indices]:
+        """The same from the trees of centroids."""
+        parts = [(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64))]
+        for tree, members in self._trees:
+            reach = radii * (1 + _SLACK) + self._disc_radii[members].max()
+            found = tree.query_ball_point(queries, reach, return_sorted=False)
+            counts = np.array([len(hits) for hits in found], dtype=np.int64)
+            if counts.sum():
+                hits = np.concatenate([np.asarray(hits, dtype=np.int64) for hits in found])
+                parts.append((np.repeat(np.arange(len(queries)), counts), members[hits]))
+        query, triangle = (np.concatenate(column) for column in zip(*parts, strict=True))
+        order = np.argsort(query, kind="stable")
+        return query[order], triangle[order]
+
+    @cached_property
+    def _trees(self) -> list[tuple[Any, Indices]]:
+        """Trees of the centroids, and their triangles."""
+        # Imported here: scipy costs half a second, which a first frame should not pay.
+        from scipy.spatial import cKDTree
+
+        return [
+            (cKDTree(self._centroids[members], balanced_tree=False, compact_nodes=False), members)
+            for members in _size_classes(self._disc_radii)
+        ]
 
 
 def _size_classes(sizes: Floats) -> list[Indices]:
@@ -189,8 +225,10 @@ def _size_classes(sizes: Floats) -> list[Indices]:
     return [np.flatnonzero(level == number) for number in np.unique(level)]
 
 
-def _foot_on_third_side(queries: Points, corners: Floats) -> Points:
-    start, side = corners[:, 1], corners[:, 2] - corners[:, 1]
-    squared = dot(side, side)
-    fraction = dot(queries - start, side) / np.where(squared > 0, squared, 1.0)
-    return start + np.clip(fraction, 0, 1)[:, None] * side
+def _dot(one: Floats, other: Floats) -> Floats:
+    """Scalar products (n,) of columns (3, n)."""
+    return np.asarray(one[0] * other[0] + one[1] * other[1] + one[2] * other[2])
+
+
+def _quotient(above: Floats, below: Floats) -> Floats:
+    return above / np.where(below > 0, below, 1.0)

@@ -106,7 +106,7 @@ def _touches(
         # Of a sphere of radius 0 rounding tells what it touches.
         reach = np.maximum((1 + TOUCH) * radii, IN_SURFACE)
         surface = LocalSurface(points, triangles, centers)
-        query, triangle = surface.near(centers, reach)
+        query, triangle, _ = surface.near(centers, reach)
         offset = surface.index.closest_points(centers[query], triangle) - centers[query]
         distance = np.linalg.norm(offset, axis=1)
         along = dot(offset, outward[where[query]])

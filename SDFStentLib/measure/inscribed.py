@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..geometry import NearPairs, SurfaceIndex, across, norm
+from ..geometry import NearPairs, across, norm
 from ..geometry import tangents as polyline_tangents
 from ..validation import Floats, Indices, InputError, Points, Triangles, as_number, as_points
 from .local_surface import LocalSurface
@@ -176,33 +176,52 @@ class _Neighbourhood:
     def __init__(self, surface: LocalSurface, count: int) -> None:
         self._surface = surface
         self._covered = np.full(count, -np.inf)
-        self._pairs = NearPairs(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64))
+        nothing = np.empty(0, dtype=np.int64)
+        self._pairs = NearPairs(nothing, nothing, np.empty(0))
 
     def forget(self, active: Indices, moved: Floats) -> None:
-        """Centres have moved: what is known to be complete shrinks by as much."""
+        """Centres have moved: what is known of distances shrinks by as much."""
         self._covered[active] -= moved
+        shift = np.full(len(self._covered), -np.inf)  # of those that are done
+        shift[active] = moved
+        query, triangle, bound = self._pairs
+        self._pairs = NearPairs(query, triangle, bound - shift[query])
 
-    def pairs(
+    def _find(self, centers: Points, which: Indices, wanted: Floats) -> None:
+        """Search anew round some of the centres, as far as wanted."""
+        found = self._surface.near(centers[which], wanted)
+        self._covered[which] = wanted
+        is_anew = np.zeros(len(centers), dtype=bool)
+        is_anew[which] = True
+        kept = np.flatnonzero(~is_anew[self._pairs.query])
+        query = np.r_[self._pairs.query[kept], which[found.query]]
+        order = np.argsort(query, kind="stable")
+        triangle = np.r_[self._pairs.triangle[kept], found.triangle]
+        bound = np.r_[self._pairs.bound[kept], found.bound]
+        self._pairs = NearPairs(query[order], triangle[order], bound[order])
+
+    def offsets(
         self, centers: Points, active: Indices, radii: Floats, spare: Floats
-    ) -> tuple[NearPairs, SurfaceIndex]:
-        """All triangles within `radii` of the active centres, kept up to `radii + spare`."""
-        wanted = radii + spare
-        if np.any(radii > self._covered[active]):
-            found = self._surface.near(centers[active], wanted)
-            query, triangle = active[found.query], found.triangle
-            self._covered[active] = wanted
-        else:
-            query, triangle = self._pairs
-            self._covered[active] = np.minimum(self._covered[active], wanted)
-        index = self._surface.index
-        bounds = index.lower_bounds(centers[query], triangle)
+    ) -> tuple[Indices, Points, Floats]:
+        """From the walls within `radii` of the active centres: query, offset and distance.
+
+        Looks at a little more, up to `radii + spare`, so that it need not search at every step.
+        """
+        missing = radii > self._covered[active]
+        if missing.any():
+            growths = self._surface.growths
+            self._find(centers, active[missing], (radii + spare)[missing])
+            if self._surface.growths != growths and not missing.all():
+                # It has grown, and its triangles have other numbers.
+                self._find(centers, active, radii + spare)
+        query, triangle, bound = self._pairs
         limit = np.full(len(centers), -np.inf)
-        limit[active] = self._covered[active]
-        kept = bounds <= limit[query]
-        self._pairs = NearPairs(query[kept], triangle[kept])
         limit[active] = radii
-        inner = bounds <= limit[query]
-        return NearPairs(query[inner], triangle[inner]), index
+        inner = np.flatnonzero(bound <= limit[query])
+        query, triangle = query[inner], triangle[inner]
+        offset = centers[query] - self._surface.index.closest_points(centers[query], triangle)
+        bound[inner] = distance = norm(offset)
+        return query, offset, distance
 
 
 def _rows(
@@ -214,13 +233,12 @@ def _rows(
     active: Indices,
 ) -> LinearRows:
     """Linear models of the distances that matter within the boxes, and the exact radii."""
-    (query, triangle), index = near.pairs(centers, active, radii[active] + reach, reach)
-    offset = centers[query] - index.closest_points(centers[query], triangle)
-    distance = norm(offset)
+    query, offset, distance = near.offsets(centers, active, radii[active] + reach, reach)
     starts = np.searchsorted(query, active)
     radius = np.minimum.reduceat(distance, starts)
-    group = np.searchsorted(active, query)
-    matters = distance <= (radius + reach)[group]
+    limit = np.empty(len(centers))
+    limit[active] = radius + reach
+    matters = np.flatnonzero(distance <= limit[query])
     query, offset, distance = query[matters], offset[matters], distance[matters]
     slope = np.einsum("nij,nj->ni", axes[query], offset) / np.maximum(distance, 1e-300)[:, None]
     return LinearRows(distance, slope, np.searchsorted(query, active), radius)

@@ -15,7 +15,15 @@ _AMPLY = 1.1
 
 
 class LocalSurface:
-    """The part of a surface near some centres; grows when they ask for more."""
+    """The part of a surface near some centres; grows when they ask for more.
+
+    Attributes
+    ----------
+    lowest, highest : (3,) arrays
+        Corners of the box round the whole surface, mm.
+    growths : int
+        How often it has grown; triangle numbers change with it.
+    """
 
     def __init__(
         self,
@@ -27,20 +35,36 @@ class LocalSurface:
         self._points, self._triangles, self._centers = points, triangles, centers
         self.lowest: Floats
         self.highest: Floats
-        self.lowest, self.highest = extent or (points.min(axis=0), points.max(axis=0))
-        # Any vertex in use bounds the distance to the wall; a thousand bound it well enough.
-        some = points[triangles[:: max(1, len(triangles) // 1000), 0]]
-        offset = (centers[:, None] - some).reshape(-1, 3)
-        squared = dot(offset, offset).reshape(len(centers), -1)
-        self._grow(2.5 * float(np.sqrt(squared.min(axis=1).max())))
+        self.lowest, self.highest = extent or _extent(points)
+        self._index: SurfaceIndex | None = None
+        self.growths = 0
+
+    @property
+    def index(self) -> SurfaceIndex:
+        """The triangles that have been asked for, and more; at least one."""
+        if self._index is None:
+            # Any vertex in use bounds the distance to the wall; a thousand bound it well enough.
+            some = self._points[self._triangles[:: max(1, len(self._triangles) // 1000), 0]]
+            offset = (self._centers[:, None] - some).reshape(-1, 3)
+            squared = dot(offset, offset).reshape(len(self._centers), -1)
+            self._grow(2.5 * float(np.sqrt(squared.min(axis=1).max())))
+            assert self._index is not None
+        return self._index
 
     def near(self, centers: Points, radii: Floats) -> NearPairs:
         """`SurfaceIndex.near`, complete; triangle numbers change when `index` does."""
+        if self._index is None:
+            self._low, self._high = self._centers.min(axis=0), self._centers.max(axis=0)
+            self._grow(_AMPLY * self._missing(centers, radii))
+        # Where the box holds nothing, a larger one is taken.
+        self._index = self.index
         self._cover(centers, radii)
         return self.index.near(centers, radii)
 
     def distances(self, centers: Points) -> Floats:
         """Distance (n,) from centres to the whole surface."""
+        if not len(centers):
+            return np.empty(0)
         distance = self.index.distances(centers).distance
         if self._cover(centers, distance):
             # More triangles are never farther away: what has been covered is enough.
@@ -58,25 +82,36 @@ class LocalSurface:
         return LocalSurface(self._points, self._triangles[chosen], self._centers, extent)
 
     def _grow(self, margin: float) -> None:
-        """Take the triangles in the box round the centres; it holds a vertex in use."""
+        """Take the triangles in the box round the centres, if there are any."""
+        self.growths += 1
         self._margin = margin
         self._low = self._centers.min(axis=0) - margin
         self._high = self._centers.max(axis=0) + margin
         kept = self._triangles
         if not self._is_whole():
             kept = kept[may_meet_box(self._points, kept, self._low, self._high)]
-        self.index = SurfaceIndex(self._points, kept)
+        self._index = SurfaceIndex(self._points, kept) if len(kept) else None
 
     def _is_whole(self) -> bool:
         return bool(np.all(self._low <= self.lowest) and np.all(self._high >= self.highest))
 
-    def _cover(self, centers: Points, radii: Floats) -> bool:
-        """Grow, at most once, to hold all within the radii of the centres; whether it grew."""
+    def _missing(self, centers: Points, radii: Floats) -> float:
+        """How far all within the radii of the centres reaches out of the box, mm."""
         reach = radii[:, None]
         beyond = np.maximum(self._low - (centers - reach), centers + reach - self._high)
-        missing = float(beyond.max(initial=0.0))
+        return max(float(beyond.max(initial=0.0)), 0.0)
+
+    def _cover(self, centers: Points, radii: Floats) -> bool:
+        """Grow, at most once, to hold all within the radii of the centres; whether it grew."""
+        missing = self._missing(centers, radii)
         if missing <= 0 or self._is_whole():
             return False
         # Doubling spares growing at every step, but twice the margin of a centre on a vertex is 0.
         self._grow(max(2 * self._margin, self._margin + _AMPLY * missing))
         return True
+
+
+def _extent(points: Points) -> tuple[Floats, Floats]:
+    """Lowest and highest coordinates; column by column, which is quicker over rows of three."""
+    columns = list(points.T)
+    return np.array([x.min() for x in columns]), np.array([x.max() for x in columns])

@@ -6,7 +6,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry import dot
 from ..validation import Floats, Indices
 
 _PIVOTS = 100
@@ -37,56 +36,57 @@ def largest_steps(rows: LinearRows, box: Floats) -> tuple[Floats, Floats]:
     Dual simplex, all centres at once: three rows are held with equality; the row that is
     violated most comes in for the one that keeps the rest in balance.
     """
-    count = len(box)
-    group = np.repeat(np.arange(count), np.diff(np.r_[rows.starts, len(rows.distance)]))
-    lowest = _first_of_largest(-rows.distance, rows.starts, group)
-    held = np.zeros((count, 3, 3))
-    bound = np.stack([rows.distance[lowest], box, box], axis=1)
-    held[:, 0] = _with_height(rows.slope[lowest])
-    held[:, 1, 0], held[:, 2, 1] = np.where(rows.slope[lowest] >= 0, 1.0, -1.0).T
-    everyone = np.arange(count)
+    step, height = np.zeros((2, len(box))), np.empty(len(box))
+    # The rest is thinned out in place as centres come to their ends.
+    active, slope = np.arange(len(box)), np.ascontiguousarray(rows.slope.T)
+    distance, starts = rows.distance, rows.starts
+    counts = np.diff(np.r_[starts, len(distance)])
+    lowest = _first_of_largest(-distance, starts, counts)
+    # Of the three rows that hold a centre: right sides (3, n), and columns of the inverse,
+    # (row, coefficient, n). At first the lowest row and the corner of the box that it rises to.
+    bound = np.stack([distance[lowest], box, box])
+    sign = np.where(slope[:, lowest] >= 0, 1.0, -1.0)
+    inverse = np.zeros((3, 3, len(box)))
+    inverse[0, 2], inverse[1, 0], inverse[2, 1] = 1.0, sign[0], sign[1]
+    inverse[1:, 2] = sign * slope[:, lowest]
     for _ in range(_PIVOTS):
-        inverse = _inverse_columns(held)
-        solution = np.einsum("nij,ni->nj", inverse, bound)
-        step, height = solution[:, :2], solution[:, 2]
-        excess = height[group] - np.einsum("ni,ni->n", rows.slope, step[group]) - rows.distance
-        worst = _first_of_largest(excess, rows.starts, group)
-        entering = _with_height(rows.slope[worst])
-        limit, amount = rows.distance[worst], excess[worst]
-        for axis in (0, 1):
-            beyond = np.abs(step[:, axis]) - box
-            sideways = beyond > amount
-            entering[sideways] = 0.0
-            entering[sideways, axis] = np.sign(step[sideways, axis])
-            limit, amount = np.where(sideways, box, limit), np.maximum(amount, beyond)
-        is_open = amount > 1e-10 * box
+        x, y, t = solution = np.einsum("ijn,in->jn", inverse, bound)
+        step[:, active], height[active] = np.clip(solution[:2], -box, box), t
+        excess = np.repeat(t, counts) - distance
+        excess -= slope[0] * np.repeat(x, counts)
+        excess -= slope[1] * np.repeat(y, counts)
+        worst = _first_of_largest(excess, starts, counts)
+        everyone = np.arange(len(active))
+        amounts = np.stack([excess[worst], np.abs(x) - box, np.abs(y) - box])
+        kind = amounts.argmax(axis=0)
+        is_row = kind == 0
+        entering = np.where(is_row, -slope[:, worst], np.sign(solution[:2]))
+        entering[0, kind == 2], entering[1, kind == 1] = 0.0, 0.0
+        limit = np.where(is_row, distance[worst], box)
+
+        weight = np.einsum("ijn,jn->in", inverse[:, :2], entering) + inverse[:, 2] * is_row
+        usable = weight > 1e-12
+        ratio = np.where(usable, inverse[:, 2] / np.where(usable, weight, 1.0), np.inf)
+        leaving = ratio.argmin(axis=0)
+        is_open = (amounts[kind, everyone] > 1e-10 * box) & usable[leaving, everyone]
         if not is_open.any():
             break
-        weight = np.einsum("nij,nj->ni", inverse, entering)
-        usable = weight > 1e-12
-        ratio = np.where(usable, inverse[:, :, 2] / np.where(usable, weight, 1.0), np.inf)
-        leaving = np.argmin(ratio, axis=1)
-        swap = everyone[is_open & usable.any(axis=1)]
-        held[swap, leaving[swap]] = entering[swap]
-        bound[swap, leaving[swap]] = limit[swap]
-    return np.clip(step, -box[:, None], box[:, None]), height
+        if 2 * np.count_nonzero(is_open) <= len(active):
+            is_kept = np.repeat(is_open, counts)
+            slope, distance, counts = slope[:, is_kept], distance[is_kept], counts[is_open]
+            starts = np.cumsum(counts) - counts
+            active, box, leaving, limit = (a[is_open] for a in (active, box, leaving, limit))
+            inverse, bound, weight = (a[..., is_open] for a in (inverse, bound, weight))
+            is_open, everyone = is_open[is_open], everyone[: len(active)]
+        swap = everyone[is_open]
+        bound[leaving[swap], swap] = limit[swap]
+        incoming = inverse[leaving[swap], :, swap].T / weight[leaving[swap], swap]
+        inverse[:, :, swap] -= weight[:, None, swap] * incoming
+        inverse[leaving[swap], :, swap] = incoming.T
+    return step.T, height
 
 
-def _with_height(slope: Floats) -> Floats:
-    """Coefficients (n, 3) of the row t - slope x <= distance, in the unknowns (x, t)."""
-    return np.c_[-slope, np.ones(len(slope))]
-
-
-def _inverse_columns(matrices: Floats) -> Floats:
-    """Columns of the inverse of every (3, 3) matrix, as rows; singular ones give large numbers."""
-    a, b, c = matrices[:, 0], matrices[:, 1], matrices[:, 2]
-    columns = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)
-    determinant = dot(a, columns[:, 0])
-    return columns / np.where(np.abs(determinant) > 1e-30, determinant, 1e-30)[:, None, None]
-
-
-def _first_of_largest(values: Floats, starts: Indices, group: Indices) -> Indices:
+def _first_of_largest(values: Floats, starts: Indices, counts: Indices) -> Indices:
     """Position of the largest value in each group."""
-    largest = np.maximum.reduceat(values, starts)
-    hits = np.flatnonzero(values == largest[group])
-    return hits[np.searchsorted(group[hits], np.arange(len(starts)))]
+    hits = np.flatnonzero(values == np.repeat(np.maximum.reduceat(values, starts), counts))
+    return hits[np.searchsorted(hits, starts)]

@@ -1,0 +1,67 @@
+"""Measuring the plain way, station by station, for the fast way to agree with."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.optimize import linprog
+
+from SDFStentLib.geometry import across
+
+THINNED_ABOVE, THINNING = 4000, 8
+
+
+def nearest_points(query, corners):
+    """Of every triangle (m, 3, 3) the point that is nearest to the query."""
+    a, b, c = np.moveaxis(corners, 1, 0)
+    u, v = b - a, c - a
+    normal = np.cross(u, v)
+    area = np.maximum((normal**2).sum(axis=1), 1e-300)
+    offset = query - a
+    t = (np.cross(u, offset) * normal).sum(axis=1) / area
+    s = (np.cross(offset, v) * normal).sum(axis=1) / area
+    inside = (s >= 0) & (t >= 0) & (s + t <= 1)
+    found = [np.where(inside[:, None], a + s[:, None] * u + t[:, None] * v, np.inf)]
+    for first, side in ((a, u), (b, c - b), (a, v)):
+        length = np.maximum((side**2).sum(axis=1), 1e-300)
+        share = np.clip(((query - first) * side).sum(axis=1) / length, 0, 1)
+        found.append(first + share[:, None] * side)
+    distances = [np.linalg.norm(point - query, axis=1) for point in found]
+    return np.choose(np.argmin(distances, axis=0)[:, None], found)
+
+
+def climbed(corners, center, axes, box, tolerance):
+    """The largest sphere that steps of rising linear models reach; its centre and its radius."""
+    half = np.linalg.norm(corners - corners.mean(axis=1, keepdims=True), axis=2).max()
+    for _ in range(200):
+        apart = np.linalg.norm(corners.mean(axis=1) - center, axis=1)
+        near = corners[apart <= apart.min() * (1 + 3 * box) + 2 * half]
+        offset = center - nearest_points(center, near)
+        distance = np.linalg.norm(offset, axis=1)
+        radius = distance.min()
+        slope = offset @ axes.T / distance[:, None]
+        rows = np.column_stack([-slope, np.ones(len(slope))])
+        sides = [(-box * radius, box * radius)] * 2
+        *step, height = linprog([0, 0, -1], rows, distance, bounds=[*sides, (None, None)]).x
+        if height - radius <= tolerance:
+            return center, radius
+        center = center + np.array(step) @ axes
+        is_held = np.abs(step).max() > 0.99 * box * radius
+        box = 3 * box if is_held else 2 * np.linalg.norm(step) / radius
+        box = np.clip(box, 0.005, 0.5)
+    raise AssertionError("the climb has no end")
+
+
+def plain_sphere(points, triangles, start, direction):
+    """Centre and radius of the largest sphere across the axis that a climb from there reaches."""
+    levels = [triangles]
+    while len(levels[-1]) >= THINNED_ABOVE:
+        count = len(levels[-1])
+        chosen = np.random.default_rng(0).integers(0, count, count // THINNING)
+        levels.append(levels[-1][chosen])
+    axes = across(direction[None])[0]
+    center, box = start, 0.05
+    for level in levels[::-1]:
+        tolerance = 1e-6 if level is triangles else 1e-3
+        center, radius = climbed(points[level], center, axes, box, tolerance)
+        box = 0.005
+    return center, radius

@@ -1,0 +1,101 @@
+"""The fast ways of measuring agree with plain ones, on phantoms and on anatomies."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from plain_measuring import nearest_points, plain_sphere
+
+from SDFStentLib.deformation import DeploymentSettings, deploy
+from SDFStentLib.geometry import SurfaceIndex, cut, resampled, tangents
+from SDFStentLib.geometry.distance import closest_points_on_triangles
+from SDFStentLib.measure.cross_section import _lumen_area, equivalent_diameters
+from SDFStentLib.measure.inscribed import inscribed_spheres
+from SDFStentLib.phantoms import branching_pulmonary_artery, hairpin_tube, stenosed_tube
+
+PHANTOMS = {
+    "stenosis": stenosed_tube,
+    "hairpin": hairpin_tube,
+    "branches": branching_pulmonary_artery,
+}
+ANATOMIES = ("pulmonary", "aorta_iliac", "vmtk_aorta")
+
+
+@pytest.fixture(scope="module", params=[*PHANTOMS, *ANATOMIES])
+def a_vessel(request):
+    """Points and triangles of a vessel, before and after a stent of 25 mm, and its axis."""
+    if request.param in PHANTOMS:
+        made = PHANTOMS[request.param]()
+    else:
+        request.getfixturevalue("data_dir")
+        made = request.getfixturevalue("sweep").vessel(request.param)
+    line = made.centerline
+    way = line.path(line.points[line.roots[0]], line.points[np.sort(line.leaves)[0]])
+    axis = cut(way.points, 10.0, 35.0)
+    radius = 1.2 * np.nanmedian(way.inscribed_radius)
+    settings = DeploymentSettings(certify=False)
+    after = deploy(made.points, made.triangles, axis, radius, settings)
+    return (made.points, after.points), made.triangles, axis
+
+
+@pytest.mark.parametrize("when", [0, 1], ids=["before", "after"])
+def test_spheres_are_those_of_a_plain_climb(a_vessel, when):
+    points, triangles, axis = a_vessel[0][when], *a_vessel[1:]
+    places = resampled(axis, 4.0)
+    directions = tangents(places)
+    found = inscribed_spheres(points, triangles, places, directions)
+    for place, direction, radius in zip(places, directions, found.radii, strict=True):
+        expected = plain_sphere(points, triangles, place, direction)[1]
+        assert radius == pytest.approx(expected, abs=1e-3)
+
+
+@pytest.mark.parametrize("when", [0, 1], ids=["before", "after"])
+def test_sections_cut_together_have_the_areas_of_those_cut_one_by_one(a_vessel, when):
+    points, triangles, axis = a_vessel[0][when], *a_vessel[1:]
+    places = resampled(axis, 1.0)
+    directions = tangents(places)
+    found = equivalent_diameters(points, triangles, places, directions)
+    areas = [_lumen_area(points, triangles, *at) for at in zip(places, directions, strict=True)]
+    np.testing.assert_allclose(found, 2 * np.sqrt(np.array(areas) / np.pi), rtol=1e-9)
+    assert np.isfinite(found).any()
+
+
+def test_sections_do_not_depend_on_the_winding():
+    tube = stenosed_tube()
+    turned = tube.triangles.copy()
+    turned[::3] = turned[::3, ::-1]
+    places = np.array([[0, 0, 12.0], [0, 0, 20.0]])
+    directions = np.array([[0, 0, 1.0], [0, 0.3, 1.0]])
+    found, expected = (
+        equivalent_diameters(tube.points, faces, places, directions)
+        for faces in (turned, tube.triangles)
+    )
+    assert np.isfinite(expected).all()
+    np.testing.assert_allclose(found, expected, rtol=1e-12)
+
+
+def test_nearest_points_of_triangles_are_those_of_a_plain_way():
+    random = np.random.default_rng(0)
+    corners = random.normal(size=(500, 3, 3)) * 10.0 ** random.uniform(-3, 2, (500, 1, 1))
+    corners[:100, 2] = corners[:100, 0] + 0.5 * (corners[:100, 1] - corners[:100, 0])
+    query = random.normal(size=3)
+    found = closest_points_on_triangles(np.tile(query, (500, 1)), corners)
+    expected = nearest_points(query, corners)
+    distance, best = (np.linalg.norm(query - points, axis=1) for points in (found, expected))
+    np.testing.assert_allclose(distance, best, rtol=1e-9)
+
+
+def test_what_is_near_is_the_same_with_and_without_trees(monkeypatch):
+    tube = stenosed_tube(edge_length=1.5)
+    random = np.random.default_rng(1)
+    queries = random.uniform(tube.points.min(axis=0) - 5, tube.points.max(axis=0) + 5, (40, 3))
+    radii = random.uniform(0, 12, 40)
+    index = SurfaceIndex(tube.points, tube.triangles)
+    dense, nearest = index.near(queries, radii), index.distances(queries)
+    monkeypatch.setattr("SDFStentLib.geometry.distance._DENSE", 0)
+    trees = index.near(queries, radii)
+    assert len(dense.query)
+    for one, other in zip(dense, trees, strict=True):
+        order = np.lexsort((trees.triangle, trees.query))
+        np.testing.assert_array_equal(one, other[order])
+    np.testing.assert_array_equal(index.distances(queries).distance, nearest.distance)
