@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
+from math import dist
 from typing import NamedTuple
 
 import numpy as np
@@ -51,17 +52,22 @@ def merged_overlaps(graph: LineGraph, line_ends: Indices) -> LineGraph:
     graph, pairs = _without_chords(graph, pairs)
     stops = np.zeros(len(graph.points), dtype=bool)
     stops[line_ends] = True
+    found = _ranked_chains(graph, stops)
+    first_chain = np.zeros(len(graph.points), dtype=np.int64)
+    for number in reversed(range(len(found.paths))):
+        first_chain[found.paths[number]] = number
+    pairs = pairs.selected(np.lexsort((pairs.distances, first_chain[pairs.nodes])))
+    limits = np.arange(len(found.paths) + 1)
     merge = _Merge(
         graph=graph,
-        found=_ranked_chains(graph, stops),
-        pairs=pairs.selected(np.argsort(pairs.distances, kind="stable")),
+        found=found,
+        pairs=pairs,
+        first_pair=np.searchsorted(first_chain[pairs.nodes], limits),
         foot=np.full(len(graph.points), -1, dtype=np.int64),
         gone=np.zeros(len(graph.edges), dtype=bool),
     )
-    settled = np.zeros(len(graph.points), dtype=bool)
-    for number, path in enumerate(merge.found.paths):
-        merge.put_on_earlier_chains(number, path[~settled[path]])
-        settled[path] = True
+    for number in range(len(found.paths)):
+        merge.put_on_earlier_chains(number)
     return _with_feet(graph, merge)
 
 
@@ -113,17 +119,22 @@ def _meet(neighbors: list[set[int]], start: int, end: int, through: set[int]) ->
 
 @dataclass
 class _Merge:
-    """The state of one merge: per node the pair that puts it on an earlier chain, edges gone."""
+    """The state of one merge: per node the pair that puts it on an earlier chain, edges gone.
+
+    Pairs are sorted by the first chain that has their node, then by distance; `first_pair` tells
+    where those of each chain begin.
+    """
 
     graph: LineGraph
     found: _Chains
     pairs: NearPairs
+    first_pair: Indices
     foot: Indices
     gone: NDArray[np.bool_]
 
-    def put_on_earlier_chains(self, number: int, new_nodes: Indices) -> None:
+    def put_on_earlier_chains(self, number: int) -> None:
         """Enter the feet of a chain's new nodes; drop its edges that run along earlier chains."""
-        candidates = self._candidates(number, new_nodes)
+        candidates = self._candidates(number)
         beside = {
             node: [pair for pair in pairs.values() if self._is_beside(number, pair)]
             for node, pairs in candidates.items()
@@ -142,26 +153,31 @@ class _Merge:
             either = is_foot[i] or is_foot[i + 1]
             self.gone[edge] = either and self._connected(on[i], on[i + 1])
 
-    def _candidates(self, number: int, new_nodes: Indices) -> dict[int, dict[int, int]]:
-        """Per node and earlier chain in reach the nearest pair (pairs are sorted by distance)."""
-        is_new = np.zeros(len(self.foot), dtype=bool)
-        is_new[new_nodes] = True
-        chains_of_pairs = self.found.of_edge[self.pairs.segments]
-        usable = is_new[self.pairs.nodes] & (chains_of_pairs < number)
-        usable &= ~self.gone[self.pairs.segments]
+    def _candidates(self, number: int) -> dict[int, dict[int, int]]:
+        """Per new node and earlier chain in reach the nearest pair."""
+        first, end = self.first_pair[number : number + 2].tolist()
+        segments = self.pairs.segments[first:end]
+        chains_of_pairs = self.found.of_edge[segments]
+        usable = np.flatnonzero((chains_of_pairs < number) & ~self.gone[segments])
         candidates: dict[int, dict[int, int]] = {}
-        for pair in np.flatnonzero(usable).tolist():
-            by_chain = candidates.setdefault(int(self.pairs.nodes[pair]), {})
-            by_chain.setdefault(int(chains_of_pairs[pair]), pair)
+        for pair, node, chain in zip(
+            (first + usable).tolist(),
+            self.pairs.nodes[first + usable].tolist(),
+            chains_of_pairs[usable].tolist(),
+            strict=True,
+        ):
+            candidates.setdefault(node, {}).setdefault(chain, pair)
         return candidates
 
     def _is_beside(self, number: int, pair: int) -> bool:
         """Whether the node runs along the chain rather than leaves it at their common end."""
         chain = int(self.found.of_edge[self.pairs.segments[pair]])
-        common = list(self.found.ends[number] & self.found.ends[chain])
-        node = self.graph.points[self.pairs.nodes[pair]]
-        way = np.linalg.norm(self.graph.points[common] - node, axis=1)
-        return bool((self.pairs.distances[pair] <= LEAVING_RATIO * way).all())
+        node = self.graph.points[self.pairs.nodes[pair]].tolist()
+        distance = float(self.pairs.distances[pair])
+        return all(
+            distance <= LEAVING_RATIO * dist(self.graph.points[end].tolist(), node)
+            for end in self.found.ends[number] & self.found.ends[chain]
+        )
 
     def _fill_from_end(
         self,
