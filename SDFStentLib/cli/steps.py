@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
@@ -57,9 +56,7 @@ class StepFiles:
             points = state.points()
             moved = np.flatnonzero((points != self._surface.points).any(axis=1))
             write_surface(folder / name, self._surface, moved, points[moved])
-            entries.append(
-                f'    <DataSet timestep="{state.fraction:.9g}" part="0" file={quoteattr(name)}/>'
-            )
+            entries.append(f'    <DataSet timestep="{state.fraction:.9g}" part="0" file="{name}"/>')
         text = "\n".join(
             [
                 '<?xml version="1.0"?>',
