@@ -26,6 +26,7 @@ from .sweep import DATA_FOLDER, PROJECT
 TITLES = {
     "against_svmorph": "Whole deployments against svmorph 0.1.2",
     "first_frame": "First frame",
+    "measuring": "Measuring beside deploying",
     "memory": "Memory",
     "certificate": "Certificate",
     "step_rules": "Distance to the converged limit of the radius steps",

@@ -1,0 +1,73 @@
+"""How long measuring takes beside deploying.
+
+    python -m benchmarks.measuring [--quick]
+
+A deployment and the two profiles of it, before and after, in turn in one process: the ratio holds
+on a machine that does other work as well.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+from SDFStentLib.deformation import DeploymentSettings, deploy
+from SDFStentLib.geometry import surface_topology
+from SDFStentLib.measure import diameter_profile
+
+from .common import (
+    Case,
+    Found,
+    aorta_case,
+    duration,
+    interleaved,
+    markdown,
+    pulmonary_case,
+    run_alone,
+    vmtk_aorta_case,
+)
+
+
+def row(case: Case, rounds: int) -> Found:
+    settings = DeploymentSettings(certify=False)
+    expand = partial(
+        deploy,
+        case.points,
+        case.triangles,
+        case.axis,
+        case.radius,
+        settings,
+        topology=surface_topology(case.triangles),
+    )
+    after = expand().points
+
+    def measure() -> None:
+        for points in (case.points, after):
+            diameter_profile(points, case.triangles, case.axis)
+
+    seconds = interleaved({"deploy": expand, "measure": measure}, rounds)
+    return {"vessel": case.name, "triangles": len(case.triangles), **seconds}
+
+
+def measured(quick: bool, largest: int | None) -> Found:
+    cases = [pulmonary_case(), aorta_case(), vmtk_aorta_case()]
+    if not quick:
+        cases += [aorta_case(level) for level in (1, 2) if largest is None or level <= largest]
+    return {"rows": [row(case, 1 if quick else 7) for case in cases]}
+
+
+def table(found: Found) -> str:
+    rows = [
+        [
+            one["vessel"],
+            f"{one['triangles']:,}",
+            duration(one["deploy"]),
+            duration(one["measure"]),
+            f"{one['measure'] / one['deploy']:.2f}",
+        ]
+        for one in found["rows"]
+    ]
+    return markdown(["vessel", "triangles", "deploy", "measure", "ratio"], rows)
+
+
+if __name__ == "__main__":
+    run_alone(__doc__.splitlines()[0], measured, table)
