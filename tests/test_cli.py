@@ -25,7 +25,7 @@ import SDFStentLib.cli.demo
 import SDFStentLib.cli.deploy
 from SDFStentLib.certificate.certificate import Certificate
 from SDFStentLib.cli.console import Console
-from SDFStentLib.cli.options import _number, parser
+from SDFStentLib.cli.options import _number, _whole, parser
 from SDFStentLib.cli.outputs import Outputs
 from SDFStentLib.cli.shell import main
 from SDFStentLib.cli.steps import StepFiles
@@ -496,7 +496,7 @@ def of_text(its_parser):
     return [
         action
         for action in its_parser._actions
-        if action.nargs != 0 and not action.choices and action.type is not _number
+        if action.nargs != 0 and not action.choices and action.type not in (_number, _whole)
     ]
 
 
