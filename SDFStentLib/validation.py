@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 import re
+from collections.abc import Mapping
 from decimal import Decimal
 from pathlib import Path
 from typing import Any
@@ -36,7 +37,35 @@ LARGEST_COORDINATE = 1e6
 
 
 class InputError(ValueError):
-    """Input that cannot be used; the message says what was expected, what came, what to do."""
+    """Input that cannot be used; the message says what was expected, what came, what to do.
+
+    Parameters
+    ----------
+    message : str
+        The sentence, or its part before the remedy.
+    remedy : str
+        Name of what the reader can set, such as an option of the command.
+    otherwise : str
+        What stands there for a reader who has no words for that remedy.
+    end : str
+        The rest of the sentence.
+    """
+
+    def __init__(
+        self, message: str = "", remedy: str = "", *, otherwise: str = "", end: str = ""
+    ) -> None:
+        super().__init__(message + otherwise + end)
+        self._parts = (message, remedy, otherwise, end)
+
+    def sentence(self, remedies: Mapping[str, str]) -> str:
+        """The message with the reader's words for its remedy."""
+        message, remedy, otherwise, end = self._parts
+        return message + remedies.get(remedy, otherwise) + end
+
+    def labeled(self, label: str) -> InputError:
+        """The same with a label in front: a file, a stent, a place in a document."""
+        message, remedy, otherwise, end = self._parts
+        return InputError(label + message, remedy, otherwise=otherwise, end=end)
 
 
 class DeploymentError(RuntimeError):

@@ -29,7 +29,7 @@ def test_a_stent_that_ends_in_the_outlet_bulges_its_cap(a_tube):
     outlet = next(opening for opening in a_tube.openings if not opening.is_inlet)
     assert np.linalg.norm(np.subtract(cap.center, outlet.center)) < 0.5
     assert cap.height > 0.5
-    assert "out of its plane" in cap.sentence()
+    assert "out of its plane" in str(cap.caution())
 
 
 def test_a_stent_in_the_middle_bulges_no_cap(a_tube):

@@ -71,7 +71,7 @@ def test_a_markups_file_that_names_another_unit_is_believed(tmp_path):
     lines = read_lines(path)
     assert lines.units == "cm"
     assert np.array_equal(lines.points[::10], 10 * POINTS)
-    assert "it says that it is in cm, not mm" in lines.warnings[0]
+    assert "it says that it is in cm, not mm" in str(lines.warnings[0])
     path.write_bytes(new_markups(POINTS, "RAS", "um"))
     with pytest.raises(InputError, match="expected mm, cm or m, got 'um'"):
         read_lines(path)
@@ -84,7 +84,7 @@ def test_frames_are_brought_together_where_both_are_known(tmp_path):
     turned = in_frame_of(lines, "RAS")
     assert np.array_equal(turned.points, POINTS * (-1, -1, 1))
     assert (turned.frame, turned.file_frame) == ("RAS", "LPS")
-    assert "it is in LPS, the surface in RAS; its x and y were negated" in turned.warnings[0]
+    assert "it is in LPS, the surface in RAS; its x and y were negated" in str(turned.warnings[0])
     assert np.array_equal(in_frame_of(turned, "LPS").points, POINTS)
     unknown = read_lines(saved(tmp_path, [np.arange(20)]))
     assert in_frame_of(unknown, "RAS") is unknown

@@ -70,7 +70,7 @@ def test_a_point_far_from_the_centerline_says_how_far_it_was_moved():
     made = stenosed_tube(edge_length=1.0)
     for point, words in (([2.5, 0, 5], "2.5 mm beside"), ([0.5, 0, 5], None)):
         stent = Stent(5, placement=AtCenter(point), length=10)
-        told = " ".join(stent_axis(stent, made.centerline).warnings)
+        told = " ".join(map(str, stent_axis(stent, made.centerline).warnings))
         assert ("beside the centerline" in told) == (words is not None)
         if words is not None:
             assert f"The center lies {words}" in told
@@ -110,7 +110,9 @@ def test_both_points_of_a_stent_are_looked_at_and_a_click_on_the_wall_counts():
     made = stenosed_tube(edge_length=1.0)
     surface = made.centerline, made.points, made.triangles
     on_wall = Stent(5, placement=BetweenPoints([0, 0, 5], [3.2, 0, 35]))
-    assert "stent end lies 3.2 mm beside" in " ".join(axis_in_vessel(on_wall, *surface).warnings)
+    (beside_end,) = axis_in_vessel(on_wall, *surface).warnings
+    assert "stent end lies 3.2 mm beside" in beside_end.sentence()
+    assert "The part end lies 3.2 mm beside" in beside_end.sentence("part")
     beside = Stent(5, placement=BetweenPoints([0, 0, 5], [5.0, 0, 35]))
     with pytest.raises(
         InputError, match=r"stent end: .* 5.0 mm from the centerline and 2.0 mm out"

@@ -15,7 +15,7 @@ import pytest
 PROJECT = Path(__file__).parents[1]
 LIBRARY = PROJECT / "SDFStentLib"
 FLOORS = (
-    ("validation", "units", "version", "late"),
+    ("validation", "cautions", "units", "version", "late"),
     ("geometry",),
     ("field", "centerline", "certificate"),
     ("measure", "stent", "files", "phantoms"),

@@ -314,7 +314,9 @@ def test_stations_outside_the_surface_have_no_diameter_and_it_is_said_where():
     assert np.isnan(profile.inscribed_diameter[outside]).all()
     assert np.isnan(profile.equivalent_diameter[outside]).all()
     assert np.isfinite(profile.inscribed_diameter[inside]).all()
-    assert any("No inscribed diameter at" in gap and "0.0 to" in gap for gap in profile.gaps)
+    assert any(
+        "No inscribed diameter at" in str(gap) and "0.0 to" in str(gap) for gap in profile.gaps
+    )
     assert profile.minimum > 0
 
 

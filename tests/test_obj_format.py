@@ -38,7 +38,7 @@ f -4 -3 -2 -1
     assert mesh.corners.tolist() == [0, 1, 2, 0, 2, 3, 0, 1, 2, 3]
     assert mesh.offsets.tolist() == [0, 3, 6, 10]
     assert mesh.points.shape == (4, 3)
-    assert mesh.warnings == (
+    assert tuple(map(str, mesh.warnings)) == (
         "a.obj: texture coordinates, normals, materials, groups of the OBJ file are not kept.",
     )
 

@@ -14,6 +14,7 @@ import pytest
 from deployment_cases import anatomy, phantom
 from mesh_files import PROJECT
 
+from SDFStentLib.cautions import Caution
 from SDFStentLib.certificate.certificate import Certificate
 from SDFStentLib.deformation.deployment import Deployment
 from SDFStentLib.deformation.lumen import largest_push
@@ -39,7 +40,7 @@ class Outcome(NamedTuple):
     after: np.ndarray
     triangles: np.ndarray
     certificate: Certificate
-    warnings: tuple[str, ...]
+    warnings: tuple[Caution, ...]
 
     @property
     def stations(self):
@@ -148,10 +149,10 @@ def test_no_facet_however_coarse_for_its_stent_is_pushed_out_without_bound():
 
 def test_straightening_stops_before_the_wall_and_says_how_far_it_went():
     found = treated(demo(), *ACROSS_THE_DIVIDER, 1.0)
-    said = [sentence for sentence in found.warnings if "is straightened by" in sentence]
-    assert len(said) == 1
-    assert "instead of 1" in said[0]
-    used = float(said[0].split("straightened by ")[1].split()[0])
+    (said,) = [caution for caution in found.warnings if caution.kind == "straightened-less"]
+    assert said.numbers["prescribed_fraction"] == 1
+    used = said.numbers["fraction"]
+    assert f"is straightened by {used:.2f} of the way to its chord instead of 1:" in str(said)
     assert 0.3 < used < 0.9
     native = stent_axis(
         Stent(7.5, placement=AtCenter(np.array([-5.0, 0, 30])), length=20.0), demo().centerline

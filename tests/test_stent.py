@@ -168,15 +168,15 @@ def test_at_a_junction_downstream_the_widest_branch_is_followed_and_said():
     axis = stent_axis(Stent(6.0, placement=AtCenter([0, 0, -35]), length=20), a_fork())
     assert axis.points[-1, 0] > 0
     assert len(axis.warnings) == 1
-    assert "near (0, 0, -40) the stent follows the widest branch" in axis.warnings[0]
-    assert "place it between two points to choose another one." in axis.warnings[0]
+    assert "near (0, 0, -40) the stent follows the widest branch" in str(axis.warnings[0])
+    assert "place it between two points to choose another one." in str(axis.warnings[0])
 
 
 def test_without_radii_the_longest_branch_is_followed_and_said():
     stent = Stent(6.0, placement=AtProximalEnd([0, 0, -35]), length=20)
     axis = stent_axis(stent, a_fork(known_radius=False))
     assert axis.points[-1, 0] < 0
-    assert "follows the longest branch" in axis.warnings[0]
+    assert "follows the longest branch" in str(axis.warnings[0])
 
 
 @pytest.mark.parametrize("place", [AtCenter, AtDistalEnd, AtProximalEnd])
@@ -201,7 +201,7 @@ def test_a_distal_end_on_a_daughter_may_reach_across_the_junction_into_the_trunk
 def test_a_stent_longer_than_the_centerline_is_shortened_and_said():
     axis = stent_axis(Stent(6.0, placement=AtCenter([0, 0, -50]), length=200), a_tube())
     assert axis.deployed_length == pytest.approx(100)
-    assert axis.warnings == (
+    assert tuple(map(str, axis.warnings)) == (
         "The stent is shortened: 180.0 mm were prescribed, 100.0 mm of centerline are available "
         "there.",
     )
@@ -210,7 +210,7 @@ def test_a_stent_longer_than_the_centerline_is_shortened_and_said():
 def test_an_axis_shorter_than_the_stent_is_used_whole_and_said():
     axis = stent_axis(Stent(6.0, placement=AlongAxis([[0, 0, 0], [9, 0, 0]]), length=20))
     assert axis.deployed_length == 9
-    assert "18.0 mm were prescribed, 9.0 mm" in axis.warnings[0]
+    assert "18.0 mm were prescribed, 9.0 mm" in str(axis.warnings[0])
 
 
 @pytest.mark.parametrize(
@@ -220,7 +220,9 @@ def test_a_bend_tighter_than_the_stent_radius_is_said(bend, warned):
     axis = stent_axis(Stent(6.0, placement=AlongAxis(an_arc(bend))))
     # Points on the chords of a fine arc: right to well below one percent.
     assert axis.minimum_bend_radius(3.0) == pytest.approx(bend, rel=0.01)
-    assert [f"{bend:.1f} mm against 3.0 mm" in text for text in axis.warnings] == [True] * warned
+    assert [f"{bend:.1f} mm against 3.0 mm" in str(text) for text in axis.warnings] == [
+        True
+    ] * warned
 
 
 @pytest.mark.parametrize(("angle", "warned"), [(45, False), (57, False), (65, True), (120, True)])

@@ -55,7 +55,8 @@ def showMeasured(parameterNode, run):
             run.result.certificate.sentence() if run.result.certificate else _("Not certified.")
         )
         parameterNode.warningSummary = "\n".join(
-            _("Warning: {sentence}").format(sentence=sentence) for sentence in run.result.warnings
+            _("Warning: {sentence}").format(sentence=caution.sentence())
+            for caution in run.result.warnings
         )
 
 

@@ -169,8 +169,8 @@ class Certificate:
         if not self.passed:
             return f"Not certified: the surface has {'; '.join(self._faults())}."
         shape = self.topology.in_words()
-        old = count_in_words(len(self.self_intersecting_after))
-        kept = "" if old[0] == "0" else f"; {old} intersected already in the input"
+        old = len(self.self_intersecting_after)
+        kept = f"; {count_in_words(old)} intersected already in the input" if old else ""
         wide = f"; {AS_PRESCRIBED}" if self.lumen else ""
         return f"Certified: the surface is {shape}, as it was, and has no new fault{kept}{wide}."
 

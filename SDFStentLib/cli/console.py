@@ -8,36 +8,36 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any, TextIO
 
+from ..cautions import Caution
 from ..validation import printable
 
-_OPTIONS = (
-    ("to", "between two points to choose", "between two points (--from, --to) to choose"),
-    ("units", "the unit of the files.", "the unit of the files (--units mm, cm or m)."),
-    ("units", "the unit of the file if it", "the unit of the file (--units mm, cm or m) if it"),
-    ("units", "in one unit and name that", "in one unit and name that (--units cm, for example)"),
-    ("centerline", "give the file as centerline.", "give the file as centerline (--centerline)."),
-    ("accept_changed_inputs", "(accept_changed_inputs)", "(--accept-changed-inputs)"),
-    ("straighten", "or straighten the axis.", "or straighten the axis (--straighten F)."),
+_REMEDIES = (
+    ("to", "to", " (--from, --to)"),
+    ("units", "units", " (--units mm, cm or m)"),
+    ("one_unit", "units", " (--units cm, for example)"),
+    ("centerline", "centerline", " (--centerline)"),
+    ("accept_changed_inputs", "accept_changed_inputs", "(--accept-changed-inputs)"),
+    ("straighten", "straighten", " (--straighten F)"),
 )
-"""An option, what the library's sentences say of its thing, and the same with the option."""
+"""A remedy of the library's sentences, the option that does it, and how it is written there."""
 
 
 class Console:
     """Where sentences go, and how many of them."""
 
     def __init__(self, options: argparse.Namespace | None = None, *, quiet: bool = False) -> None:
-        self.options, self.quiet = options, quiet
+        self.remedies, self.quiet = remedies_of(options), quiet
 
     def say(self, sentence: str = "") -> None:
         """A line of the result; nothing when quiet."""
         if not self.quiet:
             print(printable(sentence))
 
-    def warn(self, sentences: Iterable[str]) -> None:
+    def warn(self, cautions: Iterable[Caution], thing: str = "stent") -> None:
         """Each on a line of stderr; nothing when quiet, for the report has them too."""
         if not self.quiet:
-            for sentence in sentences:
-                words = with_options(sentence, self.options)
+            for caution in cautions:
+                words = caution.sentence(thing, self.remedies)
                 print(printable(f"warning: {words}"), file=sys.stderr)
 
     @contextmanager
@@ -51,17 +51,14 @@ class Console:
                 bar.clear()
 
 
-def with_options(sentence: str, options: argparse.Namespace | None) -> str:
-    """The library's sentence, with those options of the command that do what it says."""
-    for name, words, more in _OPTIONS:
-        if hasattr(options, name):
-            sentence = sentence.replace(words, more)
-    return sentence
+def remedies_of(options: argparse.Namespace | None) -> dict[str, str]:
+    """How the options of a command are named in the library's sentences."""
+    return {remedy: words for remedy, option, words in _REMEDIES if hasattr(options, option)}
 
 
 def error_line(sentence: str) -> None:
     """The one sentence of a failure."""
-    print(printable(" ".join(sentence.split("\n"))), file=sys.stderr)
+    print(printable(sentence.translate({ord("\n"): " "})), file=sys.stderr)
 
 
 class _Bar:

@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 
+from ..cautions import Caution
 from ..files import (
     add_arrays,
     encode_vtp,
@@ -108,16 +109,16 @@ def _written_patient(phantom: Phantom, folder: Path) -> list[Path]:
     return paths
 
 
-def _add_results(outputs: Outputs, folder: Path, result: PlanResult) -> list[str]:
+def _add_results(outputs: Outputs, folder: Path, result: PlanResult) -> list[Caution]:
     """Everything that comes of the treatment; returns what was left out."""
-    missing: list[str] = []
+    missing: list[Caution] = []
     picture = None
     try:
         picture = before_after_picture(result, "Synthetic pulmonary artery of a child")
     except DeploymentError as error:
         # A machine without an OpenGL library can do everything else.
-        missing.append(str(error))
-    report = plan_report(result, picture=picture or missing[0])
+        missing.append(Caution("picture-missing", {"reason": str(error)}))
+    report = plan_report(result, picture=picture or missing[0].sentence())
     outputs.add(folder / "surface_stented.vtp", lambda path: result.write_surface(path))
     outputs.add(folder / "centerline_stented.vtp", lambda path: result.write_centerline(path))
     outputs.add(folder / "plan.json", lambda path: save_plan(result.plan, path, relative_to=folder))
@@ -135,7 +136,7 @@ def _writing(data: bytes | None) -> Callable[[Path], None]:
     return write
 
 
-def _tell(console: Console, folder: Path, stent: TreatedStent, missing: list[str]) -> None:
+def _tell(console: Console, folder: Path, stent: TreatedStent, missing: list[Caution]) -> None:
     before, after = stent.before, stent.after
     console.say(
         "A synthetic pulmonary artery of a child; its left branch is narrowed to "

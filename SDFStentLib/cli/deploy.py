@@ -5,9 +5,11 @@ from __future__ import annotations
 import argparse
 import os
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 
+from ..cautions import Caution
 from ..deformation import DeploymentSettings
 from ..files import check_line_output, check_surface_output
 from ..plan import (
@@ -104,7 +106,7 @@ class _Job:
         self.options, self.console, self.outputs = options, console, outputs
         self.plan = Plan()
         self.result: PlanResult | None = None
-        self.lost: tuple[str, ...] = ()
+        self.lost: tuple[Caution, ...] = ()
         self.write_start = 0.0
         self.steps: StepFiles | None = None
         self._picture: bytes | str = ""
@@ -150,20 +152,22 @@ class _Job:
         self.console.say(f"Wrote {written} in {perf_counter() - start:.1f} s.")
         return 0 if certificate is None or certificate.passed else NOT_CERTIFIED
 
-    def write_surface(self, path: Path) -> Sequence[str]:
+    def write_surface(self, path: Path) -> Sequence[Caution]:
         """The treated surface; comes first, so that the report can tell what was lost."""
         self.lost = self._result.write_surface(path, arrays=self.options.arrays)
         return self.lost
 
-    def write_centerline(self, path: Path) -> Sequence[str]:
+    def write_centerline(self, path: Path) -> Sequence[Caution]:
         """The moved centerline."""
         return self._result.write_centerline(path)
 
-    def write_report(self, path: Path) -> Sequence[str]:
+    def write_report(self, path: Path) -> Sequence[Caution]:
         """JSON or HTML; a page without its picture is better than none."""
         picture = None if path.suffix.lower() == ".json" else self.picture
         write_report(self._report(picture), path)
-        return [picture] if isinstance(picture, str) else []
+        if isinstance(picture, str):
+            return [Caution("picture-missing", {"reason": picture})]
+        return []
 
     def write_figure(self, path: Path) -> None:
         """The diameters along the stents."""
@@ -196,7 +200,8 @@ class _Job:
 
     def _report(self, picture: bytes | str | None = None) -> Report:
         seconds = perf_counter() - self.write_start
-        lost = tuple(sentence.split(": ", 1)[-1] for sentence in self.lost)
+        # The file has not got its final name yet.
+        lost = tuple(replace(caution, label="") for caution in self.lost)
         return plan_report(self._result, lost=lost, timings={"write": seconds}, picture=picture)
 
 

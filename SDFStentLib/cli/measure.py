@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from ..cautions import Caution
 from ..certificate import check_surface
 from ..files import SurfaceFile, check_same_space, read_surface
 from ..geometry import length
@@ -62,14 +63,14 @@ def measure_command(options: argparse.Namespace, console: Console) -> int:
         _Line(title, points, diameter_profile(surface.surface, points, spacing))
         for title, points in ways
     ]
-    warnings += [f"{line.title}: {gap}" for line in lines for gap in line.profile.gaps]
+    warnings += [gap.labeled(f"{line.title}: ") for line in lines for gap in line.profile.gaps]
     table = lesions_csv(lesions or (), surface.units)
     outputs.write()
     if options.json:
         document = _document(inputs, lesions, lines, warnings)
         print(json.dumps(document, indent=2, allow_nan=False))
         return 0
-    console.warn(warnings)
+    console.warn(warnings, thing="part")
     if lesions is not None and inputs.centerline is not None:
         root = inputs.centerline.points[inputs.centerline.roots[0]]
         filed = _point(root / millimeters_per(surface.units))
@@ -89,7 +90,7 @@ def check_command(options: argparse.Namespace, _console: Console) -> int:
         "passed": check.passed,
         "sentence": check.sentence(),
         **check.as_dict(),
-        "warnings": list(surface.warnings),
+        "warnings": [caution.sentence() for caution in surface.warnings],
     }
     if options.json:
         print(json.dumps(document, indent=2, allow_nan=False))
@@ -100,7 +101,7 @@ def check_command(options: argparse.Namespace, _console: Console) -> int:
 
 def _ways(
     options: argparse.Namespace, way: str | None, inputs: InputFiles
-) -> tuple[list[tuple[str, Points]], list[str]]:
+) -> tuple[list[tuple[str, Points]], list[Caution]]:
     """The lines to be measured with their titles, and warnings."""
     warnings = list(inputs.warnings)
     tree = inputs.centerline
@@ -126,11 +127,7 @@ def _ways(
             centerline_name=options.axis,
         )
     # Of what is said about a stent, the junctions and the length hold for a part to measure.
-    told = [
-        sentence.replace("The stent", "The part").replace("the stent", "the part")
-        for sentence in axis.warnings
-        if "bend" not in sentence
-    ]
+    told = [caution for caution in axis.warnings if caution.kind != "tight-bend"]
     return [("Part", axis.points)], [*warnings, *place.warnings, *told]
 
 
@@ -179,7 +176,7 @@ def _document(
     inputs: InputFiles,
     lesions: Sequence[Lesion] | None,
     lines: list[_Line],
-    warnings: list[str],
+    warnings: list[Caution],
 ) -> dict[str, Any]:
     units = inputs.surface.units
     return {
@@ -207,7 +204,7 @@ def _document(
             }
             for line in lines
         ],
-        "warnings": warnings,
+        "warnings": [caution.sentence("part") for caution in warnings],
     }
 
 

@@ -5,15 +5,17 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
+from ..cautions import Caution
 from ..files import StagingFolder, cannot_write, check_writable, commit, sweep
 from ..validation import InputError
 from .signals import uninterrupted, uninterrupted_from_now
 
-Writer = Callable[[Path], "Iterable[str] | None"]
-"""Writes to a path; may return sentences about what could not be kept."""
+Writer = Callable[[Path], "Iterable[Caution] | None"]
+"""Writes to a path; may return what could not be kept."""
 
 
 class _Job(NamedTuple):
@@ -84,15 +86,15 @@ class Outputs:
         """What is written, as the user named it."""
         return [job.path for job in self._jobs]
 
-    def write(self) -> list[str]:
-        """Write everything; returns the sentences of the writers.
+    def write(self) -> list[Caution]:
+        """Write everything; returns what the writers could not keep, under the final names.
 
         Raises
         ------
         InputError
             Something could not be written; then nothing was.
         """
-        sentences: list[str] = []
+        lost: list[Caution] = []
         with self._made_folder(), ExitStack() as stack:
             folders: dict[Path, StagingFolder] = {}
             names: dict[StagingFolder, list[str]] = {}
@@ -101,14 +103,14 @@ class Outputs:
                 if parent not in folders:
                     folders[parent] = stack.enter_context(_staging(parent))
                 names.setdefault(folders[parent], []).append(job.target.name)
-                sentences += _written(job, folders[parent].staged(job.target.name))
+                lost += _written(job, folders[parent].staged(job.target.name))
             with uninterrupted():
                 try:
                     commit(names)
                 except OSError as error:
                     raise cannot_write(next(iter(folders)), error) from error
                 uninterrupted_from_now()
-        return sentences
+        return lost
 
     def _add(self, job: _Job) -> None:
         if str(job.target) in self._inputs:
@@ -167,15 +169,16 @@ def _check_folder(path: str | os.PathLike[str], may_come: Path | None = None) ->
     return target
 
 
-def _written(job: _Job, staged: Path) -> list[str]:
-    """Write one output where it is staged; the sentences of its writer, naming its place."""
+def _written(job: _Job, staged: Path) -> list[Caution]:
+    """Write one output where it is staged; what it could not keep, under the final name."""
     try:
         found = job.write(staged) or ()
     except OSError as error:
         raise cannot_write(job.path, error) from error
     except InputError as error:
         raise InputError(str(error).replace(str(staged), job.path)) from error
-    return [sentence.replace(str(staged), job.path) for sentence in found]
+    label = f"{job.path}: "
+    return [replace(caution, label=label) if caution.label else caution for caution in found]
 
 
 @contextmanager

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..cautions import Caution
 from ..files import axis_of, in_frame_of, read_lines
 from ..plan import POINT_PLACEMENTS, InputFiles, scaled
 from ..stent import DEFAULT_FORESHORTENING, AlongAxis, BetweenPoints, InputFile, Placement
@@ -21,7 +22,7 @@ class Place(NamedTuple):
     """Where, and what was noticed on reading it."""
 
     placement: Placement
-    warnings: tuple[str, ...]
+    warnings: tuple[Caution, ...]
 
 
 def check_place(options: argparse.Namespace, *, needed: bool) -> str | None:

@@ -12,7 +12,7 @@ from decimal import Decimal
 from typing import TextIO
 
 from ..validation import DeploymentError, InputError
-from .console import Console, error_line, with_options
+from .console import Console, error_line, remedies_of
 from .options import parser
 from .signals import INTERRUPTED, SENTENCE, interruptions
 
@@ -78,8 +78,11 @@ def _failed(error: BaseException, options: argparse.Namespace) -> int:
     if isinstance(error, KeyboardInterrupt):
         error_line(SENTENCE)
         return INTERRUPTED
-    if isinstance(error, InputError | DeploymentError):
-        error_line(f"sdfstent {options.command}: {with_options(str(error), options)}")
+    if isinstance(error, InputError):
+        error_line(f"sdfstent {options.command}: {error.sentence(remedies_of(options))}")
+        return BAD_INPUT
+    if isinstance(error, DeploymentError):
+        error_line(f"sdfstent {options.command}: {error}")
         return BAD_INPUT
     hint = "" if options.debug else " Run it again with --debug to see where."
     words = " ".join(f"{type(error).__name__}: {error}".split())

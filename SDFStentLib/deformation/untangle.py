@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..cautions import Caution
 from ..certificate import degenerate_triangles, inverted_triangles, self_intersecting_triangles
 from ..geometry import Precision, VertexNeighbors, faces_at, vertex_neighbors
 from ..validation import Points, Triangles
@@ -36,13 +37,9 @@ class Relief(NamedTuple):
     depth: float
     """By how much, mm: about as far as facets now lie inside."""
 
-    def sentence(self) -> str:
+    def caution(self) -> Caution:
         """For the person who will use the surface."""
-        x, y, z = self.center
-        return (
-            f"Facets lie inside the prescribed lumen near ({x:.1f}, {y:.1f}, {z:.1f}) mm, by up to "
-            f"{self.depth:.2g} mm: pushed out they would fold; smaller triangles there may help."
-        )
+        return Caution("facets-inside", {"depth_mm": self.depth}, self.center)
 
 
 @dataclass(frozen=True)

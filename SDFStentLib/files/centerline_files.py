@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 
+from ..cautions import Caution
 from ..centerline import Centerline
 from ..geometry import without_repeats
 from ..units import MILLIMETERS, Frame, flipped, millimeters_per
@@ -42,8 +43,8 @@ class LineFile:
     path : Path
     sha256 : str
         Of the file's bytes, hexadecimal.
-    warnings : tuple of str
-        Sentences for the report.
+    warnings : tuple of Caution
+        What was changed in reading.
     is_flipped : bool
         Whether `points` were turned to the other frame by `in_frame_of`; the file that is
         written is in the frame of the one that was read.
@@ -58,7 +59,7 @@ class LineFile:
     frame: Frame | None
     path: Path
     sha256: str
-    warnings: tuple[str, ...] = ()
+    warnings: tuple[Caution, ...] = ()
     is_flipped: bool = False
     markups: bytes | None = field(default=None, repr=False)
     _polydata: vtkPolyData | None = field(default=None, repr=False, compare=False)
@@ -91,7 +92,7 @@ class LineFile:
         try:
             return Centerline.from_lines(self.points, self.lines, self.inscribed_radius, inlet=root)
         except InputError as error:
-            raise InputError(f"{self.path}: {error}") from error
+            raise error.labeled(f"{self.path}: ") from error
 
 
 def read_lines(path: str | os.PathLike[str], units: str = "mm") -> LineFile:
@@ -165,7 +166,9 @@ def axis_of(line_file: LineFile) -> Points:
     if len(lines) != 1:
         raise InputError(
             f"{line_file.path}: expected one line as axis, got {len(lines)}; save one line, or "
-            "give the file as centerline."
+            "give the file as centerline",
+            "centerline",
+            end=".",
         )
     return line_file.points[lines[0]]
 
@@ -183,10 +186,8 @@ def in_frame_of(line_file: LineFile, frame: Frame | None) -> LineFile:
     """
     if line_file.frame is None or frame is None or line_file.frame == frame:
         return line_file
-    turned = (
-        f"{line_file.path}: it is in {line_file.frame}, the surface in {frame}; its x and y "
-        "were negated."
-    )
+    frames: dict[str, float | str] = {"frame": line_file.frame, "wanted": frame}
+    turned = Caution("frame-turned", frames, label=f"{line_file.path}: ")
     return replace(
         line_file,
         points=read_only(flipped(line_file.points)),
@@ -198,11 +199,12 @@ def in_frame_of(line_file: LineFile, frame: Frame | None) -> LineFile:
 
 def _from_markups(content: FileContent, units: str) -> LineFile:
     markups = decode_markups(content)
-    warnings: tuple[str, ...] = ()
+    warnings: tuple[Caution, ...] = ()
     if markups.units not in MILLIMETERS:
         raise InputError(f"{content.path}: expected mm, cm or m, got {markups.units!r}.")
     if markups.units != "mm" and markups.units != units:
-        warnings = (f"{content.path}: it says that it is in {markups.units}, not {units}.",)
+        said = {"unit": markups.units, "wanted": units}
+        warnings = (Caution("unit-in-file", said, label=f"{content.path}: "),)
         units = markups.units
     ends = np.cumsum([len(curve) for curve in markups.curves])
     points = np.concatenate(markups.curves) * millimeters_per(units)

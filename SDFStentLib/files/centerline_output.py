@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 
+from ..cautions import Caution
 from ..units import flipped, millimeters_per
 from ..validation import InputError, Points, as_path, as_points, check_is_a
 from .atomic import check_writable, write_bytes
@@ -21,7 +22,7 @@ from .polydata import set_frame_of_polydata
 
 def write_centerline(
     path: str | os.PathLike[str], line_file: LineFile, points: ArrayLike
-) -> tuple[str, ...]:
+) -> tuple[Caution, ...]:
     """Write lines with their points moved, whole or not at all.
 
     Unit, frame, data types, cells and arrays are those of the file that was read. A markups
@@ -38,8 +39,8 @@ def write_centerline(
 
     Returns
     -------
-    tuple of str
-        Sentences about what this format cannot keep.
+    tuple of Caution
+        What this format cannot keep.
 
     Raises
     ------
@@ -55,7 +56,7 @@ def write_centerline(
     if target.name.lower().endswith(".json"):
         write_bytes(target, _markups_bytes(path, line_file, _in_file(line_file, moved)))
         is_kept = line_file.markups is not None
-        return () if is_kept else (f"{path}: arrays are not kept in .mrk.json; write .vtp.",)
+        return () if is_kept else (Caution("line-arrays-not-kept", label=f"{path}: "),)
     polydata = _polydata_with(line_file, moved)
     set_frame_of_polydata(polydata, line_file.file_frame)
     if target.suffix.lower() == ".vtk":

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from vtkmodules.vtkCommonCore import vtkIdList
 from vtkmodules.vtkCommonDataModel import vtkStaticCellLocator
 
+from ..cautions import Caution
 from ..geometry import Surface, as_surface, face_areas, signed_volume
 from ..units import flipped
 from ..validation import InputError, Points, as_points
@@ -40,7 +41,7 @@ def check_same_space(
     *,
     surface_name: str = "surface",
     centerline_name: str = "centerline",
-) -> tuple[str, ...]:
+) -> tuple[Caution, ...]:
     """Check that a centerline or an axis lies inside a surface, open or closed.
 
     A point is inside when most of nine rays from it cross the surface an odd number of times,
@@ -58,8 +59,8 @@ def check_same_space(
 
     Returns
     -------
-    tuple of str
-        A warning when a part of the centerline is outside, otherwise empty.
+    tuple of Caution
+        One when a part of the centerline is outside, otherwise empty.
 
     Raises
     ------
@@ -76,17 +77,15 @@ def check_same_space(
         # Ends on a cap or a rim fall on either side; they are not worth a sentence.
         if inside >= 0.95:
             return ()
-        return (
-            f"{centerline_name}: {100 * (1 - inside):.0f} % of its points lie outside of "
-            f"{surface_name}.",
-        )
-    best = _best_fit(test, centers)
+        numbers: dict[str, float | str] = {"outside_percent": 100 * (1 - inside)}
+        numbers["surface"] = surface_name
+        return (Caution("partly-outside", numbers, label=f"{centerline_name}: "),)
     found = f"{centerline_name}: expected it inside {surface_name}, got {100 * inside:.0f} % inside"
-    raise InputError(f"{found}; {_explanation(best)}")
+    raise _explained(_best_fit(test, centers)).labeled(f"{found}; ")
 
 
-def size_warnings(surface: Surface, name: str, units: str = "mm") -> tuple[str, ...]:
-    """A sentence when a surface has not the size of a vessel in millimetres.
+def size_warnings(surface: Surface, name: str, units: str = "mm") -> tuple[Caution, ...]:
+    """Whether a surface has not the size of a vessel in millimetres.
 
     The extent is the longest side of its box; the lumen of a closed surface is measured by
     four times volume over area, the diameter of a long tube.
@@ -104,13 +103,10 @@ def size_warnings(surface: Surface, name: str, units: str = "mm") -> tuple[str, 
         is_odd = is_odd or not _SMALLEST_LUMEN <= lumen <= _LARGEST_LUMEN
     if not is_odd:
         return ()
-    measured = f"it is {extent:.3g} mm long"
-    if lumen is not None:
-        measured += f" and about {lumen:.3g} mm wide"
-    return (
-        f"{name}: read in {units}, {measured}, unusual for a vessel; "
-        "name the unit of the file if it is another.",
-    )
+    numbers: dict[str, float | str] = {"unit": units, "extent_mm": extent}
+    if lumen is None:
+        return (Caution("unusual-extent", numbers, label=f"{name}: "),)
+    return (Caution("unusual-size", {**numbers, "lumen_mm": lumen}, label=f"{name}: "),)
 
 
 class InsideTest:
@@ -160,9 +156,9 @@ def _best_fit(test: InsideTest, centers: Points) -> _Fit | None:
     return best if best.inside_fraction >= _ENOUGH_INSIDE else None
 
 
-def _explanation(best: _Fit | None) -> str:
+def _explained(best: _Fit | None) -> InputError:
     if best is None:
-        return (
+        return InputError(
             "it lies elsewhere, and neither other units nor the other frame (RAS, LPS) explain "
             "that; check that the two belong together."
         )
@@ -174,5 +170,6 @@ def _explanation(best: _Fit | None) -> str:
         "one is in RAS and the other in LPS (it would fit with x and y negated): save both in "
         "one frame, or with the SPACE tag that Slicer writes"
     )
-    parts = ([units] if best.factor != 1.0 else []) + ([frame] if best.is_flipped else [])
-    return "; also, ".join(parts) + "."
+    if best.factor == 1.0:
+        return InputError(f"{frame}.")
+    return InputError(units, "one_unit", end=f"; also, {frame}." if best.is_flipped else ".")

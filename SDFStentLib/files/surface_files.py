@@ -14,6 +14,7 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 
+from ..cautions import Caution
 from ..geometry import Precision, Surface, dot, face_areas
 from ..units import Frame, millimeters_per
 from ..validation import InputError, Points, Triangles, as_points
@@ -50,8 +51,8 @@ class SurfaceFile:
         Of the file's bytes, hexadecimal.
     coordinate_type : numpy dtype
         Precision of the coordinates in the file, float32 or float64.
-    warnings : tuple of str
-        Sentences for the report: what was changed in reading, what looks wrong.
+    warnings : tuple of Caution
+        What was changed in reading, what looks wrong.
     """
 
     surface: Surface
@@ -60,7 +61,7 @@ class SurfaceFile:
     path: Path
     sha256: str
     coordinate_type: np.dtype[Any]
-    warnings: tuple[str, ...]
+    warnings: tuple[Caution, ...]
     _polydata: vtkPolyData = field(repr=False, compare=False)
 
     @property
@@ -118,7 +119,7 @@ def read_surface(path: str | os.PathLike[str], units: str = "mm") -> SurfaceFile
     warnings += changes
     if template.GetPoints().GetData().GetDataTypeAsString() not in ("float", "double"):
         template = _with_double_points(template)
-        warnings += (f"{name}: its coordinates are integers; they are written as doubles.",)
+        warnings += (Caution("integer-coordinates", label=f"{name}: "),)
     surface = surface_from_polydata(template, name, scale)
     _check_arrays(template, name)
     warnings += _degenerate(surface.points, surface.triangles, name)
@@ -135,7 +136,7 @@ def read_surface(path: str | os.PathLike[str], units: str = "mm") -> SurfaceFile
     )
 
 
-def _read_polydata(content: FileContent) -> tuple[vtkPolyData, Frame | None, tuple[str, ...]]:
+def _read_polydata(content: FileContent) -> tuple[vtkPolyData, Frame | None, tuple[Caution, ...]]:
     if content.suffix in (".vtp", ".vtk"):
         return *read_vtk_polydata(content), ()
     if content.suffix not in _PLAIN_DECODERS:
@@ -181,11 +182,12 @@ def _check_arrays(polydata: vtkPolyData, name: str) -> None:
                 )
 
 
-def _degenerate(points: Points, triangles: Triangles, name: str) -> tuple[str, ...]:
+def _degenerate(points: Points, triangles: Triangles, name: str) -> tuple[Caution, ...]:
     longest = np.zeros(len(triangles))
     for one, other in ((0, 1), (1, 2), (2, 0)):
         edge = points[triangles[:, one]] - points[triangles[:, other]]
         np.maximum(longest, dot(edge, edge), out=longest)
     # Corners on one line within the rounding of single precision (1e-7 of the longest edge).
     count = int((2 * face_areas(points, triangles) <= 1e-7 * longest).sum())
-    return (f"{name}: {count} triangles are degenerate (no area).",) if count else ()
+    found = Caution("degenerate-triangles", {"triangles": count}, label=f"{name}: ")
+    return (found,) if count else ()

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkDataSetAttributes, vtkPolyData
 
+from ..cautions import Caution
 from ..units import millimeters_per
 from ..validation import InputError, as_path, as_points, check_is_a
 from .atomic import check_writable, write_bytes
@@ -34,7 +35,7 @@ def write_surface(
     coordinates: ArrayLike,
     point_arrays: Mapping[str, ArrayLike] | None = None,
     cell_arrays: Mapping[str, ArrayLike] | None = None,
-) -> tuple[str, ...]:
+) -> tuple[Caution, ...]:
     """Write a surface with some of its points moved, whole or not at all.
 
     Unit, frame tag, data types, topology and every array are those of the file that was read;
@@ -56,8 +57,8 @@ def write_surface(
 
     Returns
     -------
-    tuple of str
-        Sentences about what this format cannot keep.
+    tuple of Caution
+        What this format cannot keep.
 
     Raises
     ------
@@ -72,10 +73,8 @@ def write_surface(
     write_bytes(target, encoded.data)
     if not encoded.lost:
         return ()
-    return (
-        f"{path}: {Path(path).suffix} cannot keep the arrays {', '.join(encoded.lost)}; "
-        "write .vtp to keep them.",
-    )
+    lost = {"format": Path(path).suffix, "arrays": ", ".join(encoded.lost)}
+    return (Caution("arrays-not-kept", lost, label=f"{path}: "),)
 
 
 def check_surface_output(path: str | os.PathLike[str]) -> Path:

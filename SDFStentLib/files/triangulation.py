@@ -9,16 +9,17 @@ from numpy.typing import NDArray
 from vtkmodules.vtkCommonCore import vtkIdList
 from vtkmodules.vtkCommonDataModel import vtkPolyData, vtkPolygon
 
+from ..cautions import Caution
 from ..geometry import dot
 from ..validation import InputError, Points, Triangles
 from .polydata import cell_array, cells_from_array, points_from_polydata, polygons_from_polydata
 
 
 class Triangulated(NamedTuple):
-    """Polydata of nothing but triangles, and sentences about what had to be changed."""
+    """Polydata of nothing but triangles, and what had to be changed."""
 
     polydata: vtkPolyData
-    warnings: tuple[str, ...]
+    warnings: tuple[Caution, ...]
 
 
 def triangulated_polydata(polydata: vtkPolyData, name: str = "surface") -> Triangulated:
@@ -52,12 +53,10 @@ def triangulated_polydata(polydata: vtkPolyData, name: str = "surface") -> Trian
     result = _cut_into_triangles(polydata, name)
     polygons = int((sizes != 3).sum()) + polydata.GetNumberOfStrips()
     if polygons:
-        warnings.append(
-            f"{name}: {polygons} polygons or strips were cut into triangles, "
-            f"{result.GetNumberOfCells()} triangles now."
-        )
+        counts = {"polygons": polygons, "triangles": result.GetNumberOfCells()}
+        warnings.append(Caution("polygons-cut", counts, label=f"{name}: "))
     if others:
-        warnings.append(f"{name}: {others} vertices and lines among the cells were dropped.")
+        warnings.append(Caution("cells-dropped", {"cells": others}, label=f"{name}: "))
     return Triangulated(result, tuple(warnings))
 
 

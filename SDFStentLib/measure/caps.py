@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..cautions import Caution
 from ..geometry import Surface, component_labels, dot, edges, face_normals, faces_at, may_meet_box
 from ..validation import Points, Triangles
 
@@ -40,14 +41,9 @@ class BulgedCap(NamedTuple):
     height: float
     """Largest motion out of the plane, mm."""
 
-    def sentence(self) -> str:
-        """What happened and what to do, for the user."""
-        x, y, z = self.center
-        return (
-            f"The flat cap near ({x:.1f}, {y:.1f}, {z:.1f}) mm is pushed up to {self.height:.2f} "
-            "mm out of its plane by the stent; end the stent farther from it, or extend the "
-            "vessel, when a boundary condition belongs there."
-        )
+    def caution(self) -> Caution:
+        """For the user."""
+        return Caution("cap-bulged", {"height_mm": self.height}, self.center)
 
 
 class FlatCap(NamedTuple):

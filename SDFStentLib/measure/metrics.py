@@ -8,13 +8,15 @@ what the flow feels. They agree in a round tube; elsewhere the inscribed one is 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..cautions import Caution
 from ..geometry import Surface, arc_lengths, as_surface, resampled, tangents
-from ..validation import Floats, InputError, Points, as_number, read_only
+from ..validation import Flags, Floats, InputError, Points, as_number, read_only
 from .closed_ends import past_closed_ends
 from .cross_section import equivalent_diameters, winding_numbers
 from .inscribed import inscribed_spheres
@@ -27,7 +29,7 @@ _WINDING_INSIDE = 0.3
 class DiameterProfile:
     """Diameters at stations along an axis, ordered as the axis (proximal to distal).
 
-    NaN where a diameter could not be measured; `gaps` says in words where and why.
+    NaN where a diameter could not be measured; `gaps` says where and why.
     """
 
     arc_length: Floats
@@ -72,26 +74,17 @@ class DiameterProfile:
         return float(self.arc_length[known[np.argmin(self.inscribed_diameter[known])]])
 
     @property
-    def gaps(self) -> tuple[str, ...]:
-        """A sentence for each kind of diameter that is missing somewhere."""
-        return tuple(
-            f"No {name} diameter at {np.isnan(values).sum()} of {len(values)} stations "
-            f"({_ranges(self.arc_length, np.isnan(values))} mm along the axis): {reason}."
-            for name, values, reason in (
-                (
-                    "inscribed",
-                    self.inscribed_diameter,
-                    "the axis is outside the lumen there, or at an end that is no flat cap across",
-                ),
-                (
-                    "equivalent",
-                    self.equivalent_diameter,
-                    "no closed cross-section of the surface lies round the axis there, or a cap "
-                    "cuts it off",
-                ),
-            )
-            if np.isnan(values).any()
+    def gaps(self) -> tuple[Caution, ...]:
+        """Each kind of diameter that is missing somewhere."""
+        return (
+            *self._gap("no-inscribed-diameter", np.isnan(self.inscribed_diameter)),
+            *self._gap("no-equivalent-diameter", np.isnan(self.equivalent_diameter)),
         )
+
+    def _gap(self, kind: str, is_missing: Flags) -> Iterator[Caution]:
+        if is_missing.any():
+            count = {"missing": int(is_missing.sum()), "stations": len(is_missing)}
+            yield Caution(kind, {**count, "ranges_mm": _ranges(self.arc_length, is_missing)})
 
     def over(self, start: float, end: float) -> DiameterProfile:
         """The stations from `start` to `end` (mm of arc length, both included).

@@ -19,18 +19,22 @@ def read_axis_file(
         A file that cannot be read, that has not one line, or that is not the one of the plan.
     """
     line_file = in_frame_of(read_lines(file.path, units), frame)
-    changed = changed_input(file, line_file.sha256)
-    if changed and not accept_changed:
-        raise InputError(changed)
+    if is_changed(file, line_file.sha256) and not accept_changed:
+        raise changed_input(file, line_file.sha256)
     return axis_of(line_file)
 
 
-def changed_input(file: InputFile, sha256: str) -> str:
-    """A sentence when a file is not the one that a plan was made with; empty when it is."""
-    if file.sha256 in (None, sha256):
-        return ""
-    return (
+def is_changed(file: InputFile, sha256: str) -> bool:
+    """Whether a file is not the one that a plan was made with; any will do where none is named."""
+    return file.sha256 not in (None, sha256)
+
+
+def changed_input(file: InputFile, sha256: str) -> InputError:
+    """What to raise for a file that is not the one that a plan was made with."""
+    return InputError(
         f"{file.path}: expected the file that the plan was made with (sha256 {file.sha256}), got "
-        f"another one (sha256 {sha256}); give the original, or accept the changed one "
-        "(accept_changed_inputs)."
+        f"another one (sha256 {sha256}); give the original, or accept the changed one ",
+        "accept_changed_inputs",
+        otherwise="(accept_changed_inputs)",
+        end=".",
     )

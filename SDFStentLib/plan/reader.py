@@ -58,7 +58,7 @@ def load_plan(path: str | os.PathLike[str], *, accept_changed_inputs: bool = Fal
     try:
         return plan_from_document(document, folder, read)
     except InputError as error:
-        raise InputError(f"{path}: {error}") from error
+        raise error.labeled(f"{path}: ") from error
 
 
 def plan_from_document(
@@ -245,4 +245,4 @@ def _named(where: str, make: Callable[[], Any]) -> Any:
     try:
         return make()
     except InputError as error:
-        raise InputError(f"{where}: {error}") from error
+        raise error.labeled(f"{where}: ") from error

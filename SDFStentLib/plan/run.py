@@ -10,6 +10,7 @@ from time import perf_counter
 
 import numpy as np
 
+from ..cautions import Caution
 from ..centerline import Centerline
 from ..files import (
     LineFile,
@@ -33,7 +34,7 @@ from ..treatment import (
 from ..units import Frame, flipped
 from ..validation import InputError, Points, check_is_a
 from ..version import VERSION
-from .axis import changed_input
+from .axis import changed_input, is_changed
 from .plan import Plan, turned
 
 
@@ -48,7 +49,7 @@ class InputFiles:
         The centerline as its file has it, in the frame of the surface.
     centerline : Centerline or None
         The tree made of it.
-    warnings : tuple of str
+    warnings : tuple of Caution
     seconds : float
         That reading took.
     """
@@ -56,7 +57,7 @@ class InputFiles:
     surface: SurfaceFile
     line_file: LineFile | None
     centerline: Centerline | None
-    warnings: tuple[str, ...]
+    warnings: tuple[Caution, ...]
     seconds: float
 
     @cached_property
@@ -76,7 +77,7 @@ class PlanResult:
     treatment: TreatmentResult
 
     @property
-    def warnings(self) -> tuple[str, ...]:
+    def warnings(self) -> tuple[Caution, ...]:
         """Of reading and of the treatment."""
         return (*self.inputs.warnings, *self.treatment.warnings)
 
@@ -90,12 +91,12 @@ class PlanResult:
 
     def write_surface(
         self, path: str | os.PathLike[str], *, arrays: bool = False
-    ) -> tuple[str, ...]:
+    ) -> tuple[Caution, ...]:
         """Write the surface in unit, precision and with the arrays of the one that was read.
 
         With `arrays` also `Displacement` (mm, new minus old), `AreaStretch` and
-        `PrincipalStretchMax`, `PrincipalStretchMin`. Returns sentences about what the format
-        cannot keep; `InputError` for a file that cannot be written.
+        `PrincipalStretchMax`, `PrincipalStretchMin`. Returns what the format cannot
+        keep; `InputError` for a file that cannot be written.
         """
         surface, result = self.inputs.surface, self.treatment
         point_arrays, cell_arrays = {}, {}
@@ -111,7 +112,7 @@ class PlanResult:
             path, surface, result.indices, result.coordinates, point_arrays, cell_arrays
         )
 
-    def write_centerline(self, path: str | os.PathLike[str]) -> tuple[str, ...]:
+    def write_centerline(self, path: str | os.PathLike[str]) -> tuple[Caution, ...]:
         """Write the moved centerline in the form of its file; `InputError` without one."""
         if self.inputs.line_file is None:
             raise InputError(
@@ -199,17 +200,15 @@ def read_plan_inputs(plan: Plan, *, accept_changed_inputs: bool = False) -> Inpu
     pairs = [(plan.surface, inputs.surface.sha256)]
     if center is not None and inputs.line_file is not None:
         pairs.append((center, inputs.line_file.sha256))
-    changed = [sentence for pair in pairs if (sentence := changed_input(*pair))]
-    if changed and not accept_changed_inputs:
-        raise InputError(changed[0])
     warnings = list(inputs.warnings)
-    warnings += [f"{file.path}: it is not the file the plan was made with; accepted as asked."
-                 for file, sha256 in pairs if changed_input(file, sha256)]  # fmt: skip
+    for file, sha256 in pairs:
+        if is_changed(file, sha256):
+            if not accept_changed_inputs:
+                raise changed_input(file, sha256)
+            warnings.append(Caution("changed-input", label=f"{file.path}: "))
     if plan.sdfstent_version != VERSION:
-        warnings.append(
-            f"The plan was made by sdfstent {plan.sdfstent_version}, this is {VERSION}: "
-            "the result may differ."
-        )
+        versions = {"version": plan.sdfstent_version, "current": VERSION}
+        warnings.append(Caution("other-version", versions))
     return replace(inputs, warnings=tuple(warnings))
 
 
@@ -246,7 +245,7 @@ def input_file(read: SurfaceFile | LineFile) -> InputFile:
     return InputFile(os.fspath(read.path), read.sha256)
 
 
-def _same_space(surface: SurfaceFile, points: np.ndarray, name: str) -> tuple[str, ...]:
+def _same_space(surface: SurfaceFile, points: np.ndarray, name: str) -> tuple[Caution, ...]:
     return check_same_space(
         surface.surface,
         points,

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from datetime import datetime, timezone
 from typing import Any
 
+from ..cautions import Caution
 from ..plan import PlanResult
 from ..treatment import TreatedLesion, TreatedStent
 from ..version import VERSION
@@ -17,7 +18,7 @@ from .report import Report, StentResult
 def plan_report(
     result: PlanResult,
     *,
-    lost: tuple[str, ...] = (),
+    lost: tuple[Caution, ...] = (),
     timings: Mapping[str, float] | None = None,
     picture: bytes | str | None = None,
 ) -> Report:
@@ -26,8 +27,8 @@ def plan_report(
     Parameters
     ----------
     result : PlanResult
-    lost : tuple of str
-        Sentences of the writers about arrays that an output format cannot keep.
+    lost : tuple of Caution
+        What the writers say of arrays that an output format cannot keep.
     timings : mapping, optional
         More seconds by name, such as that for writing.
     picture : bytes or str, optional
@@ -44,7 +45,7 @@ def plan_report(
         lesions=None
         if result.lesions is None
         else tuple(treated_lesion_section(one, units) for one in result.lesions),
-        warnings=(*result.warnings, *lost),
+        warnings=tuple(caution.sentence() for caution in (*result.warnings, *lost)),
         timings={"read": result.inputs.seconds, **result.treatment.timings, **(timings or {})},
         created=datetime.now(timezone.utc).isoformat(timespec="seconds"),
         version=VERSION,

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
+from ..cautions import Caution
 from ..centerline import Centerline
 from ..validation import Floats
 from .placement import AlongAxis, AtCenter, AtDistalEnd, BetweenPoints, Placement
@@ -27,17 +30,17 @@ def placement_points(placement: Placement) -> list[tuple[str, Floats]]:
     return [(name, placement.point)]
 
 
-def beside_sentences(placement: Placement, centerline: Centerline) -> list[str]:
-    """A sentence for every point that is noticeably away from where the stent is put."""
-    sentences = []
+def beside(placement: Placement, centerline: Centerline) -> Iterator[Caution]:
+    """Every point that is noticeably away from where the stent is put."""
     for name, point in placement_points(placement):
         place = centerline.project(point)
         radius = place.inscribed_radius
         if place.distance <= (FAR * radius if np.isfinite(radius) else FAR_UNKNOWN):
             continue
-        x, y, z = place.point
-        sentences.append(
-            f"The {name} lies {place.distance:.1f} mm beside the centerline; the place on it that "
-            f"is nearest, ({x:.4g}, {y:.4g}, {z:.4g}) mm, was taken."
-        )
-    return sentences
+        x, y, z = place.point.tolist()
+        if isinstance(placement, BetweenPoints):
+            # The two ends are those of the part where one is measured.
+            kind, which = "end-beside", {"end": name.removeprefix("stent ")}
+        else:
+            kind, which = "point-beside", {"point": name}
+        yield Caution(kind, {**which, "distance_mm": place.distance}, (x, y, z))

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import KW_ONLY, dataclass, field
+from collections.abc import Iterator
+from dataclasses import KW_ONLY, dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..cautions import Caution
 from ..centerline import Centerline, CenterlinePath, JunctionChoice, Location
 from ..geometry import arc_lengths, cut, length, minimum_bend_radius
 from ..validation import Floats, InputError, Points, as_number, as_points, check_is_a, read_only
-from .beside import beside_sentences
+from .beside import beside
 from .placement import (
     PLACEMENT_NAMES,
     AlongAxis,
@@ -131,15 +133,14 @@ class StentAxis:
         Of the vessel along the axis, mm; NaN where unknown.
     nominal_length, prescribed_length : float
         Before and after foreshortening, mm.
-    warnings : tuple of str
-        Sentences for the user.
+    warnings : tuple of Caution
     """
 
     points: Points
     inscribed_radius: Floats
     nominal_length: float
     prescribed_length: float
-    warnings: tuple[str, ...] = field(default=())
+    warnings: tuple[Caution, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "points", read_only(self.points))
@@ -200,15 +201,14 @@ def stent_axis(
         found = _middle(found, prescribed)
     _require_length(found)
     axis = StentAxis(found.points, found.inscribed_radius, nominal, prescribed)
-    warnings = [_shortened(axis), *(_choice(choice) for choice in found.choices)]
+    warnings = [*_shortened(axis), *(_choice(choice) for choice in found.choices)]
     if centerline is not None:
-        warnings += beside_sentences(stent.placement, centerline)
+        warnings += beside(stent.placement, centerline)
     if straightening_fraction:
         points = straightened(axis.points, straightening_fraction)
         axis = StentAxis(points, found.inscribed_radius, nominal, prescribed)
-    warnings.append(_bend(axis, stent.radius))
-    sentences = tuple(sentence for sentence in warnings if sentence)
-    return StentAxis(axis.points, axis.inscribed_radius, nominal, prescribed, sentences)
+    warnings += _bend(axis, stent.radius)
+    return StentAxis(axis.points, axis.inscribed_radius, nominal, prescribed, tuple(warnings))
 
 
 def straightened(points: ArrayLike, fraction: float) -> Points:
@@ -305,28 +305,18 @@ def _require_length(path: CenterlinePath) -> None:
         )
 
 
-def _shortened(axis: StentAxis) -> str:
-    if axis.deployed_length >= axis.prescribed_length - LENGTH_TOLERANCE:
-        return ""
-    return (
-        f"The stent is shortened: {axis.prescribed_length:.1f} mm were prescribed, "
-        f"{axis.deployed_length:.1f} mm of centerline are available there."
-    )
+def _shortened(axis: StentAxis) -> Iterator[Caution]:
+    if axis.deployed_length < axis.prescribed_length - LENGTH_TOLERANCE:
+        lengths = {"prescribed_mm": axis.prescribed_length, "available_mm": axis.deployed_length}
+        yield Caution("shortened", lengths)
 
 
-def _choice(choice: JunctionChoice) -> str:
-    x, y, z = choice.point
-    return (
-        f"At the junction near ({x:.4g}, {y:.4g}, {z:.4g}) the stent follows the {choice.rule} "
-        "branch; place it between two points to choose another one."
-    )
+def _choice(choice: JunctionChoice) -> Caution:
+    x, y, z = choice.point.tolist()
+    return Caution("branch-chosen", {"rule": choice.rule}, (x, y, z))
 
 
-def _bend(axis: StentAxis, stent_radius: float) -> str:
+def _bend(axis: StentAxis, stent_radius: float) -> Iterator[Caution]:
     tightest = axis.minimum_bend_radius(stent_radius)
-    if tightest >= stent_radius:
-        return ""
-    return (
-        f"The axis has a bend tighter than the stent's radius: {tightest:.1f} mm against "
-        f"{stent_radius:.1f} mm; the inner side folds, choose another place or straighten the axis."
-    )
+    if tightest < stent_radius:
+        yield Caution("tight-bend", {"bend_radius_mm": tightest, "stent_radius_mm": stent_radius})

@@ -7,9 +7,12 @@ lumen would become narrower. So the axis goes towards its chord only as long as 
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
+from ..cautions import Caution
 from ..centerline import Centerline
 from ..geometry import Surface, resampled
 from ..measure import LocalSurface
@@ -52,18 +55,9 @@ def axis_in_vessel(
     if used > straightening_fraction - NOTICEABLE:
         return axis
     x, y, z = place.tolist()
-    sentence = (
-        f"The axis is straightened by {used:.2f} of the way to its chord instead of "
-        f"{straightening_fraction:g}: farther on it comes too near to the wall at "
-        f"({x:.1f}, {y:.1f}, {z:.1f}) mm; a shorter stent can be straightened more."
-    )
-    return StentAxis(
-        axis.points,
-        axis.inscribed_radius,
-        axis.nominal_length,
-        axis.prescribed_length,
-        (*axis.warnings, sentence),
-    )
+    fractions = {"fraction": used, "prescribed_fraction": straightening_fraction}
+    limited = Caution("straightened-less", fractions, (x, y, z))
+    return replace(axis, warnings=(*axis.warnings, limited))
 
 
 def permitted(

@@ -15,6 +15,7 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..cautions import Caution
 from ..centerline import Centerline
 from ..certificate import Certificate, certify
 from ..deformation import Deployment, DeploymentResult, DeploymentSettings, DeploymentState
@@ -156,7 +157,7 @@ class Treatment:
             check_width(stent.diameter, axis, self.surface.points)
             return axis
         except InputError as error:
-            raise InputError(f"{self.label(number)}{error}") from error
+            raise error.labeled(self.label(number)) from error
 
     def _states_of(self, deployment: Deployment, number: int) -> Iterator[DeploymentState]:
         try:
@@ -195,7 +196,7 @@ class Treatment:
         try:
             branches = stage.branches()
         except InputError as error:
-            stage.warnings = (*stage.warnings, f"Side branches were not looked for: {error}")
+            stage.warnings += (Caution("branches-unknown", {"reason": str(error)}),)
             branches = ()
         return TreatedStent(
             number=stage.number,
@@ -207,12 +208,12 @@ class Treatment:
             result=stage.result,
         )
 
-    def _narrowed(self, stage: _Stage, treated: TreatedStent) -> str:
-        """A sentence when later stents pushed tissue into this one; measured only if it may be."""
+    def _narrowed(self, stage: _Stage, treated: TreatedStent) -> Iterator[Caution]:
+        """Whether later stents pushed tissue into this one; measured only if it may be."""
         if stage is self._stages[-1] or treated.after.minimum > 0.97 * stage.stent.diameter:
-            return ""
+            return
         own = diameter_profile(stage.result.surface, stage.axis.points, PROFILE_SPACING)
-        return narrowed(own, treated.after)
+        yield from narrowed(own, treated.after)
 
     def _certificate(self, after: Surface, moved: NDArray[np.int64]) -> Certificate:
         """For one stent its own, for several from the input to the end of the last one."""
@@ -232,23 +233,30 @@ class Treatment:
 
     def _warnings(
         self, treated: Sequence[TreatedStent], after: Surface, moved: NDArray[np.int64]
-    ) -> Iterator[str]:
+    ) -> Iterator[Caution]:
         for number, stent in enumerate(self.stents, start=1):
             if not stent.enabled:
-                yield f"{self.label(number)}it is switched off and was not deployed."
+                yield Caution("switched-off", stent=number, label=self.label(number))
         for stage, done in zip(self._stages, treated, strict=True):
-            own = [*stage.axis.warnings, *stage.warnings, nothing_moved(done)]
-            own += [overdilated(done), self._narrowed(stage, done)]
-            relief = stage.result.relief
-            own.append("" if relief is None else relief.sentence())
-            own += [f"Before treatment: {gap}" for gap in done.before.gaps]
-            own += [f"After treatment: {gap}" for gap in done.after.gaps]
-            yield from (self.label(done.number) + sentence for sentence in own if sentence)
+            label = self.label(done.number)
+            for caution in self._warnings_of(stage, done):
+                yield replace(caution, stent=done.number).labeled(label)
         for index, second in enumerate(treated):
             for first in treated[:index]:
                 yield from overlap(first, second)
         for cap in bulged_caps(self.surface, after, moved):
-            yield cap.sentence()
+            yield cap.caution()
+
+    def _warnings_of(self, stage: _Stage, done: TreatedStent) -> Iterator[Caution]:
+        """About one stent, which is named later."""
+        yield from (*stage.axis.warnings, *stage.warnings)
+        yield from nothing_moved(done)
+        yield from overdilated(done)
+        yield from self._narrowed(stage, done)
+        if stage.result.relief is not None:
+            yield stage.result.relief.caution()
+        yield from (gap.labeled("Before treatment: ") for gap in done.before.gaps)
+        yield from (gap.labeled("After treatment: ") for gap in done.after.gaps)
 
 
 @dataclass
@@ -261,7 +269,7 @@ class _Stage:
     centerline: Centerline | None
     deployment: Deployment
     result: DeploymentResult
-    warnings: tuple[str, ...] = ()
+    warnings: tuple[Caution, ...] = ()
     seconds: tuple[float, float] = (0.0, 0.0)
 
     def branches(self) -> tuple[BranchOstium, ...]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..cautions import Caution
 from ..centerline import Centerline
 from ..certificate import Certificate
 from ..deformation import DeploymentResult, DeploymentState
@@ -96,8 +97,8 @@ class TreatmentResult:
         Those that were switched on, in order.
     certificate : Certificate or None
         From the input to the end of the whole plan; None when the settings ask for none.
-    warnings : tuple of str
-        Sentences for the user.
+    warnings : tuple of Caution
+        What the user has to know; `str` of one is its sentence.
     timings : dict
         Seconds for setup, deploy, measure and certify.
     """
@@ -108,7 +109,7 @@ class TreatmentResult:
     companions: Points
     stents: tuple[TreatedStent, ...]
     certificate: Certificate | None
-    warnings: tuple[str, ...]
+    warnings: tuple[Caution, ...]
     timings: dict[str, float]
 
     @property

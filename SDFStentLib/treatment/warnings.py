@@ -1,4 +1,4 @@
-"""Sentences about stents in a vessel: too wide for it, without effect, or in each other."""
+"""Stents in a vessel that are too wide for it, without effect, or in each other."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..cautions import Caution
 from ..geometry import closest_points, length, resampled
 from ..measure import DiameterProfile
 from ..stent import StentAxis
@@ -52,7 +53,9 @@ def check_width(diameter: float, axis: StentAxis, points: Points) -> None:
     if diameter > WIDEST * lumen:
         raise InputError(
             f"stent diameter: expected at most {WIDEST:g} times the lumen of {lumen:.3g} mm where "
-            f"it lies, got {diameter:g} mm; check the diameter, and the unit of the files."
+            f"it lies, got {diameter:g} mm; check the diameter, and the unit of the files",
+            "units",
+            end=".",
         )
 
 
@@ -84,47 +87,36 @@ def overlap_length(
     return float(pieces[beside & near].sum())
 
 
-def nothing_moved(treated: TreatedStent) -> str:
-    """A sentence when a stent moved nothing; empty otherwise."""
+def nothing_moved(treated: TreatedStent) -> Iterator[Caution]:
+    """Whether a stent moved nothing, and why."""
     if treated.moved_points:
-        return ""
+        return
     lumen, diameter = treated.before, treated.stent.diameter
-    if not lumen.maximum > 0:
-        return (
-            f"Nothing moves: the stent of {diameter:g} mm touches no wall, and its axis lies "
-            "outside the lumen; check that surface and axis are in the same unit and frame."
-        )
-    return (
-        f"Nothing moves: the stent of {diameter:g} mm is not wider than the lumen where it lies "
-        f"({lumen.minimum:.1f} to {lumen.maximum:.1f} mm)."
-    )
+    if lumen.maximum > 0:
+        widths = {"minimum_mm": lumen.minimum, "maximum_mm": lumen.maximum}
+        yield Caution("without-effect", {"stent_diameter_mm": diameter, **widths})
+    else:
+        yield Caution("outside-without-effect", {"stent_diameter_mm": diameter})
 
 
-def overdilated(treated: TreatedStent) -> str:
-    """A sentence when a stent is more than `WIDE` times as wide as the vessel ever was there."""
+def overdilated(treated: TreatedStent) -> Iterator[Caution]:
+    """Whether a stent is more than `WIDE` times as wide as the vessel ever was there."""
     diameter, lumen = treated.stent.diameter, treated.before.maximum
     # Also false where no diameter could be measured, or the axis lies outside the lumen.
-    if not 0 < WIDE * lumen < diameter:
-        return ""
-    return (
-        f"The stent of {diameter:g} mm is {diameter / lumen:.2g} times as wide as the widest "
-        f"native lumen within its length ({lumen:.1f} mm), far more than usual; check the "
-        "diameter."
-    )
+    if 0 < WIDE * lumen < diameter:
+        widths = {"stent_diameter_mm": diameter, "lumen_mm": lumen}
+        yield Caution("overdilated", {**widths, "times": diameter / lumen})
 
 
-def narrowed(own: DiameterProfile, final: DiameterProfile) -> str:
-    """A sentence when a lumen is narrower after later stents than the stent itself left it."""
-    if not final.minimum < 0.97 * own.minimum:
-        return ""
-    return (
-        f"Later stents push tissue into it: its lumen is {final.minimum:.1f} mm at the narrowest, "
-        f"{own.minimum:.1f} mm before them; deploy it after them, or once more."
-    )
+def narrowed(own: DiameterProfile, final: DiameterProfile) -> Iterator[Caution]:
+    """Whether a lumen is narrower after later stents than the stent itself left it."""
+    if final.minimum < 0.97 * own.minimum:
+        widths = {"minimum_mm": final.minimum, "earlier_minimum_mm": own.minimum}
+        yield Caution("narrowed", widths)
 
 
-def overlap(first: TreatedStent, second: TreatedStent) -> Iterator[str]:
-    """A sentence when two stents overlap."""
+def overlap(first: TreatedStent, second: TreatedStent) -> Iterator[Caution]:
+    """Whether two stents overlap."""
     common = overlap_length(
         first.axis.points,
         first.stent.radius,
@@ -132,7 +124,5 @@ def overlap(first: TreatedStent, second: TreatedStent) -> Iterator[str]:
         second.stent.radius,
     )
     if common > 0:
-        yield (
-            f"Stents {first.number} and {second.number} overlap over {common:.1f} mm of the "
-            "second one's length; there the wider one determines the lumen."
-        )
+        numbers = {"first": first.number, "second": second.number, "length_mm": common}
+        yield Caution("overlap", numbers)

@@ -8,8 +8,9 @@ from itertools import chain
 import numpy as np
 from numpy.typing import NDArray
 
+from ...cautions import Caution
 from ...validation import InputError, Triangles
-from .plain_mesh import PlainMesh, offsets_of
+from .plain_mesh import PlainMesh, not_kept, offsets_of
 from .text_numbers import numbers_in
 
 _LOST = {b"vt": "texture coordinates", b"vn": "normals", b"usemtl": "materials", b"g": "groups"}
@@ -90,8 +91,8 @@ def _from_one_or_from_the_end(
     return np.where(corners < 0, corners + np.repeat(seen, sizes), corners - 1)
 
 
-def _lost(lines: list[bytes], name: str) -> tuple[str, ...]:
+def _lost(lines: list[bytes], name: str) -> tuple[Caution, ...]:
     starts = {line[:7] for line in lines if line[:2] not in (b"v ", b"f ")}
     keys = {start.split()[0] for start in starts if start.strip()}
     lost = [words for key, words in _LOST.items() if key in keys]
-    return (f"{name}: {', '.join(lost)} of the OBJ file are not kept.",) if lost else ()
+    return (not_kept(lost, "OBJ", name),) if lost else ()

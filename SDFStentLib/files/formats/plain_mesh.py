@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from ...cautions import Caution
 
 
 @dataclass(frozen=True)
@@ -25,7 +28,7 @@ class PlainMesh:
         What else the file says of points and polygons.
     text : str
         Header or comments.
-    warnings : tuple of str
+    warnings : tuple of Caution
         What the file has that is not kept.
     """
 
@@ -35,7 +38,13 @@ class PlainMesh:
     point_arrays: dict[str, NDArray[Any]] = field(default_factory=dict)
     cell_arrays: dict[str, NDArray[Any]] = field(default_factory=dict)
     text: str = ""
-    warnings: tuple[str, ...] = ()
+    warnings: tuple[Caution, ...] = ()
+
+
+def not_kept(contents: Iterable[str], file_format: str, name: str) -> Caution:
+    """What to say of contents of a file that are left behind."""
+    numbers = {"contents": ", ".join(contents), "format": file_format}
+    return Caution("contents-not-kept", numbers, label=f"{name}: ")
 
 
 def offsets_of(sizes: ArrayLike) -> NDArray[np.int64]:

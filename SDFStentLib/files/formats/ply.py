@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...validation import InputError, Triangles
 from ..content import kind_in_words
-from .plain_mesh import PlainMesh, offsets_of
+from .plain_mesh import PlainMesh, not_kept, offsets_of
 from .text_numbers import numbers_in
 
 _TYPES = {
@@ -81,7 +81,7 @@ def decode_ply(data: bytes, name: str) -> PlainMesh:
     offsets, corners = corners or (np.zeros(1, np.int64), np.zeros(0, np.int64))
     lost = [key for key, values in face.items() if isinstance(values, tuple)]
     lost += [key for key in columns if key not in ("vertex", "face")]
-    warnings = (f"{name}: {', '.join(lost)} of the PLY file are not kept.",) if lost else ()
+    warnings = (not_kept(lost, "PLY", name),) if lost else ()
     if set(_NORMAL) <= set(vertex):
         vertex["Normals"] = np.stack([vertex.pop(axis) for axis in _NORMAL], axis=1)
     cells = {key: values for key, values in face.items() if not isinstance(values, tuple)}

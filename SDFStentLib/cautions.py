@@ -1,0 +1,161 @@
+"""What a user has to know before relying on a result: a kind, numbers, and where.
+
+Code asks for the kind and the numbers. The sentence is made at the end, for the shell, the panel
+and the report alike, from the one template of its kind.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+_BESIDE = (
+    "lies {distance_mm:.1f} mm beside the centerline; the place on it that is nearest, "
+    "({x:.4g}, {y:.4g}, {z:.4g}) mm, was taken."
+)
+
+TEMPLATES = {
+    # Files
+    "polygons-cut": (
+        "{polygons} polygons or strips were cut into triangles, {triangles} triangles now."
+    ),
+    "cells-dropped": "{cells} vertices and lines among the cells were dropped.",
+    "integer-coordinates": "its coordinates are integers; they are written as doubles.",
+    "degenerate-triangles": "{triangles} triangles are degenerate (no area).",
+    "contents-not-kept": "{contents} of the {format} file are not kept.",
+    "unusual-extent": (
+        "read in {unit}, it is {extent_mm:.3g} mm long, unusual for a vessel; name the unit of the "
+        "file{units} if it is another."
+    ),
+    "unusual-size": (
+        "read in {unit}, it is {extent_mm:.3g} mm long and about {lumen_mm:.3g} mm wide, unusual "
+        "for a vessel; name the unit of the file{units} if it is another."
+    ),
+    "unit-in-file": "it says that it is in {unit}, not {wanted}.",
+    "frame-turned": "it is in {frame}, the surface in {wanted}; its x and y were negated.",
+    "partly-outside": "{outside_percent:.0f} % of its points lie outside of {surface}.",
+    "arrays-not-kept": "{format} cannot keep the arrays {arrays}; write .vtp to keep them.",
+    "line-arrays-not-kept": "arrays are not kept in .mrk.json; write .vtp.",
+    # Plans
+    "changed-input": "it is not the file the plan was made with; accepted as asked.",
+    "other-version": (
+        "The plan was made by sdfstent {version}, this is {current}: the result may differ."
+    ),
+    # The axis of a stent, or of a part that is measured
+    "shortened": (
+        "The {thing} is shortened: {prescribed_mm:.1f} mm were prescribed, {available_mm:.1f} mm "
+        "of centerline are available there."
+    ),
+    "branch-chosen": (
+        "At the junction near ({x:.4g}, {y:.4g}, {z:.4g}) the {thing} follows the {rule} branch; "
+        "place it between two points{to} to choose another one."
+    ),
+    "point-beside": "The {point} " + _BESIDE,
+    "end-beside": "The {thing} {end} " + _BESIDE,
+    "tight-bend": (
+        "The axis has a bend tighter than the stent's radius: {bend_radius_mm:.1f} mm against "
+        "{stent_radius_mm:.1f} mm; the inner side folds, choose another place or straighten the "
+        "axis{straighten}."
+    ),
+    "straightened-less": (
+        "The axis is straightened by {fraction:.2f} of the way to its chord instead of "
+        "{prescribed_fraction:g}: farther on it comes too near to the wall at "
+        "({x:.1f}, {y:.1f}, {z:.1f}) mm; a shorter stent can be straightened more."
+    ),
+    # A stent in the vessel
+    "switched-off": "it is switched off and was not deployed.",
+    "branches-unknown": "Side branches were not looked for: {reason}",
+    "outside-without-effect": (
+        "Nothing moves: the stent of {stent_diameter_mm:g} mm touches no wall, and its axis lies "
+        "outside the lumen; check that surface and axis are in the same unit and frame."
+    ),
+    "without-effect": (
+        "Nothing moves: the stent of {stent_diameter_mm:g} mm is not wider than the lumen where it "
+        "lies ({minimum_mm:.1f} to {maximum_mm:.1f} mm)."
+    ),
+    "overdilated": (
+        "The stent of {stent_diameter_mm:g} mm is {times:.2g} times as wide as the widest native "
+        "lumen within its length ({lumen_mm:.1f} mm), far more than usual; check the diameter."
+    ),
+    "narrowed": (
+        "Later stents push tissue into it: its lumen is {minimum_mm:.1f} mm at the narrowest, "
+        "{earlier_minimum_mm:.1f} mm before them; deploy it after them, or once more."
+    ),
+    "facets-inside": (
+        "Facets lie inside the prescribed lumen near ({x:.1f}, {y:.1f}, {z:.1f}) mm, by up to "
+        "{depth_mm:.2g} mm: pushed out they would fold; smaller triangles there may help."
+    ),
+    "overlap": (
+        "Stents {first} and {second} overlap over {length_mm:.1f} mm of the second one's length; "
+        "there the wider one determines the lumen."
+    ),
+    "cap-bulged": (
+        "The flat cap near ({x:.1f}, {y:.1f}, {z:.1f}) mm is pushed up to {height_mm:.2f} mm out "
+        "of its plane by the stent; end the stent farther from it, or extend the vessel, when a "
+        "boundary condition belongs there."
+    ),
+    # Measuring
+    "no-inscribed-diameter": (
+        "No inscribed diameter at {missing} of {stations} stations ({ranges_mm} mm along the "
+        "axis): the axis is outside the lumen there, or at an end that is no flat cap across."
+    ),
+    "no-equivalent-diameter": (
+        "No equivalent diameter at {missing} of {stations} stations ({ranges_mm} mm along the "
+        "axis): no closed cross-section of the surface lies round the axis there, or a cap cuts "
+        "it off."
+    ),
+    # The picture
+    "picture-missing": "{reason}",
+}
+"""The sentence of each kind: its numbers by name, `x`, `y`, `z` of its place, `thing` for what was
+placed, and the remedies, which are empty where who reads has none."""
+
+NO_REMEDIES = {"to": "", "straighten": "", "units": ""}
+
+
+@dataclass(frozen=True)
+class Caution:
+    """Something to know before one relies on the numbers.
+
+    Attributes
+    ----------
+    kind : str
+        One of `TEMPLATES`, never renamed.
+    numbers : mapping
+        By name, the unit at its end (`..._mm`).
+    place : (x, y, z), optional
+        Where, mm.
+    stent : int, optional
+        Number of the stent in the plan, from 1.
+    label : str
+        What it is about, in front of the sentence: a file, a stent, before or after.
+    """
+
+    kind: str
+    numbers: Mapping[str, float | str] = field(default_factory=dict)
+    place: tuple[float, float, float] | None = None
+    stent: int | None = None
+    label: str = ""
+
+    def __post_init__(self) -> None:
+        self.sentence()  # a kind without template, or a number without name, is found at once
+
+    def labeled(self, label: str) -> Caution:
+        """The same with a label in front of its own."""
+        return replace(self, label=label + self.label)
+
+    def sentence(self, thing: str = "stent", remedies: Mapping[str, str] | None = None) -> str:
+        """For the user.
+
+        Parameters
+        ----------
+        thing : str
+            What was placed: a stent, or a part that is measured.
+        remedies : mapping, optional
+            How the reader does what is advised, by name, such as options of the command.
+        """
+        x, y, z = self.place or (None, None, None)
+        words = {**NO_REMEDIES, **(remedies or {}), "thing": thing, "x": x, "y": y, "z": z}
+        return self.label + TEMPLATES[self.kind].format_map({**words, **self.numbers})
+
+    __str__ = sentence
