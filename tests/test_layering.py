@@ -106,6 +106,24 @@ def table(room: str):
     return importlib.import_module(f"SDFStentLib.{room}" if room else "SDFStentLib")
 
 
+def public_names(module: str) -> set[str]:
+    """What a room, the library ("") or a file on the ground offers to others."""
+    if not module:
+        return {*ROOMS, *table("").__all__}
+    if module in ROOMS:
+        return set(table(module).__all__)
+    path = LIBRARY / f"{module}.py"
+    assert path.is_file(), f"there is no SDFStentLib.{module}"
+    made = [
+        node for node in tree_of(path).body if not isinstance(node, ast.Import | ast.ImportFrom)
+    ]
+    names = {node.name for node in made if hasattr(node, "name")}
+    for node in made:
+        targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]
+        names |= {target.id for target in targets if isinstance(target, ast.Name)}
+    return {name for name in names if not name.startswith("_")}
+
+
 def test_every_room_has_its_floor():
     assert {room_of(module_of(path)) for path in FILES} == set(FLOOR)
 
@@ -136,10 +154,27 @@ def test_nobody_outside_of_a_room_imports_from_inside_it(path):
         if room_of(module) == own and is_inside:
             continue
         assert "." not in module, f"SDFStentLib.{module} is the inside of {room_of(module)}"
-        if module in ROOMS:
-            assert names <= set(table(module).__all__), module
-        elif not module:
-            assert names <= {*ROOMS, *table("").__all__}
+        assert names <= public_names(module), f"SDFStentLib.{module}"
+
+
+@pytest.mark.parametrize("path", FILES + OUTSIDERS, ids=lambda path: str(path.relative_to(PROJECT)))
+def test_nobody_imports_the_library_by_another_way_than_from_a_table_of_contents(path):
+    for node in ast.walk(tree_of(path)):
+        if isinstance(node, ast.Import):
+            modules = [alias.name for alias in node.names]
+            assert not [name for name in modules if name.startswith("SDFStentLib.")], node.lineno
+        elif isinstance(node, ast.Call) and ast.unparse(node.func).endswith("import_module"):
+            assert "SDFStentLib" not in ast.unparse(node), node.lineno
+
+
+@pytest.mark.parametrize("path", [PROJECT / "README.md", *sorted((PROJECT / "docs").glob("*.md"))])
+def test_the_documents_import_only_what_the_tables_of_contents_offer(path):
+    text = path.read_text(encoding="utf-8")
+    statements = re.findall(r"^from SDFStentLib[.\w]* import (?:\([^)]*\)|.*)$", text, re.M)
+    for node in ast.parse("\n".join(statements)).body:
+        module = node.module.partition(".")[2]
+        assert "." not in module, node.module
+        assert {alias.name for alias in node.names} <= public_names(module), node.module
 
 
 @pytest.mark.parametrize("path", FILES, ids=name_of)
@@ -195,6 +230,9 @@ def test_the_guide_names_every_room_and_only_files_that_exist():
 
 def test_the_library_says_that_it_is_typed():
     assert (LIBRARY / "py.typed").is_file()
+    assert "py.typed" in (LIBRARY / "CMakeLists.txt").read_text(encoding="utf-8").split()
+    project = (PROJECT / "pyproject.toml").read_text(encoding="utf-8")
+    assert re.search(r'^SDFStentLib = \[.*"py.typed".*\]$', project, re.M)
 
 
 def test_the_version_is_that_of_the_project():
