@@ -70,7 +70,7 @@ def measured(quick: bool, largest: int | None = None) -> Found:
         case = aorta_case(level)
         progress(f"aorta, {len(case.triangles)} triangles")
         for mode, settings in MODES.items():
-            found = diameters(case.points, case.triangles, case.axis, case.radius, settings)
+            found = diameters(case.surface, case.axis, case.radius, settings)
             name = f"aorta, {len(case.triangles):,} triangles"
             rows.append({"case": name, "mode": mode, "prescribed": 2 * case.radius, **found})
     return {"edge_length_mm": edge_length, "rows": rows}

@@ -95,7 +95,7 @@ def test_points_outside_of_the_lumen_are_refused_and_those_inside_are_taken(data
         stent = Stent(5, placement=AtDistalEnd(point), length=10)
         tried[bool(inside)] += 1
         try:
-            axis_in_vessel(stent, line, vessel.points, vessel.triangles)
+            axis_in_vessel(stent, line, vessel.surface)
             refused = ""
         except InputError as error:
             refused = str(error)
@@ -108,7 +108,7 @@ def test_points_outside_of_the_lumen_are_refused_and_those_inside_are_taken(data
 
 def test_both_points_of_a_stent_are_looked_at_and_a_click_on_the_wall_counts():
     made = stenosed_tube(edge_length=1.0)
-    surface = made.centerline, made.points, made.triangles
+    surface = made.centerline, made.surface
     on_wall = Stent(5, placement=BetweenPoints([0, 0, 5], [3.2, 0, 35]))
     (beside_end,) = axis_in_vessel(on_wall, *surface).warnings
     assert "stent end lies 3.2 mm beside" in beside_end.sentence()

@@ -46,7 +46,7 @@ def treated_lesions(
         `find_lesions` of the vessel before treatment.
     stents : sequence of TreatedStent
     after : Surface
-        With all stents.
+        After all stents.
     """
     covered = {
         stent.number: {id(one) for one in lesions_within(lesions, stent.axis.points)}
