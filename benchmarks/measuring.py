@@ -11,7 +11,6 @@ from __future__ import annotations
 from functools import partial
 
 from SDFStentLib.deformation import DeploymentSettings, deploy
-from SDFStentLib.geometry import surface_topology
 from SDFStentLib.measure import diameter_profile
 
 from .common import (
@@ -29,20 +28,12 @@ from .common import (
 
 def row(case: Case, rounds: int) -> Found:
     settings = DeploymentSettings(certify=False)
-    expand = partial(
-        deploy,
-        case.points,
-        case.triangles,
-        case.axis,
-        case.radius,
-        settings,
-        topology=surface_topology(case.triangles),
-    )
-    after = expand().points
+    expand = partial(deploy, case.surface, settings.chain(case.axis), case.radius, settings)
+    after = expand().surface
 
     def measure() -> None:
-        for points in (case.points, after):
-            diameter_profile(points, case.triangles, case.axis)
+        for surface in (case.surface, after):
+            diameter_profile(surface, case.axis)
 
     seconds = interleaved({"deploy": expand, "measure": measure}, rounds)
     return {"vessel": case.name, "triangles": len(case.triangles), **seconds}

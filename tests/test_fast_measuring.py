@@ -34,7 +34,7 @@ def a_vessel(request):
     axis = cut(way.points, 10.0, 35.0)
     radius = 1.2 * np.nanmedian(way.inscribed_radius)
     settings = DeploymentSettings(certify=False)
-    after = deploy(made.points, made.triangles, axis, radius, settings)
+    after = deploy(made.surface, settings.chain(axis), radius, settings)
     return (made.points, after.points), made.triangles, axis
 
 
