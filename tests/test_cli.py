@@ -597,8 +597,8 @@ def test_a_bar_is_drawn_on_a_terminal_only_and_wiped(monkeypatch, capsys):
     assert drawn.endswith(" \r")
 
 
-def a_process(arguments, folder, **more):
-    environment = {**os.environ, "PYTHONPATH": str(PROJECT)}
+def a_process(arguments, folder, variables=None, **more):
+    environment = {**os.environ, "PYTHONPATH": str(PROJECT), **(variables or {})}
     return subprocess.Popen(
         [*COMMAND, *arguments],
         cwd=folder,
@@ -629,10 +629,13 @@ def test_control_c_leaves_nothing_half_written(a_folder):
         ["deploy", "tube.vtp", "--units", "cm", "--centerline", "line.vtp", *PLACE,
          "--diameter", "6", "-o", "out.vtp", "--step", "0.0005", "--rule", "published"],
         a_folder,
+        {"PYTHONPROFILEIMPORTTIME": "1"},
         # A test run in the background of a shell ignores the signal, and so would its children.
         preexec_fn=partial(signal.signal, signal.SIGINT, signal.SIG_DFL),
     )  # fmt: skip
-    time.sleep(2.0)  # imports are done, thousands of steps are not
+    # Python tells of every import on stderr: with this one the command has begun.
+    assert any("published_steps" in line for line in process.stderr)
+    time.sleep(0.5)  # thousands of steps take longer
     process.send_signal(signal.SIGINT)
     _, err = process.communicate(timeout=60)
     assert process.returncode == 130
