@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import os
+import signal
+from contextlib import suppress
 
 import pytest
 
 from SDFStentLib.cli.outputs import Outputs
+from SDFStentLib.cli.signals import interruptions
 from SDFStentLib.validation import InputError
 
 
@@ -137,3 +140,14 @@ def test_the_old_state_comes_back_without_hard_links_as_well(tmp_path, monkeypat
     with pytest.raises(InputError, match=r"b\.vtp: cannot be written \(Input/output error\)"):
         outputs.write()
     assert everything_in(tmp_path) == {"a.vtp": "old"}
+
+
+def test_an_interruption_that_python_lost_counts_before_anything_is_written(tmp_path):
+    outputs = Outputs()
+    outputs.add(tmp_path / "out.txt", lambda path: path.write_text("x", encoding="utf-8") and None)
+    with interruptions():
+        with suppress(KeyboardInterrupt):
+            signal.getsignal(signal.SIGINT)(signal.SIGINT, None)
+        with pytest.raises(KeyboardInterrupt):
+            outputs.write()
+    assert list(tmp_path.iterdir()) == []

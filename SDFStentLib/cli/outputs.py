@@ -12,7 +12,7 @@ from typing import NamedTuple
 from ..cautions import Caution
 from ..files import StagingFolder, cannot_write, check_writable, commit, sweep
 from ..validation import InputError
-from .signals import uninterrupted, uninterrupted_from_now
+from .signals import check_interrupted, uninterrupted, uninterrupted_from_now
 
 Writer = Callable[[Path], "Iterable[Caution] | None"]
 """Writes to a path; may return what could not be kept."""
@@ -104,6 +104,7 @@ class Outputs:
                     folders[parent] = stack.enter_context(_staging(parent))
                 names.setdefault(folders[parent], []).append(job.target.name)
                 lost += _written(job, folders[parent].staged(job.target.name))
+            check_interrupted()
             with uninterrupted():
                 try:
                     commit(names)

@@ -15,14 +15,16 @@ SENTENCE = "sdfstent: interrupted; nothing was written."
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 _open_blocks: list[None] = []  # of `interruptions`
+_asked: list[int] = []  # signals that came within the block
 
 
 @contextmanager
 def interruptions() -> Iterator[None]:
     """Within the block the first signal is a `KeyboardInterrupt`, and further ones are ignored."""
 
-    def interrupt(_number: int, _frame: FrameType | None) -> NoReturn:
+    def interrupt(number: int, _frame: FrameType | None) -> NoReturn:
         _set(signal.SIG_IGN)
+        _asked.append(number)
         raise KeyboardInterrupt
 
     before = _set(interrupt)
@@ -30,6 +32,7 @@ def interruptions() -> Iterator[None]:
     try:
         yield
     finally:
+        _asked.clear()
         _open_blocks.pop()
         for number, handler in before.items():
             signal.signal(number, handler)
@@ -44,6 +47,12 @@ def uninterrupted() -> Iterator[None]:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+def check_interrupted() -> None:
+    """Interrupt again when Python lost the interruption, as in the callback of an import."""
+    if _asked:
+        raise KeyboardInterrupt
 
 
 def uninterrupted_from_now() -> None:
