@@ -188,12 +188,16 @@ def test_the_outline_in_slice_views_is_that_of_the_settled_vessel(host, aStent):
     deploy(host, aStent)
     assert seen == {False: {False}, True: {True}}  # expanding; in its place, and being measured
     assert outline(parameters.outputVessel)
+    session, ended = aStent.session, []
+    onDone = session._onDone
+    session._onDone = lambda error: (
+        ended.append((session.isPreview, outline(parameters.outputVessel))),
+        onDone(error),
+    )
     aStent.ui.autoUpdateCheckBox.checked = True
     aStent.ui.diameterSlider.value = 8.0
-    host.processUntil(lambda: aStent.session.isRunning)
-    host.processUntil(lambda: not aStent.session.isRunning)
-    assert not outline(parameters.outputVessel)  # a preview, the full method follows
     settle(host, aStent)
+    assert ended == [(True, False), (False, True)]  # a preview, the full method follows
     assert outline(parameters.outputVessel)
 
 

@@ -25,11 +25,15 @@ def test_the_progress_bar_is_there_while_a_deployment_runs(host, aStent):
 def test_a_preview_shows_no_progress_bar(host, aStent):
     aStent.ui.autoUpdateCheckBox.checked = True
     settle(host, aStent)
+    session, seen = aStent.session, []
+    onStart = session._onStart
+    session._onStart = lambda: (
+        onStart(),
+        seen.append((session.isPreview, aStent.ui.progressBar.visible)),
+    )
     aStent.ui.diameterSlider.value = 8.0
-    host.processUntil(lambda: aStent.session.isRunning)
-    assert aStent.session.isPreview
-    assert not aStent.ui.progressBar.visible
     settle(host, aStent)
+    assert seen == [(True, False), (False, True)]  # the preview, then the full method
 
 
 def pressDelete(host, widget):
