@@ -1,0 +1,166 @@
+"""Where the wall of a vessel would be if no branch left it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry import Surface, resampled
+from ..validation import Floats, Points, read_only
+from .wall_map import (
+    RAYS,
+    NearWall,
+    WallMap,
+    frames_along,
+    near_wall,
+    ray_angles,
+    rays_from,
+    wall_map,
+)
+
+LEAVES = 1.15
+"""The wall leaves the vessel where it is farther away than so many expected radii."""
+
+LONGEST = 6.0
+"""An opening is shorter along the vessel than so many of its radii,"""
+
+WIDEST = 240.0
+"""or it takes less of its circumference than this, degrees."""
+
+SPACING = 0.5
+"""Of the stations, mm; less in a narrow vessel."""
+
+_FINEST, _FINE, _COARSE = 0.1, 0.125, 0.25
+"""Smallest spacing, mm; the largest, and that of the search for the middle, in radii."""
+
+_CENTERINGS = 3
+"""Steps to the middle; each leaves some tenth of the way."""
+
+FARTHEST = 4.0
+"""Wall farther from the axis than so many times the largest distance to its nearest wall is that
+of other vessels."""
+
+_SOME = 20000
+"""Points of the surface among which the nearest are looked for."""
+
+_SIDE = 30.0
+"""Percentile of a section's rays that stands for its radius where an opening is on one side."""
+
+
+@dataclass(frozen=True)
+class Tube:
+    """A vessel without its branches, and the wall as it is."""
+
+    wall: WallMap
+    """Seen from the middle of the vessel, in planes across the axis."""
+    expected: Floats
+    """(n, RAYS) distance of the expected wall from there, mm."""
+    radius: float
+    """Of the vessel as a whole, mm."""
+    near: NearWall
+    """The part of the surface that was looked at."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "expected", read_only(self.expected))
+
+    @property
+    def is_open(self) -> NDArray[np.bool_]:
+        """(n, RAYS) where the wall leaves the vessel."""
+        return np.asarray(self.wall.distance > LEAVES * self.expected)
+
+
+def expected_tube(surface: Surface, axis: Points) -> Tube:
+    """The vessel round an axis.
+
+    The expected wall is the highest one, below the rays that were met, that runs on for `LONGEST`
+    radii along the vessel or for `WIDEST` degrees round it: a morphological opening of the
+    map of the wall. Steps and tapers stay, what is both short and on one side goes.
+
+    Parameters
+    ----------
+    surface : Surface
+        mm.
+    axis : (n, 3) array
+        Polyline in the lumen, mm; it need not be in the middle.
+    """
+    near = near_wall(surface, resampled(axis, 1.0), far_reach(surface, axis))
+    radius = section_radius(wall_map(near, axis, spacing=2.0, window=2.0).distance)
+    # The middle is looked for at few stations: it is smooth.
+    few = wall_map(near, axis, spacing=_COARSE * radius, window=radius)
+    wall, shift = few, np.zeros_like(few.centers)
+    for _ in range(_CENTERINGS):
+        shift = shift + _to_middle(wall, expected_wall(wall, radius), radius)
+        wall = rays_from(near, few.arc_length, few.centers + shift, few.frames)
+    stations = resampled(axis, float(np.clip(_FINE * radius, _FINEST, SPACING)))
+    at = np.linspace(0.0, float(few.arc_length[-1]), len(stations))
+    middle = stations + _interpolated(at, few.arc_length, shift)
+    wall = rays_from(near, at, middle, frames_along(axis, len(at), radius))
+    return Tube(wall, expected_wall(wall, radius), radius, near)
+
+
+def far_reach(surface: Surface, stations: Points) -> float:
+    """How far from some points (n, 3) the wall of their vessel is looked for, mm."""
+    from scipy.spatial import KDTree
+
+    some = surface.points[:: max(1, len(surface.points) // _SOME)]
+    return FARTHEST * float(KDTree(some).query(stations)[0].max())
+
+
+def _interpolated(at: Floats, known: Floats, values: Points) -> Points:
+    return np.stack([np.interp(at, known, column) for column in values.T], axis=1)
+
+
+def expected_wall(wall: WallMap, radius: float, beyond: Floats | None = None) -> Floats:
+    """Distance of the expected wall (n, RAYS) for a vessel of about that radius, mm.
+
+    Beyond its ends the vessel goes on as it is there, or with the rays `beyond` (2, RAYS).
+    """
+    along = int(LONGEST * radius / wall.spacing) | 1
+    ends = wall.distance[[0, -1]] if beyond is None else beyond
+    first, last = (np.repeat(end[None], along, axis=0) for end in ends)
+    padded = np.concatenate([first, wall.distance, last])
+    by_length = _opened(padded, along, axis=0)[along:-along]
+    return np.asarray(np.maximum(by_length, across_alone(wall.distance)))
+
+
+def across_alone(distance: Floats) -> Floats:
+    """The expected wall (n, RAYS) that a section alone tells: without narrow openings."""
+    return _opened(distance, int(WIDEST / 360 * RAYS) | 1, axis=1)
+
+
+def _opened(values: Floats, size: int, axis: int) -> Floats:
+    # Late: scipy costs what a first frame should not pay.
+    from scipy.ndimage import maximum_filter1d, minimum_filter1d
+
+    lowest = minimum_filter1d(values, size, axis=axis, mode="wrap")
+    return np.asarray(maximum_filter1d(lowest, size, axis=axis, mode="wrap"))
+
+
+def section_radius(distance: Floats) -> float:
+    """Radius (scalar) of the vessel whose sections have these rays (n, RAYS), mm."""
+    # No value between two: one of them may be infinite.
+    sides = np.percentile(distance, _SIDE, axis=1, method="lower")
+    known = sides[np.isfinite(sides)]
+    return float(np.median(known)) if len(known) else 1.0
+
+
+def _to_middle(wall: WallMap, expected: Floats, radius: float) -> Floats:
+    """Steps (n, 3) to the middle of the expected sections, smooth along the axis."""
+    from scipy.ndimage import gaussian_filter1d
+
+    step = middles(expected)
+    step = gaussian_filter1d(step, radius / 2 / wall.spacing, axis=0, mode="nearest")
+    return np.asarray(np.einsum("ij,ijk->ik", step, wall.frames[:, 1:]))
+
+
+def middles(expected: Floats) -> Floats:
+    """Centroids (n, 2) of sections in the directions of their planes; 0 where one is open."""
+    rays = np.where(np.isfinite(expected), expected, 0.0)
+    angles = ray_angles()
+    directions = np.stack([np.cos(angles), np.sin(angles)])
+    area = (rays**2).sum(axis=1) / 2
+    found = (rays**3) @ directions.T / 3 / np.where(area > 0, area, 1.0)[:, None]
+    found[~np.isfinite(expected).all(axis=1)] = 0.0
+    return np.asarray(found)

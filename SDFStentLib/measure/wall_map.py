@@ -1,0 +1,183 @@
+"""The wall round an axis, seen from it: how far every ray across the axis goes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from ..geometry import Surface, arc_lengths, frames, may_meet_box, point_at, ranges, resampled
+from ..validation import Floats, Indices, Points, Triangles, read_only
+
+RAYS = 144
+"""Rays at each station, 2.5 degrees apart."""
+
+_BLOCK = 1 << 21
+"""Pairs of station and triangle that are looked at together; some 10 MB of temporaries."""
+
+_FEW = 2000
+"""A surface with fewer triangles is coarse: they are taken by their boxes."""
+
+
+@dataclass(frozen=True)
+class WallMap:
+    """Length of the rays from `centers` to the surface, by station and angle.
+
+    A ray lies in the plane of its station, across the axis. Infinite where it meets nothing.
+    """
+
+    arc_length: Floats
+    """(n,) of the stations on the axis, equally spaced, mm."""
+    centers: Points
+    """(n, 3) from where the rays go, mm."""
+    frames: Floats
+    """(n, 3, 3) direction of the axis, then the two directions of the plane."""
+    distance: Floats
+    """(n, RAYS) mm."""
+    triangle: Indices
+    """(n, RAYS) that is met; -1 where none is."""
+
+    def __post_init__(self) -> None:
+        for name in ("arc_length", "centers", "frames", "distance", "triangle"):
+            object.__setattr__(self, name, read_only(getattr(self, name)))
+
+    @property
+    def spacing(self) -> float:
+        """Distance of the stations, mm."""
+        return float(self.arc_length[1] - self.arc_length[0])
+
+
+class NearWall(NamedTuple):
+    """The part of a surface near an axis: rays that leave it are as good as infinite."""
+
+    points: Points
+    """(k, 3) mm."""
+    triangles: Triangles
+    """(m, 3) of these points."""
+    point_ids: Indices
+    """(k,) their numbers in the surface."""
+    triangle_ids: Indices
+    """(m,) likewise."""
+
+
+def near_wall(surface: Surface, axis: Points, reach: float) -> NearWall:
+    """The triangles with a corner within `reach` mm of some points (n, 3)."""
+    # Late: scipy costs what a first frame should not pay.
+    from scipy.spatial import KDTree
+
+    low, high = axis.min(axis=0) - reach, axis.max(axis=0) + reach
+    in_box = np.flatnonzero(((surface.points >= low) & (surface.points <= high)).all(axis=1))
+    is_near = np.zeros(len(surface.points), dtype=bool)
+    distance, _ = KDTree(axis).query(surface.points[in_box], distance_upper_bound=reach)
+    is_near[in_box[np.isfinite(distance)]] = True
+    triangles = np.asfortranarray(surface.triangles)
+    # By column: reductions over rows of three are slow. A long triangle may have all corners far.
+    kept = is_near[triangles[:, 0]] | is_near[triangles[:, 1]] | is_near[triangles[:, 2]]
+    if len(surface.triangles) < _FEW:
+        kept |= may_meet_box(surface.points, surface.triangles, low, high)
+    ids = np.flatnonzero(kept)
+    used = np.zeros(len(surface.points), dtype=bool)
+    used[triangles[ids]] = True
+    number = np.cumsum(used) - 1
+    point_ids = np.flatnonzero(used)
+    return NearWall(surface.points[point_ids], number[triangles[ids]], point_ids, ids)
+
+
+def wall_map(wall: NearWall, axis: Points, *, spacing: float, window: float) -> WallMap:
+    """Rays from an axis to the wall near it.
+
+    Parameters
+    ----------
+    wall : NearWall
+    axis : (n, 3) array
+        Polyline in the lumen, mm.
+    spacing : float
+        Of the stations, mm.
+    window : float
+        Length of axis over which its direction is taken, mm; smaller wiggles do not turn a plane.
+    """
+    centers = resampled(axis, spacing)
+    at = np.linspace(0.0, arc_lengths(np.asarray(axis))[-1], len(centers))
+    return rays_from(wall, at, centers, frames_along(axis, len(centers), window))
+
+
+def rays_from(wall: NearWall, arc_length: Floats, centers: Points, along: Floats) -> WallMap:
+    """The map from given centers (n, 3), in the planes of given frames (n, 3, 3)."""
+    distance = np.full((len(centers), RAYS), np.inf)
+    triangle = np.full((len(centers), RAYS), -1)
+    block = max(1, _BLOCK // max(1, len(wall.triangles)))
+    for first in range(0, len(centers), block):
+        rows = slice(first, first + block)
+        distance[rows], triangle[rows] = _first_hits(wall, centers[rows], along[rows])
+    return WallMap(arc_length, centers, along, distance, triangle)
+
+
+def frames_along(axis: Points, count: int, window: float) -> Floats:
+    """Frames (count, 3, 3) of little twist at equal arc lengths, directions over a window."""
+    at = np.linspace(0.0, float(arc_lengths(axis)[-1]), count)
+    directions = point_at(axis, at + window / 2) - point_at(axis, at - window / 2)
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    # The polyline whose segments have these directions gives frames along them.
+    return frames(np.cumsum(np.concatenate([np.zeros((1, 3)), directions]), axis=0))[:-1]
+
+
+def ray_angles() -> Floats:
+    """(RAYS,) about the axis, from the first direction of the plane to the second."""
+    return np.arange(RAYS, dtype=np.float64) * (2 * np.pi / RAYS)
+
+
+def _first_hits(wall: NearWall, centers: Points, along: Floats) -> tuple[Floats, Indices]:
+    """Length (n, RAYS) of the rays of some stations, and the triangles that they meet first."""
+    station, start, end, owner = _cut_segments(wall, centers, along)
+    first = np.arctan2(start[1], start[0])
+    turn = np.arctan2(end[1], end[0]) - first
+    turn = (turn + np.pi) % (2 * np.pi) - np.pi
+    step = 2 * np.pi / RAYS
+    low = np.ceil(np.minimum(first, first + turn) / step).astype(np.int64)
+    counts = np.ceil(np.maximum(first, first + turn) / step).astype(np.int64) - low
+    segment = np.repeat(np.arange(len(station)), counts)
+    ray = ranges(low, counts) % RAYS
+    cosine, sine = np.cos(ray_angles())[ray], np.sin(ray_angles())[ray]
+    side = end - start
+    across = (start[0] * side[1] - start[1] * side[0])[segment]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        reach = across / (cosine * side[1][segment] - sine * side[0][segment])
+    reach = np.where(reach > 0, reach, np.inf)
+    cell = station[segment] * RAYS + ray
+    distance = np.full(len(centers) * RAYS, np.inf)
+    np.minimum.at(distance, cell, reach)
+    triangle = np.full(len(distance), -1)
+    is_first = np.isfinite(reach) & (reach == distance[cell])
+    triangle[cell[is_first]] = wall.triangle_ids[owner[segment[is_first]]]
+    return distance.reshape(-1, RAYS), triangle.reshape(-1, RAYS)
+
+
+def _cut_segments(
+    wall: NearWall, centers: Points, along: Floats
+) -> tuple[Indices, Floats, Floats, Indices]:
+    """Stations (k,) and the ends (2, k) of the segments in which their planes cut the wall.
+
+    In the plane's own directions, from its center; then the triangles, by their number in `wall`.
+    """
+    normals = along[:, 0]
+    heights = normals @ wall.points.T - np.einsum("ij,ij->i", normals, centers)[:, None]
+    above = heights >= 0
+    corners = [above[:, wall.triangles[:, k]] for k in range(3)]
+    station, owner = np.nonzero((corners[0] != corners[1]) | (corners[1] != corners[2]))
+    first, second, third = (corner[station, owner] for corner in corners)
+    # The corner that is alone on its side, then the two others.
+    alone = np.where(second == third, 0, np.where(first == third, 1, 2))
+    apex = wall.triangles[owner, alone]
+    flat = np.stack([wall.points @ along[:, k].T for k in (1, 2)])
+    origin = np.stack([np.einsum("ij,ij->i", along[:, k], centers) for k in (1, 2)])
+    ends = []
+    for shift in (1, 2):
+        other = wall.triangles[owner, (alone + shift) % 3]
+        # In the order of their numbers, so that both triangles of an edge find the same point.
+        low, high = np.minimum(apex, other), np.maximum(apex, other)
+        below, over = heights[station, low], heights[station, high]
+        share = below / (below - over)
+        from_low, to_high = flat[:, low, station], flat[:, high, station]
+        ends.append(from_low + share * (to_high - from_low) - origin[:, station])
+    return station, ends[0], ends[1], owner

@@ -1,0 +1,157 @@
+"""Ostia by plain ray casting with VTK: what the library's rule is held against.
+
+Rays, centers, expected wall and openings are all computed in another way than in the library; only
+the definition is common. Slow on purpose.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+from scipy import ndimage
+from scipy.spatial import KDTree
+from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
+from vtkmodules.vtkCommonCore import vtkIdList, vtkPoints
+from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData, vtkStaticCellLocator
+
+RAYS, SPACING, FAR = 180, 0.5, 200.0
+
+
+class Opening(NamedTuple):
+    start: float
+    end: float
+    share: float
+    depth: float
+
+
+class RayCaster:
+    def __init__(self, points, triangles):
+        self.polydata = vtkPolyData()
+        held = vtkPoints()
+        held.SetData(numpy_to_vtk(np.ascontiguousarray(points), deep=True))
+        cells = vtkCellArray()
+        rows = np.column_stack([np.full(len(triangles), 3), triangles]).astype(np.int64)
+        cells.ImportLegacyFormat(numpy_to_vtkIdTypeArray(rows.ravel(), deep=True))
+        self.polydata.SetPoints(held)
+        self.polydata.SetPolys(cells)
+        self.locator = vtkStaticCellLocator()
+        self.locator.SetDataSet(self.polydata)
+        self.locator.BuildLocator()
+        self.hits, self.cells = vtkPoints(), vtkIdList()
+
+    def distance(self, start, direction):
+        found = self.locator.IntersectWithLine(
+            start, start + FAR * direction, 1e-9, self.hits, self.cells
+        )
+        if not found or not self.hits.GetNumberOfPoints():
+            return np.inf
+        hits = [self.hits.GetPoint(i) for i in range(self.hits.GetNumberOfPoints())]
+        return min(np.linalg.norm(hits - start, axis=1))
+
+
+def stations_of(axis, window):
+    """Points every half millimeter of a polyline, and unit directions over a window."""
+    at = np.r_[0, np.cumsum(np.linalg.norm(np.diff(axis, axis=0), axis=1))]
+    positions = np.linspace(0, at[-1], max(2, round(at[-1] / SPACING) + 1))
+
+    def place(s):
+        return np.column_stack([np.interp(s, at, axis[:, k]) for k in range(3)])
+
+    ahead = np.minimum(positions + window / 2, at[-1])
+    behind = np.maximum(positions - window / 2, 0)
+    directions = place(ahead) - place(behind)
+    return positions, place(positions), directions / np.linalg.norm(directions, axis=1)[:, None]
+
+
+def cast(caster, centers, directions):
+    """Ray lengths (n, RAYS) and the directions of the rays (n, RAYS, 3)."""
+    angles = np.arange(RAYS) * 2 * np.pi / RAYS
+    first = np.cross(directions[0], np.eye(3)[np.abs(directions[0]).argmin()])
+    lengths, rays = [], []
+    for center, direction in zip(centers, directions, strict=True):
+        first = first - (first @ direction) * direction
+        first /= np.linalg.norm(first)
+        second = np.cross(direction, first)
+        across = np.cos(angles)[:, None] * first + np.sin(angles)[:, None] * second
+        rays.append(across)
+        lengths.append([caster.distance(center, ray) for ray in across])
+    return np.array(lengths), np.array(rays)
+
+
+def opened(values, size):
+    """Largest of the smallest values over the windows of so many rows that hold a row."""
+    padded = np.pad(values, ((size - 1, size - 1), (0, 0)), mode="edge")
+    lowest = sliding_window_view(padded, size, axis=0).min(axis=-1)
+    return sliding_window_view(lowest, size, axis=0).max(axis=-1)
+
+
+def expected(lengths, radius):
+    along = opened(lengths, int(6 * radius / SPACING))
+    turns = np.tile(lengths, 3).T
+    round_about = opened(turns, int(RAYS * 240 / 360)).T[:, RAYS : 2 * RAYS]
+    return np.maximum(along, round_about)
+
+
+def leads_away(hits, centers, wall):
+    """How far from the path, in widths of the vessel there, the rays end.
+
+    A ray that runs back along the vessel itself, in a sharp bend, ends near the path.
+    """
+    is_met = np.isfinite(hits).all(axis=2)
+    distance, nearest = KDTree(centers).query(np.where(is_met[..., None], hits, 0.0))
+    away = distance / np.median(wall, axis=1)[nearest]
+    return np.where(is_met, np.nan_to_num(away, posinf=0), 0.0)
+
+
+def openings(points, triangles, axis, before, stent_length, leaves=1.15, depth=1.7):
+    """The openings along an extended axis, positions from the proximal end of the stent."""
+    return openings_at(points, triangles, axis, before, stent_length, [leaves], depth)[0]
+
+
+def openings_at(points, triangles, axis, before, stent_length, thresholds, depth=1.7):
+    """The openings for each of several ideas of how far the wall must leave the vessel."""
+    caster = RayCaster(points, triangles)
+    _, centers, directions = stations_of(axis, 2.0)
+    lengths, _ = cast(caster, centers[::4], directions[::4])
+    sides = np.percentile(lengths, 30, axis=1, method="lower")
+    radius = float(np.median(sides[np.isfinite(sides)]))
+    positions, centers, directions = stations_of(axis, radius)
+    for _ in range(3):
+        lengths, rays = cast(caster, centers, directions)
+        wall = expected(lengths, radius)
+        # Middle of the expected section: its corners' triangles, weighted by area.
+        corners = np.where(np.isfinite(wall), wall, 0)[..., None] * rays
+        following = np.roll(corners, -1, axis=1)
+        area = np.linalg.norm(np.cross(corners, following), axis=2)
+        middle = ((corners + following) / 3 * area[..., None]).sum(axis=1)
+        middle /= np.maximum(area.sum(axis=1), 1e-9)[:, None]
+        middle[~np.isfinite(wall).all(axis=1)] = 0
+        sigma = radius / 2 / SPACING
+        centers = centers + ndimage.gaussian_filter1d(middle, sigma, axis=0, mode="nearest")
+    ratio = np.nan_to_num(lengths / wall, nan=1.0)
+    away = leads_away(centers[:, None] + lengths[..., None] * rays, centers, wall)
+    at = positions - before
+    return [_openings(ratio > leaves, away, at, wall, stent_length, depth) for leaves in thresholds]
+
+
+def _openings(is_open, away, at, wall, stent_length, depth):
+    labels, _ = ndimage.label(np.tile(is_open, 3), structure=np.ones((3, 3)))
+    found = []
+    for number in np.unique(labels[:, RAYS : 2 * RAYS]):
+        # A region across the seam is whole in one of the turns, or in two of them together.
+        region = (labels == number).reshape(len(at), 3, RAYS).any(axis=1)
+        if number == 0 or not away[region].max() > depth:
+            continue
+        rows = np.flatnonzero(region.any(axis=1))
+        weight = np.where(region & np.isfinite(wall), wall, 0).sum(axis=1)
+        half = SPACING / 2
+        inside = np.clip(at + half, 0, stent_length) - np.clip(at - half, 0, stent_length)
+        found.append(
+            Opening(
+                at[rows[0]], at[rows[-1]], (weight @ inside) / weight.sum() / SPACING,
+                float(away[region].max()),
+            )
+        )  # fmt: skip
+    return sorted({(o.start, o.end): o for o in found}.values())
