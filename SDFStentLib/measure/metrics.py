@@ -19,10 +19,14 @@ from ..geometry import Surface, arc_lengths, as_surface, resampled, tangents
 from ..validation import Flags, Floats, InputError, Points, as_number, read_only
 from .closed_ends import past_closed_ends
 from .cross_section import equivalent_diameters, winding_numbers
+from .cut_sections import cut_at_ostia
 from .inscribed import inscribed_spheres
+from .rounded_ends import past_rounded_ends
 
 _WINDING_INSIDE = 0.3
 """Winding numbers are 1 inside, 0 outside and 1/2 in the middle of an open end."""
+
+_COLUMNS = ("arc_length", "centers", "inscribed_diameter", "equivalent_diameter", "is_cut")
 
 
 @dataclass(frozen=True)
@@ -40,9 +44,13 @@ class DiameterProfile:
     """(n,) mm."""
     equivalent_diameter: Floats
     """(n,) mm."""
+    is_cut: NDArray[np.bool_] = ()  # type: ignore[assignment]
+    """(n,) whether the section opens into another vessel, and is cut at its ostium."""
 
     def __post_init__(self) -> None:
-        for name in ("arc_length", "centers", "inscribed_diameter", "equivalent_diameter"):
+        if not len(self.is_cut):
+            object.__setattr__(self, "is_cut", np.zeros(len(self.arc_length), dtype=bool))
+        for name in _COLUMNS:
             object.__setattr__(self, name, read_only(getattr(self, name)))
 
     @property
@@ -101,12 +109,7 @@ class DiameterProfile:
                 f"over: expected a part of 0 to {self.arc_length[-1]:g} mm that holds a station, "
                 f"got {start:g} to {end:g} mm."
             )
-        return DiameterProfile(
-            self.arc_length[chosen],
-            self.centers[chosen],
-            self.inscribed_diameter[chosen],
-            self.equivalent_diameter[chosen],
-        )
+        return DiameterProfile(*(getattr(self, name)[chosen] for name in _COLUMNS))
 
 
 def diameter_profile(surface: Surface, axis: ArrayLike, spacing: float = 1.0) -> DiameterProfile:
@@ -125,10 +128,9 @@ def diameter_profile(surface: Surface, axis: ArrayLike, spacing: float = 1.0) ->
     Returns
     -------
     DiameterProfile
-        NaN at a station outside the surface. Flat caps of in- and outlets count as open for the
-        inscribed diameter; NaN before an end that is not flat, and for the equivalent diameter
-        where a cap cuts the section. In a junction the plane may cut along the other branch: both
-        diameters grow there, the equivalent one most.
+        NaN at a station outside the surface. Closed ends of the vessel count as open for the
+        inscribed diameter; the equivalent one is NaN where a flat cap cuts the section. A section
+        that opens into another vessel is cut at its ostium, at the wall that would be there.
 
     Raises
     ------
@@ -147,13 +149,17 @@ def diameter_profile(surface: Surface, axis: ArrayLike, spacing: float = 1.0) ->
         inscribed_spheres(points, triangles, stations, directions),
         equivalent,
     )
+    equivalent, is_cut = cut_at_ostia(
+        surface, stations, spheres.centers, 2 * spheres.radii, equivalent
+    )
+    spheres = past_rounded_ends(points, triangles, stations, directions, spheres, equivalent)
 
     # A closed section round the station proves that it is inside; the few others are looked at.
     outside = np.flatnonzero(np.isnan(equivalent))
     outside = outside[winding_numbers(stations[outside], points, triangles) < _WINDING_INSIDE]
     centers, inscribed = spheres.centers.copy(), 2 * spheres.radii
     centers[outside], inscribed[outside] = np.nan, np.nan
-    return DiameterProfile(arc_lengths(stations), centers, inscribed, equivalent)
+    return DiameterProfile(arc_lengths(stations), centers, inscribed, equivalent, is_cut)
 
 
 def _statistic(function: object, values: Floats) -> float:

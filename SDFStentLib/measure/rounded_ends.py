@@ -1,0 +1,148 @@
+"""Inscribed spheres before an end of the vessel that is closed, but by no flat cap.
+
+Rounded, leaning or bulged, such an end is no wall either. The sphere is measured against the wall
+beside and behind its station only.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry import arc_lengths, connected, face_normals
+from ..validation import Floats, Indices, Points, Triangles
+from .caps import flat_caps
+from .inscribed import InscribedSpheres, inscribed_spheres
+from .local_surface import LocalSurface
+
+AHEAD = np.cos(np.deg2rad(60.0))
+"""A sphere that touches the surface so nearly along the axis may touch the end."""
+
+NEAR = 1.2
+"""Of the radius of the lumen: nothing that closes the end is farther from a sphere's station."""
+
+CLOSED = 1.6
+"""A closed vessel is over within so many radii beyond the last station,"""
+
+BESIDE = 1.5
+"""and nothing of it is farther from its axis there than so many."""
+
+LOOKED_AT = 3.0
+"""Surface within so many radii tells that."""
+
+ROUND = 0.98
+"""Inscribed over equivalent diameter from which a sphere fills its section."""
+
+TOUCH = 1e-3
+"""Share of its radius by which a surface may be farther from a sphere's center and touch it."""
+
+
+def past_rounded_ends(
+    points: Points,
+    triangles: Triangles,
+    stations: Points,
+    directions: Points,
+    spheres: InscribedSpheres,
+    equivalent: Floats,
+) -> InscribedSpheres:
+    """The spheres, those that the closing of an end limits measured anew without it.
+
+    Parameters
+    ----------
+    points, triangles : (k, 3) and (m, 3) arrays
+    stations, directions : (n, 3) arrays
+        Axis points, in order, and unit directions of the axis there.
+    spheres : InscribedSpheres
+        Those at the stations; NaN where they are known to touch an end.
+    equivalent : (n,) array
+        Equivalent diameters of the sections there, mm; NaN where there is none.
+    """
+    arc = arc_lengths(stations)
+    centers, radii = spheres.centers.copy(), spheres.radii.copy()
+    for end, sign, to_end in ((0, -1.0, arc), (len(arc) - 1, 1.0, arc[-1] - arc)):
+        lumen = np.fmax(radii, equivalent / 2)
+        near = np.flatnonzero((to_end <= NEAR * lumen) & (equivalent > 0))
+        # A sphere that fills its section touches no end.
+        near = near[~(2 * radii[near] > ROUND * equivalent[near])]
+        outward = sign * directions
+        touching = near[_touches_ahead(points, triangles, outward, centers, radii, near)]
+        if not len(touching) or not _is_closed(
+            points, triangles, stations[end], outward[end], float(lumen[near].max())
+        ):
+            continue
+        for i in touching:
+            wall = triangles[_is_wall(points, triangles, stations[i], outward[i], lumen[i])]
+            anew = inscribed_spheres(points, wall, stations[[i]], directions[[i]])
+            # One that is wider than the section has climbed out through the open end.
+            fits = 2 * anew.radii[0] <= equivalent[i]
+            centers[i], radii[i] = (anew.centers[0], anew.radii[0]) if fits else (np.nan, np.nan)
+    return InscribedSpheres(centers, radii)
+
+
+def _is_wall(
+    points: Points, triangles: Triangles, station: Floats, outward: Floats, radius: float
+) -> NDArray[np.bool_]:
+    """Triangles (m,) that reach behind a station and do not turn across the axis near it."""
+    heights = (points - station) @ outward
+    highest = heights[triangles].max(axis=1)
+    behind = heights[triangles].min(axis=1) < 0
+    at_end = np.flatnonzero(behind & (highest > -AHEAD * radius))
+    normals = face_normals(points, triangles[at_end])
+    behind[at_end[np.abs(normals @ outward) >= AHEAD]] = False
+    return np.asarray(behind)
+
+
+def _is_closed(
+    points: Points, triangles: Triangles, end: Floats, outward: Floats, radius: float
+) -> bool:
+    """Whether the surface that goes on from the last section is over soon after it.
+
+    A vessel that turns aside goes on; so does one that an open rim ends, for nothing is in its way.
+    """
+    offset = points - end
+    heights = offset @ outward
+    distance = np.linalg.norm(offset, axis=1)
+    beside = np.sqrt(np.maximum(distance**2 - heights**2, 0))
+    ahead = (heights > 0) & (distance < LOOKED_AT * radius)
+    corners = np.asfortranarray(triangles).T
+    sides = np.hstack([corners[[0, 1]], corners[[1, 2]], corners[[2, 0]]])
+    sides = sides[:, ahead[sides[0]] | ahead[sides[1]]]
+    within = ahead[sides[0]] & ahead[sides[1]]
+    label = connected(len(points), *sides[:, within])[1]
+    # Sides that the plane cuts near the axis begin the parts that belong to this vessel.
+    low, high = sides[:, ~within & (heights[sides].min(axis=0) <= 0)]
+    over = np.where(ahead[low], low, high)
+    own = ahead & np.isin(label, label[over[beside[over] < BESIDE * radius]])
+    if not (
+        own.any()
+        and heights[own].max() < CLOSED * radius
+        and beside[own].max() < BESIDE * radius
+        and beside[own].min() < 0.5 * radius
+    ):
+        return False
+    # Of a flat cap the spheres are free already.
+    return not flat_caps(points, triangles[own[triangles].all(axis=1)])
+
+
+def _touches_ahead(
+    points: Points,
+    triangles: Triangles,
+    outward: Points,
+    centers: Points,
+    radii: Floats,
+    where: Indices,
+) -> NDArray[np.bool_]:
+    """Which of some spheres (k,) touch the surface ahead; those that are unknown count too."""
+    touches = ~np.isfinite(radii[where])
+    known = np.flatnonzero(~touches)
+    if len(known):
+        chosen = where[known]
+        reach = (1 + TOUCH) * radii[chosen]
+        surface = LocalSurface(points, triangles, centers[chosen])
+        query, triangle, _ = surface.near(centers[chosen], reach)
+        offset = surface.index.closest_points(centers[chosen][query], triangle)
+        offset = offset - centers[chosen][query]
+        distance = np.linalg.norm(offset, axis=1)
+        along = np.einsum("ij,ij->i", offset, outward[chosen[query]])
+        touches[known[query[(distance <= reach[query]) & (along >= AHEAD * distance)]]] = True
+    return np.asarray(touches)
