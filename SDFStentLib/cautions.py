@@ -64,7 +64,6 @@ TEMPLATES = {
     ),
     # A stent in the vessel
     "switched-off": "it is switched off and was not deployed.",
-    "branches-unknown": "Side branches were not looked for: {reason}",
     "outside-without-effect": (
         "Nothing moves: the stent of {stent_diameter_mm:g} mm touches no wall, and its axis lies "
         "outside the lumen; check that surface and axis are in the same unit and frame."
@@ -88,6 +87,10 @@ TEMPLATES = {
     "overlap": (
         "Stents {first} and {second} overlap over {length_mm:.1f} mm of the second one's length; "
         "there the wider one determines the lumen."
+    ),
+    "neighbor-narrowed": (
+        "The lumen of {name} is narrowed from {before_mm:.2f} to {after_mm:.2f} mm ({diameter} "
+        "diameter, {percent:.0f} %), {distance_mm:.0f} mm beyond its origin."
     ),
     "cap-bulged": (
         "The flat cap near ({x:.1f}, {y:.1f}, {z:.1f}) mm is pushed up to {height_mm:.2f} mm out "

@@ -65,8 +65,8 @@ def test_a_reader_who_has_an_option_is_told_it_and_others_are_not():
 
 
 def test_a_text_of_the_user_is_no_template():
-    caution = Caution("branches-unknown", {"reason": "{to} {0}"}, label="{x}.stl: ")
-    assert str(caution) == "{x}.stl: Side branches were not looked for: {to} {0}"
+    caution = Caution("picture-missing", {"reason": "{to} {0}"}, label="{x}.stl: ")
+    assert str(caution) == "{x}.stl: {to} {0}"
 
 
 @pytest.mark.parametrize(

@@ -120,9 +120,8 @@ def test_every_while_says_why_it_ends():
 
 CIRCLE = """
 import numpy as np
-from SDFStentLib.measure.coverage import branch_ostia
-points = np.array([[0.0, 0, 0], [1, 0, 0], [1, 0, 0], [1, 0, 0]])
-branch_ostia(points, np.array([-1, 3, 1, 2]), [[0, 0, 0], [0.5, 0, 0]], np.full(4, 9.0))
+from SDFStentLib.centerline import as_parents
+as_parents(np.array([-1, 3, 1, 2]), 4)
 """
 
 

@@ -7,7 +7,6 @@ import pytest
 
 from SDFStentLib.geometry import Surface
 from SDFStentLib.geometry.distance import SurfaceIndex, closest_points_on_triangles
-from SDFStentLib.measure.coverage import branch_ostia
 from SDFStentLib.measure.cross_section import equivalent_diameters
 from SDFStentLib.measure.inscribed import inscribed_spheres
 from SDFStentLib.measure.metrics import DiameterProfile, diameter_profile
@@ -372,84 +371,3 @@ def test_displacements_are_lengths_and_need_two_states_of_one_mesh():
     np.testing.assert_allclose(displacements([[0, 0, 0]], [[3, 4, 0]]), 5)
     with pytest.raises(InputError, match="expected the 1 points of the state before, got 2"):
         displacements([[0, 0, 0]], [[3, 4, 0], [0, 0, 0]])
-
-
-# Branches
-
-
-def a_tree():
-    """A vessel of radius 3 along x with branches of radius 1 upward at x = 10, 30 and 60."""
-    vessel = np.column_stack([np.arange(81.0), np.zeros(81), np.zeros(81)])
-    parent, points, radius = list(range(-1, 80)), [vessel], [3.0] * 81
-    for x in (10, 30, 60):
-        rise = np.arange(0.5, 10, 0.5)
-        points.append(np.column_stack([np.full(19, x), np.zeros(19), rise]))
-        start = len(parent)
-        parent += [x, *range(start, start + 18)]
-        radius += [1.0] * 19
-    return np.concatenate(points), np.array(parent), np.array(radius)
-
-
-def test_branches_under_the_stent_are_covered_and_those_beside_it_are_free():
-    points, parent, radius = a_tree()
-    found = branch_ostia(points, parent, [[12, 0, 0], [50, 0, 0]], radius, margin=15)
-    assert [branch.is_covered for branch in found] == [False, True, False]
-    inside = [branch.distance_inside_proximal_end for branch in found]
-    np.testing.assert_allclose(inside, [-2, 18, 48], atol=ROUNDING)
-    np.testing.assert_allclose(
-        [branch.distance_inside_distal_end for branch in found], [40, 20, -10], atol=ROUNDING
-    )
-    # The first point of the branch's centerline that the vessel's spheres do not hold.
-    np.testing.assert_allclose(found[1].position, [30, 0, 3], atol=ROUNDING)
-
-
-def test_an_ostium_that_the_stent_touches_with_its_edge_is_covered():
-    points, parent, radius = a_tree()
-    (branch,) = branch_ostia(points, parent, [[30.5, 0, 0], [40, 0, 0]], radius, margin=5)
-    assert branch.is_covered
-    assert branch.distance_inside_proximal_end == pytest.approx(-0.5)
-
-
-def test_branches_beyond_the_margin_are_not_listed():
-    points, parent, radius = a_tree()
-    assert branch_ostia(points, parent, [[40, 0, 0], [50, 0, 0]], radius, margin=5) == ()
-
-
-def test_without_radii_the_branch_begins_on_the_centerline():
-    points, parent, _ = a_tree()
-    (branch,) = branch_ostia(points, parent, [[25, 0, 0], [35, 0, 0]], margin=4)
-    np.testing.assert_allclose(branch.position, [30, 0, 0])
-    assert np.isnan(branch.radius)
-    assert branch.is_covered
-
-
-def test_the_direction_of_the_stent_decides_which_end_is_proximal():
-    points, parent, radius = a_tree()
-    (branch,) = branch_ostia(points, parent, [[40, 0, 0], [25, 0, 0]], radius, margin=4)
-    assert branch.distance_inside_proximal_end == pytest.approx(10)
-
-
-def test_the_stented_vessel_may_turn_into_a_branch():
-    points, parent, radius = a_tree()
-    axis = [[20, 0, 0], [30, 0, 0], [30, 0, 8]]
-    found = branch_ostia(points, parent, axis, radius, margin=5)
-    assert len(found) == 1, "the vessel that goes on is the side branch then"
-    np.testing.assert_allclose(found[0].position[1:], 0, atol=ROUNDING)
-    assert found[0].position[0] > 30
-
-
-def test_a_tree_that_is_none_is_refused():
-    points, parent, radius = a_tree()
-    axis = [[20, 0, 0], [30, 0, 0]]
-    with pytest.raises(InputError, match="parents: expected 138 integers"):
-        branch_ostia(points, parent[:-1], axis)
-    with pytest.raises(InputError, match="parents: expected -1 to 137, got -1 to 500"):
-        branch_ostia(points, np.where(parent == 5, 500, parent), axis)
-    with pytest.raises(InputError, match="got a circle that holds point"):
-        branch_ostia(points, np.where(parent == -1, 1, parent), axis)
-    with pytest.raises(InputError, match="inscribed_radius: expected one for each of 138 points"):
-        branch_ostia(points, parent, axis, radius[:3])
-    with pytest.raises(InputError, match="two separate trees"):
-        branch_ostia(points, np.where(parent == 24, -1, parent), axis)
-    with pytest.raises(InputError, match="expected two different points at least"):
-        branch_ostia(points, parent, [[1, 0, 0], [1, 0, 0]])

@@ -13,9 +13,9 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from SDFStentLib.measure.coverage import BranchOstium
 from SDFStentLib.measure.lesion_value import HealthyPlace, Lesion
 from SDFStentLib.measure.metrics import DiameterProfile
+from SDFStentLib.measure.ostia import Ostium
 from SDFStentLib.report.drawing import Line
 from SDFStentLib.report.html import certificate_sentence, html_page
 from SDFStentLib.report.lesions import treated_lesion_section
@@ -74,7 +74,7 @@ def a_report(**changes):
         before=a_profile([8, 6, 4, 6, 8]),
         after=a_profile([8.4, 8.2, 8, 8.2, 8.4], wider=1.01),
         prescribed_diameter=np.array(8.5),
-        branches=(BranchOstium(np.array([1.0, 2.0, 3.0]), math.nan, 2.0, -1.0, True),),
+        branches=(Ostium("branch <1>", np.array([1.0, 2.0, 3.0]), -2.0, 3.0, 9.0, 0.6),),
         lesions=(1,),
     )
     report = Report(
@@ -188,7 +188,7 @@ def test_what_is_not_known_is_null_and_never_nan():
     document = json.loads(text)
     assert document["diameters"]["along"]["mis_before_mm"] == [None, 6.0, 4.0, None, 8.0]
     assert document["diameters"]["minimum_lumen"]["after_mm"] is None
-    assert document["branches"][0]["radius_mm"] is None
+    assert document["branches"][0]["lumen_before_mm"] is None
 
 
 def test_every_length_in_the_document_carries_its_unit():

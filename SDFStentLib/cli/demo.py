@@ -146,9 +146,8 @@ def _tell(console: Console, folder: Path, stent: TreatedStent, missing: list[Cau
         f"A stent of {stent.stent.diameter:g} x {stent.axis.deployed_length:.0f} mm across "
         f"the bifurcation opens it to {after.minimum:.1f} mm."
     )
-    covered = sum(branch.is_covered for branch in stent.branches)
-    if covered:
-        console.say(f"It covers the origin of {covered} side branch: the right pulmonary artery.")
+    for branch in stent.branches:
+        console.say(branch.sentence())
     console.say(f"  {folder / 'report.html'}            diameters before and after, to read")
     if missing:
         console.warn(missing)

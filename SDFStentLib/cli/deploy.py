@@ -143,6 +143,8 @@ class _Job:
         for stent in self.result.treatment.stents:
             label = treatment.label(stent.number)
             self.console.say(label + lumen_sentence(stent))
+            for branch in stent.branches:
+                self.console.say(label + branch.sentence())
             for sentence in stent_lesion_sentences(self.result.lesions, stent.number):
                 self.console.say(label + sentence)
         certificate = self.result.treatment.certificate

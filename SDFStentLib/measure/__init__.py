@@ -2,39 +2,51 @@
 
 from __future__ import annotations
 
+from .apposition import Apposition, FreeStretch, apposition
 from .caps import bulged_caps, caps_across
-from .coverage import BranchOstium, branch_ostia
 from .cross_section import equivalent_diameters, winding_numbers
+from .extended_axis import ExtendedAxis, extended_axis
 from .inscribed import InscribedSpheres, inscribed_spheres
 from .lesion_value import HealthyPlace, Lesion
 from .lesions import find_lesions, lesion_after, lesion_against, lesions_within
 from .local_surface import LocalSurface
 from .metrics import DiameterProfile, diameter_profile
 from .narrowings import SMALLEST_DEGREE
+from .neighbor_lumen import NeighborLumen, neighbor_lumens, profile_around
+from .ostia import NEARLY, Ostium, find_ostia
 from .stretch import displacements, face_stretches
 from .tree_lumen import closed_surface
 
 __all__ = [
+    "NEARLY",
     "SMALLEST_DEGREE",
-    "BranchOstium",
+    "Apposition",
     "DiameterProfile",
+    "ExtendedAxis",
+    "FreeStretch",
     "HealthyPlace",
     "InscribedSpheres",
     "Lesion",
     "LocalSurface",
-    "branch_ostia",
+    "NeighborLumen",
+    "Ostium",
+    "apposition",
     "bulged_caps",
     "caps_across",
     "closed_surface",
     "diameter_profile",
     "displacements",
     "equivalent_diameters",
+    "extended_axis",
     "face_stretches",
     "find_lesions",
+    "find_ostia",
     "inscribed_spheres",
     "lesion_after",
     "lesion_against",
     "lesions_within",
+    "neighbor_lumens",
+    "profile_around",
     "winding_numbers",
 ]
 

@@ -8,6 +8,7 @@ from html import escape
 from typing import Any
 
 from ..validation import printable
+from .branches import apposition_table, branch_table
 from .drawing import svg
 from .lesion_table import covered_words, lesion_rows, lesion_table, stent_lesions
 from .plot import diameter_plot
@@ -17,7 +18,6 @@ from .words import (
     millimeters,
     number_text,
     plain_label,
-    point_text,
     stent_rows,
     stent_titles,
 )
@@ -69,7 +69,8 @@ def html_page(document: Mapping[str, Any], picture: bytes | str | None = None) -
     parts += [
         *(_stent(title, stent, frame) for title, stent in zip(titles, stents, strict=True)),
         *lesion_table(document["lesions"]),
-        *_branches(document["branches"]),
+        *branch_table(document["branches"]),
+        *apposition_table(document["apposition"]),
         _definitions(document["definitions"]),
         _inputs(document["inputs"], document["timings"]),
         "</body></html>\n",
@@ -178,24 +179,6 @@ def _rows(rows: Iterable[tuple[str, str]], style: str = "") -> str:
         f"<tr><td>{escape(name)}</td><td>{escape(text)}</td></tr>" for name, text in rows
     )
     return f"<table class='words{style}'>{lines}</table>"
-
-
-def _branches(branches: Sequence[Mapping[str, Any]]) -> list[str]:
-    if not branches:
-        return []
-    rows = "".join(
-        f"<tr><td>{branch['stent']}</td><td>{point_text(branch['ostium_mm'])}</td>"
-        f"<td class='n'>{millimeters(branch['distance_inside_proximal_end_mm'], signed=True)}</td>"
-        f"<td class='n'>{millimeters(branch['distance_inside_distal_end_mm'], signed=True)}</td>"
-        f"<td>{'<b>covered</b>' if branch['covered'] else 'free'}</td></tr>"
-        for branch in branches
-    )
-    return [
-        "<h2>Side branches</h2><table><tr><th>stent</th><th>ostium at (mm)</th>"
-        "<th class='n'>inside proximal end</th><th class='n'>inside distal end</th>"
-        f"<th>ostium</th></tr>{rows}</table><p class='small'>Distances along the stent axis from "
-        "its ends; negative: beyond that end.</p>"
-    ]
 
 
 def _definitions(definitions: Mapping[str, str]) -> str:

@@ -60,6 +60,8 @@ def _stent_result(stent: TreatedStent, lesions: Sequence[TreatedLesion] | None) 
         after=stent.after,
         prescribed_diameter=stent.stent.diameter,  # type: ignore[arg-type]
         branches=stent.branches,
+        neighbors=stent.neighbors,
+        apposition=stent.apposition,
         lesions=None
         if lesions is None
         else tuple(one.number for one in lesions if stent.number in one.stents),

@@ -14,8 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..files import atomic_path, write_bytes
-from ..measure import SMALLEST_DEGREE, BranchOstium, DiameterProfile
+from ..measure import (
+    SMALLEST_DEGREE,
+    Apposition,
+    DiameterProfile,
+    NeighborLumen,
+    Ostium,
+)
 from ..validation import InputError, read_only
+from .branches import branch_section, free_stretches
 from .drawing import svg
 from .html import html_page
 from .picture import painted
@@ -34,7 +41,7 @@ DEFINITIONS = {
     ),
     "equivalent diameter": (
         "diameter of the circle with the area of the lumen's cross-section in that plane, "
-        "2 sqrt(area / pi); in a junction it takes in the opening of the other branch"
+        "2 sqrt(area / pi); at an ostium the section is cut at the wall that would be there"
     ),
     "prescribed diameter": "lumen diameter that the stent was set to reach at that place",
     "minimum lumen diameter": "smallest inscribed diameter over the stented length (MLD)",
@@ -70,7 +77,9 @@ class StentResult:
     after: DiameterProfile
     prescribed_diameter: NDArray[np.float64]
     """Per station, mm; one number for all is enough."""
-    branches: tuple[BranchOstium, ...] = ()
+    branches: tuple[Ostium, ...] = ()
+    neighbors: tuple[NeighborLumen, ...] = ()
+    apposition: Apposition | None = None
     lesions: tuple[int, ...] | None = None
     """Numbers of the lesions that it covers; None when none were looked for."""
 
@@ -135,9 +144,17 @@ class Report:
             "lesions": self.lesions,
             "certificate": self.certificate,
             "branches": [
-                {"stent": stent.description.get("number", place), **_branch_section(branch)}
+                {
+                    "stent": stent.description.get("number", place),
+                    **branch_section(branch, stent.neighbors),
+                }
                 for place, stent in enumerate(self.stents, start=1)
                 for branch in stent.branches
+            ],
+            "apposition": [
+                {"stent": stent.description.get("number", place), **stretch}
+                for place, stent in enumerate(self.stents, start=1)
+                for stretch in free_stretches(stent.apposition)
             ],
             "warnings": self.warnings,
             "timings": {f"{name}_s": seconds for name, seconds in self.timings.items()},
@@ -237,16 +254,6 @@ def _statistics(profile: DiameterProfile) -> dict[str, float]:
         "mean_mm": profile.mean,
         "sd_mm": profile.sd,
         "equivalent_mean_mm": _mean(profile.equivalent_diameter),
-    }
-
-
-def _branch_section(branch: BranchOstium) -> dict[str, Any]:
-    return {
-        "ostium_mm": branch.position,
-        "radius_mm": branch.radius,
-        "distance_inside_proximal_end_mm": branch.distance_inside_proximal_end,
-        "distance_inside_distal_end_mm": branch.distance_inside_distal_end,
-        "covered": branch.is_covered,
     }
 
 

@@ -20,7 +20,7 @@ from ..centerline import Centerline
 from ..certificate import Certificate, certify
 from ..deformation import Deployment, DeploymentResult, DeploymentSettings, DeploymentState
 from ..geometry import Precision, Surface, as_surface
-from ..measure import BranchOstium, branch_ostia, bulged_caps, diameter_profile
+from ..measure import bulged_caps, diameter_profile
 from ..stent import Stent, StentAxis
 from ..validation import (
     DeploymentError,
@@ -30,6 +30,7 @@ from ..validation import (
     read_only,
 )
 from .straightening import axis_in_vessel
+from .surroundings import surroundings
 from .value import TreatedStent, TreatmentResult, TreatmentState
 from .warnings import check_width, narrowed, nothing_moved, overdilated, overlap
 
@@ -193,18 +194,17 @@ class Treatment:
         before_profile, after_profile = (
             diameter_profile(surface, axis, PROFILE_SPACING) for surface in (self.surface, after)
         )
-        try:
-            branches = stage.branches()
-        except InputError as error:
-            stage.warnings += (Caution("branches-unknown", {"reason": str(error)}),)
-            branches = ()
+        radius, tree = stage.stent.radius, stage.centerline
+        around = surroundings(stage.deployment.surface, after, axis, radius, tree)
         return TreatedStent(
             number=stage.number,
             stent=stage.stent,
             axis=stage.axis,
             before=before_profile,
             after=after_profile,
-            branches=branches,
+            branches=around.branches,
+            neighbors=around.neighbors,
+            apposition=around.apposition,
             result=stage.result,
         )
 
@@ -255,6 +255,7 @@ class Treatment:
         yield from self._narrowed(stage, done)
         if stage.result.relief is not None:
             yield stage.result.relief.caution()
+        yield from (one.caution() for one in done.neighbors if one.is_narrowed)
         yield from (gap.labeled("Before treatment: ") for gap in done.before.gaps)
         yield from (gap.labeled("After treatment: ") for gap in done.after.gaps)
 
@@ -271,9 +272,3 @@ class _Stage:
     result: DeploymentResult
     warnings: tuple[Caution, ...] = ()
     seconds: tuple[float, float] = (0.0, 0.0)
-
-    def branches(self) -> tuple[BranchOstium, ...]:
-        if self.centerline is None:
-            return ()
-        tree = self.centerline
-        return branch_ostia(tree.points, tree.parent, self.axis.points, tree.inscribed_radius)

@@ -12,7 +12,7 @@ from ..centerline import Centerline
 from ..certificate import Certificate
 from ..deformation import DeploymentResult, DeploymentState
 from ..geometry import Surface
-from ..measure import BranchOstium, DiameterProfile
+from ..measure import Apposition, DiameterProfile, NeighborLumen, Ostium
 from ..stent import Stent, StentAxis
 from ..validation import Points
 
@@ -59,8 +59,12 @@ class TreatedStent:
         Where it lies.
     before, after : DiameterProfile
         Of the vessel along the axis, before any stent and after all of them.
-    branches : tuple of BranchOstium
-        Side branches near it; empty without a centerline.
+    branches : tuple of Ostium
+        Side branches near it, found on the surface that it was put into.
+    neighbors : tuple of NeighborLumen
+        Lumens beside it whose wall has moved; branches by the names of their ostia.
+    apposition : Apposition
+        Its contact with the wall after treatment.
     result : DeploymentResult
         What came of it, before the stents after it.
     """
@@ -70,7 +74,9 @@ class TreatedStent:
     axis: StentAxis
     before: DiameterProfile
     after: DiameterProfile
-    branches: tuple[BranchOstium, ...]
+    branches: tuple[Ostium, ...]
+    neighbors: tuple[NeighborLumen, ...]
+    apposition: Apposition
     result: DeploymentResult
 
     @property

@@ -1,0 +1,124 @@
+"""Where an expanded stent touches the wall and where it hangs free."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..geometry import Surface, length, without_repeats
+from ..validation import Floats, as_number, as_points, read_only
+from .wall_map import RAYS, near_wall, wall_map
+
+GAP = 0.3
+"""Distance from stent to wall up to which they touch, mm: a strut is 0.1 to 0.3 mm thick."""
+
+SPACING = 0.5
+"""Of the stations, mm."""
+
+
+@dataclass(frozen=True)
+class FreeStretch:
+    """A part of the stent in which some of its circumference touches no wall."""
+
+    start: float
+    """From the proximal end of the stent, mm."""
+    end: float
+    share: float
+    """Mean share of the circumference without contact, above 0 and up to 1."""
+    largest_gap: float
+    """From stent to wall, mm; infinite over an open end."""
+
+
+@dataclass(frozen=True)
+class Apposition:
+    """Contact of a stent with the wall along its axis."""
+
+    arc_length: Floats
+    """(n,) middles of equal pieces of the stent from its proximal end, mm."""
+    free_share: Floats
+    """(n,) share of the circumference without contact, 0 to 1."""
+    stretches: tuple[FreeStretch, ...]
+    """Where the share is above `noticed`, proximal to distal."""
+    length: float
+    """Of the stent, mm."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "arc_length", read_only(self.arc_length))
+        object.__setattr__(self, "free_share", read_only(self.free_share))
+
+    @property
+    def free_length(self) -> float:
+        """Length of all stretches together, mm."""
+        return float(sum(stretch.end - stretch.start for stretch in self.stretches))
+
+    def sentence(self) -> str:
+        """Where it hangs free, for the user; empty when it touches all along."""
+        if not self.stretches:
+            return ""
+        where = ", ".join(
+            f"{stretch.start:.1f} to {stretch.end:.1f} mm ({100 * stretch.share:.0f} % of the "
+            "circumference)"
+            for stretch in self.stretches
+        )
+        return (
+            f"The stent touches no wall over {self.free_length:.1f} of its {self.length:.1f} mm: "
+            f"from its proximal end {where}."
+        )
+
+
+def apposition(
+    surface: Surface,
+    axis: ArrayLike,
+    radius: float,
+    *,
+    gap: float = GAP,
+    noticed: float = 0.1,
+) -> Apposition:
+    """Contact of an expanded stent with the deployed surface.
+
+    Rays go from the stent's axis, across it; the wall is in contact where it is nearer than
+    radius and gap.
+
+    Parameters
+    ----------
+    surface : Surface
+        After deployment, mm.
+    axis : array_like, shape (n, 3)
+        The stent's, proximal to distal, mm.
+    radius : float
+        Of the stent, mm.
+    gap : float
+        mm.
+    noticed : float
+        Share of the circumference from which a piece of the stent belongs to a free stretch.
+
+    Raises
+    ------
+    InputError
+        An axis that is no polyline, or numbers out of range.
+    """
+    line = without_repeats(as_points(axis, "stent axis", minimum=2))
+    as_number(radius, "stent radius", unit="mm", above=0)
+    reach = radius + as_number(gap, "gap", unit="mm", minimum=0)
+    as_number(noticed, "noticed", minimum=0, maximum=1)
+    near = near_wall(surface, line, max(length(line), 2 * reach))
+    wall = wall_map(near, line, spacing=SPACING, window=radius)
+    # A piece between two stations has the mean of both.
+    share = (wall.distance > reach).sum(axis=1) / RAYS
+    share = (share[1:] + share[:-1]) / 2
+    gaps = np.maximum(wall.distance[1:], wall.distance[:-1]).max(axis=1) - radius
+    edges = wall.arc_length
+    is_free = np.r_[False, share > noticed, False]
+    runs = np.flatnonzero(is_free[1:] != is_free[:-1]).reshape(-1, 2)
+    stretches = tuple(
+        FreeStretch(
+            float(edges[first]),
+            float(edges[after]),
+            float(share[first:after].mean()),
+            float(gaps[first:after].max()),
+        )
+        for first, after in runs
+    )
+    return Apposition((edges[1:] + edges[:-1]) / 2, share, stretches, float(edges[-1]))

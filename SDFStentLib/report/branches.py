@@ -1,0 +1,87 @@
+"""Branches beside a stent, and where it hangs free, in documents and words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from html import escape
+from typing import Any
+
+from ..measure import NEARLY, Apposition, NeighborLumen, Ostium
+from .words import millimeters
+
+
+def branch_section(branch: Ostium, neighbors: Sequence[NeighborLumen]) -> dict[str, Any]:
+    """One ostium as a report has it; its lumen where the wall of the branch has moved."""
+    lumen = next((n for n in neighbors if n.name == branch.name), None)
+    return {
+        "name": branch.name,
+        "ostium_mm": branch.center,
+        "ostium_start_mm": branch.start,
+        "ostium_end_mm": branch.end,
+        "percent_covered": 100 * branch.covered_share,
+        "lumen_before_mm": None if lumen is None else lumen.before,
+        "lumen_after_mm": None if lumen is None else lumen.after,
+    }
+
+
+def free_stretches(found: Apposition | None) -> Iterator[dict[str, float]]:
+    """The stretches without contact; a gap over an open end is not known."""
+    for stretch in () if found is None else found.stretches:
+        yield {
+            "start_mm": stretch.start,
+            "end_mm": stretch.end,
+            "percent_free": 100 * stretch.share,
+            "largest_gap_mm": stretch.largest_gap,
+        }
+
+
+def branch_table(branches: Sequence[Mapping[str, Any]]) -> list[str]:
+    """A part of the page; nothing where no branch is near."""
+    if not branches:
+        return []
+    rows = "".join(
+        f"<tr><td>{branch['stent']}</td><td>{escape(branch['name'])}</td>"
+        f"<td class='n'>{millimeters(branch['ostium_start_mm'], 1, signed=True)}</td>"
+        f"<td class='n'>{millimeters(branch['ostium_end_mm'], 1, signed=True)}</td>"
+        f"<td>{_covered(branch['percent_covered'])}</td><td>{_lumen(branch)}</td></tr>"
+        for branch in branches
+    )
+    return [
+        "<h2>Side branches</h2><table><tr><th>stent</th><th>branch</th>"
+        "<th class='n'>ostium from</th><th class='n'>to</th><th>ostium</th><th>its lumen</th></tr>"
+        f"{rows}</table><p class='small'>From the proximal end of the stent along its axis; "
+        "negative: proximal of it.</p>"
+    ]
+
+
+def apposition_table(stretches: Sequence[Mapping[str, Any]]) -> list[str]:
+    """A part of the page; nothing where the stent touches all along."""
+    if not stretches:
+        return []
+    rows = "".join(
+        f"<tr><td>{one['stent']}</td><td class='n'>{millimeters(one['start_mm'], 1)}</td>"
+        f"<td class='n'>{millimeters(one['end_mm'], 1)}</td>"
+        f"<td class='n'>{one['percent_free']:.0f} %</td></tr>"
+        for one in stretches
+    )
+    return [
+        "<h2>Without contact</h2><table><tr><th>stent</th><th class='n'>from</th>"
+        "<th class='n'>to</th><th class='n'>of the circumference</th></tr>"
+        f"{rows}</table><p class='small'>From the proximal end of the stent; no wall is there "
+        "either where it lies across the ostium of a branch.</p>"
+    ]
+
+
+def _covered(percent: float) -> str:
+    if percent < 100 * NEARLY:
+        return "free"
+    if percent > 100 * (1 - NEARLY):
+        return "<b>fully covered</b>"
+    return f"<b>{percent:.0f} % covered</b>"
+
+
+def _lumen(branch: Mapping[str, Any]) -> str:
+    before, after = branch["lumen_before_mm"], branch["lumen_after_mm"]
+    if before is None or after is None:
+        return "unchanged or not followed"
+    return f"{millimeters(before)} before, {millimeters(after)} after"

@@ -1,0 +1,104 @@
+"""Where a stent hangs free, how neighbors fare, and diameters beyond its ends."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from ostium_truth import RayCaster
+
+from SDFStentLib import phantoms
+from SDFStentLib.deformation import DeploymentSettings
+from SDFStentLib.measure.apposition import GAP, apposition
+from SDFStentLib.measure.extended_axis import extended_axis
+from SDFStentLib.measure.metrics import diameter_profile
+from SDFStentLib.measure.neighbor_lumen import neighbor_lumens, profile_around
+from SDFStentLib.measure.ostia import find_ostia
+from SDFStentLib.stent import AlongAxis, Stent
+from SDFStentLib.treatment import Treatment
+
+
+def deployed(vessel, axis, diameter):
+    stent = Stent(diameter, placement=AlongAxis(axis))
+    settings = DeploymentSettings(certify=False)
+    return Treatment(vessel.surface, [stent], settings=settings).result.points
+
+
+def test_a_stent_in_a_wider_vessel_hangs_free_over_its_whole_length():
+    tube = phantoms.straight_tube(radius=9.0, length=60, edge_length=1.5)
+    found = apposition(tube.surface, [[0, 0, 20.0], [0, 0, 40.0]], 7.0)
+    (stretch,) = found.stretches
+    assert (stretch.start, stretch.end, stretch.share) == pytest.approx((0, 20, 1.0))
+    assert stretch.largest_gap == pytest.approx(2.0, abs=0.1)
+    assert found.free_length == pytest.approx(20)
+    assert "20.0 of its 20.0 mm" in found.sentence()
+
+
+def test_the_wide_half_of_a_vessel_is_the_free_half():
+    """Free where the vessel is wider than stent and gap; contact where the stent widens it."""
+    vessel = phantoms.stenosed_tube(radius=4.0, throat_radius=2.0, length=60, edge_length=0.7)
+    axis = vessel.axis_at(np.linspace(15, 45, 61))
+    points = deployed(vessel, axis, 6.0)
+    found = apposition(vessel.surface.with_points(points), axis, 3.0)
+    caster = RayCaster(points, vessel.triangles)
+    angles = np.linspace(0, 2 * np.pi, 90, endpoint=False)
+    rays = np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])
+    at = np.arange(0.05, 30, 0.1)
+    is_free = [
+        np.mean([caster.distance(np.array([0, 0, 15 + s]), ray) > 3.0 + GAP for ray in rays]) > 0.1
+        for s in at
+    ]
+    changes = at[np.flatnonzero(np.diff(np.r_[False, is_free, False]))[1:-1]]
+    first, last = found.stretches
+    # Pieces of the stent are half a millimeter long.
+    np.testing.assert_allclose([first.end, last.start], changes, atol=0.5)
+    assert (first.start, last.end) == pytest.approx((0, 30), abs=1e-6)
+
+
+def test_a_covered_branch_that_is_pinched_is_told(data_dir):
+    from test_ostia import vessel
+
+    from SDFStentLib.stent import AtCenter, stent_axis
+
+    surface, tree = vessel(data_dir, "pulmonary, reduced-order")
+    stent = Stent(20, length=25, placement=AtCenter((27.16, -54.26, 67.09)))
+    settings = DeploymentSettings(certify=False)
+    result = Treatment(surface, [stent], tree, settings).result
+    axis = extended_axis(surface, stent_axis(stent, tree).points, tree)
+    ostia = find_ostia(surface, axis)
+    lumens = neighbor_lumens(surface, surface.with_points(result.points), axis, ostia, tree)
+    branch = lumens[-1]
+    assert [lumen.name for lumen in lumens[:2]] == [
+        "the vessel proximal of the stent",
+        "the vessel distal of the stent",
+    ]
+    assert branch.name == ostia[0].name
+    assert branch.before == pytest.approx(9.03, abs=0.05)
+    assert branch.after == pytest.approx(7.37, abs=0.05)
+    assert branch.is_narrowed
+    assert "narrowed from 9.0" in str(branch.caution())
+    assert not any(lumen.is_narrowed for lumen in lumens[:2])
+
+
+def test_diameters_go_on_beyond_both_ends_and_stop_with_the_vessel():
+    vessel = phantoms.straight_tube(length=40.0)
+    surface = vessel.surface
+    axis = extended_axis(surface, [[0, 0, 12.0], [0, 0, 24.0]], vessel.centerline)
+    profile = profile_around(surface, axis)
+    assert profile.arc_length[[0, -1]] == pytest.approx([-12, 28])
+    np.testing.assert_allclose(profile.inscribed_diameter, 6.0, rtol=0.02)
+
+
+def test_the_section_at_an_ostium_is_not_that_of_the_neighbor(data_dir):
+    """Not much wider than the sphere that fits, from a junction on."""
+    from test_ostia import FORMS, vessel
+
+    for form in list(FORMS)[1:]:
+        surface, tree = vessel(data_dir, form)
+        end = tree.points[tree.leaves[0]]
+        junction = tree.points[tree.junctions[0]]
+        path = tree.path(junction, end)
+        part = path.points[: max(2, int(np.searchsorted(np.arange(len(path.points)), 120)))]
+        profile = diameter_profile(surface, part, 1.0)
+        known = np.isfinite(profile.equivalent_diameter + profile.inscribed_diameter)
+        ratio = profile.equivalent_diameter[known] / profile.inscribed_diameter[known]
+        assert ratio.max() < 1.35, form
