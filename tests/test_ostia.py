@@ -11,7 +11,7 @@ from ostium_truth import openings_at
 from SDFStentLib import phantoms
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.files import read_centerline, read_surface
-from SDFStentLib.geometry import Surface, cut
+from SDFStentLib.geometry import Surface, closest_points, cut
 from SDFStentLib.measure.extended_axis import ExtendedAxis, extended_axis
 from SDFStentLib.measure.ostia import find_ostia
 from SDFStentLib.phantoms.axis import planar_axis
@@ -123,6 +123,35 @@ def test_a_stent_below_a_junction_covers_a_part(data_dir, below, share):
         (ostium,) = ostia_of(surface, axis.points, tree)
         assert share[0] < ostium.covered_share < share[1]
         assert ostium.start < 0 < ostium.end
+
+
+@pytest.mark.parametrize("below", [12, 14, 16])
+def test_stents_below_a_junction_agree_with_rays(data_dir, below):
+    surface, tree = vessel(data_dir, "iliac, reduced-order")
+    for leaf in tree.leaves:
+        path = tree.path(tree.points[tree.junctions[0]], tree.points[leaf])
+        line = cut(path.points, below, below + 25)
+        way = extended_axis(surface, line, tree)
+        extent = (way.points, way.before, way.stent_length)
+        ((truth,),) = openings_at(surface.points, surface.triangles, *extent, [1.15])
+        (ostium,) = find_ostia(surface, way)
+        edge = edge_near(surface, ostium.center)
+        np.testing.assert_allclose([ostium.start, ostium.end], truth[:2], atol=edge)
+        assert ostium.covered_share == pytest.approx(truth.share, abs=0.02)
+
+
+def test_a_tree_stored_backward_gives_the_same_ostia(data_dir):
+    for form in FORMS:
+        surface, tree = vessel(data_dir, form)
+        lines = [branch[::-1] for branch in tree.branches]
+        backward = Centerline.from_lines(tree.points, lines, tree.inscribed_radius)
+        path = tree.path(tree.points[tree.roots[0]], tree.points[tree.leaves[0]])
+        at = float(closest_points(path.points, tree.points[tree.junctions[:1]]).arc_lengths[0])
+        line = cut(path.points, max(at - 10, 0), at + 15)
+        one, other = (ostia_of(surface, line, own) for own in (tree, backward))
+        assert len(one) == len(other) > 0
+        extents = [[(o.start, o.end, o.covered_share) for o in found] for found in (one, other)]
+        np.testing.assert_allclose(*extents, atol=0.05)
 
 
 def test_an_axis_alone_finds_the_branches_of_the_surface(data_dir):
