@@ -120,7 +120,7 @@ def test_every_while_says_why_it_ends():
 
 CIRCLE = """
 import numpy as np
-from SDFStentLib.centerline import as_parents
+from SDFStentLib.centerline.point_tree import as_parents
 as_parents(np.array([-1, 3, 1, 2]), 4)
 """
 

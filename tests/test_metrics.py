@@ -1,4 +1,4 @@
-"""Distances, inscribed spheres, diameters, stretch and coverage."""
+"""Distances, inscribed spheres, diameters and stretch."""
 
 from __future__ import annotations
 

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from .centerline import Centerline, CenterlinePath, Location
 from .junctions import JunctionChoice
-from .point_tree import as_parents
 
 __all__ = [
     "Centerline",
     "CenterlinePath",
     "JunctionChoice",
     "Location",
-    "as_parents",
 ]
 
 
