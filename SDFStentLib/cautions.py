@@ -47,8 +47,8 @@ TEMPLATES = {
         "of centerline are available there."
     ),
     "branch-chosen": (
-        "At the junction near ({x:.4g}, {y:.4g}, {z:.4g}) the {thing} follows the {rule} branch; "
-        "place it between two points{to} to choose another one."
+        "At the junction near ({x:.4g}, {y:.4g}, {z:.4g}) mm the {thing} follows the {rule} "
+        "branch; place it between two points{to} to choose another one."
     ),
     "point-beside": "The {point} " + _BESIDE,
     "end-beside": "The {thing} {end} " + _BESIDE,

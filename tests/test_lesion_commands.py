@@ -85,7 +85,7 @@ def test_measure_says_of_a_lesion_all_that_was_built(tube, capsys):
     widths = re.search(r"minimum (\S+) mm against (\S+) mm", said).groups()
     # Facets of 0.8 mm lie inside of the circle.
     np.testing.assert_allclose(np.array(widths, dtype=float), [3.6, 6.0], atol=0.05)
-    assert "Reference: healthy vessel proximal of it (6.0 mm) and distal of it (6.0 mm)" in said
+    assert "Reference: healthy vessel proximal to it (6.0 mm) and distal to it (6.0 mm)" in said
     assert "inscribed (mm)" not in said
 
 
@@ -156,6 +156,11 @@ def test_the_marked_reference_stands_for_the_lesion_beside_it_only(pulmonary, ca
     assert after[1:] == before[1:]
 
 
+def test_a_reference_without_a_lesion_beside_it_is_refused(healthy, capsys):
+    said = said_of(["measure", *healthy, "--reference", 0, 0, 1], capsys, code=2)
+    assert "reference: expected a vessel with a lesion to measure against it" in said
+
+
 # deploy
 
 
@@ -171,7 +176,7 @@ def deployed(arguments, tmp_path, capsys, code=0):
 def test_a_lesion_that_is_not_there_ends_in_how_many_there_are(tube, tmp_path, capsys, number):
     place = ["--at-lesion", number, "--length", 10, "--diameter", 6]
     said, _ = deployed([*tube, *place], tmp_path, capsys, code=2)
-    assert f"--at-lesion: expected a lesion from 1 to 1, got {number}" in said
+    assert f"--at-lesion: expected 1, as the vessel has one lesion, got {number}; see" in said
     assert len(said.splitlines()) == 1
     assert not list(tmp_path.iterdir())
 
@@ -179,7 +184,7 @@ def test_a_lesion_that_is_not_there_ends_in_how_many_there_are(tube, tmp_path, c
 def test_a_vessel_without_lesions_has_none_to_place_a_stent_at(healthy, tmp_path, capsys):
     place = ["--at-lesion", 1, "--length", 10, "--diameter", 8]
     said, _ = deployed([*healthy, *place], tmp_path, capsys, code=2)
-    assert "--at-lesion: expected a vessel with lesions, got 1 in one that has none" in said
+    assert "expected a vessel with a lesion, got one in which none of 15 % or more was" in said
 
 
 def test_what_belongs_to_a_lesion_is_asked_for(tube, tmp_path, capsys):
@@ -230,6 +235,30 @@ def test_a_placement_covers_its_lesion_whatever_the_length_and_the_branch(data_d
             assert np.linalg.norm(middle - resampled_to(lesion.line, 101)[50]) < 1.0
 
 
+def test_what_a_short_stent_leaves_is_said_to_lie_beyond_it(pulmonary, tmp_path, capsys):
+    """A lesion of 35 mm under a stent of 18 mm; of 20 % that are left the stent is not to blame."""
+    place = ["--at-lesion", 1, "--length", 20, "--diameter", 9]
+    said, report = deployed([*pulmonary, *place], tmp_path, capsys)
+    assert "What is left is narrowest beyond the stent's ends." in said
+    treated = read_surface(tmp_path / "out.vtp", units="cm")
+    lesion, stent = report["lesions"][0], report["stents"][0]
+    path = np.array(lesion["path_mm"])
+    radii = inscribed_spheres(treated.points, treated.triangles, path).radii
+    sides = [lesion["reference"][side] for side in ("proximal", "distal")]
+    at = lesion["extent"]["start_mm"] + np.linspace(0, lesion["extent"]["length_mm"], len(path))
+    wanted = np.interp(at, *([s[k] for s in sides] for k in ("arc_length_mm", "diameter_mm")))
+    left = path[np.argmax(1 - 2 * radii / wanted)]
+    ends = np.array([stent["axis"][end] for end in ("start_mm", "end_mm")])
+    assert np.linalg.norm(ends - left, axis=1).max() > stent["deployed_length_mm"]
+
+
+def test_what_a_stent_leaves_within_itself_is_not_said_to_lie_beyond(tube, tmp_path, capsys):
+    place = ["--at-lesion", 1, "--length", 40, "--diameter", 5.4]
+    said, _ = deployed([*tube, *place], tmp_path, capsys)
+    assert "10 % after" in said
+    assert "beyond" not in said
+
+
 # the same number whatever stent is tried
 
 
@@ -276,3 +305,46 @@ def test_without_a_centerline_the_report_says_that_lesions_were_not_looked_for(
     assert report["lesions"] is None
     assert report["stents"][0]["lesions"] is None
     assert "Lesions were not looked for" in Path(tmp_path / "r.html").read_text(encoding="utf-8")
+
+
+# the user's own reference
+
+
+def test_the_marked_reference_gives_the_same_numbers_in_measure_deploy_and_run(
+    pulmonary, data_dir, tmp_path, capsys
+):
+    vessel = anatomy(data_dir, "pulmonary")
+    first = find_lesions(vessel.surface, vessel.centerline)[0]
+    places = [first.proximal.point, first.distal.point]
+    words = [w for place in places for w in ("--reference", *(f"{x / 10:.6f}" for x in place))]
+    plan = tmp_path / "plan.json"
+    place = ["--at-lesion", 1, "--length", 20, "--diameter", 8, "--save-plan", plan]
+    told = document_of(["measure", *pulmonary, *words[:4]], capsys)["lesions"]
+    _, report = deployed([*pulmonary, *place, *words[:4]], tmp_path, capsys)
+    said_of(["run", plan, "-o", tmp_path / "run"], capsys)
+    again = json.loads((tmp_path / "run" / "report.json").read_text(encoding="utf-8"))
+    for lesions in (report["lesions"], again["lesions"]):
+        for known, lesion in zip(told, lesions, strict=True):
+            assert {key: lesion[key] for key in known} == known
+    marked = report["lesions"][0]
+    assert "the vessel marked proximal to it" in marked["reference"]["words"]
+    # By hand: spheres at the place that was marked and along the lesion.
+    width = (
+        2 * inscribed_spheres(vessel.points, vessel.triangles, [places[0], first.line[0]]).radii[0]
+    )
+    assert marked["reference"]["diameter_mm"] == pytest.approx(width, rel=0.01)
+    left = marked["after"]
+    assert left["percent_diameter"] == pytest.approx(
+        100 * (1 - left["minimum"]["diameter_mm"] / marked["reference"]["diameter_mm"])
+    )
+
+
+def test_a_reference_that_cannot_be_one_ends_before_anything_is_deployed(tube, tmp_path, capsys):
+    place = ["--at-lesion", 1, "--length", 20, "--diameter", 6]
+    words = ["--reference", 2, 0, 1]
+    said, _ = deployed([*tube, *place, *words], tmp_path, capsys, code=2)
+    assert "reference: expected a place inside of the vessel" in said
+    assert len(said.splitlines()) == 1
+    alone = [tube[0], "--axis", tube[2], "--diameter", 6]
+    said, _ = deployed([*alone, *words], tmp_path, capsys, code=2)
+    assert "expected --centerline FILE with --reference, got none" in said

@@ -15,7 +15,8 @@ from SDFStentLib.field import CapsuleChain
 from SDFStentLib.geometry import Surface
 from SDFStentLib.geometry.polyline import cut
 from SDFStentLib.measure.inscribed import inscribed_spheres
-from SDFStentLib.measure.lesions import find_lesions, lesion_after, lesion_against, lesions_within
+from SDFStentLib.measure.lesions import find_lesions, lesion_after, lesions_within
+from SDFStentLib.measure.marked_reference import lesion_against
 from SDFStentLib.measure.tree_lumen import closed_surface
 from SDFStentLib.phantoms.axis import planar_axis
 from SDFStentLib.phantoms.mesh import swept_tube
@@ -193,7 +194,7 @@ def test_a_reference_that_cannot_be_one_is_refused_in_a_sentence():
     surface = made.surface, made.centerline
     with pytest.raises(InputError, match="one or two marked places, got 0"):
         lesion_against(lesion, [], *surface)
-    with pytest.raises(InputError, match="two distal of it"):
+    with pytest.raises(InputError, match="two distal to it"):
         lesion_against(lesion, [[0, 0, 30], [0, 0, 35]], *surface)
     with pytest.raises(InputError, match="inside of the vessel"):
         lesion_against(lesion, [[9, 0, 30]], *surface)

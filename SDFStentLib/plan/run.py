@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from time import perf_counter
@@ -22,7 +22,7 @@ from ..files import (
     write_centerline,
     write_surface,
 )
-from ..measure import Lesion, face_stretches, find_lesions
+from ..measure import Lesion, face_stretches, find_lesions, lesions_against
 from ..stent import AlongAxis, InputFile
 from ..treatment import (
     TreatedLesion,
@@ -52,6 +52,8 @@ class InputFiles:
     warnings : tuple of Caution
     seconds : float
         That reading took.
+    reference : tuple of (3,) arrays
+        Healthy vessel that the user marked, mm, in the frame of the surface.
     """
 
     surface: SurfaceFile
@@ -59,13 +61,24 @@ class InputFiles:
     centerline: Centerline | None
     warnings: tuple[Caution, ...]
     seconds: float
+    reference: tuple[Points, ...] = ()
 
     @cached_property
     def lesions(self) -> tuple[Lesion, ...] | None:
-        """Of the vessel, found when first asked for; None without a centerline."""
-        if self.centerline is None:
+        """Of the vessel, found when first asked for; None without a centerline.
+
+        The one beside a reference that the user marked is measured against that.
+
+        Raises
+        ------
+        InputError
+            Places of the reference that cannot be one.
+        """
+        surface, tree = self.surface.surface, self.centerline
+        if tree is None:
             return None
-        return find_lesions(self.surface.surface, self.centerline)
+        found = find_lesions(surface, tree)
+        return lesions_against(found, self.reference, surface, tree) if self.reference else found
 
 
 @dataclass(frozen=True)
@@ -151,12 +164,15 @@ def read_input_files(
     centerline: str | os.PathLike[str] | None = None,
     units: str = "mm",
     root: Points | None = None,
-    root_frame: Frame | None = None,
+    frame: Frame | None = None,
+    *,
+    reference: Sequence[Points] = (),
 ) -> InputFiles:
     """Read a surface and its centerline, and check that they are in the same space.
 
-    The root of the centerline is its end nearest to `root`, (3,) mm in the frame `root_frame`,
-    where that is given; the surface's where no frame is.
+    The root of the centerline is its end nearest to `root`, (3,) mm, where that is given, and a
+    lesion is measured against the places `reference`. Both are in the frame `frame`; the
+    surface's where no frame is.
 
     Raises
     ------
@@ -167,14 +183,16 @@ def read_input_files(
     surface_file = read_surface(surface, units)
     line_file, tree = None, None
     warnings = surface_file.warnings
+    if frame is not None and surface_file.frame not in (None, frame):
+        root = None if root is None else flipped(root)
+        reference = [flipped(place) for place in reference]
     if centerline is not None:
         line_file = in_frame_of(read_lines(centerline, units), surface_file.frame)
-        if root is not None and root_frame is not None:
-            root = flipped(root) if surface_file.frame not in (None, root_frame) else root
         tree = line_file.centerline(root)
         warnings += line_file.warnings
         warnings += _same_space(surface_file, tree.points, os.fspath(centerline))
-    return InputFiles(surface_file, line_file, tree, warnings, perf_counter() - start)
+    seconds = perf_counter() - start
+    return InputFiles(surface_file, line_file, tree, warnings, seconds, tuple(reference))
 
 
 def read_plan_inputs(plan: Plan, *, accept_changed_inputs: bool = False) -> InputFiles:
@@ -190,12 +208,18 @@ def read_plan_inputs(plan: Plan, *, accept_changed_inputs: bool = False) -> Inpu
             "inputs.surface: expected a file, the plan names none; save the plan with its surface."
         )
     center = plan.centerline
+    if plan.reference and center is None:
+        raise InputError(
+            "inputs.reference: expected a plan with a centerline, got one without; name the "
+            "centerline, or leave the reference out."
+        )
     inputs = read_input_files(
         plan.surface.path,
         None if center is None else center.path,
         plan.units,
         None if plan.root is None else np.array(plan.root),
         plan.frame,
+        reference=[np.array(place) for place in plan.reference],
     )
     pairs = [(plan.surface, inputs.surface.sha256)]
     if center is not None and inputs.line_file is not None:
@@ -222,6 +246,8 @@ def treatment_of(plan: Plan, inputs: InputFiles) -> Treatment:
     """
     surface = inputs.surface
     stents = plan.stents
+    if inputs.reference:
+        _ = inputs.lesions  # a reference that cannot be one fails here rather than in the end
     if plan.frame is not None and surface.frame not in (None, plan.frame):
         stents = tuple(turned(stent) for stent in stents)
     for number, stent in enumerate(stents, start=1):

@@ -15,6 +15,7 @@ from .words import degree_text
 
 NO_LESION = f"No lesion of {100 * SMALLEST_DEGREE:.0f} % or more was found."
 COVERS_NONE = f"This stent covers no lesion of {100 * SMALLEST_DEGREE:.0f} % or more."
+LEFT_BEYOND = " What is left is narrowest beyond the stent's ends."
 NOT_LOOKED_FOR = "Lesions were not looked for: that takes a centerline of the vessel."
 
 COLUMNS = (
@@ -99,6 +100,7 @@ def stent_lesion_sentences(lesions: Sequence[TreatedLesion] | None, stent: int) 
         f"{degree_text(one.after.percent_diameter)} after; by area "
         f"{degree_text(one.before.percent_area)} before, "
         f"{degree_text(one.after.percent_area)} after; against {one.before.reference}."
+        f"{LEFT_BEYOND if one.is_left_beyond else ''}"
         for one in covered
     ]
 

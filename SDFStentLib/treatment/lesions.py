@@ -27,12 +27,15 @@ class TreatedLesion:
         The same part of the vessel before any stent and after all of them.
     stents : tuple of int
         Numbers of the stents that cover its narrowest place.
+    is_left_beyond : bool
+        Whether what is narrowest afterwards lies beyond all of the stents.
     """
 
     number: int
     before: Lesion
     after: Lesion
     stents: tuple[int, ...]
+    is_left_beyond: bool = False
 
 
 def treated_lesions(
@@ -48,19 +51,15 @@ def treated_lesions(
     after : Surface
         After all stents.
     """
-    covered = {
-        stent.number: {id(one) for one in lesions_within(lesions, stent.axis.points)}
-        for stent in stents
-    }
-    return tuple(
-        TreatedLesion(
-            number,
-            lesion,
-            lesion_after(lesion, after),
-            tuple(stent for stent, within in covered.items() if id(lesion) in within),
+    treated = []
+    for number, lesion in enumerate(lesions, start=1):
+        left = lesion_after(lesion, after)
+        covering, left_in = (
+            tuple(stent.number for stent in stents if lesions_within([one], stent.axis.points))
+            for one in (lesion, left)
         )
-        for number, lesion in enumerate(lesions, start=1)
-    )
+        treated.append(TreatedLesion(number, lesion, left, covering, not left_in))
+    return tuple(treated)
 
 
 def placement_at(

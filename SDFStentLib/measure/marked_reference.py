@@ -1,0 +1,109 @@
+"""Healthy vessel that the user marks, and lesions against it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..centerline import Centerline
+from ..geometry import Surface, arc_lengths, as_surface, tangents
+from ..validation import InputError, Points, Triangles, as_point
+from .inscribed import inscribed_spheres
+from .lesion_measuring import as_place, measured, median_area
+from .lesion_value import HealthyPlace, Lesion, reference_words
+
+
+def lesions_against(
+    lesions: Sequence[Lesion],
+    places: Sequence[ArrayLike],
+    surface: Surface,
+    centerline: Centerline,
+) -> tuple[Lesion, ...]:
+    """The lesions of a vessel, the one beside the marked places against these.
+
+    Parameters
+    ----------
+    lesions : sequence of Lesion
+        Their order, and so their numbers, stay.
+    places, surface, centerline
+        As for `lesion_against`; the lesion is the one to which the ways from all places are the
+        shortest.
+
+    Raises
+    ------
+    InputError
+        No lesion, or places that `lesion_against` refuses.
+    """
+    if not lesions:
+        raise InputError(
+            "reference: expected a vessel with a lesion to measure against it, got one in which "
+            "none was found; leave the reference out."
+        )
+    ways = [sum(centerline.path(one.point, place).length for place in places) for one in lesions]
+    chosen = int(np.argmin(ways))
+    marked = lesion_against(lesions[chosen], places, surface, centerline)
+    return (*lesions[:chosen], marked, *lesions[chosen + 1 :])
+
+
+def lesion_against(
+    lesion: Lesion, places: Sequence[ArrayLike], surface: Surface, centerline: Centerline
+) -> Lesion:
+    """The same lesion against healthy vessel that the user marked.
+
+    Parameters
+    ----------
+    lesion : Lesion
+    places : sequence of one or two (3,) arrays
+        Near the centerline where the vessel is healthy, mm. Two, one on each side: the reference
+        tapers from one to the other. One: it is the reference everywhere.
+    surface : Surface
+        In which the lesion was found.
+    centerline : Centerline
+
+    Raises
+    ------
+    InputError
+        No place or more than two, two on the same side, or a place beside the vessel.
+    """
+    points, triangles = as_surface(surface).points, surface.triangles
+    if len(places) not in (1, 2):
+        raise InputError(f"reference: expected one or two marked places, got {len(places)}.")
+    marked = [_marked(lesion, place, points, triangles, centerline) for place in places]
+    proximal = [place for place in marked if place.arc_length <= lesion.arc_length]
+    distal = [place for place in marked if place.arc_length > lesion.arc_length]
+    if max(len(proximal), len(distal)) == 2:
+        raise InputError(
+            "reference: expected a place on each side of the lesion, got two "
+            f"{'proximal' if proximal else 'distal'} to it; mark one of them only."
+        )
+    sides = (proximal[0] if proximal else None, distal[0] if distal else None)
+    changed = replace(
+        lesion,
+        proximal=sides[0],
+        distal=sides[1],
+        reference=reference_words(sides, by="the vessel marked", other=""),
+    )
+    return measured(changed, points, triangles)
+
+
+def _marked(
+    lesion: Lesion, place: ArrayLike, points: Points, triangles: Triangles, centerline: Centerline
+) -> HealthyPlace:
+    """Healthy vessel where the user says so, measured on the way from the lesion."""
+    location = centerline.project(as_point(place, "reference"))
+    path = centerline.path(lesion.line[len(lesion.line) // 2], location)
+    along = arc_lengths(path.points)
+    near = path.points[along >= along[-1] - 1.0]
+    station = location.point[None]
+    direction = tangents(near)[-1:]
+    radius = float(inscribed_spheres(points, triangles, station, direction).radii[0])
+    if not location.distance <= radius:
+        raise InputError(
+            f"reference: expected a place inside of the vessel, got one {location.distance:.1f} mm "
+            "from the centerline; mark one in the lumen."
+        )
+    area = median_area(points, triangles, station, direction)
+    return HealthyPlace(as_place(location.point), location.arc_length, 2 * radius, area)
