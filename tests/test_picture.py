@@ -17,7 +17,7 @@ from SDFStentLib.files import encode_vtp, polydata_from_arrays
 from SDFStentLib.plan import Plan, PlanResult, read_input_files, treatment_of
 from SDFStentLib.report.drawing import Box, Disc, Drawing, Line, Words, svg
 from SDFStentLib.report.picture import picture, process
-from SDFStentLib.report.picture.picture import before_after_picture, before_after_scene
+from SDFStentLib.report.picture.picture import STEEL, before_after_picture, before_after_scene
 from SDFStentLib.report.picture.process import painted
 from SDFStentLib.report.picture.shapes import (
     WALL_COLOR,
@@ -26,6 +26,7 @@ from SDFStentLib.report.picture.shapes import (
     section_ring,
     stent_lattice,
     wall_colors,
+    wall_diameters,
 )
 from SDFStentLib.report.picture.view import View, best_view, label_side
 from SDFStentLib.stent import AlongAxis, Stent
@@ -187,21 +188,37 @@ def test_a_stent_along_the_body_axis_and_a_closed_axis_have_a_view_too() -> None
         assert np.isfinite([*view.focus, *view.toward_camera, *view.up, view.half_height]).all()
 
 
-def test_only_the_wall_along_the_stent_takes_the_color_of_the_diameter() -> None:
+def test_only_the_wall_along_the_stent_has_its_diameter() -> None:
     tube = phantoms.straight_tube(length=40.0)
     axis = tube.axis_at(np.linspace(10, 30, 21))
-    lumen = Lumen(axis, np.array([0.0, 20.0]), np.full(2, 6.0), 3.3)
-    colors = wall_colors(tube.points, tube.triangles, FRONT, [lumen], (4.0, 6.0))
+    lumen = Lumen(axis, np.array([0.0, 20.0]), np.array([[4.0, 6.0], [6.0, 6.0]]))
+    before, after = (wall_diameters(tube.points, [lumen], side) for side in (0, 1))
     height = tube.points[:, 2]
-    far = (height < 8) | (height > 32)
-    is_stented = (height > 11) & (height < 29)
-    np.testing.assert_allclose(colors[far, :3], np.tile(WALL_COLOR, (far.sum(), 1)))
-    widest = diameter_colors(np.array([1.0]))
-    np.testing.assert_allclose(colors[is_stented, :3], np.repeat(widest, is_stented.sum(), axis=0))
+    beside = (height > 10) & (height < 30)
+    np.testing.assert_allclose(before[beside], 4 + (height[beside] - 10) / 10)
+    np.testing.assert_allclose(after[beside], 6)
+    assert np.isnan(before[~beside]).all()
+
+
+def test_the_wall_beside_an_axis_that_begins_backwards_is_colored_too() -> None:
+    tube = phantoms.straight_tube(length=40.0)
+    axis = tube.axis_at(np.linspace(10, 30, 21))
+    axis = np.insert(axis, 0, axis[0] + np.array([0, 0, 0.05]), axis=0)  # a step back
+    lumen = Lumen(axis, np.array([0.0, 20.0]), np.full((2, 2), 6.0))
+    height = tube.points[:, 2]
+    is_known = np.isfinite(wall_diameters(tube.points, [lumen], 0))
+    assert is_known[(height > 10.1) & (height < 29.9)].all()
+    assert not is_known[(height < 8) | (height > 30.1)].any()
+
+
+def test_a_wall_has_the_color_of_its_diameter_or_of_tissue_and_is_denser_edge_on() -> None:
+    diameters, facing = np.array([6.0, np.nan, np.nan]), np.array([1.0, 1.0, 0.0])
+    colors = wall_colors(diameters, (4.0, 6.0), facing)
+    np.testing.assert_allclose(colors[0, :3], diameter_colors(np.ones(1))[0])
+    np.testing.assert_allclose(colors[1:, :3], [WALL_COLOR, WALL_COLOR])
     assert ((colors >= 0) & (colors <= 1)).all()
-    # Edge-on walls are denser than those that face the camera.
-    sideways = np.abs(tube.points[:, 0]) > 2.9
-    assert colors[far & sideways, 3].min() > 1.5 * np.median(colors[far & ~sideways, 3])
+    assert colors[2, 3] > 1.5 * colors[1, 3]
+    assert colors[0, 3] > 1.5 * colors[1, 3]
 
 
 def test_the_struts_lie_on_the_cylinder_and_end_with_the_axis() -> None:
@@ -216,15 +233,19 @@ def test_a_shaky_axis_does_not_shake_the_struts() -> None:
     axis = np.linspace([0, 0, 0], [0, 0, 30], 61)
     shaky = axis + rng.normal(scale=0.05, size=axis.shape) * [1, 1, 0]
     lattice = stent_lattice(shaky, 4.0)
-    # Sections stay level: a tilt of one chord's 0.05 * sqrt(2) / 0.5 would lift them by 0.57 mm,
-    # averaged over the 8 chords within one radius it is an eighth of that, three sigma 0.2 mm.
-    assert np.ptp(lattice[..., 2], axis=0).max() < 2 * 0.2
+    # Sections stay level: the axis is taken only where struts meet, every 2.7 mm. That tilts a
+    # section by 0.05 * sqrt(2) / 2.7, or 0.1 mm at the radius; three sigma, on both sides.
+    assert np.ptp(lattice[..., 2], axis=0).max() < 2 * 3 * 0.1
 
 
 def test_a_section_ring_is_a_circle_across_the_axis() -> None:
     axis = np.linspace([1, 2, 0], [1, 2, 20], 5)
-    ring = section_ring(axis, 7.0, 2.5) - [1, 2, 7]
-    np.testing.assert_allclose(np.linalg.norm(ring[:, :2], axis=1), 2.5)
+    at = np.array([0.0, 7.0, 20.0])
+    lumen = Lumen(axis, at, np.array([[6.0, 5.0, 6.0], [6.0, 8.0, 6.0]]))
+    before, after = (section_ring(lumen, side) - [1, 2, 7] for side in (0, 1))
+    np.testing.assert_allclose(np.linalg.norm(before[:, :2], axis=1), 2.5)
+    np.testing.assert_allclose(np.linalg.norm(after[:, :2], axis=1), 4.0)
+    ring = before
     np.testing.assert_allclose(ring[:, 2], 0, atol=1e-12)
     np.testing.assert_allclose(ring[0], ring[-1], atol=1e-12)
 
@@ -247,7 +268,7 @@ def test_colors_run_from_dark_to_light() -> None:
 
 
 def shown_words(result: PlanResult) -> list[str]:
-    drawing, _ = before_after_scene(result, "")
+    drawing, *_ = before_after_scene(result, "")
     return [mark.text for mark in drawing.marks if isinstance(mark, Words)]
 
 
@@ -267,26 +288,28 @@ def test_the_words_are_the_measured_diameters(treated: PlanResult) -> None:
 def test_the_unit_of_the_file_changes_nothing(treated: PlanResult, tmp_path: Path) -> None:
     stent = treated.plan.stents[0]
     in_cm = carried_out(tmp_path, (stent,), per_mm=0.1)
-    for one, other in zip(
-        before_after_scene(treated, "")[1], before_after_scene(in_cm, "")[1], strict=True
-    ):
-        np.testing.assert_allclose(one.wall.points, other.wall.points, atol=1e-3)
-        np.testing.assert_allclose(one.view.focus, other.view.focus, atol=1e-3)
-        assert one.view.half_height == pytest.approx(other.view.half_height, abs=1e-3)
+    (_, one, walls), (_, other, same) = (
+        before_after_scene(result, "") for result in (treated, in_cm)
+    )
+    np.testing.assert_allclose(one.focus, other.focus, atol=1e-3)
+    assert one.half_height == pytest.approx(other.half_height, abs=1e-3)
+    for wall, twin in zip(walls, same, strict=True):
+        np.testing.assert_allclose(wall.points, twin.points, atol=1e-3)
     assert shown_words(treated) == shown_words(in_cm)
 
 
 def test_two_stents_are_both_drawn_colored_and_marked(tmp_path: Path) -> None:
     both = carried_out(tmp_path, (stent_at(28, 36), stent_at(38, 44, 7.4)))
-    drawing, panels = before_after_scene(both, "")
+    drawing, view, walls = before_after_scene(both, "")
     first, second = both.treatment.stents
-    lattices = [bars for bars in panels[1].bars if len(bars.lines) > 1]
-    for bars, stent in zip(lattices, (first, second), strict=True):
-        middle = bars.lines.reshape(-1, 3).mean(axis=0)
-        assert np.linalg.norm(middle - stent.axis.points.mean(axis=0)) < 0.5
-        wall = np.linalg.norm(panels[1].wall.points - stent.axis.points[15], axis=1)
+    struts = [mark for mark in drawing.marks if isinstance(mark, Line) and mark.color == STEEL]
+    for lattice, stent in zip((struts[:16], struts[16:]), (first, second), strict=True):
+        middle = np.mean([corner for strut in lattice for corner in strut.points], axis=0)
+        axis = view.pixels(stent.axis.points).mean(axis=0) + np.array([picture.WIDTH / 2, 0])
+        assert np.linalg.norm(middle - axis) < 0.5 * view.per_mm
+        wall = np.linalg.norm(walls[1].points - stent.axis.points[15], axis=1)
         nearest = np.argsort(wall)[:5]
-        assert (np.abs(panels[1].wall.colors[nearest, :3] - WALL_COLOR).max(axis=1) > 0.2).all()
+        assert (np.abs(walls[1].colors[nearest, :3] - WALL_COLOR).max(axis=1) > 0.2).all()
     words = [mark.text for mark in drawing.marks if isinstance(mark, Words)]
     lowest = min(first.before.minimum, second.before.minimum)
     assert f"Before: minimum lumen {lowest:.1f} mm" in words
@@ -304,10 +327,8 @@ def test_an_unknown_lumen_is_said_and_not_drawn(treated: PlanResult) -> None:
     unknown = replace(stent, after=replace(stent.after, inscribed_diameter=nothing))
     result = replace(treated, treatment=replace(treated.treatment, stents=(unknown,)))
     assert "After: minimum lumen not known" in shown_words(result)
-    after = before_after_scene(result, "")[1][1]
-    np.testing.assert_allclose(
-        after.wall.colors[:, :3], np.tile(WALL_COLOR, (len(after.wall.points), 1))
-    )
+    after = before_after_scene(result, "")[2][1]
+    np.testing.assert_allclose(after.colors[:, :3], np.tile(WALL_COLOR, (len(after.points), 1)))
 
 
 # The drawing, as SVG and as PNG

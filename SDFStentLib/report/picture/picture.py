@@ -3,34 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
 
 import numpy as np
 
-from ...geometry import point_at
-from ...measure import DiameterProfile
+from ...geometry import point_at, vertex_normals
 from ...plan import PlanResult
 from ...treatment import TreatedStent
-from ...validation import Floats, Points, check_is_a
+from ...validation import Points, check_is_a
 from ..drawing import GRAY, INK, Box, Drawing, Line, Mark, Words
 from .process import painted
 from .shapes import (
-    Bars,
     Lumen,
-    Panel,
     Wall,
     diameter_colors,
+    lumen_of,
     section_ring,
     stent_lattice,
     wall_colors,
+    wall_diameters,
 )
-from .view import View, best_view, label_side
-
-WIDTH, HEIGHT = 1200, 700
-"""Of the picture, pixels."""
-
-TOP, BOTTOM = 105, 602
-"""Rows between which the vessel is; words are above, scales below."""
+from .view import BOTTOM, HEIGHT, TOP, WIDTH, View, best_view, label_side
 
 LABEL = np.array([90.0, 28.0])
 """Width and height of the label with a diameter, pixels."""
@@ -59,116 +51,66 @@ def before_after_picture(result: PlanResult, title: str = "") -> bytes:
         Nothing here can render; the message names what to install.
     """
     check_is_a(result, PlanResult, "result")
-    drawing, panels = before_after_scene(result, title)
-    return painted(drawing, panels)
+    return painted(*before_after_scene(result, title))
 
 
-class _Moment(NamedTuple):
-    """The vessel before or after: its points and the lumen along every stent."""
-
-    points: Points
-    lumens: list[Lumen]
-
-    @property
-    def minimum(self) -> str:
-        values = np.concatenate([lumen.diameter for lumen in self.lumens])
-        return f"{values.min():.1f} mm" if len(values) else "not known"
-
-
-def before_after_scene(result: PlanResult, title: str) -> tuple[Drawing, list[Panel]]:
-    """What `before_after_picture` paints: words and scales, and the panels under them."""
-    stents, surface = result.treatment.stents, result.inputs.surface
-    moments = [
-        _Moment(surface.points, [_lumen(stent, stent.before) for stent in stents]),
-        _Moment(result.treatment.points, [_lumen(stent, stent.after) for stent in stents]),
-    ]
-    cloud = np.concatenate([moment.points for moment in moments])
-    axes = [stent.axis.points for stent in stents]
-    radius = max(stent.stent.radius for stent in stents)
-    view = best_view(axes, radius, cloud, WIDTH / 2 / (BOTTOM - TOP), surface.frame)
-    limits = _limits(stents, moments)
-    places = [_narrowest(lumen) for lumen in moments[0].lumens]
-    marks = [*_headings(stents, moments, title), *_scales(view, limits)]
-    marks += _labels(view, moments, places)
-    panels = []
-    for number, moment in enumerate(moments):
-        known = [lumen for lumen in moment.lumens if len(lumen.diameter)]
-        colors = wall_colors(moment.points, surface.triangles, view, known, limits)
-        rings = _rings(moment, places, 0.045 * radius)
-        steel = [
-            Bars(stent_lattice(stent.axis.points, 1.06 * stent.stent.radius), 0.032 * radius, STEEL)
-            for stent in stents
-        ]
-        lines = [Bars(axis[None], 0.042 * radius, INK) for axis in axes]
-        panels.append(
-            Panel(
-                (number / 2, 1 - BOTTOM / HEIGHT, (number + 1) / 2, 1 - TOP / HEIGHT),
-                view,
-                Wall(moment.points, surface.triangles, colors),
-                (*rings, *(steel if number else lines)),
-            )
-        )
-    return Drawing(WIDTH, HEIGHT, tuple(marks), title), panels
+def before_after_scene(result: PlanResult, title: str) -> tuple[Drawing, View, list[Wall]]:
+    """What `before_after_picture` paints: all that is flat, and the walls under it."""
+    surface, stents = result.inputs.surface, result.treatment.stents
+    moments = surface.points, result.treatment.points
+    cloud, axes = np.concatenate(moments), [stent.axis.points for stent in stents]
+    radii = [stent.stent.radius for stent in stents]
+    view = best_view(axes, max(radii), cloud, WIDTH / 2 / (BOTTOM - TOP), surface.frame)
+    lumens = [lumen for lumen in map(lumen_of, stents) if len(lumen.arc_length)]
+    limits = _limits(radii, lumens)
+    walls = []
+    for side, points in enumerate(moments):
+        normals = vertex_normals(points, surface.triangles)
+        facing = np.abs(normals @ view.toward_camera)
+        colors = wall_colors(wall_diameters(points, lumens, side), limits, facing)
+        walls.append(Wall(points, surface.triangles, colors))
+    marks = [*_headings(stents, title), *_length_scale(view), *_color_scale(*limits)]
+    for axis, radius in zip(axes, radii, strict=True):
+        marks.append(_curve(view, axis, 0, INK, 2.5))
+        marks += [_curve(view, strut, 1, STEEL, 1.5) for strut in stent_lattice(axis, radius)]
+    marks += _sections(view, cloud, lumens)
+    return Drawing(WIDTH, HEIGHT, tuple(marks), title), view, walls
 
 
-def _lumen(stent: TreatedStent, profile: DiameterProfile) -> Lumen:
-    known = np.isfinite(profile.inscribed_diameter)
-    diameter = profile.inscribed_diameter[known]
-    widest = max(stent.stent.diameter, *diameter) if known.any() else 0.0
-    return Lumen(stent.axis.points, profile.arc_length[known], diameter, 1.15 * widest / 2)
-
-
-def _limits(stents: Sequence[TreatedStent], moments: Sequence[_Moment]) -> tuple[float, float]:
+def _limits(radii: Sequence[float], lumens: Sequence[Lumen]) -> tuple[float, float]:
     """Ends of the color scale: half millimeters around all diameters there are."""
-    values = [stent.stent.diameter for stent in stents]
-    values += [value for moment in moments for lumen in moment.lumens for value in lumen.diameter]
+    values = np.concatenate([2 * np.array(radii), *(one.diameters.ravel() for one in lumens)])
     # What is printed as 6.0 mm does not push the scale to 6.5.
-    lower = np.floor(2 * min(values) + 0.1) / 2
-    return float(lower), float(max(np.ceil(2 * max(values) - 0.1) / 2, lower + 0.5))
+    lower = np.floor(2 * values.min() + 0.1) / 2
+    return float(lower), float(max(np.ceil(2 * values.max() - 0.1) / 2, lower + 0.5))
 
 
-def _narrowest(lumen: Lumen) -> float | None:
-    """Where a stent's lumen is narrowest; None where nothing is known."""
-    if not len(lumen.diameter):
-        return None
-    return float(lumen.arc_length[np.argmin(lumen.diameter)])
-
-
-def _rings(moment: _Moment, places: Sequence[float | None], width: float) -> Iterator[Bars]:
-    for lumen, place in zip(moment.lumens, places, strict=True):
-        if place is not None and len(lumen.diameter):
-            across = np.interp(place, lumen.arc_length, lumen.diameter)
-            yield Bars(section_ring(lumen.axis, place, across / 2)[None], width, RED)
-
-
-def _headings(
-    stents: Sequence[TreatedStent], moments: Sequence[_Moment], title: str
-) -> Iterator[Mark]:
+def _headings(stents: Sequence[TreatedStent], title: str) -> Iterator[Mark]:
     sizes = [f"{one.stent.diameter:.1f} x {one.axis.deployed_length:.0f} mm" for one in stents]
-    many = f"{len(stents)} stents"
-    if len(stents) <= 3:
-        many = ("stent " if len(stents) == 1 else "stents ") + " and ".join(sizes)
-    notes = ("with the planned stent axis", many)
+    many = f"stent{'s' * (len(stents) > 1)} {' and '.join(sizes)}"
+    notes = "with the planned stent axis", many if len(stents) <= 3 else f"{len(stents)} stents"
+    narrowest = [one.before.minimum for one in stents], [one.after.minimum for one in stents]
     yield Words(title, WIDTH / 2, 28, 17)
-    for number, (moment, note) in enumerate(zip(moments, notes, strict=True)):
-        middle = (number + 0.5) * WIDTH / 2
-        heading = f"{('Before', 'After')[number]}: minimum lumen {moment.minimum}"
+    for side, (note, values) in enumerate(zip(notes, narrowest, strict=True)):
+        middle, least = (side + 0.5) * WIDTH / 2, np.fmin.reduce(values)
+        minimum = f"{least:.1f} mm" if np.isfinite(least) else "not known"
+        heading = f"{('Before', 'After')[side]}: minimum lumen {minimum}"
         yield Words(heading, middle, 65, 23, is_bold=True)
         yield Words(note, middle, 93, 15, GRAY)
     yield Line([(WIDTH / 2, 50), (WIDTH / 2, BOTTOM)], "#d9dee3", 1.5)
     yield Words("Research use only. Not for clinical decisions.", 984, 674, 12, GRAY)
 
 
-def _scales(view: View, limits: tuple[float, float]) -> Iterator[Mark]:
-    per_mm = (BOTTOM - TOP) / 2 / view.half_height
+def _length_scale(view: View) -> Iterator[Mark]:
     steps = (0.5, 1, 2, 5, 10, 20, 50, 100, 200)
-    nice = max(step for step in steps if step <= max(190 / per_mm, 0.5))
-    left, right, y = 60, 60 + nice * per_mm, 654
+    nice = max(step for step in steps if step <= max(190 / view.per_mm, 0.5))
+    left, right, y = 60, 60 + nice * view.per_mm, 654
     yield Line([(left, y), (right, y)], width=2.5)
     yield from (Line([(x, y - 7), (x, y + 7)], width=2.5) for x in (left, right))
     yield Words(f"{nice:g} mm", (left + right) / 2, 683, 16)
 
-    lower, upper = limits
+
+def _color_scale(lower: float, upper: float) -> Iterator[Mark]:
     left, width, y, colors = 408, 384, 644, 96
     for number, color in enumerate(diameter_colors((np.arange(colors) + 0.5) / colors)):
         code = "#" + bytes((255 * color).astype(int).tolist()).hex()
@@ -182,33 +124,26 @@ def _scales(view: View, limits: tuple[float, float]) -> Iterator[Mark]:
     yield Words("Lumen diameter (mm)", WIDTH / 2, 637, 15)
 
 
-def _labels(
-    view: View, moments: Sequence[_Moment], places: Sequence[float | None]
-) -> Iterator[Mark]:
-    """The diameter at every marked section beside it, at the same place in both panels."""
-    per_mm = (BOTTOM - TOP) / 2 / view.half_height
-    middle = np.array([WIDTH / 4, (TOP + BOTTOM) / 2])
-
-    def pixels(points: Points) -> Floats:
-        return middle + per_mm * view.flat(points) * (1, -1)
-
-    covered = pixels(np.concatenate([moment.points for moment in moments]))
-    for stent, place in enumerate(places):
-        if place is None:
-            continue
-        lumens = [moment.lumens[stent] for moment in moments]
-        center = pixels(point_at(lumens[0].axis, [place]))[0]
-        widest = max(max(lumen.diameter, default=0.0) for lumen in lumens)
-        side = label_side(covered, center, 0.7 * per_mm * widest, LABEL)
-        leader = side * (1 - np.min(LABEL / 2 / np.maximum(np.abs(side), 1e-9)))
+def _sections(view: View, cloud: Points, lumens: Sequence[Lumen]) -> Iterator[Mark]:
+    """Rings where it was narrowest, and the diameters beside them, alike in both panels."""
+    covered = view.pixels(cloud)
+    for lumen in lumens:
+        values = lumen.at(lumen.narrowest)
+        center = view.pixels(point_at(lumen.axis, [lumen.narrowest]))[0]
+        gap = 0.7 * view.per_mm * lumen.diameters.max()
+        away = label_side(covered, center, gap, LABEL)
+        leader = away * (1 - np.min(LABEL / 2 / np.maximum(np.abs(away), 1e-9)))
         # The next label covers this one less gladly than any vessel.
-        covered = np.concatenate([covered, np.tile(center + side, (len(covered), 1))])
-        for number, lumen in enumerate(lumens):
-            if not len(lumen.diameter):
-                continue
-            shift = (number * WIDTH / 2, 0)
-            value = np.interp(place, lumen.arc_length, lumen.diameter)
-            ends = np.array([center, center + leader]) + shift
-            x, y = center + side + shift
-            yield Line([(float(a), float(b)) for a, b in ends], RED, 1.5)
+        covered = np.concatenate([covered, np.tile(center + away, (len(covered), 1))])
+        for side, value in enumerate(values):
+            yield _curve(view, section_ring(lumen, side), side, RED, 2.5)
+            start = center + np.array([side * WIDTH / 2, 0])
+            yield Line([tuple(start), tuple(start + leader)], RED, 1.5)
+            x, y = start + away
             yield Words(f"{value:.1f} mm", x, y + 6, 18, RED, is_bold=True)
+
+
+def _curve(view: View, points: Points, side: int, color: str, width: float) -> Line:
+    """A curve on the vessel before (side 0) or after (1), over the wall."""
+    corners = view.pixels(points) + np.array([side * WIDTH / 2, 0])
+    return Line([(float(x), float(y)) for x, y in corners], color, width)

@@ -10,7 +10,8 @@ from pathlib import Path
 
 from ...validation import DeploymentError
 from ..drawing import Drawing
-from .shapes import Panel
+from .shapes import Wall
+from .view import View
 
 PATIENCE = 600
 """Seconds after which the renderer counts as stuck."""
@@ -24,8 +25,8 @@ PROGRAM = (
 )
 
 
-def painted(drawing: Drawing, panels: Sequence[Panel] = ()) -> bytes:
-    """The PNG of a drawing, with views of surfaces in it.
+def painted(drawing: Drawing, view: View | None = None, walls: Sequence[Wall] = ()) -> bytes:
+    """The PNG of a drawing, with walls under it, side by side in one view.
 
     Raises
     ------
@@ -36,7 +37,7 @@ def painted(drawing: Drawing, panels: Sequence[Panel] = ()) -> bytes:
     try:
         done = subprocess.run(
             [sys.executable, "-c", PROGRAM, above],
-            input=pickle.dumps((drawing, tuple(panels))),
+            input=pickle.dumps((drawing, view, tuple(walls))),
             capture_output=True,
             timeout=PATIENCE,
             check=False,

@@ -7,21 +7,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...geometry import (
-    arc_lengths,
-    closest_points,
-    frames,
-    length,
-    point_at,
-    resampled,
-    tangents,
-    vertex_normals,
-)
+from ...geometry import across, closest_points, frames, length, point_at
+from ...treatment import TreatedStent
 from ...validation import Floats, Points, Triangles
-from .view import View
 
 WALL_COLOR = (0.84, 0.42, 0.36)
-"""Of the vessel: a warm tissue red, light enough to look through."""
+"""Of the vessel: a warm tissue red."""
 
 DIAMETER_COLORS = np.array(
     [
@@ -34,8 +25,8 @@ DIAMETER_COLORS = np.array(
 )
 """Narrow to wide; lightness rises evenly, so that color-blind readers see it too."""
 
-FADE = 1.5
-"""mm over which the color of the stented region passes into that of the wall."""
+REACH = 1.15
+"""The wall has the color of its stent's lumen up to so many radii from the axis."""
 
 
 class Wall(NamedTuple):
@@ -46,61 +37,64 @@ class Wall(NamedTuple):
     colors: Floats
 
 
-class Bars(NamedTuple):
-    """Round bars along lines (l, p, 3), mm."""
-
-    lines: Floats
-    radius: float
-    color: str
-
-
-class Panel(NamedTuple):
-    """A part of the picture: left, bottom, right, top as fractions, and what is seen in it."""
-
-    place: tuple[float, float, float, float]
-    view: View
-    wall: Wall
-    bars: tuple[Bars, ...]
-
-
 class Lumen(NamedTuple):
-    """Known diameters (k,) at arc lengths (k,) of a stent axis, mm, and how far they color."""
+    """Diameters (2, k) before and after at arc lengths (k,) of a stent axis, mm; all known."""
 
     axis: Points
     arc_length: Floats
-    diameter: Floats
-    reach: float
+    diameters: Floats
+
+    @property
+    def narrowest(self) -> float:
+        """Where it was narrowest before: arc length, mm."""
+        return float(self.arc_length[np.argmin(self.diameters[0])])
+
+    def at(self, arc_length: float) -> Floats:
+        """Before and after, mm."""
+        return np.array([np.interp(arc_length, self.arc_length, each) for each in self.diameters])
 
 
-def wall_colors(
-    points: Points,
-    triangles: Triangles,
-    view: View,
-    lumens: Sequence[Lumen],
-    limits: tuple[float, float],
-) -> Floats:
-    """Color and opacity (n, 4) of every surface point, 0 to 1.
+def lumen_of(stent: TreatedStent) -> Lumen:
+    """Where both diameters are known; that may be nowhere."""
+    both = np.stack([stent.before.inscribed_diameter, stent.after.inscribed_diameter])
+    known = np.isfinite(both).all(axis=0)
+    return Lumen(stent.axis.points, stent.before.arc_length[known], both[:, known])
 
-    Walls along the `lumens` have the color of the diameter there on the scale between the two
-    `limits`, mm. Walls seen edge-on are drawn denser, as in glass: that shows the outline.
+
+def wall_diameters(points: Points, lumens: Sequence[Lumen], side: int) -> Floats:
+    """Lumen diameter (n,) at wall points beside a stent, mm; NaN elsewhere.
+
+    Before is side 0, after is side 1. A point is beside a stent when the nearest point of its
+    axis is not an end.
     """
-    colors = np.tile(np.array([*WALL_COLOR, 0.0]), (len(points), 1))
-    stented = np.zeros(len(points))
+    found = np.full(len(points), np.nan)
     for lumen in lumens:
-        far = lumen.reach + FADE
-        inside = (points > lumen.axis.min(axis=0) - far) & (points < lumen.axis.max(axis=0) + far)
-        near = np.flatnonzero(inside.all(axis=1))
+        far = REACH / 2 * lumen.diameters.max()
+        low, high = lumen.axis.min(axis=0) - far, lumen.axis.max(axis=0) + far
+        near = np.flatnonzero(((points > low) & (points < high)).all(axis=1))
         foot = closest_points(lumen.axis, points[near])
-        share = np.clip((far - foot.distances) / FADE, 0, 1)
-        share *= np.clip(1 - _overshoot(points[near], lumen.axis) / FADE, 0, 1)
-        local = np.interp(foot.arc_lengths, lumen.arc_length, lumen.diameter)
-        own = diameter_colors((local - limits[0]) / (limits[1] - limits[0]))
-        colors[near, :3] += share[:, None] * (own - colors[near, :3])
-        stented[near] = np.maximum(stented[near], share)
-    facing = np.abs(vertex_normals(points, triangles) @ view.toward_camera)
-    dense = (1 - np.clip(facing, 0, 1)) ** 2
-    colors[:, 3] = 0.26 + 0.32 * stented + (0.60 - 0.20 * stented) * dense
-    return colors
+        beside = np.abs(foot.arc_lengths / length(lumen.axis) - 0.5) < 0.5 - 1e-9
+        at = np.flatnonzero(beside & (foot.distances < far))
+        found[near[at]] = np.interp(foot.arc_lengths[at], lumen.arc_length, lumen.diameters[side])
+    return found
+
+
+def wall_colors(diameters: Floats, limits: tuple[float, float], facing: Floats) -> Floats:
+    """Color and opacity (n, 4) of wall points, 0 to 1.
+
+    Diameters (n,) have their color on the scale between the two `limits`, mm; NaN that of tissue.
+    `facing` (n,) is 1 where a wall faces the camera and 0 where it is seen edge-on: there it is
+    denser, as in glass, and shows the outline.
+    """
+    known = np.isfinite(diameters)[:, None]
+    scaled = diameter_colors((diameters - limits[0]) / (limits[1] - limits[0]))
+    dense = (1 - np.clip(facing, 0, 1))[:, None] ** 2
+    return np.hstack(
+        [
+            np.where(known, scaled, WALL_COLOR),
+            np.where(known, 0.58 + 0.40 * dense, 0.26 + 0.60 * dense),
+        ]
+    )
 
 
 def diameter_colors(fraction: Floats) -> Floats:
@@ -114,35 +108,20 @@ def stent_lattice(axis: Points, radius: float) -> Floats:
 
     Only a sign for a stent; no product looks like this.
     """
-    around, pieces = 8, 6  # pieces per row let struts follow the cylinder, not cut through it
+    around = 8
     rows = max(round(length(axis) / (np.pi * radius / around * 1.7)), 2)
-    center = point_at(axis, np.linspace(0, length(axis), rows * pieces + 1))
-    frame = frames(_smoothed(center, radius))
+    frame = frames(center := point_at(axis, np.linspace(0, length(axis), rows + 1)))
     # Zigzag in angle: half a cell forth in one row, back in the next.
-    swing = np.abs((np.arange(len(center)) / pieces + 1) % 2 - 1)
+    swing = np.arange(rows + 1) % 2
     starts = 2 * np.arange(around)[:, None]
     angle = (np.pi / around * np.concatenate([starts + swing, starts - swing]))[..., None]
     return np.asarray(center + radius * (np.cos(angle) * frame[:, 1] + np.sin(angle) * frame[:, 2]))
 
 
-def section_ring(axis: Points, at: float, radius: float) -> Points:
-    """A circle (65, 3) across the axis at an arc length, closed, mm."""
-    fine = resampled(axis, max(length(axis) / 200, 1e-6))
-    _, one, other = frames(fine)[int(np.argmin(np.abs(arc_lengths(fine) - at)))]
+def section_ring(lumen: Lumen, side: int) -> Points:
+    """The marked section, before or after: a circle (65, 3) across the axis, closed, mm."""
+    at, radius = lumen.narrowest, lumen.at(lumen.narrowest)[side] / 2
+    start, center, end = point_at(lumen.axis, [at - radius, at, at + radius])
+    one, other = across(((end - start) / np.linalg.norm(end - start))[None])[0]
     angle = np.linspace(0, 2 * np.pi, 65)[:, None]
-    return np.asarray(point_at(axis, at) + radius * (np.cos(angle) * one + np.sin(angle) * other))
-
-
-def _smoothed(points: Points, reach: float) -> Points:
-    """A curve whose directions are averaged over `reach` mm: else struts shake with the axis."""
-    at = arc_lengths(points)
-    weight = np.exp(-(((at[:, None] - at) / reach) ** 2))
-    direction = weight @ tangents(points)
-    return np.cumsum(direction / np.linalg.norm(direction, axis=1)[:, None], axis=0)
-
-
-def _overshoot(points: Points, axis: Points) -> Floats:
-    """How far (n,) points lie beyond the ends of the axis, mm; 0 beside it."""
-    direction = tangents(axis)
-    before, behind = (axis[0] - points) @ direction[0], (points - axis[-1]) @ direction[-1]
-    return np.maximum(np.maximum(before, behind), 0)
+    return np.asarray(center + radius * (np.cos(angle) * one + np.sin(angle) * other))

@@ -10,6 +10,12 @@ import numpy as np
 from ...geometry import across, length, point_at
 from ...validation import Floats, Points
 
+WIDTH, HEIGHT = 1200, 700
+"""Of the picture, pixels."""
+
+TOP, BOTTOM = 105, 602
+"""Rows between which the vessel is; words are above, scales below."""
+
 WIDEST = 1.6
 """The whole vessel is shown when that takes at most this much more than the stented part."""
 
@@ -24,33 +30,43 @@ FRONT = {"RAS": (0.0, 1.0, 0.0), "LPS": (0.0, -1.0, 0.0), None: (0.0, 0.0, 0.0)}
 
 
 class View(NamedTuple):
-    """A parallel projection.
-
-    Attributes
-    ----------
-    focus : (3,) array
-        Point in the middle of the picture, mm.
-    toward_camera, up : (3,) arrays
-        Unit vectors, perpendicular to each other.
-    half_height : float
-        Half the height of what the picture shows, mm.
-    """
+    """A parallel projection: the point (3,) in its middle, mm, and unit vectors (3,) across."""
 
     focus: Floats
     toward_camera: Floats
     up: Floats
     half_height: float
+    """Half the height of what the picture shows, mm."""
 
     def flat(self, points: Points) -> Floats:
         """Where (n, 3) points are in the picture: (n, 2), mm to the right and up of its middle."""
         right = np.cross(self.up, self.toward_camera)
         return (points - self.focus) @ np.stack([right, self.up], axis=1)
 
+    @property
+    def per_mm(self) -> float:
+        """Pixels."""
+        return (BOTTOM - TOP) / 2 / self.half_height
+
+    def pixels(self, points: Points) -> Floats:
+        """Where they are in the left panel: (n, 2), to the right and down from the corner."""
+        middle = np.array([WIDTH / 4, (TOP + BOTTOM) / 2])
+        return np.asarray(middle + self.per_mm * self.flat(points) * (1, -1))
+
+    def framing(self, points: Points, aspect: float) -> View:
+        """The same direction, with all points in a picture of that width over height."""
+        flat = self.flat(points)
+        width, height = np.ptp(flat, axis=0)
+        x, y = (flat.min(axis=0) + flat.max(axis=0)) / 2
+        focus = self.focus + x * np.cross(self.up, self.toward_camera) + y * self.up
+        half_height = max(0.54 * float(height), 0.54 * float(width) / aspect, self.half_height)
+        return self._replace(focus=focus, half_height=half_height)
+
 
 def best_view(
     axes: Sequence[Points], radius: float, cloud: Points, aspect: float, frame: str | None
 ) -> View:
-    """The view in which the stents lie flat, hidden by nothing, and the branching spreads out.
+    """The view in which the stents lie flat, and the vessels around them beside each other.
 
     Parameters
     ----------
@@ -68,28 +84,27 @@ def best_view(
     Returns
     -------
     View
-        Across the main direction of the stents. Of such directions the one with the fewest wall
-        points in front of a stent, and the least depth of stents and surroundings, is taken;
-        the head (z) is up unless the view is along it.
+        Across the main direction of the stents; of such directions the one along which stents
+        and surroundings are least deep, so that little lies before them. The head (z) is up
+        unless the view is along it.
     """
     stations = np.concatenate([point_at(axis, np.linspace(0, length(axis), 25)) for axis in axes])
     reach = max(1.3 * max(map(length, axes)), 6 * radius)
     some = cloud[:: max(1, len(cloud) // (4 * VIEW_POINTS))]
     far = np.min([np.linalg.norm(some - each, axis=1) for each in stations], axis=0)
-    nearby = some[far < reach]
-    judges = nearby[:: max(1, len(nearby) // VIEW_POINTS)]
-    main = np.linalg.svd(stations - stations.mean(axis=0))[2][:1]
-    first, second = across(main)[0]
+    nearby = np.vstack([some[far < reach], stations])
+
+    first, second = across(np.linalg.svd(stations - stations.mean(axis=0))[2][:1])[0]
     angles = np.arange(VIEWS)[:, None] * (2 * np.pi / VIEWS)
-    directions = np.cos(angles) * first + np.sin(angles) * second
-    penalties = [_penalty(way, stations, judges, radius) for way in directions]
-    way = directions[int(np.argmin(penalties - 0.03 * directions @ FRONT[frame]))]
+    ways = np.cos(angles) * first + np.sin(angles) * second
+    deep = np.std(nearby @ ways.T, axis=0) + np.ptp(stations @ ways.T, axis=0)
+    share = deep / np.linalg.norm(np.ptp(nearby, axis=0))
+    way = ways[np.argmin(share + 0.05 * np.abs(ways[:, 2]) - 0.03 * ways @ FRONT[frame])]
 
     up = np.array([0.0, 0.0, 1.0]) if abs(way[2]) < 0.95 else np.array([0.0, 1.0, 0.0])
     up = up - (up @ way) * way
     view = View(stations.mean(axis=0), way, up / np.linalg.norm(up), radius)
-    close, whole = (_framed(view, np.vstack([part, stations]), aspect) for part in (nearby, cloud))
-    # All of the vessel when it is not much larger than the surroundings of the stents.
+    close, whole = view.framing(nearby, aspect), view.framing(cloud, aspect)
     return whole if whole.half_height < WIDEST * close.half_height else close
 
 
@@ -105,28 +120,5 @@ def label_side(flat: Floats, center: Floats, gap: float, size: Floats) -> Floats
     angles = np.arange(16) * (np.pi / 8)
     ways = np.stack([np.cos(angles), np.sin(angles)], axis=1)
     places = ways * (gap + 0.5 * np.abs(ways) @ size)[:, None]
-    covered = [
-        int((np.abs(flat - center - place) < 0.6 * size).all(axis=1).sum()) for place in places
-    ]
-    return np.asarray(places[int(np.argmin(covered))])
-
-
-def _framed(view: View, points: Points, aspect: float) -> View:
-    """The same direction, with all points in the picture, with a margin."""
-    flat = view.flat(points)
-    width, height = np.ptp(flat, axis=0)
-    x, y = (flat.min(axis=0) + flat.max(axis=0)) / 2
-    focus = view.focus + x * np.cross(view.up, view.toward_camera) + y * view.up
-    half_height = max(0.54 * float(height), 0.54 * float(width) / aspect, view.half_height)
-    return view._replace(focus=focus, half_height=half_height)
-
-
-def _penalty(way: Floats, stations: Points, cloud: Points, radius: float) -> float:
-    """How badly a direction shows the stents: covered, or with depth, or from above."""
-    flat = across(way[None])[0].T
-    away = np.linalg.norm((cloud @ flat)[:, None] - stations @ flat, axis=2)
-    depth, ahead = stations @ way, cloud @ way
-    covered = (away.min(axis=1) < radius) & (ahead - depth[away.argmin(axis=1)] > 1.6 * radius)
-    size = np.linalg.norm(np.ptp(cloud, axis=0))
-    spread = (np.ptp(depth) + np.std(ahead)) / size
-    return float(4 * np.mean(covered) + spread + 0.05 * abs(way[2]))
+    covered = [(np.abs(flat - center - place) < 0.6 * size).all(axis=1).sum() for place in places]
+    return np.asarray(places[np.argmin(covered)])
