@@ -12,13 +12,14 @@ error against the converged limit.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .contact_set import ContactSet
-from .front import Front
-from .motion import Motion, influence_rates
+from .front import Front, Step
+from .motion import Motion
 from .new_contacts import NewContacts
 from .step_rule import StepRule
 
@@ -77,13 +78,13 @@ def event_steps(motion: Motion, rule: StepRule, start: float, target: float) -> 
         growth = min(growth, target - radius)
         if target - radius - growth < 0.25 * growth:
             growth = target - radius
-        reach = rule.influence_distance + target - radius
-        error = _event_step(motion, rule, radius, growth, contact, reach)
-        motion.estimated_error = max(motion.estimated_error, error)
+        step = Step(radius, growth, reach=rule.influence_distance + target - radius)
+        error = _event_step(motion, rule, contact, step)
+        motion.estimated(error)
         radius += growth
         if radius - evaluated > FIELD_INTERVAL:
             motion.refreshed()
-            contact.tied_anew(reach)
+            contact.tied_anew(step.reach)
             evaluated = radius
         yield radius
         if not has_looked_ahead:
@@ -96,44 +97,35 @@ def event_steps(motion: Motion, rule: StepRule, start: float, target: float) -> 
         )
 
 
-def _event_step(
-    motion: Motion,
-    rule: StepRule,
-    radius: float,
-    growth: float,
-    contact: ContactSet,
-    reach: float,
-) -> float:
-    """One step. Returns the estimated error, mm.
-
-    `reach` is the distance beyond which a contact does not matter until the end, mm.
-    """
+def _event_step(motion: Motion, rule: StepRule, contact: ContactSet, step: Step) -> float:
+    """One step. Returns the estimated error, mm."""
+    radius, growth, reach = step
     held = np.flatnonzero(contact.is_held)
     above = motion.level - radius
     ahead = rule.contact_tolerance + FRONT_MARGIN + growth * (1 - contact.rate)
     members = np.flatnonzero(~contact.is_held & (above < ahead) & motion.touchable)
-    front = Front(motion, rule, members, contact, reach)
-    front.run(radius, growth)
+    front = Front(motion, rule, contact, members, step)
+    front.run()
     hits = members[front.has_touched]
 
-    others, mean_rate, end_rate = _dragged(motion, rule, radius, growth, contact, front, reach)
-    trapezoid = (contact.rate[others] + end_rate) / 2
-    error = ERROR_SHARE * growth * np.abs(mean_rate - trapezoid).max(initial=0)
+    dragged = _dragged(motion, rule, contact, front, step)
+    trapezoid = (contact.rate[dragged.numbers] + dragged.end_rate) / 2
+    error = ERROR_SHARE * growth * np.abs(dragged.mean_rate - trapezoid).max(initial=0)
 
-    moved = np.concatenate([held, members, others])
-    amount = np.concatenate([np.full(len(held), growth), front.amount, growth * mean_rate])
+    moved = np.concatenate([held, members, dragged.numbers])
+    amount = np.concatenate([np.full(len(held), growth), front.amount, growth * dragged.mean_rate])
     curved = motion.is_curved[moved] & (amount > 0)
     straight = moved[~curved]
     motion.advanced(straight, amount[~curved])
     contact.rate[members] = front.rate
-    contact.rate[others] = end_rate
+    contact.rate[dragged.numbers] = dragged.end_rate
     contact.nearest[members] = front.nearest
     contact.is_held[hits] = True
-    _follow(motion, moved[curved], amount[curved], contact.is_held[moved[curved]], radius, growth)
+    _follow(motion, contact, moved[curved], amount[curved], step)
 
     reached = radius + growth
     settled = straight[contact.is_held[straight]]
-    motion.level[settled] = reached + rule.contact_tolerance
+    motion.held_on(settled, reached + rule.contact_tolerance)
     is_inside = motion.level - reached < rule.contact_tolerance
     overtaken = np.flatnonzero(is_inside & ~contact.is_held & motion.touchable)
     motion.advanced(overtaken, reached + rule.contact_tolerance - motion.level[overtaken])
@@ -142,16 +134,19 @@ def _event_step(
     return float(error)
 
 
+class _Dragged(NamedTuple):
+    """Points that are dragged through a step, and their motion per radius growth."""
+
+    numbers: NDArray[np.int64]
+    mean_rate: NDArray[np.float64]
+    end_rate: NDArray[np.float64]
+
+
 def _dragged(
-    motion: Motion,
-    rule: StepRule,
-    radius: float,
-    growth: float,
-    contact: ContactSet,
-    front: Front,
-    reach: float,
-) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
-    """Points that are dragged, their mean motion per radius over the step, and that at its end."""
+    motion: Motion, rule: StepRule, contact: ContactSet, front: Front, step: Step
+) -> _Dragged:
+    """All points out of contact that are not of the front and that a contact is near enough to."""
+    radius, growth, reach = step
     hits = front.members[front.has_touched]
     hits_middle = front.positions[front.has_touched] - growth / 2 * motion.direction[hits]
     new = NewContacts(hits_middle, front.contact_radius[front.has_touched] - radius, growth)
@@ -181,25 +176,22 @@ def _dragged(
             motion.cell[others[nearer]],
             np.minimum(before[nearer], rule.influence_distance),
         )
-    profiles = rule.influence_distance, rule.falloff, rule.blend
-    return (
-        others[near],
-        influence_rates(above[near], mean[near], *profiles),
-        influence_rates(above[near], end[near], *profiles),
+    return _Dragged(
+        others[near], rule.rates(above[near], mean[near]), rule.rates(above[near], end[near])
     )
 
 
 def _follow(
     motion: Motion,
+    contact: ContactSet,
     where: NDArray[np.int64],
     amount: NDArray[np.float64],
-    contact: NDArray[np.bool_],
-    radius: float,
-    growth: float,
+    step: Step,
 ) -> None:
     """Move points along a curved field in short parts, pushing out those that fall inside."""
-    parts = int(np.ceil(growth / FOLLOWING_PART - 1e-9)) if len(where) else 0
+    parts = int(np.ceil(step.growth / FOLLOWING_PART - 1e-9)) if len(where) else 0
+    is_held = contact.is_held[where]
     for part in range(parts):
-        inside = radius + growth * part / parts - motion.level[where]
-        push = amount / parts + np.where(contact, np.maximum(inside, 0), 0)
+        inside = step.radius + step.growth * part / parts - motion.level[where]
+        push = amount / parts + np.where(is_held, np.maximum(inside, 0), 0)
         motion.moved_to(where, motion.positions[where] + push[:, None] * motion.direction[where])

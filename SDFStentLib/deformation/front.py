@@ -2,17 +2,30 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry import norm
 from .contact_search import ContactSearch
 from .contact_set import ContactSet
-from .motion import Motion, influence_rates
+from .motion import Motion
 from .step_rule import StepRule
 
 SUBSTEPS = 8
 """Substeps of the front in every step: 0.1 mm in the longest one by default, finer at first."""
+
+
+class Step(NamedTuple):
+    """One growth of the stent."""
+
+    radius: float
+    """Of the stent at its begin, mm."""
+    growth: float
+    """mm."""
+    reach: float
+    """Distance beyond which a contact does not matter until the end of all steps, mm."""
 
 
 class Front:
@@ -36,9 +49,9 @@ class Front:
         self,
         motion: Motion,
         rule: StepRule,
-        members: NDArray[np.int64],
         contact: ContactSet,
-        reach: float,
+        members: NDArray[np.int64],
+        step: Step,
     ) -> None:
         self.members = members
         self.positions = motion.positions[members]
@@ -47,7 +60,7 @@ class Front:
         self.contact_radius = np.full(len(members), np.inf)
         self.nearest = contact.nearest[members]
         self._rule = rule
-        self._reach = reach
+        self._step = step
         self._level = motion.level[members]
         self._direction, self._slope = motion.direction[members], motion.slope[members]
         # The nearest contact point of each: its place at the start of the step and its velocity.
@@ -62,8 +75,9 @@ class Front:
         """(n,) which have come into contact."""
         return self._touching
 
-    def run(self, radius: float, growth: float) -> None:
-        """Move through a step from a stent radius by a growth, mm."""
+    def run(self) -> None:
+        """Move through the step."""
+        radius, growth, _ = self._step
         substep = growth / SUBSTEPS
         for index in range(SUBSTEPS):
             elapsed = index * substep
@@ -83,7 +97,7 @@ class Front:
         above = self._level - (radius + elapsed)
         apart = norm(self.positions - self._anchor - elapsed * self._velocity)
         previous = self.rate
-        self.rate = influence_rates(above, apart, rule.influence_distance, rule.falloff, rule.blend)
+        self.rate = rule.rates(above, apart)
         self.rate[self._touching] = 1
         missed = self._late * (self.rate - previous)
         self._late[:] = 0
@@ -115,7 +129,7 @@ class Front:
         waiting = np.flatnonzero(~self._touching)
         search = ContactSearch(self.positions[sources])
         old = self.positions[waiting] - self._anchor[waiting] - elapsed * self._velocity[waiting]
-        old = np.minimum(norm(old), self._reach)
+        old = np.minimum(norm(old), self._step.reach)
         gap, nearest = search.nearest(self.positions[waiting], old.max(initial=0))
         closer = gap < old
         waiting, nearest = waiting[closer], nearest[closer]

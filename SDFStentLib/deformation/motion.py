@@ -15,7 +15,6 @@ from ..field import CapsuleChain, Field
 from ..geometry import dot
 from ..validation import Points
 from .contact_search import ContactSearch
-from .profiles import Profile
 
 STRAIGHT = np.cos(np.deg2rad(2.0))
 """Directions that differ by less count as the same: the smooth minimum's ripple stays below."""
@@ -137,6 +136,14 @@ class Motion:
         self.level[where] += amount * self.slope[where]
         self._extrapolated[where] = True
 
+    def held_on(self, where: NDArray[Any], level: float) -> None:
+        """Points in contact lie on a level, mm, whatever was extrapolated."""
+        self.level[where] = level
+
+    def estimated(self, error: float) -> None:
+        """A step may be so far from the converged limit, mm; the largest such error counts."""
+        self.estimated_error = max(self.estimated_error, error)
+
     def refreshed(self) -> None:
         """Evaluate the field of all points whose level was extrapolated."""
         where = np.flatnonzero(self._extrapolated)
@@ -216,27 +223,6 @@ class RestingPoints:
             cubes[self._asleep[woken]] = True
             self.awake |= cubes[self.cube]
             self._asleep = self._asleep[~woken]
-
-
-def influence_rates(
-    level_above: NDArray[np.float64],
-    contact_distance: NDArray[np.float64],
-    influence_distance: float,
-    falloff: Profile,
-    blend: Profile,
-) -> NDArray[np.float64]:
-    """Motion per radius step of points that are not in contact, in [0, 1].
-
-    Parameters
-    ----------
-    level_above : (n,) array
-        Signed distance to the stent, mm.
-    contact_distance : (n,) array
-        Distance to the nearest contact point, mm; infinite where there is none.
-    """
-    near = np.minimum(contact_distance / influence_distance, 1)
-    above = np.minimum(np.maximum(level_above / influence_distance, 0), 1)
-    return falloff(above) * blend(near)
 
 
 def _mirror(points: Points) -> Points:

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from .contact_search import ContactSearch
-from .motion import Motion, influence_rates
+from .motion import Motion
 from .step_rule import StepRule
 
 
@@ -53,13 +53,7 @@ def _euler_step(motion: Motion, rule: StepRule, radius: float, growth: float) ->
     free = np.flatnonzero(near & ~contact)
     near_contact[free], _ = search.nearest(motion.positions[free], rule.influence_distance)
     active = np.flatnonzero(near | contact)
-    amount[active] = growth * influence_rates(
-        above[active],
-        near_contact[active],
-        rule.influence_distance,
-        rule.falloff,
-        rule.blend,
-    )
+    amount[active] = growth * rule.rates(above[active], near_contact[active])
     inside = active[above[active] < 0]
     inside = inside[np.isfinite(near_contact[inside])]
     amount[inside] -= above[inside]

@@ -1,9 +1,12 @@
-"""What every radius-step rule needs to know."""
+"""What every radius-step rule needs to know, and the motion that it gives to free points."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
+from ..validation import Floats
 from .profiles import Profile
 
 
@@ -31,3 +34,17 @@ class StepRule:
     tolerance: float
     falloff: Profile
     blend: Profile
+
+    def rates(self, level_above: Floats, contact_distance: Floats) -> Floats:
+        """Motion per radius growth of points that are not in contact, in [0, 1].
+
+        Parameters
+        ----------
+        level_above : (n,) array
+            Signed distance to the stent, mm.
+        contact_distance : (n,) array
+            Distance to the nearest contact point, mm; infinite where there is none.
+        """
+        near = np.minimum(contact_distance / self.influence_distance, 1)
+        above = np.minimum(np.maximum(level_above / self.influence_distance, 0), 1)
+        return self.falloff(above) * self.blend(near)
