@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from ..certificate import Comparison, Verdict, certificate_of
 from ..field import CapsuleChain
 from ..geometry import Precision, Surface
+from ..validation import as_points
 from .attempt import Attempt
 from .settings import DeploymentSettings
 from .values import DeploymentResult, DeploymentState, DeploymentTask
@@ -63,19 +64,8 @@ class Deployment(DeploymentTask):
         While iterating: a surface of which no point is near the stent.
     """
 
-    def __init__(
-        self,
-        surface: Surface,
-        chain: CapsuleChain,
-        radius: float,
-        settings: DeploymentSettings | None = None,
-        *,
-        companions: ArrayLike | None = None,
-        precision: Precision | None = None,
-    ) -> None:
-        super().__init__(
-            surface, chain, radius, settings, companions=companions, precision=precision
-        )
+    def __post_init__(self) -> None:
+        super().__post_init__()
         self.states: list[DeploymentState] = []
         self._result: DeploymentResult | None = None
 
@@ -182,7 +172,12 @@ def deploy(
     `progress` is called with every state.
     """
     deployment = Deployment(
-        surface, chain, radius, settings, companions=companions, precision=precision
+        surface,
+        chain,
+        radius,
+        settings or DeploymentSettings(),
+        companions=as_points(() if companions is None else companions, "companion points"),
+        precision=precision or Precision(),
     )
     for state in deployment:
         if progress is not None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass, field
 from functools import cached_property
 from typing import NamedTuple
 
@@ -76,28 +76,32 @@ class DeploymentResult:
         return self.surface.points
 
 
+@dataclass(frozen=True, eq=False, repr=False)
 class DeploymentTask:
     """What is deployed where, checked, with what follows from it. Nothing here changes.
 
-    Parameters and errors as for `Deployment`.
+    Parameters and errors as for `Deployment`; None stands for what is not given.
     """
 
-    def __init__(
-        self,
-        surface: Surface,
-        chain: CapsuleChain,
-        radius: float,
-        settings: DeploymentSettings | None = None,
-        *,
-        companions: ArrayLike | None = None,
-        precision: Precision | None = None,
-    ) -> None:
-        self.surface = as_surface(surface)
-        self.chain = as_chain(chain)
-        self.settings = settings or DeploymentSettings()
-        self.radius = as_length(radius, "stent radius", *THINNEST_AND_WIDEST_RADIUS)
-        self.companions = as_points(() if companions is None else companions, "companion points")
-        self.precision = precision or Precision()
+    surface: Surface
+    chain: CapsuleChain
+    radius: float
+    settings: DeploymentSettings = field(default_factory=DeploymentSettings)
+    _: KW_ONLY
+    companions: Points = field(default_factory=lambda: np.empty((0, 3)))
+    precision: Precision = field(default_factory=Precision)
+
+    def __post_init__(self) -> None:
+        companions = () if self.companions is None else self.companions
+        self._set("surface", as_surface(self.surface))
+        self._set("chain", as_chain(self.chain))
+        self._set("radius", as_length(self.radius, "stent radius", *THINNEST_AND_WIDEST_RADIUS))
+        self._set("settings", self.settings or DeploymentSettings())
+        self._set("companions", as_points(companions, "companion points"))
+        self._set("precision", self.precision or Precision())
+
+    def _set(self, name: str, value: object) -> None:
+        object.__setattr__(self, name, value)
 
     @cached_property
     def target_level(self) -> float:
