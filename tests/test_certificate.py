@@ -7,13 +7,14 @@ import json
 import numpy as np
 import pytest
 
-from SDFStentLib.certificate.certificate import certify, check_surface
+from SDFStentLib.certificate.certificate import certify
 from SDFStentLib.certificate.face_quality import (
     degenerate_triangles,
     inverted_triangles,
-    places,
     sliver_triangles,
 )
+from SDFStentLib.certificate.spots import spots_of
+from SDFStentLib.certificate.surface_check import check_surface
 from SDFStentLib.geometry import Precision, Surface
 from SDFStentLib.validation import InputError
 
@@ -253,10 +254,10 @@ def test_slivers_and_faces_without_area():
 def test_places_gather_faces_by_corner_and_by_pair():
     points = np.arange(27, dtype=float).reshape(9, 3)
     triangles = np.arange(9).reshape(3, 3)
-    apart = places(points, triangles, np.array([2, 0]), np.empty((0, 2), dtype=np.int64))
+    apart = spots_of(points, triangles, np.array([2, 0]), np.empty((0, 2), dtype=np.int64))
     assert [spot.triangles for spot in apart] == [(0,), (2,)]
     assert apart[0].center == (3.0, 4.0, 5.0)
-    together = places(points, triangles, np.array([0, 1, 2]), np.array([[0, 2]]))
+    together = spots_of(points, triangles, np.array([0, 1, 2]), np.array([[0, 2]]))
     assert [spot.triangles for spot in together] == [(0, 2), (1,)]
     assert str(apart[0]) == "(3.0, 4.0, 5.0) mm"
 

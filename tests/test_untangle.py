@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 from deployment_cases import anatomy_case, phantom_case
 
+from SDFStentLib.certificate import Comparison
 from SDFStentLib.certificate.intersections import self_intersecting_triangles
 from SDFStentLib.deformation.deployment import Deployment
 from SDFStentLib.deformation.motion import Motion
 from SDFStentLib.deformation.settings import DeploymentSettings
-from SDFStentLib.deformation.untangle import IDLE_ROUNDS, Faults, untangled
+from SDFStentLib.deformation.untangle import IDLE_ROUNDS, Tangle, untangled
 from SDFStentLib.field.capsule_chain import CapsuleChain
 from SDFStentLib.geometry.precision import Precision
 
@@ -120,10 +121,10 @@ def untangled_sheet(flat, bent, triangles):
     motion, order = motion_of(bent, AXIS)
     motion.freeze()
     before, numbered = in_order(flat, order, triangles)
-    faults = Faults(before, numbered, Precision())
-    bad = faults.among(motion.positions, np.arange(len(triangles)))
+    faults = Comparison(before, numbered, Precision())
+    bad = faults.new_faults(motion.positions, np.arange(len(triangles)))
     level = float(motion.level.min())
-    return motion, faults, level, untangled(motion, motion.positions, faults, level, bad)
+    return motion, faults, level, untangled(motion, level, faults, Tangle(motion.positions, bad))
 
 
 def test_a_pulled_vertex_is_put_back_and_none_enters_the_stent():
@@ -131,7 +132,7 @@ def test_a_pulled_vertex_is_put_back_and_none_enters_the_stent():
     assert len(self_intersecting_triangles(bent, triangles))
     motion, faults, level, outcome = untangled_sheet(flat, bent, triangles)
     assert outcome.rounds > 0
-    assert len(outcome.remaining) == 0
+    assert len(outcome.faulty) == 0
     assert len(self_intersecting_triangles(outcome.positions, faults.triangles)) == 0
     after = motion.chain.field(outcome.positions).distance
     # One Newton step along the field: its curvature leaves a few micrometres.
@@ -147,11 +148,15 @@ def test_only_a_neighborhood_of_the_fold_moves():
     assert outcome.rounds < 20
 
 
+def new_faults(before, after, triangles, precision=None):
+    everything = np.arange(len(triangles))
+    return Comparison(before, triangles, precision or Precision()).new_faults(after, everything)
+
+
 def test_what_was_wrong_before_is_no_new_fault():
     flat, bent, triangles = a_folded_sheet()
-    everything = np.arange(len(triangles))
-    assert len(Faults(flat, triangles, Precision()).among(bent, everything))
-    assert Faults(bent, triangles, Precision()).among(bent + 0.001, everything).tolist() == []
+    assert len(new_faults(flat, bent, triangles))
+    assert new_faults(bent, bent + 0.001, triangles).tolist() == []
 
 
 def test_a_face_turned_over_in_the_plane_is_a_fault_though_nothing_crosses():
@@ -161,7 +166,7 @@ def test_a_face_turned_over_in_the_plane_is_a_fault_though_nothing_crosses():
     turned[:, 2] += 1e-3 * rng.uniform(size=len(flat))
     middle = len(flat) // 2
     turned[middle, :2] += [0.3, 0.65]
-    found = Faults(flat, triangles, Precision()).among(turned, np.arange(len(triangles)))
+    found = new_faults(flat, turned, triangles)
     assert np.isin(found, np.flatnonzero((triangles == middle).any(axis=1))).any()
 
 
@@ -169,16 +174,16 @@ def test_a_face_without_area_is_a_fault():
     flat, triangles = a_sheet()
     collapsed = flat.copy()
     collapsed[triangles[40, 0]] = collapsed[triangles[40, 1]]
-    assert 40 in Faults(flat, triangles, Precision()).among(collapsed, np.arange(len(triangles)))
+    assert 40 in new_faults(flat, collapsed, triangles)
 
 
 def test_what_is_left_after_the_last_round_is_named(monkeypatch):
     monkeypatch.setattr("SDFStentLib.deformation.untangle.ROUNDS", 0)
     flat, bent, triangles = a_folded_sheet()
     _, faults, _, outcome = untangled_sheet(flat, bent, triangles)
-    left = faults.among(outcome.positions, np.arange(len(triangles)))
+    left = faults.new_faults(outcome.positions, np.arange(len(triangles)))
     assert len(left)
-    np.testing.assert_array_equal(outcome.remaining, left)
+    np.testing.assert_array_equal(outcome.faulty, left)
 
 
 def test_faults_are_judged_in_the_precision_of_the_stored_file():
@@ -190,10 +195,9 @@ def test_faults_are_judged_in_the_precision_of_the_stored_file():
     both = np.concatenate([points, upper])
     faces = np.concatenate([triangles, triangles + len(points)])
     apart = both + np.outer(np.arange(len(both)) >= len(points), [0, 0, 5.0])
-    everything = np.arange(len(faces))
-    assert len(Faults(apart, faces, Precision()).among(both, everything)) == 0
+    assert len(new_faults(apart, both, faces)) == 0
     # Half precision has steps of 0.002 at 3 mm.
-    assert len(Faults(apart, faces, Precision(np.float16)).among(both, everything)) > 0
+    assert len(new_faults(apart, both, faces, Precision(np.float16))) > 0
 
 
 def test_untangling_stops_when_it_gets_no_further_and_keeps_the_best_it_had():
@@ -202,15 +206,15 @@ def test_untangling_stops_when_it_gets_no_further_and_keeps_the_best_it_had():
     before, numbered = in_order(flat, order, triangles)
     seen = []
 
-    class Scripted(Faults):
-        def among(self, after, faces):
+    class Scripted(Comparison):
+        def new_faults(self, after, faces):
             seen.append(after.copy())
             return np.arange(100, 100 + (5, 3, 4)[min(len(seen) - 1, 2)])
 
     faults = Scripted(before, numbered, Precision())
-    outcome = untangled(motion, motion.positions, faults, 0.0, np.arange(100, 106))
+    outcome = untangled(motion, 0.0, faults, Tangle(motion.positions, np.arange(100, 106)))
     assert outcome.rounds == len(seen) == 2 + IDLE_ROUNDS
-    assert outcome.remaining.tolist() == [100, 101, 102]
+    assert outcome.faulty.tolist() == [100, 101, 102]
     np.testing.assert_array_equal(outcome.positions, seen[1])
     assert (seen[-1] != seen[1]).any()
 
@@ -226,4 +230,4 @@ def test_a_face_that_its_neighbors_turn_over_is_a_fault_though_it_stays():
     after[others, 2] += 0.4
     assert face not in self_intersecting_triangles(after, triangles, [face])
     beside = np.setdiff1d(np.arange(len(triangles)), face)
-    assert face in Faults(flat, triangles, Precision()).among(after, beside)
+    assert face in Comparison(flat, triangles, Precision()).new_faults(after, beside)

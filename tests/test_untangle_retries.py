@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from deployment_cases import phantom
 
-from SDFStentLib.deformation import attempt
 from SDFStentLib.deformation import deployment as engine
-from SDFStentLib.deformation.attempt import WAYS_TO_UNTANGLE
+from SDFStentLib.deformation import untangle
 from SDFStentLib.deformation.deployment import RETRIES, Deployment
 from SDFStentLib.deformation.settings import DeploymentSettings
+from SDFStentLib.deformation.untangle import WAYS_TO_UNTANGLE
 from SDFStentLib.field import CapsuleChain
 
 
@@ -40,11 +40,11 @@ def test_every_way_to_untangle_saves_a_stent_that_those_before_do_not(
     sweep, data_dir, attempts, monkeypatch, way, stent
 ):
     placed = sweep.random_stent(*stent, data_dir)
-    monkeypatch.setattr(attempt, "WAYS_TO_UNTANGLE", WAYS_TO_UNTANGLE[:way])
+    monkeypatch.setattr(untangle, "WAYS_TO_UNTANGLE", WAYS_TO_UNTANGLE[:way])
     monkeypatch.setattr(engine, "RETRIES", RETRIES[: way // 2])
     _, short = sweep.deployed(placed, DeploymentSettings(), data_dir)
     assert not short.certificate.passed
-    monkeypatch.setattr(attempt, "WAYS_TO_UNTANGLE", WAYS_TO_UNTANGLE[: way + 1])
+    monkeypatch.setattr(untangle, "WAYS_TO_UNTANGLE", WAYS_TO_UNTANGLE[: way + 1])
     deployment, result = sweep.deployed(placed, DeploymentSettings(), data_dir)
     assert result.certificate.passed
     is_relieved = WAYS_TO_UNTANGLE[way][1]

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from .certificate import Certificate, certificate_of, certify, check_surface
-from .face_quality import Comparison, Verdict, degenerate_triangles, inverted_triangles
+from .certificate import Certificate, certificate_of, certify
+from .comparison import Comparison, Verdict
 from .intersections import self_intersecting_triangles
 from .promises import NARROWER, WIDER, LumenCheck, MotionCheck, Place
+from .surface_check import check_surface
 
 __all__ = [
     "NARROWER",
@@ -19,8 +20,6 @@ __all__ = [
     "certificate_of",
     "certify",
     "check_surface",
-    "degenerate_triangles",
-    "inverted_triangles",
     "self_intersecting_triangles",
 ]
 

@@ -1,8 +1,7 @@
-"""Proof that a surface is sound, and that a deployment left it so.
+"""Proof that a deployment left a surface as sound as it was.
 
-`check_surface` judges one surface; `certify` compares a surface before and after, only where it
-moved, in the numbers that the written file will hold. It has to come last, after everything that
-moves a point.
+`certify` compares a surface before and after, only where it moved, in the numbers that the written
+file will hold. It has to come last, after everything that moves a point.
 """
 
 from __future__ import annotations
@@ -13,107 +12,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..geometry import Precision, Surface, Topology, as_surface, signed_volume, state_of
+from ..geometry import Precision, Surface, Topology, as_surface, state_of
 from ..validation import Indices, InputError, read_only
-from .face_quality import (
-    Comparison,
-    Place,
-    Verdict,
-    count_in_words,
-    degenerate_triangles,
-    faults_in_words,
-    inverted_triangles,
-    places,
-    sliver_triangles,
-    winding_in_words,
-)
-from .intersections import intersecting_pairs
+from .comparison import Comparison, Verdict
 from .promises import LumenCheck, MotionCheck
+from .spots import Spot, count_in_words, faults_in_words
+from .surface_check import SurfaceCheck
 
 AS_FLOAT32 = Precision(np.float32)
 """What most files hold."""
 
 AS_PRESCRIBED = "its lumen is nowhere narrower than prescribed, and wider only where it was"
-
-
-@dataclass(frozen=True)
-class SurfaceCheck:
-    """What `check_surface` found.
-
-    Attributes
-    ----------
-    topology : Topology
-        Closed, manifold, consistently wound, boundary edges, connected parts.
-    is_outward : bool
-        Closed, consistently wound, and its volume is positive.
-    inverted_triangles, degenerate_triangles, sliver_triangles, self_intersecting_triangles
-        Ascending indices: turned over against the neighbourhood; without area; with an angle
-        below 1 degree; crossing, touching or covering another triangle.
-    places : tuple of Place
-        Where triangles of the first, second and last kind gather, most of them first.
-    flipped_triangles : array
-        Ascending indices of those wound against their neighbors, the fewer of each part.
-    """
-
-    topology: Topology
-    is_outward: bool
-    inverted_triangles: Indices
-    degenerate_triangles: Indices
-    sliver_triangles: Indices
-    self_intersecting_triangles: Indices
-    places: tuple[Place, ...]
-    flipped_triangles: Indices
-
-    @property
-    def is_watertight(self) -> bool:
-        """Closed and manifold."""
-        return self.topology.is_watertight
-
-    @property
-    def is_manifold(self) -> bool:
-        """At most two faces at every edge, one fan at every vertex."""
-        return self.topology.is_manifold
-
-    @property
-    def passed(self) -> bool:
-        """Manifold, outward where closed, no fault of any kind; an open surface passes."""
-        faults = self.places or self.flipped_triangles.size or self.is_inside_out
-        return self.is_manifold and not faults
-
-    @property
-    def is_inside_out(self) -> bool:
-        """Closed and consistently wound, with its faces to the inside."""
-        return self.topology.is_oriented and not self.is_outward
-
-    def sentence(self) -> str:
-        """The finding in one sentence."""
-        faults = "no self-intersection"
-        if self.places:
-            faults = faults_in_words(
-                self.places,
-                (len(self.self_intersecting_triangles), "intersecting"),
-                (len(self.inverted_triangles), "turned over"),
-                (len(self.degenerate_triangles), "without area"),
-            )
-        faults += winding_in_words(len(self.flipped_triangles), self.is_inside_out)
-        return f"The surface is {self.topology.in_words()} and has {faults}."
-
-    def as_dict(self) -> dict[str, Any]:
-        """The finding as it stands in a report."""
-        return {
-            "watertight": self.is_watertight,
-            "manifold": self.is_manifold,
-            "outward": self.is_outward,
-            "boundary_edges": self.topology.boundary_edge_count,
-            "components": self.topology.component_count,
-            "inside_out": self.is_inside_out,
-            "flipped_triangles": self.flipped_triangles.tolist(),
-            "inverted_triangles": self.inverted_triangles.tolist(),
-            "degenerate_triangles": self.degenerate_triangles.tolist(),
-            "sliver_triangles": self.sliver_triangles.tolist(),
-            "self_intersecting_triangles": self.self_intersecting_triangles.tolist(),
-            "places": [place.center for place in self.places],
-        }
 
 
 @dataclass(frozen=True)
@@ -131,7 +40,7 @@ class Certificate:
         those that did not do so before.
     new_inverted, new_degenerate
         Triangles turned over, or without area, that were not before.
-    places : tuple of Place
+    places : tuple of Spot
         Where new faults gather, most triangles first.
     motion, lumen : tuples of MotionCheck and LumenCheck
         For every stent; empty where surfaces were compared without one, and the latter where the
@@ -145,7 +54,7 @@ class Certificate:
     new_self_intersecting: Indices
     new_inverted: Indices
     new_degenerate: Indices
-    places: tuple[Place, ...]
+    places: tuple[Spot, ...]
     motion: tuple[MotionCheck, ...] = ()
     lumen: tuple[LumenCheck, ...] = ()
 
@@ -212,41 +121,6 @@ class Certificate:
             "motion": [check.as_dict() for check in self.motion],
             "lumen": [check.as_dict() for check in self.lumen],
         }
-
-
-def check_surface(surface: Surface, *, precision: Precision | None = None) -> SurfaceCheck:
-    """Whether a surface is closed, manifold, oriented and free of faulty triangles.
-
-    Parameters
-    ----------
-    surface : Surface
-    precision : Precision, optional
-        Type and unit of the stored coordinates; the check is on these. By default as they are.
-
-    Raises
-    ------
-    InputError
-        No surface, or coordinates that are too large for the type.
-    """
-    points, triangles = as_surface(surface).points, surface.triangles
-    wound, stored = surface.wound_triangles, (precision or Precision()).stored(points)
-    topology = surface.topology
-
-    pairs = intersecting_pairs(stored, triangles)
-    intersecting = np.unique(pairs)
-    inverted = inverted_triangles(stored, wound)
-    degenerate = degenerate_triangles(stored, triangles)
-    faults = np.r_[intersecting, inverted, degenerate]
-    return SurfaceCheck(
-        topology=topology,
-        is_outward=topology.is_oriented and signed_volume(stored, triangles) > 0,
-        inverted_triangles=read_only(inverted),
-        degenerate_triangles=read_only(degenerate),
-        sliver_triangles=read_only(sliver_triangles(stored, triangles)),
-        self_intersecting_triangles=read_only(intersecting),
-        places=tuple(places(points, triangles, faults, pairs)),
-        flipped_triangles=read_only(np.flatnonzero((wound != triangles).any(axis=1))),
-    )
 
 
 def certify(

@@ -4,19 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..certificate import MotionCheck
+from ..certificate import Comparison, MotionCheck
 from ..field import CapsuleChain
 from ..geometry import (
     connected,
     consistently_wound,
     dot,
-    faces_at,
-    vertex_neighbors,
     vertex_normals,
 )
 from ..measure import caps_across
@@ -27,36 +24,14 @@ from .motion import Motion
 from .patch import Patch
 from .published_steps import published_steps
 from .stent_checks import motion_check
-from .untangle import RELAXATION, Faults, Relief, grown, untangled
+from .untangle import Relief, Tangle, taken_apart
 from .values import DeploymentState, DeploymentTask
 
 WALL_CLEARANCE = 0.9
 """The crimped stent never reaches beyond this share of the nearest wall's distance."""
 
-WAYS_TO_UNTANGLE = ((RELAXATION, False), (0.2, False), (RELAXATION, True))
-"""Shares of the way to the mean of the neighbors, and whether the lumen is relieved, in turn.
-
-The first is quick. The second gets some folds apart in which the first swings to and fro. The third
-takes the facet compensation back round the fold: some facets there lie inside again, by up to the
-height of their arc, and those that it pushed into each other come free.
-"""
-
-FEW_FAULTS = 20
-"""Faulty faces up to which the next way is tried; 4 to 11 were left where it helped."""
-
-RELIEVED_RINGS = 3
-
-
 CAPS_WITHIN = 2.0
 """Distance from the stent's ends, in its radii, within which caps are looked for."""
-
-
-class _Begin(NamedTuple):
-    """From where a way to untangle begins: positions, faulty faces, what was taken back."""
-
-    positions: Points
-    bad: NDArray[np.int64]
-    relief: Relief | None = None
 
 
 class Attempt:
@@ -164,41 +139,14 @@ class Attempt:
         if not len(local):
             return 0
         wound, _ = consistently_wound(self.patch.triangles)
-        faults = Faults(self.patch_start, wound, task.precision)
-        folded = self.positions
-        best, fewest, rounds = folded, len(local), 0
-        for relaxation, is_relieved in WAYS_TO_UNTANGLE:
-            begin = self._relieved(faults, local) if is_relieved else _Begin(folded, local)
-            outcome = untangled(
-                self.motion, begin.positions, faults, task.target_level, begin.bad, relaxation
-            )
-            rounds += outcome.rounds
-            if len(outcome.remaining) < fewest:
-                best, fewest = outcome.positions, len(outcome.remaining)
-                self.relief = begin.relief
-            if not 0 < fewest <= FEW_FAULTS:
-                break
-        self.positions = self._with_closed_seams(best)
-        return rounds
-
-    def _relieved(self, faults: Faults, bad: NDArray[np.int64]) -> _Begin:
-        """The facet compensation taken back round faulty faces, and what is faulty then."""
-        positions = self.positions.copy()
-        neighbors = vertex_neighbors(faults.triangles, len(faults.before))
-        near = grown(np.unique(faults.triangles[bad]), neighbors, RELIEVED_RINGS)
-        near = near[near < self.wall_count]
-        pushed = np.linalg.norm(positions[near] - self._uncompensated[near], axis=1)
-        relief = None
-        if pushed.any():
-            x, y, z = self._uncompensated[near[pushed.argmax()]].tolist()
-            relief = Relief((x, y, z), float(pushed.max()))
-        positions[near] = self._uncompensated[near]
-        whole = self.task.surface.points
-        after = self.patch.points(whole, positions[: self.wall_count])
-        touched = np.zeros(len(after), dtype=bool)
-        touched[near] = True
-        faces = np.flatnonzero(faces_at(touched, faults.triangles))
-        return _Begin(positions, faults.among(after, faces), relief)
+        comparison = Comparison(self.patch_start, wound, task.precision)
+        wall, others = np.split(self.positions, [self.wall_count])
+        folded = Tangle(self.patch.points(task.surface.points, wall), local)
+        best = taken_apart(self.motion, task.target_level, comparison, folded, self._uncompensated)
+        self.relief = best.relief
+        wall = best.positions[: self.wall_count]
+        self.positions = self._with_closed_seams(np.concatenate([wall, others]))
+        return best.rounds
 
     def _with_closed_seams(self, positions: Points) -> Points:
         """Points that are stored more than once where the first of them went."""

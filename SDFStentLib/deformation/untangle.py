@@ -6,16 +6,14 @@ round a fold, under the constraint that none enters the stent, keeps the prescri
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..cautions import Caution
-from ..certificate import degenerate_triangles, inverted_triangles, self_intersecting_triangles
-from ..geometry import Precision, VertexNeighbors, faces_at, vertex_neighbors
+from ..certificate import Comparison
+from ..geometry import VertexNeighbors, faces_at, vertex_neighbors
 from ..validation import Points, Triangles
 from .motion import Motion
 
@@ -27,6 +25,19 @@ IDLE_ROUNDS = 10
 Of 144 that came to a good end in 450 random stents none was idle for more than 8."""
 RELAXATION = 0.5
 """Share of the way to the mean of the neighbors."""
+
+WAYS_TO_UNTANGLE = ((RELAXATION, False), (0.2, False), (RELAXATION, True))
+"""Shares of the way to the mean of the neighbors, and whether the lumen is relieved, in turn.
+
+The first is quick. The second gets some folds apart in which the first swings to and fro. The third
+takes the facet compensation back round the fold: some facets there lie inside again, by up to the
+height of their arc, and those that it pushed into each other come free.
+"""
+
+FEW_FAULTS = 20
+"""Faulty faces up to which the next way is tried; 4 to 11 were left where it helped."""
+
+RELIEVED_RINGS = 3
 
 
 class Relief(NamedTuple):
@@ -42,88 +53,88 @@ class Relief(NamedTuple):
         return Caution("facets-inside", {"depth_mm": self.depth}, self.center)
 
 
-@dataclass(frozen=True)
-class Faults:
-    """What must not come anew.
-
-    Attributes
-    ----------
-    before : (n, 3) array
-        Vertices of the patch before the deployment, mm.
-    triangles : (m, 3) array
-        Consistently wound.
-    precision : Precision
-    """
-
-    before: Points
-    triangles: Triangles
-    precision: Precision
-
-    def among(self, after: Points, faces: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Faces that intersect, are turned over or without area now and were not before.
-
-        A face can be turned over by its neighbours too, so these are judged with it. The state
-        before is looked at only where something is wrong now.
-        """
-        stored, before = self.precision.stored(after), self._stored_before
-        found = self_intersecting_triangles(stored, self.triangles, faces)
-        known = self_intersecting_triangles(before, self.triangles, found) if len(found) else found
-        new = [np.setdiff1d(found, known)]
-        at_faces = np.zeros(len(stored), dtype=bool)
-        at_faces[self.triangles[faces]] = True
-        beside = np.flatnonzero(faces_at(at_faces, self.triangles))
-        for look, judged in ((inverted_triangles, beside), (degenerate_triangles, faces)):
-            now = look(stored, self.triangles, judged)
-            new.append(np.setdiff1d(now, look(before, self.triangles, now)))
-        return np.unique(np.concatenate(new))
-
-    @cached_property
-    def _stored_before(self) -> Points:
-        return self.precision.stored(self.before)
-
-
-class Untangled(NamedTuple):
-    """What came of it."""
+class Tangle(NamedTuple):
+    """A state with faults, and how it came about."""
 
     positions: Points
-    """All points, mm."""
-    rounds: int
-    remaining: NDArray[np.int64]
-    """Triangles that still fail and did not before."""
+    """(n, 3) of all vertices of the patch, mm."""
+    faulty: NDArray[np.int64]
+    """Triangles of the patch that fail and did not before the deployment."""
+    rounds: int = 0
+    relief: Relief | None = None
+
+
+def taken_apart(
+    motion: Motion, level: float, comparison: Comparison, folded: Tangle, uncompensated: Points
+) -> Tangle:
+    """Untangle in one way after the other until nothing fails, or as little as it came to.
+
+    Parameters
+    ----------
+    motion, level, comparison : Motion, float, Comparison
+        As for `untangled`.
+    folded : Tangle
+        To begin with.
+    uncompensated : (n, 3) array
+        Points of the motion before the compensation of facets, mm.
+    """
+    best, rounds = folded, 0
+    for relaxation, is_relieved in WAYS_TO_UNTANGLE:
+        begin = _relieved(folded, comparison, uncompensated, motion) if is_relieved else folded
+        outcome = untangled(motion, level, comparison, begin, relaxation)
+        rounds += outcome.rounds
+        if len(outcome.faulty) < len(best.faulty):
+            best = outcome
+        if not 0 < len(best.faulty) <= FEW_FAULTS:
+            break
+    return best._replace(rounds=rounds)
+
+
+def _relieved(
+    folded: Tangle, comparison: Comparison, uncompensated: Points, motion: Motion
+) -> Tangle:
+    """The facet compensation taken back round faulty faces, and what is faulty then."""
+    triangles, positions = comparison.triangles, folded.positions.copy()
+    neighbors = vertex_neighbors(triangles, len(positions))
+    near = grown(np.unique(triangles[folded.faulty]), neighbors, RELIEVED_RINGS)
+    near = near[near < np.count_nonzero(motion.touchable)]
+    pushed = np.linalg.norm(positions[near] - uncompensated[near], axis=1)
+    relief = None
+    if pushed.any():
+        x, y, z = uncompensated[near[pushed.argmax()]].tolist()
+        relief = Relief((x, y, z), float(pushed.max()))
+    positions[near] = uncompensated[near]
+    faulty = comparison.new_faults(positions, _faces_at(near, triangles, len(positions)))
+    return Tangle(positions, faulty, relief=relief)
 
 
 def untangled(
     motion: Motion,
-    positions: Points,
-    faults: Faults,
     level: float,
-    bad: NDArray[np.int64],
+    comparison: Comparison,
+    begin: Tangle,
     relaxation: float = RELAXATION,
-) -> Untangled:
+) -> Tangle:
     """Smooth positions round faulty triangles until there are none, or as few as it came to.
 
     Parameters
     ----------
     motion : Motion
         Over; the patch's first vertices are its points that can be touched.
-    positions : (n, 3) array
-        Of its points, mm.
-    faults : Faults
-        The patch and what must not come anew.
     level : float
         Field level of the expanded stent, mm: no vertex outside it may enter.
-    bad : (k,) array
-        Triangles to begin with.
+    comparison : Comparison
+        With the patch before the deployment, consistently wound.
+    begin : Tangle
     relaxation : float
         Share of the way to the mean of the neighbors in every round.
     """
-    triangles, wall_count = faults.triangles, int(np.count_nonzero(motion.touchable))
-    after = np.concatenate([positions[:wall_count], faults.before[wall_count:]])
+    triangles, wall_count = comparison.triangles, int(np.count_nonzero(motion.touchable))
+    after, bad = begin.positions.copy(), begin.faulty
     neighbors = vertex_neighbors(triangles, len(after))
     held = motion.field_at(np.arange(wall_count), after[:wall_count]).distance
     floor = np.minimum(held, level + motion.offset[:wall_count])
-    fewest, best = bad, after.copy()
-    rounds = idle = 0
+    best, rounds, idle = begin, 0, 0
     # Ends: counted; the best state is kept.
     while len(bad) and rounds < ROUNDS and idle < IDLE_ROUNDS:
         group = grown(np.unique(triangles[bad]), neighbors, rounds // ROUNDS_PER_RING)
@@ -134,15 +145,20 @@ def untangled(
         short = np.maximum(floor[group] - field.distance, 0)
         after[group] = target + short[:, None] * field.direction
 
-        touched = np.zeros(len(after), dtype=bool)
-        touched[group] = True
-        among = np.union1d(np.flatnonzero(faces_at(touched, triangles)), bad)
-        bad = faults.among(after, among)
+        among = np.union1d(_faces_at(group, triangles, len(after)), bad)
+        bad = comparison.new_faults(after, among)
         rounds += 1
         idle += 1
-        if len(bad) < len(fewest):
-            fewest, best, idle = bad, after.copy(), 0
-    return Untangled(np.concatenate([best[:wall_count], positions[wall_count:]]), rounds, fewest)
+        if len(bad) < len(best.faulty):
+            best, idle = best._replace(positions=after.copy(), faulty=bad), 0
+    return best._replace(rounds=rounds)
+
+
+def _faces_at(vertices: NDArray[np.int64], triangles: Triangles, count: int) -> NDArray[np.int64]:
+    """Faces with a corner at any of some vertices, of `count` in all."""
+    is_there = np.zeros(count, dtype=bool)
+    is_there[vertices] = True
+    return np.flatnonzero(faces_at(is_there, triangles))
 
 
 def grown(vertices: NDArray[np.int64], neighbors: VertexNeighbors, rings: int) -> NDArray[np.int64]:

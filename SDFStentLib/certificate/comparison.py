@@ -1,0 +1,194 @@
+"""The faults that a surface has after its points moved and had not before."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry import Precision, faces_at
+from ..validation import Indices, Points, Triangles
+from .face_quality import degenerate_triangles, inverted_triangles
+from .intersections import intersecting_pairs, self_intersecting_triangles
+from .spots import Spot, spots_of
+
+Judge = Callable[[Points, Triangles, Indices], Indices]
+"""Which of some faces of a surface have a fault of one kind."""
+
+
+class Verdict(NamedTuple):
+    """What a comparison found; from it that of a result which differs little follows quickly.
+
+    Attributes
+    ----------
+    stored : (n, 3) array
+        The result as stored.
+    has_moved : (n,) bool array
+        Points whose stored coordinates changed since the input.
+    pairs, pairs_before : (k, 2) arrays
+        Faces that intersect in the result, one of which moved; pairs of the input round
+        `searched`.
+    searched : (m,) bool array
+        Faces round which the input was searched for intersections.
+    inverted, degenerate : arrays
+        Moved faces that are turned over or without area, new or not.
+    new_self_intersecting, new_inverted, new_degenerate : arrays
+        Faces that fail and did not in the input, ascending.
+    places : tuple of Spot
+    """
+
+    stored: Points
+    has_moved: NDArray[np.bool_]
+    pairs: Indices
+    pairs_before: Indices
+    searched: NDArray[np.bool_]
+    inverted: Indices
+    degenerate: Indices
+    new_self_intersecting: Indices
+    new_inverted: Indices
+    new_degenerate: Indices
+    places: tuple[Spot, ...]
+
+    @property
+    def passed(self) -> bool:
+        """No new fault of any kind."""
+        return not self.places
+
+    @property
+    def failing(self) -> Indices:
+        """All faces with a new fault, ascending."""
+        return united(self.new_self_intersecting, self.new_inverted, self.new_degenerate)
+
+
+def united(*kinds: Indices) -> Indices:
+    """Faces with a fault of any kind, each once, ascending."""
+    return np.unique(np.concatenate(kinds))
+
+
+class Comparison:
+    """Compares results with the surface that they came from, in the stored numbers.
+
+    Parameters
+    ----------
+    before, triangles : (n, 3) and (m, 3) arrays
+        The input, mm, consistently wound.
+    precision : Precision
+        Type and unit of the stored coordinates.
+    known_before : array, optional
+        All faces that intersect in the input, where known: with none it is not searched, else
+        round all faces that moved. By default it is searched round those that intersect in the
+        result.
+    """
+
+    def __init__(
+        self,
+        before: Points,
+        triangles: Triangles,
+        precision: Precision,
+        known_before: Indices | None = None,
+    ) -> None:
+        self.triangles = triangles
+        self._precision, self._known_before = precision, known_before
+        self._before = precision.stored(before)
+
+    def verdict(
+        self,
+        after: Points,
+        earlier: Verdict | None = None,
+        may_move: NDArray[np.bool_] | None = None,
+    ) -> Verdict:
+        """Judge a result, given the verdict on an earlier one.
+
+        Only faces with a corner elsewhere than in the earlier result are looked at, and those
+        that they meet; all others keep their verdict. So the outcome does not depend on it.
+        """
+        triangles, known = self.triangles, earlier or self._nothing_moved()
+        stored = self._precision.stored(after)
+        has_moved = _differing(stored, self._before)
+        if may_move is not None:
+            has_moved &= may_move
+        moved = again = faces_at(has_moved, triangles)
+        if earlier is not None:
+            elsewhere = _differing(stored, known.stored) | (has_moved != known.has_moved)
+            again = faces_at(elsewhere, triangles)
+
+        found = intersecting_pairs(stored, triangles, again)
+        pairs = _sorted(known.pairs[~_any_of(known.pairs, again)], found[_any_of(found, moved)])
+        searched, pairs_before = self._of_input(pairs, moved, known)
+        degenerate = degenerate_triangles(stored, triangles, np.flatnonzero(again & moved))
+        degenerate = np.union1d(known.degenerate[~again[known.degenerate]], degenerate)
+        # Whether a face is turned over depends on the faces at its corners as well.
+        beside = np.zeros(len(stored), dtype=bool)
+        beside[triangles[again]] = True
+        again = faces_at(beside, triangles)
+        inverted = inverted_triangles(stored, triangles, np.flatnonzero(again & moved))
+        inverted = np.union1d(known.inverted[~again[known.inverted]], inverted)
+
+        new = np.setdiff1d(pairs, pairs_before)
+        new_inverted = self._anew(inverted_triangles, inverted)
+        new_degenerate = self._anew(degenerate_triangles, degenerate)
+        spots = tuple(spots_of(after, triangles, np.r_[new, new_inverted, new_degenerate], pairs))
+        return Verdict(
+            stored, has_moved, pairs, pairs_before, searched, inverted, degenerate,
+            new, new_inverted, new_degenerate, spots,
+        )  # fmt: skip
+
+    def new_faults(self, after: Points, among: Indices) -> Indices:
+        """Faces that intersect, are turned over or without area in a result and were not before.
+
+        Only those given are looked at, those that they meet, and for being turned over those at
+        their corners as well, because neighbors turn a face over too. The input is looked at only
+        where something is wrong now.
+        """
+        triangles, stored = self.triangles, self._precision.stored(after)
+        beside = np.zeros(len(stored), dtype=bool)
+        beside[triangles[among]] = True
+        near = np.flatnonzero(faces_at(beside, triangles))
+        found = self_intersecting_triangles(stored, triangles, among)
+        return united(
+            self._anew(self_intersecting_triangles, found),
+            self._anew(inverted_triangles, inverted_triangles(stored, triangles, near)),
+            self._anew(degenerate_triangles, degenerate_triangles(stored, triangles, among)),
+        )
+
+    def _anew(self, faulty: Judge, now: Indices) -> Indices:
+        """Those of some faces that were not faulty in the input."""
+        return np.setdiff1d(now, faulty(self._before, self.triangles, now))
+
+    def _nothing_moved(self) -> Verdict:
+        at_points, at_faces = (
+            np.zeros(len(values), dtype=bool) for values in (self._before, self.triangles)
+        )
+        face, pair = np.empty(0, dtype=np.int64), np.empty((0, 2), dtype=np.int64)
+        return Verdict(
+            self._before, at_points, pair, pair, at_faces, face, face, face, face, face, ()
+        )
+
+    def _of_input(
+        self, pairs: Indices, moved: NDArray[np.bool_], known: Verdict
+    ) -> tuple[NDArray[np.bool_], Indices]:
+        """Faces round which the input is searched, and its pairs there."""
+        if self._known_before is not None:
+            searched = moved & bool(len(self._known_before))
+        else:
+            searched = np.zeros(len(moved), dtype=bool)
+            searched[pairs] = True
+        kept = known.pairs_before[_any_of(known.pairs_before, searched)]
+        found = intersecting_pairs(self._before, self.triangles, searched & ~known.searched)
+        return searched, _sorted(kept, found)
+
+
+def _differing(one: Points, other: Points) -> NDArray[np.bool_]:
+    x, y, z = (one != other).T
+    return x | y | z
+
+
+def _any_of(pairs: Indices, marked: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    return marked[pairs[:, 0]] | marked[pairs[:, 1]]
+
+
+def _sorted(one: Indices, other: Indices) -> Indices:
+    """Pairs of both, each once, in ascending order."""
+    return np.unique(np.concatenate([one, other]), axis=0)
