@@ -8,8 +8,9 @@ PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 demo: .venv/ready
 	@$(BIN)/sdfstent demo -o sdfstent-demo
 
+# A process per core; more than four would hold each other up. A file stays in one process.
 test: .venv/ready-test
-	@QT_QPA_PLATFORM=offscreen $(BIN)/python -m pytest
+	@QT_QPA_PLATFORM=offscreen $(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile
 
 lint: .venv/ready-lint
 	@$(BIN)/ruff check .
