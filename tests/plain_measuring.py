@@ -7,7 +7,7 @@ from scipy.optimize import linprog
 
 from SDFStentLib.geometry import across
 
-THINNED_ABOVE, THINNING = 4000, 8
+THINNED_ABOVE, THINNING = 8000, 8
 
 
 def nearest_points(query, corners):

@@ -137,8 +137,9 @@ def _lesion(points: Points, triangles: Triangles, run: VesselRun, narrow: Narrow
     """A narrowing with its areas, on finer stations, from the root's side on."""
     edges = np.interp([narrow.start, narrow.end], run.along, run.from_root)
     way = 1 if edges[0] <= edges[1] else -1
-    inner = run.points[(run.along > narrow.start) & (run.along < narrow.end)]
-    line = np.vstack([_at(run, narrow.start), inner, _at(run, narrow.end)])[::way]
+    inner = (run.along > narrow.start) & (run.along < narrow.end)
+    line = np.vstack([_at(run, narrow.start), run.points[inner], _at(run, narrow.end)])[::way]
+    diameters = np.r_[np.nan, run.diameter[inner], np.nan][::way]
     reference = narrow.reference
     origin = edges[0] - way * narrow.start
     sides = [
@@ -171,6 +172,7 @@ def _lesion(points: Points, triangles: Triangles, run: VesselRun, narrow: Narrow
         ),
         points,
         triangles,
+        diameters,
     )
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from ..geometry import NearPairs, SurfaceIndex, dot, may_meet_box
 from ..validation import Floats, Points, Triangles
 
-_THINNED_ABOVE, _THINNING = 4000, 8
+_THINNED_ABOVE, _THINNING = 8000, 8
 """A surface with more triangles than this is thinned to one in so many."""
 
 _AMPLY = 1.1

@@ -22,6 +22,10 @@ COARSEST, FINEST = 1.0, 0.25
 """Distance of the stations, mm; between the two it is a quarter of the branch's median radius."""
 
 
+TOLERANCE = 1e-4
+"""Of the search for the spheres, mm; far below what a tenth of a diameter needs."""
+
+
 class BranchLumen(NamedTuple):
     """Stations along one branch, from the root's side on."""
 
@@ -57,7 +61,8 @@ def branch_lumens(
     ]
     stations = np.concatenate([line for _, line in lines])
     directions = np.concatenate([tangents(line) for _, line in lines])
-    diameter = 2 * inscribed_spheres(points, triangles, stations, directions).radii
+    spheres = inscribed_spheres(points, triangles, stations, directions, tolerance=TOLERANCE)
+    diameter = 2 * spheres.radii
     diameter[~is_inside(stations, *closed_surface(points, triangles))] = np.nan
     if not np.isfinite(diameter).any():
         raise InputError(
