@@ -520,6 +520,28 @@ def test_a_figure_that_cannot_be_drawn_is_refused_and_leaves_no_file(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_the_clinicians_part_comes_first_and_what_is_to_be_checked_last():
+    png = b"\x89PNG\r\n\x1a\n"
+    page = html_page(a_report(stents=(planned(),)).as_dict(), png)
+    assert in_order(
+        page,
+        "<p class='good'>Certified",
+        "<h2>Warnings",
+        "<img",
+        "<h2>Lesions of the vessel",
+        "lumen before and after</h2>",
+        "Stent of 20.0 mm x 22.5 mm, placed by its middle.",
+        "<svg",
+        "<div class='details'>",
+        ", as planned</h2>",
+        "<h2>Input files",
+        "SHA-256",
+        "Time:",
+        "<h2>Definitions",
+    )
+    assert re.search(r"\.details\{break-before:page\}", page)
+
+
 def test_the_page_holds_the_picture_or_says_why_there_is_none(tmp_path):
     png = b"\x89PNG\r\n" + bytes(range(256))
     write_report(a_report(picture=png), tmp_path / "r.html")

@@ -20,6 +20,7 @@ from .words import (
     plain_label,
     stent_rows,
     stent_titles,
+    stent_words,
 )
 
 _STYLE = """
@@ -35,8 +36,12 @@ td.n,th.n{text-align:right;font-variant-numeric:tabular-nums}.first td{font-size
 .bad{border-left:5px solid #b30000;background:#fff0ee;padding:6px 10px}
 .warn{border-left:5px solid #b37400;background:#fff8e8;padding:6px 10px;margin:4px 0}
 .words td:first-child{width:36%}
-.small{font-size:13px;color:#444}table.file td{word-break:break-all}svg,img{width:100%;height:auto}
-@media print{body{margin:0;max-width:none}h2{break-after:avoid}table,svg,img{break-inside:avoid}}
+.small{font-size:13px;color:#444}table.file td{word-break:break-all}
+svg,img{width:100%;height:auto;object-fit:contain}
+@page{margin:14mm}@media print{body{margin:0;padding:0;max-width:none;font-size:12.5px}
+h2{margin-top:16px}h2,h3{break-after:avoid}section,tr,p,img,svg{break-inside:avoid}
+th,td{padding:3px 8px}.first td{font-size:13.5px}.small{font-size:11px}
+img,svg{max-height:82mm}.details{break-before:page}}
 """
 
 
@@ -47,6 +52,8 @@ def html_page(document: Mapping[str, Any], picture: bytes | str | None = None) -
     """
     stents = document["stents"]
     files = ", ".join(str(entry.get("file", "")).split("/")[-1] for entry in document["inputs"])
+    frame = next((entry.get("frame") for entry in document["inputs"]), None)
+    named = [*zip(stent_titles(stents), stents, strict=True)]
     parts = [
         "<!DOCTYPE html>\n<html lang='en'><head><meta charset='utf-8'>",
         "<meta name='viewport' content='width=device-width'>",
@@ -55,25 +62,20 @@ def html_page(document: Mapping[str, Any], picture: bytes | str | None = None) -
         f"<p class='sub'>{escape(files)} &middot; {escape(str(document['created']))} &middot; "
         f"sdfstent {escape(str(document['sdfstent_version']))}</p>",
         f"<p class='notice'>{escape(document['notice'])}</p>",
-    ]
-    parts += [_certificate(document["certificate"]), *_warnings(document["warnings"])]
-    parts += _picture(picture)
-    titles = stent_titles(stents)
-    for title, stent in zip(titles, stents, strict=True):
-        heading = "Lumen" if title == "Stent" else f"{title}, lumen"
-        parts += [f"<h2>{escape(heading)} before and after</h2>"]
-        plot = diameter_plot(stent["diameters"])
-        parts.append(_first_numbers(stent["diameters"], stent_lesions(document, stent)))
-        parts.append(svg(plot) if plot else "<p>No diameter could be measured.</p>")
-    frame = next((entry.get("frame") for entry in document["inputs"]), None)
-    parts += [
-        *(_stent(title, stent, frame) for title, stent in zip(titles, stents, strict=True)),
+        # For the clinician: what was done, what came of it, and what to be careful of.
+        _certificate(document["certificate"]),
+        *_warnings(document["warnings"]),
+        *_picture(picture),
         *lesion_table(document["lesions"]),
+        *(_lumen(document, title, stent) for title, stent in named),
         *branch_table(document["branches"]),
         *apposition_table(document["apposition"]),
-        _definitions(document["definitions"]),
+        # To check and to repeat it.
+        "<div class='details'>",
+        *(_stent(title, stent, frame) for title, stent in named),
         _inputs(document["inputs"], document["timings"]),
-        "</body></html>\n",
+        _definitions(document["definitions"]),
+        "</div></body></html>\n",
     ]
     return printable("\n".join(parts))
 
@@ -111,6 +113,17 @@ def _count(value: Any) -> int | None:
     if isinstance(value, Sequence) and not isinstance(value, str):
         return len(value)
     return None if value is None else int(value)
+
+
+def _lumen(document: Mapping[str, Any], title: str, stent: Mapping[str, Any]) -> str:
+    """A stent in one line, its numbers, and its plot: they stay on one sheet."""
+    heading = "Lumen" if title == "Stent" else f"{title}, lumen"
+    plot = diameter_plot(stent["diameters"])
+    return (
+        f"<section><h2>{escape(heading)} before and after</h2><p>{escape(stent_words(stent))}</p>"
+        f"{_first_numbers(stent['diameters'], stent_lesions(document, stent))}"
+        f"{svg(plot) if plot else '<p>No diameter could be measured.</p>'}</section>"
+    )
 
 
 def _first_numbers(

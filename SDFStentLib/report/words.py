@@ -51,6 +51,16 @@ def stent_titles(stents: Sequence[Mapping[str, Any]]) -> list[str]:
     ]
 
 
+def stent_words(stent: Mapping[str, Any]) -> str:
+    """Size and placement in one sentence; empty where neither is told."""
+    sizes = [stent.get("lumen_diameter_mm"), stent.get("deployed_length_mm")]
+    size = " x ".join(millimeters(value, 1) for value in sizes if value is not None)
+    way = str(stent.get("placement", ""))
+    said = [size and f"Stent of {size}", way and f"placed {_PLACEMENTS.get(way, way)}"]
+    words = ", ".join(part for part in said if part)
+    return words and f"{words[0].upper()}{words[1:]}."
+
+
 def stent_rows(stent: Mapping[str, Any], frame: str | None) -> list[tuple[str, str]]:
     """Name and value of everything about a stent but its diameters; `frame` is that of points."""
     told = {key: value for key, value in stent.items() if key not in _TOLD_ELSEWHERE}
