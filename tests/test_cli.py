@@ -110,6 +110,31 @@ def test_deploy_writes_every_output_and_says_what_came_of_it(a_folder, capsys):
     )
 
 
+def assert_hashed(plan: str) -> None:
+    """The plan has the hash of every file that it names."""
+    document = json.loads(Path(plan).read_text(encoding="utf-8"))
+    axes = [stent["placement"].get("axis") for stent in document["stents"]]
+    files = [document["inputs"]["surface"], document["inputs"]["centerline"], *axes]
+    assert any(files)
+    for file in filter(None, files):
+        data = (Path(plan).parent / file["file"]).read_bytes()
+        assert file["sha256"] == hashlib.sha256(data).hexdigest()
+
+
+def test_the_plan_of_a_run_has_the_hashes_of_what_was_read(a_folder):
+    assert deploy("--save-plan", "p.json", "--quiet") == 0
+    document = json.loads(Path("p.json").read_text(encoding="utf-8"))
+    for name in ("surface", "centerline"):
+        document["inputs"][name].pop("sha256")
+    document["stents"][0]["placement"] = {"axis": {"file": "line.vtp"}}
+    document["stents"][0]["length"] = 8.0
+    Path("q.json").write_text(json.dumps(document), encoding="utf-8")
+    assert main(["run", "q.json", "-o", "again", "--quiet"]) == 0
+    assert_hashed("again/plan.json")
+    report = json.loads(Path("again/report.json").read_text(encoding="utf-8"))
+    assert all(entry["sha256"] for entry in report["inputs"])
+
+
 def test_the_same_plan_gives_the_same_file_from_the_shell_and_from_python(a_folder):
     assert deploy("--save-plan", "p.json", "--quiet") == 0
     assert main(["run", "p.json", "-o", "again", "--quiet"]) == 0
@@ -118,6 +143,7 @@ def test_the_same_plan_gives_the_same_file_from_the_shell_and_from_python(a_fold
     }  # fmt: skip
     assert Path("out.vtp").read_bytes() == Path("again/tube_stented.vtp").read_bytes()
     assert load_plan("again/plan.json") == load_plan("p.json")
+    assert_hashed("again/plan.json")
     written = read_surface("out.vtp", "cm").points
     result = run_plan(load_plan("p.json"))
     stored = result.inputs.surface.as_stored(result.treatment.points)

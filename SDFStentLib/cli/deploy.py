@@ -16,6 +16,7 @@ from ..plan import (
     InputFiles,
     Plan,
     PlanResult,
+    as_read,
     input_file,
     load_plan,
     read_input_files,
@@ -136,6 +137,7 @@ class _Job:
 
     def done(self, inputs: InputFiles, start: float) -> int:
         """Deploy, write, and say what came of it; the exit code."""
+        self.plan = as_read(self.plan, inputs)
         treatment = treatment_of(self.plan, inputs)
         with self.console.progress("Deploying") as show:
             for state in treatment:

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from .run import (
         InputFiles,
         PlanResult,
+        as_read,
         input_file,
         read_input_files,
         read_plan_inputs,
@@ -29,6 +30,7 @@ __all__ = [
     "InputFiles",
     "Plan",
     "PlanResult",
+    "as_read",
     "input_file",
     "load_plan",
     "plan_from_document",
@@ -52,6 +54,7 @@ __getattr__, __dir__ = late_names(
         "run": [
             "InputFiles",
             "PlanResult",
+            "as_read",
             "input_file",
             "read_input_files",
             "read_plan_inputs",

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from ..files import axis_of, in_frame_of, read_lines
-from ..stent import InputFile
+from ..stent import AlongAxis, InputFile
 from ..units import Frame
-from ..validation import InputError, Points
+from ..validation import InputError
 
 
 def read_axis_file(
     file: InputFile, units: str, frame: Frame | None, *, accept_changed: bool = False
-) -> Points:
-    """The curve (n, 3) of an axis file in the frame of a plan, mm.
+) -> AlongAxis:
+    """The curve of an axis file in the frame of a plan, with the hash of what was read.
 
     Raises
     ------
@@ -21,7 +21,7 @@ def read_axis_file(
     line_file = in_frame_of(read_lines(file.path, units), frame)
     if is_changed(file, line_file.sha256) and not accept_changed:
         raise changed_input(file, line_file.sha256)
-    return axis_of(line_file)
+    return AlongAxis(axis_of(line_file), InputFile(file.path, line_file.sha256))
 
 
 def is_changed(file: InputFile, sha256: str) -> bool:

@@ -13,12 +13,12 @@ from ..deformation import DeploymentSettings
 from ..files import read_content
 from ..stent import AlongAxis, BetweenPoints, InputFile, Placement, Stent
 from ..units import MILLIMETERS, Frame
-from ..validation import InputError, Points, as_path
+from ..validation import InputError, as_path
 from .document import NAMED_SETTINGS, POINT_PLACEMENTS, SCHEMA, SCHEMA_VERSION, SETTINGS
 from .json_document import in_words, number, parsed, scaled, section, sequence, text_value, truth
 from .plan import Plan
 
-AxisReader = Callable[[InputFile, str, Frame | None], Points]
+AxisReader = Callable[[InputFile, str, Frame | None], AlongAxis]
 """Reads the curve of an axis file in a unit and a frame, mm."""
 
 _SWITCHES = ("finish", "facet_compensation", "untangle", "certify")
@@ -52,7 +52,7 @@ def load_plan(path: str | os.PathLike[str], *, accept_changed_inputs: bool = Fal
         raise InputError(f"{path}: expected a plan in JSON, got no text in UTF-8.") from error
     document = parsed(text, str(path))
 
-    def read(file: InputFile, units: str, frame: Frame | None) -> Points:
+    def read(file: InputFile, units: str, frame: Frame | None) -> AlongAxis:
         return read_axis_file(file, units, frame, accept_changed=accept_changed_inputs)
 
     try:
@@ -188,8 +188,7 @@ class _StentReader:
                 f"{where}.file: expected the curve's points, got a file, which can be read from "
                 "a plan file only; load the plan from its file."
             )
-        points_read = self.axis_reader(file, self.units, self.frame)
-        return _named(where, lambda: AlongAxis(points_read, file))
+        return self.axis_reader(file, self.units, self.frame)
 
     def _point(self, value: Any, where: str) -> NDArray[np.float64]:
         coordinates = sequence(value, where)

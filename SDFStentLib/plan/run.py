@@ -266,6 +266,16 @@ def treatment_of(plan: Plan, inputs: InputFiles) -> Treatment:
     )
 
 
+def as_read(plan: Plan, inputs: InputFiles) -> Plan:
+    """The plan with the hashes of the files that were read for it."""
+    line_file = inputs.line_file
+    return replace(
+        plan,
+        surface=input_file(inputs.surface),
+        centerline=None if line_file is None else input_file(line_file),
+    )
+
+
 def input_file(read: SurfaceFile | LineFile) -> InputFile:
     """What a plan keeps of a file that was read."""
     return InputFile(os.fspath(read.path), read.sha256)
