@@ -332,7 +332,8 @@ def test_a_planned_stent_reads_in_words_units_and_percent():
         "Deployed length along the axis": "22.5 mm",
         "Foreshortening on expansion": "10 % of nominal length",
         "Placed": "by its middle",
-        "Proximal end (x, y, z in mm)": "29.6, \N{MINUS SIGN}64.4, 63.5",
+        "Proximal end (x, y, z)": "29.6, \N{MINUS SIGN}64.4, 63.5 mm; "
+        "in the file 2.96, \N{MINUS SIGN}6.44, 6.35 cm",
         "Straight distance of its ends": "21.6 mm",
         "Tightest bend of its axis": "radius 32.0 mm, of the circle through three points of the "
         "axis that are 10.0 mm apart (the stent radius)",

@@ -17,6 +17,7 @@ from .neighbor_lumen import NeighborLumen, neighbor_lumens, profile_around
 from .ostia import NEARLY, Ostium, find_ostia
 from .stretch import displacements, face_stretches
 from .tree_lumen import closed_surface
+from .triangle_sizes import TriangleSizes, triangle_sizes
 
 __all__ = [
     "NEARLY",
@@ -31,6 +32,7 @@ __all__ = [
     "LocalSurface",
     "NeighborLumen",
     "Ostium",
+    "TriangleSizes",
     "apposition",
     "bulged_caps",
     "caps_across",
@@ -49,6 +51,7 @@ __all__ = [
     "lesions_within",
     "neighbor_lumens",
     "profile_around",
+    "triangle_sizes",
     "winding_numbers",
 ]
 

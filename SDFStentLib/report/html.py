@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from base64 import b64encode
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from html import escape
 from typing import Any
 
 from ..validation import printable
 from .branches import apposition_table, branch_table
+from .changes import change_rows, setting_rows
 from .drawing import svg
 from .lesion_table import covered_words, lesion_rows, lesion_table, stent_lesions
 from .plot import diameter_plot
@@ -52,7 +53,7 @@ def html_page(document: Mapping[str, Any], picture: bytes | str | None = None) -
     """
     stents = document["stents"]
     files = ", ".join(str(entry.get("file", "")).split("/")[-1] for entry in document["inputs"])
-    frame = next((entry.get("frame") for entry in document["inputs"]), None)
+    surface: Mapping[str, Any] = next(iter(document["inputs"]), {})
     named = [*zip(stent_titles(stents), stents, strict=True)]
     parts = [
         "<!DOCTYPE html>\n<html lang='en'><head><meta charset='utf-8'>",
@@ -72,7 +73,9 @@ def html_page(document: Mapping[str, Any], picture: bytes | str | None = None) -
         *apposition_table(document["apposition"]),
         # To check and to repeat it.
         "<div class='details'>",
-        *(_stent(title, stent, frame) for title, stent in named),
+        *(_stent(title, stent, surface) for title, stent in named),
+        *_table("Surface", change_rows, document["changes"]),
+        *_table("Method", setting_rows, document["settings"]),
         _inputs(document["inputs"], document["timings"]),
         _definitions(document["definitions"]),
         "</div></body></html>\n",
@@ -183,8 +186,16 @@ def _picture(picture: bytes | str | None) -> list[str]:
     return [f"<img alt='The vessel before and after' src='data:image/png;base64,{data}'>"]
 
 
-def _stent(title: str, stent: Mapping[str, Any], frame: str | None) -> str:
-    return f"<h2>{escape(title)}, as planned</h2>{_rows(stent_rows(stent, frame))}"
+def _stent(title: str, stent: Mapping[str, Any], surface: Mapping[str, Any]) -> str:
+    return f"<h2>{escape(title)}, as planned</h2>{_rows(stent_rows(stent, surface))}"
+
+
+def _table(
+    title: str,
+    rows: Callable[[Mapping[str, Any]], list[tuple[str, str]]],
+    values: Mapping[str, Any] | None,
+) -> list[str]:
+    return [] if values is None else [f"<h2>{title}</h2>{_rows(rows(values), ' small')}"]
 
 
 def _rows(rows: Iterable[tuple[str, str]], style: str = "") -> str:

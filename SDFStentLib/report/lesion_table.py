@@ -7,7 +7,7 @@ from html import escape
 from typing import Any
 
 from .lesions import COVERS_NONE, NO_LESION, NOT_LOOKED_FOR
-from .words import degree_text, millimeters, point_text
+from .words import degree_text, millimeters, point_words
 
 Section = Mapping[str, Any]
 
@@ -52,7 +52,8 @@ def lesion_table(lesions: Sequence[Section] | None) -> list[str]:
         return [f"{title}<p>{escape(NO_LESION)}</p>"]
     rows = "".join(
         f"<tr><td>{one['number']}</td><td>branch {one['branch']}, "
-        f"{millimeters(one['along_branch_mm'], 1)} along it; {point_text(one['place_mm'])}</td>"
+        f"{millimeters(one['along_branch_mm'], 1)} along it; "
+        f"{point_words(one['place_mm'], one['units'])}</td>"
         f"<td class='n'>{millimeters(one['extent']['length_mm'], 1)}</td>"
         f"<td class='n'>{millimeters(one['minimum']['diameter_mm'])}</td>"
         f"<td class='n'>{millimeters(one['reference']['diameter_mm'])}</td>"
@@ -62,7 +63,7 @@ def lesion_table(lesions: Sequence[Section] | None) -> list[str]:
         for one in lesions
     )
     return [
-        f"{title}<table><tr><th>lesion</th><th>narrowest at (x, y, z in mm)</th>"
+        f"{title}<table><tr><th>lesion</th><th>narrowest at (x, y, z)</th>"
         "<th class='n'>length</th><th class='n'>minimum</th><th class='n'>reference</th>"
         "<th class='n'>stenosis before</th><th class='n'>after</th><th>stent</th></tr>"
         f"{rows}</table>"

@@ -10,7 +10,9 @@ from typing import Any
 from ..cautions import Caution
 from ..plan import PlanResult
 from ..treatment import TreatedLesion, TreatedStent
+from ..units import MILLIMETERS
 from ..version import VERSION
+from .changes import change_section, settings_section
 from .lesions import treated_lesion_section
 from .report import Report, StentResult
 
@@ -40,22 +42,28 @@ def plan_report(
         judged = {**certificate.as_dict(), "arrays_kept": not lost}
     return Report(
         inputs=tuple(_inputs(result)),
-        stents=tuple(_stent_result(stent, result.lesions) for stent in result.treatment.stents),
+        stents=tuple(
+            _stent_result(stent, result.lesions, units) for stent in result.treatment.stents
+        ),
         certificate=judged,
         lesions=None
         if result.lesions is None
         else tuple(treated_lesion_section(one, units) for one in result.lesions),
         warnings=tuple(caution.sentence() for caution in (*result.warnings, *lost)),
         timings={"read": result.inputs.seconds, **result.treatment.timings, **(timings or {})},
+        settings=settings_section(result),
+        changes=change_section(result),
         created=datetime.now(timezone.utc).isoformat(timespec="seconds"),
         version=VERSION,
         picture=picture,
     )
 
 
-def _stent_result(stent: TreatedStent, lesions: Sequence[TreatedLesion] | None) -> StentResult:
+def _stent_result(
+    stent: TreatedStent, lesions: Sequence[TreatedLesion] | None, units: str
+) -> StentResult:
     return StentResult(
-        description=_description(stent),
+        description=_description(stent, units),
         before=stent.before,
         after=stent.after,
         prescribed_diameter=stent.stent.diameter,  # type: ignore[arg-type]
@@ -68,7 +76,7 @@ def _stent_result(stent: TreatedStent, lesions: Sequence[TreatedLesion] | None) 
     )
 
 
-def _description(stent: TreatedStent) -> dict[str, Any]:
+def _description(stent: TreatedStent, units: str) -> dict[str, Any]:
     chosen, axis = stent.stent, stent.axis
     name = {"name": chosen.name} if chosen.name else {}
     return {
@@ -82,6 +90,10 @@ def _description(stent: TreatedStent) -> dict[str, Any]:
         "axis": {
             "start_mm": axis.points[0],
             "end_mm": axis.points[-1],
+            # As in the file, to find them there.
+            "start": axis.points[0] / MILLIMETERS[units],
+            "end": axis.points[-1] / MILLIMETERS[units],
+            "units": units,
             "length_mm": axis.deployed_length,
             "chord_mm": axis.chord,
             "min_bend_radius_mm": axis.minimum_bend_radius(chosen.radius),

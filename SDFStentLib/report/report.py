@@ -116,6 +116,10 @@ class Report:
     warnings: tuple[str, ...] = ()
     timings: Mapping[str, float] = field(default_factory=dict)
     """Seconds by name; the document calls them `<name>_s`."""
+    settings: Mapping[str, Any] | None = None
+    """Parameters of the method, with units in the keys."""
+    changes: Mapping[str, Any] | None = None
+    """What became of the points and triangles of the surface."""
     created: str = ""
     """Date and time, ISO 8601."""
     version: str = ""
@@ -157,6 +161,8 @@ class Report:
                 for stretch in free_stretches(stent.apposition)
             ],
             "warnings": self.warnings,
+            "settings": self.settings,
+            "changes": self.changes,
             "timings": {f"{name}_s": seconds for name, seconds in self.timings.items()},
             "definitions": DEFINITIONS,
         }

@@ -6,6 +6,8 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from ..units import MILLIMETERS
+
 UNKNOWN = "not known"
 
 _PLACEMENTS = {
@@ -61,8 +63,11 @@ def stent_words(stent: Mapping[str, Any]) -> str:
     return words and f"{words[0].upper()}{words[1:]}."
 
 
-def stent_rows(stent: Mapping[str, Any], frame: str | None) -> list[tuple[str, str]]:
-    """Name and value of everything about a stent but its diameters; `frame` is that of points."""
+def stent_rows(stent: Mapping[str, Any], surface: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Name and value of everything about a stent but its diameters.
+
+    Points are in the frame and the unit of the surface's file, an entry of the inputs.
+    """
     told = {key: value for key, value in stent.items() if key not in _TOLD_ELSEWHERE}
     axis = dict(told.pop("axis", {}))
     rows = []
@@ -81,7 +86,7 @@ def stent_rows(stent: Mapping[str, Any], frame: str | None) -> list[tuple[str, s
         name = str(told.pop("placement"))
         rows.append(("Placed", _PLACEMENTS.get(name, name)))
     moved = told.pop("moved_points", None)
-    rows += _axis_rows(axis, stent, frame)
+    rows += _axis_rows(axis, stent, surface)
     if moved is not None:
         rows.append(("Surface points that it moved", plain_text("", moved)))
     return rows + [(plain_label(key), plain_text(key, value)) for key, value in _flat(told)]
@@ -92,6 +97,8 @@ def input_rows(entry: Mapping[str, Any]) -> list[tuple[str, str]]:
     rows = []
     for key, value in _flat({key: value for key, value in entry.items() if key != "role"}):
         text = plain_text(key, value)
+        if key == "root_mm" and value is not None:
+            text = point_words(value, entry.get("units", "mm"))
         if key == "frame" and value is None:
             text = "not said by the file"
         rows.append((_INPUT_WORDS.get(key, plain_label(key)), text))
@@ -155,14 +162,28 @@ def point_text(position: Sequence[float | None]) -> str:
     return ", ".join(number_text(value, 1) for value in position)
 
 
+def point_words(position_mm: Sequence[float | None], units: str) -> str:
+    """Coordinates in mm and, where that is another one, in the unit of the file."""
+    text = f"{point_text(position_mm)} mm"
+    if units == "mm":
+        return text
+    factor = MILLIMETERS[units]
+    digits = 1 + round(math.log10(factor))
+    stored = (None if value is None else value / factor for value in position_mm)
+    filed = ", ".join(number_text(value, digits) for value in stored)
+    return f"{text}; in the file {filed} {units}"
+
+
 def _axis_rows(
-    axis: dict[str, Any], stent: Mapping[str, Any], frame: str | None
+    axis: dict[str, Any], stent: Mapping[str, Any], surface: Mapping[str, Any]
 ) -> list[tuple[str, str]]:
     rows = []
-    where = f"x, y, z in mm{f', {frame}' if frame else ''}"
+    axis = {key: value for key, value in axis.items() if key not in ("start", "end", "units")}
+    units, frame = surface.get("units", "mm"), surface.get("frame")
+    where = f"x, y, z{f', {frame}' if frame else ''}"
     for key, words in (("start_mm", "Proximal end"), ("end_mm", "Distal end")):
         if key in axis:
-            rows.append((f"{words} ({where})", point_text(axis.pop(key))))
+            rows.append((f"{words} ({where})", point_words(axis.pop(key), units)))
     length = axis.pop("length_mm", None)
     if length is not None and length != stent.get("deployed_length_mm"):
         rows.append(("Length of its axis", millimeters(length, 1)))

@@ -1,0 +1,136 @@
+"""What a report tells of the run's settings, of the surface's triangles, and of coordinates."""
+
+from __future__ import annotations
+
+import html
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkFiltersVerdict import vtkMeshQuality
+
+from SDFStentLib import phantoms
+from SDFStentLib.deformation import DeploymentSettings
+from SDFStentLib.deformation.settings import SHORTEST_AND_LONGEST, WIDEST
+from SDFStentLib.files import polydata_from_arrays
+from SDFStentLib.measure import triangle_sizes
+from SDFStentLib.plan import Plan, PlanResult, read_input_files, treatment_of
+from SDFStentLib.report import plan_report
+from SDFStentLib.report.changes import setting_rows
+from SDFStentLib.report.html import html_page
+from SDFStentLib.report.words import point_words
+from SDFStentLib.stent import AtCenter, Stent
+from SDFStentLib.validation import Points, Triangles
+
+DATA = Path(__file__).parents[2] / "shared" / "data"
+
+
+def quality(points: Points, triangles: Triangles, measure: str) -> np.ndarray:
+    """A measure of every triangle by VTK's Verdict library."""
+    judge = vtkMeshQuality()
+    judge.SetInputData(polydata_from_arrays(points, triangles))
+    getattr(judge, f"SetTriangleQualityMeasureTo{measure}")()
+    judge.Update()
+    return vtk_to_numpy(judge.GetOutput().GetCellData().GetArray("Quality"))
+
+
+def test_triangle_sizes_are_those_of_another_library() -> None:
+    made = phantoms.branching_pulmonary_artery(1.0)
+    sizes = triangle_sizes(made.points, made.triangles)
+    angles = quality(made.points, made.triangles, "MinAngle")
+    np.testing.assert_allclose(sizes.smallest_angle, angles, atol=1e-5)
+    aspect = quality(made.points, made.triangles, "EdgeRatio")
+    ratio = sizes.edge_length.max(axis=1) / sizes.edge_length.min(axis=1)
+    np.testing.assert_allclose(ratio, aspect, rtol=1e-9)
+
+
+def test_a_triangle_without_area_has_an_angle_of_zero() -> None:
+    points = np.array([[0.0, 0, 0], [1, 0, 0], [3, 0, 0]])
+    sizes = triangle_sizes(points, np.array([[0, 1, 2], [0, 1, 1]]))
+    np.testing.assert_allclose(sizes.edge_length, [[1, 2, 3], [1, 0, 1]])
+    np.testing.assert_allclose(sizes.smallest_angle, 0, atol=1e-6)
+
+
+@pytest.fixture(scope="module")
+def in_cm(tmp_path_factory: pytest.TempPathFactory) -> PlanResult:
+    """A deployment in a file in cm; in an anatomy where there is one."""
+    surface, line = (DATA / f"pulmonary_{part}_cm.vtp" for part in ("surface", "centerline"))
+    if not surface.exists():
+        pytest.skip("no anatomies here")
+    inputs = read_input_files(surface, line, "cm")
+    stent = Stent(20.0, placement=AtCenter(np.array([27.16, -54.26, 67.09])), length=20.0)
+    plan = Plan((stent,), units="cm", settings=DeploymentSettings(tissue_gap=0.5))
+    return PlanResult(plan, inputs, treatment_of(plan, inputs).result)
+
+
+def test_the_report_tells_how_triangles_were_changed(in_cm: PlanResult) -> None:
+    told = plan_report(in_cm).as_dict()["changes"]
+    before, after = in_cm.inputs.surface.points, in_cm.treatment.points
+    triangles = in_cm.inputs.surface.triangles
+    moved = (before != after).any(axis=1)
+    faces = triangles[moved[triangles].any(axis=1)]
+    assert told["moved_points"] == moved.sum() > 100
+    assert (told["moved_triangles"], told["triangles"]) == (len(faces), len(triangles))
+    for when, points in (("before", before), ("after", after)):
+        angles = quality(points, faces, "MinAngle")
+        expected = [angles.min(), np.median(angles), angles.max()]
+        assert [*told["smallest_angle_deg"][when].values()] == pytest.approx(expected, abs=1e-5)
+        edges = [
+            np.linalg.norm(points[faces[:, i]] - points[faces[:, i - 1]], axis=1) for i in range(3)
+        ]
+        expected = [np.min(edges), np.median(edges), np.max(edges)]
+        assert [*told["edge_length_mm"][when].values()] == pytest.approx(expected)
+    ratio = quality(after, faces, "Area") / quality(before, faces, "Area")
+    expected = [ratio.min(), np.median(ratio), ratio.max()]
+    assert [*told["area_ratio"].values()] == pytest.approx(expected, rel=1e-6)
+
+
+def test_the_page_tells_coordinates_in_mm_and_as_the_file_has_them(in_cm: PlanResult) -> None:
+    document = plan_report(in_cm).as_dict()
+    axis = document["stents"][0]["axis"]
+    for end in ("start", "end"):
+        np.testing.assert_allclose(np.multiply(axis[end], 10), axis[f"{end}_mm"])
+    page = html.unescape(html_page(document))
+    for label, name in (("Proximal", "start"), ("Distal", "end")):
+        (told,) = re.findall(rf"<td>{label} end [^<]*</td><td>([^<]*)</td>", page)
+        numbers = [
+            float(n) for n in re.findall(r"-?[0-9]+\.[0-9]+", told.replace("\N{MINUS SIGN}", "-"))
+        ]
+        np.testing.assert_allclose(numbers[:3], axis[f"{name}_mm"], atol=0.051)
+        np.testing.assert_allclose(numbers[3:], axis[name], atol=0.0051)
+        assert " mm; in the file " in told
+        assert told.endswith(" cm")
+    assert len(re.findall(r"along it; [^<]* mm; in the file [^<]* cm", page)) == len(
+        document["lesions"]
+    )
+
+
+@pytest.mark.parametrize(
+    ("units", "expected"),
+    [
+        ("mm", "10.0, \N{MINUS SIGN}2.5, 0.0 mm"),
+        ("cm", "10.0, \N{MINUS SIGN}2.5, 0.0 mm; in the file 1.00, \N{MINUS SIGN}0.25, 0.00 cm"),
+        (
+            "m",
+            "10.0, \N{MINUS SIGN}2.5, 0.0 mm; in the file 0.0100, \N{MINUS SIGN}0.0025, 0.0000 m",
+        ),
+    ],
+)
+def test_a_point_reads_to_a_tenth_of_a_millimeter_in_every_unit(units: str, expected: str) -> None:
+    assert point_words([10.0, -2.5, 0.0], units) == expected
+
+
+def test_every_parameter_of_the_method_is_told_lengths_in_mm(in_cm: PlanResult) -> None:
+    document = plan_report(in_cm).as_dict()
+    rows = dict(setting_rows(document["settings"]))
+    assert rows["Tissue gap"] == "0.5 mm"
+    assert rows["Step"] == "chosen by the rule"
+    assert rows["Untangle"] == "yes"
+    assert len(rows) == len(DeploymentSettings.__dataclass_fields__) + 1
+    lengths = {key.removesuffix("_mm") for key in document["settings"] if key.endswith("_mm")}
+    assert lengths == {*SHORTEST_AND_LONGEST, *WIDEST}
+    page = html_page(document)
+    for name, text in rows.items():
+        assert f"<td>{name}</td><td>{text}</td>" in page
