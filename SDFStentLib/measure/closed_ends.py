@@ -14,6 +14,7 @@ from ..validation import Floats, Points, Triangles
 from .caps import flat_caps
 from .inscribed import InscribedSpheres, inscribed_spheres
 from .local_surface import LocalSurface
+from .stations import Stations
 
 AHEAD = np.cos(np.deg2rad(30.0))
 """A sphere that touches the surface so nearly along the axis, on the side of its nearer end, may
@@ -32,34 +33,14 @@ TOUCH = 1e-3
 """Share of its radius by which a surface may be farther from a sphere's centre and touch it."""
 
 
-def past_closed_ends(
-    points: Points,
-    triangles: Triangles,
-    stations: Points,
-    directions: Points,
-    spheres: InscribedSpheres,
-    equivalent: Floats,
-) -> tuple[InscribedSpheres, Floats]:
-    """The spheres, those that touch a closed end of the vessel measured anew without its cap.
+def past_closed_ends(points: Points, triangles: Triangles, measured: Stations) -> Stations:
+    """The stations, spheres that touch a closed end of the vessel measured anew without its cap.
 
-    Parameters
-    ----------
-    points, triangles : (k, 3) and (m, 3) arrays
-    stations, directions : (n, 3) arrays
-        Axis points, in order, and unit directions of the axis there.
-    spheres : InscribedSpheres
-        Those at the stations.
-    equivalent : (n,) array
-        Equivalent diameters of the sections there, mm; NaN where there is none.
-
-    Returns
-    -------
-    InscribedSpheres
-        NaN where a sphere touches an end that is no flat cap, such as one that a stent bulged, and
-        where it climbs out through one that the axis meets askew.
-    (n,) array
-        The equivalent diameters, NaN where a cap, a little askew, cuts the section off.
+    A sphere is NaN where it touches an end that is no flat cap, such as one that a stent bulged,
+    and where it climbs out through one that the axis meets askew; an equivalent diameter is NaN
+    where a cap, a little askew, cuts the section off.
     """
+    stations, directions, spheres, equivalent = measured
     arc = arc_lengths(stations)
     to_end = np.minimum(arc, arc[-1] - arc)
     # Within a radius of the lumen, and a tenth for the sag of a bend; sections may be NaN.
@@ -67,49 +48,42 @@ def past_closed_ends(
     near_end &= ~(2 * spheres.radii > ROUND * equivalent) & np.isfinite(spheres.radii)
     at_end = np.flatnonzero(near_end)
     outward = np.where((arc < arc[-1] / 2)[:, None], -directions, directions)
-    at_end = at_end[_touches(points, triangles, outward, spheres, at_end, AHEAD)]
+    at_end = at_end[_touches(points, triangles, outward[at_end], spheres.at(at_end), AHEAD)]
     if not len(at_end):
-        return spheres, equivalent
+        return measured
     width = float(np.nanmax(np.concatenate([equivalent[at_end], 2 * spheres.radii])))
     is_capped = _in_caps(points, triangles, stations[at_end], directions[at_end], width)
     kept = triangles[~is_capped]
     anew = inscribed_spheres(points, kept, stations[at_end], directions[at_end])
     centers, radii = spheres.centers.copy(), spheres.radii.copy()
     centers[at_end], radii[at_end] = anew
-    found = InscribedSpheres(centers, radii)
-    closed = at_end[_touches(points, kept, outward, found, at_end, SQUARELY)]
+    closed = at_end[_touches(points, kept, outward[at_end], anew, SQUARELY)]
     centers[closed], radii[closed] = np.nan, np.nan
     caps = points[triangles[is_capped].ravel()]
     cut = [i for i in at_end if _is_crossed(caps, stations[i], directions[i], width)]
     equivalent = equivalent.copy()
     equivalent[cut] = np.nan
-    return found, equivalent
+    return measured._replace(spheres=InscribedSpheres(centers, radii), equivalent=equivalent)
 
 
 def _touches(
-    points: Points,
-    triangles: Triangles,
-    outward: Points,
-    spheres: InscribedSpheres,
-    where: NDArray[np.int64],
-    cosine: float,
+    points: Points, triangles: Triangles, outward: Points, spheres: InscribedSpheres, cosine: float
 ) -> NDArray[np.bool_]:
-    """Which of some spheres (k,) touch the surface in their outward direction, so nearly.
+    """Which spheres (k,) touch the surface in their outward direction (k, 3), so nearly.
 
     One that has climbed out of the surface, through a cap that was left out, touches nothing.
     """
-    touches = np.zeros(len(where), dtype=bool)
-    known = np.flatnonzero(np.isfinite(spheres.radii[where]))
-    where = where[known]
-    if len(where):
-        centers, radii = spheres.centers[where], spheres.radii[where]
+    touches = np.zeros(len(outward), dtype=bool)
+    known = np.flatnonzero(np.isfinite(spheres.radii))
+    if len(known):
+        centers, radii = spheres.at(known)
         # Of a sphere of radius 0 rounding tells what it touches.
         reach = np.maximum((1 + TOUCH) * radii, IN_SURFACE)
         surface = LocalSurface(points, triangles, centers)
         query, triangle, _ = surface.near(centers, reach)
         offset = surface.index.closest_points(centers[query], triangle) - centers[query]
         distance = np.linalg.norm(offset, axis=1)
-        along = dot(offset, outward[where[query]])
+        along = dot(offset, outward[known[query]])
         is_ahead = (distance <= reach[query]) & (along >= cosine * distance)
         # Of a centre in the surface itself, rounding tells the direction.
         touches[known[query[is_ahead | (distance < IN_SURFACE)]]] = True

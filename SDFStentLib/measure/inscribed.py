@@ -47,6 +47,10 @@ class InscribedSpheres(NamedTuple):
     centers: Points
     radii: Floats
 
+    def at(self, which: Indices) -> InscribedSpheres:
+        """Some of them."""
+        return InscribedSpheres(self.centers[which], self.radii[which])
+
 
 def inscribed_spheres(
     points: Points,
@@ -112,35 +116,38 @@ def _largest_spheres(
     """Climb on few triangles first, then on all, then make sure that no wall lies between."""
     thinned = surface.thinned()
     if thinned is None:
-        return _climb(surface, starts, surface.distances(starts), axes, tolerance)
+        begin = InscribedSpheres(starts, surface.distances(starts))
+        return _climb(surface, begin, axes, tolerance)
     rough = _largest_spheres(thinned, starts, axes, _ROUGH_TOLERANCE)
     lost = np.flatnonzero(np.isnan(rough.radii))
     # Fewer triangles are never nearer: the rough radius is an upper bound.
     centers, bounds = rough.centers.copy(), rough.radii.copy()
     centers[lost], bounds[lost] = starts[lost], surface.distances(starts[lost])
-    centers, radii = _climb(surface, centers, bounds, axes, tolerance, first_box=_SMALLEST_BOX)
+    begin = InscribedSpheres(centers, bounds)
+    centers, radii = _climb(surface, begin, axes, tolerance, first_box=_SMALLEST_BOX)
 
     # Empty spheres that overlap lie in the same lumen, and most hold the axis point anyway.
     moved = np.linalg.norm(centers - starts, axis=1)
     doubtful = np.flatnonzero(~(moved < radii))
     exact = surface.distances(starts[doubtful])
     is_apart = ~(moved[doubtful] < radii[doubtful] + exact)
-    again, exact = doubtful[is_apart], exact[is_apart]
-    centers[again], radii[again] = _climb(surface, starts[again], exact, axes[again], tolerance)
+    again = doubtful[is_apart]
+    begin = InscribedSpheres(starts[again], exact[is_apart])
+    centers[again], radii[again] = _climb(surface, begin, axes[again], tolerance)
     return InscribedSpheres(centers, radii)
 
 
 def _climb(
     surface: LocalSurface,
-    starts: Points,
-    bounds: Floats,
+    begin: InscribedSpheres,
     axes: Floats,
     tolerance: float,
     *,
     first_box: float = _FIRST_BOX,
 ) -> InscribedSpheres:
-    """Local maxima reached from `starts`, where the radii are at most `bounds`."""
-    centers, radii = starts.copy(), bounds.copy()
+    """Local maxima reached from the centers of spheres that are at most as large as given."""
+    spheres = InscribedSpheres(begin.centers.copy(), begin.radii.copy())
+    centers, radii = spheres
     box = first_box * radii
     active = np.flatnonzero(radii > _ON_WALL)
     near = _Neighbourhood(surface, len(centers))
@@ -149,7 +156,7 @@ def _climb(
             break
         # Inside the box the radius grows and every distance shrinks by at most its half diagonal.
         reach = 2 * np.sqrt(2) * box[active]
-        rows = _rows(near, centers, axes, radii, reach, active)
+        rows = _rows(near, spheres, axes, reach, active)
         radii[active] = rows.radii
         step, height = largest_steps(rows, box[active])
         moves = height - rows.radii > tolerance
@@ -167,7 +174,7 @@ def _climb(
         active = active[~outside[active]]
     if len(active):
         radii[active] = surface.distances(centers[active])
-    return InscribedSpheres(centers, radii)
+    return spheres
 
 
 class _Neighbourhood:
@@ -225,14 +232,10 @@ class _Neighbourhood:
 
 
 def _rows(
-    near: _Neighbourhood,
-    centers: Points,
-    axes: Floats,
-    radii: Floats,
-    reach: Floats,
-    active: Indices,
+    near: _Neighbourhood, spheres: InscribedSpheres, axes: Floats, reach: Floats, active: Indices
 ) -> LinearRows:
     """Linear models of the distances that matter within the boxes, and the exact radii."""
+    centers, radii = spheres
     query, offset, distance = near.offsets(centers, active, radii[active] + reach, reach)
     starts = np.searchsorted(query, active)
     radius = np.minimum.reduceat(distance, starts)

@@ -22,6 +22,7 @@ from .cross_section import equivalent_diameters, winding_numbers
 from .cut_sections import cut_at_ostia
 from .inscribed import inscribed_spheres
 from .rounded_ends import past_rounded_ends
+from .stations import Stations
 
 _WINDING_INSIDE = 0.3
 """Winding numbers are 1 inside, 0 outside and 1/2 in the middle of an open end."""
@@ -140,19 +141,17 @@ def diameter_profile(surface: Surface, axis: ArrayLike, spacing: float = 1.0) ->
     points, triangles = as_surface(surface).points, surface.triangles
     stations = resampled(axis, as_number(spacing, "spacing", unit="mm", above=0))
     directions = tangents(stations)
-    equivalent = equivalent_diameters(points, triangles, stations, directions)
-    spheres, equivalent = past_closed_ends(
-        points,
-        triangles,
+    measured = Stations(
         stations,
         directions,
         inscribed_spheres(points, triangles, stations, directions),
-        equivalent,
+        equivalent_diameters(points, triangles, stations, directions),
     )
-    equivalent, is_cut = cut_at_ostia(
-        surface, stations, spheres.centers, 2 * spheres.radii, equivalent
-    )
-    spheres = past_rounded_ends(points, triangles, stations, directions, spheres, equivalent)
+    measured = past_closed_ends(points, triangles, measured)
+    centers, radii = measured.spheres
+    equivalent, is_cut = cut_at_ostia(surface, stations, centers, 2 * radii, measured.equivalent)
+    measured = measured._replace(equivalent=equivalent)
+    spheres = past_rounded_ends(points, triangles, measured)
 
     # A closed section round the station proves that it is inside; the few others are looked at.
     outside = np.flatnonzero(np.isnan(equivalent))

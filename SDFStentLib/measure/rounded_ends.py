@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry import arc_lengths, connected, face_normals
-from ..validation import Floats, Indices, Points, Triangles
+from ..validation import Floats, Points, Triangles
 from .caps import flat_caps
 from .inscribed import InscribedSpheres, inscribed_spheres
 from .local_surface import LocalSurface
+from .stations import Stations
 
 AHEAD = np.cos(np.deg2rad(60.0))
 """A sphere that touches the surface so nearly along the axis may touch the end."""
@@ -37,26 +38,12 @@ TOUCH = 1e-3
 """Share of its radius by which a surface may be farther from a sphere's center and touch it."""
 
 
-def past_rounded_ends(
-    points: Points,
-    triangles: Triangles,
-    stations: Points,
-    directions: Points,
-    spheres: InscribedSpheres,
-    equivalent: Floats,
-) -> InscribedSpheres:
+def past_rounded_ends(points: Points, triangles: Triangles, measured: Stations) -> InscribedSpheres:
     """The spheres, those that the closing of an end limits measured anew without it.
 
-    Parameters
-    ----------
-    points, triangles : (k, 3) and (m, 3) arrays
-    stations, directions : (n, 3) arrays
-        Axis points, in order, and unit directions of the axis there.
-    spheres : InscribedSpheres
-        Those at the stations; NaN where they are known to touch an end.
-    equivalent : (n,) array
-        Equivalent diameters of the sections there, mm; NaN where there is none.
+    Spheres are NaN at stations where they are known to touch an end.
     """
+    stations, directions, spheres, equivalent = measured
     arc = arc_lengths(stations)
     centers, radii = spheres.centers.copy(), spheres.radii.copy()
     for end, sign, to_end in ((0, -1.0, arc), (len(arc) - 1, 1.0, arc[-1] - arc)):
@@ -65,7 +52,8 @@ def past_rounded_ends(
         # A sphere that fills its section touches no end.
         near = near[~(2 * radii[near] > ROUND * equivalent[near])]
         outward = sign * directions
-        touching = near[_touches_ahead(points, triangles, outward, centers, radii, near)]
+        nearby = InscribedSpheres(centers[near], radii[near])
+        touching = near[_touches_ahead(points, triangles, outward[near], nearby)]
         if not len(touching) or not _is_closed(
             points, triangles, stations[end], outward[end], float(lumen[near].max())
         ):
@@ -125,24 +113,18 @@ def _is_closed(
 
 
 def _touches_ahead(
-    points: Points,
-    triangles: Triangles,
-    outward: Points,
-    centers: Points,
-    radii: Floats,
-    where: Indices,
+    points: Points, triangles: Triangles, outward: Points, spheres: InscribedSpheres
 ) -> NDArray[np.bool_]:
-    """Which of some spheres (k,) touch the surface ahead; those that are unknown count too."""
-    touches = ~np.isfinite(radii[where])
+    """Which spheres (k,) touch the surface ahead; those that are unknown count too."""
+    touches = ~np.isfinite(spheres.radii)
     known = np.flatnonzero(~touches)
     if len(known):
-        chosen = where[known]
-        reach = (1 + TOUCH) * radii[chosen]
-        surface = LocalSurface(points, triangles, centers[chosen])
-        query, triangle, _ = surface.near(centers[chosen], reach)
-        offset = surface.index.closest_points(centers[chosen][query], triangle)
-        offset = offset - centers[chosen][query]
+        centers, radii = spheres.at(known)
+        reach = (1 + TOUCH) * radii
+        surface = LocalSurface(points, triangles, centers)
+        query, triangle, _ = surface.near(centers, reach)
+        offset = surface.index.closest_points(centers[query], triangle) - centers[query]
         distance = np.linalg.norm(offset, axis=1)
-        along = np.einsum("ij,ij->i", offset, outward[chosen[query]])
+        along = np.einsum("ij,ij->i", offset, outward[known[query]])
         touches[known[query[(distance <= reach[query]) & (along >= AHEAD * distance)]]] = True
     return np.asarray(touches)
