@@ -117,12 +117,12 @@ def bifurcation_case(seed: int, where: str | None) -> Case:
     lesions = [] if lesion is None else [(*lesion, depth)]
     vessels = (
         Vessel("main", main, narrowed(healthy, lesions)),
-        Vessel("side", side, lambda at: np.full(np.shape(at), right)),
+        Vessel("side", side, lambda at: np.full(np.shape(at), right), before),
     )
     edge = 0.3 * min(right, (1 - depth) * left)
     union = TubeUnion([Tube(v.axis, v.radius) for v in vessels], 0.3 * right, 4 * edge)
     patch = branching_tube(union, edge)
-    made = assembled("bifurcation", patch, vessels, [], joints=[before])
+    made = assembled("bifurcation", patch, vessels, [])
     known = []
     for center, reach, _ in lesions:
         # Where the branches still share a lumen, it is wider than the one that was narrowed.

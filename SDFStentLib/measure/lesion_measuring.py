@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry import arc_lengths, resampled_to, tangents
-from ..validation import Points, Triangles
+from ..geometry import Surface, arc_lengths, resampled_to, tangents
+from ..validation import Points
 from .cross_section import equivalent_diameters
 from .inscribed import InscribedSpheres, inscribed_spheres
 from .lesion_value import HealthyPlace, Lesion, Place
@@ -23,23 +23,22 @@ FINE_STATIONS = 17
 """Spheres between the neighbors of the narrowest station of a lesion's line: for the same."""
 
 
-def measured(
-    lesion: Lesion, points: Points, triangles: Triangles, diameters: Floats | None = None
-) -> Lesion:
+def measured(lesion: Lesion, surface: Surface, diameters: Floats | None = None) -> Lesion:
     """The lesion with all that depends on the surface, against its reference.
 
     Parameters
     ----------
     lesion : Lesion
-    points, triangles : (p, 3) and (t, 3) arrays
+    surface : Surface
     diameters : (k,) array, optional
         Inscribed, at the points of the lesion's line, where they are known already, mm.
     """
     line = resampled_to(lesion.line, max(STATIONS, 2 * len(lesion.line)))
     at = lesion.start + np.linspace(0.0, lesion.length, len(line))
-    areas = np.pi / 4 * equivalent_diameters(points, triangles, line, tangents(line)) ** 2
+    sections = equivalent_diameters(surface.points, surface.triangles, line, tangents(line))
+    areas = np.pi / 4 * sections**2
     wanted = _tapering(lesion, [np.sqrt(side.area) for side in _sides(lesion)], at) ** 2
-    narrow_at, spheres = _narrowest_part(lesion, points, triangles, diameters)
+    narrow_at, spheres = _narrowest_part(lesion, surface, diameters)
     references = _tapering(lesion, [side.diameter for side in _sides(lesion)], narrow_at)
     tightest = int(np.nanargmax(1 - 2 * spheres.radii / references))
     minimum = 2 * float(spheres.radii[tightest])
@@ -58,9 +57,10 @@ def measured(
 
 
 def _narrowest_part(
-    lesion: Lesion, points: Points, triangles: Triangles, diameters: Floats | None
+    lesion: Lesion, surface: Surface, diameters: Floats | None
 ) -> tuple[Floats, InscribedSpheres]:
     """Arc lengths from the root, and spheres there, round the narrowest station of its line."""
+    points, triangles = surface.points, surface.triangles
     line, directions = lesion.line, tangents(lesion.line)
     along = arc_lengths(line)
     if diameters is None:
@@ -89,9 +89,9 @@ def _tapering(lesion: Lesion, values: list[float], at: Floats) -> Floats:
     return np.asarray(values[0] + slope * (at - places[0]))
 
 
-def median_area(points: Points, triangles: Triangles, line: Points, directions: Points) -> float:
+def median_area(surface: Surface, line: Points, directions: Points) -> float:
     """Of the sections at some stations, mm^2; NaN where none is closed."""
-    wide = equivalent_diameters(points, triangles, line, directions)
+    wide = equivalent_diameters(surface.points, surface.triangles, line, directions)
     wide = wide[np.isfinite(wide)]
     return float(np.pi / 4 * np.median(wide) ** 2) if len(wide) else float("nan")
 

@@ -15,8 +15,6 @@ from numpy.typing import ArrayLike, NDArray
 from ..centerline import Centerline
 from ..geometry import Surface, arc_lengths, as_surface, closest_points, tangents
 from ..validation import (
-    Points,
-    Triangles,
     as_points,
 )
 from .lesion_measuring import as_place, measured, median_area
@@ -50,10 +48,9 @@ def find_lesions(surface: Surface, centerline: Centerline) -> tuple[Lesion, ...]
     InputError
         No surface, or a centerline outside of it.
     """
-    points, triangles = as_surface(surface).points, surface.triangles
     found = [
-        _Found(_lesion(points, triangles, run, narrow), _junctions(run, narrow))
-        for run in vessel_runs(branch_lumens(points, triangles, centerline))
+        _Found(_lesion(surface, run, narrow), _junctions(run, narrow))
+        for run in vessel_runs(branch_lumens(as_surface(surface), centerline))
         for narrow in narrowings(run)
     ]
     found.sort(key=lambda one: -one.lesion.percent_diameter)
@@ -84,7 +81,7 @@ def lesion_after(lesion: Lesion, surface: Surface) -> Lesion:
     InputError
         No surface.
     """
-    return measured(lesion, as_surface(surface).points, surface.triangles)
+    return measured(lesion, as_surface(surface))
 
 
 def lesions_within(lesions: Sequence[Lesion], axis_points: ArrayLike) -> tuple[Lesion, ...]:
@@ -133,7 +130,7 @@ def _junctions(run: VesselRun, narrow: Narrowing) -> dict[int, bool]:
     }
 
 
-def _lesion(points: Points, triangles: Triangles, run: VesselRun, narrow: Narrowing) -> Lesion:
+def _lesion(surface: Surface, run: VesselRun, narrow: Narrowing) -> Lesion:
     """A narrowing with its areas, on finer stations, from the root's side on."""
     edges = np.interp([narrow.start, narrow.end], run.along, run.from_root)
     way = 1 if edges[0] <= edges[1] else -1
@@ -143,7 +140,7 @@ def _lesion(points: Points, triangles: Triangles, run: VesselRun, narrow: Narrow
     reference = narrow.reference
     origin = edges[0] - way * narrow.start
     sides = [
-        _healthy(points, triangles, run, along, diameter, origin + way * along)
+        _healthy(surface, run, along, diameter, origin + way * along)
         for along, diameter in (
             (reference.before, reference.before_diameter),
             (reference.after, reference.after_diameter),
@@ -170,19 +167,13 @@ def _lesion(points: Points, triangles: Triangles, run: VesselRun, narrow: Narrow
             reference=reference_words(sides),
             line=line,
         ),
-        points,
-        triangles,
+        surface,
         diameters,
     )
 
 
 def _healthy(
-    points: Points,
-    triangles: Triangles,
-    run: VesselRun,
-    along: float,
-    diameter: float,
-    arc_length: float,
+    surface: Surface, run: VesselRun, along: float, diameter: float, arc_length: float
 ) -> HealthyPlace | None:
     """The place of a reference; its area is the median over half a diameter, as the diameter."""
     if np.isnan(along):
@@ -190,7 +181,7 @@ def _healthy(
     distance = np.abs(run.along - along)
     near = np.flatnonzero(distance <= max(diameter / 4, float(distance.min())))
     line, directions = run.points[near], tangents(run.points)[near]
-    area = median_area(points, triangles, line, directions)
+    area = median_area(surface, line, directions)
     return HealthyPlace(as_place(_at(run, along)), float(arc_length), float(diameter), area)
 
 

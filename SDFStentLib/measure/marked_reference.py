@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from ..centerline import Centerline
 from ..geometry import Surface, arc_lengths, as_surface, tangents
-from ..validation import InputError, Points, Triangles, as_point
+from ..validation import InputError, as_point
 from .inscribed import inscribed_spheres
 from .lesion_measuring import as_place, measured, median_area
 from .lesion_value import HealthyPlace, Lesion, reference_words
@@ -68,10 +68,10 @@ def lesion_against(
     InputError
         No place or more than two, two on the same side, or a place beside the vessel.
     """
-    points, triangles = as_surface(surface).points, surface.triangles
+    as_surface(surface)
     if len(places) not in (1, 2):
         raise InputError(f"reference: expected one or two marked places, got {len(places)}.")
-    marked = [_marked(lesion, place, points, triangles, centerline) for place in places]
+    marked = [_marked(lesion, place, surface, centerline) for place in places]
     proximal = [place for place in marked if place.arc_length <= lesion.arc_length]
     distal = [place for place in marked if place.arc_length > lesion.arc_length]
     if max(len(proximal), len(distal)) == 2:
@@ -86,11 +86,11 @@ def lesion_against(
         distal=sides[1],
         reference=reference_words(sides, by="the vessel marked", other=""),
     )
-    return measured(changed, points, triangles)
+    return measured(changed, surface)
 
 
 def _marked(
-    lesion: Lesion, place: ArrayLike, points: Points, triangles: Triangles, centerline: Centerline
+    lesion: Lesion, place: ArrayLike, surface: Surface, centerline: Centerline
 ) -> HealthyPlace:
     """Healthy vessel where the user says so, measured on the way from the lesion."""
     location = centerline.project(as_point(place, "reference"))
@@ -99,11 +99,12 @@ def _marked(
     near = path.points[along >= along[-1] - 1.0]
     station = location.point[None]
     direction = tangents(near)[-1:]
-    radius = float(inscribed_spheres(points, triangles, station, direction).radii[0])
+    spheres = inscribed_spheres(surface.points, surface.triangles, station, direction)
+    radius = float(spheres.radii[0])
     if not location.distance <= radius:
         raise InputError(
             f"reference: expected a place inside of the vessel, got one {location.distance:.1f} mm "
             "from the centerline; mark one in the lumen."
         )
-    area = median_area(points, triangles, station, direction)
+    area = median_area(surface, station, direction)
     return HealthyPlace(as_place(location.point), location.arc_length, 2 * radius, area)

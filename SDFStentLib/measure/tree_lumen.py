@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..centerline import Centerline
-from ..geometry import boundary_edges, component_labels, is_inside, resampled, tangents
+from ..geometry import Surface, boundary_edges, component_labels, is_inside, resampled, tangents
 from ..validation import InputError, Points, Triangles
 from .inscribed import inscribed_spheres
 
@@ -43,9 +43,7 @@ class BranchLumen(NamedTuple):
     """(n,) inscribed diameter, mm; NaN where the centerline is outside of the lumen."""
 
 
-def branch_lumens(
-    points: Points, triangles: Triangles, centerline: Centerline
-) -> tuple[BranchLumen, ...]:
+def branch_lumens(surface: Surface, centerline: Centerline) -> tuple[BranchLumen, ...]:
     """The lumen along all branches; branches without length are left out, their ends are one.
 
     Raises
@@ -61,6 +59,7 @@ def branch_lumens(
     ]
     stations = np.concatenate([line for _, line in lines])
     directions = np.concatenate([tangents(line) for _, line in lines])
+    points, triangles = surface.points, surface.triangles
     spheres = inscribed_spheres(points, triangles, stations, directions, tolerance=TOLERANCE)
     diameter = 2 * spheres.radii
     diameter[~is_inside(stations, *closed_surface(points, triangles))] = np.nan

@@ -8,6 +8,7 @@ Frame: RAS, so z points to the head and x to the patient's right. Nothing in her
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -197,7 +198,7 @@ def branching_pulmonary_artery(edge_length: float = 0.9) -> Phantom:
 
     vessels = (
         Vessel("main and left pulmonary artery", main, main_and_left),
-        Vessel("right pulmonary artery", side, right),
+        Vessel("right pulmonary artery", side, right, joint=junction),
     )
     tubes = [Tube(vessel.axis, vessel.radius) for vessel in vessels]
     union = TubeUnion(tubes, blend_width=2.0, beyond=4 * edge_length)
@@ -208,15 +209,10 @@ def branching_pulmonary_artery(edge_length: float = 0.9) -> Phantom:
         for number, (name, rim) in enumerate(zip(names, union.rims(), strict=True))
     ]
     wall = patch.points[np.unique(patch.triangles[patch.face_ids == 1])]
-    return assembled(
-        "branching pulmonary artery",
-        patch,
-        vessels,
-        openings,
-        joints=[junction],
-        throat=junction + 4.0,
-        radii_of=lambda vessel, at: union.inscribed_radii(vessel.axis.point(at), wall),
-    )
+    made = assembled("branching pulmonary artery", patch, vessels, openings, junction + 4.0)
+    # The blend about the junction is wider than its tubes.
+    radii = union.inscribed_radii(made.centerline.points, wall)
+    return replace(made, centerline=replace(made.centerline, inscribed_radius=radii))
 
 
 def tube_with_neighbor(
@@ -245,9 +241,7 @@ def tube_with_neighbor(
         np.r_[first.face_ids, second.face_ids],
     )
     openings = [*ends_of(vessels[0], 2), *ends_of(vessels[1], 5, "neighbor ")]
-    return assembled(
-        "tube with neighbor", patch, vessels, openings, joints=[None], throat=length / 2
-    )
+    return assembled("tube with neighbor", patch, vessels, openings, length / 2)
 
 
 def _single(
@@ -261,7 +255,7 @@ def _single(
     vessel = Vessel(name, axis, radius)
     _check_edge_length(edge_length, float(radius(axis.sampled(0.1)).min()))
     patch = swept_tube(axis, radius, edge_length)
-    return assembled(name, patch, (vessel,), ends_of(vessel, 2), throat=throat)
+    return assembled(name, patch, (vessel,), ends_of(vessel, 2), throat)
 
 
 def _check_edge_length(edge_length: float, smallest_radius: float) -> None:

@@ -21,11 +21,15 @@ CENTERLINE_SPACING = 0.5
 
 @dataclass(frozen=True, eq=False)
 class Vessel:
-    """One tube of a phantom: its axis and the radius of its cross section by arc length."""
+    """One tube of a phantom: its axis and the radius of its cross section by arc length.
+
+    `joint` is the arc length of the first vessel, mm, at which it leaves that; None: it does not.
+    """
 
     name: str
     axis: Axis
     radius: Callable[[Floats], Floats]
+    joint: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,31 +116,22 @@ def assembled(
     patch: Patch,
     vessels: tuple[Vessel, ...],
     openings: Sequence[Opening],
-    *,
-    joints: Sequence[float | None] = (),
     throat: float | None = None,
-    radii_of: Callable[[Vessel, Floats], Floats] | None = None,
 ) -> Phantom:
-    """A phantom with its centerline and throat.
+    """A phantom with its centerline, whose radii are those of swept tubes, and its throat.
 
     Parameters
     ----------
     patch : Patch
         The closed surface.
-    joints : sequence of float or None
-        For each vessel after the first: the arc length of the first at which it starts, or
-        None for a vessel of its own.
     throat : float, optional
         Arc length of the first vessel at which it is narrowest.
-    radii_of : callable, optional
-        Inscribed radii of a vessel at arc lengths; by default those of a swept tube.
     """
-    radii_of = radii_of or (lambda vessel, at: inscribed_radii(vessel.axis, vessel.radius, at))
     return Phantom(
         name=name,
         surface=Surface(patch.points, patch.triangles),
         face_ids=read_only(patch.face_ids),
-        centerline=_centerline(vessels, joints, radii_of),
+        centerline=_centerline(vessels),
         vessels=vessels,
         openings=tuple(openings),
         throat=None if throat is None else _throat(vessels[0], throat),
@@ -171,28 +166,27 @@ def _throat(vessel: Vessel, arc_length: float) -> Throat:
     )
 
 
-def _centerline(
-    vessels: Sequence[Vessel],
-    joints: Sequence[float | None],
-    radii_of: Callable[[Vessel, Floats], Floats],
-) -> Centerline:
+def _centerline(vessels: Sequence[Vessel]) -> Centerline:
     """Points along the exact axes; a side vessel hangs on the point where it leaves the first."""
-    stops = sorted({0.0, vessels[0].axis.length, *(at for at in joints if at is not None)})
+    joints = {vessel.joint for vessel in vessels if vessel.joint is not None}
+    stops = sorted({0.0, vessels[0].axis.length, *joints})
     stations = [_stations(stops)]
     parents = [np.arange(len(stations[0])) - 1]
     count = len(stations[0])
-    for vessel, joint in zip(vessels[1:], joints, strict=True):
+    for vessel in vessels[1:]:
         at = _stations([0.0, vessel.axis.length])
         root = -1
-        if joint is not None:
-            at, root = at[1:], int(np.argmin(np.abs(stations[0] - joint)))
+        if vessel.joint is not None:
+            at, root = at[1:], int(np.argmin(np.abs(stations[0] - vessel.joint)))
         parents.append(np.r_[root, count + np.arange(len(at) - 1)])
         stations.append(at)
         count += len(at)
     pairs = list(zip(vessels, stations, strict=True))
     return Centerline(
         points=np.vstack([vessel.axis.point(at) for vessel, at in pairs]),
-        inscribed_radius=np.concatenate([radii_of(vessel, at) for vessel, at in pairs]),
+        inscribed_radius=np.concatenate(
+            [inscribed_radii(vessel.axis, vessel.radius, at) for vessel, at in pairs]
+        ),
         parent=np.concatenate(parents),
     )
 
