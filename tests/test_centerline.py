@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from trees import unbranched, with_radius
 
 from SDFStentLib.centerline.centerline import Centerline
 from SDFStentLib.geometry.polyline import length, resampled
@@ -210,10 +211,10 @@ def test_the_inlet_option_chooses_the_root():
 
 def test_a_plain_curve_keeps_its_points_and_starts_where_it_was_drawn_first():
     curve = np.array([[0.0, 0, 0], [1, 2, 3], [1, 2, 3], [4, 4, 4]])
-    for tree in (Centerline.from_polyline(curve), Centerline.from_lines(curve, [[0, 1, 2, 3]])):
-        np.testing.assert_array_equal(tree.points, curve[[0, 1, 3]])
-        assert tree.parent.tolist() == [-1, 0, 1]
-        assert np.isnan(tree.inscribed_radius).all()
+    tree = Centerline.from_lines(curve, [[0, 1, 2, 3]])
+    np.testing.assert_array_equal(tree.points, curve[[0, 1, 3]])
+    assert tree.parent.tolist() == [-1, 0, 1]
+    assert np.isnan(tree.inscribed_radius).all()
 
 
 def test_a_second_pass_over_the_branches_changes_nothing():
@@ -327,11 +328,11 @@ def test_arc_length_does_not_depend_on_the_order_of_points():
 
 
 def test_projection_falls_on_segments_and_mixes_the_radius():
-    tree = Centerline.from_polyline([[0, 0, 0], [10, 0, 0]], [2.0, 4.0])
+    tree = unbranched([[0, 0, 0], [10, 0, 0]], [2.0, 4.0])
     place = tree.project([2.5, 3, 0])
     assert place.point.tolist() == [2.5, 0, 0]
     assert (place.distance, place.arc_length, place.inscribed_radius) == (3, 2.5, 2.5)
-    half_known = tree.with_inscribed_radius([np.nan, 4.0])
+    half_known = with_radius(tree, [np.nan, 4.0])
     assert half_known.project([2.5, 3, 0]).inscribed_radius == 4
 
 
@@ -344,7 +345,7 @@ def test_a_path_from_daughter_to_daughter_crosses_the_junction():
 
 
 def test_a_path_within_one_segment_is_that_piece():
-    tree = Centerline.from_polyline([[0, 0, 0], [10, 0, 0]])
+    tree = unbranched([[0, 0, 0], [10, 0, 0]])
     assert tree.path([7, 1, 0], [2, 0, 0]).points.tolist() == [[7, 0, 0], [2, 0, 0]]
     assert tree.path([7, 1, 0], [7, 0, 2]).points.tolist() == [[7, 0, 0]]
 
@@ -414,7 +415,7 @@ def test_a_path_around_a_point_has_half_on_either_side_and_follows_the_wide_daug
 
 
 def test_without_radius_the_longest_daughter_is_followed():
-    tree = a_fork().with_inscribed_radius(np.full(len(a_fork().points), np.nan))
+    tree = with_radius(a_fork(), np.full(len(a_fork().points), np.nan))
     path = tree.path_around([0, 1, -30], 30)
     assert path.points[-1][0] < 0
     assert [choice.rule for choice in path.choices] == ["longest"]
@@ -530,7 +531,7 @@ def test_whatever_the_lines_the_answer_is_one_tree_or_a_sentence(points, data):
 
 
 def test_radii_that_are_no_radii_are_unknown():
-    tree = Centerline.from_polyline(np.eye(3), [0.0, -1.0, np.inf])
+    tree = unbranched(np.eye(3), [0.0, -1.0, np.inf])
     assert np.isnan(tree.inscribed_radius).all()
 
 
@@ -563,8 +564,7 @@ ONE_LINE = [[0, 1]]
         (lambda: Centerline(np.eye(3), [1, 1, 1], [-1, 0, 3]), "expected -1 to 2, got -1 to 3"),
         (lambda: Centerline(np.eye(3), [1, 1, 1], [-1, 0]), "expected 3 integers"),
         (lambda: Centerline(np.eye(3), [1, 1, 1], [-1, -1, -1]), "got roots only"),
-        (lambda: Centerline.from_polyline([[1, 2, 3]]), "at least 2 points, got 1"),
-        (lambda: Centerline.from_polyline(np.ones((3, 3))), "at least 2 points, got 1"),
+        (lambda: Centerline([[1, 2, 3]], [1], [-1]), "at least 2 points, got 1"),
         (lambda: a_fork().project([1, 2, np.nan]), "point: expected finite coordinates"),
         (lambda: a_fork().path_around(FORK, 0), "length: expected a number greater than 0"),
         (lambda: a_fork().path_from_distal(FORK, np.nan), "length: expected a number"),

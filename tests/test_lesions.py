@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from deployment_cases import ANATOMIES, anatomy, phantom
 from lesion_cases import bifurcation_case, tapering, tube_case
+from trees import unbranched, with_radius
 
 from SDFStentLib.centerline.centerline import Centerline
 from SDFStentLib.deformation.deployment import deploy
@@ -60,7 +61,7 @@ def test_a_vessel_that_tapers_in_steps_has_no_lesion():
         return 5.0 - np.clip((at - 20) / 6, 0, 1) - 1.5 * np.clip((at - 55) / 4, 0, 1)
 
     patch = swept_tube(axis, stepping, 0.8)
-    line = Centerline.from_polyline(axis.point(np.linspace(0, 90, 91)))
+    line = unbranched(axis.point(np.linspace(0, 90, 91)))
     assert find_lesions(Surface(patch.points, patch.triangles), line) == ()
 
 
@@ -72,7 +73,7 @@ def test_an_aneurysm_makes_no_lesion_of_the_vessel_beside_it():
         return healthy(at) * (1 + 0.9 * np.exp(-(((np.asarray(at) - 50) / 10) ** 2)))
 
     patch = swept_tube(axis, radius, 1.0)
-    line = Centerline.from_polyline(axis.point(np.linspace(0, 120, 121)))
+    line = unbranched(axis.point(np.linspace(0, 120, 121)))
     assert find_lesions(Surface(patch.points, patch.triangles), line) == ()
 
 
@@ -100,7 +101,7 @@ def forms_of(line):
     return {
         "delivered": line,
         "resampled": line.resampled(2.0),
-        "no radius": line.with_inscribed_radius(np.full(len(radius), np.nan)),
+        "no radius": with_radius(line, np.full(len(radius), np.nan)),
         "backward": Centerline.from_lines(
             line.points, [way[::-1] for way in ways], radius, inlet=line.points[line.leaves[0]]
         ),

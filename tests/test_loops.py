@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from trees import unbranched
 
-from SDFStentLib.centerline.centerline import Centerline
 from SDFStentLib.cli.demo import _written_patient
 from SDFStentLib.geometry.distance import SurfaceIndex
 from SDFStentLib.geometry.polyline import resampled
@@ -150,7 +150,7 @@ def test_a_line_is_made_anew_with_a_bounded_number_of_segments(length, spacing):
     with pytest.raises(InputError, match="spacing: expected at least"):
         resampled([[0, 0, 0], [length, 0, 0]], spacing)
     with pytest.raises(InputError, match="spacing: expected at least"):
-        Centerline.from_polyline([[0, 0, 0], [length, 0, 0]]).resampled(spacing)
+        unbranched([[0, 0, 0], [length, 0, 0]]).resampled(spacing)
     assert len(resampled([[0, 0, 0], [20.0, 0, 0]], 1e-3)) == 20_001
 
 

@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 from ostium_truth import openings_at
+from trees import unbranched
 
 from SDFStentLib import phantoms
 from SDFStentLib.centerline import Centerline
@@ -231,7 +232,7 @@ def test_random_stents_agree_with_plain_ray_casting(data_dir, seed):
 def test_the_way_beyond_a_stent_goes_on_along_the_centerline_and_ends_with_it():
     tube = phantoms.bent_tube()
     axis = tube.axis_at(np.linspace(15, 25, 40))
-    for tree in (tube.centerline, None, Centerline.from_polyline(tube.centerline.points[::-1])):
+    for tree in (tube.centerline, None, unbranched(tube.centerline.points[::-1])):
         extended = extended_axis(tube.surface, axis, tree, reach=10)
         assert extended.stent_length == pytest.approx(10, abs=0.01)
         assert extended.before == pytest.approx(10, abs=0.5)

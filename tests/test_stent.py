@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from trees import unbranched, with_radius
 
 from SDFStentLib.centerline.centerline import Centerline
 from SDFStentLib.geometry.polyline import length, minimum_bend_radius, resampled
@@ -31,7 +32,7 @@ WIDE_OUTLET, LONG_OUTLET = [20.0, 0, -60], [-30.0, 0, -70]
 def a_tube(radius: float = 3.0) -> Centerline:
     """A straight centerline of 100 mm, root at z = 0, down to z = -100."""
     points = resampled([[0, 0, 0], [0, 0, -100]], 2.0)
-    return Centerline.from_polyline(points, np.full(len(points), radius))
+    return unbranched(points, np.full(len(points), radius))
 
 
 def a_fork(known_radius: bool = True) -> Centerline:
@@ -146,8 +147,8 @@ def test_rigid_motion_and_scaling_commute_with_placement(seed, scale):
     q, r = np.linalg.qr(rng.normal(size=(3, 3)))
     rotation, shift = q * np.sign(np.diag(r)), rng.normal(size=3) * 50
     fork = a_fork()
-    moved = fork.with_points(scale * fork.points @ rotation.T + shift).with_inscribed_radius(
-        scale * fork.inscribed_radius
+    moved = with_radius(
+        fork.with_points(scale * fork.points @ rotation.T + shift), scale * fork.inscribed_radius
     )
     center = np.array([1.0, 1, -33])
     here = stent_axis(Stent(6.0, placement=AtCenter(center), length=30), fork)

@@ -150,16 +150,6 @@ class Centerline:
         """
         return cls(*tree_from_lines(points, lines, inscribed_radius, inlet=inlet))
 
-    @classmethod
-    def from_polyline(
-        cls, points: ArrayLike, inscribed_radius: ArrayLike | None = None
-    ) -> Centerline:
-        """The unbranched centerline along a curve; its first point is the root."""
-        polyline = as_points(points, "centerline points", minimum=2)
-        kept = kept_points(polyline)
-        radius = as_radii(inscribed_radius, len(polyline))[kept]
-        return cls(polyline[kept], radius, np.arange(len(kept)) - 1)
-
     @property
     def roots(self) -> Indices:
         """Points without parent, the proximal ends."""
@@ -282,10 +272,6 @@ class Centerline:
     def with_points(self, new_points: ArrayLike) -> Centerline:
         """The same tree with its points, one for one, elsewhere."""
         return replace(self, points=np.asarray(new_points))
-
-    def with_inscribed_radius(self, inscribed_radius: ArrayLike) -> Centerline:
-        """The same tree with other radii, one per point."""
-        return replace(self, inscribed_radius=np.asarray(inscribed_radius))
 
     def _location(self, place: ArrayLike | Location) -> Location:
         return place if isinstance(place, Location) else self.project(place)

@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from .vessel_runs import VesselEnd, VesselRun
 
@@ -61,12 +61,6 @@ class Reference(NamedTuple):
     before_diameter: float
     after: float
     after_diameter: float
-
-    def diameter_at(self, along: ArrayLike) -> Floats:
-        """On the straight line from one side to the other; that of the one that has a place."""
-        before = _Side(np.array(self.before), np.array(self.before_diameter))
-        after = _Side(np.array(self.after), np.array(self.after_diameter))
-        return _on_line(np.asarray(along), before, after)
 
 
 class Narrowing(NamedTuple):

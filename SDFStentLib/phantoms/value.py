@@ -42,11 +42,6 @@ class Opening:
     outward: Floats
     radius: float
 
-    @property
-    def is_inlet(self) -> bool:
-        """Whether blood comes in here."""
-        return self.name.endswith("inlet")
-
 
 @dataclass(frozen=True, eq=False)
 class Throat:
@@ -101,14 +96,6 @@ class Phantom:
     def axis_at(self, arc_length: ArrayLike, vessel: int = 0) -> Points:
         """Exact axis points (n, 3), mm, at arc lengths (n,) from the start of a vessel."""
         return self.vessels[vessel].axis.point(arc_length)
-
-    def radius_at(self, arc_length: ArrayLike, vessel: int = 0) -> Floats:
-        """Radius (n,) of the cross section, mm, at arc lengths (n,) of a vessel.
-
-        Near the junction of a branching phantom, where the vessels are blended, the lumen is
-        wider than this.
-        """
-        return self.vessels[vessel].radius(np.atleast_1d(np.asarray(arc_length, dtype=float)))
 
 
 def assembled(
