@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -19,7 +18,7 @@ from ..geometry import Precision, Surface, dot, face_areas
 from ..units import Frame, millimeters_per
 from ..validation import InputError, Points, Triangles, as_points
 from .content import FileContent, frame_in_text, read_content
-from .formats import PlainMesh, decode_obj, decode_ply, decode_stl, read_vtk_polydata
+from .formats import Decoder, decode_obj, decode_ply, decode_stl, read_vtk_polydata
 from .polydata import add_arrays, polydata_from_polygons, surface_from_polydata
 from .same_space import size_warnings
 from .triangulation import triangulated_polydata
@@ -27,7 +26,7 @@ from .triangulation import triangulated_polydata
 SURFACE_SUFFIXES = (".vtp", ".vtk", ".stl", ".ply", ".obj")
 """Formats that surfaces are read from and written to."""
 
-_PLAIN_DECODERS: dict[str, Callable[[bytes, str], PlainMesh]] = {
+_PLAIN_DECODERS: dict[str, Decoder] = {
     ".stl": decode_stl,
     ".ply": decode_ply,
     ".obj": decode_obj,

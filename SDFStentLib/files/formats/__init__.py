@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from .markups import decode_markups, encode_markups, new_markups
 from .obj import decode_obj, encode_obj
-from .plain_mesh import PlainMesh
+from .plain_mesh import Decoder, PlainMesh
 from .ply import decode_ply, encode_ply, fits_ply
 from .stl import decode_stl, encode_stl
 from .vtk_files import encode_legacy, encode_vtp, read_vtk_polydata
 
 __all__ = [
+    "Decoder",
     "PlainMesh",
     "decode_markups",
     "decode_obj",

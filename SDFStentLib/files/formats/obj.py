@@ -22,17 +22,7 @@ def decode_obj(data: bytes, name: str) -> PlainMesh:
     Corners are joined by point index alone, so that a surface with texture seams or sharp
     normals stays watertight; what is not kept is named in `warnings`.
 
-    Parameters
-    ----------
-    data : bytes
-        The whole file.
-    name : str
-        What to call it in messages.
-
-    Raises
-    ------
-    InputError
-        No OBJ file, or a number that is none.
+    `InputError` for a number that is none; else see `Decoder`.
     """
     lines = data.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ").splitlines()
     point_rows = [line.split()[1:4] for line in lines if line[:2] in (b"v ", b"v\t")]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -39,6 +39,13 @@ class PlainMesh:
     cell_arrays: dict[str, NDArray[Any]] = field(default_factory=dict)
     text: str = ""
     warnings: tuple[Caution, ...] = ()
+
+
+Decoder = Callable[[bytes, str], PlainMesh]
+"""Reads the whole of a plain file; the text is what to call it in messages.
+
+`InputError` for bytes that are not of its format, or cut short.
+"""
 
 
 def not_kept(contents: Iterable[str], file_format: str, name: str) -> Caution:

@@ -47,17 +47,7 @@ def decode_ply(data: bytes, name: str) -> PlainMesh:
     `nx ny nz` become the array `Normals`. Lists other than the faces' corners are left out,
     with a warning; so are elements other than vertex and face.
 
-    Parameters
-    ----------
-    data : bytes
-        The whole file.
-    name : str
-        What to call it in messages.
-
-    Raises
-    ------
-    InputError
-        Not PLY, cut short, or without points.
+    `InputError` for a file without points; else see `Decoder`.
     """
     order, elements, comments, start = _header(data, name)
     columns: dict[str, dict[str, Any]] = {}

@@ -19,20 +19,7 @@ _FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute
 
 
 def decode_stl(data: bytes, name: str) -> PlainMesh:
-    """Read STL, binary or ASCII; corners with equal coordinates become one point.
-
-    Parameters
-    ----------
-    data : bytes
-        The whole file.
-    name : str
-        What to call it in messages.
-
-    Raises
-    ------
-    InputError
-        Not STL, or cut short.
-    """
+    """Read STL, binary or ASCII; corners with equal coordinates become one point: a `Decoder`."""
     count_end = HEADER_SIZE + 4
     count = int.from_bytes(data[HEADER_SIZE:count_end], "little") if len(data) >= count_end else 0
     size = count_end + count * _FACET.itemsize
