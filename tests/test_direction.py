@@ -14,8 +14,8 @@ from SDFStentLib.files.formats import vtk_files as vtk_formats
 from SDFStentLib.measure.cross_section import winding_numbers
 from SDFStentLib.phantoms.phantoms import stenosed_tube
 from SDFStentLib.plan.reader import load_plan
+from SDFStentLib.stent import Stent, stent_axis
 from SDFStentLib.stent.placement import AtCenter, AtDistalEnd, BetweenPoints
-from SDFStentLib.stent.stent import Stent, stent_axis
 from SDFStentLib.treatment.straightening import axis_in_vessel
 from SDFStentLib.validation import InputError
 

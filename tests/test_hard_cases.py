@@ -12,8 +12,8 @@ from SDFStentLib.deformation.deployment import deploy
 from SDFStentLib.deformation.settings import DeploymentSettings
 from SDFStentLib.field.capsule_chain import CapsuleChain
 from SDFStentLib.geometry import Surface
+from SDFStentLib.stent import Stent
 from SDFStentLib.stent.placement import AlongAxis, AtCenter
-from SDFStentLib.stent.stent import Stent
 from SDFStentLib.treatment.treatment import Treatment
 from SDFStentLib.validation import DeploymentError
 

@@ -20,8 +20,8 @@ from SDFStentLib.geometry.polyline import resampled_to
 from SDFStentLib.measure.inscribed import inscribed_spheres
 from SDFStentLib.measure.lesions import find_lesions, lesions_within
 from SDFStentLib.phantoms.phantoms import branching_pulmonary_artery, stenosed_tube, straight_tube
+from SDFStentLib.stent import Stent, stent_axis
 from SDFStentLib.stent.placement import AtDistalEnd
-from SDFStentLib.stent.stent import Stent, stent_axis
 from SDFStentLib.treatment.lesions import placement_at
 
 LENGTHS = (8.0, 12.0, 20.0, 30.0, 40.0)

@@ -23,6 +23,7 @@ from SDFStentLib.plan.plan import Plan, turned
 from SDFStentLib.plan.reader import load_plan, plan_from_document
 from SDFStentLib.plan.run import run_plan
 from SDFStentLib.report.of_plan import plan_report
+from SDFStentLib.stent import Stent
 from SDFStentLib.stent.placement import (
     AlongAxis,
     AtCenter,
@@ -31,7 +32,6 @@ from SDFStentLib.stent.placement import (
     BetweenPoints,
     InputFile,
 )
-from SDFStentLib.stent.stent import Stent
 from SDFStentLib.treatment.treatment import Treatment
 from SDFStentLib.treatment.warnings import overlap_length
 from SDFStentLib.validation import DeploymentError, InputError

@@ -25,8 +25,8 @@ from SDFStentLib.plan.document import save_plan
 from SDFStentLib.plan.plan import Plan
 from SDFStentLib.plan.reader import load_plan
 from SDFStentLib.plan.run import input_file, read_input_files, run_plan
+from SDFStentLib.stent import Stent
 from SDFStentLib.stent.placement import AtCenter, BetweenPoints
-from SDFStentLib.stent.stent import Stent
 
 REACH = 3.0 + 6.5 + 0.4
 """Radius of the stent, influence distance and tissue gap, mm."""

@@ -22,8 +22,8 @@ from SDFStentLib.deformation.settings import DeploymentSettings
 from SDFStentLib.deformation.stent_checks import lumen_check, motion_check
 from SDFStentLib.field.capsule_chain import CapsuleChain
 from SDFStentLib.geometry import Surface
+from SDFStentLib.stent import Stent, StentAxis, stent_axis
 from SDFStentLib.stent.placement import AlongAxis, AtCenter
-from SDFStentLib.stent.stent import Stent, StentAxis, stent_axis
 from SDFStentLib.treatment.straightening import axis_in_vessel, permitted
 from SDFStentLib.treatment.treatment import Treatment
 

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from trees import unbranched, with_radius
 
 from SDFStentLib.centerline.centerline import Centerline
-from SDFStentLib.geometry.polyline import length, minimum_bend_radius, resampled
-from SDFStentLib.stent.stent import (
+from SDFStentLib.geometry import length, minimum_bend_radius, resampled
+from SDFStentLib.stent import (
     AlongAxis,
     AtCenter,
     AtDistalEnd,
@@ -169,7 +169,7 @@ def test_at_a_junction_downstream_the_widest_branch_is_followed_and_said():
     axis = stent_axis(Stent(6.0, placement=AtCenter([0, 0, -35]), length=20), a_fork())
     assert axis.points[-1, 0] > 0
     assert len(axis.warnings) == 1
-    assert "near (0, 0, -40) the stent follows the widest branch" in str(axis.warnings[0])
+    assert "near (0, 0, -40) mm the stent follows the widest branch" in str(axis.warnings[0])
     assert "place it between two points to choose another one." in str(axis.warnings[0])
 
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from .centerline import Centerline, CenterlinePath, Location
+from .centerline import Centerline
 from .junctions import JunctionChoice
+from .path import CenterlinePath, Location
 
 __all__ = [
     "Centerline",

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..geometry import arc_lengths, closest_on_segments, kept_points
+from ..geometry import closest_on_segments, kept_points
 from ..validation import (
     Floats,
     Indices,
@@ -22,6 +22,7 @@ from ..validation import (
 )
 from .from_lines import tree_from_lines
 from .junctions import JunctionChoice, Rule, chosen_by_place
+from .path import CenterlinePath, Location
 from .point_tree import (
     PointTree,
     ancestry_of,
@@ -37,44 +38,6 @@ from .point_tree import (
 
 SAME_PLACE = 1e-9
 """Distance up to which two places on a centerline are one, mm."""
-
-
-@dataclass(frozen=True, eq=False)
-class Location:
-    """A place on a centerline: on the segment that leads to point `index` from its parent.
-
-    `fraction` runs from 0 at the parent to 1 at the point; `distance` (mm) is that of the point
-    which was projected; `arc_length` (mm) counts from the root; `inscribed_radius` (mm) may be NaN.
-    """
-
-    point: Floats
-    distance: float
-    index: int
-    fraction: float
-    arc_length: float
-    inscribed_radius: float
-
-
-@dataclass(frozen=True)
-class CenterlinePath:
-    """A way along a centerline: points (k, 3), inscribed radius (k,), and how it was chosen."""
-
-    points: Points
-    inscribed_radius: Floats
-    choices: tuple[JunctionChoice, ...] = ()
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "points", read_only(self.points))
-        object.__setattr__(self, "inscribed_radius", read_only(self.inscribed_radius))
-
-    @property
-    def length(self) -> float:
-        """Arc length, mm."""
-        return float(arc_lengths(self.points)[-1])
-
-    def reversed(self) -> CenterlinePath:
-        """The same way from its end to its start."""
-        return replace(self, points=self.points[::-1], inscribed_radius=self.inscribed_radius[::-1])
 
 
 @dataclass(frozen=True)

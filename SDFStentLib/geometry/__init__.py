@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from .bends import frames, minimum_bend_radius, tangents
 from .connected_parts import component_labels, connected
 from .distance import NearPairs, SurfaceIndex
 from .faces import (
@@ -18,16 +19,13 @@ from .polyline import (
     arc_lengths,
     closest_points,
     cut,
-    frames,
     kept_points,
     length,
     locate,
-    minimum_bend_radius,
     point_at,
     resampled,
     resampled_to,
     segment_count,
-    tangents,
     without_repeats,
 )
 from .precision import Precision

@@ -1,4 +1,4 @@
-"""Open polylines as (n, 3) arrays: arc length, resampling, cutting, projection, frames.
+"""Open polylines as (n, 3) arrays: arc length, resampling, cutting, projection.
 
 Every function leaves its input as it is. Repeated points (zero-length segments) are normal input.
 """
@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..validation import Floats, InputError, Points, as_number, as_point, as_points
-from .rows import dot
 from .segments import closest_on_segments
 
 MOST_SEGMENTS = 20_000
@@ -132,7 +131,7 @@ def resampled_to(points: ArrayLike, count: int) -> Points:
     if count < 2:
         raise InputError(f"count: expected at least 2 points, got {count}.")
     polyline = as_points(points, "polyline", minimum=2)
-    total = _positive_length(polyline)
+    total = positive_length(polyline)
     result = point_at(polyline, np.linspace(0.0, total, count))
     result[0], result[-1] = polyline[0], polyline[-1]
     return result
@@ -220,109 +219,8 @@ def closest_points(points: Points, queries: ArrayLike) -> ClosestPoints:
     return ClosestPoints(found.points, found.distances, along, found.segments, found.fractions)
 
 
-def tangents(points: ArrayLike) -> Floats:
-    """Unit tangent at each point: the mean direction of the two segments that meet there.
-
-    A repeated point gets the tangent of the point it repeats; at a turn of exactly 180 degrees
-    the direction of arrival counts.
-
-    Raises
-    ------
-    InputError
-        A polyline without length.
-    """
-    polyline = as_points(points, "polyline", minimum=2)
-    _positive_length(polyline)
-    lengths = segment_lengths(polyline)
-    solid = np.flatnonzero(lengths > 0)
-    directions = np.diff(polyline, axis=0)[solid] / lengths[solid, None]
-    # Per point the solid segment that arrives and the one that leaves; ends have only one.
-    arriving = np.clip(np.searchsorted(solid, np.arange(len(polyline))) - 1, 0, None)
-    leaving = np.clip(np.searchsorted(solid, np.arange(len(polyline))), None, len(solid) - 1)
-    sums = directions[arriving] + directions[leaving]
-    sizes = np.linalg.norm(sums, axis=1, keepdims=True)
-    turned_back = sizes[:, 0] < 1e-12
-    sums[turned_back], sizes[turned_back] = directions[arriving[turned_back]], 1.0
-    return sums / sizes
-
-
-def frames(points: ArrayLike, first_normal: ArrayLike | None = None) -> Floats:
-    """Right-handed frames of minimal twist.
-
-    Parameters
-    ----------
-    points : array_like, shape (n, 3)
-        Polyline, mm.
-    first_normal : array_like, shape (3,), optional
-        Wanted normal at the first point; its part along the tangent is left out. Without it,
-        or when it is parallel to the tangent, the coordinate axis farthest from the tangent.
-
-    Returns
-    -------
-    array, shape (n, 3, 3)
-        Rows are tangent, normal, binormal. From point to point the normal is turned by the
-        smallest rotation that takes one tangent to the next.
-    """
-    along = tangents(points)
-    normals = np.empty_like(along)
-    normals[0] = _normal_to(along[0], first_normal)
-    for i in range(1, len(along)):
-        before, after = along[i - 1], along[i]
-        turn = max(1.0 + before @ after, 1e-12)
-        normals[i] = _normal_to(after, normals[i - 1] - (normals[i - 1] @ after / turn) * before)
-    return np.stack([along, normals, np.cross(along, normals)], axis=1)
-
-
-def _normal_to(tangent: Floats, wanted: ArrayLike | None) -> Floats:
-    normal = np.zeros(3) if wanted is None else as_point(wanted, "first_normal")
-    normal = normal - (normal @ tangent) * tangent
-    if np.linalg.norm(normal) < 1e-9:
-        normal = np.eye(3)[np.abs(tangent).argmin()]
-        normal = normal - (normal @ tangent) * tangent
-    return normal / np.linalg.norm(normal)
-
-
-def minimum_bend_radius(points: ArrayLike, window: float | None = None) -> float:
-    """Radius of the tightest bend, mm; infinity when straight.
-
-    Parameters
-    ----------
-    points : array_like, shape (n, 3)
-        Polyline, mm.
-    window : float, optional
-        Arc length (mm) from the middle to the outer ones of the three points that are compared,
-        so that jitter of a dense centerline does not count as a bend; at most half the length.
-        A corner of angle a then has the radius `window / (2 sin(a / 2))`. Default: neighbors.
-
-    Returns
-    -------
-    float
-        Smallest radius of the circles through three points (exact on a circular arc).
-    """
-    polyline = without_repeats(points)
-    if len(polyline) < 3:
-        return float("inf")
-    before, middle, after = polyline[:-2], polyline[1:-1], polyline[2:]
-    if window is not None:
-        total = length(polyline)
-        reach = min(as_number(window, "window", unit="mm", above=0), total / 2.0)
-        # Steps of an eighth of the window (a corner is met to a sixteenth), memory bounded.
-        count = 2 + int(min(8.0 * (total - 2.0 * reach) / reach, 50_000))
-        at = np.linspace(reach, total - reach, count)
-        before, middle, after = (point_at(polyline, at + shift) for shift in (-reach, 0.0, reach))
-    first, second = middle - before, after - middle
-    sides = [np.linalg.norm(side, axis=1) for side in (first, second, first + second)]
-    product = sides[0] * sides[1] * sides[2]
-    twice = 2.0 * np.linalg.norm(np.cross(first, second), axis=1)
-    # Straight on (or turned back by 180 degrees) the circle degenerates to a line (or a point).
-    flat = twice <= 1e-12 * sides[0] * sides[1]
-    turned_back = dot(first, second) < 0
-    radii = np.where(turned_back, 0.0, np.inf)
-    radii[~flat] = product[~flat] / twice[~flat]
-    return float(radii.min())
-
-
-def _positive_length(polyline: Points) -> float:
+def positive_length(polyline: Points) -> float:
+    """`length`, mm; `InputError` for points that are all at one place."""
     total = length(polyline)
     if total <= 0:
         raise InputError(

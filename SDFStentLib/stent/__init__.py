@@ -13,15 +13,8 @@ from .placement import (
     InputFile,
     Placement,
 )
-from .stent import (
-    DEFAULT_FORESHORTENING,
-    MAXIMUM_DIAMETER,
-    MAXIMUM_LENGTH,
-    Stent,
-    StentAxis,
-    stent_axis,
-    straightened,
-)
+from .stent import DEFAULT_FORESHORTENING, MAXIMUM_DIAMETER, MAXIMUM_LENGTH, Stent
+from .stent_axis import StentAxis, stent_axis, straightened
 
 __all__ = [
     "DEFAULT_FORESHORTENING",

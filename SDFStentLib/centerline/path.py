@@ -1,0 +1,47 @@
+"""A place on a centerline, and a way along it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from ..geometry import arc_lengths
+from ..validation import Floats, Points, read_only
+from .junctions import JunctionChoice
+
+
+@dataclass(frozen=True, eq=False)
+class Location:
+    """A place on a centerline: on the segment that leads to point `index` from its parent.
+
+    `fraction` runs from 0 at the parent to 1 at the point; `distance` (mm) is that of the point
+    which was projected; `arc_length` (mm) counts from the root; `inscribed_radius` (mm) may be NaN.
+    """
+
+    point: Floats
+    distance: float
+    index: int
+    fraction: float
+    arc_length: float
+    inscribed_radius: float
+
+
+@dataclass(frozen=True)
+class CenterlinePath:
+    """A way along a centerline: points (k, 3), inscribed radius (k,), and how it was chosen."""
+
+    points: Points
+    inscribed_radius: Floats
+    choices: tuple[JunctionChoice, ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "points", read_only(self.points))
+        object.__setattr__(self, "inscribed_radius", read_only(self.inscribed_radius))
+
+    @property
+    def length(self) -> float:
+        """Arc length, mm."""
+        return float(arc_lengths(self.points)[-1])
+
+    def reversed(self) -> CenterlinePath:
+        """The same way from its end to its start."""
+        return replace(self, points=self.points[::-1], inscribed_radius=self.inscribed_radius[::-1])

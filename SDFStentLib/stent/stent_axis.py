@@ -1,0 +1,233 @@
+"""The axis of a stent, which follows from the stent and its place."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..cautions import Caution
+from ..centerline import Centerline, CenterlinePath, JunctionChoice, Location
+from ..geometry import arc_lengths, cut, length, minimum_bend_radius
+from ..validation import Floats, InputError, Points, as_number, as_points, check_is_a, read_only
+from .beside import beside
+from .placement import (
+    AlongAxis,
+    AtCenter,
+    AtDistalEnd,
+    AtProximalEnd,
+    BetweenPoints,
+)
+from .stent import Stent
+
+FARTHEST_PLACEMENT = 2.0
+"""A placement may be this many local inscribed radii away from the centerline."""
+
+FARTHEST_PLACEMENT_UNKNOWN = 20.0
+"""The same where the radius is unknown, mm."""
+
+LENGTH_TOLERANCE = 1e-6
+"""An axis shorter than prescribed by less than this is not worth a warning, mm."""
+
+
+@dataclass(frozen=True, eq=False)
+class StentAxis:
+    """The part of a centerline, or the curve, that the expanded stent occupies.
+
+    Parameters
+    ----------
+    points : array, shape (n, 3)
+        Proximal to distal, no repeats, mm.
+    inscribed_radius : array, shape (n,)
+        Of the vessel along the axis, mm; NaN where unknown.
+    nominal_length, prescribed_length : float
+        Before and after foreshortening, mm.
+    warnings : tuple of Caution
+    """
+
+    points: Points
+    inscribed_radius: Floats
+    nominal_length: float
+    prescribed_length: float
+    warnings: tuple[Caution, ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "points", read_only(self.points))
+        object.__setattr__(self, "inscribed_radius", read_only(self.inscribed_radius))
+
+    @property
+    def deployed_length(self) -> float:
+        """Length of the axis, mm; less than prescribed where the centerline ends."""
+        return length(self.points)
+
+    @property
+    def chord(self) -> float:
+        """Distance of the two ends, mm."""
+        return float(np.linalg.norm(self.points[-1] - self.points[0]))
+
+    def minimum_bend_radius(self, stent_radius: float) -> float:
+        """Tightest bend as a stent of that radius feels it, mm; infinity when straight.
+
+        Measured over windows of the stent's radius, which smaller wiggles do not bend. A corner
+        counts as tighter than the stent's radius above 60 degrees.
+        """
+        return minimum_bend_radius(self.points, window=stent_radius)
+
+
+def stent_axis(
+    stent: Stent, centerline: Centerline | None = None, *, straightening_fraction: float = 0.0
+) -> StentAxis:
+    """The axis of an expanded stent.
+
+    Parameters
+    ----------
+    stent : Stent
+        Size and placement.
+    centerline : Centerline, optional
+        Needed for every placement but `AlongAxis`, which does not look at it.
+    straightening_fraction : float
+        Share of the way to its chord by which the axis is straightened, 0 to 1.
+
+    Returns
+    -------
+    StentAxis
+        At the density of the centerline. Its warnings tell where the stent was shortened, which
+        branch was followed, and whether it bends more than it can.
+
+    Raises
+    ------
+    InputError
+        No centerline, a point too far from it, or nothing of it left for the stent.
+    """
+    check_is_a(stent, Stent, "stent")
+    if isinstance(stent.placement, AlongAxis):
+        found = _along_axis(stent.placement)
+    else:
+        found = _along_centerline(stent, centerline)
+    nominal = stent.length if stent.length is not None else found.length
+    prescribed = nominal * (1.0 - stent.foreshortening)
+    if isinstance(stent.placement, AlongAxis | BetweenPoints):
+        found = _middle(found, prescribed)
+    _require_length(found)
+    axis = StentAxis(found.points, found.inscribed_radius, nominal, prescribed)
+    warnings = [*_shortened(axis), *(_choice(choice) for choice in found.choices)]
+    if centerline is not None:
+        warnings += beside(stent.placement, centerline)
+    if straightening_fraction:
+        points = straightened(axis.points, straightening_fraction)
+        axis = StentAxis(points, found.inscribed_radius, nominal, prescribed)
+    warnings += _bend(axis, stent.radius)
+    return StentAxis(axis.points, axis.inscribed_radius, nominal, prescribed, tuple(warnings))
+
+
+def straightened(points: ArrayLike, fraction: float) -> Points:
+    """The polyline moved towards its chord; both ends stay.
+
+    Parameters
+    ----------
+    points : array_like, shape (n, 3)
+        Polyline, mm.
+    fraction : float
+        Final fraction of the way to the chord: 0 as it is, 1 straight. Each point heads for the
+        point of the chord at its own fraction of the arc length.
+
+    Raises
+    ------
+    InputError
+        The fraction is outside 0 to 1, or the polyline has no length.
+    """
+    fraction = as_number(fraction, "straightening fraction", minimum=0, maximum=1)
+    polyline = as_points(points, "polyline", minimum=2)
+    at = arc_lengths(polyline)
+    if at[-1] <= 0:
+        raise InputError("stent axis: expected two different points, got one place only.")
+    weights = (at / at[-1])[:, None]
+    chord = (1.0 - weights) * polyline[0] + weights * polyline[-1]
+    result = (1.0 - fraction) * polyline + fraction * chord
+    result[0], result[-1] = polyline[0], polyline[-1]
+    return result
+
+
+def _along_axis(placement: AlongAxis) -> CenterlinePath:
+    return CenterlinePath(placement.points, np.full(len(placement.points), np.nan))
+
+
+def _along_centerline(stent: Stent, centerline: Centerline | None) -> CenterlinePath:
+    if centerline is None:
+        raise InputError(
+            "stent placement: expected a centerline for a placement by points, got none; "
+            "give a centerline, or a curve as the stent's axis."
+        )
+    placement = stent.placement
+    if isinstance(placement, BetweenPoints):
+        ends = [
+            _placed(centerline, placement.start, "stent start"),
+            _placed(centerline, placement.end, "stent end"),
+        ]
+        # Proximal is the end nearer to the root, whichever was given first.
+        ends.sort(key=lambda place: place.arc_length)
+        return centerline.path(*ends)
+    assert stent.length is not None  # Stent refuses these placements without one
+    wanted = stent.length * (1.0 - stent.foreshortening)
+    if isinstance(placement, AtCenter):
+        return centerline.path_around(_placed(centerline, placement.point, "center"), wanted)
+    if isinstance(placement, AtDistalEnd):
+        distal = _placed(centerline, placement.point, "distal end")
+        return centerline.path_from_distal(distal, wanted)
+    assert isinstance(placement, AtProximalEnd)
+    proximal = _placed(centerline, placement.point, "proximal end")
+    return centerline.path_from_proximal(proximal, wanted)
+
+
+def _placed(centerline: Centerline, point: Floats, name: str) -> Location:
+    """The point's projection, refused when it is too far to be meant."""
+    place = centerline.project(point)
+    known = np.isfinite(place.inscribed_radius)
+    limit = FARTHEST_PLACEMENT * place.inscribed_radius if known else FARTHEST_PLACEMENT_UNKNOWN
+    if place.distance > limit:
+        raise InputError(
+            f"{name}: expected a point within {limit:.3g} mm of the centerline, got "
+            f"({point[0]:.4g}, {point[1]:.4g}, {point[2]:.4g}) mm, {place.distance:.3g} mm away; "
+            "check the point, its unit (mm, cm) and its frame (RAS, LPS)."
+        )
+    return place
+
+
+def _middle(path: CenterlinePath, wanted: float) -> CenterlinePath:
+    """The part of the given length about the middle; the whole when it is not longer."""
+    spare = path.length - wanted
+    if spare <= LENGTH_TOLERANCE:
+        return path
+    points = cut(path.points, spare / 2.0, path.length - spare / 2.0)
+    at = spare / 2.0 + arc_lengths(points)
+    radius = np.interp(at, arc_lengths(path.points), path.inscribed_radius)
+    return CenterlinePath(points, radius, path.choices)
+
+
+def _require_length(path: CenterlinePath) -> None:
+    if path.length <= LENGTH_TOLERANCE:
+        place = path.points[0]
+        raise InputError(
+            "stent axis: expected some length of centerline for the stent, got none at "
+            f"({place[0]:.4g}, {place[1]:.4g}, {place[2]:.4g}); move the point away from the end "
+            "of the centerline, or the two points apart."
+        )
+
+
+def _shortened(axis: StentAxis) -> Iterator[Caution]:
+    if axis.deployed_length < axis.prescribed_length - LENGTH_TOLERANCE:
+        lengths = {"prescribed_mm": axis.prescribed_length, "available_mm": axis.deployed_length}
+        yield Caution("shortened", lengths)
+
+
+def _choice(choice: JunctionChoice) -> Caution:
+    x, y, z = choice.point.tolist()
+    return Caution("branch-chosen", {"rule": choice.rule}, (x, y, z))
+
+
+def _bend(axis: StentAxis, stent_radius: float) -> Iterator[Caution]:
+    tightest = axis.minimum_bend_radius(stent_radius)
+    if tightest < stent_radius:
+        yield Caution("tight-bend", {"bend_radius_mm": tightest, "stent_radius_mm": stent_radius})
