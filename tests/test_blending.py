@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from oracle import PlainField, fall_off, smin
 
 from SDFStentLib.deformation.profiles import BLENDS, FALLOFFS, as_profile
-from SDFStentLib.field.smoothing import smooth_minimum
+from SDFStentLib.geometry.smoothing import smooth_minimum
 from SDFStentLib.validation import InputError
 
 DISTANCE = st.floats(-20, 20, allow_nan=False)

@@ -28,12 +28,12 @@ from SDFStentLib.cli.console import Console
 from SDFStentLib.cli.options import _number, _whole, parser
 from SDFStentLib.cli.outputs import Outputs
 from SDFStentLib.cli.shell import main
-from SDFStentLib.cli.steps import StepFiles
 from SDFStentLib.deformation.settings import DeploymentSettings
 from SDFStentLib.files import polydata
 from SDFStentLib.files.formats import vtk_files as vtk_formats
 from SDFStentLib.files.surface_files import read_surface
 from SDFStentLib.phantoms.phantoms import branching_pulmonary_artery, stenosed_tube
+from SDFStentLib.plan import StepFiles
 from SDFStentLib.plan.reader import load_plan
 from SDFStentLib.plan.run import run_plan
 from SDFStentLib.validation import DeploymentError, InputError

@@ -28,6 +28,22 @@ FLOORS = (
 )
 """From the ground: a room imports from lower floors only."""
 
+USES = {
+    "field": "geometry",
+    "centerline": "geometry",
+    "certificate": "geometry",
+    "measure": "geometry centerline",
+    "stent": "geometry centerline",
+    "files": "geometry centerline",
+    "phantoms": "geometry centerline",
+    "deformation": "geometry field certificate measure",
+    "treatment": "geometry centerline certificate measure stent deformation",
+    "plan": "files stent deformation treatment",
+    "report": "geometry measure files treatment plan",
+    "cli": "files stent phantoms plan report",
+}
+"""Which rooms a room knows, those on the ground left out: the fewer, the easier it is to change."""
+
 FLOOR = {room: number for number, rooms in enumerate(FLOORS) for room in rooms}
 ROOMS = sorted(path.parent.name for path in LIBRARY.glob("*/__init__.py"))
 TABLES = [
@@ -135,6 +151,16 @@ def test_a_file_imports_from_lower_floors_and_its_own_room_only(path):
         other = room_of(module)
         if other != own and {FLOOR[own], FLOOR[other]} != {0}:
             assert FLOOR[other] < FLOOR[own], f"{name_of(path)} imports {module}, not below it"
+
+
+def test_a_room_uses_the_rooms_that_the_table_names_and_no_other():
+    found: dict[str, set[str]] = {room: set() for room in USES}
+    for path in FILES:
+        own = room_of(module_of(path))
+        others = {room_of(module) for module in imports_of(path)} & set(ROOMS) - {own}
+        if own in ROOMS and others:
+            found[own] |= others
+    assert found == {room: set(names.split()) for room, names in USES.items()}
 
 
 def test_no_files_import_each_other_in_a_circle():

@@ -388,7 +388,7 @@ def test_a_plan_of_files_gives_the_same_points_as_its_arrays(a_patient):
     states = []
     result = run_plan(load_plan(folder / "plan.json"), progress=states.append)
     assert states[-1].fraction == 1
-    centerline = result.inputs.centerline
+    centerline = result.inputs.vessel.centerline
     direct = Treatment(
         Surface(result.inputs.surface.points, vessel.triangles), [stent], centerline
     ).result

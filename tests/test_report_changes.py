@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import re
+from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
@@ -128,7 +129,7 @@ def test_every_parameter_of_the_method_is_told_lengths_in_mm(in_cm: PlanResult) 
     assert rows["Tissue gap"] == "0.5 mm"
     assert rows["Step"] == "chosen by the rule"
     assert rows["Untangle"] == "yes"
-    assert len(rows) == len(DeploymentSettings.__dataclass_fields__) + 1
+    assert len(rows) == len(fields(DeploymentSettings)) + 1
     lengths = {key.removesuffix("_mm") for key in document["settings"] if key.endswith("_mm")}
     assert lengths == {*SHORTEST_AND_LONGEST, *WIDEST}
     page = html_page(document)

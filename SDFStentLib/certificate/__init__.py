@@ -6,7 +6,7 @@ from .certificate import Certificate, certificate_of, certify
 from .comparison import Comparison, Verdict
 from .intersections import self_intersecting_triangles
 from .promises import NARROWER, WIDER, LumenCheck, MotionCheck, Place
-from .surface_check import check_surface
+from .surface_check import SurfaceCheck, check_surface
 
 __all__ = [
     "NARROWER",
@@ -16,6 +16,7 @@ __all__ = [
     "LumenCheck",
     "MotionCheck",
     "Place",
+    "SurfaceCheck",
     "Verdict",
     "certificate_of",
     "certify",

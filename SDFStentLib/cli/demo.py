@@ -29,7 +29,6 @@ from ..plan import (
 )
 from ..report import before_after_picture, plan_report, write_report
 from ..stent import BetweenPoints, Stent
-from ..treatment import TreatedStent
 from ..validation import DeploymentError
 from .console import Console
 from .outputs import Outputs
@@ -62,7 +61,7 @@ def demo_command(options: argparse.Namespace, console: Console) -> int:
             outputs.add(folder / original.name, _writing(original.read_bytes()))
         missing = _add_results(outputs, folder, result)
         outputs.write()
-    _tell(console, folder, result.treatment.stents[0], missing)
+    _tell(console, folder, result, missing)
     certificate = result.treatment.certificate
     assert certificate is not None
     console.say(certificate.sentence())
@@ -136,7 +135,8 @@ def _writing(data: bytes | None) -> Callable[[Path], None]:
     return write
 
 
-def _tell(console: Console, folder: Path, stent: TreatedStent, missing: list[Caution]) -> None:
+def _tell(console: Console, folder: Path, result: PlanResult, missing: list[Caution]) -> None:
+    (stent,) = result.treatment.stents
     before, after = stent.before, stent.after
     console.say(
         "A synthetic pulmonary artery of a child; its left branch is narrowed to "

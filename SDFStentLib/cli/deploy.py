@@ -10,12 +10,12 @@ from pathlib import Path
 from time import perf_counter
 
 from ..cautions import Caution
-from ..deformation import DeploymentSettings
 from ..files import check_line_output, check_surface_output
 from ..plan import (
     InputFiles,
     Plan,
     PlanResult,
+    StepFiles,
     as_read,
     input_file,
     load_plan,
@@ -29,18 +29,17 @@ from ..report import (
     Report,
     before_after_picture,
     check_rendering,
+    lumen_sentence,
     plan_report,
     stent_lesion_sentences,
     write_report,
     write_report_figure,
 )
 from ..stent import Stent
-from ..treatment import TreatedStent
-from ..validation import DeploymentError, InputError
+from ..validation import DeploymentError, InputError, as_number
 from .console import Console
 from .outputs import Outputs
 from .place import check_place, lesion_place, place_of, reference_of, root_of
-from .steps import StepFiles
 
 NOT_CERTIFIED = 3
 
@@ -66,7 +65,7 @@ def deploy_command(options: argparse.Namespace, console: Console) -> int:
         outputs.add(options.save_plan, lambda path: job.write_plan(path, options.save_plan))
     job.add_common()
 
-    settings = _settings(options)
+    method = _method(options)
     inputs = read_input_files(
         options.surface,
         options.centerline,
@@ -74,7 +73,7 @@ def deploy_command(options: argparse.Namespace, console: Console) -> int:
         root_of(options),
         reference=reference_of(options),
     )
-    job.plan = _plan(options, way, settings, inputs)
+    job.plan = _plan(options, way, method, inputs)
     return job.done(inputs, start)
 
 
@@ -130,7 +129,10 @@ class _Job:
         if picture or (figure and figure.lower().endswith(".png")):
             check_rendering()
         if self.options.steps:
-            self.steps = StepFiles(self.options.every)
+            every = self.options.every
+            if every is not None:
+                as_number(every, "--every", unit="mm", above=0)
+            self.steps = StepFiles(every or 0.0)
             self.outputs.add_folder(self.options.steps, self.steps.write, StepFiles.is_own)
         elif self.options.every is not None:
             raise InputError("expected --steps DIR with --every, got none.")
@@ -215,19 +217,7 @@ class _Job:
         return plan_report(self._result, lost=lost, timings={"write": seconds}, picture=picture)
 
 
-def lumen_sentence(stent: TreatedStent) -> str:
-    """What one stent did to the lumen."""
-    before, after = stent.before, stent.after
-    return (
-        f"Lumen over {stent.axis.deployed_length:.1f} mm: narrowest {before.minimum:.2f} mm "
-        f"before, {after.minimum:.2f} mm after; mean {before.mean:.2f} mm "
-        f"before, {after.mean:.2f} mm after; prescribed {stent.stent.diameter:g} mm."
-    )
-
-
-def _plan(
-    options: argparse.Namespace, way: str, settings: DeploymentSettings, inputs: InputFiles
-) -> Plan:
+def _plan(options: argparse.Namespace, way: str, method: Plan, inputs: InputFiles) -> Plan:
     if way == "at_lesion":
         place = lesion_place(options, inputs)
     else:
@@ -239,21 +229,21 @@ def _plan(
         foreshortening_fraction=options.foreshortening,
     )
     root = root_of(options)
-    return Plan(
+    return replace(
+        method,
         stents=(stent,),
         surface=input_file(inputs.surface),
         centerline=None if inputs.line_file is None else input_file(inputs.line_file),
         units=options.units,
         frame=inputs.surface.frame,
-        settings=settings,
-        straightening_fraction=options.straighten,
         root=None if root is None else tuple(root.tolist()),
         reference=tuple(tuple(place.tolist()) for place in reference_of(options)),
     )
 
 
-def _settings(options: argparse.Namespace) -> DeploymentSettings:
-    return DeploymentSettings(
+def _method(options: argparse.Namespace) -> Plan:
+    """A plan without stents and files, with the parameters that were asked for."""
+    settings = Plan().settings.with_changes(
         influence_distance=options.influence,
         smoothing_width=options.smoothing,
         capsule_length=options.capsule,
@@ -264,6 +254,7 @@ def _settings(options: argparse.Namespace) -> DeploymentSettings:
         rule=options.rule,
         facet_compensation=not options.no_compensation,
     )
+    return Plan(settings=settings, straightening_fraction=options.straighten)
 
 
 def _check_suffix(path: str, what: str, suffixes: Sequence[str]) -> None:

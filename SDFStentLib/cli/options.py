@@ -5,11 +5,11 @@ from __future__ import annotations
 import argparse
 from typing import NoReturn
 
-from ..deformation import BLENDS, FALLOFFS, RULES, DeploymentSettings
+from ..plan import Plan
 from ..units import MILLIMETERS
 from ..version import VERSION
 
-_DEFAULTS = DeploymentSettings()
+_DEFAULTS = Plan().settings
 
 
 class Parser(argparse.ArgumentParser):
@@ -197,10 +197,13 @@ def _add_method(command: argparse.ArgumentParser) -> None:
             default=default,
             help=f"{what} (default {default:g})",
         )
-    steps = ", ".join(f"{step:g} with {rule}" for rule, step in RULES.items())
+    longest = {
+        rule: _DEFAULTS.with_changes(rule=rule).step_rule().step for rule in _DEFAULTS.names["rule"]
+    }
+    steps = ", ".join(f"{step:g} with {rule}" for rule, step in longest.items())
     method.add_argument("--step", type=_number, metavar="MM", help=f"radius step (default {steps})")
-    method.add_argument("--falloff", choices=list(FALLOFFS), default=_DEFAULTS.falloff)
-    method.add_argument("--blend", choices=list(BLENDS), default=_DEFAULTS.blend)
+    method.add_argument("--falloff", choices=_DEFAULTS.names["falloff"], default=_DEFAULTS.falloff)
+    method.add_argument("--blend", choices=_DEFAULTS.names["blend"], default=_DEFAULTS.blend)
     method.add_argument(
         "--straighten",
         type=_number,
@@ -208,7 +211,7 @@ def _add_method(command: argparse.ArgumentParser) -> None:
         default=0.0,
         help="share of the way to its chord that the axis is straightened, 0 to 1",
     )
-    method.add_argument("--rule", choices=list(RULES), default=_DEFAULTS.rule)
+    method.add_argument("--rule", choices=_DEFAULTS.names["rule"], default=_DEFAULTS.rule)
     method.add_argument(
         "--no-compensation",
         action="store_true",

@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 
 from ..cautions import Caution
 from ..files import axis_of, in_frame_of, read_lines
-from ..measure import SMALLEST_DEGREE
 from ..plan import POINT_PLACEMENTS, InputFiles, scaled
+from ..report import LEAST
 from ..stent import DEFAULT_FORESHORTENING, AlongAxis, BetweenPoints, InputFile, Placement
-from ..treatment import placement_at
 from ..units import MILLIMETERS, Frame
 from ..validation import InputError
 
@@ -99,13 +98,13 @@ def lesion_place(options: argparse.Namespace, inputs: InputFiles) -> Place:
     InputError
         The vessel has no lesion of that number.
     """
-    assert inputs.lesions is not None
-    assert inputs.centerline is not None
-    number, count = options.at_lesion, len(inputs.lesions)
+    lesions = inputs.vessel.lesions
+    assert lesions is not None
+    number, count = options.at_lesion, len(lesions)
     if not count:
         raise InputError(
             "--at-lesion: expected a vessel with a lesion, got one in which none of "
-            f"{100 * SMALLEST_DEGREE:.0f} % or more was found; place the stent by points."
+            f"{LEAST} was found; place the stent by points."
         )
     if not 1 <= number <= count:
         there = f"a number from 1 to {count}" if count > 1 else "1"
@@ -115,15 +114,8 @@ def lesion_place(options: argparse.Namespace, inputs: InputFiles) -> Place:
             "`sdfstent measure` for the list."
         )
     lost = options.foreshortening
-    return Place(
-        placement_at(
-            inputs.lesions[number - 1],
-            inputs.centerline,
-            options.length,
-            DEFAULT_FORESHORTENING if lost is None else lost,
-        ),
-        (),
-    )
+    lost = DEFAULT_FORESHORTENING if lost is None else lost
+    return Place(inputs.vessel.place_at(lesions[number - 1], options.length, lost), ())
 
 
 def root_of(options: argparse.Namespace) -> NDArray[np.float64] | None:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import Any, ClassVar
 
 from numpy.typing import ArrayLike
 
@@ -79,6 +80,14 @@ class DeploymentSettings:
     certify : bool
         Look for new self-intersections at the end.
     """
+
+    names: ClassVar[Mapping[str, Sequence[str]]] = {
+        "rule": tuple(RULES),
+        "falloff": tuple(FALLOFFS),
+        "blend": tuple(BLENDS),
+        "calibration": CALIBRATIONS,
+    }
+    """What the parameters that are names may be."""
 
     influence_distance: float = 6.5
     smoothing_width: float = 0.4

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from .capsule_chain import CapsuleChain, as_chain, radius_correction
 from .chain_field import Field
-from .smoothing import smooth_minimum
 
 __all__ = [
     "CapsuleChain",
     "Field",
     "as_chain",
     "radius_correction",
-    "smooth_minimum",
 ]
 
 

@@ -33,6 +33,7 @@ from .ragged import blocks_of, ranges
 from .rows import across, dot, norm
 from .section import is_inside, plane_section
 from .segments import closest_on_segments, distances_to_segments
+from .smoothing import smooth_minimum
 from .surface import Surface, as_surface, state_of
 from .topology import (
     Topology,
@@ -87,6 +88,7 @@ __all__ = [
     "resampled_to",
     "segment_count",
     "signed_volume",
+    "smooth_minimum",
     "state_of",
     "surface_topology",
     "tangents",

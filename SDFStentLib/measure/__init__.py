@@ -15,7 +15,7 @@ from .metrics import DiameterProfile, diameter_profile
 from .narrowings import SMALLEST_DEGREE
 from .neighbor_lumen import NeighborLumen, neighbor_lumens, profile_around
 from .ostia import NEARLY, Ostium, find_ostia
-from .stretch import displacements, face_stretches
+from .stretch import FaceStretch, displacements, face_stretches
 from .tree_lumen import closed_surface
 from .triangle_sizes import TriangleSizes, triangle_sizes
 
@@ -25,6 +25,7 @@ __all__ = [
     "Apposition",
     "DiameterProfile",
     "ExtendedAxis",
+    "FaceStretch",
     "FreeStretch",
     "HealthyPlace",
     "InscribedSpheres",

@@ -7,8 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..field import smooth_minimum
-from ..geometry import dot, norm
+from ..geometry import dot, norm, smooth_minimum
 from ..validation import Floats, Points
 from .axis import Axis
 

@@ -24,12 +24,14 @@ if TYPE_CHECKING:
         run_plan,
         treatment_of,
     )
+    from .steps import StepFiles
 
 __all__ = [
     "POINT_PLACEMENTS",
     "InputFiles",
     "Plan",
     "PlanResult",
+    "StepFiles",
     "as_read",
     "input_file",
     "load_plan",
@@ -61,5 +63,6 @@ __getattr__, __dir__ = late_names(
             "run_plan",
             "treatment_of",
         ],
+        "steps": ["StepFiles"],
     },
 )

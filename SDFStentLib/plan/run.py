@@ -11,7 +11,6 @@ from time import perf_counter
 import numpy as np
 
 from ..cautions import Caution
-from ..centerline import Centerline
 from ..files import (
     LineFile,
     SurfaceFile,
@@ -22,13 +21,13 @@ from ..files import (
     write_centerline,
     write_surface,
 )
-from ..measure import Lesion, face_stretches, find_lesions, lesions_against
 from ..stent import AlongAxis, InputFile
 from ..treatment import (
     TreatedLesion,
     Treatment,
     TreatmentResult,
     TreatmentState,
+    Vessel,
     treated_lesions,
 )
 from ..units import Frame, flipped
@@ -47,38 +46,18 @@ class InputFiles:
     surface : SurfaceFile
     line_file : LineFile or None
         The centerline as its file has it, in the frame of the surface.
-    centerline : Centerline or None
-        The tree made of it.
+    vessel : Vessel
+        Wall and centerline, mm, in the frame of the surface.
     warnings : tuple of Caution
     seconds : float
         That reading took.
-    reference : tuple of (3,) arrays
-        Healthy vessel that the user marked, mm, in the frame of the surface.
     """
 
     surface: SurfaceFile
     line_file: LineFile | None
-    centerline: Centerline | None
+    vessel: Vessel
     warnings: tuple[Caution, ...]
     seconds: float
-    reference: tuple[Points, ...] = ()
-
-    @cached_property
-    def lesions(self) -> tuple[Lesion, ...] | None:
-        """Of the vessel, found when first asked for; None without a centerline.
-
-        The one beside a reference that the user marked is measured against that.
-
-        Raises
-        ------
-        InputError
-            Places of the reference that cannot be one.
-        """
-        surface, tree = self.surface.surface, self.centerline
-        if tree is None:
-            return None
-        found = find_lesions(surface, tree)
-        return lesions_against(found, self.reference, surface, tree) if self.reference else found
 
 
 @dataclass(frozen=True)
@@ -97,10 +76,8 @@ class PlanResult:
     @cached_property
     def lesions(self) -> tuple[TreatedLesion, ...] | None:
         """Those of the vessel before and after; None without a centerline."""
-        if self.inputs.lesions is None:
-            return None
-        result = self.treatment
-        return treated_lesions(self.inputs.lesions, result.stents, result.surface)
+        found, result = self.inputs.vessel.lesions, self.treatment
+        return None if found is None else treated_lesions(found, result.stents, result.surface)
 
     def write_surface(
         self, path: str | os.PathLike[str], *, arrays: bool = False
@@ -114,7 +91,7 @@ class PlanResult:
         surface, result = self.inputs.surface, self.treatment
         point_arrays, cell_arrays = {}, {}
         if arrays:
-            stretch = face_stretches(surface.surface, result.surface)
+            stretch = self.inputs.vessel.stretches(result.surface)
             point_arrays["Displacement"] = result.points - surface.points
             cell_arrays = {
                 "AreaStretch": stretch.area,
@@ -191,8 +168,8 @@ def read_input_files(
         tree = line_file.centerline(root)
         warnings += line_file.warnings
         warnings += _same_space(surface_file, tree.points, os.fspath(centerline))
-    seconds = perf_counter() - start
-    return InputFiles(surface_file, line_file, tree, warnings, seconds, tuple(reference))
+    vessel = Vessel(surface_file.surface, tree, tuple(reference))
+    return InputFiles(surface_file, line_file, vessel, warnings, perf_counter() - start)
 
 
 def read_plan_inputs(plan: Plan, *, accept_changed_inputs: bool = False) -> InputFiles:
@@ -246,8 +223,10 @@ def treatment_of(plan: Plan, inputs: InputFiles) -> Treatment:
     """
     surface = inputs.surface
     stents = plan.stents
-    if inputs.reference:
-        _ = inputs.lesions  # a reference that cannot be one fails here rather than in the end
+    if inputs.vessel.reference:
+        _ = (
+            inputs.vessel.lesions
+        )  # a reference that cannot be one fails here rather than in the end
     if plan.frame is not None and surface.frame not in (None, plan.frame):
         stents = tuple(turned(stent) for stent in stents)
     for number, stent in enumerate(stents, start=1):
@@ -258,7 +237,7 @@ def treatment_of(plan: Plan, inputs: InputFiles) -> Treatment:
     return Treatment(
         surface.surface,
         stents,
-        inputs.centerline,
+        inputs.vessel.centerline,
         plan.settings,
         straightening_fraction=plan.straightening_fraction,
         companions=None if inputs.line_file is None else inputs.line_file.points,

@@ -10,8 +10,16 @@ from typing import TYPE_CHECKING
 from ..late import late_names
 
 if TYPE_CHECKING:
+    from .diameters import (
+        MeasuredLine,
+        diameter_section,
+        diameter_table,
+        filed_point,
+        lumen_sentence,
+    )
     from .lesions import (
-        NO_LESION,
+        LEAST,
+        lesion_list,
         lesion_section,
         lesion_sentences,
         lesions_csv,
@@ -23,13 +31,19 @@ if TYPE_CHECKING:
 
 __all__ = [
     "FIGURE_SUFFIXES",
-    "NO_LESION",
+    "LEAST",
+    "MeasuredLine",
     "Report",
     "before_after_picture",
     "check_rendering",
+    "diameter_section",
+    "diameter_table",
+    "filed_point",
+    "lesion_list",
     "lesion_section",
     "lesion_sentences",
     "lesions_csv",
+    "lumen_sentence",
     "plan_report",
     "stent_lesion_sentences",
     "write_report",
@@ -39,8 +53,16 @@ __all__ = [
 __getattr__, __dir__ = late_names(
     __name__,
     {
+        "diameters": [
+            "MeasuredLine",
+            "diameter_section",
+            "diameter_table",
+            "filed_point",
+            "lumen_sentence",
+        ],
         "lesions": [
-            "NO_LESION",
+            "LEAST",
+            "lesion_list",
             "lesion_section",
             "lesion_sentences",
             "lesions_csv",

@@ -13,8 +13,9 @@ from ..treatment import TreatedLesion
 from ..units import MILLIMETERS
 from .words import degree_text
 
-NO_LESION = f"No lesion of {100 * SMALLEST_DEGREE:.0f} % or more was found."
-COVERS_NONE = f"This stent covers no lesion of {100 * SMALLEST_DEGREE:.0f} % or more."
+LEAST = f"{100 * SMALLEST_DEGREE:.0f} % or more"
+NO_LESION = f"No lesion of {LEAST} was found."
+COVERS_NONE = f"This stent covers no lesion of {LEAST}."
 LEFT_BEYOND = " What is left is narrowest beyond the stent's ends."
 NOT_LOOKED_FOR = "Lesions were not looked for: that takes a centerline of the vessel."
 
@@ -86,6 +87,15 @@ def lesion_sentences(number: int, lesion: Lesion, units: str = "mm") -> tuple[st
         f"{lesion.reference_diameter:.2f} mm.",
         f"Reference: {lesion.reference}.",
     )
+
+
+def lesion_list(lesions: Sequence[Lesion], units: str = "mm") -> list[str]:
+    """The lesions as lines of text, or that there is none."""
+    lines = []
+    for number, lesion in enumerate(lesions, start=1):
+        first, second = lesion_sentences(number, lesion, units)
+        lines += [first, f"  {second}"]
+    return lines or [NO_LESION]
 
 
 def stent_lesion_sentences(lesions: Sequence[TreatedLesion] | None, stent: int) -> list[str]:

@@ -104,7 +104,6 @@ def _description(stent: TreatedStent, units: str) -> dict[str, Any]:
 
 def _inputs(result: PlanResult) -> list[dict[str, Any]]:
     surface, line_file = result.inputs.surface, result.inputs.line_file
-    tree = result.inputs.centerline
     found: list[dict[str, Any]] = [
         {
             "role": "surface",
@@ -126,7 +125,7 @@ def _inputs(result: PlanResult) -> list[dict[str, Any]]:
                 "lines": len(line_file.lines),
                 "units": line_file.units,
                 "frame": line_file.file_frame,
-                "root_mm": None if tree is None else tree.points[tree.roots[0]],
+                "root_mm": result.inputs.vessel.root,
             }
         )
     for stent in result.plan.stents:

@@ -6,6 +6,7 @@ from .lesions import TreatedLesion, placement_at, treated_lesions
 from .straightening import axis_in_vessel
 from .treatment import Treatment
 from .value import TreatedStent, TreatmentResult, TreatmentState
+from .vessel import Vessel
 
 __all__ = [
     "TreatedLesion",
@@ -13,6 +14,7 @@ __all__ = [
     "Treatment",
     "TreatmentResult",
     "TreatmentState",
+    "Vessel",
     "axis_in_vessel",
     "placement_at",
     "treated_lesions",

@@ -9,7 +9,6 @@ import numpy as np
 
 from ..files import SurfaceFile, write_surface
 from ..treatment import TreatmentState
-from ..validation import as_number
 
 _OWN = re.compile(r"steps\.pvd|step_\d+\.vtp")
 
@@ -19,13 +18,12 @@ class StepFiles:
 
     Parameters
     ----------
-    every : float, optional
-        Keep a state only when the diameter has grown by this, mm, and the last one of each stent;
-        all of them by default.
+    every : float
+        Keep a state only when the diameter has grown by this, mm, and the last one of each stent.
     """
 
-    def __init__(self, every: float | None = None) -> None:
-        self.every = 0.0 if every is None else as_number(every, "--every", unit="mm", above=0)
+    def __init__(self, every: float = 0.0) -> None:
+        self.every = every
         self._kept: list[TreatmentState] = []
         self._surface: SurfaceFile | None = None
 

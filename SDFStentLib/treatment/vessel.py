@@ -1,0 +1,89 @@
+"""A vessel before treatment: what is looked for and measured in it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from ..centerline import Centerline
+from ..certificate import SurfaceCheck, check_surface
+from ..geometry import Precision, Surface, length
+from ..measure import (
+    DiameterProfile,
+    FaceStretch,
+    Lesion,
+    diameter_profile,
+    face_stretches,
+    find_lesions,
+    lesions_against,
+)
+from ..stent import AtCenter, AtDistalEnd
+from ..validation import Points
+from .lesions import placement_at
+
+
+@dataclass(frozen=True, eq=False)
+class Vessel:
+    """A wall and the centerline that belongs to it.
+
+    Attributes
+    ----------
+    surface : Surface
+    centerline : Centerline or None
+    reference : tuple of (3,) arrays
+        Healthy vessel that the user marked, mm.
+    """
+
+    surface: Surface
+    centerline: Centerline | None = None
+    reference: tuple[Points, ...] = ()
+
+    @property
+    def root(self) -> Points | None:
+        """The proximal end of the centerline, (3,) mm."""
+        tree = self.centerline
+        return None if tree is None else tree.points[tree.roots[0]]
+
+    @property
+    def branches(self) -> dict[int, Points]:
+        """Those of the centerline that have a length, (k, 3) mm, by number from 1 at the root."""
+        tree = self.centerline
+        lines = [] if tree is None else [tree.points[branch] for branch in tree.branches]
+        return {number: line for number, line in enumerate(lines, start=1) if length(line) > 0}
+
+    @cached_property
+    def lesions(self) -> tuple[Lesion, ...] | None:
+        """Found when first asked for; None without a centerline.
+
+        The one beside a reference that the user marked is measured against that.
+
+        Raises
+        ------
+        InputError
+            Places of the reference that cannot be one.
+        """
+        if self.centerline is None:
+            return None
+        found = find_lesions(self.surface, self.centerline)
+        if not self.reference:
+            return found
+        return lesions_against(found, self.reference, self.surface, self.centerline)
+
+    def place_at(
+        self, lesion: Lesion, stent_length: float, foreshortening_fraction: float
+    ) -> AtCenter | AtDistalEnd:
+        """`placement_at` one of its lesions."""
+        assert self.centerline is not None
+        return placement_at(lesion, self.centerline, stent_length, foreshortening_fraction)
+
+    def diameters(self, line: Points, spacing: float) -> DiameterProfile:
+        """`diameter_profile` along a line through it."""
+        return diameter_profile(self.surface, line, spacing)
+
+    def stretches(self, after: Surface) -> FaceStretch:
+        """`face_stretches` from here to another state of the wall."""
+        return face_stretches(self.surface, after)
+
+    def check(self, precision: Precision) -> SurfaceCheck:
+        """`check_surface` of its wall."""
+        return check_surface(self.surface, precision=precision)
