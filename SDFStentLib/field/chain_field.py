@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from ..geometry import dot, norm
 from ..validation import Floats, Points
-from .smoothing import fold, hard_minimum
+from .fold import fold, hard_minimum
 
 NOTHING = np.empty(0, dtype=np.int64)
 
