@@ -254,6 +254,15 @@ def test_the_guide_names_every_room_and_only_files_that_exist():
     assert missing == []
 
 
+def test_the_guide_says_what_every_file_of_the_module_does():
+    guide = (PROJECT / "docs" / "developer_guide.md").read_text(encoding="utf-8")
+    table = guide.split("## The Slicer module")[1].split("## How a deployment runs")[0]
+    rows = [line for line in table.splitlines() if line.startswith("| `")]
+    named = re.findall(r"`(\w+\.py)`", "\n".join(line.split("|")[1] for line in rows))
+    files = {path.name for path in (PROJECT / "SDFStent" / "SDFStentSlicer").glob("[A-Z]*.py")}
+    assert sorted(named) == sorted(files)
+
+
 def test_the_library_says_that_it_is_typed():
     assert (LIBRARY / "py.typed").is_file()
     assert "py.typed" in (LIBRARY / "CMakeLists.txt").read_text(encoding="utf-8").split()

@@ -6,7 +6,6 @@ import weakref
 
 import numpy as np
 import slicer
-import vtk
 from slicer.i18n import tr as _
 from slicer.ScriptedLoadableModule import ScriptedLoadableModuleLogic
 from vtk.util.numpy_support import vtk_to_numpy
@@ -20,6 +19,7 @@ from .Inputs import Inputs
 from .ParameterNode import STENT_FIELDS, MethodParameters, Placement, SDFStentParameterNode
 from .Stenting import Stenting
 from .StentList import StentList
+from .SurfaceOutput import outputSurface
 
 
 class SDFStentLogic(ScriptedLoadableModuleLogic):
@@ -227,7 +227,9 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
             search=None if centerline is None or live else self._inputs.lesions(parameterNode),
         )
         signature = self.signature(parameterNode)
-        surface = self._surface(parameterNode, vessel.polyData)
+        key = parameterNode.parameterNode.GetID()
+        surface = outputSurface(parameterNode, vessel.polyData, self._surfaces.get(key))
+        self._surfaces[key] = surface
         self._runs[parameterNode.parameterNode.GetID()] = run
         parameterNode.status = ""
         if not live:
@@ -343,32 +345,6 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
             n for n in sys.modules if n.split(".")[0] in ("SDFStentLib", "SDFStentSlicer")
         ]:
             del sys.modules[name]
-
-    def _surface(self, parameterNode, template):
-        """The output of a parameter node, showing the template's mesh; kept while the mesh stays the same."""
-        key = parameterNode.parameterNode.GetID()
-        surface = self._surfaces.get(key)
-        former = parameterNode.outputVessel
-        node = Display.outputModel(
-            parameterNode, "outputVessel", _("Stented vessel"), Display.VESSEL_COLOR
-        )
-        if node is not former:
-            node.GetDisplayNode().SetOpacity(Display.VESSEL_OPACITY)
-            node.GetDisplayNode().SetVisibility2D(True)
-            Display.hideModel(parameterNode.vessel)
-        if (
-            surface is None
-            or surface.node is not node
-            or surface.template is not template
-            or not surface.isValid
-        ):
-            if surface is not None:
-                surface.showOutline()
-            copy = vtk.vtkPolyData()
-            copy.DeepCopy(template)
-            surface = self._surfaces[key] = Display.SurfaceOutput(node, copy)
-            surface.template = template
-        return surface
 
 
 def _expand(run, surface, live):

@@ -1,7 +1,5 @@
 """The panel: wires widgets to the logic and enables what can be done."""
 
-import math
-
 import qt
 import slicer
 import vtk
@@ -15,16 +13,10 @@ from .GuiBinding import GuiBinding
 from .InputWatch import InputWatch
 from .LesionTable import LesionTable
 from .Logic import SDFStentLogic
-from .ParameterNode import CHOICE_LABELS, Placement
+from .PanelState import PanelState
+from .ParameterNode import CHOICE_LABELS
 from .StentList import StentList
 from .StentTable import StentTable
-
-METHOD_SLIDERS = {
-    "influenceSlider": "influenceDistance",
-    "smoothingSlider": "smoothingWidth",
-    "capsuleSlider": "capsuleLength",
-    "gapSlider": "tissueGap",
-}
 
 
 class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
@@ -34,7 +26,7 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         ScriptedLoadableModuleWidget.__init__(self, parent)
         VTKObservationMixin.__init__(self)
         self.logic = logic
-        self.session = self.stents = self.table = self.lesions = None
+        self.session = self.stents = self.table = self.lesions = self._state = None
         self._parameterNode = self._binding = self._lastSet = None
         self._inputs = InputWatch(self.onInputModified, self.onHandleReleased)
 
@@ -50,9 +42,9 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         )
         self.ui.outputSelector.addAttribute("vtkMRMLModelNode", Outputs.ATTRIBUTE, "outputVessel")
         uiWidget.setMRMLScene(slicer.mrmlScene)
-        self._usualReach = {name: getattr(self.ui, name).maximum for name in METHOD_SLIDERS}
         self.logic = self.logic or SDFStentLogic()
         self.session = DeploySession(self.logic, self._onStart, self._onProgress, self._onDone)
+        self._state = PanelState(self.ui, self.logic, self.session)
         self.table = StentTable(self.ui, self._onSelectStent, self._onEnableStent)
         self.lesions = LesionTable(self.ui, self.logic.lesionSearch, self._onSelectLesion)
         self._connect()
@@ -172,12 +164,13 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.logic.chooseSegment(self._parameterNode)
         self._inputs.watch(self.logic.inputNodes(self._parameterNode))
         self.lesions.follow(self._parameterNode)
-        self._updatePanel()
+        self.table.show(self.stents.values(), self._parameterNode.selected)
+        self._state.show(self._parameterNode)
         self._requestUpdate()
 
     def onInputModified(self):
         self.lesions.follow(self._parameterNode)
-        self._updateEnabled()
+        self._state.enable(self._parameterNode)
         self._requestUpdate()
 
     def onHandleReleased(self, handle):
@@ -188,82 +181,11 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         if self._parameterNode is not None and self._parameterNode.autoUpdate:
             self.session.request()
 
-    # What the panel shows
-
-    def _updatePanel(self):
-        parameterNode = self._parameterNode
-        self.table.show(self.stents.values(), parameterNode.selected)
-        self._showSegments()
-        self.ui.placeWidget.setCurrentNode(parameterNode.stent.handle if len(self.stents) else None)
-        self._updateLimits()
-        self._updateEnabled()
-        self.logic.updateDisplay(parameterNode)
-
-    def _showSegments(self):
-        vessel, selector = self._parameterNode.vessel, self.ui.segmentSelector
-        isSegmentation = vessel is not None and vessel.IsA("vtkMRMLSegmentationNode")
-        selector.visible = self.ui.segmentSelectorLabel.visible = isSegmentation
-        wasBlocked = selector.blockSignals(True)  # it says that the first segment was chosen
-        selector.setCurrentNode(vessel if isSegmentation else None)
-        selector.setCurrentSegmentID(self._parameterNode.segmentID)
-        selector.blockSignals(wasBlocked)
-
-    def _updateLimits(self):
-        """Sliders reach as far as makes sense, for this vessel or as designed, and farther where the value that is set does."""
-        stent, method = self._parameterNode.stent, self._parameterNode.method
-        diameter, length = self.logic.sizeLimits(self._parameterNode)
-        _letReach(self.ui.diameterSlider, diameter, stent.diameter)
-        _letReach(self.ui.lengthSlider, length, stent.length)
-        for name, parameter in METHOD_SLIDERS.items():
-            _letReach(getattr(self.ui, name), self._usualReach[name], getattr(method, parameter))
-
-    def _updateEnabled(self):
-        if self._parameterNode is None:
-            return
-        running, count = self.session.isRunning, len(self.stents)
-        missing = self.logic.missing(self._parameterNode)
-        self.ui.deployButton.enabled = not missing and not running
-        self.ui.deployButton.toolTip = missing or _(
-            "Expand the stents and show the stented vessel."
-        )
-        self.ui.cancelButton.enabled = running
-        self.ui.progressBar.visible = running and not self.session.isPreview
-        self.ui.resetButton.enabled = self.logic.hasSteps(self._parameterNode) and not running
-        self.ui.expansionSlider.enabled = self.logic.hasSteps(self._parameterNode) and not running
-        self.ui.stentEditor.enabled = count > 0
-        stent = self._parameterNode.stent
-        isCurve = stent.placement == Placement.ALONG_CURVE
-        self.ui.wholeCurveCheckBox.visible = isCurve
-        self.ui.lengthSlider.enabled = not stent.placement.usesHandleLength or (
-            isCurve and not stent.wholeCurve
-        )
-        self.ui.addStentButton.enabled = (
-            self._parameterNode.vessel is not None or self._parameterNode.centerline is not None
-        )
-        self.ui.copyStentButton.enabled = self.ui.removeStentButton.enabled = count > 0
-        self.ui.moveUpButton.enabled = self._parameterNode.selected > 0
-        self.ui.moveDownButton.enabled = 0 <= self._parameterNode.selected < count - 1
-        self.ui.savePlanButton.enabled = not missing
-        self.ui.showPlotButton.enabled = self._parameterNode.outputChart is not None
-        self.ui.showTableButton.enabled = self._parameterNode.outputTable is not None
-        self.ui.warningLabel.visible = bool(self._parameterNode.warningSummary)
-        self._updateStatus(missing)
-
-    def _updateStatus(self, missing):
-        """The line below Deploy; results that no longer belong to the plan are grey, unless they are renewed anyway."""
-        isOld = not self.session.isRenewing and self.logic.hasChanged(self._parameterNode)
-        for label in (self.ui.lumenLabel, self.ui.certificateLabel, self.ui.warningLabel):
-            label.enabled = not isOld
-        changed = _("Changed since this deployment; click Deploy.") if isOld else ""
-        sentences = [missing or self._parameterNode.status, changed]
-        self.ui.statusLabel.text = "\n".join(sentence for sentence in sentences if sentence)
-        self.ui.statusLabel.visible = bool(self.ui.statusLabel.text)
-
     # Deploying
 
     def _onStart(self):
         self.ui.progressBar.value = 0
-        self._updateEnabled()
+        self._state.enable(self._parameterNode)
 
     def _onProgress(self, fraction):
         self.ui.progressBar.value = int(100 * fraction)
@@ -272,12 +194,12 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.ui.progressBar.value = 0 if error else 100
         if error is not None:
             self._showError(error)
-        self._updateEnabled()
+        self._state.enable(self._parameterNode)
 
     def _showError(self, error):
         self.logic.log(error)
         self._parameterNode.status = self.logic.sentence(error)
-        self._updateEnabled()
+        self._state.enable(self._parameterNode)
 
     # Buttons
 
@@ -354,7 +276,7 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
     def onCancel(self):
         self.session.cancel()
         self.ui.progressBar.value = 0
-        self._updateEnabled()
+        self._state.enable(self._parameterNode)
 
     def onLoadPlan(self):
         path = qt.QFileDialog.getOpenFileName(self.parent, _("Load plan"), "", _("Plan (*.json)"))
@@ -374,11 +296,3 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
             action()
         except (ValueError, RuntimeError, OSError) as error:
             self._showError(error)
-
-
-def _letReach(slider, usual, value):
-    """End a slider at `usual`, or behind a value beyond; the value had been cut to the former end."""
-    wasBlocked = slider.blockSignals(True)
-    slider.maximum = max(usual, math.ceil(value))
-    slider.value = value
-    slider.blockSignals(wasBlocked)

@@ -154,8 +154,8 @@ def main():
     print(f"drawn by {renderer(view.window)}, {' x '.join(map(str, view.window.GetSize()))} pixels")
 
     from SDFStentSlicer import Results
-    from SDFStentSlicer.Display import SurfaceOutput
     from SDFStentSlicer.Stenting import Stenting
+    from SDFStentSlicer.SurfaceOutput import SurfaceOutput
 
     clock = Clock()
     Stenting.__init__ = clock.timed("library", Stenting.__init__)

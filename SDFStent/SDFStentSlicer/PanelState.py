@@ -1,0 +1,100 @@
+"""What the panel lets be done and says: enabled widgets, ends of sliders, the status line."""
+
+import math
+
+from slicer.i18n import tr as _
+
+from .ParameterNode import Placement
+
+METHOD_SLIDERS = {
+    "influenceSlider": "influenceDistance",
+    "smoothingSlider": "smoothingWidth",
+    "capsuleSlider": "capsuleLength",
+    "gapSlider": "tissueGap",
+}
+
+
+class PanelState:
+    """Brings the widgets into line with the parameters, the logic and the session."""
+
+    def __init__(self, ui, logic, session):
+        self.ui = ui
+        self._logic, self._session = logic, session
+        self._usualReach = {name: getattr(ui, name).maximum for name in METHOD_SLIDERS}
+
+    def show(self, parameterNode):
+        """After parameters have changed."""
+        hasStents = len(parameterNode.stents) > 0
+        self.ui.placeWidget.setCurrentNode(parameterNode.stent.handle if hasStents else None)
+        self._showSegments(parameterNode)
+        self._reach(parameterNode)
+        self.enable(parameterNode)
+        self._logic.updateDisplay(parameterNode)
+
+    def _showSegments(self, parameterNode):
+        vessel, selector = parameterNode.vessel, self.ui.segmentSelector
+        isSegmentation = vessel is not None and vessel.IsA("vtkMRMLSegmentationNode")
+        selector.visible = self.ui.segmentSelectorLabel.visible = isSegmentation
+        wasBlocked = selector.blockSignals(True)  # it says that the first segment was chosen
+        selector.setCurrentNode(vessel if isSegmentation else None)
+        selector.setCurrentSegmentID(parameterNode.segmentID)
+        selector.blockSignals(wasBlocked)
+
+    def _reach(self, parameterNode):
+        """Sliders reach as far as makes sense, for this vessel or as designed, and farther where the value that is set does."""
+        stent, method = parameterNode.stent, parameterNode.method
+        diameter, length = self._logic.sizeLimits(parameterNode)
+        _letReach(self.ui.diameterSlider, diameter, stent.diameter)
+        _letReach(self.ui.lengthSlider, length, stent.length)
+        for name, parameter in METHOD_SLIDERS.items():
+            _letReach(getattr(self.ui, name), self._usualReach[name], getattr(method, parameter))
+
+    def enable(self, parameterNode):
+        if parameterNode is None:
+            return
+        running, count = self._session.isRunning, len(parameterNode.stents)
+        missing = self._logic.missing(parameterNode)
+        self.ui.deployButton.enabled = not missing and not running
+        self.ui.deployButton.toolTip = missing or _(
+            "Expand the stents and show the stented vessel."
+        )
+        self.ui.cancelButton.enabled = running
+        self.ui.progressBar.visible = running and not self._session.isPreview
+        self.ui.resetButton.enabled = self._logic.hasSteps(parameterNode) and not running
+        self.ui.expansionSlider.enabled = self._logic.hasSteps(parameterNode) and not running
+        self.ui.stentEditor.enabled = count > 0
+        stent = parameterNode.stent
+        isCurve = stent.placement == Placement.ALONG_CURVE
+        self.ui.wholeCurveCheckBox.visible = isCurve
+        self.ui.lengthSlider.enabled = not stent.placement.usesHandleLength or (
+            isCurve and not stent.wholeCurve
+        )
+        self.ui.addStentButton.enabled = (
+            parameterNode.vessel is not None or parameterNode.centerline is not None
+        )
+        self.ui.copyStentButton.enabled = self.ui.removeStentButton.enabled = count > 0
+        self.ui.moveUpButton.enabled = parameterNode.selected > 0
+        self.ui.moveDownButton.enabled = 0 <= parameterNode.selected < count - 1
+        self.ui.savePlanButton.enabled = not missing
+        self.ui.showPlotButton.enabled = parameterNode.outputChart is not None
+        self.ui.showTableButton.enabled = parameterNode.outputTable is not None
+        self.ui.warningLabel.visible = bool(parameterNode.warningSummary)
+        self._tell(parameterNode, missing)
+
+    def _tell(self, parameterNode, missing):
+        """The line below Deploy; results that no longer belong to the plan are grey, unless they are renewed anyway."""
+        isOld = not self._session.isRenewing and self._logic.hasChanged(parameterNode)
+        for label in (self.ui.lumenLabel, self.ui.certificateLabel, self.ui.warningLabel):
+            label.enabled = not isOld
+        changed = _("Changed since this deployment; click Deploy.") if isOld else ""
+        sentences = [missing or parameterNode.status, changed]
+        self.ui.statusLabel.text = "\n".join(sentence for sentence in sentences if sentence)
+        self.ui.statusLabel.visible = bool(self.ui.statusLabel.text)
+
+
+def _letReach(slider, usual, value):
+    """End a slider at `usual`, or behind a value beyond; the value had been cut to the former end."""
+    wasBlocked = slider.blockSignals(True)
+    slider.maximum = max(usual, math.ceil(value))
+    slider.value = value
+    slider.blockSignals(wasBlocked)

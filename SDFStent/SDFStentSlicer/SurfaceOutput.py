@@ -1,0 +1,93 @@
+"""The stented vessel in the scene, which follows every step."""
+
+import numpy as np
+import vtk
+from slicer.i18n import tr as _
+from vtk.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+
+from . import Display
+
+VESSEL_COLOR = (0.88, 0.47, 0.42)
+VESSEL_OPACITY = 0.55
+
+
+class SurfaceOutput:
+    """A model node whose points follow the deployment: same polydata, same point array, one `Modified` per change."""
+
+    def __init__(self, node, polyData):
+        """Show `polyData` (which becomes the node's own) unless the node already shows the same mesh."""
+        self.node, self.template = node, None
+        _withNormals(polyData)
+        node.SetAndObservePolyData(polyData)
+        self._polyData = polyData
+        self._skeleton = vtk.vtkPolyData()
+        self._skeleton.SetPoints(polyData.GetPoints())
+        self._skeleton.SetPolys(polyData.GetPolys())
+        self._hidesOutline = False
+        self._normals = vtk.vtkTriangleMeshPointNormals()
+        self._normals.SetInputData(self._skeleton)
+
+    @property
+    def isValid(self):
+        """False when the node was deleted or given another mesh by somebody else."""
+        return self.node.GetScene() is not None and self.node.GetPolyData() is self._polyData
+
+    def show(self, points, indices=None, coordinates=None):
+        """Set all points, then some of them, and the normals; observers hear of it once."""
+        array = vtk_to_numpy(self._polyData.GetPoints().GetData())
+        array[:] = points
+        if indices is not None:
+            array[indices] = coordinates
+        self._polyData.GetPoints().GetData().Modified()
+        self._updateNormals()
+        self._polyData.Modified()
+
+    def hideOutline(self):
+        """Take the outline out of the slice views, where it would be cut anew at every change."""
+        display = self.node.GetDisplayNode()
+        if display is not None and display.GetVisibility2D():
+            self._hidesOutline = True
+            display.SetVisibility2D(False)
+
+    def showOutline(self):
+        """Bring the outline back, if it was taken away."""
+        display = self.node.GetDisplayNode()
+        if self._hidesOutline and display is not None:
+            display.SetVisibility2D(True)
+        self._hidesOutline = False
+
+    def _updateNormals(self):
+        self._skeleton.Modified()
+        self._normals.Update()
+        target = self._polyData.GetPointData().GetNormals()
+        vtk_to_numpy(target)[:] = vtk_to_numpy(
+            self._normals.GetOutput().GetPointData().GetNormals()
+        )
+        target.Modified()
+
+
+def _withNormals(polyData):
+    """Give a surface one float normal per point, whatever it brought along."""
+    polyData.GetPointData().RemoveArray("Normals")
+    normals = numpy_to_vtk(np.zeros((polyData.GetNumberOfPoints(), 3), dtype=np.float32), deep=True)
+    normals.SetName("Normals")
+    polyData.GetPointData().SetNormals(normals)
+
+
+def outputSurface(parameterNode, template, former):
+    """The output of a parameter node, showing the template's mesh; the `former` one while the mesh stays the same."""
+    shown = parameterNode.outputVessel
+    node = Display.outputModel(parameterNode, "outputVessel", _("Stented vessel"), VESSEL_COLOR)
+    if node is not shown:
+        node.GetDisplayNode().SetOpacity(VESSEL_OPACITY)
+        node.GetDisplayNode().SetVisibility2D(True)
+        Display.hideModel(parameterNode.vessel)
+    if former is not None:
+        if former.node is node and former.template is template and former.isValid:
+            return former
+        former.showOutline()
+    copy = vtk.vtkPolyData()
+    copy.DeepCopy(template)
+    surface = SurfaceOutput(node, copy)
+    surface.template = template
+    return surface
