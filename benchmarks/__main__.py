@@ -32,6 +32,7 @@ TITLES = {
     "step_rules": "Distance to the converged limit of the radius steps",
     "lumen": "The deployed lumen",
     "where_time_goes": "Where the time goes",
+    "lesions": "Lesions of random vessels and of a tree",
     "random_stents": "Random stents in the anatomies",
     "damaged_files": "Damaged files",
     "interruptions": "Interruptions",

@@ -52,6 +52,12 @@ def test_the_event_rule_is_nearer_to_the_converged_limit_than_the_published_rule
         assert rows[name]["steps"] < published["steps"] / 2
 
 
+def test_lesions_of_random_vessels_and_of_a_tree_are_found_and_none_is_invented():
+    for row in quick("lesions")["rows"]:
+        assert (row["missed"], row["invented"]) == (0, 0)
+        assert row["largest_error_points"] < 2
+
+
 def test_the_lumen_has_the_prescribed_diameter_and_the_published_one_has_not():
     rows = {row["mode"]: row for row in quick("lumen")["rows"]}
     default = rows["default"]

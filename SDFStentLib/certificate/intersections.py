@@ -2,9 +2,10 @@
 
 Two triangles intersect when they have a point in common that does not lie on a corner or a side
 which both have. So crossing, a corner or side that touches another face, coplanar overlap, a
-neighbour folded flat onto its neighbour and a doubled triangle all count. Corners at exactly equal
-coordinates are the same corner, whatever their numbers: the two banks of a seam are neighbours,
-not intersections. Triangles without area are left out (`certificate.py` counts them by
+neighbour folded flat onto its neighbour and a doubled triangle all count, and so does a vertex
+that lies exactly on a vertex of another wall. The two banks of a seam are neighbours, not
+intersections: corners are the same, whatever their numbers, where the surface goes on across a
+seam (`seams.py`). Triangles without area are left out (`certificate.py` counts them by
 themselves). The decision is exact for the coordinates as they are stored.
 
 The way there: boxes that overlap (`triangle_pairs.py`); pairs inside a fan that is spread out flat
@@ -20,6 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..geometry import compacted, may_meet_box
 from ..validation import Flags, Indices, InputError, Points, Triangles
+from .seams import Seams
 from .triangle_contact import certain_contact, exact_contact, first_shared
 from .triangle_pairs import face_boxes, overlapping_pairs
 
@@ -62,6 +64,7 @@ def intersecting_pairs(
     found = [np.empty((0, 2), dtype=np.int64)]
     if is_moved.any():
         near = _near(points, triangles, is_moved)
+        seams = Seams(points, triangles, near)
         points, triangles = compacted(points, triangles[near])
         boxes = face_boxes(points, triangles, is_moved[near])
         near = near[boxes.faces]
@@ -70,7 +73,7 @@ def intersecting_pairs(
         is_clear = _is_in_flat_fans(columns, corners)
         for one, other in overlapping_pairs(boxes):
             for shared, first, second, rows in _by_shared_corners(corners, is_clear, one, other):
-                meets = _decided(columns, shared, first, second)
+                meets = _decided(columns, shared, first, second, seams)
                 pair = np.stack([one[rows[meets]], other[rows[meets]]], axis=1)
                 found.append(np.sort(near[pair], axis=1))
     pairs = np.concatenate(found)
@@ -188,12 +191,16 @@ def _turned(corners: Indices, start: Indices) -> Indices:
     return np.take_along_axis(corners, (start + np.arange(3)[:, None]) % 3, axis=0)
 
 
-def _decided(columns: NDArray[np.float64], shared: int, first: Indices, second: Indices) -> Flags:
+def _decided(
+    columns: NDArray[np.float64], shared: int, first: Indices, second: Indices, seams: Seams
+) -> Flags:
     one = columns.take(first, axis=1).swapaxes(0, 1)
     other = columns.take(second, axis=1).swapaxes(0, 1)
-    if shared == 3:
-        return exact_contact(one, other)
-    meets, is_open = certain_contact(one, other, shared)
+    meets, is_open = np.zeros(one.shape[2], dtype=bool), np.ones(one.shape[2], dtype=bool)
+    if shared < 3:
+        meets, is_open = certain_contact(one, other, shared)
     if is_open.any():
-        meets[is_open] = exact_contact(one[..., is_open], other[..., is_open])
+        one, other = one[..., is_open], other[..., is_open]
+        same = seams.same_corners(first[:, is_open], second[:, is_open], one, other)
+        meets[is_open] = exact_contact(one, other, same)
     return meets

@@ -64,8 +64,8 @@ def certain_contact(first: Floats, second: Floats, shared: int) -> tuple[Flags, 
     return meets, is_open
 
 
-def exact_contact(first: Floats, second: Floats) -> Flags:
-    """Which pairs meet, in exact arithmetic; corners at equal coordinates are shared corners.
+def exact_contact(first: Floats, second: Floats, same: Flags | None = None) -> Flags:
+    """Which pairs meet, in exact arithmetic.
 
     A triangle without area meets nothing. Three shared corners: the triangles meet.
 
@@ -73,10 +73,14 @@ def exact_contact(first: Floats, second: Floats) -> Flags:
     ----------
     first, second : (3, 3, k) arrays
         Corners of the two triangles of every pair, in any order.
+    same : (3, 3, k) array, optional
+        Which corner of the first is which of the second: they have the same coordinates. By
+        default all that have.
     """
     meets = np.zeros(first.shape[2], dtype=bool)
-    equal = np.all(first[:, None] == second[None], axis=2)
-    in_first, in_second = equal.any(axis=1), equal.any(axis=0)
+    if same is None:
+        same = np.asarray(np.all(first[:, None] == second[None], axis=2), dtype=bool)
+    in_first, in_second = np.asarray(same.any(axis=1)), np.asarray(same.any(axis=0))
     shared = in_first.sum(axis=0)
     whole = _whole_numbers(np.concatenate([first, second]))
     first, second = _shared_first(whole[:3], in_first), _shared_first(whole[3:], in_second)

@@ -29,7 +29,10 @@ EDGE_DEGREE = 0.10
 """A narrowing reaches as far as the lumen is narrower than the reference by more than this."""
 
 REFERENCE_REACH = 4.0
-"""Diameters, counted from the narrowest place. Measured on 100 phantoms."""
+"""Diameters, counted from the narrowest place. Measured on 100 random vessels with 120 lesions
+(`benchmarks/lesions.py`): from 3 to 8 all are found, none is invented, and degrees are right within
+1.8 percentage points; 2 does not reach beyond long lesions, whose degrees come out up to 60 points
+too low."""
 
 ANEURYSM = 1.5
 """Times the diameter beside it from which a focal widening is an aneurysm and no healthy vessel

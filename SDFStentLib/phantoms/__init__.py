@@ -12,6 +12,7 @@ from .phantoms import (
     straight_tube,
     tube_with_neighbor,
 )
+from .tree import vascular_tree
 from .value import Opening, Phantom, Throat, Vessel
 
 __all__ = [
@@ -27,6 +28,7 @@ __all__ = [
     "stenosed_tube",
     "straight_tube",
     "tube_with_neighbor",
+    "vascular_tree",
 ]
 
 

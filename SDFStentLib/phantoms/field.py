@@ -66,15 +66,27 @@ class TubeUnion:
         w, mm.
     beyond : float
         How far tubes go on beyond their open ends, mm.
+    open_ends : sequence of int, optional
+        Numbers of the tubes that are open at their end; default all. The others end where some
+        later ones start.
     """
 
-    def __init__(self, tubes: Sequence[Tube], blend_width: float, beyond: float) -> None:
+    def __init__(
+        self,
+        tubes: Sequence[Tube],
+        blend_width: float,
+        beyond: float,
+        open_ends: Sequence[int] | None = None,
+    ) -> None:
         # Late: scipy.spatial costs more to import than the rest of the library together.
         from scipy.spatial import KDTree
 
         self.tubes = tuple(tubes)
         self.blend_width = blend_width
-        first, last = -beyond, [tube.axis.length + beyond for tube in self.tubes]
+        self.open_ends = range(len(self.tubes)) if open_ends is None else open_ends
+        first, last = -beyond, [tube.axis.length for tube in self.tubes]
+        for number in self.open_ends:
+            last[number] += beyond
         starts = [first] + [0.0] * (len(self.tubes) - 1)
         self._tables = [
             _table(tube, np.linspace(start, end, int(np.ceil((end - start) / SAMPLE_SPACING)) + 1))
@@ -92,9 +104,9 @@ class TubeUnion:
         return FieldValues(value, gradient)
 
     def rims(self) -> list[Rim]:
-        """Start and end of the first tube, then the end of each other one."""
+        """The start of the first tube, then the open ends in order."""
         ends = [(self.tubes[0], 0.0, -1.0)]
-        ends += [(tube, tube.axis.length, 1.0) for tube in self.tubes]
+        ends += [(self.tubes[n], self.tubes[n].axis.length, 1.0) for n in self.open_ends]
         return [
             Rim(
                 tube.axis.point(at)[0],

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..geometry import boundary_edges, dot, edges, is_manifold
-from ..validation import Floats, Indices, InputError, Points, Triangles
+from ..geometry import boundary_edges, connected, dot, edges, is_manifold
+from ..validation import Flags, Floats, Indices, InputError, Points, Triangles
 from .field import Rim, TubeUnion
 from .mesh import Patch, flipped, with_cap
 
@@ -15,11 +15,14 @@ COARSEST_CELL = 2.0
 SPACING_FACTORS = (1.1, 1.07, 1.04, 1.0, 0.95)
 """Grid spacing over the edge length that it gives, with what to try next."""
 
+REPAIRS = 20
+"""Rounds of taking cells with two sheets apart; a handful of cells takes two or three."""
+
 RELAXATIONS = 24
 """Rounds of smoothing; fewer leave short edges, more no longer change the angles."""
 
 
-def branching_tube(union: TubeUnion, edge_length: float) -> Patch:
+def branching_tube(union: TubeUnion, edge_length: float, *, is_repaired: bool = False) -> Patch:
     """Closed mesh of a union of tubes: wall with face id 1, flat caps from 2 in order of rims.
 
     Parameters
@@ -28,9 +31,12 @@ def branching_tube(union: TubeUnion, edge_length: float) -> Patch:
         Goes on beyond its rims by at least three edges.
     edge_length : float
         Requested edge length, mm; at most two thirds of the smallest radius.
+    is_repaired : bool
+        Take cells of the grid apart that hold two sheets, as a large surface has at any spacing;
+        otherwise look for a spacing that has none.
     """
     rims = union.rims()
-    points, triangles = _manifold_nets(union, edge_length)
+    points, triangles = _manifold_nets(union, edge_length, is_repaired)
     triangles = _without_peaks(_trimmed(points, triangles, rims))
     points, triangles = _without_unused(union.projected(points), triangles)
     loops = [_rim_loop(points, triangles, rim) for rim in rims]
@@ -45,17 +51,23 @@ def branching_tube(union: TubeUnion, edge_length: float) -> Patch:
     return patch
 
 
-def surface_nets(union: TubeUnion, spacing: float) -> tuple[Points, Triangles]:
+def surface_nets(
+    union: TubeUnion, spacing: float, *, is_repaired: bool = False
+) -> tuple[Points, Triangles]:
     """Isosurface f = 0 as the dual of a grid: a point per crossed cell, a quad per crossed edge.
 
     Method: Gibson, "Constrained elastic surface nets", MICCAI 1998, doi 10.1007/BFb0056277,
-    without the elastic step. Cells far from the surface are never made.
+    without the elastic step. Cells far from the surface are never made. `is_repaired` takes
+    cells apart that hold two sheets: their node nearest to the surface changes sides.
     """
     lower, cells, counts = _cells_at_surface(union, spacing)
     strides = np.array([1, counts[0], counts[0] * counts[1]])
     nodes = np.unique(cells[:, None] + _corners() @ strides)
     grid = (nodes[:, None] // strides) % counts
     values = union(lower + spacing * grid).value
+    if is_repaired:
+        corners = np.searchsorted(nodes, cells[:, None] + _corners() @ strides)
+        values = _of_one_sheet(values, corners)
 
     quads, crossings = [], []
     for direction in range(3):
@@ -81,16 +93,42 @@ def surface_nets(union: TubeUnion, spacing: float) -> tuple[Points, Triangles]:
     return points, _split_quads(points, quad)
 
 
-def _manifold_nets(union: TubeUnion, edge_length: float) -> tuple[Points, Triangles]:
+def _manifold_nets(
+    union: TubeUnion, edge_length: float, is_repaired: bool
+) -> tuple[Points, Triangles]:
     """Surface nets of the first grid in which no cell holds two sheets of the surface."""
     for factor in SPACING_FACTORS:
-        points, triangles = surface_nets(union, factor * edge_length)
+        points, triangles = surface_nets(union, factor * edge_length, is_repaired=is_repaired)
         if len(triangles) and is_manifold(triangles):
             return points, triangles
     raise InputError(
         f"edge_length: {edge_length:g} mm is too long for the narrowest places of this vessel; "
         "choose a shorter one."
     )
+
+
+def _of_one_sheet(values: Floats, corners: Indices) -> Floats:
+    """Values of the nodes such that no cell (c, 8) holds two sheets, if some rounds do."""
+    values = values.copy()
+    for _ in range(REPAIRS):
+        inside = values[corners] < 0
+        crossed = np.flatnonzero(inside.any(axis=1) & ~inside.all(axis=1))
+        patterns, which = np.unique(inside[crossed], axis=0, return_inverse=True)
+        is_torn = np.array([not _is_one_sheet(pattern) for pattern in patterns], dtype=bool)
+        torn = corners[crossed[is_torn[which.ravel()]]]
+        if not len(torn):
+            break
+        nearest = np.abs(values[torn]).argmin(axis=1)
+        values[np.unique(torn[np.arange(len(torn)), nearest])] *= -1
+    return values
+
+
+def _is_one_sheet(inside: Flags) -> bool:
+    """Whether the corners (8,) of a cell inside are connected, and those outside."""
+    steps = np.abs(_corners()[:, None] - _corners()).sum(axis=2)
+    start, end = np.nonzero(steps == 1)
+    same = inside[start] == inside[end]
+    return connected(8, start[same], end[same])[0] == 2
 
 
 def _corners() -> Indices:
