@@ -29,7 +29,7 @@ def test_a_tree_of_eight_outlets_is_sound_and_has_its_openings():
     check = check_surface(made.surface)
     assert check.passed
     assert check.is_watertight
-    assert [opening.is_inlet for opening in made.openings] == [True] + 8 * [False]
+    assert [opening.name == "inlet" for opening in made.openings] == [True] + 8 * [False]
     for opening in made.openings:
         cap = made.points[made.triangles[made.face_ids == opening.face_id]]
         np.testing.assert_allclose((cap - opening.center) @ opening.outward, 0, atol=1e-9)

@@ -86,7 +86,7 @@ def narrowings(run: VesselRun) -> list[Narrowing]:
         along, steady, is_apart & ~_in_aneurysm(along, steady, is_apart), run.ends
     )
     reference = _on_line(along, before, after)
-    with np.errstate(invalid="ignore"):
+    with np.errstate(invalid="ignore", divide="ignore"):
         degree = 1 - diameter / reference
         recovery = 1 - diameter / np.minimum(before.diameter, after.diameter)
     counts = (degree >= SMALLEST_DEGREE) & (recovery >= SMALLEST_RECOVERY)
