@@ -8,8 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..centerline import Centerline
-from ..field import smooth_minimum
-from ..geometry import Surface, ranges
+from ..geometry import Surface, ranges, smooth_minimum
 from ..validation import Floats, Indices, Points, as_number, read_only
 from .axis import narrowing, planar_axis
 from .field import FieldValues, Tube, TubeUnion
