@@ -240,7 +240,7 @@ def treatment_of(plan: Plan, inputs: InputFiles) -> Treatment:
         inputs.vessel.centerline,
         plan.settings,
         straightening_fraction=plan.straightening_fraction,
-        companions=None if inputs.line_file is None else inputs.line_file.points,
+        companions=np.empty((0, 3)) if inputs.line_file is None else inputs.line_file.points,
         precision=surface.precision,
     )
 

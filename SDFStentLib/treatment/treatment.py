@@ -9,11 +9,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import KW_ONLY, dataclass, field, replace
 from time import perf_counter
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from ..cautions import Caution
 from ..centerline import Centerline
@@ -25,6 +26,7 @@ from ..stent import Stent, StentAxis
 from ..validation import (
     DeploymentError,
     InputError,
+    Points,
     as_number,
     as_points,
     read_only,
@@ -38,6 +40,7 @@ PROFILE_SPACING = 1.0
 """Distance of the stations at which diameters are measured, mm."""
 
 
+@dataclass(eq=False, repr=False)
 class Treatment:
     """Stents that are deployed one after another. Iterating deploys; `result` also measures.
 
@@ -68,28 +71,28 @@ class Treatment:
         While iterating: a stent away from the surface.
     """
 
-    def __init__(
-        self,
-        surface: Surface,
-        stents: Sequence[Stent],
-        centerline: Centerline | None = None,
-        settings: DeploymentSettings | None = None,
-        *,
-        straightening_fraction: float = 0.0,
-        companions: ArrayLike | None = None,
-        precision: Precision | None = None,
-    ) -> None:
-        self.surface = as_surface(surface)
-        self.stents = tuple(stents)
-        self.centerline = centerline
-        self.settings = settings or DeploymentSettings()
+    surface: Surface
+    stents: Sequence[Stent]
+    centerline: Centerline | None = None
+    settings: DeploymentSettings = field(default_factory=DeploymentSettings)
+    _: KW_ONLY
+    straightening_fraction: float = 0.0
+    companions: Points = field(default_factory=lambda: np.empty((0, 3)))
+    precision: Precision = field(default_factory=Precision)
+
+    def __post_init__(self) -> None:
+        self.surface = as_surface(self.surface)
+        self.stents = tuple(self.stents)
+        self.settings = self.settings or DeploymentSettings()
         self.straightening_fraction = as_number(
-            straightening_fraction, "straightening fraction", minimum=0, maximum=1
+            self.straightening_fraction, "straightening fraction", minimum=0, maximum=1
         )
-        self.companions = as_points(() if companions is None else companions, "companion points")
-        self.precision = precision or Precision()
+        companions = () if self.companions is None else self.companions
+        self.companions = as_points(companions, "companion points")
+        self.precision = self.precision or Precision()
         self._result: TreatmentResult | None = None
         self._stages: list[_Stage] = []
+        self._seconds = {"setup": 0.0, "deploy": 0.0}
         self._enabled = [(n, s) for n, s in enumerate(self.stents, start=1) if s.enabled]
         if not self._enabled:
             raise InputError(
@@ -100,12 +103,13 @@ class Treatment:
             )
         # Fails here rather than after the first stent. Later stents lie elsewhere once the earlier
         # ones have moved the centerline.
-        axes = [self._axis(*enabled, centerline, self.surface) for enabled in self._enabled]
+        axes = [self._axis(*one, self.centerline, self.surface) for one in self._enabled]
         self._first_axis = axes[0]
 
     def __iter__(self) -> Iterator[TreatmentState]:
         """Yield the states of every stent in turn."""
         self._result, self._stages = None, []
+        self._seconds = {"setup": 0.0, "deploy": 0.0}
         surface, centerline, companions = self.surface, self.centerline, self.companions
         for done, (number, stent) in enumerate(self._enabled):
             start = perf_counter()
@@ -124,10 +128,10 @@ class Treatment:
             for state in self._states_of(deployment, number):
                 fraction = (done + state.fraction) / len(self._enabled)
                 yield TreatmentState(number, fraction, state, surface, axis)
+            self._seconds["setup"] += ready - start
+            self._seconds["deploy"] += perf_counter() - ready
+            self._stages.append(_Stage(number, stent, axis, centerline, deployment))
             result = deployment.result
-            stage = _Stage(number, stent, axis, centerline, deployment, result)
-            stage.seconds = (ready - start, perf_counter() - ready)
-            self._stages.append(stage)
             surface = result.surface
             moved_tree, companions = np.split(result.state.companions, [len(tree)])
             centerline = None if centerline is None else centerline.with_points(moved_tree)
@@ -182,8 +186,7 @@ class Treatment:
             certificate=certificate,
             warnings=tuple(self._warnings(treated, after, indices)),
             timings={
-                "setup": sum(stage.seconds[0] for stage in self._stages),
-                "deploy": sum(stage.seconds[1] for stage in self._stages),
+                **self._seconds,
                 "measure": measured - clock,
                 "certify": perf_counter() - measured,
             },
@@ -249,7 +252,7 @@ class Treatment:
 
     def _warnings_of(self, stage: _Stage, done: TreatedStent) -> Iterator[Caution]:
         """About one stent, which is named later."""
-        yield from (*stage.axis.warnings, *stage.warnings)
+        yield from stage.axis.warnings
         yield from nothing_moved(done)
         yield from overdilated(done)
         yield from self._narrowed(stage, done)
@@ -260,15 +263,15 @@ class Treatment:
         yield from (gap.labeled("After treatment: ") for gap in done.after.gaps)
 
 
-@dataclass
-class _Stage:
-    """One stent as it was deployed, before it is measured."""
+class _Stage(NamedTuple):
+    """One stent as its turn found the vessel; it is measured when all are in place."""
 
     number: int
     stent: Stent
     axis: StentAxis
     centerline: Centerline | None
     deployment: Deployment
-    result: DeploymentResult
-    warnings: tuple[Caution, ...] = ()
-    seconds: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def result(self) -> DeploymentResult:
+        return self.deployment.result
