@@ -14,7 +14,7 @@ from .placement import (
     Placement,
 )
 from .stent import DEFAULT_FORESHORTENING, MAXIMUM_DIAMETER, MAXIMUM_LENGTH, Stent
-from .stent_axis import StentAxis, stent_axis, straightened
+from .stent_axis import StentAxis, stent_axis, straightened, straightened_axis
 
 __all__ = [
     "DEFAULT_FORESHORTENING",
@@ -33,6 +33,7 @@ __all__ = [
     "placement_points",
     "stent_axis",
     "straightened",
+    "straightened_axis",
 ]
 
 

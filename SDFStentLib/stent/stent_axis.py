@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -115,11 +115,17 @@ def stent_axis(
     warnings = [*_shortened(axis), *(_choice(choice) for choice in found.choices)]
     if centerline is not None:
         warnings += beside(stent.placement, centerline)
-    if straightening_fraction:
-        points = straightened(axis.points, straightening_fraction)
-        axis = StentAxis(points, found.inscribed_radius, nominal, prescribed)
-    warnings += _bend(axis, stent.radius)
-    return StentAxis(axis.points, axis.inscribed_radius, nominal, prescribed, tuple(warnings))
+    axis = replace(axis, warnings=(*warnings, *_bend(axis, stent.radius)))
+    if not straightening_fraction:
+        return axis
+    return straightened_axis(axis, straightening_fraction, stent.radius)
+
+
+def straightened_axis(axis: StentAxis, fraction: float, stent_radius: float) -> StentAxis:
+    """An axis moved towards its chord as by `straightened`, its bend judged anew."""
+    moved = replace(axis, points=straightened(axis.points, fraction))
+    others = (one for one in axis.warnings if one.kind != "tight-bend")
+    return replace(moved, warnings=(*others, *_bend(moved, stent_radius)))
 
 
 def straightened(points: ArrayLike, fraction: float) -> Points:

@@ -16,7 +16,7 @@ from ..cautions import Caution
 from ..centerline import Centerline
 from ..geometry import Surface, resampled
 from ..measure import LocalSurface
-from ..stent import Stent, StentAxis, stent_axis, straightened
+from ..stent import Stent, StentAxis, stent_axis, straightened, straightened_axis
 from ..validation import Points
 from .in_lumen import check_in_lumen
 
@@ -51,7 +51,7 @@ def axis_in_vessel(
     if not straightening_fraction:
         return native
     used, place = permitted(native.points, stent.radius, surface, straightening_fraction)
-    axis = stent_axis(stent, centerline, straightening_fraction=used)
+    axis = straightened_axis(native, used, stent.radius)
     if used > straightening_fraction - NOTICEABLE:
         return axis
     x, y, z = place.tolist()
