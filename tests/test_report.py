@@ -521,6 +521,13 @@ def test_a_figure_that_cannot_be_drawn_is_refused_and_leaves_no_file(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize("zone", ["Z", "+00:00"])
+def test_the_time_of_a_report_reads_without_letters_of_a_computer(zone):
+    document = a_report(created=f"2026-01-02T03:04:05{zone}").as_dict()
+    assert "2026-01-02 03:04:05 UTC" in html_page(document)
+    assert document["created"] == f"2026-01-02T03:04:05{zone}"
+
+
 def test_the_clinicians_part_comes_first_and_what_is_to_be_checked_last():
     png = b"\x89PNG\r\n\x1a\n"
     page = html_page(a_report(stents=(planned(),)).as_dict(), png)

@@ -32,7 +32,8 @@ h2{font-size:17px;margin:28px 0 6px;border-bottom:1px solid #ccc}
 .sub{color:#555;margin:0 0 12px}.notice{font-weight:600;border-left:5px solid #b30000;
 padding:4px 10px;background:#fff4f2}table{border-collapse:collapse;width:100%;margin:6px 0}
 th,td{text-align:left;padding:5px 10px;border-bottom:1px solid #e4e4e4;vertical-align:top}
-td.n,th.n{text-align:right;font-variant-numeric:tabular-nums}.first td{font-size:17px}
+td.n,th.n{text-align:right;white-space:nowrap;font-variant-numeric:tabular-nums}
+.first td{font-size:17px}
 .good{border-left:5px solid #1a7f37;background:#eef8f0;padding:6px 10px}
 .bad{border-left:5px solid #b30000;background:#fff0ee;padding:6px 10px}
 .warn{border-left:5px solid #b37400;background:#fff8e8;padding:6px 10px;margin:4px 0}
@@ -60,8 +61,8 @@ def html_page(document: Mapping[str, Any], picture: bytes | str | None = None) -
         "<meta name='viewport' content='width=device-width'>",
         f"<title>Virtual stenting report</title><style>{_STYLE}</style></head><body>",
         "<h1>Virtual stenting report</h1>",
-        f"<p class='sub'>{escape(files)} &middot; {escape(str(document['created']))} &middot; "
-        f"sdfstent {escape(str(document['sdfstent_version']))}</p>",
+        f"<p class='sub'>{escape(files)} &middot; {escape(_in_words(document['created']))}"
+        f" &middot; sdfstent {escape(str(document['sdfstent_version']))}</p>",
         f"<p class='notice'>{escape(document['notice'])}</p>",
         # For the clinician: what was done, what came of it, and what to be careful of.
         _certificate(document["certificate"]),
@@ -81,6 +82,11 @@ def html_page(document: Mapping[str, Any], picture: bytes | str | None = None) -
         "</div></body></html>\n",
     ]
     return printable("\n".join(parts))
+
+
+def _in_words(created: str) -> str:
+    """A time of ISO 8601 as one reads it."""
+    return created.replace("T", " ").replace("+00:00", " UTC").replace("Z", " UTC")
 
 
 def certificate_sentence(certificate: Mapping[str, Any] | None) -> tuple[bool, str]:
