@@ -6,9 +6,9 @@ A stand-in offers only what the real widget has. `check_panel.py` holds the pane
 import slicer
 import vtk
 from PySide6.QtCore import Property, Signal
-from PySide6.QtWidgets import QComboBox, QHBoxLayout, QPushButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QPushButton, QWidget
 
-from .scene_observer import SceneObserver, neighbor
+from .scene_observer import SceneSelector, neighbor
 from .segment_selector import qMRMLSegmentSelectorWidget
 
 
@@ -49,31 +49,21 @@ class SortFilterProxyModel:
         self._onChanged()
 
 
-class qMRMLNodeComboBox(QWidget):
+class qMRMLNodeComboBox(SceneSelector):
     currentNodeChanged = Signal(object)
     nodeAddedByUser = Signal(object)
 
     def __init__(self, parent=None):
         super().__init__(parent)
-        self._box = QComboBox(self)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.addWidget(self._box)
-        self._scene, self._currentID, self._ids = None, None, []
+        self._currentID, self._ids = None, []
         self._nodeTypes, self._flags, self._texts = [], {}, {}
         self._attributes = {}
         self._leaving = None
         self._filter = SortFilterProxyModel(self._dropHidden)
-        self._observer = SceneObserver(self._onScene)
         self._box.activated.connect(self._onActivated)
-        self.destroyed.connect(lambda *_, observer=self._observer: observer.observe(None))
-
-    def mrmlScene(self):
-        return self._scene
 
     def setMRMLScene(self, scene):
-        self._scene = scene
-        self._observer.observe(scene)
+        super().setMRMLScene(scene)
         self._refresh()
 
     def currentNode(self):
@@ -161,14 +151,10 @@ class qMRMLNodeComboBox(QWidget):
         if self._flags.get("noneEnabled") or not ids:
             ids, labels = [None, *ids], [self._texts.get("noneDisplay") or "None", *labels]
         self._ids = ids
-        self._box.blockSignals(True)
-        self._box.clear()
-        self._box.addItems(labels)
         if self._flags.get("addEnabled"):
             self._texts["createText"] = f"Create new {self._texts.get('baseName') or 'node'}"
-            self._box.addItem(self._texts["createText"])
-        self._box.setCurrentIndex(ids.index(self._currentID) if self._currentID in ids else 0)
-        self._box.blockSignals(False)
+            labels = [*labels, self._texts["createText"]]
+        self._show(labels, ids.index(self._currentID) if self._currentID in ids else 0)
 
     def _accepts(self, node, nodeType):
         if node.GetHideFromEditors() and not self._flags.get("showHidden"):

@@ -1,6 +1,7 @@
 """How a widget of qMRML hears of its scene: the events and priorities of Slicer's scene model."""
 
 import vtk
+from PySide6.QtWidgets import QComboBox, QVBoxLayout, QWidget
 
 EVENTS = {
     "NodeAddedEvent": 10.0,
@@ -29,6 +30,35 @@ class SceneObserver:
             self._callback(name, node)
 
         return self._scene.AddObserver(getattr(self._scene, name), heard, EVENTS[name])
+
+
+class SceneSelector(QWidget):
+    """A combo box over the content of a scene, which says `_onScene(event, node)` when that changes."""
+
+    def __init__(self, parent=None):
+        super().__init__(parent)
+        self._box = QComboBox(self)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.addWidget(self._box)
+        self._scene = None
+        self._observer = SceneObserver(self._onScene)
+        self.destroyed.connect(lambda *_, observer=self._observer: observer.observe(None))
+
+    def mrmlScene(self):
+        return self._scene
+
+    def setMRMLScene(self, scene):
+        self._scene = scene
+        self._observer.observe(scene)
+
+    def _show(self, labels, index):
+        """Fill the box without a signal."""
+        self._box.blockSignals(True)
+        self._box.clear()
+        self._box.addItems(labels)
+        self._box.setCurrentIndex(index)
+        self._box.blockSignals(False)
 
 
 def neighbor(items, item):

@@ -2,34 +2,20 @@
 
 import slicer
 from PySide6.QtCore import Property, Signal
-from PySide6.QtWidgets import QComboBox, QVBoxLayout, QWidget
 
-from .scene_observer import SceneObserver, neighbor
+from .scene_observer import SceneSelector, neighbor
 
 SEGMENT_EVENTS = ("SegmentAdded", "SegmentRemoved", "SegmentModified")
 
 
-class qMRMLSegmentSelectorWidget(QWidget):
+class qMRMLSegmentSelectorWidget(SceneSelector):
     currentSegmentChanged = Signal(str)
 
     def __init__(self, parent=None):
         super().__init__(parent)
-        self._box = QComboBox(self)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.addWidget(self._box)
-        self._node, self._scene, self._flags = None, None, {}
+        self._node, self._flags = None, {}
         self._ids, self._currentID, self._tags = [], "", []
-        self._observer = SceneObserver(self._onScene)
         self._box.currentIndexChanged.connect(self._onCurrentIndex)
-        self.destroyed.connect(lambda *_, observer=self._observer: observer.observe(None))
-
-    def mrmlScene(self):
-        return self._scene
-
-    def setMRMLScene(self, scene):
-        self._scene = scene
-        self._observer.observe(scene)
 
     def currentNode(self):
         return self._node
@@ -69,12 +55,9 @@ class qMRMLSegmentSelectorWidget(QWidget):
         """The segments of the node; the present one where it has it, else its first, which is emitted at once."""
         segmentation = self._node.GetSegmentation() if self._node is not None else None
         self._ids = list(segmentation.GetSegmentIDs()) if segmentation is not None else []
-        self._box.blockSignals(True)
-        self._box.clear()
-        self._box.addItems([segmentation.GetSegment(i).GetName() for i in self._ids])
         isThere = self._currentID in self._ids
-        self._box.setCurrentIndex(self._ids.index(self._currentID) if isThere else -1)
-        self._box.blockSignals(False)
+        names = [segmentation.GetSegment(i).GetName() for i in self._ids]
+        self._show(names, self._ids.index(self._currentID) if isThere else -1)
         if self._ids and not isThere:
             self._box.setCurrentIndex(0)
 
