@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from ..centerline import Centerline
 from ..geometry import Surface, boundary_edges, component_labels, is_inside, resampled, tangents
-from ..validation import InputError, Points, Triangles
-from .inscribed import inscribed_spheres
+from ..validation import Flags, InputError, Points, Triangles
+from .inscribed import InscribedSpheres, inscribed_spheres
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -62,7 +62,7 @@ def branch_lumens(surface: Surface, centerline: Centerline) -> tuple[BranchLumen
     points, triangles = surface.points, surface.triangles
     spheres = inscribed_spheres(points, triangles, stations, directions, tolerance=TOLERANCE)
     diameter = 2 * spheres.radii
-    diameter[~is_inside(stations, *closed_surface(points, triangles))] = np.nan
+    diameter[~_is_in_lumen(stations, spheres, surface)] = np.nan
     if not np.isfinite(diameter).any():
         raise InputError(
             "lesions: expected a centerline inside of the surface, got one that is outside "
@@ -91,6 +91,17 @@ def closed_surface(points: Points, triangles: Triangles) -> tuple[Points, Triang
     middles = np.stack([np.bincount(label, part) for part in points[used].T], axis=1)
     fans = np.column_stack([rim[:, ::-1], len(points) + label[ends[:, 0]]])
     return np.vstack([points, middles / weight[:, None]]), np.vstack([triangles, fans])
+
+
+def _is_in_lumen(stations: Points, spheres: InscribedSpheres, surface: Surface) -> Flags:
+    """Which stations (n,) are inside; those that one empty sphere holds are on one side."""
+    centers, radii = spheres
+    holds = np.linalg.norm(stations - centers, axis=1) < radii
+    holds_next = np.linalg.norm(stations[1:] - centers[:-1], axis=1) < radii[:-1]
+    group = np.cumsum(np.r_[True, ~(holds[:-1] & holds_next)]) - 1
+    first = np.searchsorted(group, np.arange(group[-1] + 1))
+    closed = closed_surface(surface.points, surface.triangles)
+    return np.asarray(is_inside(stations[first], *closed)[group])
 
 
 def _joined_nodes(centerline: Centerline) -> Indices:

@@ -224,9 +224,8 @@ def treatment_of(plan: Plan, inputs: InputFiles) -> Treatment:
     surface = inputs.surface
     stents = plan.stents
     if inputs.vessel.reference:
-        _ = (
-            inputs.vessel.lesions
-        )  # a reference that cannot be one fails here rather than in the end
+        # A reference that cannot be one fails here rather than in the end.
+        _ = inputs.vessel.lesions
     if plan.frame is not None and surface.frame not in (None, plan.frame):
         stents = tuple(turned(stent) for stent in stents)
     for number, stent in enumerate(stents, start=1):
