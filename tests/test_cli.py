@@ -454,9 +454,9 @@ def test_check_tells_sound_surfaces_from_others(a_folder, capsys):
 def test_without_opengl_the_report_comes_and_a_picture_is_refused_at_once(
     a_folder, monkeypatch, capsys
 ):
-    import SDFStentLib.report.picture.process as process
+    import SDFStentLib.report.painting as painting
 
-    monkeypatch.setattr(process, "PROGRAM", "raise SystemExit('no OpenGL here')")
+    monkeypatch.setattr(painting, "PROGRAM", "raise SystemExit('no OpenGL here')")
     assert deploy("--report", "r.html") == 0
     said = capsys.readouterr().err
     assert said.count("The picture could not be rendered: VTK's process ended with code 1") == 1

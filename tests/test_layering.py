@@ -63,7 +63,7 @@ VTK_GATE = {  # the only files that may import vtk themselves
     "files/surface_files.py", "files/surface_output.py", "files/triangulation.py",
     "files/normal_arrays.py", "files/same_space.py", "files/formats/vtk_files.py",
     "files/formats/stored_to_vtk.py", "files/formats/vtk_quiet.py",
-    "files/formats/lz4_blocks.py", "report/picture/scene.py",
+    "files/formats/lz4_blocks.py", "report/painter.py", "report/picture/panel.py",
 }  # fmt: skip
 
 

@@ -15,10 +15,11 @@ from SDFStentLib import phantoms
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.files import encode_vtp, polydata_from_arrays
 from SDFStentLib.plan import Plan, PlanResult, read_input_files, treatment_of
+from SDFStentLib.report import painting
 from SDFStentLib.report.drawing import Box, Disc, Drawing, Line, Words, svg
-from SDFStentLib.report.picture import picture, process
+from SDFStentLib.report.painting import painted
+from SDFStentLib.report.picture import picture
 from SDFStentLib.report.picture.picture import STEEL, before_after_picture, before_after_scene
-from SDFStentLib.report.picture.process import painted
 from SDFStentLib.report.picture.shapes import (
     WALL_COLOR,
     Lumen,
@@ -288,9 +289,8 @@ def test_the_words_are_the_measured_diameters(treated: PlanResult) -> None:
 def test_the_unit_of_the_file_changes_nothing(treated: PlanResult, tmp_path: Path) -> None:
     stent = treated.plan.stents[0]
     in_cm = carried_out(tmp_path, (stent,), per_mm=0.1)
-    (_, one, walls), (_, other, same) = (
-        before_after_scene(result, "") for result in (treated, in_cm)
-    )
+    (_, walls), (_, same) = (before_after_scene(result, "") for result in (treated, in_cm))
+    one, other = walls[0].view, same[0].view
     np.testing.assert_allclose(one.focus, other.focus, atol=1e-3)
     assert one.half_height == pytest.approx(other.half_height, abs=1e-3)
     for wall, twin in zip(walls, same, strict=True):
@@ -300,7 +300,8 @@ def test_the_unit_of_the_file_changes_nothing(treated: PlanResult, tmp_path: Pat
 
 def test_two_stents_are_both_drawn_colored_and_marked(tmp_path: Path) -> None:
     both = carried_out(tmp_path, (stent_at(28, 36), stent_at(38, 44, 7.4)))
-    drawing, view, walls = before_after_scene(both, "")
+    drawing, walls = before_after_scene(both, "")
+    view = walls[0].view
     first, second = both.treatment.stents
     struts = [mark for mark in drawing.marks if isinstance(mark, Line) and mark.color == STEEL]
     for lattice, stent in zip((struts[:16], struts[16:]), (first, second), strict=True):
@@ -327,7 +328,7 @@ def test_an_unknown_lumen_is_said_and_not_drawn(treated: PlanResult) -> None:
     unknown = replace(stent, after=replace(stent.after, inscribed_diameter=nothing))
     result = replace(treated, treatment=replace(treated.treatment, stents=(unknown,)))
     assert "After: minimum lumen not known" in shown_words(result)
-    after = before_after_scene(result, "")[2][1]
+    after = before_after_scene(result, "")[1][1]
     np.testing.assert_allclose(after.colors[:, :3], np.tile(WALL_COLOR, (len(after.points), 1)))
 
 
@@ -393,7 +394,7 @@ def test_a_renderer_that_dies_is_an_error_that_names_the_packages(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, script: str, message: str
 ) -> None:
     monkeypatch.setattr(sys, "executable", interpreter(tmp_path, script))
-    monkeypatch.setattr(process, "PATIENCE", 0.5 if "sleep" in script else 20)
+    monkeypatch.setattr(painting, "PATIENCE", 0.5 if "sleep" in script else 20)
     with pytest.raises(DeploymentError, match=message):
         painted(Drawing(8, 8, ()))
 

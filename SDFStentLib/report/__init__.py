@@ -26,7 +26,8 @@ if TYPE_CHECKING:
         stent_lesion_sentences,
     )
     from .of_plan import plan_report
-    from .picture import before_after_picture, check_rendering
+    from .painting import check_rendering
+    from .picture import before_after_picture
     from .report import FIGURE_SUFFIXES, Report, write_report, write_report_figure
 
 __all__ = [
@@ -69,7 +70,8 @@ __getattr__, __dir__ = late_names(
             "stent_lesion_sentences",
         ],
         "of_plan": ["plan_report"],
-        "picture": ["before_after_picture", "check_rendering"],
+        "painting": ["check_rendering"],
+        "picture": ["before_after_picture"],
         "report": ["FIGURE_SUFFIXES", "Report", "write_report", "write_report_figure"],
     },
 )

@@ -1,4 +1,4 @@
-"""A flat drawing as a list of marks: written as SVG here, painted into a PNG by `picture`."""
+"""A flat drawing as a list of marks: written as SVG here, painted into a PNG by `painting`."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ from ..validation import InputError, read_only
 from .branches import branch_section, free_stretches
 from .drawing import svg
 from .html import html_page
-from .picture import painted
+from .painting import painted
 from .plot import figure
 
 SCHEMA = "sdfstent-report"

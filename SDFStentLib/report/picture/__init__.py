@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from .picture import before_after_picture
-from .process import check_rendering, painted
 
-__all__ = ["before_after_picture", "check_rendering", "painted"]
+__all__ = ["before_after_picture"]
 
 
 def __dir__() -> list[str]:

@@ -11,10 +11,10 @@ from ...plan import PlanResult
 from ...treatment import TreatedStent
 from ...validation import Points, check_is_a
 from ..drawing import GRAY, INK, Box, Drawing, Line, Mark, Words
-from .process import painted
+from ..painting import painted
 from .shapes import (
     Lumen,
-    Wall,
+    Panel,
     diameter_colors,
     lumen_of,
     section_ring,
@@ -54,7 +54,7 @@ def before_after_picture(result: PlanResult, title: str = "") -> bytes:
     return painted(*before_after_scene(result, title))
 
 
-def before_after_scene(result: PlanResult, title: str) -> tuple[Drawing, View, list[Wall]]:
+def before_after_scene(result: PlanResult, title: str) -> tuple[Drawing, list[Panel]]:
     """What `before_after_picture` paints: all that is flat, and the walls under it."""
     surface, stents = result.inputs.surface, result.treatment.stents
     moments = surface.points, result.treatment.points
@@ -63,18 +63,18 @@ def before_after_scene(result: PlanResult, title: str) -> tuple[Drawing, View, l
     view = best_view(axes, max(radii), cloud, WIDTH / 2 / (BOTTOM - TOP), surface.frame)
     lumens = [lumen for lumen in map(lumen_of, stents) if len(lumen.arc_length)]
     limits = _limits(radii, lumens)
-    walls = []
+    panels = []
     for side, points in enumerate(moments):
         normals = vertex_normals(points, surface.triangles)
         facing = np.abs(normals @ view.toward_camera)
         colors = wall_colors(wall_diameters(points, lumens, side), limits, facing)
-        walls.append(Wall(points, surface.triangles, colors))
+        panels.append(Panel(side, view, points, surface.triangles, colors))
     marks = [*_headings(stents, title), *_length_scale(view), *_color_scale(*limits)]
     for axis, radius in zip(axes, radii, strict=True):
         marks.append(_curve(view, axis, 0, INK, 2.5))
         marks += [_curve(view, strut, 1, STEEL, 1.5) for strut in stent_lattice(axis, radius)]
     marks += _sections(view, cloud, lumens)
-    return Drawing(WIDTH, HEIGHT, tuple(marks), title), view, walls
+    return Drawing(WIDTH, HEIGHT, tuple(marks), title), panels
 
 
 def _limits(radii: Sequence[float], lumens: Sequence[Lumen]) -> tuple[float, float]:

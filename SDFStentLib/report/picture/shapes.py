@@ -10,6 +10,7 @@ import numpy as np
 from ...geometry import across, closest_points, frames, length, point_at
 from ...treatment import TreatedStent
 from ...validation import Floats, Points, Triangles
+from .view import View
 
 WALL_COLOR = (0.84, 0.42, 0.36)
 """Of the vessel: a warm tissue red."""
@@ -29,9 +30,12 @@ REACH = 1.15
 """The wall has the color of its stent's lumen up to so many radii from the axis."""
 
 
-class Wall(NamedTuple):
-    """A surface, mm, with color and opacity (n, 4) of its points, 0 to 1."""
+class Panel(NamedTuple):
+    """A surface, mm, in a view, with color and opacity (n, 4) of its points, 0 to 1."""
 
+    side: int
+    """0 for the left one, before; 1 for the right one, after."""
+    view: View
     points: Points
     triangles: Triangles
     colors: Floats

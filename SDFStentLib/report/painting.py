@@ -7,11 +7,13 @@ import subprocess
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from ...validation import DeploymentError
-from ..drawing import Drawing
-from .shapes import Wall
-from .view import View
+from ..validation import DeploymentError
+from .drawing import Drawing
+
+if TYPE_CHECKING:
+    from .picture.shapes import Panel
 
 PATIENCE = 600
 """Seconds after which the renderer counts as stuck."""
@@ -21,23 +23,23 @@ PACKAGES = "libegl1 libgl1 libgl1-mesa-dri"
 
 PROGRAM = (
     "import sys; sys.path.insert(0, sys.argv[1]); "
-    "from SDFStentLib.report.picture.scene import main; main()"
+    "from SDFStentLib.report.painter import main; main()"
 )
 
 
-def painted(drawing: Drawing, view: View | None = None, walls: Sequence[Wall] = ()) -> bytes:
-    """The PNG of a drawing, with walls under it, side by side in one view.
+def painted(drawing: Drawing, panels: Sequence[Panel] = ()) -> bytes:
+    """The PNG of a drawing, with the panels of a picture under it.
 
     Raises
     ------
     DeploymentError
         Nothing here can render; the message names what to install.
     """
-    above = str(Path(__file__).resolve().parents[3])
+    above = str(Path(__file__).resolve().parents[2])
     try:
         done = subprocess.run(
             [sys.executable, "-c", PROGRAM, above],
-            input=pickle.dumps((drawing, view, tuple(walls))),
+            input=pickle.dumps((drawing, tuple(panels))),
             capture_output=True,
             timeout=PATIENCE,
             check=False,

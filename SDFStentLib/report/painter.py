@@ -1,4 +1,4 @@
-"""Painting by VTK; runs in a process of its own, started by `process`."""
+"""Painting by VTK; runs in a process of its own, started by `painting`."""
 
 from __future__ import annotations
 
@@ -11,42 +11,31 @@ import numpy as np
 import vtkmodules.vtkRenderingContextOpenGL2
 import vtkmodules.vtkRenderingFreeType
 import vtkmodules.vtkRenderingOpenGL2  # noqa: F401
-from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkPoints2D
-from vtkmodules.vtkFiltersCore import vtkPolyDataNormals
 from vtkmodules.vtkImagingCore import vtkImageShrink3D
 from vtkmodules.vtkIOImage import vtkPNGWriter
 from vtkmodules.vtkPythonContext2D import vtkPythonItem
 from vtkmodules.vtkRenderingContext2D import vtkContext2D, vtkContextActor, vtkPen
-from vtkmodules.vtkRenderingCore import (
-    vtkActor,
-    vtkPolyDataMapper,
-    vtkRenderer,
-    vtkRenderWindow,
-    vtkWindowToImageFilter,
-)
+from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow, vtkWindowToImageFilter
 
-from ...files import polydata_from_arrays
-from ...geometry import cut, length
-from ...validation import Points
-from ..drawing import Box, Disc, Drawing, Line, Words
-from .shapes import Wall
-from .view import BOTTOM, TOP, View
+from ..geometry import cut, length
+from ..validation import Points
+from .drawing import Box, Disc, Drawing, Line, Words
+from .picture.panel import seen
+from .picture.shapes import Panel
 
 OVERSAMPLING = 2
 """Drawn this many times larger and averaged: depth peeling does not go with multisampling."""
 
-LAYERS = 8
-"""Walls in front of each other that are told apart."""
-
 
 def main() -> None:
-    """Read a pickled drawing, view and walls from stdin, write the PNG to stdout."""
+    """Read a pickled drawing and its panels from stdin, write the PNG to stdout."""
     sys.stdout.buffer.write(png(*pickle.load(sys.stdin.buffer)))
 
 
-def png(drawing: Drawing, view: View | None, walls: tuple[Wall, ...]) -> bytes:
-    """The walls side by side, with the drawing over them, as the bytes of a PNG file.
+def png(drawing: Drawing, panels: tuple[Panel, ...]) -> bytes:
+    """The panels side by side, with the drawing over them, as the bytes of a PNG file.
 
     A drawing alone stays as large as it is drawn, which prints well.
     """
@@ -57,10 +46,7 @@ def png(drawing: Drawing, view: View | None, walls: tuple[Wall, ...]) -> bytes:
     window.SetSize(OVERSAMPLING * drawing.width, OVERSAMPLING * drawing.height)
     paper = vtkRenderer()
     paper.SetBackground(1, 1, 1)
-    renderers = [paper, *(_seen(wall, view) for wall in walls if view), _overlay(drawing)]
-    for side, renderer in enumerate(renderers[1:-1]):
-        low, high = (1 - row / drawing.height for row in (BOTTOM, TOP))
-        renderer.SetViewport(side / 2, low, (side + 1) / 2, high)
+    renderers = [paper, *(seen(panel) for panel in panels), _overlay(drawing)]
     window.SetNumberOfLayers(len(renderers))
     for layer, renderer in enumerate(renderers):
         renderer.SetLayer(layer)
@@ -71,44 +57,12 @@ def png(drawing: Drawing, view: View | None, walls: tuple[Wall, ...]) -> bytes:
     grab.ReadFrontBufferOff()
     shrink = vtkImageShrink3D()
     shrink.SetInputConnection(grab.GetOutputPort())
-    shrink.SetShrinkFactors(*((OVERSAMPLING, OVERSAMPLING, 1) if walls else (1, 1, 1)))
+    shrink.SetShrinkFactors(*((OVERSAMPLING, OVERSAMPLING, 1) if panels else (1, 1, 1)))
     writer = vtkPNGWriter()
     writer.WriteToMemoryOn()
     writer.SetInputConnection(shrink.GetOutputPort())
     writer.Write()
     return bytes(vtk_to_numpy(writer.GetResult()))
-
-
-def _seen(wall: Wall, view: View) -> vtkRenderer:
-    data = polydata_from_arrays(wall.points, wall.triangles)
-    data.GetPointData().SetScalars(numpy_to_vtk((255 * wall.colors).astype(np.uint8), deep=1))
-    normals = vtkPolyDataNormals()
-    normals.SetInputData(data)
-    normals.SetFeatureAngle(60)
-    normals.ConsistencyOff()
-    mapper = vtkPolyDataMapper()
-    mapper.SetInputConnection(normals.GetOutputPort())
-    actor = vtkActor()
-    actor.SetMapper(mapper)
-    actor.ForceTranslucentOn()
-    look = actor.GetProperty()
-    look.SetAmbient(0.35)
-    look.SetDiffuse(0.65)
-    look.SetSpecular(0.15)
-    look.SetSpecularPower(30)
-    renderer = vtkRenderer()
-    renderer.AddActor(actor)
-    renderer.SetUseDepthPeeling(1)
-    renderer.SetMaximumNumberOfPeels(LAYERS)
-    renderer.SetOcclusionRatio(0.0)
-    camera = renderer.GetActiveCamera()
-    camera.ParallelProjectionOn()
-    camera.SetFocalPoint(*view.focus)
-    camera.SetPosition(*(view.focus + 1000 * view.toward_camera))
-    camera.SetViewUp(*view.up)
-    camera.SetParallelScale(view.half_height)
-    renderer.ResetCameraClippingRange()
-    return renderer
 
 
 def _overlay(drawing: Drawing) -> vtkRenderer:

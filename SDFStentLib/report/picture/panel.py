@@ -1,0 +1,50 @@
+"""One panel of a picture in VTK: the wall, colored and lit."""
+
+from __future__ import annotations
+
+import numpy as np
+from vtkmodules.util.numpy_support import numpy_to_vtk
+from vtkmodules.vtkFiltersCore import vtkPolyDataNormals
+from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper, vtkRenderer
+
+from ...files import polydata_from_arrays
+from .shapes import Panel
+from .view import BOTTOM, HEIGHT, TOP
+
+LAYERS = 8
+"""Walls in front of each other that are told apart."""
+
+
+def seen(panel: Panel) -> vtkRenderer:
+    """A renderer in its half of the picture."""
+    data = polydata_from_arrays(panel.points, panel.triangles)
+    data.GetPointData().SetScalars(numpy_to_vtk((255 * panel.colors).astype(np.uint8), deep=1))
+    normals = vtkPolyDataNormals()
+    normals.SetInputData(data)
+    normals.SetFeatureAngle(60)
+    normals.ConsistencyOff()
+    mapper = vtkPolyDataMapper()
+    mapper.SetInputConnection(normals.GetOutputPort())
+    actor = vtkActor()
+    actor.SetMapper(mapper)
+    actor.ForceTranslucentOn()
+    look = actor.GetProperty()
+    look.SetAmbient(0.35)
+    look.SetDiffuse(0.65)
+    look.SetSpecular(0.15)
+    look.SetSpecularPower(30)
+    renderer = vtkRenderer()
+    renderer.AddActor(actor)
+    renderer.SetUseDepthPeeling(1)
+    renderer.SetMaximumNumberOfPeels(LAYERS)
+    renderer.SetOcclusionRatio(0.0)
+    low, high = 1 - BOTTOM / HEIGHT, 1 - TOP / HEIGHT
+    renderer.SetViewport(panel.side / 2, low, (panel.side + 1) / 2, high)
+    camera, view = renderer.GetActiveCamera(), panel.view
+    camera.ParallelProjectionOn()
+    camera.SetFocalPoint(*view.focus)
+    camera.SetPosition(*(view.focus + 1000 * view.toward_camera))
+    camera.SetViewUp(*view.up)
+    camera.SetParallelScale(view.half_height)
+    renderer.ResetCameraClippingRange()
+    return renderer
