@@ -70,7 +70,7 @@ TEMPLATES = {
     ),
     "without-effect": (
         "Nothing moves: the stent of {stent_diameter_mm:g} mm is not wider than the lumen where it "
-        "lies ({minimum_mm:.1f} to {maximum_mm:.1f} mm)."
+        "lies{as_left} ({minimum_mm:.1f} to {maximum_mm:.1f} mm)."
     ),
     "overdilated": (
         "The stent of {stent_diameter_mm:g} mm is {times:.2g} times as wide as the widest native "

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from deployment_cases import anatomy_case, phantom
@@ -193,6 +195,18 @@ def test_a_target_smaller_than_the_lumen_moves_nothing_bit_by_bit_and_says_so():
         "Nothing moves: the stent of 5 mm is not wider than the lumen where it lies "
         "(5.9 to 6.0 mm).",
     )
+
+
+def test_a_stent_in_a_wider_one_names_the_lumen_that_this_one_left():
+    """It named the native lumen, which both stents are wider than."""
+    made = phantom("stenosed_tube", edge_length=0.8)
+    stents = [Stent(d, placement=AtCenter([0.0, 0, 20]), length=12.0) for d in (6.0, 4.5)]
+    result = Treatment(made.surface, stents, made.centerline).result
+    (said,) = (one for one in result.warnings if one.kind == "without-effect")
+    found = re.search(r"lies as the earlier stents left it \((\S+) to (\S+) mm\)", str(said))
+    after = result.stents[0].after
+    assert float(found.group(1)) == pytest.approx(after.minimum, abs=0.1)
+    assert float(found.group(1)) > 5.5
 
 
 def test_an_axis_far_from_the_surface_is_refused_with_what_to_check():

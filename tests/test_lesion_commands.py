@@ -348,3 +348,17 @@ def test_a_reference_that_cannot_be_one_ends_before_anything_is_deployed(tube, t
     alone = [tube[0], "--axis", tube[2], "--diameter", 6]
     said, _ = deployed([*alone, *words], tmp_path, capsys, code=2)
     assert "expected --centerline FILE with --reference, got none" in said
+
+
+def test_an_axis_that_is_half_outside_gets_its_sentence_in_deploy_and_run(tube, tmp_path, capsys):
+    """Of 60 mm of tube; `run` dropped the sentence."""
+    axis, plan = tmp_path / "axis.vtp", tmp_path / "plan.json"
+    line = np.linspace([0, 0, 2.0], [0, 0, 9.0], 71)
+    axis.write_bytes(vtk_formats.encode_vtp(polydata.polydata_from_lines(line, [np.arange(71)])))
+    words = ["deploy", tube[0], "--units", "cm", "--axis", axis, "--diameter", 6]
+    assert main([str(w) for w in [*words, "-o", tmp_path / "o.vtp", "--save-plan", plan]]) in (0, 3)
+    assert "42 % of its points lie outside of" in capsys.readouterr().err
+    assert main(["run", str(plan), "-o", str(tmp_path / "run")]) in (0, 3)
+    assert "42 % of its points lie outside of" in capsys.readouterr().err
+    report = json.loads((tmp_path / "run" / "report.json").read_text(encoding="utf-8"))
+    assert any("42 % of its points lie outside of" in said for said in report["warnings"])

@@ -21,7 +21,7 @@ from ..files import (
     write_centerline,
     write_surface,
 )
-from ..stent import AlongAxis, InputFile
+from ..stent import AlongAxis, InputFile, Stent
 from ..treatment import (
     TreatedLesion,
     Treatment,
@@ -68,10 +68,11 @@ class PlanResult:
     inputs: InputFiles
     treatment: TreatmentResult
 
-    @property
+    @cached_property
     def warnings(self) -> tuple[Caution, ...]:
-        """Of reading and of the treatment."""
-        return (*self.inputs.warnings, *self.treatment.warnings)
+        """Of reading, of the axes in the vessel and of the treatment."""
+        axes = _axes_in_space(_stents(self.plan, self.inputs), self.inputs.surface)
+        return (*self.inputs.warnings, *axes, *self.treatment.warnings)
 
     @cached_property
     def lesions(self) -> tuple[TreatedLesion, ...] | None:
@@ -222,17 +223,11 @@ def treatment_of(plan: Plan, inputs: InputFiles) -> Treatment:
         A stent that cannot be placed, or an axis outside of the surface.
     """
     surface = inputs.surface
-    stents = plan.stents
+    stents = _stents(plan, inputs)
     if inputs.vessel.reference:
         # A reference that cannot be one fails here rather than in the end.
         _ = inputs.vessel.lesions
-    if plan.frame is not None and surface.frame not in (None, plan.frame):
-        stents = tuple(turned(stent) for stent in stents)
-    for number, stent in enumerate(stents, start=1):
-        if stent.enabled and isinstance(stent.placement, AlongAxis):
-            file = stent.placement.file
-            name = f"axis of stent {number}" if file is None else file.path
-            _same_space(surface, stent.placement.points, name)
+    _axes_in_space(stents, surface)  # likewise
     return Treatment(
         surface.surface,
         stents,
@@ -242,6 +237,24 @@ def treatment_of(plan: Plan, inputs: InputFiles) -> Treatment:
         companions=np.empty((0, 3)) if inputs.line_file is None else inputs.line_file.points,
         precision=surface.precision,
     )
+
+
+def _stents(plan: Plan, inputs: InputFiles) -> tuple[Stent, ...]:
+    """Those of a plan in the frame of the surface."""
+    if plan.frame is not None and inputs.surface.frame not in (None, plan.frame):
+        return tuple(turned(stent) for stent in plan.stents)
+    return plan.stents
+
+
+def _axes_in_space(stents: Sequence[Stent], surface: SurfaceFile) -> tuple[Caution, ...]:
+    """What there is to say of curves of which a part is outside; `InputError` for most of one."""
+    found: list[Caution] = []
+    for number, stent in enumerate(stents, start=1):
+        if stent.enabled and isinstance(stent.placement, AlongAxis):
+            file = stent.placement.file
+            name = f"axis of stent {number}" if file is None else file.path
+            found += _same_space(surface, stent.placement.points, name)
+    return tuple(found)
 
 
 def as_read(plan: Plan, inputs: InputFiles) -> Plan:

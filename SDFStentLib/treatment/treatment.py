@@ -21,7 +21,7 @@ from ..centerline import Centerline
 from ..certificate import Certificate, certify
 from ..deformation import Deployment, DeploymentResult, DeploymentSettings, DeploymentState
 from ..geometry import Precision, Surface, as_surface
-from ..measure import bulged_caps, diameter_profile
+from ..measure import DiameterProfile, bulged_caps, diameter_profile
 from ..stent import Stent, StentAxis
 from ..validation import (
     DeploymentError,
@@ -250,10 +250,17 @@ class Treatment:
         for cap in bulged_caps(self.surface, after, moved):
             yield cap.caution()
 
+    def _found_lumen(self, stage: _Stage, done: TreatedStent) -> DiameterProfile | None:
+        """The lumen that earlier stents left for one that moved nothing."""
+        if done.moved_points:
+            return None
+        return diameter_profile(stage.deployment.surface, stage.axis.points, PROFILE_SPACING)
+
     def _warnings_of(self, stage: _Stage, done: TreatedStent) -> Iterator[Caution]:
         """About one stent, which is named later."""
         yield from stage.axis.warnings
-        yield from nothing_moved(done)
+        is_first = stage is self._stages[0]
+        yield from nothing_moved(done, None if is_first else self._found_lumen(stage, done))
         yield from overdilated(done)
         yield from self._narrowed(stage, done)
         if stage.result.relief is not None:

@@ -87,14 +87,17 @@ def overlap_length(
     return float(pieces[beside & near].sum())
 
 
-def nothing_moved(treated: TreatedStent) -> Iterator[Caution]:
-    """Whether a stent moved nothing, and why."""
+def nothing_moved(treated: TreatedStent, left: DiameterProfile | None) -> Iterator[Caution]:
+    """Whether a stent moved nothing, and why; `left` is the lumen that earlier stents left it."""
     if treated.moved_points:
         return
-    lumen, diameter = treated.before, treated.stent.diameter
+    lumen, diameter = left or treated.before, treated.stent.diameter
     if lumen.maximum > 0:
         widths = {"minimum_mm": lumen.minimum, "maximum_mm": lumen.maximum}
-        yield Caution("without-effect", {"stent_diameter_mm": diameter, **widths})
+        as_left = "" if left is None else " as the earlier stents left it"
+        numbers: dict[str, float | str] = {**widths, "as_left": as_left}
+        numbers["stent_diameter_mm"] = diameter
+        yield Caution("without-effect", numbers)
     else:
         yield Caution("outside-without-effect", {"stent_diameter_mm": diameter})
 

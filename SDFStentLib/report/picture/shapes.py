@@ -125,7 +125,9 @@ def stent_lattice(axis: Points, radius: float) -> Floats:
 def section_ring(lumen: Lumen, side: int) -> Points:
     """The marked section, before or after: a circle (65, 3) across the axis, closed, mm."""
     at, radius = lumen.narrowest, lumen.at(lumen.narrowest)[side] / 2
-    start, center, end = point_at(lumen.axis, [at - radius, at, at + radius])
+    # Where the axis leaves the lumen, the radius is 0 and tells no direction.
+    reach = max(radius, length(lumen.axis) / 100)
+    start, center, end = point_at(lumen.axis, [at - reach, at, at + reach])
     one, other = across(((end - start) / np.linalg.norm(end - start))[None])[0]
     angle = np.linspace(0, 2 * np.pi, 65)[:, None]
     return np.asarray(center + radius * (np.cos(angle) * one + np.sin(angle) * other))
