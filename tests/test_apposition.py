@@ -8,12 +8,12 @@ from ostium_truth import RayCaster
 
 from SDFStentLib import phantoms
 from SDFStentLib.deformation import DeploymentSettings
+from SDFStentLib.files import read_centerline, read_surface
 from SDFStentLib.measure.apposition import GAP, apposition
 from SDFStentLib.measure.extended_axis import extended_axis
 from SDFStentLib.measure.metrics import diameter_profile
-from SDFStentLib.measure.neighbor_lumen import neighbor_lumens, profile_around
-from SDFStentLib.measure.ostia import find_ostia
-from SDFStentLib.stent import AlongAxis, Stent
+from SDFStentLib.measure.profile_around import profile_around
+from SDFStentLib.stent import AlongAxis, AtCenter, Stent, stent_axis
 from SDFStentLib.treatment import Treatment
 
 
@@ -54,36 +54,50 @@ def test_the_wide_half_of_a_vessel_is_the_free_half():
     assert (first.start, last.end) == pytest.approx((0, 30), abs=1e-6)
 
 
-def test_a_covered_branch_that_is_pinched_is_told(data_dir):
-    from test_ostia import vessel
-
-    from SDFStentLib.stent import AtCenter, stent_axis
-
-    surface, tree = vessel(data_dir, "pulmonary, reduced-order")
+@pytest.mark.parametrize(
+    ("with_tree", "with_faces", "name"),
+    [
+        (True, True, "branch to face 5"),
+        (True, False, "branch 3"),
+        (False, True, "branch to face 5"),
+        (False, False, "side branch 1"),
+    ],
+)
+def test_a_covered_branch_that_is_pinched_is_told(data_dir, with_tree, with_faces, name):
+    file = read_surface(data_dir / "pulmonary_surface_cm.vtp", units="cm")
+    tree = read_centerline(data_dir / "pulmonary_centerline_cm.vtp", units="cm")
     stent = Stent(20, length=25, placement=AtCenter((27.16, -54.26, 67.09)))
-    settings = DeploymentSettings(certify=False)
-    result = Treatment(surface, [stent], tree, settings).result
-    axis = extended_axis(surface, stent_axis(stent, tree).points, tree)
-    ostia = find_ostia(surface, axis)
-    lumens = neighbor_lumens(surface, surface.with_points(result.points), axis, ostia, tree)
-    branch = lumens[-1]
-    assert [lumen.name for lumen in lumens[:2]] == [
+    if not with_tree:
+        stent = Stent(20, placement=AlongAxis(stent_axis(stent, tree).points))
+    result = Treatment(
+        file.surface,
+        [stent],
+        tree if with_tree else None,
+        DeploymentSettings(certify=False),
+        faces=file.faces if with_faces else None,
+    ).result
+    (treated,) = result.stents
+    *ends, branch = treated.neighbors
+    assert {end.name for end in ends} <= {
         "the vessel proximal of the stent",
         "the vessel distal of the stent",
-    ]
-    assert branch.name == ostia[0].name
+    }
+    assert branch.name == treated.branches[0].name == name
     assert branch.before == pytest.approx(9.03, abs=0.05)
     assert branch.after == pytest.approx(7.37, abs=0.05)
     assert branch.is_narrowed
     assert "narrowed from 9.0" in str(branch.caution())
-    assert not any(lumen.is_narrowed for lumen in lumens[:2])
+    assert not any(end.is_narrowed for end in ends)
+    told = [str(caution) for caution in result.warnings if caution.kind == "neighbor-narrowed"]
+    assert len(told) == 1
+    assert f"The lumen of {name} is narrowed from 9.0" in told[0]
 
 
 def test_diameters_go_on_beyond_both_ends_and_stop_with_the_vessel():
     vessel = phantoms.straight_tube(length=40.0)
     surface = vessel.surface
     axis = extended_axis(surface, [[0, 0, 12.0], [0, 0, 24.0]], vessel.centerline)
-    profile = profile_around(surface, axis)
+    profile = profile_around(surface, axis, diameter_profile(surface, axis.of_stent))
     assert profile.arc_length[[0, -1]] == pytest.approx([-12, 28])
     np.testing.assert_allclose(profile.inscribed_diameter, 6.0, rtol=0.02)
 

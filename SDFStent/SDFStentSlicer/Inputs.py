@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from SDFStentLib.files import surface_from_polydata, triangulated_polydata
+from SDFStentLib.files import faces_of_polydata, surface_from_polydata, triangulated_polydata
 from SDFStentLib.validation import InputError
 
 from . import Conversion
@@ -12,13 +12,14 @@ from .Lesions import LesionSearch
 
 
 class Vessel(NamedTuple):
-    """A vessel's wall in world coordinates, as the library's `Surface` and as polydata.
+    """A vessel's wall in world coordinates, as the library's `Surface` and as polydata, and its named faces or None.
 
     The polydata is shared: copy it before changing it.
     """
 
     surface: Any
     polyData: Any
+    faces: Any
 
 
 class Inputs:
@@ -35,7 +36,8 @@ class Inputs:
             name = f"Vessel {node.GetName()}"
             given = Conversion.vesselPolyData(node, segmentID)
             polyData = triangulated_polydata(given, name).polydata
-            self._vessel = (stamp, Vessel(surface_from_polydata(polyData, name), polyData))
+            surface = surface_from_polydata(polyData, name)
+            self._vessel = (stamp, Vessel(surface, polyData, faces_of_polydata(polyData)))
         return self._vessel[1]
 
     def centerline(self, parameterNode):

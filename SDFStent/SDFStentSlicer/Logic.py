@@ -225,6 +225,7 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
             dtype=vtk_to_numpy(vessel.polyData.GetPoints().GetData()).dtype,
             places=Dependencies.places(parameterNode),
             search=None if centerline is None or live else self._inputs.lesions(parameterNode),
+            faces=vessel.faces,
         )
         signature = self.signature(parameterNode)
         key = parameterNode.parameterNode.GetID()

@@ -73,6 +73,7 @@ def stentSummary(treated, lesions):
                 "Mean \N{PLUS-MINUS SIGN} SD in the stent: {before} \N{RIGHTWARDS ARROW} {after} mm ({prescribed:.1f} prescribed)"
             ).format(before=_spread(before), after=_spread(after), prescribed=planned.diameter),
             *lesionLines(lesions, treated.number),
+            *branchLines(treated),
         )
     )
 
@@ -96,6 +97,33 @@ def lesionLines(lesions, number):
         )
         for one in covered
     ]
+
+
+def branchLines(treated):
+    """The branches near a stent: which are free, and how much of the others it covers; then where it hangs free."""
+    lines = [
+        _("{branch}: {coverage}").format(
+            branch=branch.name[:1].upper() + branch.name[1:], coverage=coverage(branch)
+        )
+        for branch in treated.branches
+    ]
+    free = treated.apposition.free_length
+    if free > 0:
+        lines.append(
+            _("Without contact with the wall: {free:.1f} of {length:.1f} mm").format(
+                free=free, length=treated.apposition.length
+            )
+        )
+    return lines
+
+
+def coverage(branch):
+    """What a stent does to an ostium, in words."""
+    if branch.is_free:
+        return _("free")
+    if branch.is_fully_covered:
+        return _("fully covered")
+    return _("{percent:.0f} % covered").format(percent=100 * branch.covered_share)
 
 
 def degree(percent):
@@ -148,12 +176,13 @@ def showProfile(parameterNode, run):
     treated, number = run.result.stents, selectedStent(parameterNode, run)
     run.shownStent = number
     chosen, title = treated[number], _title(treated, number)
-    before, after = chosen.before, chosen.after
+    before, after = chosen.around_before, chosen.around_after
+    inStent = (before.arc_length >= 0) & (before.arc_length <= chosen.before.arc_length[-1])
     columns = {
         POSITION: before.arc_length,
         "Before (mm)": before.inscribed_diameter,
         "After (mm)": after.inscribed_diameter,
-        "Prescribed (mm)": np.full(len(before.arc_length), chosen.stent.diameter),
+        "Prescribed (mm)": np.where(inStent, chosen.stent.diameter, np.nan),
         "Equivalent before (mm)": before.equivalent_diameter,
         "Equivalent after (mm)": after.equivalent_diameter,
     }

@@ -6,7 +6,12 @@ import numpy as np
 import slicer
 from slicer.i18n import tr as _
 
-from SDFStentLib.files import add_arrays, polydata_from_arrays, polydata_from_lines
+from SDFStentLib.files import (
+    add_arrays,
+    polydata_from_arrays,
+    polydata_from_lines,
+    set_face_names,
+)
 
 CATEGORY = "SDF Stent"
 
@@ -52,9 +57,13 @@ def addSampleVessel(phantomName, name, scene=None):
 
     scene = scene or slicer.mrmlScene
     phantom = getattr(phantoms, phantomName)()
-    vessel = _addModel(
-        scene, name, polydata_from_arrays(phantom.points.astype(np.float32), phantom.triangles)
+    surface = polydata_from_arrays(
+        phantom.points.astype(np.float32),
+        phantom.triangles,
+        cell_arrays={"ModelFaceID": phantom.face_ids},
     )
+    set_face_names(surface, phantom.faces.names)
+    vessel = _addModel(scene, name, surface)
     vessel.GetDisplayNode().SetOpacity(0.5)
     vessel.GetDisplayNode().SetColor(0.85, 0.45, 0.4)
     centerline = _addModel(

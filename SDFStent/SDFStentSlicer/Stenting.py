@@ -27,10 +27,12 @@ class Stenting:
         dtype=np.float32,
         places=(),
         search=None,
+        faces=None,
     ):
         """`planned` is a list of `Stent`; `dtype` is the type in which the result is stored.
 
-        `places` says for every stent by what the caller finds it again. `search` is the `LesionSearch` of the vessel.
+        `places` says for every stent by what the caller finds it again. `search` is the `LesionSearch` of the vessel, `faces`
+        are the surface's `NamedFaces`.
         """
         self.surface, self.points, self.centerline = surface, surface.points, centerline
         self.recorded, self._axes = [], {}
@@ -44,6 +46,7 @@ class Stenting:
             settings,
             straightening_fraction=straightening,
             precision=Precision(dtype=np.dtype(dtype)),
+            faces=faces,
         )
 
     def steps(self, responsive=False):

@@ -15,6 +15,7 @@ from ..files import (
     encode_vtp,
     polydata_from_arrays,
     polydata_from_lines,
+    set_face_names,
     set_frame_of_polydata,
 )
 from ..phantoms import Phantom, branching_pulmonary_artery
@@ -97,6 +98,7 @@ def _written_patient(phantom: Phantom, folder: Path) -> list[Path]:
     surface = polydata_from_arrays(
         phantom.points, phantom.triangles, cell_arrays={"ModelFaceID": phantom.face_ids}
     )
+    set_face_names(surface, phantom.faces.names)
     tree = phantom.centerline
     lines = polydata_from_lines(tree.points, [tree.ancestry(int(leaf)) for leaf in tree.leaves])
     add_arrays(lines, {"MaximumInscribedSphereRadius": tree.inscribed_radius}, {})

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from .centerline_output import check_line_output, write_centerline
     from .content import read_content
     from .formats import encode_vtp
+    from .model_faces import faces_of_polydata, set_face_names
     from .output_set import StagingFolder, commit, sweep
     from .polydata import (
         add_arrays,
@@ -51,6 +52,7 @@ __all__ = [
     "check_writable",
     "commit",
     "encode_vtp",
+    "faces_of_polydata",
     "in_frame_of",
     "inscribed_radius_from_polydata",
     "lines_from_polydata",
@@ -61,6 +63,7 @@ __all__ = [
     "read_content",
     "read_lines",
     "read_surface",
+    "set_face_names",
     "set_frame_of_polydata",
     "surface_from_polydata",
     "sweep",
@@ -85,6 +88,7 @@ __getattr__, __dir__ = late_names(
         "centerline_output": ["check_line_output", "write_centerline"],
         "content": ["read_content"],
         "formats.vtk_files": ["encode_vtp"],
+        "model_faces": ["faces_of_polydata", "set_face_names"],
         "output_set": ["StagingFolder", "commit", "sweep"],
         "polydata": [
             "add_arrays",

@@ -14,11 +14,12 @@ from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 
 from ..cautions import Caution
-from ..geometry import Precision, Surface, dot, face_areas
+from ..geometry import NamedFaces, Precision, Surface, dot, face_areas
 from ..units import Frame, millimeters_per
 from ..validation import InputError, Points, Triangles, as_points
 from .content import FileContent, frame_in_text, read_content
 from .formats import Decoder, decode_obj, decode_ply, decode_stl, read_vtk_polydata
+from .model_faces import faces_of_polydata
 from .polydata import add_arrays, polydata_from_polygons, surface_from_polydata
 from .same_space import size_warnings
 from .triangulation import triangulated_polydata
@@ -77,6 +78,11 @@ class SurfaceFile:
     def precision(self) -> Precision:
         """How the file holds coordinates."""
         return Precision(self.coordinate_type, 1 / millimeters_per(self.units))
+
+    @property
+    def faces(self) -> NamedFaces | None:
+        """The parts of the model, where the file tells them."""
+        return faces_of_polydata(self._polydata)
 
     def polydata(self) -> vtkPolyData:
         """A copy of the polydata in the unit of the file, with all its arrays."""

@@ -15,6 +15,7 @@ from .faces import (
     signed_volume,
     vertex_normals,
 )
+from .named_faces import NamedFaces, checked_faces
 from .polyline import (
     arc_lengths,
     closest_points,
@@ -47,6 +48,7 @@ from .topology import (
 )
 
 __all__ = [
+    "NamedFaces",
     "NearPairs",
     "Precision",
     "Surface",
@@ -58,6 +60,7 @@ __all__ = [
     "as_surface",
     "blocks_of",
     "boundary_edges",
+    "checked_faces",
     "closest_on_segments",
     "closest_points",
     "compacted",

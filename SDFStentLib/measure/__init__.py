@@ -13,8 +13,10 @@ from .local_surface import LocalSurface
 from .marked_reference import lesion_against, lesions_against
 from .metrics import DiameterProfile, diameter_profile
 from .narrowings import SMALLEST_DEGREE
-from .neighbor_lumen import NeighborLumen, neighbor_lumens, profile_around
+from .neighbor_lumen import NeighborLumen, VesselStates, neighbor_lumens
+from .neighbor_ways import BranchWays, NeighborWay, end_ways
 from .ostia import NEARLY, Ostium, find_ostia
+from .profile_around import profile_around
 from .stretch import FaceStretch, displacements, face_stretches
 from .tree_lumen import closed_surface
 from .triangle_sizes import TriangleSizes, triangle_sizes
@@ -23,6 +25,7 @@ __all__ = [
     "NEARLY",
     "SMALLEST_DEGREE",
     "Apposition",
+    "BranchWays",
     "DiameterProfile",
     "ExtendedAxis",
     "FaceStretch",
@@ -32,14 +35,17 @@ __all__ = [
     "Lesion",
     "LocalSurface",
     "NeighborLumen",
+    "NeighborWay",
     "Ostium",
     "TriangleSizes",
+    "VesselStates",
     "apposition",
     "bulged_caps",
     "caps_across",
     "closed_surface",
     "diameter_profile",
     "displacements",
+    "end_ways",
     "equivalent_diameters",
     "extended_axis",
     "face_stretches",

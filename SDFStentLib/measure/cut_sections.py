@@ -7,7 +7,7 @@ import numpy as np
 from ..geometry import Surface, arc_lengths, frames
 from ..validation import Flags, Floats, Points
 from .expected_wall import LEAVES, across_alone, expected_wall, far_reach, section_radius
-from .ostia import labels_round
+from .openings import labels_round
 from .wall_map import RAYS, near_wall, rays_from
 
 SUSPECT = 1.2

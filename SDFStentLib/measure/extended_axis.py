@@ -37,6 +37,11 @@ class ExtendedAxis:
         object.__setattr__(self, "points", read_only(self.points))
 
     @property
+    def of_stent(self) -> Points:
+        """(k, 3) the part along the stent, mm."""
+        return cut(self.points, self.before, self.before + self.stent_length)
+
+    @property
     def after(self) -> float:
         """Length distal of the stent, mm."""
         return length(self.points) - self.before - self.stent_length

@@ -8,8 +8,8 @@ what the flow feels. They agree in a round tube; elsewhere the inscribed one is 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -110,7 +110,21 @@ class DiameterProfile:
                 f"over: expected a part of 0 to {self.arc_length[-1]:g} mm that holds a station, "
                 f"got {start:g} to {end:g} mm."
             )
-        return DiameterProfile(*(getattr(self, name)[chosen] for name in _COLUMNS))
+        return self.taken(chosen)
+
+    def taken(self, which: slice | Flags) -> DiameterProfile:
+        """Some of the stations."""
+        return DiameterProfile(*(getattr(self, name)[which] for name in _COLUMNS))
+
+    def shifted(self, distance: float) -> DiameterProfile:
+        """The same with positions that are so much larger, mm."""
+        return replace(self, arc_length=self.arc_length + distance)
+
+    @staticmethod
+    def joined(parts: Sequence[DiameterProfile]) -> DiameterProfile:
+        """One profile of several in their order."""
+        columns = ([getattr(part, name) for part in parts] for name in _COLUMNS)
+        return DiameterProfile(*(np.concatenate(column) for column in columns))
 
 
 def diameter_profile(surface: Surface, axis: ArrayLike, spacing: float = 1.0) -> DiameterProfile:

@@ -2,39 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from ..cautions import Caution
-from ..centerline import Centerline
-from ..geometry import (
-    Surface,
-    arc_lengths,
-    closest_points,
-    cut,
-    frames,
-    length,
-    resampled,
-    tangents,
-    without_repeats,
-)
+from ..geometry import Surface, arc_lengths, cut, frames, length, resampled, tangents
 from ..validation import Floats, Points, read_only
 from .cross_section import equivalent_diameters
 from .cut_sections import SUSPECT
 from .expected_wall import across_alone, far_reach
-from .extended_axis import ExtendedAxis
 from .inscribed import inscribed_spheres
-from .metrics import DiameterProfile, diameter_profile
-from .ostia import Ostium
+from .neighbor_ways import NeighborWay
 from .wall_map import RAYS, near_wall, rays_from
 
 NOTICEABLE = 0.05
 """Share of a diameter that is lost and worth a word."""
-
-MEASURED = 20.0
-"""Length of a neighbor that is looked at, mm."""
 
 _SPACING = 1.0
 
@@ -92,112 +77,68 @@ class NeighborLumen:
         )
 
 
-def profile_around(
-    surface: Surface, axis: ExtendedAxis, spacing: float = _SPACING
-) -> DiameterProfile:
-    """Diameters along a stent and beyond both of its ends.
+class VesselStates(NamedTuple):
+    """A vessel at four times; the same triangles throughout."""
 
-    Arc lengths count from the proximal end of the stent: negative proximal of it. See
-    `diameter_profile` for the parameters.
-    """
-    profile = diameter_profile(surface, axis.points, spacing)
-    return replace(profile, arc_length=profile.arc_length - axis.before)
+    native: Surface
+    """Before any stent,"""
+    found: Surface
+    """as a stent found it,"""
+    left: Surface
+    """as that left it,"""
+    final: Surface
+    """and after all stents."""
 
 
-def neighbor_lumens(
-    before: Surface,
-    after: Surface,
-    axis: ExtendedAxis,
-    ostia: Sequence[Ostium],
-    centerline: Centerline | None = None,
-) -> tuple[NeighborLumen, ...]:
-    """The vessel beyond both ends of a stent, then its branches, where their wall has moved.
+def neighbor_lumens(states: VesselStates, ways: Iterable[NeighborWay]) -> tuple[NeighborLumen, ...]:
+    """Those vessels beside a stent whose wall it has moved, before any stent and after all.
 
     Parameters
     ----------
-    before, after : Surface
-        mm; the same triangles.
-    axis : ExtendedAxis
-        Of the stent.
-    ostia : sequence of Ostium
-        `find_ostia` of the surface before.
-    centerline : Centerline, optional
-        Before treatment. Without it branches are not measured: the way into them is unknown.
+    states : VesselStates
+    ways : iterable of NeighborWay
+        In the vessel as the stent found it.
     """
-    ways, first = [], axis.before + axis.stent_length
-    if axis.before > _SPACING:
-        start = cut(axis.points, 0.0, axis.before)[::-1]
-        ways.append(("the vessel proximal of the stent", start))
-    if axis.after > _SPACING:
-        ways.append(("the vessel distal of the stent", cut(axis.points, first, np.inf)))
-    for ostium in ostia:
-        own = None if centerline is None else branch_way(centerline, axis, ostium)
-        if own is not None:
-            ways.append((ostium.name, own))
-    parts = ((name, _disturbed(before, after, way)) for name, way in ways)
+    moved = _Moved(states.found, states.left)
+    parts = ((way, *moved.part_of(way.points)) for way in ways)
     return tuple(
-        _compared(name, way, start, before, after)
-        for name, (start, way) in parts
-        if length(way) > _SPACING
+        _compared(way.name, part, start, states)
+        for way, start, part in parts
+        if len(part) > 1 and length(part) > _SPACING
     )
 
 
-def _disturbed(before: Surface, after: Surface, way: Points) -> tuple[float, Points]:
-    """The part of a way (n, 3) whose wall has moved, and where on the way it begins, mm."""
-    from scipy.spatial import KDTree
+class _Moved:
+    """The wall that a stent has moved."""
 
-    motion = np.linalg.norm(after.points - before.points, axis=1)
-    moved = np.flatnonzero(motion > 0)
-    if len(way) < 2 or length(way) <= _SPACING or not len(moved):
-        return 0.0, way[:0]
-    stations = resampled(way, _SPACING)
-    wall = KDTree(before.points).query(stations)[0]
-    beside = KDTree(before.points[moved]).query_ball_point(stations, _BESIDE * wall + _SPACING)
-    largest = np.array([motion[moved[own]].max(initial=0.0) for own in beside])
-    near = largest > _MOTION * wall
-    rows = np.flatnonzero(near)
-    if not len(rows):
-        return 0.0, way[:0]
-    step = length(way) / (len(stations) - 1)
-    start = max(rows[0] - 1, 0) * step
-    return start, cut(way, start, (rows[-1] + 1) * step)
+    def __init__(self, before: Surface, after: Surface) -> None:
+        # Late: scipy costs what a first frame should not pay.
+        from scipy.spatial import KDTree
 
+        motion = np.linalg.norm(after.points - before.points, axis=1)
+        moved = np.flatnonzero(motion > 0)
+        self.motion = motion[moved]
+        self.wall = KDTree(before.points)
+        self.points = KDTree(before.points[moved]) if len(moved) else None
 
-def branch_way(tree: Centerline, axis: ExtendedAxis, ostium: Ostium) -> Points | None:
-    """The centerline of the branch behind an ostium, from there on; None when there is none.
-
-    Of the ways from the axis to the ends of the tree it is the one that passes the opening
-    nearest to its middle, from its nearest point on.
-    """
-    best: tuple[float, Points] | None = None
-    ends = np.r_[tree.leaves, tree.roots]
-    for end in ends:
-        for stop in (axis.points[0], axis.points[-1]):
-            line = tree.path(tree.project(stop), tree.project(tree.points[end])).points
-            apart = closest_points(axis.points, line).distances
-            # Only the part that leaves the axis for good is a branch.
-            on_axis = np.flatnonzero(apart < 0.5 * _size(ostium))
-            if len(on_axis) and on_axis[-1] == len(line) - 1:
-                continue
-            own = line[on_axis[-1] if len(on_axis) else 0 :]
-            if len(without_repeats(own)) < 2:
-                continue
-            found = closest_points(own, ostium.center[None])
-            if best is None or found.distances[0] < best[0] - 1e-6:
-                first = float(found.arc_lengths[0])
-                if length(own) - first > _SPACING:
-                    best = float(found.distances[0]), cut(own, first, first + MEASURED)
-    return None if best is None or best[0] > _size(ostium) else best[1]
+    def part_of(self, way: Points) -> tuple[float, Points]:
+        """The part of a way (n, 3) whose wall has moved, and where on the way it begins, mm."""
+        if self.points is None or length(way) <= _SPACING:
+            return 0.0, way[:0]
+        stations = resampled(way, _SPACING)
+        distance = self.wall.query(stations)[0]
+        beside = self.points.query_ball_point(stations, _BESIDE * distance + _SPACING)
+        largest = np.array([self.motion[own].max(initial=0.0) for own in beside])
+        rows = np.flatnonzero(largest > _MOTION * distance)
+        if not len(rows):
+            return 0.0, way[:0]
+        step = length(way) / (len(stations) - 1)
+        start = max(rows[0] - 1, 0) * step
+        return start, cut(way, start, (rows[-1] + 1) * step)
 
 
-def _size(ostium: Ostium) -> float:
-    """Radius of the circle with the area of the opening, mm."""
-    return float(np.sqrt(ostium.area / np.pi))
-
-
-def _compared(
-    name: str, way: Points, start: float, before: Surface, after: Surface
-) -> NeighborLumen:
+def _compared(name: str, way: Points, start: float, states: VesselStates) -> NeighborLumen:
+    before, after = states.native, states.final
     stations = resampled(way, _SPACING)
     # Rays tell quickly where it lost most; there it is measured.
     first, second = (_seen(surface, stations) for surface in (before, after))

@@ -203,7 +203,11 @@ def branching_pulmonary_artery(edge_length: float = 0.9) -> Phantom:
     tubes = [Tube(vessel.axis, vessel.radius) for vessel in vessels]
     union = TubeUnion(tubes, blend_width=2.0, beyond=4 * edge_length)
     patch = branching_tube(union, edge_length)
-    names = ("main inlet", "left outlet", "right outlet")
+    names = (
+        "main pulmonary artery inlet",
+        "left pulmonary artery outlet",
+        "right pulmonary artery outlet",
+    )
     openings = [
         Opening(name, number + 2, read_only(rim.center), read_only(rim.outward), rim.radius)
         for number, (name, rim) in enumerate(zip(names, union.rims(), strict=True))

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..centerline import Centerline
-from ..geometry import Surface
+from ..geometry import NamedFaces, Surface
 from ..validation import Floats, Points, Triangles, read_only
 from .axis import Axis, inscribed_radii
 from .mesh import Patch
@@ -92,6 +92,15 @@ class Phantom:
     def triangles(self) -> Triangles:
         """Triangles (m, 3) of the surface."""
         return self.surface.triangles
+
+    @property
+    def faces(self) -> NamedFaces:
+        """The ids with names: a cap has that of the vessel that it closes."""
+        names = {
+            opening.face_id: opening.name.removesuffix(" inlet").removesuffix(" outlet")
+            for opening in self.openings
+        }
+        return NamedFaces(self.face_ids, names)
 
     def axis_at(self, arc_length: ArrayLike, vessel: int = 0) -> Points:
         """Exact axis points (n, 3), mm, at arc lengths (n,) from the start of a vessel."""

@@ -236,6 +236,7 @@ def treatment_of(plan: Plan, inputs: InputFiles) -> Treatment:
         straightening_fraction=plan.straightening_fraction,
         companions=np.empty((0, 3)) if inputs.line_file is None else inputs.line_file.points,
         precision=surface.precision,
+        faces=surface.faces,
     )
 
 

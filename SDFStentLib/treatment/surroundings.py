@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 from ..centerline import Centerline
-from ..geometry import Surface
+from ..geometry import NamedFaces
 from ..measure import (
     Apposition,
+    BranchWays,
+    ExtendedAxis,
     NeighborLumen,
+    NeighborWay,
     Ostium,
+    VesselStates,
     apposition,
-    extended_axis,
+    end_ways,
     find_ostia,
     neighbor_lumens,
 )
-from ..validation import Points
-
-LISTED = 10.0
-"""Branches so far beyond an end of the stent are listed, mm."""
 
 
 class Surroundings(NamedTuple):
@@ -33,29 +35,46 @@ class Surroundings(NamedTuple):
 
 
 def surroundings(
-    before: Surface,
-    after: Surface,
-    axis: Points,
+    states: VesselStates,
+    axis: ExtendedAxis,
     radius: float,
     centerline: Centerline | None,
+    faces: NamedFaces | None,
 ) -> Surroundings:
-    """What a stent of that axis (n, 3) and radius, mm, did to its surroundings.
+    """What a stent of some radius, mm, did to its surroundings.
 
     Parameters
     ----------
-    before, after : Surface
-        As the stent found it, and as the treatment left it, mm.
-    axis : (n, 3) array
+    states : VesselStates
+    axis : ExtendedAxis
+        Of the stent, in the vessel as it found it.
     radius : float
         mm.
     centerline : Centerline or None
-        Of `before`. Without it branches are found, but their lumen is not followed.
+        As the stent found it. Without it branches are found, and followed through their lumen.
+    faces : NamedFaces or None
+        By which branches are named.
     """
-    way = extended_axis(before, axis, centerline)
-    ostia = find_ostia(before, way)
-    near = tuple(o for o in ostia if o.end > -LISTED and o.start < way.stent_length + LISTED)
+    ostia = find_ostia(states.found, axis, faces)
+    ways = BranchWays(states.found, axis, centerline)
+    branches, into = _named_as_in_tree(ostia, ways)
     return Surroundings(
-        near,
-        neighbor_lumens(before, after, way, near, centerline),
-        apposition(after, axis, radius),
+        branches,
+        neighbor_lumens(states, [*end_ways(axis), *into]),
+        apposition(states.final, axis.of_stent, radius),
     )
+
+
+def _named_as_in_tree(
+    ostia: Sequence[Ostium], ways: BranchWays
+) -> tuple[tuple[Ostium, ...], list[NeighborWay]]:
+    """Branches without name by their number on the centerline, and the ways into all of them."""
+    named, into = [], []
+    for ostium in ostia:
+        way = ways.into(ostium)
+        if way is not None and ways.centerline is not None and not ostium.face_ids:
+            ostium = replace(ostium, name=f"branch {ways.number(way)}")
+        if way is not None:
+            into.append(NeighborWay(ostium.name, way))
+        named.append(ostium)
+    return tuple(named), into

@@ -20,8 +20,15 @@ from ..cautions import Caution
 from ..centerline import Centerline
 from ..certificate import Certificate, certify
 from ..deformation import Deployment, DeploymentResult, DeploymentSettings, DeploymentState
-from ..geometry import Precision, Surface, as_surface
-from ..measure import DiameterProfile, bulged_caps, diameter_profile
+from ..geometry import NamedFaces, Precision, Surface, as_surface, checked_faces
+from ..measure import (
+    DiameterProfile,
+    VesselStates,
+    bulged_caps,
+    diameter_profile,
+    extended_axis,
+    profile_around,
+)
 from ..stent import Stent, StentAxis
 from ..validation import (
     DeploymentError,
@@ -61,6 +68,8 @@ class Treatment:
         Further points that are dragged along.
     precision : Precision, optional
         How the result will be stored.
+    faces : NamedFaces, optional
+        Of the surface; branches are called by them.
 
     Raises
     ------
@@ -79,9 +88,11 @@ class Treatment:
     straightening_fraction: float = 0.0
     companions: Points = field(default_factory=lambda: np.empty((0, 3)))
     precision: Precision = field(default_factory=Precision)
+    faces: NamedFaces | None = None
 
     def __post_init__(self) -> None:
         self.surface = as_surface(self.surface)
+        self.faces = checked_faces(self.faces, len(self.surface.triangles))
         self.stents = tuple(self.stents)
         self.settings = self.settings or DeploymentSettings()
         self.straightening_fraction = as_number(
@@ -193,21 +204,25 @@ class Treatment:
         )
 
     def _treated(self, stage: _Stage, after: Surface) -> TreatedStent:
-        axis = stage.axis.points
-        before_profile, after_profile = (
-            diameter_profile(surface, axis, PROFILE_SPACING) for surface in (self.surface, after)
-        )
-        radius, tree = stage.stent.radius, stage.centerline
-        around = surroundings(stage.deployment.surface, after, axis, radius, tree)
+        found, left = stage.deployment.surface, stage.result.surface
+        axis = extended_axis(found, stage.axis.points, stage.centerline)
+        own, around = [], []
+        for surface in (self.surface, after):
+            own.append(diameter_profile(surface, stage.axis.points, PROFILE_SPACING))
+            around.append(profile_around(surface, axis, own[-1], PROFILE_SPACING))
+        states = VesselStates(self.surface, found, left, after)
+        beside = surroundings(states, axis, stage.stent.radius, stage.centerline, self.faces)
         return TreatedStent(
             number=stage.number,
             stent=stage.stent,
             axis=stage.axis,
-            before=before_profile,
-            after=after_profile,
-            branches=around.branches,
-            neighbors=around.neighbors,
-            apposition=around.apposition,
+            before=own[0],
+            after=own[1],
+            around_before=around[0],
+            around_after=around[1],
+            branches=beside.branches,
+            neighbors=beside.neighbors,
+            apposition=beside.apposition,
             result=stage.result,
         )
 

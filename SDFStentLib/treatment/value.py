@@ -59,6 +59,8 @@ class TreatedStent:
         Where it lies.
     before, after : DiameterProfile
         Of the vessel along the axis, before any stent and after all of them.
+    around_before, around_after : DiameterProfile
+        The same, and up to 20 mm beyond both ends.
     branches : tuple of Ostium
         Side branches near it, found on the surface that it was put into.
     neighbors : tuple of NeighborLumen
@@ -74,6 +76,8 @@ class TreatedStent:
     axis: StentAxis
     before: DiameterProfile
     after: DiameterProfile
+    around_before: DiameterProfile
+    around_after: DiameterProfile
     branches: tuple[Ostium, ...]
     neighbors: tuple[NeighborLumen, ...]
     apposition: Apposition

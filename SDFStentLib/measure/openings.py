@@ -1,0 +1,176 @@
+"""Where the wall of a vessel opens, and what each opening leads to."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry import Surface, connected
+from ..validation import Floats, Indices, Points
+from .caps import flat_caps
+from .expected_wall import Tube
+from .wall_map import RAYS
+
+Mask = NDArray[np.bool_]
+
+BEYOND = 1.3
+"""Surface farther from the middle than so many expected radii is that of another vessel,"""
+
+FAR = 2.0
+"""if it leads farther away than so many, or to an end of the model."""
+
+
+class Opening(NamedTuple):
+    """A part of a tube's wall at which the lumen goes on into another vessel."""
+
+    region: Mask
+    """(n, RAYS) of the map of the wall."""
+    outlets: Points
+    """(k, 3) centers of the flat caps that it leads to,"""
+    caps: tuple[Indices, ...]
+    """and the triangles of each."""
+
+
+def openings(surface: Surface, tube: Tube) -> list[Opening]:
+    """Where the wall of a tube opens into other vessels, in no order; see `find_ostia`."""
+    if not tube.is_open.any():
+        return []
+    parts = _parts_beyond(surface, tube)
+    caps = _caps_beyond(surface, tube, parts.of_triangle)
+    leads = parts.is_far.copy()
+    leads[[cap.part for cap in caps]] = True
+    regions = _regions(tube, np.where(leads[parts.of_triangle], parts.of_triangle, -1))
+    found = []
+    for part, region in regions.items():
+        if parts.is_onward[part] and not _leads_aside(tube, region):
+            continue
+        own = [cap for cap in caps if cap.part == part]
+        centers = np.reshape([cap.center for cap in own], (-1, 3))
+        found.append(Opening(region, centers, tuple(cap.faces for cap in own)))
+    return found
+
+
+def _leads_aside(tube: Tube, region: Mask) -> bool:
+    """Whether an opening leads far from a vessel that hangs together with what it leads to.
+
+    Else it is the vessel itself beyond its end, or a branch of which only a part is in reach.
+    """
+    is_far = tube.wall.distance > FAR * tube.expected
+    return bool(is_far[region].any() and not region[[0, -1]].any())
+
+
+class _Parts(NamedTuple):
+    """The connected parts of the surface beyond the wall of a tube."""
+
+    of_triangle: Indices
+    """(m,) number of the part that a triangle of the surface touches, 0 for none."""
+    is_far: Mask
+    """By number: whether the part leads far away,"""
+    is_onward: Mask
+    """and whether it is the vessel itself, beyond an end of the tube."""
+
+
+def _parts_beyond(surface: Surface, tube: Tube) -> _Parts:
+    """What is left of the surface without the wall of the tube between its ends."""
+    place = _seen_from(surface.points[tube.near.point_ids], tube)
+    relative, is_past = np.full(len(surface.points), np.inf), np.zeros(len(surface.points), bool)
+    relative[tube.near.point_ids], is_past[tube.near.point_ids] = place
+    is_beyond = (relative > BEYOND) | is_past
+    corners = np.asfortranarray(surface.triangles).T
+    sides = np.hstack([corners[[0, 1]], corners[[1, 2]]])
+    first, second = sides[:, is_beyond[sides[0]] & is_beyond[sides[1]]]
+    count, label = connected(len(surface.points), first, second)
+    label = np.where(is_beyond, label + 1, 0).astype(np.int64)
+    is_far, is_onward = np.zeros(count + 1, dtype=bool), np.zeros(count + 1, dtype=bool)
+    is_far[label[relative > FAR]] = True
+    is_onward[label[is_past & (relative < BEYOND)]] = True
+    is_far[0] = is_onward[0] = False
+    of_triangle = np.maximum(np.maximum(label[corners[0]], label[corners[1]]), label[corners[2]])
+    return _Parts(of_triangle, is_far, is_onward)
+
+
+def _seen_from(points: Points, tube: Tube) -> tuple[Floats, Mask]:
+    """Distance of points (k, 3) from the middle of the vessel, in expected radii there.
+
+    And whether they lie past an end of the axis, within one radius along it.
+    """
+    from scipy.spatial import KDTree
+
+    wall = tube.wall
+    station = KDTree(wall.centers).query(points)[1]
+    local = np.einsum("ij,ikj->ik", points - wall.centers[station], wall.frames[station])
+    angle = np.arctan2(local[:, 2], local[:, 1])
+    ray = np.rint(angle / (2 * np.pi / RAYS)).astype(np.int64) % RAYS
+    expected = tube.expected[station, ray]
+    across = np.hypot(local[:, 1], local[:, 2])
+    distance = np.hypot(across, local[:, 0])
+    outward = np.where(station == 0, -local[:, 0], local[:, 0])
+    is_end = (station == 0) | (station == len(wall.centers) - 1)
+    is_past = is_end & (outward > 0) & (outward < expected)
+    return np.where(is_past, across, distance) / expected, np.asarray(is_past)
+
+
+class _Cap(NamedTuple):
+    """A flat end of the model to which a branch leads."""
+
+    part: int
+    faces: Indices
+    center: Floats
+
+
+def _caps_beyond(surface: Surface, tube: Tube, part_of_triangle: Indices) -> list[_Cap]:
+    """A cap in the way of the tube closes the tube itself; an edge of it may lie beyond."""
+    own = np.flatnonzero(part_of_triangle > 0)
+    found = []
+    for cap in flat_caps(surface.points, surface.triangles[own]):
+        faces = own[cap.faces]
+        center = surface.points[surface.triangles[faces]].mean(axis=(0, 1))
+        relative, _ = _seen_from(center[None], tube)
+        if relative[0] > BEYOND:
+            found.append(_Cap(_most(part_of_triangle[faces]), faces, center))
+    return found
+
+
+def _regions(tube: Tube, part_of_triangle: Indices) -> dict[int, Mask]:
+    """The openings (n, RAYS) by the part of the surface to which they lead; -1: to none."""
+    is_open = tube.is_open
+    hit = np.where(tube.wall.triangle >= 0, part_of_triangle[tube.wall.triangle], -1)
+    label = labels_round(is_open)
+    regions: dict[int, Mask] = {}
+    for number in np.unique(label[is_open & (hit >= 0)]):
+        region = label == number
+        parts = np.unique(hit[region & (hit >= 0)])
+        for part, own in zip(parts, _shared(region, hit, parts), strict=True):
+            regions[int(part)] = regions.get(int(part), np.zeros_like(region)) | own
+    return regions
+
+
+def _shared(region: Mask, hit: Indices, parts: Indices) -> list[Mask]:
+    """A region that leads to several parts of the surface, each cell to the nearest one."""
+    if len(parts) == 1:
+        return [region]
+    from scipy.ndimage import distance_transform_edt
+
+    # Three turns side by side: the map is periodic.
+    turns = [distance_transform_edt(~np.tile(region & (hit == part), 3)) for part in parts]
+    nearest = np.argmin([turn[:, RAYS : 2 * RAYS] for turn in turns], axis=0)
+    return [region & (nearest == number) for number in range(len(parts))]
+
+
+def labels_round(mask: Mask) -> Indices:
+    """Connected regions of a map that is periodic in its second direction; 0 outside."""
+    from scipy.ndimage import label
+
+    labels, count = label(mask, structure=np.ones((3, 3)))
+    joined = [(labels[:, -1], np.roll(labels[:, 0], shift)) for shift in (-1, 0, 1)]
+    pairs = np.unique(np.hstack(joined), axis=1)
+    pairs = pairs[:, (pairs > 0).all(axis=0)]
+    group = connected(count + 1, pairs[0], pairs[1])[1]
+    return np.where(mask, group[labels] + 1, 0)
+
+
+def _most(values: NDArray[np.int64]) -> int:
+    kinds, counts = np.unique(values, return_counts=True)
+    return int(kinds[np.argmax(counts)])
