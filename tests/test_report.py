@@ -13,10 +13,11 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
+from SDFStentLib.measure.apposition import Apposition, FreeStretch
 from SDFStentLib.measure.lesion_value import HealthyPlace, Lesion
 from SDFStentLib.measure.metrics import DiameterProfile
 from SDFStentLib.measure.ostia import Ostium
-from SDFStentLib.report.drawing import Line
+from SDFStentLib.report.drawing import Box, Line, Words
 from SDFStentLib.report.html import certificate_sentence, html_page
 from SDFStentLib.report.lesions import treated_lesion_section
 from SDFStentLib.report.plot import diameter_plot, figure
@@ -461,6 +462,57 @@ def test_the_curves_of_the_plot_are_the_measured_diameters():
     slope, floor = np.polyfit(expected.ravel(), heights.ravel(), 1)
     np.testing.assert_allclose(heights, floor + slope * expected, atol=1e-9)
     assert slope < 0, "larger diameters are drawn higher"
+
+
+def around(profile, beyond=3):
+    """The profile with stations on both sides, which are two millimeters wider."""
+    at = profile.arc_length
+    outside = profile.inscribed_diameter[[0, -1]] + 2.0
+    inscribed = np.r_[np.full(beyond, outside[0]), profile.inscribed_diameter]
+    inscribed = np.r_[inscribed, np.full(beyond, outside[1])]
+    positions = np.r_[at[0] - np.arange(beyond, 0, -1), at, at[-1] + np.arange(1, beyond + 1)]
+    return DiameterProfile(positions, np.zeros((len(positions), 3)), inscribed, inscribed)
+
+
+def with_surroundings():
+    stent = a_report().stents[0]
+    free = Apposition(np.arange(4) + 0.5, np.array([1, 1, 0, 0]), (FreeStretch(0, 2, 1, 0.5),), 4.0)
+    return a_report(
+        stents=(
+            replace(
+                stent,
+                around_before=around(stent.before),
+                around_after=around(stent.after),
+                apposition=free,
+            ),
+        )
+    )
+
+
+def test_curves_go_on_beyond_the_stent_and_numbers_do_not():
+    plain, whole = (made.as_dict()["diameters"] for made in (a_report(), with_surroundings()))
+    along = whole.pop("along")
+    assert along["arc_length_mm"] == list(range(-3, 8))
+    assert along["mis_before_mm"] == [10, 10, 10, 8, 6, 4, 6, 8, 10, 10, 10]
+    assert along["prescribed_mm"] == 3 * [None] + 5 * [8.5] + 3 * [None]
+    plain.pop("along")
+    assert whole == plain
+    assert whole["stent_ends_mm"] == [0, 4]
+
+
+def test_the_plot_tells_the_stent_and_its_free_parts_from_the_vessel_beyond():
+    document = with_surroundings().as_dict()
+    (plot,) = [figure(document).marks]
+    boxes = [mark for mark in plot if isinstance(mark, Box)]
+    proximal, distal, stent, free = boxes
+    assert proximal.x + proximal.width == pytest.approx(stent.x)
+    assert stent.x + stent.width == pytest.approx(distal.x)
+    # Four of ten millimeters, and half of these are free.
+    assert stent.width == pytest.approx(0.4 * (distal.x + distal.width - proximal.x))
+    assert (free.x, free.width) == pytest.approx((stent.x, stent.width / 2))
+    words = [mark.text for mark in plot if isinstance(mark, Words)]
+    assert "the stent; without contact with the wall over 2.0 mm" in words
+    assert "<h2>Without contact</h2>" in html_page(document)
 
 
 def test_a_curve_is_interrupted_where_nothing_was_measured():

@@ -192,7 +192,17 @@ def test_table_and_chart_hold_the_diameters_in_mm(aLogic, theParameters):
     run = aLogic.deploy(theParameters)
     table = theParameters.outputTable
     after = slicer.util.arrayFromTableColumn(table, "After (mm)")
-    np.testing.assert_array_equal(after, run.stents[0].after.inscribed_diameter)
+    (treated,) = run.stents
+    np.testing.assert_array_equal(after, treated.around_after.inscribed_diameter)
+    position, prescribed = (
+        slicer.util.arrayFromTableColumn(table, name)
+        for name in ("Position (mm)", "Prescribed (mm)")
+    )
+    inStent = np.isfinite(prescribed)
+    np.testing.assert_array_equal(after[inStent], treated.after.inscribed_diameter)
+    assert position[0] < -5
+    assert position[-1] > treated.axis.deployed_length + 5
+    assert position[inStent][0] == 0
     chart = theParameters.outputChart
     assert [
         chart.GetNthPlotSeriesNode(i).GetYColumnName()
@@ -204,6 +214,12 @@ def test_table_and_chart_hold_the_diameters_in_mm(aLogic, theParameters):
     ]
     assert "8.5 prescribed" in theParameters.lumenSummary
     assert "watertight" in theParameters.certificateSummary
+
+
+def test_the_branches_near_a_stent_are_named_with_what_it_covers(aLogic, theParameters):
+    (treated,) = aLogic.deploy(theParameters).stents
+    assert [branch.is_fully_covered for branch in treated.branches] == [True]
+    assert "Right pulmonary artery: fully covered" in theParameters.lumenSummary
 
 
 def test_maps_color_the_output_with_a_legend(aLogic, theParameters):

@@ -8,7 +8,7 @@ from html import escape
 from typing import Any
 
 from ..validation import printable
-from .branches import apposition_table, branch_table
+from .branches import apposition_table, branch_table, stretches_of
 from .changes import change_rows, setting_rows
 from .drawing import svg
 from .lesion_table import covered_words, lesion_rows, lesion_table, stent_lesions
@@ -127,7 +127,7 @@ def _count(value: Any) -> int | None:
 def _lumen(document: Mapping[str, Any], title: str, stent: Mapping[str, Any]) -> str:
     """A stent in one line, its numbers, and its plot: they stay on one sheet."""
     heading = "Lumen" if title == "Stent" else f"{title}, lumen"
-    plot = diameter_plot(stent["diameters"])
+    plot = diameter_plot(stent["diameters"], stretches_of(document, stent))
     return (
         f"<section><h2>{escape(heading)} before and after</h2><p>{escape(stent_words(stent))}</p>"
         f"{_first_numbers(stent['diameters'], stent_lesions(document, stent))}"

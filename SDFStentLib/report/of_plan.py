@@ -70,6 +70,8 @@ def _stent_result(
         branches=stent.branches,
         neighbors=stent.neighbors,
         apposition=stent.apposition,
+        around_before=stent.around_before,
+        around_after=stent.around_after,
         lesions=None
         if lesions is None
         else tuple(one.number for one in lesions if stent.number in one.stents),

@@ -6,7 +6,8 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from .drawing import GRAY, INK, Disc, Drawing, Line, Mark, Words, shifted
+from .branches import stretches_of
+from .drawing import GRAY, INK, Box, Disc, Drawing, Line, Mark, Words, shifted
 from .words import stent_titles
 
 _WIDTH, _HEIGHT = 820, 380
@@ -16,6 +17,9 @@ _HEADING = 30
 
 _BEFORE, _AFTER, _PRESCRIBED = "#b35806", "#08519c", "#111111"
 """Told apart also by readers who do not tell red from green."""
+
+_FREE, _STRIP = "#f0b400", 8
+"""Color of the stretches without contact, and height of the stent on the floor of the plot."""
 
 _CURVES = (
     ("mis_before_mm", "before, inscribed sphere", _BEFORE, None, 2.6),
@@ -27,10 +31,13 @@ _CURVES = (
 """In the order of the legend, two in a column."""
 
 
-def diameter_plot(diameters: Mapping[str, Any]) -> Drawing | None:
+def diameter_plot(
+    diameters: Mapping[str, Any], stretches: Sequence[Mapping[str, Any]] = ()
+) -> Drawing | None:
     """The plot of the section `diameters` of a report document; None where nothing is known.
 
-    A curve is interrupted where a diameter is not known. The narrowest places are marked.
+    A curve is interrupted where a diameter is not known. The narrowest places of the stent are
+    marked. On the floor lies the stent, with the `stretches` where it touches no wall.
     """
     along = diameters["along"]
     positions: list[float] = along["arc_length_mm"]
@@ -40,7 +47,8 @@ def diameter_plot(diameters: Mapping[str, Any]) -> Drawing | None:
     across = _Scale(positions[0], max(positions[-1], positions[0] + 1e-9), _LEFT, _WIDTH - _RIGHT)
     # From zero, so that heights compare as diameters do.
     up = _Scale(0.0, _round_up(max(known)), _HEIGHT - _BOTTOM, _TOP)
-    marks = [*_grid(across, up)]
+    first, last = (across(end) for end in diameters["stent_ends_mm"])
+    marks = [*_beyond(first, last), *_grid(across, up), *_strip(first, last, across, stretches)]
     for key, _, color, dashes, width in (*_CURVES[1:4:2], *_CURVES[0:3:2], *_CURVES[4:]):
         for piece in _pieces(positions, along[key]):
             corners = [(across(position), up(value)) for position, value in piece]
@@ -55,7 +63,7 @@ def figure(document: Mapping[str, Any]) -> Drawing:
     stents, height = document["stents"], 0
     marks: list[Mark] = []
     for title, stent in zip(stent_titles(stents), stents, strict=True):
-        plot = diameter_plot(stent["diameters"])
+        plot = diameter_plot(stent["diameters"], stretches_of(document, stent))
         words = title if plot else f"{title}: no diameter could be measured"
         marks.append(Words(words, _LEFT, height + 20, 16, anchor="start", is_bold=True))
         height += _HEADING
@@ -105,9 +113,33 @@ def _grid(across: _Scale, up: _Scale) -> Iterator[Mark]:
         yield Line([(x, floor), (x, floor + 5)])
         yield Words(f"{tick:g}", x, floor + 19)
     yield Line([(_LEFT, _TOP), (_LEFT, floor), (right, floor)])
-    along = "position along the stent, proximal to distal (mm)"
+    along = "position from the proximal end of the stent, proximal to distal (mm)"
     yield Words(along, (_LEFT + right) / 2, _HEIGHT - 8)
     yield Words("lumen diameter (mm)", 18, (_TOP + floor) / 2, is_upright=True)
+
+
+def _beyond(first: float, last: float) -> Iterator[Mark]:
+    """The vessel proximal and distal of the stent lies on gray."""
+    floor, right = _HEIGHT - _BOTTOM, _WIDTH - _RIGHT
+    for left, end, words in ((_LEFT, first, "proximal"), (last, right, "distal")):
+        if end > left:
+            yield Box(left, _TOP, end - left, floor - _TOP, "#f1f2f4")
+        if end > left + 60:
+            yield Words(words, (left + end) / 2, _TOP + 16, 12, GRAY)
+
+
+def _strip(
+    first: float, last: float, across: _Scale, stretches: Sequence[Mapping[str, Any]]
+) -> Iterator[Mark]:
+    """The stent, and the parts of it that touch no wall."""
+    floor = _HEIGHT - _BOTTOM
+    yield Box(first, floor - _STRIP, last - first, _STRIP, "#8a939c")
+    for one in stretches:
+        start, end = across(one["start_mm"]), across(one["end_mm"])
+        yield Box(start, floor - _STRIP, end - start, _STRIP, _FREE)
+    free = sum(one["end_mm"] - one["start_mm"] for one in stretches)
+    words = f"the stent; without contact with the wall over {free:.1f} mm" if free else "the stent"
+    yield Words(words, (first + last) / 2, floor - _STRIP - 5, 12, GRAY)
 
 
 def _pieces(

@@ -68,7 +68,8 @@ DEFINITIONS = {
 class StentResult:
     """What one stent is, and what it did to the lumen.
 
-    The two profiles are measured at the same stations, over the stented length.
+    `before` and `after` are measured at the same stations, over the stented length; the two
+    profiles around it at those and beyond both ends.
     """
 
     description: Mapping[str, Any]
@@ -80,6 +81,8 @@ class StentResult:
     branches: tuple[Ostium, ...] = ()
     neighbors: tuple[NeighborLumen, ...] = ()
     apposition: Apposition | None = None
+    around_before: DiameterProfile | None = None
+    around_after: DiameterProfile | None = None
     lesions: tuple[int, ...] | None = None
     """Numbers of the lesions that it covers; None when none were looked for."""
 
@@ -227,18 +230,27 @@ def _stent_section(stent: StentResult) -> dict[str, Any]:
     }
 
 
+def _along(stent: StentResult) -> dict[str, Any]:
+    """The curves of the plot: nothing is prescribed beyond the ends of the stent."""
+    before, after = stent.around_before or stent.before, stent.around_after or stent.after
+    at, own = before.arc_length, stent.before.arc_length
+    prescribed = np.interp(at, own, stent.prescribed_diameter, left=np.nan, right=np.nan)
+    return {
+        "arc_length_mm": at,
+        "mis_before_mm": before.inscribed_diameter,
+        "mis_after_mm": after.inscribed_diameter,
+        "equivalent_before_mm": before.equivalent_diameter,
+        "equivalent_after_mm": after.equivalent_diameter,
+        "prescribed_mm": prescribed,
+    }
+
+
 def _diameter_section(stent: StentResult) -> dict[str, Any]:
     before, after = stent.before, stent.after
     error = after.inscribed_diameter - stent.prescribed_diameter
     return {
-        "along": {
-            "arc_length_mm": before.arc_length,
-            "mis_before_mm": before.inscribed_diameter,
-            "mis_after_mm": after.inscribed_diameter,
-            "equivalent_before_mm": before.equivalent_diameter,
-            "equivalent_after_mm": after.equivalent_diameter,
-            "prescribed_mm": stent.prescribed_diameter,
-        },
+        "along": _along(stent),
+        "stent_ends_mm": before.arc_length[[0, -1]],
         "over_stented_length": {
             "before": _statistics(before),
             "after": _statistics(after),
