@@ -173,6 +173,24 @@ def test_a_stent_elsewhere_covers_no_lesion():
     assert lesions_within(found, cut(line, 15, 25)) == found
 
 
+def test_a_stent_past_a_narrow_branch_does_not_cover_its_lesion():
+    """Its axis runs through the sphere at the other branch's narrow ostium, but not into it."""
+    made = phantom("branching_pulmonary_artery")
+    tree = made.centerline
+    left, right = find_lesions(made.surface, tree)
+    main, *outlets = (tree.points[end] for end in (*tree.roots, *tree.leaves))
+    for end in outlets:
+        line = tree.path(main, end).points
+        is_left = np.linalg.norm(line - left.point, axis=1).min() < 0.5
+        assert lesions_within([left, right], line) == ((left,) if is_left else (right,))
+        assert lesions_within([left, right], line[::-1]) == ((left,) if is_left else (right,))
+    passing = tree.path(main, made.axis_at(40.0)[0]).points
+    # That sphere is what counted once.
+    assert np.linalg.norm(passing - right.point, axis=1).min() < right.minimum_diameter / 2
+    across = tree.path(*outlets).points
+    assert lesions_within([left, right], across) == (left, right)
+
+
 def test_the_user_s_own_reference_stands_instead():
     made = phantom("stenosed_tube", edge_length=0.8, length=60.0)
     (lesion,) = find_lesions(made.surface, made.centerline)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..centerline import Centerline
-from ..geometry import Surface, arc_lengths, as_surface, closest_points, tangents
+from ..geometry import Surface, arc_lengths, as_surface, closest_points, point_at, tangents
 from ..validation import (
     as_points,
 )
@@ -24,6 +24,9 @@ from .tree_lumen import branch_lumens
 from .vessel_runs import VesselRun, vessel_runs
 
 Floats = NDArray[np.float64]
+
+_ASLANT = 2.0
+"""An axis that goes aslant meets the section within so many radii of its middle."""
 
 
 def find_lesions(surface: Surface, centerline: Centerline) -> tuple[Lesion, ...]:
@@ -99,14 +102,24 @@ def lesions_within(lesions: Sequence[Lesion], axis_points: ArrayLike) -> tuple[L
         Fewer than two points.
     """
     axis = as_points(axis_points, "axis", minimum=2)
-    if not lesions:
-        return ()
-    found = closest_points(axis, np.array([lesion.point for lesion in lesions]))
-    radii = np.array([lesion.minimum_diameter / 2 for lesion in lesions])
-    # Of a place beyond an end the nearest point is that end; the axis runs inside the sphere.
-    total = float(arc_lengths(axis)[-1])
-    is_on = (found.arc_lengths > 0) & (found.arc_lengths < total) & (found.distances <= radii)
-    return tuple(lesion for lesion, chosen in zip(lesions, is_on, strict=True) if chosen)
+    return tuple(lesion for lesion in lesions if _passes(axis, lesion))
+
+
+def _passes(axis: Points, lesion: Lesion) -> bool:
+    """Whether an axis (n, 3) goes through a lesion's narrowest place, along its vessel.
+
+    It runs inside the sphere there and crosses the section. At a junction an axis into another
+    branch may run inside the sphere as well.
+    """
+    radius, at = lesion.minimum_diameter / 2, lesion.arc_length - lesion.start
+    before, after = point_at(lesion.line, [at - radius, at + radius])
+    heights = (axis - lesion.point) @ (after - before)
+    crossed = np.flatnonzero((heights[1:] < 0) != (heights[:-1] < 0))
+    share = heights[crossed] / (heights[crossed] - heights[crossed + 1])
+    places = axis[crossed] + share[:, None] * (axis[crossed + 1] - axis[crossed])
+    offsets = np.linalg.norm(places - lesion.point, axis=1)
+    nearest = closest_points(axis, np.array([lesion.point])).distances[0]
+    return bool(nearest <= radius and (offsets <= _ASLANT * radius).any())
 
 
 class _Found(NamedTuple):
