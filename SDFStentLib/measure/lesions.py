@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..centerline import Centerline
-from ..geometry import Surface, arc_lengths, as_surface, closest_points, point_at, tangents
+from ..geometry import Surface, as_surface, closest_points, point_at, tangents
 from ..validation import (
     as_points,
 )

@@ -14,7 +14,8 @@ from ..units import MILLIMETERS
 from ..version import VERSION
 from .changes import change_section, settings_section
 from .lesions import treated_lesion_section
-from .report import Report, StentResult
+from .report import Report
+from .stent_result import StentResult
 
 
 def plan_report(
