@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from ostium_truth import RayCaster
+from ostium_truth import RayCaster, openings_at
 
 from SDFStentLib import phantoms
 from SDFStentLib.deformation import DeploymentSettings
@@ -91,6 +91,35 @@ def test_a_covered_branch_that_is_pinched_is_told(data_dir, with_tree, with_face
     told = [str(caution) for caution in result.warnings if caution.kind == "neighbor-narrowed"]
     assert len(told) == 1
     assert f"The lumen of {name} is narrowed from 9.0" in told[0]
+
+
+def test_a_later_stent_tells_of_the_vessel_as_it_found_it_and_as_it_was_at_first(data_dir):
+    """The ostium lies where the first stent left it; what the branch lost counts from the start."""
+    file = read_surface(data_dir / "pulmonary_surface_cm.vtp", units="cm")
+    tree = read_centerline(data_dir / "pulmonary_centerline_cm.vtp", units="cm")
+    place = AtCenter((27.16, -54.26, 67.09))
+    stents = [Stent(diameter, length=25, placement=place) for diameter in (20, 20.6)]
+    settings = DeploymentSettings(certify=False)
+    treatment = Treatment(file.surface, stents, tree, settings, faces=file.faces)
+    found = [state.before for state in treatment if state.number == 2][-1]
+    result = treatment.result
+    first, second = result.stents
+    for stent, surface in ((first, file.surface), (second, found)):
+        (ostium,) = stent.branches
+        assert ostium.name == "branch to face 5"
+        way = extended_axis(surface, stent.axis.points, tree)
+        extent = (way.points, way.before, way.stent_length)
+        low, high = openings_at(surface.points, surface.triangles, *extent, [1.13, 1.17])
+        ((wide,), (narrow,)) = low, high
+        assert wide.start - 1 < ostium.start < narrow.start + 1
+        assert narrow.end - 1 < ostium.end < wide.end + 1
+        assert narrow.share - 0.1 < ostium.covered_share < wide.share + 0.1
+        (lumen,) = [one for one in stent.neighbors if one.name == ostium.name]
+        assert lumen.before == pytest.approx(9.03, abs=0.05)
+        assert lumen.after < 7.37
+    told = [str(one) for one in result.warnings if one.kind == "neighbor-narrowed"]
+    assert [words[:9] for words in told] == ["Stent 1: ", "Stent 2: "]
+    assert all("branch to face 5 is narrowed from 9.0" in words for words in told)
 
 
 def test_diameters_go_on_beyond_both_ends_and_stop_with_the_vessel():

@@ -28,7 +28,12 @@ from ..plan import (
     save_plan,
     treatment_of,
 )
-from ..report import before_after_picture, plan_report, write_report
+from ..report import (
+    before_after_picture,
+    plan_report,
+    stent_branch_sentences,
+    write_report,
+)
 from ..stent import BetweenPoints, Stent
 from ..validation import DeploymentError
 from .console import Console
@@ -148,8 +153,8 @@ def _tell(console: Console, folder: Path, result: PlanResult, missing: list[Caut
         f"A stent of {stent.stent.diameter:g} x {stent.axis.deployed_length:.0f} mm across "
         f"the bifurcation opens it to {after.minimum:.1f} mm."
     )
-    for branch in stent.branches:
-        console.say(branch.sentence())
+    for sentence in stent_branch_sentences(stent):
+        console.say(sentence)
     console.say(f"  {folder / 'report.html'}            diameters before and after, to read")
     if missing:
         console.warn(missing)

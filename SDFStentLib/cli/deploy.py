@@ -31,6 +31,7 @@ from ..report import (
     check_rendering,
     lumen_sentence,
     plan_report,
+    stent_branch_sentences,
     stent_lesion_sentences,
     write_report,
     write_report_figure,
@@ -153,9 +154,10 @@ class _Job:
         for stent in self.result.treatment.stents:
             label = treatment.label(stent.number)
             self.console.say(label + lumen_sentence(stent))
-            for branch in stent.branches:
-                self.console.say(label + branch.sentence())
-            for sentence in stent_lesion_sentences(self.result.lesions, stent.number):
+            for sentence in (
+                *stent_branch_sentences(stent),
+                *stent_lesion_sentences(self.result.lesions, stent.number),
+            ):
                 self.console.say(label + sentence)
         certificate = self.result.treatment.certificate
         if certificate is not None:

@@ -15,13 +15,14 @@ from .metrics import DiameterProfile, diameter_profile
 from .narrowings import SMALLEST_DEGREE
 from .neighbor_lumen import NeighborLumen, VesselStates, neighbor_lumens
 from .neighbor_ways import BranchWays, NeighborWay, end_ways
-from .ostia import NEARLY, Ostium, find_ostia
+from .ostia import LISTED, NEARLY, Ostium, find_ostia
 from .profile_around import profile_around
 from .stretch import FaceStretch, displacements, face_stretches
 from .tree_lumen import closed_surface
 from .triangle_sizes import TriangleSizes, triangle_sizes
 
 __all__ = [
+    "LISTED",
     "NEARLY",
     "SMALLEST_DEGREE",
     "Apposition",

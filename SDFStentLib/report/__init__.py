@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from ..late import late_names
 
 if TYPE_CHECKING:
+    from .branches import stent_branch_sentences
     from .diameters import (
         MeasuredLine,
         diameter_section,
@@ -46,6 +47,7 @@ __all__ = [
     "lesions_csv",
     "lumen_sentence",
     "plan_report",
+    "stent_branch_sentences",
     "stent_lesion_sentences",
     "write_report",
     "write_report_figure",
@@ -54,6 +56,7 @@ __all__ = [
 __getattr__, __dir__ = late_names(
     __name__,
     {
+        "branches": ["stent_branch_sentences"],
         "diameters": [
             "MeasuredLine",
             "diameter_section",

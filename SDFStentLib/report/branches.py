@@ -6,8 +6,18 @@ from collections.abc import Iterator, Mapping, Sequence
 from html import escape
 from typing import Any
 
-from ..measure import NEARLY, Apposition, NeighborLumen, Ostium
+from ..measure import LISTED, NEARLY, Apposition, NeighborLumen, Ostium
+from ..treatment import TreatedStent
 from .words import millimeters
+
+NONE_NEAR = f"No side branch was found within {LISTED:.0f} mm of the stent."
+
+
+def stent_branch_sentences(stent: TreatedStent) -> list[str]:
+    """What a stent does to every branch near it, and where it touches no wall."""
+    branches = [branch.sentence() for branch in stent.branches] or [NONE_NEAR]
+    free = stent.apposition.sentence()
+    return [*branches, free] if free else branches
 
 
 def branch_section(branch: Ostium, neighbors: Sequence[NeighborLumen]) -> dict[str, Any]:
@@ -42,9 +52,9 @@ def stretches_of(document: Mapping[str, Any], stent: Mapping[str, Any]) -> list[
 
 
 def branch_table(branches: Sequence[Mapping[str, Any]]) -> list[str]:
-    """A part of the page; nothing where no branch is near."""
+    """A part of the page; that no branch is near is said as well."""
     if not branches:
-        return []
+        return [f"<h2>Side branches</h2><p>{NONE_NEAR}</p>"]
     rows = "".join(
         f"<tr><td>{branch['stent']}</td><td>{escape(branch['name'])}</td>"
         f"<td class='n'>{millimeters(branch['ostium_start_mm'], 1, signed=True)}</td>"
