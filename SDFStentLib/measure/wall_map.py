@@ -161,11 +161,15 @@ def _cut_segments(
     In the plane's own directions, from its center; then the triangles, by their number in `wall`.
     """
     normals = along[:, 0]
-    heights = normals @ wall.points.T - np.einsum("ij,ij->i", normals, centers)[:, None]
-    above = heights >= 0
-    corners = [above[:, wall.triangles[:, k]] for k in range(3)]
-    station, owner = np.nonzero((corners[0] != corners[1]) | (corners[1] != corners[2]))
-    first, second, third = (corner[station, owner] for corner in corners)
+    heights = wall.points @ normals.T - np.einsum("ij,ij->i", normals, centers)
+    # A bit for each station: eight are compared at once.
+    above = np.packbits(heights >= 0, axis=1)
+    sides = [above[wall.triangles[:, k]] for k in range(3)]
+    is_cut = (sides[0] ^ sides[1]) | (sides[1] ^ sides[2])
+    cut = np.flatnonzero(is_cut.any(axis=1))
+    station, row = np.nonzero(np.unpackbits(is_cut[cut], axis=1, count=len(centers)).T)
+    owner = cut[row]
+    first, second, third = (heights[wall.triangles[owner, k], station] >= 0 for k in range(3))
     # The corner that is alone on its side, then the two others.
     alone = np.where(second == third, 0, np.where(first == third, 1, 2))
     apex = wall.triangles[owner, alone]
@@ -176,7 +180,7 @@ def _cut_segments(
         other = wall.triangles[owner, (alone + shift) % 3]
         # In the order of their numbers, so that both triangles of an edge find the same point.
         low, high = np.minimum(apex, other), np.maximum(apex, other)
-        below, over = heights[station, low], heights[station, high]
+        below, over = heights[low, station], heights[high, station]
         share = below / (below - over)
         from_low, to_high = flat[:, low, station], flat[:, high, station]
         ends.append(from_low + share * (to_high - from_low) - origin[:, station])
