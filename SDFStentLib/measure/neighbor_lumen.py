@@ -10,12 +10,12 @@ import numpy as np
 
 from ..cautions import Caution
 from ..geometry import Surface, arc_lengths, cut, frames, length, resampled, tangents
-from ..validation import Floats, Points, read_only
+from ..validation import Floats, Indices, Points, read_only
 from .cross_section import equivalent_diameters
 from .cut_sections import SUSPECT
-from .expected_wall import across_alone, far_reach
+from .expected_wall import FARTHEST, across_alone
 from .inscribed import inscribed_spheres
-from .neighbor_ways import NeighborWay
+from .neighbor_ways import SHORTEST, NeighborWay
 from .wall_map import RAYS, near_wall, rays_from
 
 NOTICEABLE = 0.05
@@ -100,12 +100,32 @@ def neighbor_lumens(states: VesselStates, ways: Iterable[NeighborWay]) -> tuple[
         In the vessel as the stent found it.
     """
     moved = _Moved(states.found, states.left)
-    parts = ((way, *moved.part_of(way.points)) for way in ways)
-    return tuple(
-        _compared(way.name, part, start, states)
-        for way, start, part in parts
-        if len(part) > 1 and length(part) > _SPACING
+    parts = [part for way in ways if (part := moved.part_of(way)) is not None]
+    if not parts:
+        return ()
+    surfaces = states.native, states.final
+    # Rays tell quickly where each lost most; there all are measured together.
+    worst = [_worst(part, surfaces) for part in parts]
+    at = np.concatenate([part.stations[own] for part, own in zip(parts, worst, strict=True)])
+    across = np.concatenate(
+        [tangents(part.stations)[own] for part, own in zip(parts, worst, strict=True)]
     )
+    measured = np.array([_diameters(surface, at, across) for surface in surfaces])
+    ends = np.cumsum([len(own) for own in worst])[:-1]
+    each = zip(parts, worst, np.split(measured, ends, axis=2), strict=True)
+    return tuple(_lumen(part, own, pairs) for part, own, pairs in each)
+
+
+class _Part(NamedTuple):
+    """The part of a way whose wall has moved."""
+
+    way: NeighborWay
+    start: float
+    """Where on the way it begins, mm."""
+    stations: Points
+    """(n, 3) on it, equally spaced, mm."""
+    reach: float
+    """How far the wall round it is looked for, mm."""
 
 
 class _Moved:
@@ -121,51 +141,55 @@ class _Moved:
         self.wall = KDTree(before.points)
         self.points = KDTree(before.points[moved]) if len(moved) else None
 
-    def part_of(self, way: Points) -> tuple[float, Points]:
-        """The part of a way (n, 3) whose wall has moved, and where on the way it begins, mm."""
-        if self.points is None or length(way) <= _SPACING:
-            return 0.0, way[:0]
-        stations = resampled(way, _SPACING)
+    def part_of(self, way: NeighborWay) -> _Part | None:
+        """The part of a way whose wall has moved; None where there is none of some length."""
+        if self.points is None or length(way.points) <= SHORTEST:
+            return None
+        stations = resampled(way.points, _SPACING)
         distance = self.wall.query(stations)[0]
         beside = self.points.query_ball_point(stations, _BESIDE * distance + _SPACING)
         largest = np.array([self.motion[own].max(initial=0.0) for own in beside])
         rows = np.flatnonzero(largest > _MOTION * distance)
         if not len(rows):
-            return 0.0, way[:0]
-        step = length(way) / (len(stations) - 1)
-        start = max(rows[0] - 1, 0) * step
-        return start, cut(way, start, (rows[-1] + 1) * step)
+            return None
+        step = length(way.points) / (len(stations) - 1)
+        start, end = max(rows[0] - 1, 0) * step, (rows[-1] + 1) * step
+        own = cut(way.points, start, end)
+        if length(own) <= SHORTEST:
+            return None
+        return _Part(way, start, resampled(own, _SPACING), FARTHEST * float(distance.max()))
 
 
-def _compared(name: str, way: Points, start: float, states: VesselStates) -> NeighborLumen:
-    before, after = states.native, states.final
-    stations = resampled(way, _SPACING)
-    # Rays tell quickly where it lost most; there it is measured.
-    first, second = (_seen(surface, stations) for surface in (before, after))
+def _worst(part: _Part, surfaces: tuple[Surface, Surface]) -> Indices:
+    """The stations (k,) that lost most, as rays see it."""
+    first, second = (_seen(surface, part) for surface in surfaces)
     with np.errstate(invalid="ignore", divide="ignore"):
         losses = np.nan_to_num((1 - second / first).max(axis=0), nan=-np.inf, neginf=-np.inf)
-    worst = np.sort(np.argsort(losses)[-_MEASURED_AT:])
-    at, across = stations[worst], tangents(stations)[worst]
-    pairs = np.array([_diameters(surface, at, across) for surface in (before, after)])
+    return np.sort(np.argsort(losses)[-_MEASURED_AT:])
+
+
+def _lumen(part: _Part, worst: Indices, pairs: Floats) -> NeighborLumen:
+    """The lumen of which diameters (2, 2, k) were measured: before and after, of both kinds."""
     # A sphere at a station on the surface, as at the end of a way, tells nothing.
-    pairs[~(pairs > 0)] = np.nan
+    pairs = np.where(pairs > 0, pairs, np.nan)
     lost = np.nan_to_num(1 - pairs[1] / pairs[0], nan=-np.inf)
     # A section that opens into another lumen says little about this one.
     lost[1, ~(pairs[:, 1] < SUSPECT * pairs[:, 0]).all(axis=0)] = -np.inf
     kind, place = np.unravel_index(np.argmax(lost), lost.shape)
     return NeighborLumen(
-        name,
-        way,
-        start + float(arc_lengths(stations)[worst[place]]),
+        part.way.name,
+        part.way.points,
+        part.start + float(arc_lengths(part.stations)[worst[place]]),
         float(pairs[0, kind, place]),
         float(pairs[1, kind, place]),
         bool(kind == 1),
     )
 
 
-def _seen(surface: Surface, stations: Points) -> Floats:
+def _seen(surface: Surface, part: _Part) -> Floats:
     """Narrowest width and mean width (2, n) of the sections, by rays from the way."""
-    near = near_wall(surface, stations, far_reach(surface, stations))
+    stations = part.stations
+    near = near_wall(surface, stations, part.reach)
     rays = rays_from(near, arc_lengths(stations), stations, frames(stations)).distance
     wall = across_alone(np.where(np.isfinite(rays), rays, np.nan))
     width = wall + np.roll(wall, RAYS // 2, axis=1)
