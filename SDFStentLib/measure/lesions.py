@@ -14,9 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..centerline import Centerline
 from ..geometry import Surface, as_surface, closest_points, point_at, tangents
-from ..validation import (
-    as_points,
-)
+from ..validation import Points, as_points
 from .lesion_measuring import as_place, measured, median_area
 from .lesion_value import HealthyPlace, Lesion, reference_words
 from .narrowings import Narrowing, narrowings
