@@ -511,8 +511,8 @@ def test_the_plot_tells_the_stent_and_its_free_parts_from_the_vessel_beyond():
     assert stent.width == pytest.approx(0.4 * (distal.x + distal.width - proximal.x))
     assert (free.x, free.width) == pytest.approx((stent.x, stent.width / 2))
     words = [mark.text for mark in plot if isinstance(mark, Words)]
-    assert "the stent; without contact with the wall over 2.0 mm" in words
-    assert "<h2>Without contact</h2>" in html_page(document)
+    assert "the stent; yellow: not in contact all round, 2.0 mm" in words
+    assert "<h2>Not in contact all round</h2>" in html_page(document)
 
 
 def test_a_curve_is_interrupted_where_nothing_was_measured():

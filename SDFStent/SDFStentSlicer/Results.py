@@ -110,7 +110,7 @@ def branchLines(treated):
     free = treated.apposition.free_length
     if free > 0:
         lines.append(
-            _("Without contact with the wall: {free:.1f} of {length:.1f} mm").format(
+            _("Not in contact with the wall all round: {free:.1f} of {length:.1f} mm").format(
                 free=free, length=treated.apposition.length
             )
         )

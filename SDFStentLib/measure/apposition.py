@@ -59,12 +59,12 @@ class Apposition:
             return ""
         where = ", ".join(
             f"{stretch.start:.1f} to {stretch.end:.1f} mm ({100 * stretch.share:.0f} % of the "
-            "circumference)"
+            "circumference free)"
             for stretch in self.stretches
         )
         return (
-            f"The stent touches no wall over {self.free_length:.1f} of its {self.length:.1f} mm: "
-            f"from its proximal end {where}."
+            f"The stent does not touch the wall all round over {self.free_length:.1f} of its "
+            f"{self.length:.1f} mm; from its proximal end: {where}. Across an ostium there is none."
         )
 
 

@@ -81,10 +81,10 @@ def apposition_table(stretches: Sequence[Mapping[str, Any]]) -> list[str]:
         for one in stretches
     )
     return [
-        "<h2>Without contact</h2><table><tr><th>stent</th><th class='n'>from</th>"
-        "<th class='n'>to</th><th class='n'>of the circumference</th></tr>"
-        f"{rows}</table><p class='small'>From the proximal end of the stent; no wall is there "
-        "either where it lies across the ostium of a branch.</p>"
+        "<h2>Not in contact all round</h2><table><tr><th>stent</th><th class='n'>from</th>"
+        "<th class='n'>to</th><th class='n'>of the circumference is free</th></tr>"
+        f"{rows}</table><p class='small'>From the proximal end of the stent. Across "
+        "the ostium of a branch there is no wall to touch.</p>"
     ]
 
 

@@ -138,7 +138,7 @@ def _strip(
         start, end = across(one["start_mm"]), across(one["end_mm"])
         yield Box(start, floor - _STRIP, end - start, _STRIP, _FREE)
     free = sum(one["end_mm"] - one["start_mm"] for one in stretches)
-    words = f"the stent; without contact with the wall over {free:.1f} mm" if free else "the stent"
+    words = f"the stent; yellow: not in contact all round, {free:.1f} mm" if free else "the stent"
     yield Words(words, (first + last) / 2, floor - _STRIP - 5, 12, GRAY)
 
 
