@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from ..geometry import NamedFaces
 from ..measure import face_stretches, triangle_sizes
 from ..plan import PlanResult
-from ..validation import Floats
+from ..validation import Floats, Indices
 from .words import UNKNOWN, number_text, plain_label, plain_text
 
 _LENGTHS = (
@@ -60,6 +61,7 @@ def change_section(result: PlanResult) -> dict[str, Any]:
             "after": _spread(new.smallest_angle),
         },
         "area_ratio": _spread(face_stretches(before, after).area[faces]),
+        "faces": _changed_faces(result.inputs.surface.faces, faces),
     }
 
 
@@ -81,7 +83,32 @@ def change_rows(changes: Mapping[str, Any]) -> list[tuple[str, str]]:
         old, new = (_range(changes[key][when], unit, digits) for when in ("before", "after"))
         rows.append((words, f"{old} before; {new} after"))
     rows.append(("Their area, after over before", _range(changes["area_ratio"], "", 2)))
+    if changes["faces"] is not None:
+        told = "; ".join(map(_face, changes["faces"])) or "none"
+        rows.append(("Face ids of which something moved", told))
     return rows
+
+
+def _changed_faces(parts: NamedFaces | None, moved: Indices) -> list[dict[str, Any]] | None:
+    """The parts of the model, by the ids of its file, that have triangles that moved."""
+    if parts is None:
+        return None
+    ids, counts = np.unique(parts.ids[moved], return_counts=True)
+    return [
+        {
+            "id": int(number),
+            "name": parts.names.get(int(number)),
+            "moved_triangles": int(count),
+            "triangles": int((parts.ids == number).sum()),
+        }
+        for number, count in zip(ids, counts, strict=True)
+    ]
+
+
+def _face(face: Mapping[str, Any]) -> str:
+    name = f" ({face['name']})" if face["name"] else ""
+    moved, whole = (plain_text("", face[key]) for key in ("moved_triangles", "triangles"))
+    return f"{face['id']}{name}: {moved} of {whole} triangles"
 
 
 def _spread(values: Floats) -> dict[str, float | None]:
