@@ -17,7 +17,7 @@ from SDFStentLib.measure.apposition import Apposition, FreeStretch
 from SDFStentLib.measure.lesion_value import HealthyPlace, Lesion
 from SDFStentLib.measure.metrics import DiameterProfile
 from SDFStentLib.measure.ostia import Ostium
-from SDFStentLib.report.drawing import Box, Line, Words
+from SDFStentLib.report.drawing import Box, Disc, Line, Words
 from SDFStentLib.report.html import certificate_sentence, html_page
 from SDFStentLib.report.lesions import treated_lesion_section
 from SDFStentLib.report.plot import diameter_plot, figure
@@ -513,6 +513,20 @@ def test_the_plot_tells_the_stent_and_its_free_parts_from_the_vessel_beyond():
     words = [mark.text for mark in plot if isinstance(mark, Words)]
     assert "the stent; yellow: not in contact all round, 2.0 mm" in words
     assert "<h2>Not in contact all round</h2>" in html_page(document)
+
+
+@pytest.mark.parametrize(("other", "is_above"), [(-0.8, True), (+0.8, False)])
+def test_the_number_of_the_narrowest_place_keeps_clear_of_the_other_curve(other, is_above):
+    diameters = with_surroundings().as_dict()["diameters"]
+    narrow, along = diameters["minimum_lumen"], diameters["along"]
+    for key in ("mis_before_mm", "equivalent_before_mm"):
+        along[key] = [narrow["after_mm"] + other] * len(along[key])
+    marks = diameter_plot(diameters).marks
+    (words,) = (
+        one for one in marks if getattr(one, "text", "") == f"min {narrow['after_mm']:.2f} mm"
+    )
+    (disc,) = (one for one in marks if isinstance(one, Disc) and one.color == words.color)
+    assert (words.y < disc.y) == is_above
 
 
 def test_a_curve_is_interrupted_where_nothing_was_measured():

@@ -49,11 +49,13 @@ def diameter_plot(
     up = _Scale(0.0, _round_up(max(known)), _HEIGHT - _BOTTOM, _TOP)
     first, last = (across(end) for end in diameters["stent_ends_mm"])
     marks = [*_beyond(first, last), *_grid(across, up), *_strip(first, last, across, stretches)]
-    for key, _, color, dashes, width in (*_CURVES[1:4:2], *_CURVES[0:3:2], *_CURVES[4:]):
-        for piece in _pieces(positions, along[key]):
-            corners = [(across(position), up(value)) for position, value in piece]
-            marks.append(Line(corners, color, width, dashes))
-    marks += [*_minimum_marks(diameters["minimum_lumen"], across, up), *_legend()]
+    curves = [
+        Line([(across(position), up(value)) for position, value in piece], color, width, dashes)
+        for key, _, color, dashes, width in (*_CURVES[1:4:2], *_CURVES[0:3:2], *_CURVES[4:])
+        for piece in _pieces(positions, along[key])
+    ]
+    marks += curves
+    marks += [*_minimum_marks(diameters["minimum_lumen"], across, up, curves), *_legend()]
     title = "Lumen diameter along the stent before and after"
     return Drawing(_WIDTH, _HEIGHT, tuple(marks), title)
 
@@ -156,7 +158,10 @@ def _pieces(
         piece = []
 
 
-def _minimum_marks(narrow: Mapping[str, Any], across: _Scale, up: _Scale) -> Iterator[Mark]:
+def _minimum_marks(
+    narrow: Mapping[str, Any], across: _Scale, up: _Scale, curves: Sequence[Line]
+) -> Iterator[Mark]:
+    """The narrowest places, with their numbers below them or, if curves are there, above."""
     for when, color in (("before", _BEFORE), ("after", _AFTER)):
         value, position = narrow[f"{when}_mm"], narrow[f"{when}_at_mm"]
         if value is None or position is None:
@@ -168,7 +173,18 @@ def _minimum_marks(narrow: Mapping[str, Any], across: _Scale, up: _Scale) -> Ite
         elif x < _WIDTH * 0.15:
             words = words._replace(anchor="start")
         yield Disc(x, y, 4.5, color)
-        yield words
+        yield min((words, words._replace(y=y - 12)), key=lambda one: _crossed(one, curves))
+
+
+def _crossed(words: Words, curves: Sequence[Line]) -> int:
+    """How many corners of curves lie under the words; a letter counts 8 pixels."""
+    width = 8 * len(words.text)
+    left = words.x - width * ("start", "middle", "end").index(words.anchor) / 2
+    return sum(
+        left < x < left + width and words.y - words.size < y < words.y + 4
+        for curve in curves
+        for x, y in curve.points
+    )
 
 
 def _legend() -> Iterator[Mark]:
