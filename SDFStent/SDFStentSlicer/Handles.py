@@ -89,12 +89,13 @@ def fitHandle(node, placement, centerline, length):
 
 
 def snapHandle(node, placement, centerline):
-    """Move the placed points of a handle onto the centerline; a curve stays as it is drawn."""
-    if placement == Placement.ALONG_CURVE or node.IsA("vtkMRMLMarkupsCurveNode"):
-        return
+    """Move the placed points of a handle onto the centerline; returns whether one was beside it."""
     points = Conversion.handlePoints(node, placement.pointCount, _("Stent"))
+    isMoved = False
     with slicer.util.NodeModify(node):
         for index, point in zip(Conversion.placedIndices(node), points, strict=False):
             snapped = centerline.project(point).point
             if np.linalg.norm(snapped - point) > 1e-6:
                 node.SetNthControlPointPositionWorld(index, *snapped)
+                isMoved = True
+    return isMoved

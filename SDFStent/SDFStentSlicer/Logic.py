@@ -17,6 +17,7 @@ from SDFStentLib.validation import DeploymentError, InputError
 from . import Dependencies, Display, Handles, Outputs, Plans, Results
 from .Inputs import Inputs
 from .ParameterNode import STENT_FIELDS, MethodParameters, Placement, SDFStentParameterNode
+from .Snapping import Snapping
 from .Stenting import Stenting
 from .StentList import StentList
 from .SurfaceOutput import outputSurface
@@ -47,6 +48,7 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
         # A wrapper that lived through an import may have cached references that were not resolved yet.
         self._wrappers = {}
         self._runs, self._surfaces, self._signatures, self._inputs = {}, {}, {}, Inputs()
+        self._snapping = Snapping()
 
     def getParameterNode(self):
         """The parameters that the panel starts with."""
@@ -131,10 +133,15 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
             )
 
     def snapHandle(self, parameterNode, handle):
-        """Move a handle's points onto the centerline."""
-        placements = [stent.placement for stent in parameterNode.stents if stent.handle is handle]
-        if placements and parameterNode.centerline is not None and not self.missing(parameterNode):
-            Handles.snapHandle(handle, placements[0], self._inputs.centerline(parameterNode))
+        """Move a handle's points onto the centerline; from how far, where that is far, is in `status` afterwards.
+
+        Raises `InputError` with a sentence where no stent can be, as outside of the lumen; then the handle stays where it is.
+        """
+        stents = [stent for stent in parameterNode.stents if stent.handle is handle]
+        if stents and parameterNode.centerline is not None and not self.missing(parameterNode):
+            surface = self._inputs.vessel(parameterNode).surface
+            self._snapping.snap(stents[0], self._inputs.centerline(parameterNode), surface)
+            parameterNode.status = self._snapping.told(parameterNode)
 
     def restoreMethod(self, parameterNode):
         """Set the method back to its defaults."""
@@ -232,7 +239,7 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
         surface = outputSurface(parameterNode, vessel.polyData, self._surfaces.get(key))
         self._surfaces[key] = surface
         self._runs[parameterNode.parameterNode.GetID()] = run
-        parameterNode.status = ""
+        parameterNode.status = self._snapping.told(parameterNode)
         if not live:
             Plans.remember(parameterNode)
         surface.hideOutline()

@@ -25,7 +25,7 @@ BY_POINT = {
 
 def plannedOf(parameterNode):
     """The stents that are switched on, in order, as the library's stents."""
-    return [_plannedOf(stent) for stent in parameterNode.stents if stent.enabled]
+    return [plannedStent(stent) for stent in parameterNode.stents if stent.enabled]
 
 
 def settingsOf(parameterNode, live=False):
@@ -60,7 +60,7 @@ def planOf(parameterNode, stents=None):
     surface = _fileOf(parameterNode.vessel)
     frame = "RAS" if surface is None else Conversion.fileFrame(parameterNode.vessel)
     return Plan(
-        stents=tuple(_inFrame(_plannedOf(stent), frame) for stent in chosen),
+        stents=tuple(_inFrame(plannedStent(stent), frame) for stent in chosen),
         surface=surface,
         centerline=_fileOf(parameterNode.centerline),
         frame=frame,
@@ -142,7 +142,8 @@ def _plannedSettings(document):
     return plan_from_document(json.loads(document)).settings if document else DeploymentSettings()
 
 
-def _plannedOf(stent):
+def plannedStent(stent):
+    """The library's stent."""
     hasLength = not stent.placement.usesHandleLength or (
         stent.placement == Placement.ALONG_CURVE and not stent.wholeCurve
     )

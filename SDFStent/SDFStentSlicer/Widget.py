@@ -175,7 +175,7 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
 
     def onHandleReleased(self, handle):
         if self._parameterNode is not None:
-            self.logic.snapHandle(self._parameterNode, handle)
+            self._attempt(lambda: self.logic.snapHandle(self._parameterNode, handle))
 
     def _requestUpdate(self):
         if self._parameterNode is not None and self._parameterNode.autoUpdate:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .beside import placement_points
+from .beside import beside, placement_points
 from .placement import (
     AlongAxis,
     AtCenter,
@@ -30,6 +30,7 @@ __all__ = [
     "Placement",
     "Stent",
     "StentAxis",
+    "beside",
     "placement_points",
     "stent_axis",
     "straightened",

@@ -1,0 +1,99 @@
+"""What the panel says of a handle that is let go beside the centerline."""
+
+import re
+
+import numpy as np
+import pytest
+from panel_helpers import settle, theThroat
+
+
+def letGo(host, panel, point):
+    """Drag the handle of the selected stent somewhere and let go."""
+    handle = panel._parameterNode.stent.handle
+    handle.SetNthControlPointPositionWorld(0, *point)
+    handle.InvokeEvent(handle.PointEndInteractionEvent)
+    host.process()
+
+
+def positionOf(panel):
+    return np.array(panel._parameterNode.stent.handle.GetNthControlPointPositionWorld(0))
+
+
+@pytest.fixture
+def besideThroat(aStent):
+    """Points at a distance, in inscribed radii there, square to the centerline at a wide place of it, and that radius."""
+    from SDFStentSlicer import Conversion
+
+    tree = Conversion.centerlineOf(aStent._parameterNode.centerline)
+    path = tree.path_around(theThroat(), 30.0)
+    middle = len(path.points) // 5
+    along = path.points[middle + 1] - path.points[middle - 1]
+    across = np.cross(along, (0.0, 0.0, 1.0))
+    across /= np.linalg.norm(across)
+    radius = path.inscribed_radius[middle]
+    return lambda radii: (path.points[middle] + radii * radius * across, radii * radius)
+
+
+def test_a_handle_let_go_far_beside_the_centerline_is_told_from_how_far(host, aStent, besideThroat):
+    point, distance = besideThroat(0.8)
+    letGo(host, aStent, point)
+    told = re.search(
+        r"The center lies ([\d.]+) mm beside the centerline", aStent.ui.statusLabel.text
+    )
+    assert float(told[1]) == pytest.approx(distance, abs=0.1)
+    assert float(told[1]) == pytest.approx(np.linalg.norm(positionOf(aStent) - point), abs=0.051)
+    assert aStent.ui.statusLabel.visible
+
+
+def test_a_handle_let_go_near_the_centerline_is_not_worth_a_word(host, aStent, besideThroat):
+    point, _distance = besideThroat(0.4)
+    letGo(host, aStent, point)
+    assert np.linalg.norm(positionOf(aStent) - point) > 0.5
+    assert aStent.ui.statusLabel.text == ""
+
+
+def test_the_sentence_outlives_the_deployments_that_follow_but_not_the_next_move(
+    host, aStent, besideThroat
+):
+    aStent.ui.autoUpdateCheckBox.checked = True
+    letGo(host, aStent, besideThroat(0.8)[0])
+    settle(host, aStent)
+    assert aStent._parameterNode.lumenSummary
+    assert "beside the centerline" in aStent.ui.statusLabel.text
+    letGo(host, aStent, theThroat())
+    settle(host, aStent)
+    assert aStent.ui.statusLabel.text == ""
+
+
+@pytest.mark.parametrize("autoUpdate", [False, True])
+def test_a_handle_let_go_outside_of_the_lumen_stays_there_and_nothing_is_deployed(
+    host, aStent, besideThroat, autoUpdate
+):
+    outside, _distance = besideThroat(1.6)
+    aStent.ui.autoUpdateCheckBox.checked = autoUpdate
+    settle(host, aStent)
+    before = aStent._parameterNode.lumenSummary
+    letGo(host, aStent, outside)
+    settle(host, aStent)
+    np.testing.assert_allclose(positionOf(aStent), outside, atol=1e-6)
+    assert "expected a point in the lumen" in aStent.ui.statusLabel.text
+    assert aStent._parameterNode.lumenSummary == before
+    letGo(host, aStent, theThroat())
+    settle(host, aStent)
+    assert aStent.ui.statusLabel.text == ""
+
+
+def test_the_shell_says_the_same_of_the_same_place(host, aStent, besideThroat):
+    from SDFStentSlicer import Conversion
+
+    from SDFStentLib.stent import AtCenter, Stent
+    from SDFStentLib.treatment import axis_in_vessel
+
+    point, _distance = besideThroat(0.8)
+    logic, parameters = aStent.logic, aStent._parameterNode
+    tree = Conversion.centerlineOf(parameters.centerline)
+    surface = logic._inputs.vessel(parameters).surface
+    axis = axis_in_vessel(Stent(8.5, placement=AtCenter(point), length=14.0), tree, surface)
+    (told,) = [str(caution) for caution in axis.warnings if caution.kind == "point-beside"]
+    letGo(host, aStent, point)
+    assert aStent.ui.statusLabel.text == f"{parameters.stent.label}: {told}"
