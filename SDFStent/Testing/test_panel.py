@@ -1,6 +1,7 @@
 """The panel, driven as a user does: clicks, sliders, points that move."""
 
 import numpy as np
+import pytest
 import slicer
 from panel_helpers import deploy, settle, theThroat
 
@@ -203,17 +204,32 @@ def test_closing_the_scene_while_deploying_is_clean(host, aStent, aScene):
     assert not aStent.ui.deployButton.enabled
 
 
-def test_reload_reads_both_halves_again(host, aPanel, theModule):
+def ownModules():
     import sys
 
-    before = sys.modules["SDFStentLib.stent"], sys.modules["SDFStentSlicer.Logic"]
-    try:
-        aPanel.onReload()
-        assert sys.modules["SDFStentLib.stent"] is not before[0]
-        assert sys.modules["SDFStentSlicer.Logic"] is not before[1]
-    finally:
-        entry = slicer.modules.sdfstent
-        theModule.python, theModule.module = entry.python, entry.module
+    packages = ("SDFStent", "SDFStentLib", "SDFStentSlicer")
+    return {name: one for name, one in sys.modules.items() if name.split(".")[0] in packages}
+
+
+@pytest.fixture
+def reloading():
+    """Tests that follow go on with the classes that they have imported."""
+    import sys
+
+    entry, modules = slicer.modules.sdfstent, ownModules()
+    yield
+    for name in ownModules():
+        del sys.modules[name]
+    sys.modules.update(modules)
+    slicer.modules.sdfstent = entry
+
+
+def test_reload_reads_both_halves_again(reloading, host, aPanel):
+    before = ownModules()
+    aPanel.onReload()
+    after = ownModules()
+    for name in ("SDFStentLib.stent", "SDFStentSlicer.Logic"):
+        assert after[name] is not before[name]
 
 
 def test_sample_data_comes_without_network(host, aScene):

@@ -215,7 +215,7 @@ def test_what_cannot_be_shown_is_said_and_leaves_nothing(
     """With a panel that reaches less far than the library, which refuses the same values itself."""
     from SDFStentSlicer.ParameterNode import RANGES
 
-    from SDFStentLib.validation import InputError  # here: another test reloads the library
+    from SDFStentLib.validation import InputError
 
     aLogic.copyStent(theParameters)
     writePlan(
