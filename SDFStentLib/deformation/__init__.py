@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from .deployment import Deployment, deploy
 from .profiles import BLENDS, FALLOFFS
+from .proxy import Proxy, ProxyState
 from .settings import RULES, SHORTEST_AND_LONGEST, WIDEST, DeploymentSettings
 from .values import DeploymentResult, DeploymentState
 
@@ -17,6 +18,8 @@ __all__ = [
     "DeploymentResult",
     "DeploymentSettings",
     "DeploymentState",
+    "Proxy",
+    "ProxyState",
     "deploy",
 ]
 

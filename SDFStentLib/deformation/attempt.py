@@ -51,11 +51,7 @@ class Attempt:
         self.wall_count = int(self.motion.touchable.sum())
         self.ascending = np.argsort(self.numbers[: self.wall_count])
         if not self.wall_count:
-            raise DeploymentError(
-                "stent: expected the vessel's wall within "
-                f"{task.radius + task.settings.influence_distance:.1f} mm of the stent "
-                "axis, got none; check that surface and axis are in the same unit and frame."
-            )
+            raise away_from_wall(task)
         self.patch = Patch.around(task.surface, self.numbers[: self.wall_count])
         self.patch_start = self.patch.points(task.surface.points, self.start[: self.wall_count])
         nearest = float(self.motion.level[: self.wall_count].min())
@@ -157,11 +153,11 @@ class Attempt:
         """The points that can move, and their numbers among points and companions."""
         task, points = self.task, self.task.surface.points
         reach = task.target_level + task.settings.influence_distance + gap
-        wall, near_wall = _within(points, task.chain, reach)
+        wall, near_wall = within_reach(points, task.chain, reach)
         # A point that no triangle uses is no wall; nobody would see it touched.
         is_used = task.is_used[wall]
         wall, near_wall = wall[is_used], near_wall[is_used]
-        dragged, near_dragged = _within(task.companions, task.chain, reach)
+        dragged, near_dragged = within_reach(task.companions, task.chain, reach)
         numbers = np.concatenate([wall, len(points) + dragged])
         motion = Motion(
             task.chain,
@@ -194,10 +190,8 @@ class Attempt:
         if normals is None:
             normals = vertex_normals(task.surface.points, task.outward_triangles)
             normals = normals[self.numbers[wall]][self.patch.twin[wall]]
-        facing = -dot(normals, direction)
-        share = np.clip((facing - ramp[0]) / (ramp[1] - ramp[0]), 0, 1)
         offset = np.zeros(len(self.motion.level))
-        offset[wall] = gap * share**2 * (3 - 2 * share)
+        offset[wall] = tissue_offset(normals, direction, ramp, gap)
         self.motion.set_offset(offset)
         if not task.settings.finish:
             return
@@ -234,7 +228,24 @@ class Attempt:
         return np.flatnonzero(is_free[:count] & (label == label[nearest]))
 
 
-def _within(
+def away_from_wall(task: DeploymentTask) -> DeploymentError:
+    """What is said about a stent that no wall is near."""
+    return DeploymentError(
+        "stent: expected the vessel's wall within "
+        f"{task.radius + task.settings.influence_distance:.1f} mm of the stent "
+        "axis, got none; check that surface and axis are in the same unit and frame."
+    )
+
+
+def tissue_offset(
+    normals: Points, direction: Points, ramp: tuple[float, float], gap: float
+) -> NDArray[np.float64]:
+    """Tissue (n,), mm, between the stent and walls: the more, the more they look back at it."""
+    share = np.clip((-dot(normals, direction) - ramp[0]) / (ramp[1] - ramp[0]), 0, 1)
+    return np.asarray(gap * share**2 * (3 - 2 * share))
+
+
+def within_reach(
     points: Points, chain: CapsuleChain, reach: float
 ) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
     """Points whose field may be below reach, and their nearest nodes: a box first, then nodes."""

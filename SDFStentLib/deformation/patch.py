@@ -53,7 +53,7 @@ class Patch:
         rim = np.unique(corners[number[corners] < 0])
         number[rim] = len(active) + np.arange(len(rim))
         vertices = np.concatenate([active, rim])
-        twin = _twins(points[vertices])
+        twin = twins(points[vertices])
         return cls(
             read_only(faces),
             read_only(twin[number[corners]]),
@@ -113,7 +113,7 @@ class Patch:
         return not (keys[1:] == keys[:-1]).any()
 
 
-def _twins(points: Points) -> NDArray[np.int64]:
+def twins(points: Points) -> NDArray[np.int64]:
     """The first point at the coordinates of each."""
     twin = np.arange(len(points))
     # Equal coordinates have equal sums: without equal sums there is nothing to look for.

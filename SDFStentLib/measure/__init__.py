@@ -16,6 +16,7 @@ from .narrowings import SMALLEST_DEGREE
 from .neighbor_lumen import NeighborLumen, VesselStates, neighbor_lumens
 from .neighbor_ways import BranchWays, NeighborWay, end_ways
 from .ostia import LISTED, NEARLY, Ostium, find_ostia
+from .point_lumen import rough_radii
 from .profile_around import profile_around
 from .stretch import FaceStretch, displacements, face_stretches
 from .tree_lumen import closed_surface
@@ -59,6 +60,7 @@ __all__ = [
     "lesions_within",
     "neighbor_lumens",
     "profile_around",
+    "rough_radii",
     "triangle_sizes",
     "winding_numbers",
 ]

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from .lesions import TreatedLesion, placement_at, treated_lesions
+from .preview import Preview, PreviewedStent, PreviewState
 from .straightening import axis_in_vessel
 from .treatment import Treatment
 from .value import TreatedStent, TreatmentResult, TreatmentState
 from .vessel import Vessel
 
 __all__ = [
+    "Preview",
+    "PreviewState",
+    "PreviewedStent",
     "TreatedLesion",
     "TreatedStent",
     "Treatment",

@@ -40,7 +40,7 @@ from ..validation import (
 )
 from .straightening import axis_in_vessel
 from .surroundings import surroundings
-from .value import TreatedStent, TreatmentResult, TreatmentState
+from .value import TreatedStent, TreatmentResult, TreatmentState, label_of, switched_on
 from .warnings import check_width, narrowed, nothing_moved, overdilated, overlap
 
 PROFILE_SPACING = 1.0
@@ -104,14 +104,7 @@ class Treatment:
         self._result: TreatmentResult | None = None
         self._stages: list[_Stage] = []
         self._seconds = {"setup": 0.0, "deploy": 0.0}
-        self._enabled = [(n, s) for n, s in enumerate(self.stents, start=1) if s.enabled]
-        if not self._enabled:
-            raise InputError(
-                f"plan: expected at least one stent that is switched on, got {len(self.stents)} "
-                "stents, all switched off; switch one on."
-                if self.stents
-                else "plan: expected at least one stent, got none; add one."
-            )
+        self._enabled = switched_on(self.stents)
         # Fails here rather than after the first stent. Later stents lie elsewhere once the earlier
         # ones have moved the centerline.
         axes = [self._axis(*one, self.centerline, self.surface) for one in self._enabled]
@@ -160,10 +153,7 @@ class Treatment:
 
     def label(self, number: int) -> str:
         """How a message names a stent; empty when there is only one, without a name."""
-        name = self.stents[number - 1].name
-        if len(self.stents) == 1 and not name:
-            return ""
-        return f"Stent {number} ({name}): " if name else f"Stent {number}: "
+        return label_of(self.stents, number)
 
     def _axis(
         self, number: int, stent: Stent, centerline: Centerline | None, surface: Surface

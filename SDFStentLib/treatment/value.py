@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +15,7 @@ from ..deformation import DeploymentResult, DeploymentState
 from ..geometry import Surface
 from ..measure import Apposition, DiameterProfile, NeighborLumen, Ostium
 from ..stent import Stent, StentAxis
-from ..validation import Points
+from ..validation import InputError, Points
 
 
 @dataclass(frozen=True)
@@ -131,3 +132,24 @@ class TreatmentResult:
     def coordinates(self) -> Points:
         """(k, 3) where the moved points are, mm."""
         return self.points[self.indices]
+
+
+def switched_on(stents: Sequence[Stent]) -> list[tuple[int, Stent]]:
+    """The stents of a plan to deploy, with their numbers; `InputError` when there is none."""
+    enabled = [(number, stent) for number, stent in enumerate(stents, start=1) if stent.enabled]
+    if not enabled:
+        raise InputError(
+            f"plan: expected at least one stent that is switched on, got {len(stents)} "
+            "stents, all switched off; switch one on."
+            if stents
+            else "plan: expected at least one stent, got none; add one."
+        )
+    return enabled
+
+
+def label_of(stents: Sequence[Stent], number: int) -> str:
+    """How a message names a stent; empty when there is only one, without a name."""
+    name = stents[number - 1].name
+    if len(stents) == 1 and not name:
+        return ""
+    return f"Stent {number} ({name}): " if name else f"Stent {number}: "

@@ -1,0 +1,235 @@
+"""The preview of a deployment on a proxy: few points of the wall are deployed, the others follow.
+
+A preview has no use for 300,000 triangles. A sample of the wall's vertices, as coarse as keeps the
+part near the stent small, is moved by the radius steps of the method; fixed weights carry its
+displacements to all other vertices nearby. So the cost of the steps does not grow with the mesh,
+and that of the rest does by one sparse product over the vertices near the stent.
+
+>>> proxy = Proxy(surface)                                          # doctest: +SKIP
+>>> while dragging:
+...     state = proxy.deployed(settings.chain(axis), radius=3.0).state
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..field import CapsuleChain
+from ..geometry import Surface, as_surface
+from ..validation import Indices, Points, as_points
+from .attempt import WALL_CLEARANCE, away_from_wall, tissue_offset, within_reach
+from .deployment import GAP_RAMP
+from .event_steps import event_steps
+from .lumen import Expanded, finished
+from .motion import Motion
+from .proxy_sample import Near, Wall
+from .proxy_weights import Spreading, moved_rows
+from .published_steps import published_steps
+from .settings import DeploymentSettings
+from .values import DeploymentState, DeploymentTask
+
+SAMPLED = 1500
+"""Points within reach of the stent that a sample has at most, about; half of it at least."""
+
+LONGEST_STEP, TOLERANCE = 3.2, 0.4
+"""Of the adaptive radius steps at least, mm: the proxy's own error is larger than theirs."""
+
+DENSITY = 0.5
+"""Points of a sample in a square whose edge is its spacing."""
+
+
+class ProxyState(NamedTuple):
+    """The vessel at the end of a preview."""
+
+    state: DeploymentState
+    """What has moved, in the surface's numbers, as that of a `Deployment`."""
+    points: Points
+    """(p, 3) where the sample of the wall near the stent would be on the finished lumen, mm."""
+    normals: Points
+    """(p, 3) out of the lumen, where they were before."""
+    spacing: float
+    """Of the sample, mm; 0 where all vertices were deployed."""
+
+
+@dataclass(frozen=True)
+class _Level:
+    """A sample of the wall: all vertices where `spreading` is None."""
+
+    sample: Indices
+    spreading: Spreading | None
+    spacing: float
+
+
+class Proxy:
+    """A vessel on which stents are tried out, one place after another.
+
+    Samples and weights are made for the neighborhood of a stent when they are first needed there,
+    and kept.
+
+    Parameters
+    ----------
+    surface : Surface
+        Of the vessel; open or closed, any winding.
+    inside : array_like, shape (k, 3), optional
+        Points in the lumen, mm, such as the centerline: they tell which side of an open surface is
+        out. Default: the axis of the first stent.
+    """
+
+    def __init__(self, surface: Surface, inside: ArrayLike | None = None) -> None:
+        self.surface = as_surface(surface)
+        self._inside = None if inside is None else as_points(inside, "points in the lumen")
+        self._wall: Wall | None = None
+        self._levels: dict[int | None, _Level] = {}
+
+    def deployed(
+        self,
+        chain: CapsuleChain,
+        radius: float,
+        settings: DeploymentSettings | None = None,
+        *,
+        points: Points | None = None,
+        companions: ArrayLike = (),
+    ) -> ProxyState:
+        """The wall after a stent was expanded.
+
+        Parameters
+        ----------
+        chain, radius, settings, companions
+            As for `Deployment`; by default the settings are `DeploymentSettings.preview()`. What
+            finishes and certifies a lumen is left out, whatever they say.
+        points : (n, 3) array, optional
+            Of the surface as earlier stents left it, mm.
+
+        Raises
+        ------
+        InputError, DeploymentError
+            As `Deployment`.
+        """
+        task = DeploymentTask(
+            self.surface,
+            chain,
+            radius,
+            settings or DeploymentSettings.preview(),
+            companions=as_points(companions, "companion points"),
+        )
+        wall = self._wall_with(task.chain.nodes)
+        reach = task.target_level + task.settings.influence_distance + task.settings.tissue_gap
+        level = self._level(wall, wall.near(task.chain, reach + task.chain.smoothing_width))
+        vertices = wall.vertices[level.sample]
+        start = self.surface.points[vertices] if points is None else points[vertices]
+        moved = _expanded(task, start, wall.normals[level.sample], reach)
+        cells = wall.cells_near(task.chain, reach + level.spacing)
+        rows, displacement = _carried(wall, level, cells, moved.displacement)
+        indices = wall.vertices[rows]
+        before = self.surface.points[indices] if points is None else points[indices]
+        state = DeploymentState(
+            radius=task.radius,
+            fraction=1.0,
+            indices=indices,
+            coordinates=before + displacement,
+            companions=moved.companions,
+        )
+        normals = wall.normals[level.sample[moved.near]]
+        return ProxyState(state, moved.on_lumen, normals, level.spacing)
+
+    def probes(self, axis: Points) -> Points:
+        """Some points of the wall, evenly among all its vertices, mm."""
+        return self._wall_with(axis).probes
+
+    def _wall_with(self, axis: Points) -> Wall:
+        if self._wall is None:
+            self._wall = Wall(self.surface, axis if self._inside is None else self._inside)
+        return self._wall
+
+    def _level(self, wall: Wall, near: Near) -> _Level:
+        """The finest sample that has few enough points there; the same for the same place."""
+        key = None
+        if near.count > SAMPLED:
+            # Levels are half a power of two apart.
+            key = int(np.ceil(np.log2(DENSITY * near.area / SAMPLED)))
+        if key not in self._levels:
+            self._levels[key] = _made(wall, key)
+        return self._levels[key]
+
+
+def _made(wall: Wall, key: int | None) -> _Level:
+    if key is None:
+        return _Level(np.arange(len(wall.vertices)), None, 0.0)
+    spacing = 2 ** (key / 2)
+    sample = wall.sample(spacing)
+    return _Level(sample, Spreading(wall, sample), spacing)
+
+
+class _Moved(NamedTuple):
+    displacement: Points
+    """(p, 3) of the whole sample, mm."""
+    companions: Points
+    """(c, 3) where they are now, mm."""
+    on_lumen: Points
+    """(k, 3) where the points of the sample near the stent are on the finished lumen, mm."""
+    near: Indices
+    """(k,) which points of the sample these are."""
+
+
+def _expanded(task: DeploymentTask, points: Points, normals: Points, reach: float) -> _Moved:
+    """The radius steps of the method on some points of the wall."""
+    wall, near_wall = within_reach(points, task.chain, reach)
+    dragged, near_dragged = within_reach(task.companions, task.chain, reach)
+    if not len(wall):
+        raise away_from_wall(task)
+    motion = Motion(
+        task.chain,
+        np.concatenate([points[wall], task.companions[dragged]]),
+        np.arange(len(wall) + len(dragged)) < len(wall),
+        np.concatenate([near_wall, near_dragged]),
+    )
+    numbers = np.concatenate([wall, len(points) + dragged])[motion.indices]
+    keep = motion.touchable | (motion.level >= task.target_level)
+    motion.restricted(keep)
+    numbers = numbers[keep]
+    offset = np.zeros(len(numbers))
+    is_wall = motion.touchable
+    facing = normals[numbers[is_wall]]
+    gap = task.settings.tissue_gap
+    offset[is_wall] = tissue_offset(facing, motion.direction[is_wall], GAP_RAMP, gap)
+    nearest = float(motion.level[is_wall].min())
+    motion.set_offset(offset)
+    start = motion.positions.copy()
+    crimped = min(task.settings.crimped_radius, WALL_CLEARANCE * nearest)
+    for _ in _steps(task.settings, motion, crimped, task.target_level):
+        pass
+    motion.settled(task.target_level)
+    stent = Expanded(task.target_level, task.radius, task.settings.contact_tolerance)
+    displacement = np.zeros((len(points) + len(task.companions), 3))
+    displacement[numbers] = motion.positions - start
+    of_wall, of_companions = np.split(displacement, [len(points)])
+    on_lumen = finished(motion, stent).positions[is_wall]
+    return _Moved(of_wall, task.companions + of_companions, on_lumen, numbers[is_wall])
+
+
+def _steps(
+    settings: DeploymentSettings, motion: Motion, start: float, target: float
+) -> Iterator[float]:
+    rule = settings.step_rule()
+    if settings.rule == "published":
+        return published_steps(motion, rule, start, target)
+    longest = max(rule.step, LONGEST_STEP)
+    rule = replace(rule, step=longest, tolerance=max(rule.tolerance, TOLERANCE))
+    return event_steps(motion, rule, start, target)
+
+
+def _carried(
+    wall: Wall, level: _Level, cells: Indices, displacement: Points
+) -> tuple[Indices, Points]:
+    """Rows of the wall that move, and how far, mm."""
+    if level.spreading is None:
+        rows = moved_rows(displacement)
+        return rows, displacement[rows]
+    rows, spread = wall.rows_of(cells), level.spreading.carried(cells, displacement)
+    moved = moved_rows(spread)
+    return rows[moved], spread[moved].astype(np.float64)

@@ -1,0 +1,152 @@
+"""Few points that stand for a wall: evenly spread vertices of it, and the cells it is stored in."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ..field import CapsuleChain
+from ..geometry import Surface, dot, face_areas, oriented_triangles, ranges, signed_volume
+from ..geometry import vertex_normals as normals_at
+from ..validation import Floats, Indices, Points, Triangles
+from .patch import twins
+
+CELL = 4.0
+"""Edge of the cells that a wall's vertices are stored in, mm."""
+
+PROBES = 5_000
+"""Vertices, of all, by which the area near a stent is estimated."""
+
+GRID_SHARE = 1.5
+"""Candidates come from a grid so many times finer than the sample's spacing."""
+
+
+@dataclass(frozen=True)
+class Near:
+    """The part of a wall within reach of a stent, estimated from the probes."""
+
+    count: float
+    """Vertices."""
+    area: float
+    """mm^2."""
+
+
+class Wall:
+    """The used vertices of a surface, cell by cell, with normals out of the lumen. Immutable.
+
+    Parameters
+    ----------
+    surface : Surface
+    inside : (k, 3) array
+        Points in the lumen, mm: they tell which side of an open surface is out.
+
+    Attributes
+    ----------
+    vertices : (n,) array
+        Their numbers in the surface; rows of the other arrays go in this order.
+    points, normals : (n, 3) arrays
+        mm, and unit length. Vertices at the same coordinates have the same normal.
+    probes : (k, 3) array
+        Points of it, evenly spread among all, mm.
+    """
+
+    def __init__(self, surface: Surface, inside: Points) -> None:
+        self.surface = surface
+        twin = twins(surface.points)
+        triangles = twin[_outward(surface, inside)]
+        normals = normals_at(surface.points, triangles)[twin]
+        area = np.repeat(face_areas(surface.points, triangles) / 3, 3)
+        shares = np.bincount(surface.triangles.ravel(), area, minlength=len(twin))
+        is_used = np.zeros(len(twin), dtype=bool)
+        is_used[surface.triangles.ravel()] = True
+        used = np.flatnonzero(is_used)
+        order, self.starts = _in_cells(surface.points[used], CELL)
+        self.vertices = used[order]
+        self.points, self.normals = surface.points[self.vertices], normals[self.vertices]
+        self._step = max(1, len(used) // PROBES)
+        self.probes = self.points[:: self._step].copy()
+        self._shares = shares[self.vertices][:: self._step]
+
+    @cached_property
+    def _centers(self) -> Points:
+        counts = np.diff(self.starts)
+        return np.add.reduceat(self.points, self.starts[:-1], axis=0) / counts[:, None]
+
+    @cached_property
+    def _radii(self) -> Floats:
+        apart = self.points - np.repeat(self._centers, np.diff(self.starts), axis=0)
+        return np.sqrt(np.maximum.reduceat(dot(apart, apart), self.starts[:-1]))
+
+    def near(self, chain: CapsuleChain, reach: float) -> Near:
+        """How much of the wall is within a distance, mm, of a stent's axis."""
+        is_near = chain.folding.nearest_nodes(self.probes)[1] < reach
+        return Near(self._step * is_near.sum(), self._step * self._shares[is_near].sum())
+
+    def cells_near(self, chain: CapsuleChain, reach: float) -> Indices:
+        """Cells that hold vertices within a distance, mm, of a stent's axis, and perhaps others."""
+        distance = chain.folding.nearest_nodes(self._centers)[1]
+        return np.flatnonzero(distance < reach + self._radii)
+
+    def rows_of(self, cells: Indices) -> Indices:
+        """The rows of some cells."""
+        return ranges(self.starts[cells], np.diff(self.starts)[cells])
+
+    def sample(self, spacing: float) -> Indices:
+        """Rows of vertices that are at least so far apart, mm, and leave no room for more.
+
+        Vertices of walls that face each other do not count as near.
+        """
+        from scipy.spatial import cKDTree  # late: it costs half a second
+
+        rows = self._candidates(spacing / GRID_SHARE)
+        pairs = cKDTree(self.points[rows]).query_pairs(spacing, output_type="ndarray")
+        first, second = self.normals[rows[pairs[:, 0]]], self.normals[rows[pairs[:, 1]]]
+        return rows[_independent(len(rows), pairs[dot(first, second) > 0])]
+
+    def _candidates(self, edge: float) -> Indices:
+        """A row for every cube of a grid, and every main direction in which its walls face."""
+        largest = np.abs(self.normals).argmax(axis=1)
+        facing = 2 * largest + (self.normals[np.arange(len(largest)), largest] > 0)
+        key = _cube_numbers(self.points, edge) * 6 + facing
+        return np.sort(np.unique(key, return_index=True)[1])
+
+
+def _outward(surface: Surface, inside: Points) -> Triangles:
+    """The triangles wound so that normals point out of the lumen."""
+    points, triangles, shape = surface.points, surface.triangles, surface.topology
+    if shape.is_closed and shape.is_consistently_wound and shape.component_count == 1:
+        return triangles if signed_volume(points, triangles) > 0 else triangles[:, ::-1]
+    return oriented_triangles(points, triangles, inside=inside)
+
+
+def _cube_numbers(points: Points, edge: float) -> Indices:
+    """Number (n,) of the cube of a grid that each point lies in."""
+    cubes = np.floor((points - points.min(axis=0)) / edge).astype(np.int64)
+    extent = cubes.max(axis=0) + 1
+    return np.asarray((cubes[:, 0] * extent[1] + cubes[:, 1]) * extent[2] + cubes[:, 2])
+
+
+def _in_cells(points: Points, edge: float) -> tuple[Indices, Indices]:
+    """Order of the points by their cells, and the places where a cell begins or the last ends."""
+    key = _cube_numbers(points, edge)
+    order = np.argsort(key, kind="stable")
+    begins = np.flatnonzero(np.diff(key[order])) + 1
+    return order, np.concatenate([[0], begins, [len(points)]])
+
+
+def _independent(count: int, pairs: Indices) -> Indices:
+    """Numbers below count of which no two are a pair, as many as can be: the same every time."""
+    rank = np.random.default_rng(count).permutation(count)
+    is_open, is_chosen = np.ones(count, dtype=bool), np.zeros(count, dtype=bool)
+    # Ends: of what is open the first in rank is chosen in every round.
+    while is_open.any():
+        wins = is_open.copy()
+        wins[np.where(rank[pairs[:, 0]] > rank[pairs[:, 1]], pairs[:, 0], pairs[:, 1])] = False
+        is_chosen |= wins
+        is_open &= ~wins
+        is_open[pairs[wins[pairs[:, 0]], 1]] = False
+        is_open[pairs[wins[pairs[:, 1]], 0]] = False
+        pairs = pairs[is_open[pairs].all(axis=1)]
+    return np.flatnonzero(is_chosen)

@@ -1,0 +1,255 @@
+"""The preview on a proxy against the full preview, and its lumen against the full measurement."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from SDFStentLib import phantoms
+from SDFStentLib.centerline import Centerline
+from SDFStentLib.deformation import DeploymentSettings, Proxy, deploy
+from SDFStentLib.deformation.proxy import SAMPLED
+from SDFStentLib.deformation.proxy_weights import linear_weights
+from SDFStentLib.field import CapsuleChain
+from SDFStentLib.geometry import Surface, dot, face_normals, resampled
+from SDFStentLib.measure import diameter_profile, rough_radii
+from SDFStentLib.stent import AlongAxis, AtCenter, Stent
+from SDFStentLib.treatment import Preview, Treatment
+from SDFStentLib.validation import DeploymentError, InputError
+
+PREVIEW = DeploymentSettings.preview()
+
+FARTHEST = 1.2
+"""Distance of a vertex to where the full preview puts it, over the spacing of the proxy."""
+
+FAR = 0.65
+"""The same of 99 of 100 vertices that move."""
+
+
+class Found:
+    """A stent by proxy and in full."""
+
+    def __init__(self, surface: Surface, axis: np.ndarray, radius: float, inside=None) -> None:
+        self.chain = PREVIEW.chain(axis)
+        self.seen = Proxy(surface, inside).deployed(self.chain, radius)
+        full = deploy(surface, self.chain, radius, PREVIEW).points
+        shown = self.seen.state.applied_to(surface.points)
+        has_moved = (full != surface.points).any(axis=1)
+        self.distance = np.linalg.norm(shown - full, axis=1)
+        self.largest = self.distance.max()
+        self.most = np.percentile(self.distance[has_moved], 99)
+        normals = [face_normals(p, surface.triangles) for p in (surface.points, full, shown)]
+        self.turned = int((dot(normals[1], normals[2]) < 0).sum())
+        self.turned_in_full = int((dot(normals[0], normals[1]) < 0).sum())
+
+
+@cache
+def fine_tube() -> phantoms.Phantom:
+    return phantoms.stenosed_tube(3.0, 1.8, 40, 0.3)
+
+
+def half_way(phantom: phantoms.Phantom, length: float) -> np.ndarray:
+    """A stent's axis in the middle of a phantom."""
+    line = phantom.centerline
+    middle = float(line.arc_length.max()) / 2
+    return phantom.axis_at(np.linspace(middle - length / 2, middle + length / 2, 60))
+
+
+@pytest.mark.parametrize(
+    ("phantom", "radius"),
+    [
+        (phantoms.straight_tube(3.0, 40, 0.3), 4.0),
+        (phantoms.bent_tube(3.0, 15, 90, 0.3), 4.0),
+        (phantoms.helix_tube(3.0, edge_length=0.3), 4.0),
+        (phantoms.stenosed_tube(3.0, 1.8, 40, 0.3), 3.6),
+        (phantoms.branching_pulmonary_artery(0.5), 6.0),
+        (phantoms.tube_with_neighbor(edge_length=0.3), 3.6),
+    ],
+    ids=lambda value: getattr(value, "name", str(value)),
+)
+def test_the_preview_is_near_the_full_one_in_phantoms(phantom, radius):
+    found = Found(phantom.surface, half_way(phantom, 14), radius, phantom.centerline.points)
+    assert found.seen.spacing > 0  # a sample, not all vertices
+    assert found.largest <= FARTHEST * found.seen.spacing
+    assert found.most <= FAR * found.seen.spacing
+    assert found.turned == 0
+
+
+@pytest.mark.parametrize("name", ["aorta_iliac", "pulmonary", "vmtk_aorta"])
+@pytest.mark.parametrize("ratios", [(1.05, 1.6), (1.6, 2.2)])
+def test_the_preview_is_near_the_full_one_in_anatomies(sweep, data_dir, name, ratios):
+    vessel = sweep.vessel(name, data_dir)
+    for number in range(4):
+        stent = sweep.random_stent(name, 12, number, ratios, data_dir)
+        found = Found(vessel.surface, stent.axis, stent.radius, vessel.centerline.points)
+        spacing = max(found.seen.spacing, 0.25)  # of a proxy of all vertices only steps are longer
+        assert found.largest <= FARTHEST * spacing
+        assert found.most <= FAR * spacing
+        # The full preview is not untangled either: faces that it turns over may turn here as well.
+        assert found.turned <= 0.001 * len(vessel.triangles) + found.turned_in_full
+
+
+def test_its_cost_is_bounded_whatever_the_mesh(data_dir, sweep):
+    vessel = sweep.vessel("pulmonary", data_dir)
+    for number in range(8):
+        stent = sweep.random_stent("pulmonary", 4, number, (1.05, 2.2), data_dir)
+        proxy = Proxy(vessel.surface, vessel.centerline.points)
+        seen = proxy.deployed(PREVIEW.chain(stent.axis), stent.radius)
+        assert len(seen.points) <= 2500
+
+
+def test_a_mesh_as_coarse_as_the_proxy_is_deployed_itself():
+    phantom = phantoms.straight_tube(3.0, 40, 0.9)
+    assert len(phantom.surface.points) < SAMPLED
+    found = Found(phantom.surface, half_way(phantom, 14), 4.0)
+    assert found.seen.spacing == 0
+    assert found.largest < 0.02  # longer steps, nothing else
+
+
+def test_the_same_place_gives_the_same_preview_whatever_came_before():
+    phantom = fine_tube()
+    chain = PREVIEW.chain(half_way(phantom, 10))
+    proxy = Proxy(phantom.surface)
+    first = proxy.deployed(chain, 3.6).state
+    proxy.deployed(PREVIEW.chain(half_way(phantom, 20)), 3.2)
+    again = proxy.deployed(chain, 3.6).state
+    assert np.array_equal(first.indices, again.indices)
+    assert np.array_equal(first.coordinates, again.coordinates)
+
+
+def test_points_away_from_the_stent_do_not_move():
+    phantom = fine_tube()
+    chain = PREVIEW.chain(half_way(phantom, 6))
+    state = Proxy(phantom.surface).deployed(chain, 3.4).state
+    reach = 3.4 + PREVIEW.influence_distance + 0.5
+    assert chain.axis_distance(phantom.surface.points[state.indices]).max() < reach + 1.5
+
+
+def test_surfaces_wound_inward_or_in_part_give_the_same_preview():
+    phantom = fine_tube()
+    chain, points = PREVIEW.chain(half_way(phantom, 10)), phantom.surface.points
+    expected = Proxy(phantom.surface).deployed(chain, 3.6).state
+    mixed = phantom.surface.triangles.copy()
+    mixed[::3] = mixed[::3, ::-1]
+    for triangles in (phantom.surface.triangles[:, ::-1], mixed):
+        state = Proxy(Surface(points, triangles)).deployed(chain, 3.6).state
+        assert np.allclose(state.applied_to(points), expected.applied_to(points), rtol=0, atol=1e-6)
+
+
+def test_points_stored_more_than_once_stay_together():
+    phantom = fine_tube()
+    points, triangles = phantom.surface.points, phantom.surface.triangles
+    soup = Surface(points[triangles].reshape(-1, 3), np.arange(triangles.size).reshape(-1, 3))
+    state = Proxy(soup).deployed(PREVIEW.chain(half_way(phantom, 10)), 3.6).state
+    moved = state.applied_to(soup.points)
+    first = np.full(len(points), -1)
+    first[triangles.ravel()[::-1]] = np.arange(triangles.size)[::-1]
+    assert np.abs(moved - moved[first[triangles.ravel()]]).max() < 1e-5
+
+
+def test_a_stent_away_from_the_wall_is_refused():
+    with pytest.raises(DeploymentError, match="expected the vessel's wall within"):
+        Proxy(fine_tube().surface).deployed(CapsuleChain.along([[90, 0, 0], [99, 0, 0]]), 3.0)
+
+
+def test_weights_carry_linear_displacements_as_they_are():
+    rng = np.random.default_rng(3)
+    offset = rng.uniform(-1, 1, (50, 8, 3))
+    weights = linear_weights(offset, rng.uniform(0.1, 1, (50, 8)))
+    assert weights.sum(axis=1) == pytest.approx(1, abs=1e-12)
+    # Stiffness leaves out a small part of what lies to one side.
+    assert np.abs(np.einsum("nk,nkj->nj", weights, offset)).max() < 0.1
+
+
+# The minimum lumen
+
+
+@pytest.mark.parametrize("name", ["aorta_iliac", "pulmonary", "vmtk_aorta"])
+def test_the_minimum_lumen_of_a_preview_is_near_the_measured_one(sweep, data_dir, name):
+    vessel = sweep.vessel(name, data_dir)
+    proxy = Proxy(vessel.surface, vessel.centerline.points)
+    for number, ratios in enumerate([(0.7, 0.9), (0.9, 1.05), (1.05, 1.3), (1.3, 1.6)]):
+        stent = sweep.random_stent(name, 21, number, ratios, data_dir)
+        chain = PREVIEW.chain(stent.axis)
+        seen = proxy.deployed(chain, stent.radius)
+        stations = resampled(stent.axis, 1.0)
+        rough = 2 * rough_radii(seen.points, stations, seen.normals).min()
+        full = deploy(vessel.surface, chain, stent.radius).surface
+        assert rough == pytest.approx(diameter_profile(full, stent.axis).minimum, rel=0.03)
+
+
+def test_a_sphere_among_points_of_a_tube_is_the_tube_s():
+    phantom = phantoms.straight_tube(3.0, 40, 0.4)
+    centers = phantom.axis_at(np.linspace(10, 30, 9)) + np.array([0.9, -0.4, 0.0])
+    normals = phantom.surface.vertex_normals
+    radii = rough_radii(phantom.surface.points, centers, normals)
+    assert radii == pytest.approx(3.0, abs=0.4**2 / (8 * 3.0) + 0.01)
+
+
+def test_caps_count_as_open():
+    phantom = phantoms.straight_tube(3.0, 40, 0.4)
+    centers = phantom.axis_at(np.linspace(0.5, 8, 5))
+    radii = rough_radii(phantom.surface.points, centers, phantom.surface.vertex_normals)
+    assert radii == pytest.approx(3.0, abs=0.02)
+
+
+def test_one_center_or_no_wall_is_refused():
+    with pytest.raises(InputError, match="at least 2 points, got 1"):
+        rough_radii([[1, 0, 0]], [[0, 0, 0]], [[1, 0, 0]])
+    with pytest.raises(InputError, match="points of the wall"):
+        rough_radii(np.empty((0, 3)), [[0, 0, 0], [1, 0, 0]], np.empty((0, 3)))
+
+
+# A plan's preview
+
+
+def two_stents(line: Centerline) -> list[Stent]:
+    third = float(line.arc_length.max()) / 3
+    places = [line.point_at(share * third) for share in (1, 2)] if hasattr(line, "point_at") else []
+    places = places or [line.points[len(line.points) // 3], line.points[2 * len(line.points) // 3]]
+    return [Stent(7.2, placement=AtCenter(place), length=12) for place in places]
+
+
+def test_several_stents_are_previewed_in_order():
+    phantom = fine_tube()
+    stents = two_stents(phantom.centerline)
+    seen = Preview(phantom.surface, phantom.centerline).of(stents)
+    treatment = Treatment(phantom.surface, stents, phantom.centerline, PREVIEW)
+    for state in treatment:
+        last = state
+    shown = phantom.surface.points.copy()
+    shown[seen.indices] = seen.coordinates
+    assert np.linalg.norm(shown - last.points(), axis=1).max() < 0.5
+    assert [one.number for one in seen.stents] == [1, 2]
+
+
+def test_a_preview_starts_from_the_untreated_vessel_every_time():
+    phantom = fine_tube()
+    stents = two_stents(phantom.centerline)
+    preview = Preview(phantom.surface, phantom.centerline)
+    first = preview.of(stents)
+    preview.of(stents[1:])
+    with pytest.raises(DeploymentError):
+        preview.of([stents[0], Stent(6, placement=AlongAxis([[90, 0, 0], [99, 0, 0]]))])
+    again = preview.of(stents)
+    assert np.array_equal(first.coordinates, again.coordinates)
+
+
+def test_a_stent_s_error_names_it():
+    phantom = fine_tube()
+    far = Stent(6, placement=AlongAxis([[90, 0, 0], [99, 0, 0]]), name="far")
+    with pytest.raises(DeploymentError, match=r"^Stent 2 \(far\): "):
+        Preview(phantom.surface, phantom.centerline).of([*two_stents(phantom.centerline)[:1], far])
+
+
+def test_a_plan_without_stents_is_refused():
+    with pytest.raises(InputError, match="at least one stent"):
+        Preview(fine_tube().surface).of([])
+
+
+def test_a_previewed_lumen_is_that_of_the_stent():
+    phantom = fine_tube()
+    one = Preview(phantom.surface, phantom.centerline).of(two_stents(phantom.centerline)).stents[0]
+    assert one.minimum_lumen() == pytest.approx(7.2, rel=0.03)
