@@ -8,14 +8,13 @@ COALESCE_MS = 0
 """A change waits until the application has handled what else has arrived; a longer or restarted wait would starve a fast drag."""
 
 SETTLE_MS = 250
-RESTART_AFTER_S = 0.3
 
 
 class DeploySession:
     """One deployment at a time, never re-entrant; the latest values always win.
 
-    A change that arrives while a deployment runs is remembered: a short preview is finished first, so that something is seen
-    while the user drags; a long one, and the full method, are dropped. After the end the inputs are compared with those of the run, so the final state is
+    A change that arrives while a deployment runs is remembered: a preview is finished first, so that something is seen while
+    the user drags; the full method is dropped. After the end the inputs are compared with those of the run, so the final state is
     never lost. While the user drags the library's preview runs; once nothing has changed for a moment, the full method with
     measurements and certificate takes its place.
     """
@@ -92,7 +91,7 @@ class DeploySession:
             self._rest()
             return
         if self.isRunning:
-            if self._live and self._run.age < RESTART_AFTER_S:
+            if self._live:
                 return  # looked at again when the run ends
             self._stop()
         self._begin(live=True)

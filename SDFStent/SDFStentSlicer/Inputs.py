@@ -9,6 +9,7 @@ from SDFStentLib.validation import InputError
 
 from . import Conversion
 from .Lesions import LesionSearch
+from .Previewing import PreviewedVessel
 
 
 class Vessel(NamedTuple):
@@ -26,7 +27,7 @@ class Inputs:
     """Remembers the last conversion of each kind."""
 
     def __init__(self):
-        self._vessel = self._centerline = self._lesions = (None, None)
+        self._vessel = self._centerline = self._lesions = self._preview = (None, None)
 
     def vessel(self, parameterNode):
         """The `Vessel`."""
@@ -50,17 +51,22 @@ class Inputs:
 
     def lesions(self, parameterNode):
         """The `LesionSearch` of vessel and centerline, the same object until one of them changes."""
-        node = parameterNode.vessel
-        stamp = (
-            Conversion.changeStamp(node),
-            Conversion.segmentOf(parameterNode),
-            Conversion.changeStamp(parameterNode.centerline),
-        )
+        stamp = self._stamp(parameterNode)
         if stamp != self._lesions[0]:
             vessel, centerline = self.vessel(parameterNode), self.centerline(parameterNode)
             search = LesionSearch(vessel.surface, centerline)
             self._lesions = (stamp, search)
         return self._lesions[1]
+
+    def preview(self, parameterNode):
+        """The `PreviewedVessel` of vessel and centerline, the same object until one of them changes."""
+        stamp = self._stamp(parameterNode)
+        if stamp != self._preview[0]:
+            node = parameterNode.centerline
+            centerline = None if node is None else self.centerline(parameterNode)
+            vessel = self.vessel(parameterNode)
+            self._preview = (stamp, PreviewedVessel(vessel.surface, centerline))
+        return self._preview[1]
 
     def sizeLimits(self, parameterNode):
         """Largest sensible diameter and length of a stent for this vessel, mm."""
@@ -77,3 +83,12 @@ class Inputs:
         radius = self.centerline(parameterNode).inscribed_radius
         known = radius[np.isfinite(radius)]
         return float(round(2 * np.median(known), 1)) if len(known) else 8.0
+
+    @staticmethod
+    def _stamp(parameterNode):
+        """A value that changes whenever vessel or centerline do."""
+        return (
+            Conversion.changeStamp(parameterNode.vessel),
+            Conversion.segmentOf(parameterNode),
+            Conversion.changeStamp(parameterNode.centerline),
+        )

@@ -16,11 +16,12 @@ SETTLE_MS = 250
 class LesionTable:
     """Searches in small portions once vessel and centerline are chosen, and shows in `ui.lesionTable` what was found.
 
-    `onSelect(lesion)` is called when the user selects a lesion; `selected` is that one, None without.
+    `onSelect(lesion)` is called when the user selects a lesion; `selected` is that one, None without. `onFound()` is called when
+    a search has ended.
     """
 
-    def __init__(self, ui, searchOf, onSelect):
-        self.ui, self._searchOf, self._onSelect = ui, searchOf, onSelect
+    def __init__(self, ui, searchOf, onSelect, onFound):
+        self.ui, self._searchOf, self._onSelect, self._onFound = ui, searchOf, onSelect, onFound
         self._parameterNode = self._search = None
         self._updating = False
         self._run = SteppedRun(lambda _value: None, self._done)
@@ -87,6 +88,7 @@ class LesionTable:
         else:
             none = _("No lesion of {percent} % or more was found.")
             self._show(search.sentence or none.format(percent=round(100 * SMALLEST_DEGREE)))
+        self._onFound()
 
     def _show(self, sentence, lesions=()):
         """A sentence, or the lesions with a row each."""

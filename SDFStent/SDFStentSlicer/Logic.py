@@ -2,6 +2,7 @@
 
 import logging
 import sys
+import time
 import weakref
 
 import numpy as np
@@ -21,6 +22,9 @@ from .Snapping import Snapping
 from .Stenting import Stenting
 from .StentList import StentList
 from .SurfaceOutput import outputSurface
+
+NUMBERS_EVERY_S = 0.15
+"""Previews are measured no more often: a number that changes faster is not read."""
 
 
 class SDFStentLogic(ScriptedLoadableModuleLogic):
@@ -49,6 +53,7 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
         self._wrappers = {}
         self._runs, self._surfaces, self._signatures, self._inputs = {}, {}, {}, Inputs()
         self._snapping = Snapping()
+        self._numbersTime = 0.0
 
     def getParameterNode(self):
         """The parameters that the panel starts with."""
@@ -213,13 +218,66 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
     def steps(self, parameterNode, live=False):
         """Deploy step by step: an iterator over the fraction done that shows every step in the output.
 
-        `live` is for dragging: longer steps of which only the last is shown, neither measured nor certified. Otherwise the
-        iterator also stops every 10 ms during longer calculations, so that whoever runs it can react.
+        `live` is for dragging: the end of the library's preview, neither finished nor certified, with about the minimum lumen.
+        The iterator also stops every 10 ms during longer calculations, so that whoever runs it can react.
         """
         missing = self.missing(parameterNode)
         if missing:
             raise InputError(missing)
         vessel = self._inputs.vessel(parameterNode)
+        signature = self.signature(parameterNode)
+        parameterNode.status = self._snapping.told(parameterNode)
+        if live:
+            yield from self._preview(parameterNode, vessel)
+        else:
+            yield from self._deploy(parameterNode, vessel)
+        self._signatures[parameterNode.parameterNode.GetID()] = signature
+        run = self.lastRun(parameterNode)
+        Results.showMap(parameterNode, run)
+        if live:
+            yield from self._previewNumbers(parameterNode, run)
+        else:
+            yield from self.measure(parameterNode)
+
+    def _preview(self, parameterNode, vessel):
+        """Show what the library's preview says of the plan."""
+        method = parameterNode.method
+        portions = self._inputs.preview(parameterNode).portions(
+            Plans.plannedOf(parameterNode),
+            Plans.settingsOf(parameterNode, live=True),
+            method.straightening / 100,
+            Dependencies.places(parameterNode),
+        )
+        surface = self._surface(parameterNode, vessel)
+        surface.hideOutline()  # until nothing more is coming
+        run = yield from _working(portions)
+        surface.showChanged(run.state.indices, run.state.coordinates)
+        self._runs[parameterNode.parameterNode.GetID()] = run
+        Results.showStents(parameterNode, run.tubes())
+        parameterNode.expansion = 100.0
+
+    def _previewNumbers(self, parameterNode, run):
+        """Show about the minimum lumen, unless that was done just now."""
+        if time.perf_counter() - self._numbersTime < NUMBERS_EVERY_S:
+            return
+        lumens = yield from _working(run.lumens())
+        self._numbersTime = time.perf_counter()
+        Results.showPreviewed(parameterNode, run, lumens)
+
+    def prepared(self, parameterNode):
+        """Make what the first preview and deployment of a vessel need; an iterator as `steps`."""
+        if parameterNode.vessel is not None and parameterNode.centerline is not None:
+            yield from _working(self._inputs.preview(parameterNode).prepared())
+
+    def _surface(self, parameterNode, vessel):
+        """The output that shows the vessel's mesh."""
+        key = parameterNode.parameterNode.GetID()
+        former = self._surfaces.get(key)
+        self._surfaces[key] = outputSurface(parameterNode, vessel.polyData, former)
+        return self._surfaces[key]
+
+    def _deploy(self, parameterNode, vessel):
+        """Show every step of the plan's deployment."""
         centerline = (
             None if parameterNode.centerline is None else self._inputs.centerline(parameterNode)
         )
@@ -227,32 +285,22 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
             vessel.surface,
             centerline,
             Plans.plannedOf(parameterNode),
-            Plans.settingsOf(parameterNode, live),
+            Plans.settingsOf(parameterNode),
             straightening=parameterNode.method.straightening / 100,
             dtype=vtk_to_numpy(vessel.polyData.GetPoints().GetData()).dtype,
             places=Dependencies.places(parameterNode),
-            search=None if centerline is None or live else self._inputs.lesions(parameterNode),
+            search=None if centerline is None else self._inputs.lesions(parameterNode),
             faces=vessel.faces,
         )
-        signature = self.signature(parameterNode)
-        key = parameterNode.parameterNode.GetID()
-        surface = outputSurface(parameterNode, vessel.polyData, self._surfaces.get(key))
-        self._surfaces[key] = surface
+        surface = self._surface(parameterNode, vessel)
         self._runs[parameterNode.parameterNode.GetID()] = run
-        parameterNode.status = self._snapping.told(parameterNode)
-        if not live:
-            Plans.remember(parameterNode)
+        Plans.remember(parameterNode)
         surface.hideOutline()
         try:
-            yield from _expand(run, surface, live)
+            yield from _expand(run, surface)
         finally:
-            if not live:  # after a preview more is coming
-                surface.showOutline()
-        self._signatures[parameterNode.parameterNode.GetID()] = signature
+            surface.showOutline()
         Results.showEnd(parameterNode, run)
-        Results.showMap(parameterNode, run)
-        if not live:
-            yield from self.measure(parameterNode)
 
     def measure(self, parameterNode):
         """Diameters, certificate, table and plot of the last deployment; an iterator as `steps`."""
@@ -355,14 +403,24 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
             del sys.modules[name]
 
 
-def _expand(run, surface, live):
-    """Run the steps and show them, of a preview the last one only; yields the fraction done."""
+def _working(portions):
+    """Yield 0.0 for every portion of a calculation; returns what it returns."""
+    # Ends: with the calculation.
+    while True:
+        try:
+            next(portions)
+        except StopIteration as end:
+            return end.value
+        yield 0.0
+
+
+def _expand(run, surface):
+    """Run the steps and show them; yields the fraction done."""
     fraction = 0.0
-    for state in run.steps(responsive=not live):
+    for state in run.steps():
         if state is not None:
             fraction = state.fraction
-            if not live:
-                moved = state.deployment
-                surface.show(state.before.points, moved.indices, moved.coordinates)
+            moved = state.deployment
+            surface.show(state.before.points, moved.indices, moved.coordinates)
         yield fraction
     surface.show(run.points)

@@ -44,6 +44,18 @@ def showStents(parameterNode, tubes):
     node.GetDisplayNode().SetVisibility(parameterNode.showStents)
 
 
+def showPreviewed(parameterNode, run, lumens):
+    """The numbers of a preview, as such."""
+    sentences = [
+        _("{name}, {diameter:.1f} mm\nMinimum lumen: about {lumen} mm (preview)").format(
+            name=one.stent.name, diameter=one.stent.diameter, lumen=_number(lumen)
+        )
+        for one, lumen in zip(run.state.stents, lumens, strict=True)
+    ]
+    with slicer.util.NodeModify(parameterNode):
+        clearNumbers(parameterNode, "\n\n".join(sentences))
+
+
 def showMeasured(parameterNode, run):
     """The numbers: sentences, table and plot."""
     with slicer.util.NodeModify(parameterNode):

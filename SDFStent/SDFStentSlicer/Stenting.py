@@ -49,16 +49,16 @@ class Stenting:
             faces=faces,
         )
 
-    def steps(self, responsive=False):
+    def steps(self):
         """Deploy; yields a `TreatmentState` after every radius step.
 
-        `responsive` yields None as well, about every 10 ms while a step is being computed: the last one of a stent also
-        finishes and certifies the lumen, which may take a second.
+        And None about every 10 ms while a step is being computed: the last one of a stent also finishes and certifies the
+        lumen, which may take a second.
         """
         states = iter(self._treatment)
         # Ends: a treatment has as many states as radius steps, whose number is bounded.
         while True:
-            state = yield from self._computed(lambda: next(states, None), responsive)
+            state = yield from inPortions(lambda: next(states, None))
             if state is None:
                 break
             if state.number not in self._axes:
@@ -78,12 +78,6 @@ class Stenting:
             self.lesions = yield from inPortions(
                 lambda: treated_lesions(found, result.stents, result.surface)
             )
-
-    @staticmethod
-    def _computed(function, responsive):
-        if responsive:
-            return (yield from inPortions(function))
-        return function()
 
     def at(self, percent):
         """All points at a percentage of the way, and the (axis points, radius) of every stent that is there by then.

@@ -1,11 +1,11 @@
 """The stented vessel in the scene, which follows every step."""
 
-import numpy as np
 import vtk
 from slicer.i18n import tr as _
-from vtk.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtk.util.numpy_support import vtk_to_numpy
 
 from . import Display
+from .PointNormals import PointNormals, withNormals
 
 VESSEL_COLOR = (0.88, 0.47, 0.42)
 VESSEL_OPACITY = 0.55
@@ -17,15 +17,11 @@ class SurfaceOutput:
     def __init__(self, node, polyData):
         """Show `polyData` (which becomes the node's own) unless the node already shows the same mesh."""
         self.node, self.template = node, None
-        _withNormals(polyData)
+        withNormals(polyData)
         node.SetAndObservePolyData(polyData)
-        self._polyData = polyData
-        self._skeleton = vtk.vtkPolyData()
-        self._skeleton.SetPoints(polyData.GetPoints())
-        self._skeleton.SetPolys(polyData.GetPolys())
+        self._polyData, self._normals = polyData, PointNormals(polyData)
+        self._changed = None
         self._hidesOutline = False
-        self._normals = vtk.vtkTriangleMeshPointNormals()
-        self._normals.SetInputData(self._skeleton)
 
     @property
     def isValid(self):
@@ -38,8 +34,25 @@ class SurfaceOutput:
         array[:] = points
         if indices is not None:
             array[indices] = coordinates
+        self._changed = None
+        self._normals.update()
+        self._tell()
+
+    def showChanged(self, indices, coordinates):
+        """Set some points, all others as they are in the template; touches what differs from what is shown."""
+        own = vtk_to_numpy(self.template.GetPoints().GetData())
+        array = vtk_to_numpy(self._polyData.GetPoints().GetData())
+        if self._changed is None:
+            array[:] = own
+        else:
+            array[self._changed] = own[self._changed]
+        array[indices] = coordinates
+        self._normals.update(None if self._changed is None else (self._changed, indices))
+        self._changed = indices
+        self._tell()
+
+    def _tell(self):
         self._polyData.GetPoints().GetData().Modified()
-        self._updateNormals()
         self._polyData.Modified()
 
     def hideOutline(self):
@@ -55,23 +68,6 @@ class SurfaceOutput:
         if self._hidesOutline and display is not None:
             display.SetVisibility2D(True)
         self._hidesOutline = False
-
-    def _updateNormals(self):
-        self._skeleton.Modified()
-        self._normals.Update()
-        target = self._polyData.GetPointData().GetNormals()
-        vtk_to_numpy(target)[:] = vtk_to_numpy(
-            self._normals.GetOutput().GetPointData().GetNormals()
-        )
-        target.Modified()
-
-
-def _withNormals(polyData):
-    """Give a surface one float normal per point, whatever it brought along."""
-    polyData.GetPointData().RemoveArray("Normals")
-    normals = numpy_to_vtk(np.zeros((polyData.GetNumberOfPoints(), 3), dtype=np.float32), deep=True)
-    normals.SetName("Normals")
-    polyData.GetPointData().SetNormals(normals)
 
 
 def outputSurface(parameterNode, template, former):

@@ -17,6 +17,7 @@ from .PanelState import PanelState
 from .ParameterNode import CHOICE_LABELS
 from .StentList import StentList
 from .StentTable import StentTable
+from .SteppedRun import SteppedRun
 
 
 class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
@@ -46,7 +47,10 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.session = DeploySession(self.logic, self._onStart, self._onProgress, self._onDone)
         self._state = PanelState(self.ui, self.logic, self.session)
         self.table = StentTable(self.ui, self._onSelectStent, self._onEnableStent)
-        self.lesions = LesionTable(self.ui, self.logic.lesionSearch, self._onSelectLesion)
+        self.lesions = LesionTable(
+            self.ui, self.logic.lesionSearch, self._onSelectLesion, self._prepare
+        )
+        self.preparation = SteppedRun(lambda _value: None, self._onPrepared)
         self._connect()
         self._observeScene(slicer.mrmlScene)
         self.initializeParameterNode()
@@ -133,6 +137,7 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
             )
             self._inputs.watch([])
         self._parameterNode = parameterNode
+        self.preparation.cancel()
         self.session.setParameterNode(parameterNode)
         self.stents = None
         self.lesions.follow(parameterNode)
@@ -249,6 +254,16 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
 
     def _onSelectLesion(self, lesion):
         self.logic.showPlace(lesion.point)
+
+    def _prepare(self):
+        """Let the first preview wait for nothing that can be made now."""
+        self.preparation.cancel()
+        if self._parameterNode is not None:
+            self.preparation.start(self.logic.prepared(self._parameterNode))
+
+    def _onPrepared(self, error):
+        if error is not None:
+            self.logic.log(error)  # the user hears of it when something is deployed
 
     def onAddStent(self):
         lesion = self.lesions.selected

@@ -1,26 +1,33 @@
-"""Frames per second while a stent is dragged over a real artery, in the test host.
+"""How well the panel follows a stent that is dragged, in the test host.
 
-usage: bench_dragging.py [SURFACE CENTERLINE] [--units cm]
+usage: bench_dragging.py [SURFACE CENTERLINE] [--units cm] [--subdivisions N] [--tree] [--profile]
 
-Moves the placement point 60 times along the centerline, with stents of 6 to 20 mm, through the panel with its timers; deploys in
-full at every sixth place; goes back and forth over the steps of a deployment. Prints redeployments and shown steps per second, with and without drawing, and
-where the time goes: the library, the scene (MRML, normals, stent model), the drawing, the rest (panel, timers, conversion).
-Drawing is off-screen and, without a GPU, in software; "drawing alone" redraws an unchanged scene and is the limit that the
-machine sets, whatever the module does. Without arguments the synthetic pulmonary artery is used.
+Per vessel: redeployments per second, each waited for; then a hand that does not wait, which moves 60 times a second: surface
+and number updates per second, the longest silence of the event loop from choosing the vessel to the full answer, and how long
+after the hand has stopped that comes. Undrawn. The artery that is named, or else a synthetic one, then subdivided to N times
+16 the triangles (--subdivisions, default 1 as well), and a phantom tree of about 300 branches where there is one. With
+--profile also, of the first vessel, drawn and undrawn, where the time goes: the library, the scene (MRML, normals, stent
+model), the drawing, the rest (panel, timers, conversion). Drawing is off-screen and, without a GPU, in software; "drawing
+alone" redraws an unchanged scene and is the limit that the machine sets, whatever the module does.
 """
 
 import argparse
+import os
 import sys
 import time
 from pathlib import Path
 
 import numpy as np
 import slicer
+import vtk
 
 sys.path.insert(0, str(Path(__file__).parent))
 from sdfstent_host import Host
 
 MOVES = 60
+FOLLOWED_S = 10.0
+LONG = 120.0
+SYNTHETIC, TREE = "branching_pulmonary_artery", "vascular_tree"
 STEPS = 120
 LENGTHS = (6.0, 10.0, 14.0, 20.0)
 
@@ -53,8 +60,8 @@ class Clock:
                 start = time.perf_counter()
                 try:
                     value = next(iterator)
-                except StopIteration:
-                    return
+                except StopIteration as end:
+                    return end.value
                 finally:
                     self.add(name, start)
                 yield value
@@ -73,7 +80,7 @@ def theArtery(arguments):
     from SDFStentSlicer import SampleVessels
 
     if not arguments.surface:
-        return SampleVessels.addSampleVessel("branching_pulmonary_artery", "Artery")
+        return SampleVessels.addSampleVessel(SYNTHETIC, "Artery")
     from SDFStentLib.files import polydata_from_arrays, read_centerline, read_surface
 
     surface = read_surface(arguments.surface, arguments.units)
@@ -89,17 +96,136 @@ def theArtery(arguments):
     return nodes
 
 
-def thePanel(host, arguments):
+def subdivided(vessel, times):
+    """The vessel's node, each triangle cut into four so many times."""
+    refine = vtk.vtkLinearSubdivisionFilter()
+    refine.SetInputData(vessel.GetPolyData())
+    refine.SetNumberOfSubdivisions(times)
+    refine.Update()
+    vessel.SetAndObservePolyData(refine.GetOutput())
+    return vessel
+
+
+def theVessels(arguments):
+    """Name and a function that adds vessel and centerline to the scene, per case."""
+    from SDFStentSlicer import SampleVessels
+
+    from SDFStentLib import phantoms
+
+    yield "artery", lambda: theArtery(arguments)
+    if arguments.subdivisions:
+
+        def fine():
+            vessel, centerline = theArtery(arguments)
+            return subdivided(vessel, 2 * arguments.subdivisions), centerline
+
+        yield "artery, subdivided", fine
+    if arguments.tree and hasattr(phantoms, TREE):
+        yield "tree", lambda: SampleVessels.addSampleVessel(TREE, "Tree")
+
+
+def thePanel(host, nodes):
     """The panel with a vessel and a stent that were deployed once, and places along the longest branch."""
     panel = host.openPanel(host.loadModule(Path(__file__).parents[1] / "SDFStent.py"))
     logic, parameters = panel.logic, panel._parameterNode
-    parameters.vessel, parameters.centerline = theArtery(arguments)
+    panel.silence = Silence(host)
+    parameters.vessel, parameters.centerline = nodes
     logic.addStent(parameters, length=14.0)
-    logic.deploy(parameters)
+    host.processUntil(lambda: not panel.lesions.isBusy, LONG)
+    host.processUntil(lambda: not panel.preparation.isRunning, LONG)
+    panel.silence.report("vessel chosen and prepared")
+    panel.session.start()
+    host.processUntil(lambda: not panel.session.isBusy, LONG)
+    panel.silence.report("first deployment")
     tree = logic._inputs.centerline(parameters)
     leaf = tree.leaves[np.argmax(tree.arc_length[tree.leaves])]
     chain = tree.points[tree.ancestry(leaf)]
     return panel, chain[np.linspace(0.2 * len(chain), 0.8 * len(chain), MOVES).astype(int)]
+
+
+class Silence:
+    """The longest time for which the event loop did not turn."""
+
+    def __init__(self, host):
+        import qt  # there once the host has started
+
+        self._host, self._longest, self._last = host, 0.0, time.perf_counter()
+        self._timer = qt.QTimer()
+        self._timer.setInterval(0)
+        self._timer.connect("timeout()", self._turn)
+        self._timer.start()
+
+    def _turn(self):
+        now = time.perf_counter()
+        self._longest, self._last = max(self._longest, now - self._last), now
+
+    def report(self, title):
+        """Print and forget it."""
+        self._host.process()
+        print(f"  {title}: event loop away for at most {1e3 * self._longest:.0f} ms")
+        self._longest, self._last = 0.0, time.perf_counter()
+
+    def forget(self):
+        """Begin anew."""
+        self._longest, self._last = 0.0, time.perf_counter()
+
+
+class Counter:
+    """How often a function was called."""
+
+    def __init__(self, owner, name):
+        self.count, self._function = 0, getattr(owner, name)
+        setattr(owner, name, self._counted)
+
+    def _counted(self, *arguments, **keywords):
+        self.count += 1
+        return self._function(*arguments, **keywords)
+
+
+def follow(host, panel, places, counters):
+    """A hand that moves 60 times a second and does not wait, back and forth; then it stops."""
+    session, parameters = panel.session, panel._parameterNode
+    parameters.autoUpdate = True
+    way = np.concatenate([places, places[::-1]])
+    before = {name: counter.count for name, counter in counters.items()}
+    panel.silence.forget()
+    start = time.perf_counter()
+    # Ends: with the time.
+    while (elapsed := time.perf_counter() - start) < FOLLOWED_S:
+        place = way[int(60 * elapsed) % len(way)]
+        parameters.stent.handle.SetNthControlPointPositionWorld(0, *place)
+        host.process(max(0.0, 1 / 60 - (time.perf_counter() - start - elapsed)))
+    seconds = time.perf_counter() - start
+    for name, counter in counters.items():
+        print(f"  dragged: {(counter.count - before[name]) / seconds:.1f} {name} a second")
+    panel.silence.report("dragged")
+    stopped = time.perf_counter()
+    host.processUntil(lambda: not session.isBusy, LONG)
+    answer = time.perf_counter() - stopped
+    print(f"  full answer {answer:.2f} s after the hand stopped, of them 0.25 s waited")
+    panel.silence.report("full answer")
+    parameters.autoUpdate = False
+
+
+def redeployments(host, panel, places):
+    """How long each takes from the moved handle to the surface; the median counts."""
+    session, parameters = panel.session, panel._parameterNode
+    parameters.autoUpdate = True
+    wall, cpu = [], []
+    for move, place in enumerate(places):
+        start, worked = time.perf_counter(), time.process_time()
+        with slicer.util.NodeModify(parameters):
+            parameters.stent.length = LENGTHS[move % len(LENGTHS)]
+        parameters.stent.handle.SetNthControlPointPositionWorld(0, *place)
+        host.processUntil(lambda: not session.isRunning and not session._timer.isActive())
+        wall.append(time.perf_counter() - start)
+        cpu.append(time.process_time() - worked)
+    parameters.autoUpdate = False
+    session.cancel()
+    print(
+        f"  redeployments: {1 / np.median(wall):.1f} a second ({1e3 * np.median(cpu):.0f} ms of CPU time each; median of "
+        f"{len(places)}), slowest {1e3 * max(wall):.0f} ms"
+    )
 
 
 def drag(host, panel, places, draw):
@@ -146,18 +272,50 @@ def main():
     parser.add_argument("surface", nargs="?")
     parser.add_argument("centerline", nargs="?")
     parser.add_argument("--units", default="mm")
+    parser.add_argument("--subdivisions", type=int, default=1)
+    parser.add_argument("--no-tree", dest="tree", action="store_false")
+    parser.add_argument("--profile", action="store_true")
+    arguments = parser.parse_args()
     host = Host.start()
-    panel, places = thePanel(host, parser.parse_args())
+    host.loadModule(Path(__file__).parents[1] / "SDFStent.py")
+    print(f"{os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}")
+    from SDFStentSlicer import Results
+    from SDFStentSlicer.SurfaceOutput import SurfaceOutput
+
+    counters = {
+        "surface updates": Counter(SurfaceOutput, "showChanged"),
+        "number updates": Counter(Results, "showPreviewed"),
+    }
+    for name, nodes in theVessels(arguments):
+        vessel, centerline = nodes()
+        print(f"{name}: {vessel.GetPolyData().GetNumberOfPolys():,} triangles")
+        panel, places = thePanel(host, (vessel, centerline))
+        redeployments(host, panel, places)  # the first time weights are made
+        redeployments(host, panel, places)
+        follow(host, panel, places, counters)
+        if arguments.profile:
+            profile(host, panel, places)
+            arguments.profile = False
+        host.closePanel(panel)
+        host.newScene()
+
+
+def profile(host, panel, places):
+    """Where the time goes."""
     view, mesh = host.application.view, panel._parameterNode.outputVessel.GetPolyData()
     view.render(mesh.GetBounds())
-    print(f"{mesh.GetNumberOfPolys():,} triangles, stents of {LENGTHS[0]:g} to {LENGTHS[-1]:g} mm")
     print(f"drawn by {renderer(view.window)}, {' x '.join(map(str, view.window.GetSize()))} pixels")
 
     from SDFStentSlicer import Results
+    from SDFStentSlicer.Previewing import PreviewedVessel, PreviewRun
     from SDFStentSlicer.Stenting import Stenting
     from SDFStentSlicer.SurfaceOutput import SurfaceOutput
 
     clock = Clock()
+    PreviewedVessel.portions = clock.timedGenerator("library", PreviewedVessel.portions)
+    PreviewRun.lumens = clock.timedGenerator("numbers", PreviewRun.lumens)
+    SurfaceOutput.showChanged = clock.timed("scene", SurfaceOutput.showChanged)
+    Results.showStents = clock.timed("scene", Results.showStents)
     Stenting.__init__ = clock.timed("library", Stenting.__init__)
     Stenting.steps = clock.timedGenerator("library", Stenting.steps)
     Stenting.at = clock.timed("library", Stenting.at)

@@ -95,6 +95,11 @@ class Preview:
         self._proxy = Proxy(surface, None if centerline is None else centerline.points)
         self._points = surface.points.copy()
 
+    def prepare(self) -> None:
+        """Make now what the first preview needs and what is the same wherever it will be."""
+        if self.centerline is not None:
+            self._proxy.probes(self.centerline.points)
+
     def of(
         self,
         stents: Sequence[Stent],
