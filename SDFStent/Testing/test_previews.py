@@ -1,0 +1,133 @@
+"""What is seen while something is dragged."""
+
+import re
+
+import numpy as np
+import pytest
+import slicer
+import vtk
+from panel_helpers import settle, theThroat
+
+
+def shown(parameters):
+    return np.array(slicer.util.arrayFromModelPoints(parameters.outputVessel))
+
+
+def previewed(logic, parameters):
+    """Run a preview to its end; returns the points that it shows."""
+    for _fraction in logic.steps(parameters, live=True):
+        pass
+    return shown(parameters)
+
+
+def test_the_preview_is_the_library_s(aLogic, theParameters):
+    from SDFStentSlicer import Plans
+
+    from SDFStentLib.treatment import Preview
+
+    points = previewed(aLogic, theParameters)
+    surface = aLogic._inputs.vessel(theParameters).surface
+    preview = Preview(surface, aLogic.centerlineOf(theParameters))
+    seen = preview.of(Plans.plannedOf(theParameters), Plans.settingsOf(theParameters, live=True))
+    expected = surface.points.copy()
+    expected[seen.indices] = seen.coordinates
+    np.testing.assert_array_equal(points, expected.astype(np.float32))
+    assert len(seen.indices) > 100
+
+
+def test_a_preview_after_another_place_starts_from_the_vessel_itself(aLogic, theParameters):
+    handle = theParameters.stent.handle
+    first = previewed(aLogic, theParameters)
+    handle.SetNthControlPointPositionWorld(0, *(theThroat() + np.array([0, 0, 3.0])))
+    assert np.abs(previewed(aLogic, theParameters) - first).max() > 0.1
+    handle.SetNthControlPointPositionWorld(0, *theThroat())
+    np.testing.assert_array_equal(previewed(aLogic, theParameters), first)
+    aLogic.deploy(theParameters)  # all points are set by it
+    np.testing.assert_array_equal(previewed(aLogic, theParameters), first)
+
+
+def test_the_minimum_lumen_is_told_while_dragging_and_marked(host, aStent, theModule, monkeypatch):
+    from SDFStentSlicer import Results
+
+    told = []
+    showPreviewed = Results.showPreviewed
+    monkeypatch.setattr(
+        Results,
+        "showPreviewed",
+        lambda parameterNode, *values: (
+            showPreviewed(parameterNode, *values),
+            told.append(aStent.ui.lumenLabel.text),
+        ),
+    )
+    aStent.ui.autoUpdateCheckBox.checked = True
+    settle(host, aStent)
+    aStent.ui.diameterSlider.value = 9.0
+    settle(host, aStent)
+    assert len(told) >= 1
+    assert "(preview)" in told[-1]
+    preview = float(re.search(r"about (\S+) mm", told[-1]).group(1))
+    run = aStent.logic.lastRun(aStent._parameterNode)
+    assert preview == pytest.approx(run.result.stents[0].after.minimum, rel=0.03)
+    assert "preview" not in aStent.ui.lumenLabel.text  # the full method came after it
+
+
+def test_numbers_and_certificate_of_another_place_are_taken_away(host, aStent):
+    aStent.session.start()
+    settle(host, aStent)
+    assert aStent.ui.certificateLabel.text
+    parameters = aStent._parameterNode
+    parameters.stent.diameter = 9.0
+    aStent.logic._numbersTime = 0.0
+    previewed(aStent.logic, parameters)
+    assert aStent.ui.certificateLabel.text == ""
+    assert "about" in aStent.ui.lumenLabel.text
+
+
+def test_the_vessel_can_be_shown_without_stents_after_a_preview(aLogic, theParameters):
+    before = np.array(slicer.util.arrayFromModelPoints(theParameters.vessel))
+    previewed(aLogic, theParameters)
+    aLogic.reset(theParameters)
+    np.testing.assert_array_equal(shown(theParameters), before)
+    assert not aLogic.hasSteps(theParameters)
+
+
+def test_what_a_vessel_needs_is_made_when_it_is_chosen(host, theInputs, monkeypatch):
+    from SDFStentLib.treatment import Preview
+
+    made = []
+    prepare = Preview.prepare
+    monkeypatch.setattr(Preview, "prepare", lambda self: (made.append(1), prepare(self)))
+    host.processUntil(lambda: not theInputs.lesions.isBusy, 60.0)
+    host.processUntil(lambda: not theInputs.preparation.isRunning, 60.0)
+    assert made == [1]
+
+
+def test_a_cancelled_preview_leaves_the_next_one_undisturbed(aLogic, theParameters):
+    expected = previewed(aLogic, theParameters)
+    aLogic.forget()
+    abandoned = aLogic.steps(theParameters, live=True)
+    next(abandoned)
+    abandoned.close()
+    np.testing.assert_array_equal(previewed(aLogic, theParameters), expected)
+
+
+def test_normals_computed_where_points_changed_are_those_computed_everywhere(aVessel, monkeypatch):
+    from SDFStentSlicer import PointNormals
+    from vtk.util.numpy_support import vtk_to_numpy
+
+    surface = vtk.vtkPolyData()
+    surface.DeepCopy(aVessel[0].GetPolyData())
+    PointNormals.withNormals(surface)
+    normals = PointNormals.PointNormals(surface)
+    normals.update()
+    points = vtk_to_numpy(surface.GetPoints().GetData())
+    indices = np.flatnonzero(np.linalg.norm(points - theThroat(), axis=1) < 6)
+    points[indices] += 0.3 * np.sin(points[indices])
+    surface.GetPoints().GetData().Modified()
+    monkeypatch.setattr(PointNormals, "LOCAL_FROM", 0)
+    normals.update((indices[:10], indices))
+    local = vtk_to_numpy(surface.GetPointData().GetNormals()).copy()
+    normals.update()
+    everywhere = vtk_to_numpy(surface.GetPointData().GetNormals())
+    np.testing.assert_array_equal(local[indices], everywhere[indices])
+    assert (local == everywhere).all(axis=1).mean() > 0.9  # all but the rim
