@@ -30,6 +30,7 @@ TITLES = {
     "memory": "Memory",
     "certificate": "Certificate",
     "step_rules": "Distance to the converged limit of the radius steps",
+    "proxy": "The preview on a proxy",
     "lumen": "The deployed lumen",
     "where_time_goes": "Where the time goes",
     "lesions": "Lesions of random vessels and of a tree",
