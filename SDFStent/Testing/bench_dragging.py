@@ -171,15 +171,17 @@ class Silence:
 
 
 class Counter:
-    """How often a function was called."""
+    """How often a function, or a method of all objects of a class, was called."""
 
     def __init__(self, owner, name):
-        self.count, self._function = 0, getattr(owner, name)
-        setattr(owner, name, self._counted)
+        self.count = 0
+        function = getattr(owner, name)
 
-    def _counted(self, *arguments, **keywords):
-        self.count += 1
-        return self._function(*arguments, **keywords)
+        def counted(*arguments, **keywords):
+            self.count += 1
+            return function(*arguments, **keywords)
+
+        setattr(owner, name, counted)
 
 
 def follow(host, panel, places, counters):
@@ -202,6 +204,8 @@ def follow(host, panel, places, counters):
     stopped = time.perf_counter()
     host.processUntil(lambda: not session.isBusy, LONG)
     answer = time.perf_counter() - stopped
+    if "prescribed" not in parameters.lumenSummary:
+        raise RuntimeError(f"No answer came: {parameters.status}")
     print(f"  full answer {answer:.2f} s after the hand stopped, of them 0.25 s waited")
     panel.silence.report("full answer")
     parameters.autoUpdate = False
