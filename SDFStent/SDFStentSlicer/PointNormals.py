@@ -32,7 +32,8 @@ class PointNormals:
             self._isTouched[indices] = True
         first, second, third = (self._isTouched[corner] for corner in self._corners)
         faces = np.flatnonzero(first | second | third)
-        self._compute(_cells(self._corners[:, faces].T), np.flatnonzero(self._isTouched))
+        if len(faces):
+            self._compute(_cells(self._corners[:, faces].T), np.flatnonzero(self._isTouched))
         for indices in changed:
             self._isTouched[indices] = False
 

@@ -139,8 +139,11 @@ def thePanel(host, nodes):
     panel.silence.report("first deployment")
     tree = logic._inputs.centerline(parameters)
     leaf = tree.leaves[np.argmax(tree.arc_length[tree.leaves])]
-    chain = tree.points[tree.ancestry(leaf)]
-    return panel, chain[np.linspace(0.2 * len(chain), 0.8 * len(chain), MOVES).astype(int)]
+    chain = tree.ancestry(leaf)
+    way = chain[np.linspace(0.2 * len(chain), 0.8 * len(chain), MOVES).astype(int)]
+    radius = float(np.nanmedian(tree.inscribed_radius[way]))
+    parameters.stent.diameter = round(2.4 * radius, 1)  # the first one's suits the whole vessel
+    return panel, tree.points[way]
 
 
 class Silence:

@@ -131,3 +131,6 @@ def test_normals_computed_where_points_changed_are_those_computed_everywhere(aVe
     everywhere = vtk_to_numpy(surface.GetPointData().GetNormals())
     np.testing.assert_array_equal(local[indices], everywhere[indices])
     assert (local == everywhere).all(axis=1).mean() > 0.9  # all but the rim
+    nothing = np.empty(0, dtype=np.int64)
+    normals.update((nothing, nothing))  # a stent narrower than the lumen moves nothing
+    np.testing.assert_array_equal(everywhere, vtk_to_numpy(surface.GetPointData().GetNormals()))
