@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from ostium_truth import RayCaster, openings_at
@@ -9,12 +12,14 @@ from ostium_truth import RayCaster, openings_at
 from SDFStentLib import phantoms
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.files import read_centerline, read_surface
+from SDFStentLib.measure import NeighborLumen
 from SDFStentLib.measure.apposition import GAP, apposition
 from SDFStentLib.measure.extended_axis import extended_axis
 from SDFStentLib.measure.metrics import diameter_profile
 from SDFStentLib.measure.profile_around import profile_around
 from SDFStentLib.stent import AlongAxis, AtCenter, Stent, stent_axis
 from SDFStentLib.treatment import Treatment
+from SDFStentLib.treatment.warnings import is_same_branch, narrowed_neighbors
 
 
 def deployed(vessel, axis, diameter):
@@ -117,9 +122,45 @@ def test_a_later_stent_tells_of_the_vessel_as_it_found_it_and_as_it_was_at_first
         (lumen,) = [one for one in stent.neighbors if one.name == ostium.name]
         assert lumen.before == pytest.approx(9.03, abs=0.05)
         assert lumen.after < 7.37
-    told = [str(one) for one in result.warnings if one.kind == "neighbor-narrowed"]
-    assert [words[:9] for words in told] == ["Stent 1: ", "Stent 2: "]
-    assert all("branch to face 5 is narrowed from 9.0" in words for words in told)
+    (told,) = [one for one in result.warnings if one.kind == "neighbor-narrowed"]
+    assert str(told).startswith("Stents 1 and 2: The lumen of branch to face 5 is narrowed from 9.")
+    assert told.stent is None
+    both = [one for stent in result.stents for one in stent.neighbors if "branch" in one.name]
+    assert len(both) == 2
+    worst = min(both, key=lambda one: one.after / one.before)
+    assert (told.numbers["before_mm"], told.numbers["after_mm"]) == (worst.before, worst.after)
+
+
+def lumen_along(path, name="side branch 1"):
+    return NeighborLumen(name, np.array(path, float), 5.0, 4.0, 3.0, by_area=False)
+
+
+def test_a_branch_is_the_same_where_the_ways_run_in_one_lumen_whatever_its_name():
+    here = lumen_along([[0, 0, 0], [20, 0, 0]])
+    shifted = lumen_along([[1, 0.5, 0], [21, 0.5, 0]], "side branch 2")
+    beside = lumen_along([[0, 5, 0], [20, 5, 0]])
+    farther = lumen_along([[40, 0, 0], [60, 0, 0]])
+    assert is_same_branch(here, shifted)
+    assert not is_same_branch(here, beside)
+    assert not is_same_branch(here, farther)
+
+
+def test_of_two_branches_with_one_name_both_are_told_and_of_one_branch_the_worst():
+    def treated(number, *lumens):
+        names = [SimpleNamespace(name=one.name) for one in lumens]
+        return SimpleNamespace(number=number, branches=names, neighbors=lumens)
+
+    first = lumen_along([[0, 0, 0], [20, 0, 0]])
+    worse = replace(lumen_along([[0, 1, 0], [20, 1, 0]]), after=2.0)
+    other = lumen_along([[0, 9, 0], [20, 9, 0]])
+    wide = replace(lumen_along([[0, 9, 0], [20, 9, 0]]), after=4.0)
+    end = lumen_along([[0, 0, 0], [0, 0, 20]], "the vessel distal of the stent")
+    stents = [treated(1, first, other), treated(2, worse, wide), treated(3, end)]
+    stents[2].branches = []
+    told = list(narrowed_neighbors(stents, lambda number: f"Stent {number}: "))
+    assert [one.label for one in told] == ["Stents 1 and 2: ", "Stent 1: ", "Stent 3: "]
+    assert [one.numbers["after_mm"] for one in told] == [2.0, 3.0, 3.0]
+    assert [one.stent for one in told] == [None, 1, 3]
 
 
 def test_diameters_go_on_beyond_both_ends_and_stop_with_the_vessel():

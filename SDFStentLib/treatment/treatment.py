@@ -41,7 +41,7 @@ from ..validation import (
 from .straightening import axis_in_vessel
 from .surroundings import surroundings
 from .value import TreatedStent, TreatmentResult, TreatmentState, label_of, switched_on
-from .warnings import check_width, narrowed, nothing_moved, overdilated, overlap
+from .warnings import check_width, narrowed, narrowed_neighbors, nothing_moved, overdilated, overlap
 
 PROFILE_SPACING = 1.0
 """Distance of the stations at which diameters are measured, mm."""
@@ -252,6 +252,7 @@ class Treatment:
         for index, second in enumerate(treated):
             for first in treated[:index]:
                 yield from overlap(first, second)
+        yield from narrowed_neighbors(treated, self.label)
         for cap in bulged_caps(self.surface, after, moved):
             yield cap.caution()
 
@@ -270,7 +271,6 @@ class Treatment:
         yield from self._narrowed(stage, done)
         if stage.result.relief is not None:
             yield stage.result.relief.caution()
-        yield from (one.caution() for one in done.neighbors if one.is_narrowed)
         yield from (gap.labeled("Before treatment: ") for gap in done.before.gaps)
         yield from (gap.labeled("After treatment: ") for gap in done.after.gaps)
 

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..cautions import Caution
-from ..geometry import closest_points, length, resampled
-from ..measure import DiameterProfile
+from ..geometry import closest_points, length, point_at, resampled
+from ..measure import DiameterProfile, NeighborLumen
 from ..stent import StentAxis
 from ..validation import InputError, Points, as_points
 from .value import TreatedStent
@@ -129,3 +130,50 @@ def overlap(first: TreatedStent, second: TreatedStent) -> Iterator[Caution]:
     if common > 0:
         numbers = {"first": first.number, "second": second.number, "length_mm": common}
         yield Caution("overlap", numbers)
+
+
+def narrowed_neighbors(
+    treated: Sequence[TreatedStent], label: Callable[[int], str]
+) -> Iterator[Caution]:
+    """Lumens beside the stents that are narrowed; a branch beside several stents only once.
+
+    Each is measured before any stent and after all of them, wherever that stent moved its wall:
+    of a branch the place counts that lost most. `label` names a stent by its number.
+    """
+    ends: list[tuple[int, NeighborLumen]] = []
+    branches: list[tuple[int, NeighborLumen]] = []
+    for done in treated:
+        names = {branch.name for branch in done.branches}
+        for lumen in filter(lambda one: one.is_narrowed, done.neighbors):
+            (branches if lumen.name in names else ends).append((done.number, lumen))
+    groups: list[list[tuple[int, NeighborLumen]]] = []
+    for number, lumen in branches:
+        known = [group for group in groups if is_same_branch(group[0][1], lumen)]
+        if known:
+            known[0].append((number, lumen))
+        else:
+            groups.append([(number, lumen)])
+    for group in sorted([*groups, *([end] for end in ends)], key=lambda group: group[0][0]):
+        worst = max((lumen for _, lumen in group), key=lambda lumen: lumen.loss)
+        numbers = [number for number, _ in group]
+        if len(numbers) == 1:
+            yield replace(worst.caution(), stent=numbers[0]).labeled(label(numbers[0]))
+        else:
+            yield worst.caution().labeled(f"Stents {_and(numbers)}: ")
+
+
+def is_same_branch(first: NeighborLumen, second: NeighborLumen) -> bool:
+    """Whether the ways of two stents lead through one lumen, whatever each calls it.
+
+    Each way has to pass the other's narrowed place within the radius that was there before.
+    """
+    for one, other in ((first, second), (second, first)):
+        place = point_at(one.path, np.array([one.distance]))
+        if closest_points(other.path, place).distances[0] > one.before / 2:
+            return False
+    return True
+
+
+def _and(numbers: Sequence[int]) -> str:
+    *others, last = map(str, numbers)
+    return f"{', '.join(others)} and {last}"
