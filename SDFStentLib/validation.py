@@ -13,8 +13,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-# Of ASCII and Latin-1, separators of lines, and what changes the direction of writing.
-_CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069]")
+# Of ASCII and Latin-1, separators of lines, what changes the direction of writing, and halves of
+# characters, as in the name of a file that is no valid text.
+_CONTROL = re.compile(
+    r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff\ufffe\uffff]"
+)
 
 Points = NDArray[np.float64]
 """(n, 3) array of coordinates, mm."""
@@ -215,6 +218,11 @@ def printable(text: str) -> str:
     or turn the direction of writing around.
     """
     return _CONTROL.sub(lambda found: ascii(found[0])[1:-1], text)
+
+
+def one_line(text: str) -> str:
+    """A text as `printable`, its line ends and tabs as escapes as well."""
+    return printable(text).replace("\n", r"\n").replace("\t", r"\t")
 
 
 def read_only(array: NDArray[Any]) -> NDArray[Any]:

@@ -553,10 +553,10 @@ def test_a_plot_of_nothing_says_so():
 
 
 def test_the_figure_is_the_same_drawing_in_both_formats(tmp_path):
-    two = a_report(stents=(planned(name="main <3\x1b"), with_gaps().stents[0]))
+    two = a_report(stents=(planned(name="main <3\x1b\ud800"), with_gaps().stents[0]))
     write_report_figure(two, tmp_path / "f.SVG")
     texts = [t.text for t in ElementTree.fromstring((tmp_path / "f.SVG").read_text("utf-8")).iter()]
-    assert "Stent 1 of 2: main <3\\x1b" in texts
+    assert r"Stent 1 of 2: main <3\x1b\ud800" in texts
     assert "Research use only, not a medical device." in texts
     assert texts.count("lumen diameter (mm)") == 2
     try:

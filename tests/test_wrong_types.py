@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import contextlib
 import inspect
+import sys
+from unicodedata import category
 
 import numpy as np
 import pytest
 
 import SDFStentLib
 from SDFStentLib import AtCenter, InputError, Stent, Surface, read_surface, run_plan
+from SDFStentLib.cautions import Caution
+from SDFStentLib.cli.console import Console, error_line
+from SDFStentLib.geometry import NamedFaces
 from SDFStentLib.phantoms import straight_tube
-from SDFStentLib.validation import as_patient_points, printable
+from SDFStentLib.validation import as_patient_points, one_line, printable
 
 WRONG = [
     None, "8", b"x", 3, 3.5, float("nan"), [], {}, object(), np.zeros((2, 2)), [None], 1e400, -1,
@@ -66,3 +71,29 @@ def test_control_characters_are_written_as_escapes():
         printable("a\x1b[2Jb\x9b\u202e\n\tä\U0001f600")
         == r"a\x1b[2Jb\x9b\u202e" + "\n\tä\U0001f600"
     )
+
+
+@pytest.mark.parametrize("kind", ["Cc", "Zl", "Zp", "Cs"])
+def test_no_character_that_controls_or_is_half_of_one_is_left(kind):
+    """The classes of Unicode; of its formats (Cf) those that turn the direction of writing."""
+    every = "".join(c for c in map(chr, range(sys.maxunicode + 1)) if category(c) == kind)
+    left = one_line(every + "\N{RIGHT-TO-LEFT MARK}\N{ARABIC LETTER MARK}\N{LEFT-TO-RIGHT MARK}")
+    assert left.isprintable()
+    assert left.isascii()
+
+
+def test_names_of_faces_are_one_printable_line():
+    faces = NamedFaces([1, 2], {1: "left\n\u202eright\x1b", 2: "\ud800"})
+    assert faces.said([1, 2]) == r"left\n\u202eright\x1b and \ud800"
+
+
+def test_what_the_shell_says_of_a_name_is_one_printable_line(capsys):
+    name = "a\nb\x1b[2J\u202e\ud800"
+    console = Console()
+    console.say(name)
+    console.warn([Caution("switched-off", label=f"{name}: ")])
+    error_line(name)
+    said = capsys.readouterr()
+    lines = [*said.out.splitlines(), *said.err.splitlines()]
+    assert len(lines) == 3
+    assert all(line.isprintable() for line in lines)

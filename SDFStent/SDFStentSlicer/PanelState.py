@@ -4,6 +4,8 @@ import math
 
 from slicer.i18n import tr as _
 
+from SDFStentLib.validation import printable
+
 from .ParameterNode import Placement
 
 METHOD_SLIDERS = {
@@ -88,7 +90,7 @@ class PanelState:
             label.enabled = not isOld
         changed = _("Changed since this deployment; click Deploy.") if isOld else ""
         sentences = [missing or parameterNode.status, changed]
-        self.ui.statusLabel.text = "\n".join(sentence for sentence in sentences if sentence)
+        self.ui.statusLabel.text = printable("\n".join(filter(None, sentences)))
         self.ui.statusLabel.visible = bool(self.ui.statusLabel.text)
 
 

@@ -5,6 +5,7 @@ import slicer
 from slicer.i18n import tr as _
 
 from SDFStentLib.measure import SMALLEST_DEGREE
+from SDFStentLib.validation import one_line
 
 from . import Display
 from .ParameterNode import SurfaceMap
@@ -67,7 +68,7 @@ def showMeasured(parameterNode, run):
             run.result.certificate.sentence() if run.result.certificate else _("Not certified.")
         )
         parameterNode.warningSummary = "\n".join(
-            _("Warning: {sentence}").format(sentence=caution.sentence())
+            _("Warning: {sentence}").format(sentence=one_line(caution.sentence()))
             for caution in run.result.warnings
         )
 
@@ -77,7 +78,9 @@ def stentSummary(treated, lesions):
     before, after, planned = treated.before, treated.after, treated.stent
     return "\n".join(
         (
-            _("{name}, {diameter:.1f} mm").format(name=planned.name, diameter=planned.diameter),
+            _("{name}, {diameter:.1f} mm").format(
+                name=one_line(planned.name), diameter=planned.diameter
+            ),
             _("Minimum lumen: {before} \N{RIGHTWARDS ARROW} {after} mm").format(
                 before=_number(before.minimum), after=_number(after.minimum)
             ),
@@ -175,7 +178,7 @@ def selectedStent(parameterNode, run):
 
 def _title(treated, number):
     """How a stent is called above its plot: by its name, and by its number when the name is not its own."""
-    names = [stent.stent.name for stent in treated]
+    names = [one_line(stent.stent.name) for stent in treated]
     if names[number] and names.count(names[number]) == 1:
         return names[number]
     return _("{name} (stent {number} of {count})").format(

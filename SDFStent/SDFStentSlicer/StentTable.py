@@ -3,6 +3,8 @@
 import qt
 from slicer.i18n import tr as _
 
+from SDFStentLib.validation import one_line
+
 
 class StentTable:
     """Shows a `StentList` in `ui.stentTable`; reports what the user selects and switches on or off."""
@@ -60,7 +62,7 @@ def _texts(values):
         else f"{values['length']:.1f} mm"
     )
     return (
-        values["label"],
+        one_line(values["label"]),
         f"{values['diameter']:.1f} mm",
         length,
         values["placement"].label(),

@@ -121,3 +121,23 @@ def test_the_color_legend_keeps_the_colors_of_the_application(host, aStent):
 
 def test_the_stented_vessel_is_chosen_under_outputs(aPanel):
     assert aPanel.ui.outputSelector.parentWidget() is aPanel.ui.outputsCollapsibleButton
+
+
+def test_names_with_control_characters_are_printable_in_the_panel(host, aStent):
+    parameters = aStent._parameterNode
+    parameters.stent.label = "a\nb\x1b\u202e"
+    parameters.stent.handle.RemoveAllControlPoints()
+    host.process()
+    shown = r"a\nb\x1b\u202e"
+    assert aStent.ui.stentTable.item(0, 0).text() == shown
+    assert r"\x1b\u202e: place 1 point" in aStent.ui.statusLabel.text
+
+
+def test_names_with_control_characters_are_printable_in_the_results(host, aStent):
+    aStent._parameterNode.stent.label = "a\nb\x1b\u202e"
+    aStent.ui.diameterSlider.value = 3.0
+    deploy(host, aStent)
+    shown = r"a\nb\x1b\u202e"
+    assert aStent.ui.lumenLabel.text.startswith(f"{shown}, 3.0 mm\n")
+    (line, *_others) = aStent.ui.warningLabel.text.splitlines()
+    assert line.startswith(f"Warning: Stent 1 ({shown}): ")

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from typing import Any, TextIO
 
 from ..cautions import Caution
-from ..validation import printable
+from ..validation import one_line
 
 _REMEDIES = (
     ("to", "to", " (--from, --to)"),
@@ -31,14 +31,14 @@ class Console:
     def say(self, sentence: str = "") -> None:
         """A line of the result; nothing when quiet."""
         if not self.quiet:
-            print(printable(sentence))
+            print(one_line(sentence))
 
     def warn(self, cautions: Iterable[Caution], thing: str = "stent") -> None:
         """Each on a line of stderr; nothing when quiet, for the report has them too."""
         if not self.quiet:
             for caution in cautions:
                 words = caution.sentence(thing, self.remedies)
-                print(printable(f"warning: {words}"), file=sys.stderr)
+                print(one_line(f"warning: {words}"), file=sys.stderr)
 
     @contextmanager
     def progress(self, what: str) -> Iterator[Any]:
@@ -58,7 +58,7 @@ def remedies_of(options: argparse.Namespace | None) -> dict[str, str]:
 
 def error_line(sentence: str) -> None:
     """The one sentence of a failure."""
-    print(printable(sentence.translate({ord("\n"): " "})), file=sys.stderr)
+    print(one_line(sentence.translate({ord("\n"): " "})), file=sys.stderr)
 
 
 class _Bar:

@@ -20,7 +20,7 @@ from ..report import (
     lesions_csv,
 )
 from ..stent import Stent, stent_axis
-from ..validation import InputError, Points, as_number, printable
+from ..validation import InputError, Points, as_number, one_line
 from .console import Console
 from .outputs import Outputs
 from .place import check_place, place_of, reference_of, root_of
@@ -170,4 +170,4 @@ def _print_check(document: dict[str, Any]) -> None:
             more = ", ..." if len(document[key]) > 10 else ""
             print(f"{len(document[key])} triangles {words}: {shown}{more}")
     for sentence in document["warnings"]:
-        print(printable(f"warning: {sentence}"))
+        print(one_line(f"warning: {sentence}"))

@@ -11,7 +11,6 @@ from vtkmodules.vtkCommonCore import vtkStringArray
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 
 from ..geometry import NamedFaces
-from ..validation import printable
 
 ID_ARRAY = "ModelFaceID"
 """Cell array of integers, as SimVascular writes it."""
@@ -48,4 +47,4 @@ def _names(polydata: vtkPolyData) -> dict[int, str]:
         return {}
     entries = (array.GetValue(row).split() for row in range(array.GetNumberOfValues()))
     known = [words for words in entries if len(words) > 1 and _ID.fullmatch(words[0])]
-    return {int(number): printable(" ".join(name)) for number, *name in known}
+    return {int(number): " ".join(name) for number, *name in known}

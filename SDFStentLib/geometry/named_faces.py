@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..validation import Indices, InputError, read_only
+from ..validation import Indices, InputError, one_line, read_only
 
 _SAID = 3
 """So many parts are named one by one; of more the rest is counted."""
@@ -42,6 +42,8 @@ class NamedFaces:
                 f"{ids.shape}."
             )
         object.__setattr__(self, "ids", read_only(ids.astype(np.int64)))
+        names = {number: one_line(name) for number, name in self.names.items()}
+        object.__setattr__(self, "names", names)
 
     def most(self, triangles: ArrayLike) -> int:
         """The part to which most of some triangles (k,) belong."""

@@ -20,7 +20,7 @@ from vtkmodules.vtkRenderingContext2D import vtkContext2D, vtkContextActor, vtkP
 from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow, vtkWindowToImageFilter
 
 from ..geometry import cut, length
-from ..validation import Points
+from ..validation import Points, one_line
 from .drawing import Box, Disc, Drawing, Line, Words
 from .picture.panel import seen
 from .picture.shapes import Panel
@@ -108,7 +108,7 @@ class _Painter:
         look.SetOrientation(90 if mark.is_upright else 0)
         drop = 0.22 * mark.size  # VTK places the depth of a g, SVG the line that letters stand on
         right, down = (drop, 0.0) if mark.is_upright else (0.0, drop)
-        context.DrawString(*self.at(mark.x + right, mark.y + down), mark.text)
+        context.DrawString(*self.at(mark.x + right, mark.y + down), one_line(mark.text))
 
     def line(self, context: vtkContext2D, mark: Line) -> None:
         context.GetPen().SetLineType(vtkPen.SOLID_LINE)
