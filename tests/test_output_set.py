@@ -62,9 +62,9 @@ def prepare(folder):
         (folder / name).write_text(text, encoding="utf-8")
 
 
-def run(folder, at):
+def run(folder, at, program=WRITER):
     return subprocess.run(
-        [sys.executable, "-c", WRITER, str(folder), str(at)],
+        [sys.executable, "-c", program, str(folder), str(at)],
         cwd=PROJECT, capture_output=True, text=True, check=False,
     )  # fmt: skip
 
@@ -106,6 +106,61 @@ def test_the_staging_folder_of_a_living_run_is_left_alone(tmp_path):
     assert living.path.is_dir()
     living.remove()
     assert not any(tmp_path.iterdir())
+
+
+WINDOWS = """
+import fcntl, os, sys, types
+system, unlink = types.ModuleType("msvcrt"), os.unlink
+system.LK_LOCK, system.LK_NBLCK = 1, 2
+def locking(descriptor, mode, count):
+    assert count == 1 and os.lseek(descriptor, 0, os.SEEK_CUR) == 0
+    fcntl.flock(descriptor, fcntl.LOCK_EX | (fcntl.LOCK_NB if mode == 2 else 0))
+system.locking = locking
+def of_closed_files(path, *, dir_fd=None):
+    found = os.stat(path, dir_fd=dir_fd, follow_symlinks=False)
+    for number in os.listdir("/proc/self/fd"):
+        try:
+            held = os.fstat(int(number))
+        except OSError:
+            continue
+        if (held.st_dev, held.st_ino) == (found.st_dev, found.st_ino):
+            raise PermissionError(13, "it is open in this process", path)
+    unlink(path, dir_fd=dir_fd)
+os.unlink = of_closed_files
+sys.modules["fcntl"], sys.modules["msvcrt"] = None, system
+"""
+"""Locks and open files as the documentation of Windows has them, on top of those that are here."""
+
+SWEEPING = """
+from pathlib import Path
+from SDFStentLib.files.output_set import StagingFolder, sweep
+folder = Path(sys.argv[1])
+living = StagingFolder(folder / "a")
+sweep(folder / "a")
+sweep(folder / "b")
+assert living.path.is_dir()
+living.remove()
+"""
+
+
+@pytest.mark.skipif(not os.path.isdir("/proc/self/fd"), reason="the stand-in asks what is open")
+def test_with_the_locks_of_windows_the_dead_are_told_from_the_living(tmp_path):
+    """A stand-in of what is documented: this was not run on Windows."""
+    prepare(tmp_path / "whole")
+    calls = int(run(tmp_path / "whole", -1, WINDOWS + WRITER).stdout)
+    seen = set()
+    for at in (calls // 3, calls // 2, calls - 12, calls - 6):
+        folder = tmp_path / str(at)
+        prepare(folder)
+        assert run(folder, at, WINDOWS + WRITER).returncode == -signal.SIGKILL
+        assert list(folder.rglob(".sdfstent-*"))
+        swept = run(folder, 0, WINDOWS + SWEEPING)
+        assert swept.returncode == 0, swept.stderr
+        found = everything_in(folder)
+        assert found in (OLD, NEW), at
+        assert not list(folder.rglob(".sdfstent-*")), at
+        seen.add(found == NEW)
+    assert seen == {True, False}
 
 
 def test_a_command_without_outputs_moves_nothing():

@@ -21,6 +21,7 @@ from pathlib import Path
 
 from ..validation import InputError
 from .atomic import cannot_write, flush_to_disk
+from .locks import lock
 
 _PREFIX = ".sdfstent-"
 _LOCK, _MOVES, _COMMITTED = "lock", "moves.json", "committed"
@@ -111,9 +112,10 @@ def _settle(path: Path) -> None:
         first = Path(json.loads((path / _MOVES).read_text(encoding="utf-8"))["first"])
     except (OSError, ValueError):
         first = path  # killed before anything was moved
-    lock = _lock_of_the_dead((first if first.is_dir() else path) / _LOCK)
-    if lock is None:
+    descriptor = _lock_of_the_dead((first if first.is_dir() else path) / _LOCK)
+    if descriptor is None:
         return
+    settled: list[Path] = []
     try:
         with suppress(OSError, InputError):
             committed = first / _COMMITTED
@@ -122,13 +124,16 @@ def _settle(path: Path) -> None:
                 for other in paths:
                     _move(other)
                 # The commit point goes last: without it the moves would be taken back.
-                for other in [*paths[1:], first]:
-                    _remove(other)
+                settled = [*paths[1:], first]
             else:
                 _take_back(path)
-                _remove(path)
+                settled = [path]
+            for other in settled:
+                _remove(other)
     finally:
-        os.close(lock)
+        os.close(descriptor)
+    for other in settled:
+        _remove(other)  # where no open file can be removed, the lock is still there
 
 
 def _moves(path: Path) -> dict[str, bool]:
@@ -221,11 +226,9 @@ def _locked(path: Path) -> int | None:
         descriptor = os.open(path, os.O_CREAT | os.O_RDWR, 0o600)
     except FileNotFoundError:
         return None
-    # Windows has no such locks, nor have some network folders: there nothing is swept.
-    with suppress(ImportError, OSError):
-        import fcntl
-
-        fcntl.flock(descriptor, fcntl.LOCK_EX)
+    # Some network folders have no such locks: there nothing is swept.
+    with suppress(OSError):
+        lock(descriptor, waits=True)
     if path.exists():
         return descriptor
     os.close(descriptor)
@@ -234,13 +237,9 @@ def _locked(path: Path) -> int | None:
 
 def _lock_of_the_dead(path: Path) -> int | None:
     """The lock of a run that is over, `None` while it is alive."""
-    try:
-        import fcntl
-    except ImportError:
-        return None
     descriptor = os.open(path, os.O_CREAT | os.O_RDWR, 0o600)
     try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        lock(descriptor, waits=False)
     except OSError:
         os.close(descriptor)
         return None
