@@ -7,17 +7,19 @@ import pytest
 from deployment_cases import anatomy_case, phantom_case
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 from SDFStentLib.deformation.deployment import Deployment, deploy
 from SDFStentLib.deformation.settings import DeploymentSettings
 from SDFStentLib.field import CapsuleChain
+from SDFStentLib.field.chain_field import ChainField
 from SDFStentLib.geometry import Surface
 from SDFStentLib.measure.inscribed import inscribed_spheres
 
 DEFAULT = DeploymentSettings()
 PUBLISHED = DeploymentSettings.published()
-SETTINGS = {"default": DEFAULT, "published": PUBLISHED}
-both = pytest.mark.parametrize("name", list(SETTINGS))
+SETTINGS = {"default": DEFAULT, "preview": DeploymentSettings.preview(), "published": PUBLISHED}
+both = pytest.mark.parametrize("name", ["default", "published"])
 
 
 @pytest.fixture(scope="module")
@@ -49,15 +51,43 @@ def test_a_rigid_motion_commutes_with_the_deployment(case, name, seed):
         axis=case.axis @ rotation.T + shift,
     )
     apart = np.abs(moved - (plain.points @ rotation.T + shift)).max(axis=1)
-    if name == "published":
-        # Rounding of coordinates up to 300 mm gives 1e-13.
-        assert apart.max() < 1e-9
-    else:
-        # Which point tries the contact of which neighbor, and where a curved field is followed,
-        # goes by cubes of the frame: single points of the transition zone, within the error that
-        # the steps state anyway. The calibration's 12 points round the axis make 1e-7 mm.
-        assert np.quantile(apart, 0.95) < 1e-6
-        assert apart.max() < plain.estimated_error
+    # Rounding of coordinates up to 300 mm gives 1e-13; contact is a threshold of the default too.
+    assert apart.max() < (1e-9 if name == "published" else 1e-4)
+
+
+STENTS = {"aorta_iliac": (200.0, 36.0), "pulmonary": (12.0, 25.0), "vmtk_aorta": (20.0, 25.0)}
+
+
+@pytest.fixture(scope="module", params=list(STENTS))
+def anatomic(request, data_dir):
+    return anatomy_case(data_dir, request.param, *STENTS[request.param])
+
+
+@pytest.mark.parametrize("name", ["default", "preview"])
+def test_the_frame_of_the_coordinates_does_not_matter_in_an_anatomy(anatomic, name):
+    rotation = Rotation.from_rotvec(np.radians(37) * np.array([0.6, 0.64, -0.48])).as_matrix()
+    turned = deployed(
+        anatomic,
+        SETTINGS[name],
+        points=anatomic.points @ rotation.T,
+        axis=anatomic.axis @ rotation.T,
+    )
+    apart = np.linalg.norm(turned @ rotation - deployed(anatomic, SETTINGS[name]), axis=1)
+    # 0.155 mm before cells and cubes were those of the stent's own frame.
+    assert apart.max() < 0.01
+
+
+@pytest.mark.parametrize("name", ["default", "preview", "published"])
+def test_of_an_axis_reversed_in_an_anatomy_only_the_order_of_the_fold_matters(anatomic, name):
+    plain = SETTINGS[name].chain(anatomic.axis)
+    back = SETTINGS[name].chain(anatomic.axis[::-1])
+    # The same capsules the other way round, folded from the same end as the plain ones.
+    object.__setattr__(back, "folding", ChainField(back.nodes, back.smoothing_width))
+    results = [
+        deploy(anatomic.surface, chain, anatomic.radius, SETTINGS[name]).points
+        for chain in (plain, back)
+    ]
+    assert np.linalg.norm(results[0] - results[1], axis=1).max() < 0.01
 
 
 @both

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..field import CapsuleChain, Field
-from ..geometry import dot
+from ..geometry import across, dot
 from ..validation import Points
 from .contact_search import ContactSearch
 
@@ -23,7 +23,7 @@ SAMPLE = 1500
 """Points at which the way ahead is looked at; fewer where there are not so many."""
 
 BIN_SIZE = 3.0
-"""Edge of the cubes that group points, mm, counted from the start of the stent axis.
+"""Edge of the cubes that group points, mm, in the stent's own frame.
 
 Skipping resting cubes is exact; which points follow a curved field is decided cube by cube.
 """
@@ -73,12 +73,12 @@ class Motion:
         touchable: NDArray[np.bool_],
         near: NDArray[np.int32] | None = None,
     ) -> None:
-        self._origin = chain.nodes[0]
+        self._origin = (chain.nodes[0] + chain.nodes[-1]) / 2
         if near is None:
             near, _ = chain.folding.nearest_nodes(points)
         local = points - self._origin
-        self._mirror = _mirror(local)
-        order, self.cell = _spatial_order(self._mirror * local, touchable, near)
+        self._frame = _own_frame(chain.nodes, local[touchable])
+        order, self.cell = _spatial_order(local @ self._frame, touchable, near)
         self.chain = chain
         self.indices = order
         self.positions = points[order]
@@ -96,7 +96,7 @@ class Motion:
     @cached_property
     def resting(self) -> RestingPoints:
         """The points in cubes; made when first asked for, before anything moves."""
-        return RestingPoints(self.positions - self._origin, self._origin, self._mirror)
+        return RestingPoints(self.positions - self._origin, self._origin, self._frame)
 
     def restricted(self, keep: NDArray[np.bool_]) -> None:
         """Drop the points that are not kept; before anything moves."""
@@ -192,9 +192,9 @@ class RestingPoints:
     distance plus its radius; only awake points are searched one by one. Skipping is exact.
     """
 
-    def __init__(self, positions: Points, origin: Points, mirror: Points) -> None:
-        """Positions are relative to an origin on the stent, so that shifts change nothing."""
-        cubes = np.floor(mirror * positions / BIN_SIZE).astype(np.int64)
+    def __init__(self, positions: Points, origin: Points, frame: Points) -> None:
+        """Positions are relative to an origin at the stent, so that shifts change nothing."""
+        cubes = np.floor(positions @ frame / BIN_SIZE).astype(np.int64)
         change = np.any(np.diff(cubes, axis=0) != 0, axis=1)
         starts = np.concatenate([[0], np.flatnonzero(change) + 1]).astype(np.int64)
         if len(positions) == 0:
@@ -225,12 +225,25 @@ class RestingPoints:
             self._asleep = self._asleep[~woken]
 
 
-def _mirror(points: Points) -> Points:
-    """Signs (3,) that turn coordinates the way in which most points lie.
+def _own_frame(nodes: Points, wall: Points) -> Points:
+    """Axes (3, 3), in columns, of a stent and the wall round it; they turn with both.
 
-    So that RAS and LPS, which differ by two signs, group the same points together.
+    From one end to the other, towards the side where most of the wall lies, and across both. So
+    which points are grouped together depends neither on the coordinates' frame nor on the end at
+    which the stent begins; sums and products keep their bits where two coordinates change sign.
     """
-    return np.where(points.sum(axis=0) < 0, -1.0, 1.0)
+    middle = wall.sum(axis=0)
+    along = nodes[-1] - nodes[0]
+    if not along.any():  # a closed ring
+        along = nodes[len(nodes) // 2] - nodes[0]
+    along = along / np.linalg.norm(along)
+    if middle @ along < 0:
+        along = -along
+    side = middle - (middle @ along) * along
+    if not side.any():
+        side = across(along[None])[0, 0]
+    side = side / np.linalg.norm(side)
+    return np.stack([along, side, np.cross(along, side)], axis=1)
 
 
 def _spatial_order(

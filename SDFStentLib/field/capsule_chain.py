@@ -14,9 +14,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..geometry import across, length, resampled, without_repeats
+from ..geometry import across, dot, length, norm, resampled, without_repeats
 from ..validation import InputError, Points, as_number, as_points, in_short, read_only
 from .chain_field import ChainField, Field
+
+STRAIGHT = 1e-6
+"""Change of direction over two capsules below which they have no side towards the bend."""
 
 
 @dataclass(frozen=True)
@@ -117,7 +120,7 @@ def radius_correction(chain: CapsuleChain, radius: float) -> float:
     middle = (chain.nodes[:-1] + chain.nodes[1:]) / 2
     along = np.diff(chain.nodes, axis=0)
     along /= np.linalg.norm(along, axis=1)[:, None]
-    first, second = across(along).swapaxes(0, 1)
+    first, second = _across_bend(along)
     angles = np.linspace(0, 2 * np.pi, 12, endpoint=False)
     circle = np.cos(angles)[:, None, None] * first + np.sin(angles)[:, None, None] * second
     samples = (middle + radius * circle).reshape(-1, 3)
@@ -126,3 +129,17 @@ def radius_correction(chain: CapsuleChain, radius: float) -> float:
     if not on_stent.any():
         return chain.smoothing_width / 4
     return float((true_distance - chain.field(samples).distance)[on_stent].mean())
+
+
+def _across_bend(along: Points) -> tuple[Points, Points]:
+    """Two unit vectors (m, 3) across every capsule and each other, the first towards its bend.
+
+    So they turn with the axis. Where it is straight, the field is nearly the same all round.
+    """
+    # A first and a last capsule have one neighbor, an only one has none.
+    padded = np.concatenate([along[:1], along, along[-1:]])
+    turn = padded[2:] - padded[:-2]
+    turn -= dot(turn, along)[:, None] * along
+    bend = norm(turn)[:, None]
+    first = np.where(bend > STRAIGHT, turn / np.maximum(bend, STRAIGHT), across(along)[:, 0])
+    return first, np.cross(along, first)
