@@ -76,6 +76,12 @@ TEMPLATES = {
         "The stent of {stent_diameter_mm:g} mm is {times:.2g} times as wide as the widest native "
         "lumen within its length ({lumen_mm:.1f} mm), far more than usual; check the diameter."
     ),
+    "coarse-mesh": (
+        "The mesh is coarse for the stent: half of its edges there are longer than {edge_mm:.2g} "
+        "mm, the stent's radius is {stent_radius_mm:g} mm, and facets between their ends may miss "
+        "the prescribed lumen by more than 3 %; refine the surface near the stent to edges of at "
+        "most {fine_mm:.2g} mm."
+    ),
     "narrowed": (
         "Later stents push tissue into it: its lumen is {minimum_mm:.1f} mm at the narrowest, "
         "{earlier_minimum_mm:.1f} mm before them; deploy it after them, or once more."

@@ -41,7 +41,15 @@ from ..validation import (
 from .straightening import axis_in_vessel
 from .surroundings import surroundings
 from .value import TreatedStent, TreatmentResult, TreatmentState, label_of, switched_on
-from .warnings import check_width, narrowed, narrowed_neighbors, nothing_moved, overdilated, overlap
+from .warnings import (
+    check_width,
+    coarse_mesh,
+    narrowed,
+    narrowed_neighbors,
+    nothing_moved,
+    overdilated,
+    overlap,
+)
 
 PROFILE_SPACING = 1.0
 """Distance of the stations at which diameters are measured, mm."""
@@ -268,6 +276,7 @@ class Treatment:
         is_first = stage is self._stages[0]
         yield from nothing_moved(done, None if is_first else self._found_lumen(stage, done))
         yield from overdilated(done)
+        yield from coarse_mesh(done)
         yield from self._narrowed(stage, done)
         if stage.result.relief is not None:
             yield stage.result.relief.caution()

@@ -24,6 +24,21 @@ WIDE = 1.5
 # 0.85 of the vessel beside them (Heart 2003;89:905); where the lesion is tight a balloon of about
 # 1.1 times that vessel is advised (Palmaz stents in great vessels, Cardiology in the Young).
 
+COARSE = 0.6
+"""Median edge at the expanded stent over its radius that is warned of; see `edge_at_stent`.
+
+In 132 stents of straight and bent phantoms, by the wall's distance from the axis, the narrowest
+place was at most 0.7 % too narrow below 0.35 radii, 2.4 % below 0.5, 2.8 % below 0.6; from there
+on up to 4.6 %, more than 3 % in 12 of 38, and 8 of these had no certificate. 42 stents of the
+anatomies had at most 0.31.
+"""
+
+FINE = 0.25
+"""Edge over the stent's radius that is advised: 0.5 % too narrow in the same stents."""
+
+AT_STENT = np.sqrt(2.0)
+"""Facets are compensated by corners at up to so many radii from the axis."""
+
 _SPACING, _ROUNDING = 0.1, 1e-6
 
 
@@ -110,6 +125,30 @@ def overdilated(treated: TreatedStent) -> Iterator[Caution]:
     if 0 < WIDE * lumen < diameter:
         widths = {"stent_diameter_mm": diameter, "lumen_mm": lumen}
         yield Caution("overdilated", {**widths, "times": diameter / lumen})
+
+
+def coarse_mesh(treated: TreatedStent) -> Iterator[Caution]:
+    """Whether the edges at a stent are so long that facets between them miss the lumen."""
+    radius, edge = treated.stent.radius, edge_at_stent(treated)
+    if edge > COARSE * radius:
+        lengths = {"edge_mm": edge, "stent_radius_mm": radius, "fine_mm": FINE * radius}
+        yield Caution("coarse-mesh", lengths)
+
+
+def edge_at_stent(treated: TreatedStent) -> float:
+    """Median length of the deformed wall's edges on the expanded stent, mm; 0 without any."""
+    moved, surface = treated.result.state.indices, treated.result.surface
+    radius = treated.stent.radius
+    # Coarser than the axis is given; a median asks for no more.
+    axis = resampled(treated.axis.points, radius / 2)
+    at_stent = closest_points(axis, surface.points[moved]).distances <= AT_STENT * radius
+    is_there = np.zeros(len(surface.points), dtype=bool)
+    is_there[moved[at_stent]] = True
+    near = surface.triangles[is_there[surface.triangles].all(axis=1)]
+    if not len(near):
+        return 0.0
+    sides = surface.points[near] - surface.points[np.roll(near, 1, axis=1)]
+    return float(np.median(np.linalg.norm(sides, axis=2)))
 
 
 def narrowed(own: DiameterProfile, final: DiameterProfile) -> Iterator[Caution]:

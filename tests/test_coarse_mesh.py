@@ -1,0 +1,74 @@
+"""A mesh too coarse for its stent is named, one that is fine enough is not."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+from deployment_cases import anatomy_case
+from scipy.spatial import KDTree
+
+from SDFStentLib import phantoms
+from SDFStentLib.geometry import Surface
+from SDFStentLib.stent import AlongAxis, Stent
+from SDFStentLib.treatment import Treatment
+
+
+def treated(made, axis, radius):
+    stent = Stent(2 * radius, placement=AlongAxis(axis))
+    return Treatment(Surface(made.points, made.triangles), [stent]).result
+
+
+def coarse_of(result):
+    return [caution for caution in result.warnings if caution.kind == "coarse-mesh"]
+
+
+def narrowest_share(result, radius):
+    """Of the prescribed radius: each facet's distance from nodes of the axis, by dense samples."""
+    weights = np.array([(i, j, 20 - i - j) for i in range(21) for j in range(21 - i)]) / 20
+    corners = result.surface.points[result.surface.triangles]
+    samples = np.einsum("sc,fcx->fsx", weights, corners).reshape(-1, 3)
+    return KDTree(samples).query(result.stents[0].axis.points)[0].min() / radius
+
+
+@pytest.mark.parametrize(("edge", "is_told"), [(0.2, False), (0.4, False), (0.7, True)])
+def test_edges_long_against_the_radius_are_told_where_the_lumen_misses_by_more_than_3_percent(
+    edge, is_told
+):
+    radius = 4.0 * 1.15
+    made = phantoms.straight_tube(radius=4.0, length=48.0, edge_length=edge * radius)
+    result = treated(made, made.axis_at(np.linspace(16, 30, 50)), radius)
+    told = coarse_of(result)
+    assert bool(told) == is_told
+    assert (narrowest_share(result, radius) < 0.97) == is_told
+    if is_told:
+        text = str(told[0])
+        sides = result.surface.points[result.surface.triangles]
+        sides = np.linalg.norm(sides - np.roll(sides, 1, axis=1), axis=2)
+        stated = float(re.search(r"longer than ([\d.]+) mm", text)[1])
+        assert 0.6 * radius < stated < sides.max()
+        assert f"radius is {radius:g} mm" in text
+        assert "at most 1.1 mm" in text
+
+
+def test_a_surface_refined_as_advised_is_not_told():
+    radius = 4.6
+    made = phantoms.straight_tube(radius=4.0, length=48.0, edge_length=3.2)
+    axis = made.axis_at(np.linspace(16, 30, 50))
+    advised = coarse_of(treated(made, axis, radius))[0].numbers["fine_mm"]
+    finer = phantoms.straight_tube(radius=4.0, length=48.0, edge_length=advised)
+    result = treated(finer, axis, radius)
+    assert not coarse_of(result)
+    assert narrowest_share(result, radius) > 0.99
+
+
+@pytest.mark.parametrize("ratio", [1.05, 1.3, 1.6])
+@pytest.mark.parametrize(
+    ("name", "start", "length"),
+    [("aorta_iliac", 200, 36), ("aorta_iliac", 387, 20), ("pulmonary", 12, 25),
+     ("pulmonary", 115, 15), ("vmtk_aorta", 20, 25)],
+)  # fmt: skip
+def test_no_anatomy_is_told(data_dir, name, start, length, ratio):
+    case = anatomy_case(data_dir, name, float(start), float(length), ratio=ratio, leaf=0)
+    assert not coarse_of(treated(case, case.axis, case.radius))
