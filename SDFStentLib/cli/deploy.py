@@ -19,7 +19,6 @@ from ..plan import (
     as_read,
     input_file,
     load_plan,
-    read_input_files,
     read_plan_inputs,
     save_plan,
     treatment_of,
@@ -40,7 +39,7 @@ from ..stent import Stent
 from ..validation import DeploymentError, InputError, as_number
 from .console import Console
 from .outputs import Outputs
-from .place import check_place, lesion_place, place_of, reference_of, root_of
+from .place import check_place, inputs_of, lesion_place, place_of, reference_of, root_of
 
 NOT_CERTIFIED = 3
 
@@ -67,13 +66,7 @@ def deploy_command(options: argparse.Namespace, console: Console) -> int:
     job.add_common()
 
     method = _method(options)
-    inputs = read_input_files(
-        options.surface,
-        options.centerline,
-        options.units,
-        root_of(options),
-        reference=reference_of(options),
-    )
+    inputs = inputs_of(options)
     job.plan = _plan(options, way, method, inputs)
     return job.done(inputs, start)
 

@@ -23,7 +23,7 @@ from ..stent import Stent, stent_axis
 from ..validation import InputError, Points, as_number, one_line
 from .console import Console
 from .outputs import Outputs
-from .place import check_place, place_of, reference_of, root_of
+from .place import check_place, inputs_of, place_of
 
 NOT_SOUND = 3
 
@@ -44,13 +44,7 @@ def measure_command(options: argparse.Namespace, console: Console) -> int:
     if options.csv is not None:
         outputs.add(options.csv, lambda path: _write_text(path, table))
     spacing = as_number(options.spacing, "--spacing", unit="mm", above=0)
-    inputs = read_input_files(
-        options.surface,
-        options.centerline,
-        options.units,
-        root_of(options),
-        reference=reference_of(options),
-    )
+    inputs = inputs_of(options)
     ways, warnings = _ways(options, way, inputs)
     vessel, units = inputs.vessel, inputs.surface.units
     lines = [

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..cautions import Caution
 from ..files import axis_of, in_frame_of, read_lines
-from ..plan import POINT_PLACEMENTS, InputFiles, scaled
+from ..plan import POINT_PLACEMENTS, InputFiles, read_input_files, scaled
 from ..report import LEAST
 from ..stent import DEFAULT_FORESHORTENING, AlongAxis, BetweenPoints, InputFile, Placement
 from ..units import MILLIMETERS, Frame
@@ -116,6 +116,17 @@ def lesion_place(options: argparse.Namespace, inputs: InputFiles) -> Place:
     lost = options.foreshortening
     lost = DEFAULT_FORESHORTENING if lost is None else lost
     return Place(inputs.vessel.place_at(lesions[number - 1], options.length, lost), ())
+
+
+def inputs_of(options: argparse.Namespace) -> InputFiles:
+    """What is read of the surface, and of a centerline with its root and reference."""
+    return read_input_files(
+        options.surface,
+        options.centerline,
+        options.units,
+        root_of(options),
+        reference=reference_of(options),
+    )
 
 
 def root_of(options: argparse.Namespace) -> NDArray[np.float64] | None:
