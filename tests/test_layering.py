@@ -62,7 +62,7 @@ VTK_GATE = {  # the only files that may import vtk themselves
     "files/polydata.py", "files/centerline_files.py", "files/centerline_output.py",
     "files/surface_files.py", "files/surface_output.py", "files/triangulation.py",
     "files/model_faces.py", "files/normal_arrays.py", "files/same_space.py",
-    "files/formats/vtk_files.py",
+    "files/formats/vtk_files.py", "files/vmtk_process.py",
     "files/formats/stored_to_vtk.py", "files/formats/vtk_quiet.py",
     "files/formats/lz4_blocks.py", "report/painter.py", "report/picture/panel.py",
 }  # fmt: skip

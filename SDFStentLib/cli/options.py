@@ -43,6 +43,11 @@ def parser() -> Parser:
         )
     )
     _check(commands.add_parser("check", help="is a surface sound", allow_abbrev=False))
+    _centerline(
+        commands.add_parser(
+            "centerline", help="extract the centerline of a surface", allow_abbrev=False
+        )
+    )
     _demo(commands.add_parser("demo", help="treat a synthetic patient", allow_abbrev=False))
     return top
 
@@ -129,6 +134,35 @@ def _check(command: argparse.ArgumentParser) -> None:
     command.add_argument("surface", type=_path, metavar="SURFACE", help="VTP, VTK, STL, PLY or OBJ")
     _add_units(command)
     command.add_argument("--json", action="store_true", help="print JSON instead of sentences")
+    _add_talk(command)
+
+
+def _centerline(command: argparse.ArgumentParser) -> None:
+    command.description = (
+        "The centerlines of a bare surface, from its inlet to every outlet, by VMTK "
+        "(https://vmtk.github.io). Ends are open or closed by flat caps."
+    )
+    command.add_argument("surface", type=_path, metavar="SURFACE", help="VTP, VTK, STL, PLY or OBJ")
+    command.add_argument(
+        "-o", "--output", type=_path, metavar="F", required=True, help="VTP or VTK to write"
+    )
+    command.add_argument(
+        "--inlet",
+        type=_number,
+        nargs=3,
+        metavar=("X", "Y", "Z"),
+        help="the end near this point is proximal (default: the largest)",
+    )
+    command.add_argument(
+        "--outlet",
+        type=_number,
+        nargs=3,
+        action="append",
+        metavar=("X", "Y", "Z"),
+        default=[],
+        help="a line ends near this point; once or more (default: at every end)",
+    )
+    _add_units(command)
     _add_talk(command)
 
 

@@ -63,6 +63,10 @@ def _imported(name: str) -> Callable[[argparse.Namespace, Console], int]:
         from .measure import check_command, measure_command
 
         return measure_command if name == "measure" else check_command
+    if name == "centerline":
+        from .centerline import centerline_command
+
+        return centerline_command
     from .demo import demo_command
 
     return demo_command

@@ -19,8 +19,9 @@ if TYPE_CHECKING:
         read_centerline,
         read_lines,
     )
-    from .centerline_output import check_line_output, write_centerline
+    from .centerline_output import check_line_output, write_centerline, write_extracted_lines
     from .content import read_content
+    from .extraction import ExtractedLines, check_vmtk, extract_lines
     from .formats import encode_vtp
     from .model_faces import faces_of_polydata, set_face_names
     from .output_set import StagingFolder, commit, sweep
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
     from .triangulation import triangulated_polydata
 
 __all__ = [
+    "ExtractedLines",
     "LineFile",
     "StagingFolder",
     "SurfaceFile",
@@ -49,9 +51,11 @@ __all__ = [
     "check_line_output",
     "check_same_space",
     "check_surface_output",
+    "check_vmtk",
     "check_writable",
     "commit",
     "encode_vtp",
+    "extract_lines",
     "faces_of_polydata",
     "in_frame_of",
     "inscribed_radius_from_polydata",
@@ -70,6 +74,7 @@ __all__ = [
     "triangulated_polydata",
     "write_bytes",
     "write_centerline",
+    "write_extracted_lines",
     "write_surface",
 ]
 
@@ -85,8 +90,9 @@ __getattr__, __dir__ = late_names(
             "read_centerline",
             "read_lines",
         ],
-        "centerline_output": ["check_line_output", "write_centerline"],
+        "centerline_output": ["check_line_output", "write_centerline", "write_extracted_lines"],
         "content": ["read_content"],
+        "extraction": ["ExtractedLines", "check_vmtk", "extract_lines"],
         "formats.vtk_files": ["encode_vtp"],
         "model_faces": ["faces_of_polydata", "set_face_names"],
         "output_set": ["StagingFolder", "commit", "sweep"],

@@ -20,7 +20,8 @@ from .content import FileContent, read_content
 from .formats import decode_markups, read_vtk_polydata
 from .polydata import inscribed_radius_from_polydata, lines_from_polydata, polydata_from_lines
 
-LINE_SUFFIXES = (".vtp", ".vtk", ".mrk.json")
+VTK_LINE_SUFFIXES = (".vtp", ".vtk")
+LINE_SUFFIXES = (*VTK_LINE_SUFFIXES, ".mrk.json")
 """Formats that centerlines and axes are read from and written to."""
 
 

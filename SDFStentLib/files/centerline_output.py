@@ -11,13 +11,15 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 
 from ..cautions import Caution
-from ..units import flipped, millimeters_per
+from ..units import Frame, flipped, millimeters_per
 from ..validation import InputError, Points, as_path, as_points, check_is_a
 from .atomic import check_writable, write_bytes
-from .centerline_files import LINE_SUFFIXES, LineFile
+from .centerline_files import LINE_SUFFIXES, VTK_LINE_SUFFIXES, LineFile
 from .content import header_text
+from .extraction import ExtractedLines
 from .formats import encode_legacy, encode_markups, encode_vtp, new_markups
-from .polydata import set_frame_of_polydata
+from .polydata import RADIUS_ARRAYS, add_arrays, polydata_from_lines, set_frame_of_polydata
+from .surface_files import SurfaceFile
 
 
 def write_centerline(
@@ -57,20 +59,50 @@ def write_centerline(
         write_bytes(target, _markups_bytes(path, line_file, _in_file(line_file, moved)))
         is_kept = line_file.markups is not None
         return () if is_kept else (Caution("line-arrays-not-kept", label=f"{path}: "),)
-    polydata = _polydata_with(line_file, moved)
-    set_frame_of_polydata(polydata, line_file.file_frame)
-    if target.suffix.lower() == ".vtk":
-        write_bytes(target, encode_legacy(polydata, header_text(line_file.file_frame)))
-    else:
-        write_bytes(target, encode_vtp(polydata))
+    _write_polydata(target, _polydata_with(line_file, moved), line_file.file_frame)
     return ()
 
 
-def check_line_output(path: str | os.PathLike[str]) -> Path:
+def write_extracted_lines(
+    path: str | os.PathLike[str], lines: ExtractedLines, surface: SurfaceFile
+) -> None:
+    """Write lines as VMTK does, with `MaximumInscribedSphereRadius`, whole or not at all.
+
+    Parameters
+    ----------
+    path : path
+        The suffix says the format: .vtp or .vtk.
+    lines : ExtractedLines
+    surface : SurfaceFile
+        That they are the centerlines of; they get its unit and frame.
+
+    Raises
+    ------
+    InputError
+        Unknown suffix, or the file cannot be written.
+    """
+    target = check_line_output(path, VTK_LINE_SUFFIXES)
+    scale = millimeters_per(surface.units)
+    polydata = polydata_from_lines(lines.points / scale, list(lines.lines))
+    add_arrays(polydata, {RADIUS_ARRAYS[0]: lines.inscribed_radius / scale}, {})
+    _write_polydata(target, polydata, surface.frame)
+
+
+def _write_polydata(target: Path, polydata: vtkPolyData, frame: Frame | None) -> None:
+    set_frame_of_polydata(polydata, frame)
+    if target.suffix.lower() == ".vtk":
+        write_bytes(target, encode_legacy(polydata, header_text(frame)))
+    else:
+        write_bytes(target, encode_vtp(polydata))
+
+
+def check_line_output(
+    path: str | os.PathLike[str], suffixes: tuple[str, ...] = LINE_SUFFIXES
+) -> Path:
     """The file that `write_centerline` would replace; `InputError` early where it could not."""
-    if not as_path(path).name.lower().endswith(LINE_SUFFIXES):
+    if not as_path(path).name.lower().endswith(suffixes):
         raise InputError(
-            f"{path}: expected one of {', '.join(LINE_SUFFIXES)} to write a centerline; rename it."
+            f"{path}: expected one of {', '.join(suffixes)} to write a centerline; rename it."
         )
     return check_writable(path)
 

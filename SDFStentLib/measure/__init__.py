@@ -21,6 +21,7 @@ from .profile_around import profile_around
 from .stretch import FaceStretch, displacements, face_stretches
 from .tree_lumen import closed_surface
 from .triangle_sizes import TriangleSizes, triangle_sizes
+from .vessel_ends import LineSeeds, VesselEnd, line_seeds, vessel_ends
 
 __all__ = [
     "LISTED",
@@ -35,11 +36,13 @@ __all__ = [
     "HealthyPlace",
     "InscribedSpheres",
     "Lesion",
+    "LineSeeds",
     "LocalSurface",
     "NeighborLumen",
     "NeighborWay",
     "Ostium",
     "TriangleSizes",
+    "VesselEnd",
     "VesselStates",
     "apposition",
     "bulged_caps",
@@ -58,10 +61,12 @@ __all__ = [
     "lesion_against",
     "lesions_against",
     "lesions_within",
+    "line_seeds",
     "neighbor_lumens",
     "profile_around",
     "rough_radii",
     "triangle_sizes",
+    "vessel_ends",
     "winding_numbers",
 ]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -12,10 +13,12 @@ from ..measure import (
     DiameterProfile,
     FaceStretch,
     Lesion,
+    LineSeeds,
     diameter_profile,
     face_stretches,
     find_lesions,
     lesions_against,
+    line_seeds,
 )
 from ..stent import AtCenter, AtDistalEnd
 from ..validation import Points
@@ -68,6 +71,10 @@ class Vessel:
         if not self.reference:
             return found
         return lesions_against(found, self.reference, self.surface, self.centerline)
+
+    def seeds(self, inlet: Points | None = None, outlets: Sequence[Points] = ()) -> LineSeeds:
+        """`line_seeds` of its wall, to extract a centerline."""
+        return line_seeds(self.surface, inlet, outlets)
 
     def place_at(
         self, lesion: Lesion, stent_length: float, foreshortening_fraction: float

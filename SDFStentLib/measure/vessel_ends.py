@@ -1,0 +1,144 @@
+"""Where a vessel ends: the open ends of its wall and the flat caps of its in- and outlets."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ..geometry import Surface, boundary_edges, compacted, component_labels, norm
+from ..validation import Indices, InputError, Points, as_points
+from .caps import flat_caps
+
+BESIDE = 10.0
+"""A place that names an end is so near to it or to the wall, mm: a click beside it, no other
+unit."""
+
+
+class VesselEnd(NamedTuple):
+    """An end of a vessel, open or closed by a flat cap."""
+
+    center: Points
+    """(3,) of its rim, mm."""
+    radius: float
+    """Of the circle with the area of the end, mm."""
+    rim: Indices
+    """Edges (k, 2) of the surface around it, in the direction of the wall's faces."""
+    faces: Indices
+    """Triangles of its cap; none of an open end."""
+
+
+class LineSeeds(NamedTuple):
+    """Between which points of a surface centerlines are looked for."""
+
+    surface: Surface
+    """Closed, with a point in the middle of every end."""
+    inlet: int
+    """Its point at the proximal end,"""
+    outlets: tuple[int, ...]
+    """and at every other."""
+
+
+def vessel_ends(surface: Surface) -> list[VesselEnd]:
+    """Open ends and flat caps of a vessel, the largest first.
+
+    A rounded end has no rim and is not found.
+
+    Parameters
+    ----------
+    surface : Surface
+        mm; closed, open, or both at different ends.
+    """
+    triangles = surface.wound_triangles
+    cap_of = np.full(len(triangles), -1)
+    for number, cap in enumerate(flat_caps(surface.points, triangles)):
+        cap_of[cap.faces] = number
+    rims = boundary_edges(triangles[cap_of < 0])
+    used, corners = np.unique(rims, return_inverse=True)
+    corners = corners.reshape(-1, 2)
+    loop = component_labels(len(used), corners[:, 0], corners[:, 1])[corners[:, 0]]
+    found = []
+    for number in np.unique(loop):
+        rim = rims[loop == number]
+        is_at_rim = np.isin(triangles, rim).any(axis=1)
+        caps = np.setdiff1d(cap_of[is_at_rim], -1)
+        found.append(_end(surface.points, rim, np.flatnonzero(np.isin(cap_of, caps))))
+    return sorted(found, key=lambda end: -end.radius)
+
+
+def line_seeds(
+    surface: Surface, inlet: Points | None = None, outlets: Sequence[Points] = ()
+) -> LineSeeds:
+    """Where the centerlines of a vessel begin and end.
+
+    Parameters
+    ----------
+    surface : Surface
+        mm.
+    inlet : (3,) array, optional
+        Names the proximal end, mm; by default it is the largest.
+    outlets : sequence of (3,) arrays
+        Name the other ends; all that are found by default. A place away from every open end and
+        flat cap stands for the point of the wall beside it, such as the tip of a rounded end.
+
+    Raises
+    ------
+    InputError
+        There is no end, only one, or one is named that is not there or was named before.
+    """
+    ends = vessel_ends(surface)
+    if not ends and (inlet is None or not len(outlets)):
+        raise InputError(
+            "surface: expected open ends or flat caps, found neither; cut the ends flat, "
+            "or name the inlet and every outlet."
+        )
+    closed = _closed(surface, ends)
+    centers = len(closed.points) - len(ends) + np.arange(len(ends))
+    start = int(centers[0]) if inlet is None else _named(closed, ends, inlet, "inlet")
+    targets = [
+        _named(closed, ends, outlet, f"outlet {number}") for number, outlet in enumerate(outlets, 1)
+    ] or [int(center) for center in centers if center != start]
+    if not targets:
+        raise InputError(
+            "surface: expected two open ends or flat caps or more, found one; name an outlet."
+        )
+    if len({start, *targets}) != 1 + len(targets):
+        raise InputError("ends: expected each to be named once; two places name the same end.")
+    return LineSeeds(closed, start, tuple(targets))
+
+
+def _named(closed: Surface, ends: list[VesselEnd], place: Points, name: str) -> int:
+    """The point of a closed surface that a place stands for; ends have its last points."""
+    (place,) = as_points([place], name)
+    away = [float(np.linalg.norm(end.center - place)) for end in ends]
+    number = away.index(min(away)) if ends else 0
+    if ends and away[number] < max(BESIDE, 2 * ends[number].radius):
+        return len(closed.points) - len(ends) + number
+    distances = norm(closed.points - place)
+    if distances.min() > BESIDE:
+        raise InputError(
+            f"{name}: expected a place within {BESIDE:g} mm of the surface, got "
+            f"one {distances.min():.1f} mm away; check its coordinates and unit."
+        )
+    return int(np.argmin(distances))
+
+
+def _closed(surface: Surface, ends: list[VesselEnd]) -> Surface:
+    """The surface with a fan of triangles over every end; their centers are its last points."""
+    is_wall = np.ones(len(surface.triangles), dtype=bool)
+    fans = []
+    for number, end in enumerate(ends):
+        is_wall[end.faces] = False
+        center = np.full(len(end.rim), len(surface.points) + number)
+        fans.append(np.column_stack([end.rim[:, 1], end.rim[:, 0], center]))
+    points = np.vstack([surface.points, *(end.center for end in ends)])
+    return Surface(*compacted(points, np.vstack([surface.wound_triangles[is_wall], *fans])))
+
+
+def _end(points: Points, rim: Indices, faces: Indices) -> VesselEnd:
+    start, stop = points[rim[:, 0]], points[rim[:, 1]]
+    weights = norm(stop - start)[:, None]
+    center = (weights * (start + stop)).sum(axis=0) / (2 * weights.sum())
+    area = 0.5 * np.linalg.norm(np.cross(start - center, stop - center).sum(axis=0))
+    return VesselEnd(center, float(np.sqrt(area / np.pi)), rim, faces)

@@ -1,0 +1,186 @@
+"""Centerlines by VMTK, against the axes of the phantoms and those that came with anatomies."""
+
+import importlib.util
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from SDFStentLib.files import (
+    check_vmtk,
+    extract_lines,
+    read_centerline,
+    read_lines,
+    read_surface,
+    write_extracted_lines,
+)
+from SDFStentLib.geometry import Surface, norm, resampled
+from SDFStentLib.measure import line_seeds
+from SDFStentLib.phantoms import (
+    arch_with_coarctation,
+    branching_pulmonary_artery,
+    helix_tube,
+    straight_tube,
+)
+from SDFStentLib.validation import DeploymentError, InputError
+
+HAS_VMTK = importlib.util.find_spec("vmtk") is not None
+needs_vmtk = pytest.mark.skipif(
+    not HAS_VMTK, reason="the package vmtk is made for Python 3.12 and later"
+)
+
+
+def command(*words, **environment):
+    """The shell in a process of its own."""
+    return subprocess.run(
+        [sys.executable, "-m", "SDFStentLib", *map(str, words)],
+        capture_output=True,
+        text=True,
+        env={**os.environ, **environment},
+        check=False,
+    )
+
+
+def extracted(surface, *places):
+    return extract_lines(*line_seeds(surface, *places))
+
+
+def finely(tree):
+    """The axes of a centerline every 0.1 mm, and the inscribed radius there."""
+    lines = [tree.points[branch] for branch in tree.branches]
+    points = np.vstack([resampled(line, 0.1) for line in lines])
+    return points, tree.inscribed_radius[cKDTree(tree.points).query(points)[1]]
+
+
+@needs_vmtk
+@pytest.mark.parametrize(
+    "phantom",
+    [straight_tube(), helix_tube(), arch_with_coarctation(), branching_pulmonary_artery()],
+    ids=lambda phantom: phantom.name,
+)
+def test_the_lines_of_a_phantom_follow_the_axes_it_was_made_of(phantom):
+    found = extracted(phantom.surface)
+    assert len(found.lines) == len(phantom.openings) - 1
+    axis, radius = finely(phantom.centerline)
+    distance, nearest = cKDTree(axis).query(found.points)
+    is_away = np.ones(len(distance), dtype=bool)
+    for opening in phantom.openings:  # where the cap stops the spheres before the wall does
+        is_away &= norm(found.points - opening.center) > 2 * opening.radius
+    for vessel in phantom.vessels[1:]:  # at a junction the largest spheres lead across
+        is_away &= norm(found.points - vessel.axis.point(0.0)) > 10.0
+    assert np.count_nonzero(is_away) > 50
+    # A polyhedron of 0.8 mm edges has its own middle.
+    assert distance[is_away].max() < 0.1
+    assert np.abs(found.inscribed_radius - radius[nearest])[is_away].max() < 0.15
+
+
+@needs_vmtk
+@pytest.mark.parametrize("name", ["pulmonary", "aorta_iliac"])
+def test_the_lines_of_an_anatomy_agree_with_the_centerline_that_came_with_it(data_dir, name):
+    surface = read_surface(data_dir / f"{name}_surface_cm.vtp", "cm").surface
+    known = read_centerline(data_dir / f"{name}_centerline_cm.vtp", "cm")
+    found = extracted(surface)
+    assert len(found.lines) == 2
+    away = cKDTree(np.vstack([resampled(known.points[b], 0.2) for b in known.branches])).query(
+        found.points
+    )[0]
+    assert np.median(away) < 0.5
+    assert np.quantile(away, 0.95) < 3.0
+
+
+@needs_vmtk
+def test_a_rounded_vessel_is_followed_between_named_ends(data_dir):
+    surface = read_surface(data_dir / "vmtk_aorta_surface_mm.vtp").surface
+    known = read_centerline(data_dir / "vmtk_aorta_centerline_mm.vtp")
+    leaves = [known.points[leaf] for leaf in known.leaves]
+    found = extracted(surface, known.points[known.roots[0]], leaves)
+    assert len(found.lines) == len(leaves) == 2
+    assert np.median(cKDTree(known.points).query(found.points)[0]) < 0.5
+
+
+@needs_vmtk
+@pytest.mark.parametrize("suffix", ["vtp", "vtk"])
+def test_the_command_writes_what_deploy_reads_in_the_unit_of_the_surface(tmp_path, suffix):
+    assert command("demo", "-o", tmp_path / "demo").returncode == 0
+    surface, lines = tmp_path / "demo" / "surface.vtp", tmp_path / f"lines.{suffix}"
+    run = command("centerline", surface, "-o", lines)
+    assert run.returncode == 0, run.stderr
+    assert "2 lines" in run.stdout
+    found = read_lines(lines)
+    assert found.frame == read_surface(surface).frame == "RAS"
+    assert len(found.lines) == 2
+    assert np.isfinite(found.inscribed_radius).all()
+    run = command("measure", surface, "--centerline", lines)
+    assert run.returncode == 0, run.stderr
+    assert "Lesion 1" in run.stdout
+
+
+@needs_vmtk
+def test_lines_in_a_file_of_centimeters_are_in_centimeters(tmp_path, data_dir):
+    read = read_surface(data_dir / "aorta_iliac_surface_cm.vtp", "cm")
+    lines = extracted(read.surface)
+    write_extracted_lines(tmp_path / "lines.vtp", lines, read)
+    again = read_lines(tmp_path / "lines.vtp", "cm")
+    assert np.allclose(again.points, lines.points, rtol=1e-12)
+    assert np.allclose(again.inscribed_radius, lines.inscribed_radius, rtol=1e-12)
+
+
+@needs_vmtk
+def test_an_open_surface_is_not_given_to_vmtk():
+    tube = straight_tube()
+    wall = Surface(tube.points, tube.triangles[tube.face_ids == tube.face_ids.min()])
+    with pytest.raises(InputError, match="expected a watertight one"):
+        extract_lines(wall, 0, [5])
+
+
+@needs_vmtk
+def test_no_way_between_two_vessels_is_a_sentence():
+    one = straight_tube()
+    count = len(one.points)
+    both = Surface(
+        np.vstack([one.points, one.points + np.array([30.0, 0, 0])]),
+        np.vstack([one.triangles, one.triangles + count]),
+    )
+    with pytest.raises(DeploymentError, match="no centerline found"):
+        extract_lines(both, 0, [count + 5])
+
+
+def pretended_vmtk(folder, body):
+    """A package of that name which does something else."""
+    (folder / "vmtk").mkdir()
+    (folder / "vmtk" / "__init__.py").write_text(body, encoding="utf-8")
+    return {"PYTHONPATH": os.pathsep.join([str(folder), os.environ.get("PYTHONPATH", "")])}
+
+
+@pytest.mark.parametrize("body", ["import os; os.abort()", "raise SystemExit(0)", "1 / 0"])
+def test_a_vmtk_that_ends_its_process_costs_a_sentence(tmp_path, body):
+    demo = tmp_path / "demo"
+    assert command("demo", "-o", demo).returncode == 0
+    out = tmp_path / "lines.vtp"
+    run = command("centerline", demo / "surface.vtp", "-o", out, **pretended_vmtk(tmp_path, body))
+    assert run.returncode == 2
+    assert run.stderr.startswith("sdfstent centerline: no centerline found (VMTK ended with code")
+    assert run.stderr.count("\n") == 1
+    assert not out.exists()
+
+
+@pytest.mark.skipif(HAS_VMTK, reason="VMTK is installed")
+def test_without_vmtk_the_sentence_says_how_to_install_it(tmp_path):
+    with pytest.raises(InputError, match="pip install"):
+        check_vmtk()
+    run = command("centerline", tmp_path / "none.vtp", "-o", tmp_path / "lines.vtp")
+    assert run.returncode == 2
+    assert 'pip install "vmtk>=1.5"' in run.stderr
+
+
+@pytest.mark.parametrize("name", ["lines.mrk.json", "lines.stl", "lines"])
+def test_lines_go_into_vtp_or_vtk(tmp_path, name):
+    run = command(
+        "centerline", tmp_path / "none.vtp", "-o", tmp_path / name,
+        **pretended_vmtk(tmp_path, ""),
+    )  # fmt: skip
+    assert run.returncode == 2
+    assert "expected one of .vtp, .vtk to write a centerline" in run.stderr
