@@ -24,6 +24,7 @@ from .from_lines import tree_from_lines
 from .junctions import JunctionChoice, Rule, chosen_by_place
 from .path import CenterlinePath, Location
 from .point_tree import (
+    NeighborTable,
     PointTree,
     ancestry_of,
     as_parents,
@@ -31,6 +32,7 @@ from .point_tree import (
     branches_of,
     interpolated,
     mixed_radius,
+    neighbor_table,
     points_between,
     resampled_tree,
     sums_to_root,
@@ -69,8 +71,8 @@ class Centerline:
         parent = as_parents(self.parent, len(points))
         object.__setattr__(self, "points", read_only(points))
         object.__setattr__(self, "parent", read_only(parent))
-        radius = as_radii(self.inscribed_radius, len(points))
-        object.__setattr__(self, "inscribed_radius", read_only(radius))
+        radius = read_only(as_radii(self.inscribed_radius, len(points)))
+        object.__setattr__(self, "inscribed_radius", radius)
 
     @classmethod
     def from_lines(
@@ -146,7 +148,12 @@ class Centerline:
 
     def children(self, index: int) -> Indices:
         """Points whose parent is `index`."""
-        return np.flatnonzero(self.parent == index)
+        return np.array([n for n in self.neighbors.of(index) if self.parent[n] == index], dtype=int)
+
+    @cached_property
+    def neighbors(self) -> NeighborTable:
+        """The parent and the children of every point."""
+        return neighbor_table(self.parent)
 
     def ancestry(self, index: int) -> Indices:
         """The points from the root down to `index`, both included."""

@@ -92,6 +92,27 @@ def ancestry_of(parent: Indices, index: int) -> Indices:
     return np.array(chain[::-1], dtype=np.int64)
 
 
+class NeighborTable(NamedTuple):
+    """Of point i: `points[starts[i]:starts[i + 1]]`, ascending by the child of each pair."""
+
+    starts: Indices
+    points: Indices
+
+    def of(self, index: int) -> list[int]:
+        """The points next to point `index`."""
+        first, after = self.starts[index : index + 2].tolist()
+        return list(self.points[first:after].tolist())
+
+
+def neighbor_table(parent: Indices) -> NeighborTable:
+    """The parent and the children of every point (n,)."""
+    child = np.flatnonzero(parent >= 0)
+    one, other = np.r_[child, parent[child]], np.r_[parent[child], child]
+    order = np.lexsort((np.r_[child, child], one))
+    starts = np.searchsorted(one[order], np.arange(len(parent) + 1))
+    return NeighborTable(starts, other[order])
+
+
 def branches_of(parent: Indices) -> tuple[Indices, ...]:
     """Point indices from root or junction to the next junction or leaf, both included."""
     child_counts = np.bincount(parent[parent >= 0], minlength=len(parent))

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import dist
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..centerline import Centerline
 from ..geometry import Surface, cut, length, without_repeats
-from ..validation import InputError, Points, as_number, as_points, read_only
+from ..validation import Floats, InputError, Points, as_number, as_points, read_only
 from .lumen_way import heading_of, through_lumen
 
 REACH = 20.0
@@ -99,23 +100,23 @@ def _along_tree(tree: Centerline, axis: Points, reach: float) -> Points:
     place = tree.project(axis[-1])
     radius = place.inscribed_radius if place.inscribed_radius > 0 else 1.0
     heading = heading_of(axis, radius)
-    neighbors = _neighbors(tree)
     above = int(tree.parent[place.index])
     sides = [(above, place.index), (place.index, above)]
-    ends = [tree.points[_ahead(tree, neighbors, *side, radius)] for side in sides]
+    ends = [tree.points[_ahead(tree, *side, radius)] for side in sides]
     came_from, node = sides[int(np.argmax([(end - place.point) @ heading for end in ends]))]
     way, travelled = [place.point], 0.0
     # Ends: never back, and the tree has no circle.
     while True:
-        travelled += float(np.linalg.norm(tree.points[node] - way[-1]))
+        travelled += dist(tree.points[node], way[-1])
         way.append(tree.points[node])
-        onward = [n for n in neighbors[node] if n != came_from]
+        onward = _onward(tree, came_from, node)
         if travelled >= reach or not onward:
             break
-        heading = heading_of(np.array(way), radius) if travelled > radius else heading
-        tips = [tree.points[_ahead(tree, neighbors, node, n, 2 * radius)] for n in onward]
-        turns = [(tip - way[-1]) @ heading / np.linalg.norm(tip - way[-1]) for tip in tips]
-        came_from, node = node, onward[int(np.argmax(turns))]
+        came_from, after = node, onward[0]
+        if len(onward) > 1:
+            ahead = heading_of(np.array(way), radius) if travelled > radius else heading
+            after = onward[_straightest(tree, node, onward, ahead, 2 * radius)]
+        node = after
     line = without_repeats(np.array(way))
     if len(line) < 2:
         return line[:0]
@@ -125,23 +126,24 @@ def _along_tree(tree: Centerline, axis: Points, reach: float) -> Points:
     return np.asarray((line + fading * (axis[-1] - place.point))[1:])
 
 
-def _neighbors(tree: Centerline) -> list[list[int]]:
-    found: list[list[int]] = [[] for _ in tree.points]
-    for child, parent in enumerate(tree.parent.tolist()):
-        if parent >= 0:
-            found[child].append(parent)
-            found[parent].append(child)
-    return found
-
-
-def _ahead(
-    tree: Centerline, neighbors: list[list[int]], came_from: int, node: int, distance: float
+def _straightest(
+    tree: Centerline, node: int, onward: list[int], heading: Floats, distance: float
 ) -> int:
+    """Which of the ways onward from a junction leads straight on, looked at from so far away."""
+    tips = [tree.points[_ahead(tree, node, n, distance)] - tree.points[node] for n in onward]
+    return int(np.argmax([tip @ heading / np.linalg.norm(tip) for tip in tips]))
+
+
+def _onward(tree: Centerline, came_from: int, node: int) -> list[int]:
+    return [n for n in tree.neighbors.of(node) if n != came_from]
+
+
+def _ahead(tree: Centerline, came_from: int, node: int, distance: float) -> int:
     """The node about `distance` mm onward; branches so near part slowly."""
     start = tree.points[came_from]
     # Ends: never back, and the tree has no circle.
-    while np.linalg.norm(tree.points[node] - start) < distance:
-        onward = [n for n in neighbors[node] if n != came_from]
+    while dist(tree.points[node], start) < distance:
+        onward = _onward(tree, came_from, node)
         if not onward:
             break
         came_from, node = node, onward[0]

@@ -8,17 +8,31 @@ from typing import NamedTuple
 import numpy as np
 
 from ..centerline import Centerline
-from ..geometry import Surface, closest_points, cut, length, point_at, without_repeats
-from ..validation import Floats, Points
+from ..geometry import (
+    Surface,
+    arc_lengths,
+    closest_points,
+    cut,
+    length,
+    norm,
+    point_at,
+    without_repeats,
+)
+from ..validation import Points
 from .extended_axis import ExtendedAxis
 from .lumen_way import through_lumen
 from .ostia import Ostium
+from .tree_around import ends_around, place_of
 
 MEASURED = 20.0
 """Length of a neighbor that is looked at, mm."""
 
 SHORTEST = 1.0
 """A way is longer, mm."""
+
+_OBLIQUE = 6.0
+"""A branch's line is longer up to its opening by at most so many times the opening's distance from
+the axis: more would be a branch that leaves at less than 10 degrees."""
 
 _LEAVES = 0.5
 """A way that is farther from the axis than so many radii of an ostium leaves the vessel there."""
@@ -59,7 +73,8 @@ class BranchWays:
 
     def __init__(self, surface: Surface, axis: ExtendedAxis, centerline: Centerline | None) -> None:
         self.surface, self.axis, self.centerline = surface, axis, centerline
-        self._lines = [] if centerline is None else list(_lines_from(centerline, axis))
+        self._lines: list[Points] = []
+        self._reach = 0.0
 
     def into(self, ostium: Ostium) -> Points | None:
         """(n, 3) from the opening on; None where the branch has no way of some length."""
@@ -79,8 +94,12 @@ class BranchWays:
         nearest to its middle.
         """
         best, nearest = None, _size(ostium) + 1e-6
-        for line, apart in self._lines:
+        for line in self._lines_past(ostium):
+            # No point of a line is farther from its nearest corner than half a step.
+            if norm(line - ostium.center).min() > nearest + np.diff(arc_lengths(line)).max() / 2:
+                continue
             # Only the part that leaves the axis for good is a branch.
+            apart = closest_points(self.axis.points, line).distances
             on_axis = np.flatnonzero(apart < _LEAVES * _size(ostium))
             own = line[on_axis[-1] if len(on_axis) else 0 :]
             if len(without_repeats(own)) < 2:
@@ -92,6 +111,15 @@ class BranchWays:
                 best = cut(own, first, first + MEASURED)
         return best
 
+    def _lines_past(self, ostium: Ostium) -> list[Points]:
+        """Lines from both ends of the axis that go on far enough beyond the opening."""
+        assert self.centerline is not None
+        apart = closest_points(self.axis.points, ostium.center[None]).distances[0]
+        reach = length(self.axis.points) + _OBLIQUE * float(apart) + MEASURED
+        if reach > self._reach:
+            self._reach, self._lines = reach, list(_lines_from(self.centerline, self.axis, reach))
+        return self._lines
+
     def _through(self, ostium: Ostium) -> Points | None:
         """From sphere to sphere, first the way from the axis to the opening."""
         start = closest_points(self.axis.points, ostium.center[None]).points[0]
@@ -100,13 +128,16 @@ class BranchWays:
         return way if length(way) > SHORTEST else None
 
 
-def _lines_from(tree: Centerline, axis: ExtendedAxis) -> Iterator[tuple[Points, Floats]]:
-    """The ways (n, 3) from both ends of the axis to all ends of the tree, and how far off it."""
-    for end in np.r_[tree.leaves, tree.roots]:
-        for stop in (axis.points[0], axis.points[-1]):
-            line = tree.path(tree.project(stop), tree.project(tree.points[end])).points
+def _lines_from(tree: Centerline, axis: ExtendedAxis, reach: float) -> Iterator[Points]:
+    """The ways (n, 3) from both ends of the axis into the tree, so far from the axis at least."""
+    stops = [tree.project(stop) for stop in (axis.points[0], axis.points[-1])]
+    ends = set().union(*(ends_around(tree, stop, reach) for stop in stops))
+    # Distal ends first: of two that share a way the first one counts.
+    for end in sorted(ends, key=lambda node: (tree.parent[node] < 0, node)):
+        for stop in stops:
+            line = tree.path(stop, place_of(tree, end)).points
             if len(line) > 1:
-                yield line, closest_points(axis.points, line).distances
+                yield line
 
 
 def _size(ostium: Ostium) -> float:
