@@ -16,7 +16,7 @@ from SDFStentLib.measure import NeighborLumen
 from SDFStentLib.measure.apposition import GAP, apposition
 from SDFStentLib.measure.extended_axis import extended_axis
 from SDFStentLib.measure.metrics import diameter_profile
-from SDFStentLib.measure.profile_around import profile_around
+from SDFStentLib.measure.profile_around import axis_stations, profile_around
 from SDFStentLib.stent import AlongAxis, AtCenter, Stent, stent_axis
 from SDFStentLib.treatment import Treatment
 from SDFStentLib.treatment.warnings import is_same_branch, narrowed_neighbors
@@ -167,7 +167,7 @@ def test_diameters_go_on_beyond_both_ends_and_stop_with_the_vessel():
     vessel = phantoms.straight_tube(length=40.0)
     surface = vessel.surface
     axis = extended_axis(surface, [[0, 0, 12.0], [0, 0, 24.0]], vessel.centerline)
-    profile = profile_around(surface, axis, diameter_profile(surface, axis.of_stent))
+    profile = profile_around(surface, axis_stations(axis))
     assert profile.arc_length[[0, -1]] == pytest.approx([-12, 28])
     np.testing.assert_allclose(profile.inscribed_diameter, 6.0, rtol=0.02)
 

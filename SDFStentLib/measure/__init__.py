@@ -17,7 +17,7 @@ from .neighbor_lumen import NeighborLumen, VesselStates, neighbor_lumens
 from .neighbor_ways import BranchWays, NeighborWay, end_ways
 from .ostia import LISTED, NEARLY, Ostium, find_ostia
 from .point_lumen import rough_radii
-from .profile_around import profile_around
+from .profile_around import AxisStations, axis_stations, profile_around
 from .stretch import FaceStretch, displacements, face_stretches
 from .tree_lumen import closed_surface
 from .triangle_sizes import TriangleSizes, triangle_sizes
@@ -28,6 +28,7 @@ __all__ = [
     "NEARLY",
     "SMALLEST_DEGREE",
     "Apposition",
+    "AxisStations",
     "BranchWays",
     "DiameterProfile",
     "ExtendedAxis",
@@ -45,6 +46,7 @@ __all__ = [
     "VesselEnd",
     "VesselStates",
     "apposition",
+    "axis_stations",
     "bulged_caps",
     "caps_across",
     "closed_surface",

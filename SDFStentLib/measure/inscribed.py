@@ -47,7 +47,7 @@ class InscribedSpheres(NamedTuple):
     centers: Points
     radii: Floats
 
-    def at(self, which: Indices) -> InscribedSpheres:
+    def at(self, which: Indices | slice) -> InscribedSpheres:
         """Some of them."""
         return InscribedSpheres(self.centers[which], self.radii[which])
 

@@ -9,7 +9,7 @@ what the flow feels. They agree in a round tube; elsewhere the inscribed one is 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -116,16 +116,6 @@ class DiameterProfile:
         """Some of the stations."""
         return DiameterProfile(*(getattr(self, name)[which] for name in _COLUMNS))
 
-    def shifted(self, distance: float) -> DiameterProfile:
-        """The same with positions that are so much larger, mm."""
-        return replace(self, arc_length=self.arc_length + distance)
-
-    @staticmethod
-    def joined(parts: Sequence[DiameterProfile]) -> DiameterProfile:
-        """One profile of several in their order."""
-        columns = ([getattr(part, name) for part in parts] for name in _COLUMNS)
-        return DiameterProfile(*(np.concatenate(column) for column in columns))
-
 
 def diameter_profile(surface: Surface, axis: ArrayLike, spacing: float = 1.0) -> DiameterProfile:
     """Inscribed and equivalent diameter at stations along an axis.
@@ -152,9 +142,33 @@ def diameter_profile(surface: Surface, axis: ArrayLike, spacing: float = 1.0) ->
     InputError
         No surface, fewer than two axis points, or a spacing that is not above 0.
     """
-    points, triangles = as_surface(surface).points, surface.triangles
+    surface = as_surface(surface)
     stations = resampled(axis, as_number(spacing, "spacing", unit="mm", above=0))
-    directions = tangents(stations)
+    return profile_at(surface, arc_lengths(stations), stations, tangents(stations))
+
+
+def profile_at(
+    surface: Surface,
+    arc_length: Floats,
+    stations: Points,
+    directions: Points,
+    parts: Sequence[slice] = (slice(None),),
+) -> DiameterProfile:
+    """`diameter_profile` at stations along an axis, in their order.
+
+    Parameters
+    ----------
+    surface : Surface
+        mm.
+    arc_length : (n,) array
+        Positions of the stations, mm, from wherever they count.
+    stations, directions : (n, 3) arrays
+        mm, about equally far apart, and unit directions of the axis. The vessel may end at the
+        first and the last station only.
+    parts : sequence of slice
+        Stations among which openings are looked for together; what the last one says counts.
+    """
+    points, triangles = surface.points, surface.triangles
     measured = Stations(
         stations,
         directions,
@@ -162,8 +176,12 @@ def diameter_profile(surface: Surface, axis: ArrayLike, spacing: float = 1.0) ->
         equivalent_diameters(points, triangles, stations, directions),
     )
     measured = past_closed_ends(points, triangles, measured)
-    centers, radii = measured.spheres
-    equivalent, is_cut = cut_at_ostia(surface, stations, centers, 2 * radii, measured.equivalent)
+    equivalent, is_cut = measured.equivalent.copy(), np.zeros(len(stations), dtype=bool)
+    for part in parts:
+        centers, radii = measured.spheres.at(part)
+        equivalent[part], is_cut[part] = cut_at_ostia(
+            surface, stations[part], centers, 2 * radii, measured.equivalent[part]
+        )
     measured = measured._replace(equivalent=equivalent)
     spheres = past_rounded_ends(points, triangles, measured)
 
@@ -172,7 +190,7 @@ def diameter_profile(surface: Surface, axis: ArrayLike, spacing: float = 1.0) ->
     outside = outside[winding_numbers(stations[outside], points, triangles) < _WINDING_INSIDE]
     centers, inscribed = spheres.centers.copy(), 2 * spheres.radii
     centers[outside], inscribed[outside] = np.nan, np.nan
-    return DiameterProfile(arc_lengths(stations), centers, inscribed, equivalent, is_cut)
+    return DiameterProfile(arc_length, centers, inscribed, equivalent, is_cut)
 
 
 def _statistic(function: object, values: Floats) -> float:

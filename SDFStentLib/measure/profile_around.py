@@ -2,41 +2,79 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from ..geometry import Surface, cut
+from ..geometry import Surface, arc_lengths, cut, resampled, tangents
+from ..validation import Floats, Points
 from .extended_axis import ExtendedAxis
-from .metrics import DiameterProfile, diameter_profile
+from .metrics import DiameterProfile, profile_at
 
 
-def profile_around(
-    surface: Surface, axis: ExtendedAxis, own: DiameterProfile, spacing: float = 1.0
-) -> DiameterProfile:
-    """The profile of a stent, led on as far as its extended axis goes.
+class AxisStations(NamedTuple):
+    """Stations along an extended axis: the ends of the stent are among them.
+
+    Attributes
+    ----------
+    arc_length : (n,) array
+        From the proximal end of the stent, mm; negative proximal of it.
+    points, directions : (n, 3) arrays
+        mm, and unit directions of the axis.
+    own : slice
+        Those along the stent.
+    parts : tuple of slice
+        Before, beyond and along the stent; the ends of the stent are in two.
+    """
+
+    arc_length: Floats
+    points: Points
+    directions: Points
+    own: slice
+    parts: tuple[slice, ...]
+
+
+def axis_stations(axis: ExtendedAxis, spacing: float = 1.0) -> AxisStations:
+    """Stations of about equal spacing, mm, beyond each end and along the stent."""
+    last = axis.before + axis.stent_length
+    # The ends of the stent are stations of its own part.
+    columns = [_part(axis.of_stent, spacing, 0.0)]
+    first, count = 0, len(columns[0][0])
+    if axis.before > 0:
+        proximal = _part(cut(axis.points, 0.0, axis.before), spacing, -axis.before)
+        first = len(proximal[0]) - 1
+        columns.insert(0, tuple(column[:-1] for column in proximal))
+    if axis.after > 0:
+        distal = _part(cut(axis.points, last, np.inf), spacing, axis.stent_length)
+        columns.append(tuple(column[1:] for column in distal))
+    arc_length, points, directions = map(np.concatenate, zip(*columns, strict=True))
+    own = slice(first, first + count)
+    beside = slice(0, own.start + 1), slice(own.stop - 1, len(points))
+    parts = [part for part in beside if part.stop - part.start > 1]
+    return AxisStations(arc_length, points, directions, own, (*parts, own))
+
+
+def _part(line: Points, spacing: float, start: float) -> tuple[Floats, ...]:
+    points = resampled(line, spacing)
+    return start + arc_lengths(points), points, tangents(points)
+
+
+def profile_around(surface: Surface, stations: AxisStations) -> DiameterProfile:
+    """The profile of a stent and of its surroundings; that of the stent alone is a part of it.
 
     Parameters
     ----------
     surface : Surface
         mm.
-    axis : ExtendedAxis
-        Of the stent.
-    own : DiameterProfile
-        `diameter_profile` along the stent, of the same surface.
-    spacing : float
-        Of the stations beyond the ends, mm.
+    stations : AxisStations
+        Along the extended axis of the stent.
 
     Returns
     -------
     DiameterProfile
-        Positions count from the proximal end of the stent: negative proximal of it.
+        Positions count from the proximal end of the stent. Vessels may be closed at both ends of
+        the extended axis, not at those of the stent.
     """
-    last = axis.before + axis.stent_length
-    parts = [own]
-    if axis.before > 0:
-        proximal = diameter_profile(surface, cut(axis.points, 0.0, axis.before), spacing)
-        # The end of the stent is a station of its own profile.
-        parts = [proximal.taken(slice(None, -1)).shifted(-axis.before), *parts]
-    if axis.after > 0:
-        distal = diameter_profile(surface, cut(axis.points, last, np.inf), spacing)
-        parts = [*parts, distal.taken(slice(1, None)).shifted(axis.stent_length)]
-    return DiameterProfile.joined(parts)
+    return profile_at(
+        surface, stations.arc_length, stations.points, stations.directions, stations.parts
+    )

@@ -24,6 +24,7 @@ from ..geometry import NamedFaces, Precision, Surface, as_surface, checked_faces
 from ..measure import (
     DiameterProfile,
     VesselStates,
+    axis_stations,
     bulged_caps,
     diameter_profile,
     extended_axis,
@@ -204,10 +205,9 @@ class Treatment:
     def _treated(self, stage: _Stage, after: Surface) -> TreatedStent:
         found, left = stage.deployment.surface, stage.result.surface
         axis = extended_axis(found, stage.axis.points, stage.centerline)
-        own, around = [], []
-        for surface in (self.surface, after):
-            own.append(diameter_profile(surface, stage.axis.points, PROFILE_SPACING))
-            around.append(profile_around(surface, axis, own[-1], PROFILE_SPACING))
+        stations = axis_stations(axis, PROFILE_SPACING)
+        around = [profile_around(surface, stations) for surface in (self.surface, after)]
+        own = [profile.taken(stations.own) for profile in around]
         states = VesselStates(self.surface, found, left, after)
         beside = surroundings(states, axis, stage.stent.radius, stage.centerline, self.faces)
         return TreatedStent(

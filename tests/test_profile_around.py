@@ -1,0 +1,58 @@
+"""One profile over a stent and its surroundings, against profiles of the whole vessel."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from test_closed_ends import LENGTH, RADIUS, a_capped_duct, a_circle
+
+from SDFStentLib.geometry import Surface, closest_points, cut
+from SDFStentLib.measure import (
+    ExtendedAxis,
+    axis_stations,
+    diameter_profile,
+    extended_axis,
+    profile_around,
+)
+from SDFStentLib.phantoms import straight_tube
+
+
+def test_the_stent_is_a_slice_of_its_surroundings():
+    tube = straight_tube(length=60.0)
+    axis = extended_axis(tube.surface, [[0, 0, 20.3], [0, 0, 41.0]], tube.centerline)
+    stations = axis_stations(axis)
+    around, own = profile_around(tube.surface, stations), stations.own
+    alone = diameter_profile(tube.surface, axis.of_stent)
+    np.testing.assert_allclose(around.arc_length[own], alone.arc_length, atol=1e-9)
+    np.testing.assert_allclose(around.inscribed_diameter[own], alone.inscribed_diameter, atol=1e-3)
+    np.testing.assert_allclose(
+        around.equivalent_diameter[own], alone.equivalent_diameter, atol=1e-3
+    )
+
+
+@pytest.mark.parametrize("gap", [0.0, 1.0, 2.5, 6.0])
+def test_a_stent_before_a_cap_is_in_a_vessel_as_wide_as_it_is(gap):
+    """Stations beyond the stent, too: a piece shorter than the vessel is wide has one open end."""
+    surface = Surface(*a_capped_duct(a_circle()))
+    line = np.array([[0.1, 0, 1e-9], [0.1, 0, LENGTH]])
+    axis = ExtendedAxis(line, gap, 15.0)
+    profile = profile_around(surface, axis_stations(axis))
+    np.testing.assert_allclose(
+        profile.inscribed_diameter, 2 * RADIUS * np.cos(np.pi / 32), rtol=1e-4
+    )
+
+
+@pytest.mark.parametrize("start", [6.0, 13.0])
+def test_between_a_stent_and_the_inlet_of_a_patient_it_is_as_wide(start, data_dir, sweep):
+    made = sweep.vessel("pulmonary")
+    tree = made.centerline
+    leaf = tree.points[np.sort(tree.leaves)[0]]
+    way = tree.path(tree.points[tree.roots[0]], leaf).points
+    axis = extended_axis(made.surface, cut(way, start, start + 26.0), tree)
+    stations = axis_stations(axis)
+    around = profile_around(made.surface, stations)
+    whole = diameter_profile(made.surface, way)
+    at = closest_points(way, stations.points).arc_lengths
+    before = (around.arc_length < 0) & (at > 0.5)
+    expected = np.interp(at, whole.arc_length, whole.inscribed_diameter)
+    np.testing.assert_allclose(around.inscribed_diameter[before], expected[before], rtol=0.02)
