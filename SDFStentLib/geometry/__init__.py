@@ -31,7 +31,7 @@ from .polyline import (
 )
 from .precision import Precision
 from .ragged import blocks_of, ranges
-from .rows import across, dot, norm
+from .rows import across, dot, norm, product
 from .section import is_inside, plane_section
 from .segments import closest_on_segments, distances_to_segments
 from .smoothing import smooth_minimum
@@ -86,6 +86,7 @@ __all__ = [
     "oriented_triangles",
     "plane_section",
     "point_at",
+    "product",
     "ranges",
     "resampled",
     "resampled_to",

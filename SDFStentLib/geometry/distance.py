@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..validation import Floats, Indices, Points, Triangles
-from .rows import dot, norm
+from .rows import dot, norm, product
 
 _BLOCK = 128
 """Queries looked at together; each may meet some thousand triangles at the centre of a tube."""
@@ -181,7 +181,7 @@ class SurfaceIndex:
         size = max(1, _DENSE_BLOCK // len(squared))
         for start in range(0, len(queries), size):
             block = slice(start, start + size)
-            is_near = left[block] @ right >= limit[block, None]
+            is_near = product(left[block], right) >= limit[block, None]
             found.append(np.flatnonzero(is_near) + start * len(squared))
         query, triangle = np.divmod(np.concatenate(found), len(squared))
         return query, triangle

@@ -6,6 +6,9 @@ import numpy as np
 
 from ..validation import Floats
 
+_PRODUCT = 1 << 17
+"""Multiplications at a time; some libraries take more threads from twice as many on."""
+
 
 def dot(one: Floats, other: Floats) -> Floats:
     """Scalar products (n,) of the rows."""
@@ -15,6 +18,29 @@ def dot(one: Floats, other: Floats) -> Floats:
 def norm(vectors: Floats) -> Floats:
     """Lengths (n,) of the rows."""
     return np.sqrt(dot(vectors, vectors))
+
+
+def product(left: Floats, right: Floats) -> Floats:
+    """The product of matrices (n, k) and (k, m), or of a matrix and a vector (k,).
+
+    In blocks for which no library of linear algebra wakes its threads: they gain nothing where k
+    is 3, and spin for longer than the product takes.
+    """
+    if right.ndim == 1:
+        return np.einsum("ij,j->i", left, right)
+    result = np.empty((len(left), right.shape[1]))
+    size = max(1, _PRODUCT // max(1, left.shape[1]))
+    if len(left) <= right.shape[1]:
+        columns = max(1, size // max(1, len(left)))
+        for first in range(0, right.shape[1], columns):
+            block = slice(first, first + columns)
+            result[:, block] = left @ right[:, block]
+    else:
+        rows = max(1, size // max(1, right.shape[1]))
+        for first in range(0, len(left), rows):
+            block = slice(first, first + rows)
+            np.matmul(left[block], right, out=result[block])
+    return result
 
 
 def across(directions: Floats) -> Floats:

@@ -17,7 +17,7 @@ from ..validation import (
     as_point,
 )
 from .ragged import blocks_of, ranges
-from .rows import dot
+from .rows import dot, product
 
 _BLOCK = 1 << 19
 """Pairs of query and triangle that are looked at together; some 50 MB of temporaries."""
@@ -68,7 +68,7 @@ def plane_section(
     origin, normal = as_point(origin, "origin"), as_point(normal, "normal")
     if not np.any(normal):
         raise InputError("normal: expected a direction, got the zero vector; give a plane normal.")
-    heights = (points - origin) @ (normal / np.linalg.norm(normal))
+    heights = product(points - origin, normal / np.linalg.norm(normal))
     is_above = heights >= 0
 
     above = is_above[triangles]

@@ -12,7 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..cautions import Caution
-from ..geometry import Surface, component_labels, dot, edges, face_normals, faces_at, may_meet_box
+from ..geometry import (
+    Surface,
+    component_labels,
+    dot,
+    edges,
+    face_normals,
+    faces_at,
+    may_meet_box,
+    product,
+)
 from ..validation import Points, Triangles
 
 FLAT = np.cos(np.deg2rad(1.0))
@@ -89,7 +98,7 @@ def caps_across(points: Points, faces: Triangles, axis: Points, reach: float) ->
         if len(near) < FEWEST_FACES:
             continue
         # Most ends have few faces across the axis, which is quickly told.
-        across = np.abs(face_normals(points, faces[near]) @ direction) > ACROSS
+        across = np.abs(product(face_normals(points, faces[near]), direction)) > ACROSS
         if np.count_nonzero(across) < FEWEST_FACES:
             continue
         for cap in flat_caps(points, faces[near]):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..geometry import across, dot, plane_section
+from ..geometry import across, dot, plane_section, product
 from ..validation import Floats, InputError, Points, Triangles, as_points
 from .section_areas import section_areas
 
@@ -59,7 +59,7 @@ def _lumen_area(points: Points, triangles: Triangles, center: Floats, direction:
     # Only triangles that may be cut go on, which is quick even on a large surface. The bits say
     # "below" and "above"; who is as near to the plane as rounding is neither, and goes on.
     normal = direction / np.linalg.norm(direction)
-    heights = (points - center) @ normal
+    heights = product(points - center, normal)
     margin = 1e-9 * max(1.0, float(np.abs(center).max()))
     side = (heights < -margin).astype(np.uint8) | (heights > margin).astype(np.uint8) << 1
     cut = triangles[(side[triangles[:, 0]] & side[triangles[:, 1]] & side[triangles[:, 2]]) == 0]

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry import arc_lengths, connected, face_normals
+from ..geometry import arc_lengths, connected, face_normals, product
 from ..validation import Floats, Points, Triangles
 from .caps import flat_caps
 from .inscribed import InscribedSpheres, inscribed_spheres
@@ -71,12 +71,12 @@ def _is_wall(
     points: Points, triangles: Triangles, station: Floats, outward: Floats, radius: float
 ) -> NDArray[np.bool_]:
     """Triangles (m,) that reach behind a station and do not turn across the axis near it."""
-    heights = (points - station) @ outward
+    heights = product(points - station, outward)
     highest = heights[triangles].max(axis=1)
     behind = heights[triangles].min(axis=1) < 0
     at_end = np.flatnonzero(behind & (highest > -AHEAD * radius))
     normals = face_normals(points, triangles[at_end])
-    behind[at_end[np.abs(normals @ outward) >= AHEAD]] = False
+    behind[at_end[np.abs(product(normals, outward)) >= AHEAD]] = False
     return np.asarray(behind)
 
 
@@ -88,7 +88,7 @@ def _is_closed(
     A vessel that turns aside goes on; so does one that an open rim ends, for nothing is in its way.
     """
     offset = points - end
-    heights = offset @ outward
+    heights = product(offset, outward)
     distance = np.linalg.norm(offset, axis=1)
     beside = np.sqrt(np.maximum(distance**2 - heights**2, 0))
     ahead = (heights > 0) & (distance < LOOKED_AT * radius)

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry import across, compacted, connected, dot, may_meet_box
+from ..geometry import across, compacted, connected, dot, may_meet_box, product
 from ..validation import Flags, Floats, Indices, Points, Triangles
 
 _PAIRS = 1 << 21
@@ -78,7 +78,7 @@ def section_areas(
 def _near(points: Points, triangles: Triangles, centers: Points) -> tuple[Points, Triangles]:
     """The part of the surface in the box round the centres that holds their sections, mostly."""
     some = points[triangles[:: max(1, len(triangles) // 1000), 0]]
-    squared = dot(centers, centers)[:, None] - 2 * centers @ some.T + dot(some, some)
+    squared = dot(centers, centers)[:, None] - 2 * product(centers, some.T) + dot(some, some)
     margin = _MARGIN * np.sqrt(max(float(squared.min(axis=1, initial=np.inf).max()), 0.0))
     low, high = centers.min(axis=0) - margin, centers.max(axis=0) + margin
     return compacted(points, triangles[may_meet_box(points, triangles, low, high)])
@@ -111,7 +111,7 @@ def _areas(points: Points, triangles: Triangles, centers: Points, normals: Point
 
 def _cuts(points: Points, triangles: Triangles, centers: Points, normals: Points) -> _Cuts:
     """As `plane_section`: a point in a plane counts as above it, so that nothing is cut twice."""
-    heights = normals @ points.T - dot(normals, centers)[:, None]
+    heights = product(normals, points.T) - dot(normals, centers)[:, None]
     is_above = heights >= 0
     corners = [is_above[:, corner].view(np.uint8) for corner in triangles.T]
     above = corners[0] + corners[1] + corners[2]

@@ -7,7 +7,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry import Surface, arc_lengths, frames, may_meet_box, point_at, ranges, resampled
+from ..geometry import (
+    Surface,
+    arc_lengths,
+    frames,
+    may_meet_box,
+    point_at,
+    product,
+    ranges,
+    resampled,
+)
 from ..validation import Floats, Indices, Points, Triangles, read_only
 
 RAYS = 144
@@ -161,7 +170,7 @@ def _cut_segments(
     In the plane's own directions, from its center; then the triangles, by their number in `wall`.
     """
     normals = along[:, 0]
-    heights = wall.points @ normals.T - np.einsum("ij,ij->i", normals, centers)
+    heights = product(wall.points, normals.T) - np.einsum("ij,ij->i", normals, centers)
     # A bit for each station: eight are compared at once.
     above = np.packbits(heights >= 0, axis=1)
     sides = [above[wall.triangles[:, k]] for k in range(3)]
@@ -173,7 +182,7 @@ def _cut_segments(
     # The corner that is alone on its side, then the two others.
     alone = np.where(second == third, 0, np.where(first == third, 1, 2))
     apex = wall.triangles[owner, alone]
-    flat = np.stack([wall.points @ along[:, k].T for k in (1, 2)])
+    flat = np.stack([product(wall.points, along[:, k].T) for k in (1, 2)])
     origin = np.stack([np.einsum("ij,ij->i", along[:, k], centers) for k in (1, 2)])
     ends = []
     for shift in (1, 2):
