@@ -38,6 +38,7 @@ if TYPE_CHECKING:
         AtDistalEnd,
         AtProximalEnd,
         BetweenPoints,
+        Device,
         Stent,
         stent_axis,
     )
@@ -55,6 +56,7 @@ __all__ = [
     "Deployment",
     "DeploymentError",
     "DeploymentSettings",
+    "Device",
     "InputError",
     "Plan",
     "Precision",
@@ -104,6 +106,7 @@ __getattr__, __dir__ = late_names(
             "AtDistalEnd",
             "AtProximalEnd",
             "BetweenPoints",
+            "Device",
             "Stent",
             "stent_axis",
         ],

@@ -62,6 +62,14 @@ TEMPLATES = {
         "{prescribed_fraction:g}: farther on it comes too near to the wall at "
         "({x:.1f}, {y:.1f}, {z:.1f}) mm; a shorter stent can be straightened more."
     ),
+    "device-range": (
+        "{device}: a {what} of {value_mm:g} mm is outside of the {low_mm:g} to {high_mm:g} mm "
+        "{known_as}."
+    ),
+    "device-shortening": (
+        "{device}: its shortening is known at its nominal diameters only; whether {diameter_mm:g} "
+        "mm is one of them is not known, or it is none."
+    ),
     # A stent in the vessel
     "switched-off": "it is switched off and was not deployed.",
     "outside-without-effect": (

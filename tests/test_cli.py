@@ -18,6 +18,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tube_files import PLACE, deploy, write_tube
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 
@@ -41,34 +42,14 @@ from SDFStentLib.validation import DeploymentError, InputError
 
 PROJECT = Path(__file__).resolve().parents[1]
 COMMAND = [sys.executable, "-m", "SDFStentLib"]
-PLACE = ["--center", "0", "0", "2", "--length", "20"]  # cm; the throat of the tube
 
 
 @pytest.fixture
 def a_folder(tmp_path, monkeypatch):
     """A working folder with a stenosed tube, its centerline and an axis, all in cm."""
-    vessel = stenosed_tube(edge_length=1.0)
-    surface = polydata.polydata_from_arrays(
-        (vessel.points / 10).astype(np.float32),
-        vessel.triangles,
-        cell_arrays={"ModelFaceID": vessel.face_ids},
-    )
-    tree = vessel.centerline
-    count = len(tree.points)
-    line = polydata.polydata_from_lines(tree.points / 10, [np.arange(count)])
-    polydata.add_arrays(line, {"MaximumInscribedSphereRadius": tree.inscribed_radius / 10}, {})
-    axis = polydata.polydata_from_lines([[0, 0, 1.2], [0, 0, 2.8]], [np.arange(2)])
-    for name, data in (("tube", surface), ("line", line), ("axis", axis)):
-        (tmp_path / f"{name}.vtp").write_bytes(vtk_formats.encode_vtp(data))
+    write_tube(tmp_path)
     monkeypatch.chdir(tmp_path)
     return tmp_path
-
-
-def deploy(*more, place=PLACE, surface="tube.vtp", line="line.vtp", out="out.vtp", diameter="6"):
-    arguments = ["deploy", surface, "--units", "cm", "--diameter", diameter, *place]
-    if line:
-        arguments += ["--centerline", line]
-    return main([*arguments, "-o", out, *more])
 
 
 def cell_array(path, name):
@@ -528,7 +509,7 @@ def test_usage_is_explained(capsys):
         (["deploy", "--help"], 0, "--foreshortening"),
         (["--version"], 0, "sdfstent 0."),
         ([], 2, "arguments are required: COMMAND"),
-        (["devices"], 2, "invalid choice: 'devices'"),
+        (["treat"], 2, "invalid choice: 'treat'"),
         (["deploy"], 2, "arguments are required"),
     ):
         assert main(arguments) == code

@@ -39,7 +39,7 @@ USES = {
     "deformation": "geometry field certificate measure",
     "treatment": "geometry centerline certificate measure stent deformation",
     "plan": "files stent deformation treatment",
-    "report": "geometry measure files treatment plan",
+    "report": "geometry measure stent files treatment plan",
     "cli": "files stent phantoms plan report",
 }
 """Which rooms a room knows, those on the ground left out: the fewer, the easier it is to change."""

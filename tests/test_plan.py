@@ -169,7 +169,11 @@ def test_what_does_not_belong_in_a_stent_is_named_with_its_place(change, words):
     ("path", "value", "words"),
     [
         (("schema",), "other", "schema: expected 'sdfstent-plan', got 'other'"),
-        (("version",), 2, "version: expected 1, got 2; use the version of sdfstent that wrote"),
+        (
+            ("version",),
+            3,
+            "version: expected 1 or 2, got 3; use the version of sdfstent that wrote",
+        ),
         (("foo",), 1, "plan: unknown key 'foo'; expected schema, version, stents"),
         (("stents",), {}, "stents: expected a list, got an object"),
         (("stents",), [3], "stents[0]: expected an object with diameter"),

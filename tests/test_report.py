@@ -71,7 +71,11 @@ def a_lesion(minimum):
 
 def a_report(**changes):
     stent = StentResult(
-        description={"device": "generic <10>", "deployed_length_mm": 4.0, "axis": {"length_mm": 4}},
+        description={
+            "device": {"name": "generic <10>"},
+            "deployed_length_mm": 4.0,
+            "axis": {"length_mm": 4},
+        },
         before=a_profile([8, 6, 4, 6, 8]),
         after=a_profile([8.4, 8.2, 8, 8.2, 8.4], wider=1.01),
         prescribed_diameter=np.array(8.5),

@@ -18,6 +18,8 @@ _REMEDIES = (
     ("centerline", "centerline", " (--centerline)"),
     ("accept_changed_inputs", "accept_changed_inputs", "(--accept-changed-inputs)"),
     ("straighten", "straighten", " (--straighten F)"),
+    ("foreshortening", "foreshortening", " (--foreshortening F)"),
+    ("devices", "device_table", "`sdfstent devices`, or give one of your own (--device-table F)"),
 )
 """A remedy of the library's sentences, the option that does it, and how it is written there."""
 

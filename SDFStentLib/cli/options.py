@@ -48,6 +48,7 @@ def parser() -> Parser:
             "centerline", help="extract the centerline of a surface", allow_abbrev=False
         )
     )
+    _devices(commands.add_parser("devices", help="the device table", allow_abbrev=False))
     _demo(commands.add_parser("demo", help="treat a synthetic patient", allow_abbrev=False))
     return top
 
@@ -65,12 +66,7 @@ def _deploy(command: argparse.ArgumentParser) -> None:
         metavar="N",
         help="centered on that lesion, numbered as `measure` lists them",
     )
-    command.add_argument(
-        "--foreshortening",
-        type=_number,
-        metavar="F",
-        help="part of the length that is lost on expansion (default 0.1 with --length, else 0)",
-    )
+    _add_stent(command)
     _add_method(command)
     out = command.add_argument_group("output")
     _add_units(out)
@@ -166,6 +162,17 @@ def _centerline(command: argparse.ArgumentParser) -> None:
     _add_talk(command)
 
 
+def _devices(command: argparse.ArgumentParser) -> None:
+    command.description = (
+        "The devices that `deploy --device` knows, and what is known of one, with its source. "
+        "Every number has one, or is that of a generic row; what is not known is not made up."
+    )
+    command.add_argument("name", type=_path, nargs="?", metavar="NAME", help="tell all of this one")
+    _add_device_table(command)
+    command.add_argument("--json", action="store_true", help="print JSON instead of sentences")
+    _add_talk(command)
+
+
 def _demo(command: argparse.ArgumentParser) -> None:
     command.description = (
         "Treat a synthetic patient: a pulmonary artery whose left branch is narrowed by 40 % at "
@@ -214,6 +221,27 @@ def _add_place(command: argparse.ArgumentParser) -> argparse._ArgumentGroup:
             help=what,
         )
     return place
+
+
+def _add_stent(command: argparse.ArgumentParser) -> None:
+    stent = command.add_argument_group("stent")
+    stent.add_argument(
+        "--device", type=_path, metavar="NAME", help="one of `sdfstent devices`; sets its lengths"
+    )
+    _add_device_table(stent)
+    stent.add_argument(
+        "--foreshortening",
+        type=_number,
+        metavar="F",
+        help="part of the length that is lost on expansion (default: that of the device, 0.1 with "
+        "--length and no device, else 0)",
+    )
+
+
+def _add_device_table(group: argparse._ActionsContainer) -> None:
+    group.add_argument(
+        "--device-table", type=_path, metavar="F", help="JSON with devices of your own, too"
+    )
 
 
 def _add_method(command: argparse.ArgumentParser) -> None:

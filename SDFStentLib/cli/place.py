@@ -13,7 +13,7 @@ from ..cautions import Caution
 from ..files import axis_of, in_frame_of, read_lines
 from ..plan import POINT_PLACEMENTS, InputFiles, read_input_files, scaled
 from ..report import LEAST
-from ..stent import DEFAULT_FORESHORTENING, AlongAxis, BetweenPoints, InputFile, Placement
+from ..stent import AlongAxis, BetweenPoints, InputFile, Placement, Stent
 from ..units import MILLIMETERS, Frame
 from ..validation import InputError
 
@@ -25,8 +25,18 @@ class Place(NamedTuple):
     warnings: tuple[Caution, ...]
 
 
-def check_place(options: argparse.Namespace, *, needed: bool) -> str | None:
+def check_place(
+    options: argparse.Namespace, *, needed: bool, has_length: bool | None = None
+) -> str | None:
     """Which of the ways to say where is used, before any file is read.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+    needed : bool
+        Whether one has to be.
+    has_length : bool, optional
+        Whether a length is known; by default whether the options have one.
 
     Returns
     -------
@@ -61,7 +71,8 @@ def check_place(options: argparse.Namespace, *, needed: bool) -> str | None:
     way = given[0]
     if way != "axis" and options.centerline is None:
         raise InputError(f"expected --centerline FILE with {_option(way)}, got none; give one.")
-    if way in (*POINT_PLACEMENTS, "at_lesion") and options.length is None:
+    has_length = options.length is not None if has_length is None else has_length
+    if way in (*POINT_PLACEMENTS, "at_lesion") and not has_length:
         raise InputError(f"expected --length L (mm) with {_option(way)}, got none; give one.")
     if way == "from" and options.length is not None:
         raise InputError(
@@ -90,8 +101,8 @@ def place_of(options: argparse.Namespace, way: str, frame: Frame | None) -> Plac
     return Place(POINT_PLACEMENTS[way](point), ())
 
 
-def lesion_place(options: argparse.Namespace, inputs: InputFiles) -> Place:
-    """The placement at the lesion that was asked for.
+def lesion_place(options: argparse.Namespace, inputs: InputFiles, stent: Stent) -> Place:
+    """The placement of a stent of known length at the lesion that was asked for.
 
     Raises
     ------
@@ -113,9 +124,9 @@ def lesion_place(options: argparse.Namespace, inputs: InputFiles) -> Place:
             f"--at-lesion: expected {there}, as the vessel has {has}, got {number}; see "
             "`sdfstent measure` for the list."
         )
-    lost = options.foreshortening
-    lost = DEFAULT_FORESHORTENING if lost is None else lost
-    return Place(inputs.vessel.place_at(lesions[number - 1], options.length, lost), ())
+    assert stent.length is not None
+    lesion = lesions[number - 1]
+    return Place(inputs.vessel.place_at(lesion, stent.length, stent.foreshortening), ())
 
 
 def inputs_of(options: argparse.Namespace) -> InputFiles:

@@ -26,8 +26,8 @@ class FileContent:
         return self.path.suffix.lower()
 
 
-def read_content(path: str | os.PathLike[str]) -> FileContent:
-    """The bytes of a file that exists and is not empty.
+def read_content(path: str | os.PathLike[str], wanted: str = "a mesh or a line") -> FileContent:
+    """The bytes of a file that exists and is not empty; `wanted` is what it should hold.
 
     Raises
     ------
@@ -49,7 +49,7 @@ def read_content(path: str | os.PathLike[str]) -> FileContent:
         reason = getattr(error, "strerror", None) or str(error)
         raise InputError(f"{path}: cannot be read ({reason}); check its permissions.") from error
     if not data:
-        raise InputError(f"{path}: expected a mesh or a line, got an empty file; write it again.")
+        raise InputError(f"{path}: expected {wanted}, got an empty file; write it again.")
     return FileContent(path, data, hashlib.sha256(data).hexdigest())
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from ..late import late_names
 
 if TYPE_CHECKING:
+    from .devices import device_document, device_named, device_table
     from .document import POINT_PLACEMENTS, plan_text, save_plan
     from .json_document import scaled
     from .plan import Plan, turned
@@ -33,6 +34,9 @@ __all__ = [
     "PlanResult",
     "StepFiles",
     "as_read",
+    "device_document",
+    "device_named",
+    "device_table",
     "input_file",
     "load_plan",
     "plan_from_document",
@@ -49,6 +53,7 @@ __all__ = [
 __getattr__, __dir__ = late_names(
     __name__,
     {
+        "devices": ["device_document", "device_named", "device_table"],
         "document": ["POINT_PLACEMENTS", "plan_text", "save_plan"],
         "json_document": ["scaled"],
         "plan": ["Plan", "turned"],

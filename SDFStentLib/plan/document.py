@@ -21,11 +21,13 @@ from ..stent import (
 )
 from ..units import MILLIMETERS
 from ..validation import InputError, as_path, check_is_a
+from .devices import device_document
 from .json_document import json_text, text_value, unscaled
 from .plan import Plan
 
 SCHEMA = "sdfstent-plan"
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
+"""Of the documents that are written; those of version 1 are read, too."""
 
 POINT_PLACEMENTS: dict[str, type[AtCenter] | type[AtDistalEnd] | type[AtProximalEnd]] = {
     "center": AtCenter,
@@ -113,6 +115,7 @@ def _stent_document(stent: Stent, units: str, folder: str | None) -> dict[str, A
         "diameter": float(stent.diameter),
         "length": stent.length,
         "foreshortening_fraction": stent.foreshortening_fraction,
+        "device": device_document(stent.device),
         "placement": placement_document(stent.placement, units, folder),
     }
 

@@ -14,9 +14,16 @@ from ..files import read_content
 from ..stent import AlongAxis, BetweenPoints, InputFile, Placement, Stent
 from ..units import MILLIMETERS, Frame
 from ..validation import InputError, as_path
-from .document import NAMED_SETTINGS, POINT_PLACEMENTS, SCHEMA, SCHEMA_VERSION, SETTINGS
+from .devices import device_from_document
+from .document import NAMED_SETTINGS, POINT_PLACEMENTS, SCHEMA, SETTINGS
 from .json_document import in_words, number, parsed, scaled, section, sequence, text_value, truth
 from .plan import Plan
+
+STENT_KEYS = {
+    1: ("name", "enabled", "length", "foreshortening_fraction"),
+    2: ("name", "enabled", "length", "foreshortening_fraction", "device"),
+}
+"""What a stent of each version may have besides its diameter and its placement."""
 
 AxisReader = Callable[[InputFile, str, Frame | None], AlongAxis]
 """Reads the curve of an axis file in a unit and a frame, mm."""
@@ -98,7 +105,7 @@ def plan_from_document(
         raise InputError(f"inputs.units: expected mm, cm or m, got {in_words(units)}.")
     if frame not in (None, "RAS", "LPS"):
         raise InputError(f"inputs.frame: expected RAS, LPS or null, got {in_words(frame)}.")
-    reader = _StentReader(units, frame, folder, axis_reader)
+    reader = _StentReader(document["version"], units, frame, folder, axis_reader)
     root = inputs.get("root")
     reference = sequence(inputs.get("reference", []), "inputs.reference")
     settings, straightening = _settings(document.get("settings", {}))
@@ -129,8 +136,14 @@ class _StentReader:
     """Stents of one document, with what they need to know of it."""
 
     def __init__(
-        self, units: str, frame: Frame | None, folder: str | None, axis_reader: AxisReader | None
+        self,
+        version: int,
+        units: str,
+        frame: Frame | None,
+        folder: str | None,
+        axis_reader: AxisReader | None,
     ) -> None:
+        self.stent_keys = STENT_KEYS[version]
         self.units, self.frame, self.folder = units, frame, folder
         self.axis_reader = axis_reader
 
@@ -140,12 +153,7 @@ class _StentReader:
         return x, y, z
 
     def stent(self, value: Any, where: str) -> Stent:
-        stent = section(
-            value,
-            where,
-            ("diameter", "placement"),
-            ("name", "enabled", "length", "foreshortening_fraction"),
-        )
+        stent = section(value, where, ("diameter", "placement"), self.stent_keys)
         placement = self._placement(stent["placement"], f"{where}.placement")
         changes: dict[str, Any] = {
             key: None if stent.get(key) is None else float(number(stent[key], f"{where}.{key}"))
@@ -153,6 +161,7 @@ class _StentReader:
         }
         diameter = float(number(stent["diameter"], f"{where}.diameter"))
         changes["name"] = text_value(stent.get("name", ""), f"{where}.name")
+        changes["device"] = device_from_document(stent.get("device"), f"{where}.device")
         changes["enabled"] = truth(stent.get("enabled", True), f"{where}.enabled")
         return _named(where, lambda: Stent(diameter, placement=placement, **changes))
 
@@ -217,9 +226,10 @@ def _check_version(document: Any) -> None:
     if not isinstance(document, Mapping) or document.get("schema") != SCHEMA:
         found = in_words(document.get("schema") if isinstance(document, Mapping) else document)
         raise InputError(f"schema: expected {SCHEMA!r}, got {found}; this is no plan.")
-    if document.get("version") != SCHEMA_VERSION or document.get("version") is True:
+    version = document.get("version")
+    if not isinstance(version, int) or isinstance(version, bool) or version not in STENT_KEYS:
         raise InputError(
-            f"version: expected {SCHEMA_VERSION}, got {in_words(document.get('version'))}; "
+            f"version: expected {' or '.join(map(str, STENT_KEYS))}, got {in_words(version)}; "
             "use the version of sdfstent that wrote the plan."
         )
 

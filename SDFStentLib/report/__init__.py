@@ -11,6 +11,7 @@ from ..late import late_names
 
 if TYPE_CHECKING:
     from .branches import stent_branch_sentences
+    from .devices import device_rows, device_sentence, stent_device_sentences
     from .diameters import (
         MeasuredLine,
         diameter_section,
@@ -38,6 +39,8 @@ __all__ = [
     "Report",
     "before_after_picture",
     "check_rendering",
+    "device_rows",
+    "device_sentence",
     "diameter_section",
     "diameter_table",
     "filed_point",
@@ -48,6 +51,7 @@ __all__ = [
     "lumen_sentence",
     "plan_report",
     "stent_branch_sentences",
+    "stent_device_sentences",
     "stent_lesion_sentences",
     "write_report",
     "write_report_figure",
@@ -57,6 +61,7 @@ __getattr__, __dir__ = late_names(
     __name__,
     {
         "branches": ["stent_branch_sentences"],
+        "devices": ["device_rows", "device_sentence", "stent_device_sentences"],
         "diameters": [
             "MeasuredLine",
             "diameter_section",

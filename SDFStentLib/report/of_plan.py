@@ -13,6 +13,7 @@ from ..treatment import TreatedLesion, TreatedStent
 from ..units import MILLIMETERS
 from ..version import VERSION
 from .changes import change_section, settings_section
+from .devices import device_section
 from .lesions import treated_lesion_section
 from .report import Report
 from .stent_result import StentResult
@@ -85,6 +86,7 @@ def _description(stent: TreatedStent, units: str) -> dict[str, Any]:
     return {
         "number": stent.number,
         **name,
+        "device": device_section(chosen.device),
         "lumen_diameter_mm": chosen.diameter,
         "nominal_length_mm": axis.nominal_length,
         "deployed_length_mm": axis.deployed_length,

@@ -70,7 +70,7 @@ def stent_rows(stent: Mapping[str, Any], surface: Mapping[str, Any]) -> list[tup
     """
     told = {key: value for key, value in stent.items() if key not in _TOLD_ELSEWHERE}
     axis = dict(told.pop("axis", {}))
-    rows = []
+    rows = _device_rows(told.pop("device", None))
     for key, words in (
         ("lumen_diameter_mm", "Prescribed lumen diameter"),
         ("nominal_length_mm", "Nominal length"),
@@ -172,6 +172,22 @@ def point_words(position_mm: Sequence[float | None], units: str) -> str:
     stored = (None if value is None else value / factor for value in position_mm)
     filed = ", ".join(number_text(value, digits) for value in stored)
     return f"{text}; in the file {filed} {units}"
+
+
+def _device_rows(device: Mapping[str, Any] | None) -> list[tuple[str, str]]:
+    """Which device it is and where its numbers are from; nothing where none was named."""
+    if device is None:
+        return []
+    names = (device.get("manufacturer"), device.get("family"))
+    who = " ".join(str(name) for name in names if name)
+    rows = [("Device", f"{device['name']} ({who})" if who else str(device["name"]))]
+    if device.get("source"):
+        date = f" ({device['source_date']})" if device.get("source_date") else ""
+        state = "verified" if device.get("verified") else "unverified"
+        rows.append(("Source of its numbers", f"{device['source']}{date}; {state}"))
+    if device.get("note"):
+        rows.append(("About it", str(device["note"])))
+    return rows
 
 
 def _axis_rows(

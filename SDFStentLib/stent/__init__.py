@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from .beside import beside, placement_points
+from .device import CELLS, MAXIMUM_DIAMETER, MAXIMUM_LENGTH, Device
 from .placement import (
     AlongAxis,
     AtCenter,
@@ -13,10 +14,11 @@ from .placement import (
     InputFile,
     Placement,
 )
-from .stent import DEFAULT_FORESHORTENING, MAXIMUM_DIAMETER, MAXIMUM_LENGTH, Stent
+from .stent import DEFAULT_FORESHORTENING, Stent
 from .stent_axis import StentAxis, stent_axis, straightened, straightened_axis
 
 __all__ = [
+    "CELLS",
     "DEFAULT_FORESHORTENING",
     "MAXIMUM_DIAMETER",
     "MAXIMUM_LENGTH",
@@ -26,6 +28,7 @@ __all__ = [
     "AtProximalEnd",
     "BetweenPoints",
     "ByValue",
+    "Device",
     "InputFile",
     "Placement",
     "Stent",

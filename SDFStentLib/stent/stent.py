@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from dataclasses import KW_ONLY, dataclass
 
-from ..validation import InputError, as_number
+from ..validation import InputError, as_number, check_is_a, printable
+from .device import (
+    LEAST_FORESHORTENING,
+    MAXIMUM_DIAMETER,
+    MAXIMUM_LENGTH,
+    MOST_FORESHORTENING,
+    Device,
+)
 from .placement import (
     PLACEMENT_NAMES,
     AlongAxis,
@@ -16,12 +23,6 @@ from .placement import (
     InputFile,
     Placement,
 )
-
-MAXIMUM_DIAMETER = 100.0
-"""Largest diameter that is taken for a stent's, mm; more is another unit or a slip."""
-
-MAXIMUM_LENGTH = 500.0
-"""Largest length that is taken for a stent's, mm."""
 
 DEFAULT_FORESHORTENING = 0.10
 """Fraction of the nominal length that is lost on expansion where a nominal length is given."""
@@ -39,10 +40,13 @@ class Stent(ByValue):
         Where it goes.
     length : float, optional
         Nominal length, mm. Needed for a placement by one point, refused between two points;
-        along an axis, None stands for the whole axis.
+        along an axis, None stands for the whole axis. That of the device where it has one.
     foreshortening_fraction : float, optional
         Part of the nominal length that is lost on expansion, -0.2 (it grows) to 0.5. Default:
-        0.10 where a length is given, else 0. Without a length the axis or way is the nominal one.
+        where a length is given that of the device at the diameter, or 0.10 without a device; else
+        0. Without a length the axis or way is the nominal one.
+    device : Device, optional
+        Which one it is.
     name : str
         What the user calls it; may be empty.
     enabled : bool
@@ -51,7 +55,9 @@ class Stent(ByValue):
     Raises
     ------
     InputError
-        A size that is not a number or out of range, or a length that the placement rules out.
+        A size that is not a number or out of range, or a length that the placement rules out; a
+        diameter beyond the device's, another length than it has, or one whose shortening is not
+        known.
     """
 
     diameter: float
@@ -59,15 +65,23 @@ class Stent(ByValue):
     placement: Placement
     length: float | None = None
     foreshortening_fraction: float | None = None
+    device: Device | None = None
     name: str = ""
     enabled: bool = True
 
     def __post_init__(self) -> None:
         as_number(self.diameter, "stent diameter", unit="mm", above=0, maximum=MAXIMUM_DIAMETER)
         if self.foreshortening_fraction is not None:
-            as_number(self.foreshortening_fraction, "foreshortening", minimum=-0.2, maximum=0.5)
+            as_number(
+                self.foreshortening_fraction,
+                "foreshortening",
+                minimum=LEAST_FORESHORTENING,
+                maximum=MOST_FORESHORTENING,
+            )
         if self.length is not None:
             as_number(self.length, "stent length", unit="mm", above=0, maximum=MAXIMUM_LENGTH)
+        if self.device is not None:
+            self._fit_to(self.device)
         if not isinstance(self.placement, Placement):
             raise InputError(
                 f"stent placement: expected one of {', '.join(PLACEMENT_NAMES)}, "
@@ -85,6 +99,7 @@ class Stent(ByValue):
                 "stent length: expected a length in mm for a placement by one point, got none; "
                 "give the length, or two points."
             )
+        _ = self.foreshortening  # not known, it is missed here rather than in the vessel
 
     @property
     def radius(self) -> float:
@@ -101,4 +116,30 @@ class Stent(ByValue):
         """The foreshortening fraction in use."""
         if self.foreshortening_fraction is not None:
             return self.foreshortening_fraction
-        return 0.0 if self.length is None else DEFAULT_FORESHORTENING
+        if self.length is None:
+            return 0.0
+        if self.device is None:
+            return DEFAULT_FORESHORTENING
+        return self.device.foreshortening_at(self.diameter)
+
+    def _fit_to(self, device: Device) -> None:
+        """Check the sizes against those of a device, and take over its length."""
+        check_is_a(device, Device, "device")
+        device.check_diameter(self.diameter)
+        own, name = device.nominal_length, printable(device.name)
+        if own is not None and self.length not in (None, own):
+            raise InputError(
+                f"stent length: expected {own:g} mm, the length of {name}, got {self.length:g} mm; "
+                "leave the length out, or choose another device."
+            )
+        if own is not None and isinstance(self.placement, BetweenPoints):
+            raise InputError(
+                f"stent placement: expected one point for {name}, which is {own:g} mm long, got "
+                "two; place it by its middle or one end."
+            )
+        if self.foreshortening_fraction is not None and device.lengths:
+            raise InputError(
+                f"foreshortening: expected none with {name}, whose lengths are known, got "
+                f"{self.foreshortening_fraction:g}; leave it out, or choose another device."
+            )
+        object.__setattr__(self, "length", self.length if own is None else own)

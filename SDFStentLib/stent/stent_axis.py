@@ -113,6 +113,8 @@ def stent_axis(
     _require_length(found)
     axis = StentAxis(found.points, found.inscribed_radius, nominal, prescribed)
     warnings = [*_shortened(axis), *(_choice(choice) for choice in found.choices)]
+    if stent.device is not None:
+        warnings += stent.device.cautions(stent.diameter, stent.length)
     if centerline is not None:
         warnings += beside(stent.placement, centerline)
     axis = replace(axis, warnings=(*warnings, *_bend(axis, stent.radius)))

@@ -1,0 +1,149 @@
+"""The device table: rows that come along, rows of the user, and both as documents."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import fields
+from difflib import get_close_matches
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from ..files import read_content
+from ..stent import Device
+from ..validation import InputError, as_path, in_short
+from .json_document import in_words, number, parsed, section, sequence, text_value, truth
+
+SCHEMA = "sdfstent-devices"
+SCHEMA_VERSION = 1
+
+KEYS = tuple(field.name for field in fields(Device))
+"""Of a row: the attributes of `Device`."""
+
+_TEXTS = ("family", "manufacturer", "cell", "source", "source_date", "note")
+_SWITCHES = ("generic", "verified")
+_NUMBERS = ("nominal_length", "foreshortening_fraction", "maximum_diameter")
+_RANGES = ("nominal_diameters", "reported_diameters", "reported_lengths")
+
+
+def device_table(path: str | os.PathLike[str] | None = None) -> tuple[Device, ...]:
+    """The devices that are known, those that come along first.
+
+    Parameters
+    ----------
+    path : path, optional
+        A table of the user's own. Its rows come in place of those of the same name.
+
+    Raises
+    ------
+    InputError
+        A file that cannot be read, no JSON, another schema or version, a name that stands twice,
+        or a row whose numbers have no source or contradict each other.
+    """
+    own = () if path is None else _table_of(as_path(path))
+    return tuple({device.name.casefold(): device for device in (*_own_table(), *own)}.values())
+
+
+def device_named(name: str, path: str | os.PathLike[str] | None = None) -> Device:
+    """The device of that name, in upper or lower case; parameters and errors as `device_table`."""
+    table = device_table(path)
+    by_name = {device.name.casefold(): device for device in table}
+    if name.casefold() in by_name:
+        return by_name[name.casefold()]
+    near = get_close_matches(name.casefold(), by_name, n=3)
+    there = f"such as {', '.join(near)}" if near else ", ".join(by_name)
+    raise InputError(
+        f"device: expected a known one ({there}), got {in_short(name)}; see ",
+        "devices",
+        otherwise="the device table, or give one of your own",
+        end=".",
+    )
+
+
+def device_document(device: Device | None) -> dict[str, Any] | None:
+    """A row of the table, without what is not known of it."""
+    if device is None:
+        return None
+    values = {key: getattr(device, key) for key in KEYS}
+    defaults = {field.name: field.default for field in fields(Device)}
+    return {key: _listed(value) for key, value in values.items() if value != defaults[key]}
+
+
+def device_from_document(value: Any, where: str) -> Device | None:
+    """A device from a row of the table; None from null.
+
+    Raises
+    ------
+    InputError
+        Unknown keys, or values that do not belong there, with their place.
+    """
+    if value is None:
+        return None
+    row = section(value, where, ("name",), KEYS[1:])
+    changes: dict[str, Any] = {"name": text_value(row["name"], f"{where}.name")}
+    for key in row:
+        at = f"{where}.{key}"
+        if key in _TEXTS:
+            changes[key] = text_value(row[key], at)
+        elif key in _SWITCHES or (key == "covered" and row[key] is not None):
+            changes[key] = truth(row[key], at)
+        elif row[key] is None:
+            continue
+        elif key in _NUMBERS:
+            changes[key] = float(number(row[key], at))
+        elif key in _RANGES:
+            changes[key] = _numbers(row[key], at)
+        elif key == "lengths":
+            pairs = sequence(row[key], at)
+            changes[key] = tuple(_numbers(pair, f"{at}[{i}]") for i, pair in enumerate(pairs))
+    try:
+        return Device(**changes)
+    except InputError as error:
+        raise error.labeled(f"{where}: ") from error
+
+
+@cache
+def _own_table() -> tuple[Device, ...]:
+    return _table_of(Path(__file__).with_name("devices.json"))
+
+
+def _table_of(path: Path) -> tuple[Device, ...]:
+    try:
+        text = read_content(path, "a device table in JSON").data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError(
+            f"{path}: expected a device table in JSON, got no text in UTF-8."
+        ) from error
+    document = parsed(text, str(path))
+    try:
+        return _rows_of(document)
+    except InputError as error:
+        raise error.labeled(f"{path}: ") from error
+
+
+def _rows_of(document: Any) -> tuple[Device, ...]:
+    table = section(document, "device table", ("schema", "version", "devices"))
+    if table["schema"] != SCHEMA:
+        raise InputError(f"schema: expected {SCHEMA!r}, got {in_words(table['schema'])}.")
+    if table["version"] != SCHEMA_VERSION or table["version"] is True:
+        raise InputError(f"version: expected {SCHEMA_VERSION}, got {in_words(table['version'])}.")
+    rows: dict[str, Device] = {}
+    for index, value in enumerate(sequence(table["devices"], "devices")):
+        device = device_from_document(value, f"devices[{index}]")
+        if device is None or device.name.casefold() in rows:
+            raise InputError(
+                f"devices[{index}]: expected a device of another name than those before, got "
+                f"{in_words(None if device is None else device.name)}."
+            )
+        rows[device.name.casefold()] = device
+    return tuple(rows.values())
+
+
+def _numbers(value: Any, where: str) -> tuple[float, ...]:
+    return tuple(
+        float(number(item, f"{where}[{i}]")) for i, item in enumerate(sequence(value, where))
+    )
+
+
+def _listed(value: Any) -> Any:
+    return [_listed(item) for item in value] if isinstance(value, tuple) else value

@@ -1,0 +1,123 @@
+"""Devices as a report and the command line tell them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ..stent import Device
+from ..treatment import TreatedStent
+from .words import UNKNOWN
+
+NO_SOURCE = "none: it is no product, its numbers are assumptions"
+
+
+def device_section(device: Device | None) -> dict[str, Any] | None:
+    """A device as a report has it; null where a number is not known."""
+    if device is None:
+        return None
+    return {
+        "name": device.name,
+        "family": device.family or None,
+        "manufacturer": device.manufacturer or None,
+        "covered": device.covered,
+        "cell": device.cell,
+        "nominal_length_mm": device.nominal_length,
+        "lengths_mm": [list(pair) for pair in device.lengths],
+        "foreshortening_fraction": device.foreshortening_fraction,
+        "nominal_diameters_mm": device.nominal_diameters,
+        "maximum_diameter_mm": device.maximum_diameter,
+        "reported_diameters_mm": device.reported_diameters,
+        "reported_lengths_mm": device.reported_lengths,
+        "generic": device.generic,
+        "source": device.source or None,
+        "source_date": device.source_date or None,
+        "verified": device.verified,
+        "note": device.note or None,
+    }
+
+
+def device_rows(device: Device) -> list[tuple[str, str]]:
+    """Name and value of all that is known of a device, and of what is not."""
+    covered = {None: UNKNOWN, True: "yes", False: "no"}[device.covered]
+    return [
+        ("Device", device.name),
+        ("Family", device.family or UNKNOWN),
+        ("Manufacturer", device.manufacturer or UNKNOWN),
+        ("Covered", covered),
+        ("Cells", device.cell if device.cell != "unknown" else UNKNOWN),
+        ("Nominal length", _size(device.nominal_length)),
+        ("Length on expansion", _shortening(device) or UNKNOWN),
+        ("Nominal diameters", _span(device.nominal_diameters)),
+        ("Largest diameter", _size(device.maximum_diameter)),
+        ("Diameters in the source", _span(device.reported_diameters)),
+        ("Lengths in the source", _span(device.reported_lengths)),
+        ("Source", source_words(device)),
+        *([("Note", device.note)] if device.note else []),
+    ]
+
+
+def device_sentence(device: Device) -> str:
+    """A device in one line of a list."""
+    known = [
+        words
+        for words in (
+            device.nominal_length and f"{device.nominal_length:g} mm long",
+            _shortening(device) or f"shortening {UNKNOWN}",
+            device.nominal_diameters and f"made for {_span(device.nominal_diameters)}",
+            device.maximum_diameter and f"up to {device.maximum_diameter:g} mm",
+            device.reported_diameters and f"used at {_span(device.reported_diameters)}",
+        )
+        if words
+    ]
+    maker = f"{device.manufacturer} " if device.manufacturer else ""
+    return f"{device.name}: {maker}{device.family or UNKNOWN}; {', '.join(known)}."
+
+
+def stent_device_sentences(treated: TreatedStent) -> list[str]:
+    """Which device a stent is, how long it became, and where that is from; none without one."""
+    device, axis = treated.stent.device, treated.axis
+    if device is None:
+        return []
+    size = ""
+    if treated.stent.length is not None:
+        size = (
+            f"{axis.nominal_length:g} mm long as packed, {axis.prescribed_length:.1f} mm at "
+            f"{treated.stent.diameter:g} mm of diameter; "
+        )
+    return [f"Device {device.name}: {size}source of its numbers: {source_words(device)}."]
+
+
+def source_words(device: Device) -> str:
+    """Where its numbers are from, and whether anybody has verified them."""
+    if device.generic and not device.source:
+        return NO_SOURCE
+    if not device.source:
+        return UNKNOWN
+    date = f" ({device.source_date})" if device.source_date else ""
+    state = "verified" if device.verified else "unverified"
+    return f"{device.source}{date}; {state}"
+
+
+def _shortening(device: Device) -> str:
+    if device.foreshortening_fraction is not None:
+        where = "any diameter" if device.generic else "its nominal diameters"
+        return f"{_lost(100 * device.foreshortening_fraction)} at {where}"
+    return ", ".join(
+        f"{length:g} mm long at {diameter:g} mm" for diameter, length in device.lengths
+    )
+
+
+def _lost(percent: float) -> str:
+    if percent == 0:
+        return "keeps its length"
+    return f"loses {percent:g} % of its length" if percent > 0 else f"grows by {-percent:g} %"
+
+
+def _size(value: float | None) -> str:
+    return UNKNOWN if value is None else f"{value:g} mm"
+
+
+def _span(ends: tuple[float, float] | None) -> str:
+    if ends is None:
+        return UNKNOWN
+    return f"{ends[0]:g} mm" if ends[0] == ends[1] else f"{ends[0]:g} to {ends[1]:g} mm"

@@ -1,0 +1,247 @@
+"""A stent as its maker offers it: what is known of its sizes, and where that is from.
+
+What is not known stays unknown: no number stands in for it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import KW_ONLY, dataclass
+from typing import Any
+
+import numpy as np
+
+from ..cautions import Caution
+from ..validation import InputError, as_number, in_short, printable
+
+MAXIMUM_DIAMETER = 100.0
+"""Largest diameter that is taken for a stent's, mm; more is another unit or a slip."""
+
+MAXIMUM_LENGTH = 500.0
+"""Largest length that is taken for a stent's, mm."""
+
+LEAST_FORESHORTENING, MOST_FORESHORTENING = -0.2, 0.5
+"""Parts of a nominal length that a stent can lose on expansion; below 0 it grows."""
+
+CELLS = ("closed", "open", "hybrid", "unknown")
+"""Kinds of cells between the struts."""
+
+Range = tuple[float, float]
+
+_ROUNDING = 1e-12
+"""By which a share may be beyond its bounds."""
+
+
+@dataclass(frozen=True)
+class Device:
+    """A row of the device table. Lengths and diameters in mm.
+
+    Attributes
+    ----------
+    name : str
+        What it is chosen by.
+    family, manufacturer : str
+        Empty where not known.
+    covered : bool or None
+        None where not known, or where there are both.
+    cell : str
+        One of `CELLS`.
+    nominal_length : float, optional
+        Of the one length that the row is about, as packed.
+    lengths : tuple of (diameter, length)
+        How long it is at which diameter, by rising diameter; needs the nominal length.
+    foreshortening_fraction : float, optional
+        In place of `lengths`, the part of the nominal length that is lost: at the nominal
+        diameters, and where the row is generic at any.
+    nominal_diameters : (float, float), optional
+        For which it is made.
+    maximum_diameter : float, optional
+        To which it may be expanded at most.
+    reported_diameters, reported_lengths : (float, float), optional
+        With which the source saw it used; no limits.
+    generic : bool
+        No product: its numbers are assumptions and need no source.
+    source, source_date : str
+        Where the numbers are from. A row with a number has one, or is generic.
+    verified : bool
+        Whether somebody has compared the numbers with the maker's own document.
+    note : str
+
+    Raises
+    ------
+    InputError
+        Numbers without a source, or that contradict each other.
+    """
+
+    name: str
+    _: KW_ONLY
+    family: str = ""
+    manufacturer: str = ""
+    covered: bool | None = None
+    cell: str = "unknown"
+    nominal_length: float | None = None
+    lengths: tuple[Range, ...] = ()
+    foreshortening_fraction: float | None = None
+    nominal_diameters: Range | None = None
+    maximum_diameter: float | None = None
+    reported_diameters: Range | None = None
+    reported_lengths: Range | None = None
+    generic: bool = False
+    source: str = ""
+    source_date: str = ""
+    verified: bool = False
+    note: str = ""
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str) or not self.name.strip():
+            raise InputError(
+                f"device name: expected a name, got {in_short(self.name)}; give the row one."
+            )
+        if self.cell not in CELLS:
+            raise self._error("cell", f"one of {', '.join(CELLS)}", f"{self.cell!r}")
+        self._check_numbers()
+        self._check_lengths()
+        if self.has_numbers and not (self.generic or self.source.strip()):
+            raise self._error(
+                "source", "where its numbers are from", "nothing; name the source, or mark the row "
+                "as generic"
+            )  # fmt: skip
+
+    @property
+    def has_numbers(self) -> bool:
+        """Whether any size of it is known."""
+        return bool(self.lengths) or any(getattr(self, name) is not None for name in _NUMBERS)
+
+    def check_diameter(self, diameter: float, what: str = "stent diameter") -> None:
+        """Refuse a diameter, mm, beyond the largest to which it may be expanded; `InputError`."""
+        most = self.maximum_diameter
+        if most is not None and diameter > most:
+            raise InputError(
+                f"{what}: expected at most {most:g} mm, the largest diameter of "
+                f"{printable(self.name)}, got {diameter:g} mm; choose a wider device."
+            )
+
+    def foreshortening_at(self, diameter: float) -> float:
+        """Part of the nominal length that is lost at a diameter, mm; its length is interpolated.
+
+        Raises
+        ------
+        InputError
+            It is not known, or not known at that diameter: nothing is extrapolated.
+        """
+        if self.foreshortening_fraction is not None:
+            return self.foreshortening_fraction
+        known, lengths = self._columns()
+        if not len(known):
+            raise InputError(
+                f"device {printable(self.name)}: its shortening is not known; say how much of its "
+                "length it loses",
+                "foreshortening",
+                end=", or place it between two points.",
+            )
+        if not known[0] <= diameter <= known[-1]:
+            raise InputError(
+                f"device {printable(self.name)}: its length is known from {known[0]:g} to "
+                f"{known[-1]:g} mm of diameter, not at {diameter:g} mm; choose a diameter in "
+                "between, or say how much of its length it loses",
+                "foreshortening",
+                end=".",
+            )
+        assert self.nominal_length is not None
+        return 1.0 - float(np.interp(diameter, known, lengths)) / self.nominal_length
+
+    def cautions(self, diameter: float, length: float | None) -> Iterator[Caution]:
+        """Where a diameter, or a nominal length, mm, is another than is known of it."""
+        made, seen = "for which it is made", "with which its source saw it used"
+        for what, value, ends, known_as in (
+            ("diameter", diameter, self.nominal_diameters, made),
+            ("diameter", diameter, self.reported_diameters, seen),
+            ("length", length, self.reported_lengths, seen),
+        ):
+            if ends is None or value is None or ends[0] <= value <= ends[1]:
+                continue
+            numbers = {"value_mm": value, "low_mm": ends[0], "high_mm": ends[1]}
+            words = {"device": self.name, "what": what, "known_as": known_as}
+            yield Caution("device-range", {**words, **numbers})
+        if self.foreshortening_fraction is not None and not self.generic:
+            low, high = self.nominal_diameters or (np.inf, -np.inf)
+            if not low <= diameter <= high:
+                yield Caution("device-shortening", {"device": self.name, "diameter_mm": diameter})
+
+    def _columns(self) -> tuple[np.ndarray, np.ndarray]:
+        table = np.array(self.lengths, dtype=np.float64).reshape(-1, 2)
+        return table[:, 0], table[:, 1]
+
+    def _check_numbers(self) -> None:
+        for name in ("nominal_length", "maximum_diameter"):
+            largest = MAXIMUM_LENGTH if name == "nominal_length" else MAXIMUM_DIAMETER
+            if getattr(self, name) is not None:
+                self._number(getattr(self, name), name, above=0, maximum=largest)
+        for name in ("nominal_diameters", "reported_diameters", "reported_lengths"):
+            ends = getattr(self, name)
+            if ends is None:
+                continue
+            largest = MAXIMUM_LENGTH if name == "reported_lengths" else MAXIMUM_DIAMETER
+            if len(ends) != 2:
+                raise self._error(name, "a smallest and a largest", f"{len(ends)} numbers")
+            low, high = (self._number(end, name, above=0, maximum=largest) for end in ends)
+            if low > high:
+                raise self._error(name, "the smaller one first", f"{low:g} and {high:g} mm")
+        most, wide = self.maximum_diameter, self.nominal_diameters
+        if most is not None and wide is not None and wide[1] > most:
+            raise self._error(
+                "nominal_diameters", f"at most the largest diameter of {most:g} mm", f"{wide[1]:g}"
+            )
+
+    def _check_lengths(self) -> None:
+        low, high = LEAST_FORESHORTENING, MOST_FORESHORTENING
+        if self.foreshortening_fraction is not None:
+            self._number(
+                self.foreshortening_fraction, "foreshortening_fraction", minimum=low, maximum=high
+            )
+        if not self.lengths:
+            return
+        if self.foreshortening_fraction is not None:
+            raise self._error("lengths", "none beside a foreshortening_fraction", "both")
+        if self.nominal_length is None:
+            raise self._error("lengths", "a nominal_length with them", "none")
+        for pair in self.lengths:
+            if len(pair) != 2:
+                raise self._error("lengths", "a diameter and a length", f"{len(pair)} numbers")
+            self._number(pair[0], "lengths", above=0, maximum=MAXIMUM_DIAMETER)
+            self._number(pair[1], "lengths", above=0, maximum=MAXIMUM_LENGTH)
+            lost = 1.0 - pair[1] / self.nominal_length
+            if not low - _ROUNDING <= lost <= high + _ROUNDING:
+                raise self._error(
+                    "lengths",
+                    f"between {1 - high:g} and {1 - low:g} times the nominal length of "
+                    f"{self.nominal_length:g} mm",
+                    f"{pair[1]:g} mm",
+                )
+        diameters, _ = self._columns()
+        if (np.diff(diameters) <= 0).any():
+            listed = ", ".join(f"{value:g}" for value in diameters)
+            raise self._error("lengths", "rising diameters, each once", f"{listed} mm")
+        most = self.maximum_diameter
+        if most is not None and diameters[-1] > most:
+            raise self._error(
+                "lengths", f"at most the largest diameter of {most:g} mm", f"{diameters[-1]:g} mm"
+            )
+
+    def _number(self, value: Any, name: str, **bounds: Any) -> float:
+        return as_number(value, f"device {printable(self.name)}, {name}", **bounds)
+
+    def _error(self, name: str, wanted: str, got: str) -> InputError:
+        return InputError(
+            f"device {printable(self.name)}, {name}: expected {wanted}, got {got}."
+        )  # fmt: skip
+
+
+_NUMBERS = (
+    "nominal_length",
+    "foreshortening_fraction",
+    "nominal_diameters",
+    "maximum_diameter",
+    "reported_diameters",
+    "reported_lengths",
+)

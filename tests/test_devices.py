@@ -1,0 +1,405 @@
+"""Devices: their table, what follows from their numbers, and what is refused for want of one."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import fields, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from test_plan import SCHEMA, a_document
+from trees import unbranched
+from tube_files import PLACE, deploy, write_tube
+
+from SDFStentLib.cli.shell import main
+from SDFStentLib.geometry import resampled
+from SDFStentLib.plan.devices import (
+    KEYS,
+    device_document,
+    device_from_document,
+    device_named,
+    device_table,
+)
+from SDFStentLib.plan.document import plan_document, plan_text
+from SDFStentLib.plan.plan import Plan
+from SDFStentLib.plan.reader import load_plan, plan_from_document
+from SDFStentLib.plan.run import run_plan
+from SDFStentLib.stent import AlongAxis, AtCenter, BetweenPoints, Device, Stent, stent_axis
+from SDFStentLib.validation import InputError
+
+ROW = {
+    "name": "bench-34",
+    "nominal_length": 34,
+    "lengths": [[12, 32], [16, 30], [20, 27.2]],
+    "maximum_diameter": 22,
+    "source": "own bench",
+}
+"""A device that loses 2, 4 and 6.8 of its 34 mm."""
+
+SHORT = {**ROW, "name": "bench-16", "nominal_length": 16, "lengths": [[4, 16], [8, 12]]}
+"""One that fits the tube of the command line's tests."""
+
+CENTER = AtCenter([0.0, 0, 50])
+
+
+def a_device(**changes) -> Device:
+    device = device_from_document({**ROW, **changes}, "row")
+    assert device is not None
+    return device
+
+
+def a_plan_with(row) -> dict:
+    return {**a_document(device=row), "version": 2}
+
+
+def a_table(*rows) -> str:
+    return json.dumps({"schema": "sdfstent-devices", "version": 1, "devices": list(rows)})
+
+
+@pytest.fixture
+def a_folder(tmp_path, monkeypatch):
+    """A working folder with a stenosed tube of 6 mm."""
+    write_tube(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def a_table_file(tmp_path):
+    path = tmp_path / "own.json"
+    path.write_text(a_table(ROW, SHORT), encoding="utf-8")
+    return path
+
+
+# ---- the table that comes along
+
+
+def test_every_number_of_a_named_row_has_a_source_and_generic_rows_are_no_product():
+    for device in device_table():
+        assert device.generic or (device.source and device.source_date), device.name
+        assert device.has_numbers, device.name
+        assert not device.verified, device.name
+        assert device.note.endswith("."), device.name
+    generic = device_named("generic")
+    assert generic.generic
+    assert generic.foreshortening_at(7.3) == 0.1
+
+
+def test_no_shipped_row_says_how_a_product_shortens_but_the_one_whose_source_does():
+    named = [device for device in device_table() if not device.generic]
+    known = [d for d in named if d.lengths or d.foreshortening_fraction is not None]
+    assert [(d.name, d.foreshortening_fraction) for d in known] == [("gore-vbx", 0.0)]
+    assert [d.name for d in named if d.maximum_diameter is not None] == []
+
+
+def test_the_users_rows_come_behind_and_in_place_of_those_of_the_same_name(tmp_path, a_table_file):
+    own = device_table(a_table_file)
+    assert [d.name for d in own] == [*(d.name for d in device_table()), "bench-34", "bench-16"]
+    path = tmp_path / "other.json"
+    path.write_text(a_table({"name": "Generic", "generic": True, "foreshortening_fraction": 0.2}))
+    assert len(device_table(path)) == len(device_table())
+    assert device_named("generic", path).foreshortening_at(9) == 0.2
+
+
+def test_a_name_is_found_in_any_case_and_near_ones_are_offered():
+    assert device_named("NuMED-CP") is device_named("numed-cp")
+    with pytest.raises(
+        InputError, match=r"expected a known one \(such as numed-cp\), got 'numed cp'"
+    ):
+        device_named("numed cp")
+    with pytest.raises(InputError, match=r"expected a known one \(generic, .*gore-vbx\), got 'x'"):
+        device_named("x")
+
+
+# ---- length over diameter
+
+
+def test_the_length_is_interpolated_between_the_diameters_of_the_table():
+    device = a_device()
+    for diameter, expected in ((12, 32), (16, 30), (20, 27.2), (14, 31), (18, 28.6), (19, 27.9)):
+        assert 34 * (1 - device.foreshortening_at(diameter)) == pytest.approx(expected)
+
+
+@given(st.floats(12, 20), st.floats(12, 20))
+def test_a_length_lies_between_those_of_its_neighbors_and_falls_with_the_diameter(one, other):
+    device = a_device()
+    small, large = sorted((one, other))
+    assert 0 <= device.foreshortening_at(small) <= device.foreshortening_at(large) <= 0.2 + 1e-12
+
+
+@pytest.mark.parametrize("diameter", [11.9, 20.1])
+def test_nothing_is_extrapolated(diameter):
+    words = f"its length is known from 12 to 20 mm of diameter, not at {diameter:g} mm"
+    with pytest.raises(InputError, match=words):
+        a_device().foreshortening_at(diameter)
+
+
+def test_the_axis_of_a_stent_has_the_length_of_its_device_at_its_diameter():
+    points = resampled([[0, 0, 0], [0, 0, 100]], 2.0)
+    tube = unbranched(points, np.full(len(points), 8.0))
+    for diameter, expected in ((12.0, 32.0), (14.0, 31.0), (20.0, 27.2)):
+        stent = Stent(diameter, placement=CENTER, device=a_device())
+        axis = stent_axis(stent, tube)
+        assert axis.nominal_length == stent.length == 34
+        assert axis.deployed_length == pytest.approx(expected)
+        assert axis.points[[0, -1], 2].mean() == pytest.approx(50)
+    wider = replace(Stent(12.0, placement=CENTER, device=a_device()), diameter=20.0)
+    assert stent_axis(wider, tube).deployed_length == pytest.approx(27.2)
+
+
+def test_without_a_device_and_with_the_generic_one_a_tenth_is_lost():
+    for device in (None, device_named("generic")):
+        assert Stent(6.0, placement=CENTER, length=20, device=device).foreshortening == 0.1
+        own = Stent(6.0, placement=CENTER, length=20, device=device, foreshortening_fraction=0.3)
+        assert own.foreshortening == 0.3
+
+
+# ---- what is refused
+
+
+@pytest.mark.parametrize(
+    ("stent", "words"),
+    [
+        ({"diameter": 22.5}, r"stent diameter: expected at most 22 mm, the largest diameter of"),
+        ({"length": 30}, r"stent length: expected 34 mm, the length of bench-34, got 30 mm"),
+        (
+            {"placement": BetweenPoints([0, 0, 0], [0, 0, 9])},
+            "expected one point for bench-34, which is 34 mm long, got two",
+        ),
+        (
+            {"foreshortening_fraction": 0.1},
+            "expected none with bench-34, whose lengths are known, got 0.1",
+        ),
+        ({"diameter": 21}, "its length is known from 12 to 20 mm of diameter, not at 21 mm"),
+        ({"device": "bench-34"}, "device: expected a Device, got 'bench-34'"),
+    ],
+)
+def test_a_stent_that_its_device_rules_out_is_refused(stent, words):
+    values = {"diameter": 15.0, "placement": CENTER, "device": a_device(), **stent}
+    with pytest.raises(InputError, match=words):
+        Stent(**values)
+
+
+def test_a_shortening_that_is_not_known_is_asked_for_and_never_made_up():
+    device = device_named("numed-cp")
+    with pytest.raises(InputError, match="device numed-cp: its shortening is not known; say how"):
+        Stent(15.0, placement=CENTER, length=34, device=device)
+    said = Stent(15.0, placement=CENTER, length=34, device=device, foreshortening_fraction=0.15)
+    assert said.foreshortening == 0.15
+    between = Stent(15.0, placement=BetweenPoints([0, 0, 0], [0, 0, 9]), device=device)
+    assert between.foreshortening == 0
+    assert Stent(15.0, placement=AlongAxis([[0, 0, 0], [0, 0, 9]]), device=device).length is None
+
+
+@pytest.mark.parametrize(
+    ("row", "words"),
+    [
+        ({"source": " "}, "bench-34, source: expected where its numbers are from, got nothing"),
+        ({"name": " "}, "device name: expected a name, got ' '"),
+        ({"cell": "woven"}, "cell: expected one of closed, open, hybrid, unknown, got 'woven'"),
+        ({"nominal_length": None}, "lengths: expected a nominal_length with them, got none"),
+        ({"nominal_length": -1}, "nominal_length: expected a number greater than 0"),
+        ({"maximum_diameter": 19}, "lengths: expected at most the largest diameter of 19 mm"),
+        ({"lengths": [[16, 30], [12, 32]]}, "expected rising diameters, each once, got 16, 12 mm"),
+        ({"lengths": [[12, 32], [12, 30]]}, "expected rising diameters, each once, got 12, 12 mm"),
+        ({"lengths": [[12, 16]]}, "expected between 0.5 and 1.2 times the nominal length of 34 mm"),
+        ({"lengths": [[12]]}, "lengths: expected a diameter and a length, got 1 numbers"),
+        ({"lengths": 12}, r"row.lengths: expected a list, got 12"),
+        ({"foreshortening_fraction": 0.1}, "expected none beside a foreshortening_fraction"),
+        ({"foreshortening_fraction": 0.6, "lengths": []}, "at least -0.2 and at most 0.5"),
+        ({"nominal_diameters": [20, 12]}, "nominal_diameters: expected the smaller one first"),
+        ({"nominal_diameters": [12]}, "expected a smallest and a largest, got 1 numbers"),
+        ({"nominal_diameters": [12, 24]}, "expected at most the largest diameter of 22 mm"),
+        ({"reported_lengths": [0, 24]}, "reported_lengths: expected a number greater than 0"),
+        ({"maximum_diameter": "22"}, "row.maximum_diameter: expected a number, got '22'"),
+        ({"generic": None}, "row.generic: expected true or false, got null"),
+        ({"diameter": 4}, "row: unknown key 'diameter'; expected name, family"),
+    ],
+)
+def test_a_row_that_cannot_be_is_refused_with_its_place(row, words):
+    with pytest.raises(InputError, match=words):
+        a_device(**row)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "own.json: expected a device table in JSON, got an empty file"),
+        ("[]", "own.json: device table: expected an object with schema, version, devices; got a"),
+        ("{", "own.json: expected a JSON document, got an error"),
+        (a_table(ROW, ROW), r"devices\[1\]: expected a device of another name than those before"),
+        (a_table(ROW, None), r"devices\[1\]: expected a device of another name .*, got null"),
+        (a_table({**ROW, "source": ""}), r"own.json: devices\[0\]: device bench-34, source: exp"),
+        (a_table(ROW).replace("-devices", "-plan"), "schema: expected 'sdfstent-devices', got"),
+        (a_table(ROW).replace(": 1,", ": 3,"), "version: expected 1, got 3"),
+    ],
+)
+def test_a_file_that_is_no_device_table_is_said(tmp_path, text, words):
+    path = tmp_path / "own.json"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=words):
+        device_table(path)
+
+
+# ---- what is said
+
+
+def test_sizes_beyond_what_is_known_of_a_device_are_said():
+    tube = unbranched(resampled([[0, 0, 0], [0, 0, 100]], 2.0), np.full(51, 8.0))
+
+    def said(diameter, length, device):
+        stent = Stent(
+            diameter, placement=CENTER, length=length, device=device, foreshortening_fraction=0
+        )
+        return [str(caution) for caution in stent_axis(stent, tube).warnings]
+
+    peripheral = device_named("begraft-besmooth-peripheral")
+    assert said(8.0, 30, peripheral) == []
+    assert said(12.0, 60, peripheral) == [
+        "begraft-besmooth-peripheral: a diameter of 12 mm is outside of the 7 to 10 mm for which "
+        "it is made.",
+        "begraft-besmooth-peripheral: a length of 60 mm is outside of the 23 to 57 mm with which "
+        "its source saw it used.",
+    ]
+    assert said(8.0, 30, device_named("gore-vbx")) == [
+        "gore-vbx: its shortening is known at its nominal diameters only; whether 8 mm is one of "
+        "them is not known, or it is none."
+    ]
+    assert said(8.0, 30, device_named("generic")) == []
+
+
+# ---- documents
+
+
+def test_a_device_comes_back_from_its_row_and_from_a_plan_exactly():
+    for device in (*device_table(), a_device(covered=False, cell="hybrid", verified=True)):
+        row = json.loads(json.dumps(device_document(device)))
+        assert device_from_document(row, "row") == device
+        stent = Stent(
+            9.0 if not device.lengths else 15.0,
+            placement=CENTER,
+            length=device.nominal_length or 20.0,
+            device=device,
+            foreshortening_fraction=None if device.lengths else 0.0,
+        )
+        document = json.loads(plan_text(Plan((stent,))))
+        assert plan_from_document(document) == Plan((stent,))
+        assert hash(plan_from_document(document)) == hash(Plan((stent,)))
+    assert device_document(None) is device_from_document(None, "row") is None
+
+
+def test_the_schema_knows_the_keys_and_the_rows_of_the_table():
+    jsonschema = pytest.importorskip("jsonschema")
+    definition = SCHEMA["definitions"]["device"]
+    assert list(definition["properties"]) == list(KEYS) == [field.name for field in fields(Device)]
+    validator = jsonschema.Draft7Validator(SCHEMA)
+    for device in device_table():
+        validator.validate(a_plan_with(device_document(device)))
+    validator.validate(a_plan_with(ROW))
+    for bad in ({}, {"name": 3}, {**ROW, "lengths": [[12]]}, {**ROW, "color": "red"}):
+        assert not validator.is_valid(a_plan_with(bad))
+        with pytest.raises(InputError):
+            plan_from_document(a_plan_with(bad))
+
+
+def test_a_plan_of_version_1_is_read_and_has_no_device():
+    plan = plan_from_document(a_document())
+    assert plan.stents[0].device is None
+    assert plan_document(plan)["version"] == 2
+    assert plan_from_document(plan_document(plan)) == plan
+    with pytest.raises(InputError, match=r"stents\[0\]: unknown key 'device'"):
+        plan_from_document(a_document(device=ROW))
+
+
+# ---- the shell
+
+
+def test_devices_lists_the_table_and_tells_what_is_and_is_not_known(capsys, a_table_file):
+    assert main(["devices"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split(":")[0] for line in lines] == [device.name for device in device_table()]
+    assert lines[0] == (
+        "generic: any balloon-expandable stent; loses 10 % of its length at any diameter."
+    )
+    assert main(["devices", "NuMED-CP"]) == 0
+    rows = dict(line.split(": ", 1) for line in capsys.readouterr().out.splitlines())
+    assert rows["Length on expansion"] == rows["Largest diameter"] == "not known"
+    assert rows["Diameters in the source"] == "10 to 26 mm"
+    assert rows["Source"].endswith("(2005, 2014); unverified")
+    assert main(["devices", "bench-34", "--device-table", str(a_table_file), "--json"]) == 0
+    (row,) = json.loads(capsys.readouterr().out)["devices"]
+    assert device_from_document(row, "row") == a_device()
+    assert main(["devices", "bench"]) == 2
+    assert "see `sdfstent devices`, or give one of your own (--device-table F)." in (
+        capsys.readouterr().err
+    )
+
+
+def test_deploy_takes_the_length_of_the_device_at_the_diameter(a_folder, a_table_file, capsys):
+    center = ["--center", "0", "0", "2"]
+    device = ["--device", "bench-16", "--device-table", str(a_table_file)]
+    assert deploy(*device, "--report", "r.json", "--save-plan", "p.json", place=center) == 0
+    said = capsys.readouterr().out
+    assert "Device bench-16: 16 mm long as packed, 14.0 mm at 6 mm of diameter; source" in said
+    (stent,) = json.loads(Path("r.json").read_text(encoding="utf-8"))["stents"]
+    assert stent["nominal_length_mm"] == 16
+    assert stent["deployed_length_mm"] == pytest.approx(14)
+    assert stent["foreshortening_fraction"] == pytest.approx(0.125)
+    assert stent["device"]["name"] == "bench-16"
+    assert (stent["device"]["source"], stent["device"]["verified"]) == ("own bench", False)
+    # The plan holds the device: it needs the table no more.
+    a_table_file.unlink()
+    plan = load_plan("p.json")
+    assert plan.stents[0].device == a_device(**SHORT)
+    again = run_plan(plan).treatment
+    assert again.stents[0].axis.deployed_length == pytest.approx(14)
+
+
+def test_a_device_at_a_lesion_is_centered_by_its_own_length(a_folder, a_table_file):
+    device = ["--device", "bench-16", "--device-table", str(a_table_file)]
+    ends = {}
+    for name, more in (
+        ("device", device),
+        ("same", ["--length", "16", "--foreshortening", ".125"]),
+    ):
+        place = ["--at-lesion", "1"]
+        assert deploy(*more, "--report", f"{name}.json", place=place, out=f"{name}.vtp") == 0
+        (stent,) = json.loads(Path(f"{name}.json").read_text(encoding="utf-8"))["stents"]
+        ends[name] = [stent["axis"]["start_mm"], stent["axis"]["end_mm"]]
+    np.testing.assert_allclose(ends["device"], ends["same"], atol=1e-9)
+    assert Path("device.vtp").read_bytes() == Path("same.vtp").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        (["--device", "bench"], "expected a known one (such as bench-34, bench-16), got 'bench'"),
+        (["--device", "bench-16"], "expected 16 mm, the length of bench-16, got 20 mm"),
+        (["--device", "numed-cp"], "say how much of its length it loses (--foreshortening F), or"),
+        (["--device", "bench-34", "--diameter", "23"], "expected at most 22 mm"),
+        ([], "expected --device NAME with --device-table, got none; name one."),
+    ],
+)
+def test_deploy_says_what_is_wrong_with_a_device_and_writes_nothing(
+    a_folder,
+    a_table_file,
+    capsys,
+    more,
+    words,
+):
+    assert deploy(*more, "--device-table", str(a_table_file)) == 2
+    assert words in capsys.readouterr().err
+    assert not Path("out.vtp").exists()
+    assert deploy(*more[:2], "--device-table", "none.json", place=PLACE) == 2
+    assert not Path("out.vtp").exists()
+
+
+def test_the_page_names_the_device_its_source_and_that_it_is_unverified(a_folder, a_table_file):
+    device = ["--device", "bench-16", "--device-table", str(a_table_file)]
+    assert deploy(*device, "--report", "r.html", place=["--center", "0", "0", "2"]) == 0
+    page = Path("r.html").read_text(encoding="utf-8")
+    assert "<tr><td>Device</td><td>bench-16</td></tr>" in page
+    assert "<tr><td>Source of its numbers</td><td>own bench; unverified</td></tr>" in page
