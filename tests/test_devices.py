@@ -99,7 +99,8 @@ def test_the_users_rows_come_behind_and_in_place_of_those_of_the_same_name(tmp_p
     own = device_table(a_table_file)
     assert [d.name for d in own] == [*(d.name for d in device_table()), "bench-34", "bench-16"]
     path = tmp_path / "other.json"
-    path.write_text(a_table({"name": "Generic", "generic": True, "foreshortening_fraction": 0.2}))
+    table = a_table({"name": "Generic", "generic": True, "foreshortening_fraction": 0.2})
+    path.write_text(table, encoding="utf-8")
     assert len(device_table(path)) == len(device_table())
     assert device_named("generic", path).foreshortening_at(9) == 0.2
 
