@@ -244,6 +244,29 @@ def test_a_stent_s_error_names_it():
         Preview(phantom.surface, phantom.centerline).of([*two_stents(phantom.centerline)[:1], far])
 
 
+@pytest.mark.parametrize("beyond", [-0.9, 0.3, 0.7, 1.0, 9.0])
+def test_a_preview_refuses_a_place_that_the_treatment_refuses_and_no_other(beyond):
+    phantom = fine_tube()
+    tree = phantom.centerline
+    middle = len(tree.points) // 2
+    across = np.cross(tree.points[middle + 1] - tree.points[middle], (0.3, 0.5, 0.8))
+    place = tree.points[middle] + (1.8 + beyond) * across / np.linalg.norm(across)
+    stents = [Stent(7.2, placement=AtCenter(place), length=12)]
+    said = []
+    for tried in (
+        lambda: Treatment(phantom.surface, stents, tree),
+        lambda: Preview(phantom.surface, tree).of(stents),
+    ):
+        try:
+            tried()
+        except InputError as error:
+            said.append(str(error))
+    assert len(said) == (2 if beyond > 0.5 else 0)  # mm; nearer is on the wall
+    assert len(set(said)) <= 1
+    if said and beyond < 2:  # farther out another place of the throat's wall is nearer
+        assert f"and {beyond:.1f} mm outside of the wall" in said[0]
+
+
 def test_a_plan_without_stents_is_refused():
     with pytest.raises(InputError, match="at least one stent"):
         Preview(fine_tube().surface).of([])

@@ -32,7 +32,7 @@ from .polyline import (
 from .precision import Precision
 from .ragged import blocks_of, ranges
 from .rows import across, dot, norm, product
-from .section import is_inside, plane_section
+from .section import ClosedSurface, is_inside, plane_section
 from .segments import closest_on_segments, distances_to_segments
 from .smoothing import smooth_minimum
 from .surface import Surface, as_surface, state_of
@@ -48,6 +48,7 @@ from .topology import (
 )
 
 __all__ = [
+    "ClosedSurface",
     "NamedFaces",
     "NearPairs",
     "Precision",

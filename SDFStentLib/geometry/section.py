@@ -93,27 +93,47 @@ def plane_section(
 
 
 def is_inside(queries: Points, points: Points, triangles: Triangles) -> Flags:
-    """Whether each query (k,) lies inside a closed surface: its ray upward meets it an odd time.
+    """Whether each query (k,) lies inside a closed surface, see `ClosedSurface`."""
+    return ClosedSurface(points, triangles).contains(queries)
 
-    Orientation does not matter. Whether a face is met is decided by edge in one fixed order, so
-    that a ray through an edge or a vertex is counted once and not twice. A query exactly on the
-    surface may come out either way; with an open surface the result means little.
+
+class ClosedSurface:
+    """A closed surface, prepared for questions about what lies inside.
+
+    Parameters
+    ----------
+    points, triangles : (n, 3) and (m, 3) arrays
+        Known to be sound. Orientation does not matter; when it is open answers mean little.
     """
-    order = np.argsort(queries[:, 0], kind="stable")
-    sorted_queries = queries[order]
-    lowest, highest = _extent(points[:, 0][triangles])
-    first = np.searchsorted(sorted_queries[:, 0], lowest, side="left")
-    counts = np.searchsorted(sorted_queries[:, 0], highest, side="right") - first
 
-    crossings = np.zeros(len(queries), dtype=np.int64)
-    for faces in blocks_of(counts, _BLOCK):
-        face = np.repeat(faces, counts[faces])
-        query = ranges(first[faces], counts[faces])
-        hit = _is_crossed_upward(sorted_queries[query], points, triangles[face])
-        crossings += np.bincount(query[hit], minlength=len(queries))
-    result = np.empty(len(queries), dtype=bool)
-    result[order] = crossings % 2 == 1
-    return result
+    def __init__(self, points: Points, triangles: Triangles) -> None:
+        self._points, self._triangles = points, triangles
+        self._lowest, self._highest = _extent(points[:, 0][triangles])
+
+    def contains(self, queries: Points) -> Flags:
+        """Whether each query (k,) lies inside: its ray upward meets the surface an odd time.
+
+        Whether a face is met is decided by edge in one fixed order, so that a ray through an edge
+        or a vertex is counted once and not twice. A query exactly on the surface may come out
+        either way.
+        """
+        result = np.zeros(len(queries), dtype=bool)
+        if not len(queries):
+            return result
+        order = np.argsort(queries[:, 0], kind="stable")
+        ordered = queries[order]
+        is_met = (self._lowest <= ordered[-1, 0]) & (self._highest >= ordered[0, 0])
+        triangles = self._triangles[is_met]
+        first = np.searchsorted(ordered[:, 0], self._lowest[is_met], side="left")
+        counts = np.searchsorted(ordered[:, 0], self._highest[is_met], side="right") - first
+        crossings = np.zeros(len(queries), dtype=np.int64)
+        for faces in blocks_of(counts, _BLOCK):
+            face = np.repeat(faces, counts[faces])
+            query = ranges(first[faces], counts[faces])
+            hit = _is_crossed_upward(ordered[query], self._points, triangles[face])
+            crossings += np.bincount(query[hit], minlength=len(queries))
+        result[order] = crossings % 2 == 1
+        return result
 
 
 def _chains(segments: NDArray[np.int64], count: int) -> Iterator[tuple[list[int], bool]]:

@@ -92,12 +92,11 @@ class PlanResult:
         surface, result = self.inputs.surface, self.treatment
         point_arrays, cell_arrays = {}, {}
         if arrays:
-            stretch = self.inputs.vessel.stretches(result.surface)
             point_arrays["Displacement"] = result.points - surface.points
             cell_arrays = {
-                "AreaStretch": stretch.area,
-                "PrincipalStretchMax": stretch.largest,
-                "PrincipalStretchMin": stretch.smallest,
+                "AreaStretch": result.stretch.area,
+                "PrincipalStretchMax": result.stretch.largest,
+                "PrincipalStretchMin": result.stretch.smallest,
             }
         return write_surface(
             path, surface, result.indices, result.coordinates, point_arrays, cell_arrays

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..geometry import NamedFaces
-from ..measure import face_stretches, triangle_sizes
+from ..measure import triangle_sizes
 from ..plan import PlanResult
 from ..validation import Floats, Indices
 from .words import UNKNOWN, number_text, plain_label, plain_text
@@ -60,7 +60,7 @@ def change_section(result: PlanResult) -> dict[str, Any]:
             "before": _spread(old.smallest_angle),
             "after": _spread(new.smallest_angle),
         },
-        "area_ratio": _spread(face_stretches(before, after).area[faces]),
+        "area_ratio": _spread(result.treatment.stretch.area[faces]),
         "faces": _changed_faces(result.inputs.surface.faces, faces),
     }
 

@@ -2,38 +2,61 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from ..centerline import Centerline
-from ..geometry import Surface, SurfaceIndex, is_inside
+from ..geometry import ClosedSurface, Surface, SurfaceIndex
 from ..measure import closed_surface
 from ..stent import Placement, placement_points
-from ..validation import InputError
+from ..validation import InputError, Points
 
 ON_WALL = 0.5
 """A point so near to the wall is one on it, as a click on the surface gives, mm."""
 
 
-def check_in_lumen(placement: Placement, centerline: Centerline, surface: Surface) -> None:
-    """Refuse points outside of the lumen; those within the inscribed sphere need no look.
+class Lumen:
+    """The inside of a vessel; what many questions about it need is made once.
 
-    Raises
-    ------
-    InputError
-        A point of the placement is outside, and not on the wall.
+    Parameters
+    ----------
+    surface : Surface
     """
-    points, triangles = surface.points, surface.triangles
-    for name, point in placement_points(placement):
-        place = centerline.project(point)
-        if place.distance < place.inscribed_radius:  # False where it is unknown
-            continue
-        if is_inside(point[None], *closed_surface(points, triangles))[0]:
-            continue
-        beyond = float(SurfaceIndex(points, triangles).distances(point[None]).distance[0])
-        if beyond <= ON_WALL:
-            continue
-        raise InputError(
-            f"{name}: expected a point in the lumen, got {np.round(point, 2).tolist()} mm, which "
-            f"is {place.distance:.1f} mm from the centerline and {beyond:.1f} mm outside of the "
-            "wall; move it into the vessel."
-        )
+
+    def __init__(self, surface: Surface) -> None:
+        self.surface = surface
+
+    @cached_property
+    def _closed(self) -> ClosedSurface:
+        return ClosedSurface(*closed_surface(self.surface.points, self.surface.triangles))
+
+    @cached_property
+    def _wall(self) -> SurfaceIndex:
+        return SurfaceIndex(self.surface.points, self.surface.triangles)
+
+    def check(self, placement: Placement, centerline: Centerline) -> None:
+        """Refuse points outside of it; those within the inscribed sphere need no look.
+
+        Raises
+        ------
+        InputError
+            A point of the placement is outside, and not on the wall.
+        """
+        for name, point in placement_points(placement):
+            place = centerline.project(point)
+            if place.distance < place.inscribed_radius:  # False where it is unknown
+                continue
+            if (beyond := self._beyond(point)) <= ON_WALL:
+                continue
+            raise InputError(
+                f"{name}: expected a point in the lumen, got {np.round(point, 2).tolist()} mm, "
+                f"which is {place.distance:.1f} mm from the centerline and {beyond:.1f} mm outside "
+                "of the wall; move it into the vessel."
+            )
+
+    def _beyond(self, point: Points) -> float:
+        """How far outside of the wall a point (3,) is, mm; 0 inside."""
+        if self._closed.contains(point[None])[0]:
+            return 0.0
+        return float(self._wall.distances(point[None]).distance[0])

@@ -17,11 +17,12 @@ from ..centerline import Centerline
 from ..deformation import DeploymentSettings, Proxy, ProxyState
 from ..geometry import Surface, resampled
 from ..measure import rough_radii
-from ..stent import Stent, StentAxis, stent_axis
-from ..validation import DeploymentError, Indices, InputError, Points, as_number, read_only
+from ..stent import Stent
+from ..validation import Indices, Points, as_number, read_only
+from .in_lumen import Lumen
 from .straightening import axis_in_vessel
 from .treatment import PROFILE_SPACING
-from .value import label_of, switched_on
+from .value import PlacedStent, label_of, labeled, switched_on
 from .warnings import check_width
 
 MOST_STATIONS = 24
@@ -29,23 +30,15 @@ MOST_STATIONS = 24
 
 
 @dataclass(frozen=True)
-class PreviewedStent:
+class PreviewedStent(PlacedStent):
     """One stent of a preview.
 
     Attributes
     ----------
-    number : int
-        In the plan, from 1.
-    stent : Stent
-    axis : StentAxis
-        Where it lies.
     state : ProxyState
         The wall after it, before the stents after it.
     """
 
-    number: int
-    stent: Stent
-    axis: StentAxis
     state: ProxyState
 
     def minimum_lumen(self) -> float:
@@ -93,7 +86,7 @@ class Preview:
     def __init__(self, surface: Surface, centerline: Centerline | None = None) -> None:
         self.surface, self.centerline = surface, centerline
         self._proxy = Proxy(surface, None if centerline is None else centerline.points)
-        self._points = surface.points.copy()
+        self._points, self._lumen = surface.points.copy(), Lumen(surface)
 
     def prepare(self) -> None:
         """Make now what the first preview needs and what is the same wherever it will be."""
@@ -107,21 +100,27 @@ class Preview:
         *,
         straightening_fraction: float = 0.0,
     ) -> PreviewState:
-        """The vessel after some stents; parameters and errors as for `Treatment`.
-
-        Whether the points of a placement lie in the lumen is left to the full deployment.
-        """
+        """The vessel after some stents; parameters and errors as for `Treatment`."""
         fraction = as_number(straightening_fraction, "straightening", minimum=0, maximum=1)
         settings = settings or DeploymentSettings.preview()
         centerline, enabled = self.centerline, switched_on(stents)
         previewed: list[PreviewedStent] = []
         try:
             for number, stent in enabled:
-                label = label_of(stents, number)
-                axis = self._axis(stent, centerline, fraction, label)
                 is_last = len(previewed) == len(enabled) - 1
                 tree = None if is_last else centerline
-                state = self._deployed(axis, stent, settings, tree, label)
+                with labeled(label_of(stents, number)):
+                    axis = axis_in_vessel(
+                        stent, centerline, self.surface, fraction, lumen=self._lumen
+                    )
+                    check_width(stent.diameter, axis, self._proxy.probes(axis.points))
+                    state = self._proxy.deployed(
+                        settings.chain(axis.points),
+                        stent.radius,
+                        settings,
+                        points=self._points,
+                        companions=() if tree is None else tree.points,
+                    )
                 previewed.append(PreviewedStent(number, stent, axis, state))
                 self._points[state.state.indices] = state.state.coordinates
                 centerline = tree and tree.with_points(state.state.companions)
@@ -131,39 +130,6 @@ class Preview:
             for one in previewed:
                 indices = one.state.state.indices
                 self._points[indices] = self.surface.points[indices]
-
-    def _axis(
-        self, stent: Stent, centerline: Centerline | None, fraction: float, label: str
-    ) -> StentAxis:
-        try:
-            if fraction:
-                axis = axis_in_vessel(stent, centerline, self.surface, fraction)
-            else:
-                axis = stent_axis(stent, centerline)
-            check_width(stent.diameter, axis, self._proxy.probes(axis.points))
-            return axis
-        except InputError as error:
-            raise error.labeled(label) from error
-
-    def _deployed(
-        self,
-        axis: StentAxis,
-        stent: Stent,
-        settings: DeploymentSettings,
-        tree: Centerline | None,
-        label: str,
-    ) -> ProxyState:
-        chain = settings.chain(axis.points)
-        try:
-            return self._proxy.deployed(
-                chain,
-                stent.radius,
-                settings,
-                points=self._points,
-                companions=() if tree is None else tree.points,
-            )
-        except DeploymentError as error:
-            raise DeploymentError(f"{label}{error}") from error
 
 
 def _united(parts: Sequence[Indices]) -> Indices:

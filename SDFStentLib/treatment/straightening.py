@@ -18,7 +18,7 @@ from ..geometry import Surface, resampled
 from ..measure import LocalSurface
 from ..stent import Stent, StentAxis, stent_axis, straightened, straightened_axis
 from ..validation import Points
-from .in_lumen import check_in_lumen
+from .in_lumen import Lumen
 
 Floats = NDArray[np.float64]
 
@@ -40,14 +40,18 @@ def axis_in_vessel(
     centerline: Centerline | None,
     surface: Surface,
     straightening_fraction: float = 0.0,
+    *,
+    lumen: Lumen | None = None,
 ) -> StentAxis:
     """The axis of a stent, straightened as far as asked for and as the vessel permits.
 
     Parameters and errors as for `stent_axis`; a warning tells where less than asked for was used.
+    `lumen` is that of the surface, where many axes are asked for. `InputError` for points of the
+    placement outside of it.
     """
     native = stent_axis(stent, centerline)
     if centerline is not None:
-        check_in_lumen(stent.placement, centerline, surface)
+        (lumen or Lumen(surface)).check(stent.placement, centerline)
     if not straightening_fraction:
         return native
     used, place = permitted(native.points, stent.radius, surface, straightening_fraction)

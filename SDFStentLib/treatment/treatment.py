@@ -32,8 +32,6 @@ from ..measure import (
 )
 from ..stent import Stent, StentAxis
 from ..validation import (
-    DeploymentError,
-    InputError,
     Points,
     as_number,
     as_points,
@@ -41,7 +39,14 @@ from ..validation import (
 )
 from .straightening import axis_in_vessel
 from .surroundings import surroundings
-from .value import TreatedStent, TreatmentResult, TreatmentState, label_of, switched_on
+from .value import (
+    TreatedStent,
+    TreatmentResult,
+    TreatmentState,
+    label_of,
+    labeled,
+    switched_on,
+)
 from .warnings import (
     check_width,
     coarse_mesh,
@@ -138,7 +143,7 @@ class Treatment:
                 precision=self.precision,
             )
             ready = perf_counter()
-            for state in self._states_of(deployment, number):
+            for state in _named(deployment, self.label(number)):
                 fraction = (done + state.fraction) / len(self._enabled)
                 yield TreatmentState(number, fraction, state, surface, axis)
             self._seconds["setup"] += ready - start
@@ -167,18 +172,10 @@ class Treatment:
     def _axis(
         self, number: int, stent: Stent, centerline: Centerline | None, surface: Surface
     ) -> StentAxis:
-        try:
+        with labeled(self.label(number)):
             axis = axis_in_vessel(stent, centerline, surface, self.straightening_fraction)
             check_width(stent.diameter, axis, self.surface.points)
             return axis
-        except InputError as error:
-            raise error.labeled(self.label(number)) from error
-
-    def _states_of(self, deployment: Deployment, number: int) -> Iterator[DeploymentState]:
-        try:
-            yield from deployment
-        except DeploymentError as error:
-            raise DeploymentError(f"{self.label(number)}{error}") from error
 
     def _measured(self) -> TreatmentResult:
         after, centerline, companions = self._final
@@ -188,6 +185,7 @@ class Treatment:
         indices = np.flatnonzero((after.points != self.surface.points).any(axis=1))
         certificate = self._certificate(after, indices) if self.settings.certify else None
         return TreatmentResult(
+            before=self.surface,
             surface=after,
             indices=read_only(indices),
             centerline=centerline,
@@ -282,6 +280,11 @@ class Treatment:
             yield stage.result.relief.caution()
         yield from (gap.labeled("Before treatment: ") for gap in done.before.gaps)
         yield from (gap.labeled("After treatment: ") for gap in done.after.gaps)
+
+
+def _named(deployment: Deployment, label: str) -> Iterator[DeploymentState]:
+    with labeled(label):
+        yield from deployment
 
 
 class _Stage(NamedTuple):

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +15,16 @@ from ..centerline import Centerline
 from ..certificate import Certificate
 from ..deformation import DeploymentResult, DeploymentState
 from ..geometry import Surface
-from ..measure import Apposition, DiameterProfile, NeighborLumen, Ostium
+from ..measure import (
+    Apposition,
+    DiameterProfile,
+    FaceStretch,
+    NeighborLumen,
+    Ostium,
+    face_stretches,
+)
 from ..stent import Stent, StentAxis
-from ..validation import InputError, Points
+from ..validation import DeploymentError, InputError, Points
 
 
 @dataclass(frozen=True)
@@ -48,8 +57,8 @@ class TreatmentState:
 
 
 @dataclass(frozen=True)
-class TreatedStent:
-    """One stent after the treatment.
+class PlacedStent:
+    """One stent of a plan where it is in the vessel.
 
     Attributes
     ----------
@@ -58,6 +67,19 @@ class TreatedStent:
     stent : Stent
     axis : StentAxis
         Where it lies.
+    """
+
+    number: int
+    stent: Stent
+    axis: StentAxis
+
+
+@dataclass(frozen=True)
+class TreatedStent(PlacedStent):
+    """One stent after the treatment.
+
+    Attributes
+    ----------
     before, after : DiameterProfile
         Of the vessel along the axis, before any stent and after all of them.
     around_before, around_after : DiameterProfile
@@ -72,9 +94,6 @@ class TreatedStent:
         What came of it, before the stents after it.
     """
 
-    number: int
-    stent: Stent
-    axis: StentAxis
     before: DiameterProfile
     after: DiameterProfile
     around_before: DiameterProfile
@@ -96,8 +115,8 @@ class TreatmentResult:
 
     Attributes
     ----------
-    surface : Surface
-        After all stents.
+    before, surface : Surface
+        Before any stent, and after all of them.
     indices : (k,) array
         Points that moved; the others have the bits of the input.
     centerline : Centerline or None
@@ -114,6 +133,7 @@ class TreatmentResult:
         Seconds for setup, deploy, measure and certify.
     """
 
+    before: Surface
     surface: Surface
     indices: NDArray[np.int64]
     centerline: Centerline | None
@@ -132,6 +152,11 @@ class TreatmentResult:
     def coordinates(self) -> Points:
         """(k, 3) where the moved points are, mm."""
         return self.points[self.indices]
+
+    @cached_property
+    def stretch(self) -> FaceStretch:
+        """What became of every triangle."""
+        return face_stretches(self.before, self.surface)
 
 
 def switched_on(stents: Sequence[Stent]) -> list[tuple[int, Stent]]:
@@ -153,3 +178,14 @@ def label_of(stents: Sequence[Stent], number: int) -> str:
     if len(stents) == 1 and not name:
         return ""
     return f"Stent {number} ({name}): " if name else f"Stent {number}: "
+
+
+@contextmanager
+def labeled(label: str) -> Iterator[None]:
+    """Put a stent's label in front of what is raised inside."""
+    try:
+        yield
+    except InputError as error:
+        raise error.labeled(label) from error
+    except DeploymentError as error:
+        raise DeploymentError(f"{label}{error}") from error

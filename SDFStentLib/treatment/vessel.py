@@ -7,15 +7,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from ..centerline import Centerline
-from ..certificate import SurfaceCheck, check_surface
-from ..geometry import Precision, Surface, length
+from ..geometry import Surface, length
 from ..measure import (
     DiameterProfile,
-    FaceStretch,
     Lesion,
     LineSeeds,
     diameter_profile,
-    face_stretches,
     find_lesions,
     lesions_against,
     line_seeds,
@@ -86,11 +83,3 @@ class Vessel:
     def diameters(self, line: Points, spacing: float) -> DiameterProfile:
         """`diameter_profile` along a line through it."""
         return diameter_profile(self.surface, line, spacing)
-
-    def stretches(self, after: Surface) -> FaceStretch:
-        """`face_stretches` from here to another state of the wall."""
-        return face_stretches(self.surface, after)
-
-    def check(self, precision: Precision) -> SurfaceCheck:
-        """`check_surface` of its wall."""
-        return check_surface(self.surface, precision=precision)
