@@ -215,3 +215,19 @@ def showPlace(point):
             camera.SetPosition(*np.add(camera.GetPosition(), shift))
             camera.SetFocalPoint(*point)
         camera.ResetClippingRange()
+
+
+def showPlot(parameterNode):
+    """Show the chart in a layout that has a plot."""
+    slicer.modules.plots.logic().ShowChartInLayout(parameterNode.outputChart)
+
+
+def showTable(parameterNode):
+    """Show the table in a layout that has one."""
+    layout = slicer.mrmlScene.GetFirstNodeByClass("vtkMRMLLayoutNode")
+    if layout is not None:
+        tables = slicer.modules.tables.logic()
+        layout.SetViewArrangement(tables.GetLayoutWithTable(layout.GetViewArrangement()))
+    selection = slicer.app.applicationLogic().GetSelectionNode()
+    selection.SetActiveTableID(parameterNode.outputTable.GetID())
+    slicer.app.applicationLogic().PropagateTableSelection()

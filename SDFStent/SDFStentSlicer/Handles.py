@@ -33,6 +33,16 @@ def createHandle(scene, label, points, className=POINTS):
     return node
 
 
+def newHandle(centerline, values):
+    """The handle of a new stent at the middle of a centerline, or without one a curve that the user has to draw."""
+    if centerline is None:
+        return createHandle(slicer.mrmlScene, values["label"], [], CURVE)
+    handle = createHandle(slicer.mrmlScene, values["label"], [middlePoint(centerline)])
+    placement = values.get("placement", Placement.CENTER)
+    fitHandle(handle, placement, centerline, values.get("length", 20.0))
+    return handle
+
+
 def copyHandle(node, label):
     """A handle of ours with the placed points of another one; a curve runs as the other one does."""
     points = [] if node is None else Conversion.placedPoints(node)

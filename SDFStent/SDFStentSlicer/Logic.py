@@ -2,29 +2,25 @@
 
 import logging
 import sys
-import time
 import weakref
 
 import numpy as np
 import slicer
 from slicer.i18n import tr as _
 from slicer.ScriptedLoadableModule import ScriptedLoadableModuleLogic
-from vtk.util.numpy_support import vtk_to_numpy
 
 from SDFStentLib.stent import DEFAULT_FORESHORTENING, AtCenter
 from SDFStentLib.treatment import placement_at
 from SDFStentLib.validation import DeploymentError, InputError
 
-from . import Dependencies, Display, Handles, Outputs, Plans, Results
+from . import Dependencies, Deploying, Display, Handles, Outputs, Plans, Results
 from .Inputs import Inputs
 from .ParameterNode import STENT_FIELDS, MethodParameters, Placement, SDFStentParameterNode
+from .Portions import working
+from .Previewing import Previewing
+from .Shown import Shown
 from .Snapping import Snapping
-from .Stenting import Stenting
 from .StentList import StentList
-from .SurfaceOutput import outputSurface
-
-NUMBERS_EVERY_S = 0.15
-"""Previews are measured no more often: a number that changes faster is not read."""
 
 
 class SDFStentLogic(ScriptedLoadableModuleLogic):
@@ -51,9 +47,8 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
         """Let go of everything that belongs to the scene, which was closed or has got other content."""
         # A wrapper that lived through an import may have cached references that were not resolved yet.
         self._wrappers = {}
-        self._runs, self._surfaces, self._signatures, self._inputs = {}, {}, {}, Inputs()
-        self._snapping = Snapping()
-        self._numbersTime = 0.0
+        self._shown, self._inputs = {}, Inputs()
+        self._snapping, self._previewing = Snapping(), Previewing()
 
     def getParameterNode(self):
         """The parameters that the panel starts with."""
@@ -99,22 +94,13 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
             else:
                 values.setdefault("diameter", self._inputs.suggestedDiameter(parameterNode))
             values.setdefault("label", stents.freeLabel())
-            values["handle"] = self._newHandle(parameterNode, values)
+            isCurve = values.get("placement") == Placement.ALONG_CURVE
+            centerline = None if isCurve else self._inputs.centerline(parameterNode)
+            values["handle"] = Handles.newHandle(centerline, values)
         if values.get("placement", Placement.CENTER).usesHandleLength:
             values.setdefault("foreshortening", 0.0)
         stents.add(**values)
         return values["handle"]
-
-    def _newHandle(self, parameterNode, values):
-        placement = values.get("placement", Placement.CENTER)
-        if placement == Placement.ALONG_CURVE:
-            return Handles.createHandle(slicer.mrmlScene, values["label"], [], Handles.CURVE)
-        centerline = self._inputs.centerline(parameterNode)
-        handle = Handles.createHandle(
-            slicer.mrmlScene, values["label"], [Handles.middlePoint(centerline)]
-        )
-        Handles.fitHandle(handle, placement, centerline, values.get("length", 20.0))
-        return handle
 
     def copyStent(self, parameterNode):
         """Append a copy of the selected stent with a handle of its own."""
@@ -213,7 +199,7 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
         parameterNode = parameterNode or self.getParameterNode()
         for _fraction in self.steps(parameterNode):
             pass
-        return self._runs[parameterNode.parameterNode.GetID()].result
+        return self.lastRun(parameterNode).result
 
     def steps(self, parameterNode, live=False):
         """Deploy step by step: an iterator over the fraction done that shows every step in the output.
@@ -221,125 +207,57 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
         `live` is for dragging: the end of the library's preview, neither finished nor certified, with about the minimum lumen.
         The iterator also stops every 10 ms during longer calculations, so that whoever runs it can react.
         """
-        missing = self.missing(parameterNode)
+        missing, signature = self.missing(parameterNode), self.signature(parameterNode)
         if missing:
             raise InputError(missing)
-        vessel = self._inputs.vessel(parameterNode)
-        signature = self.signature(parameterNode)
+        vessel, shown = self._inputs.vessel(parameterNode), self._shownOf(parameterNode)
         parameterNode.status = self._snapping.told(parameterNode)
         if live:
-            yield from self._preview(parameterNode, vessel)
+            previewed = self._inputs.preview(parameterNode)
+            yield from self._previewing.steps(shown, signature, vessel, previewed)
         else:
-            yield from self._deploy(parameterNode, vessel)
-        self._signatures[parameterNode.parameterNode.GetID()] = signature
-        run = self.lastRun(parameterNode)
-        Results.showMap(parameterNode, run)
-        if live:
-            yield from self._previewNumbers(parameterNode, run)
-        else:
-            yield from self.measure(parameterNode)
-
-    def _preview(self, parameterNode, vessel):
-        """Show what the library's preview says of the plan."""
-        method = parameterNode.method
-        portions = self._inputs.preview(parameterNode).portions(
-            Plans.plannedOf(parameterNode),
-            Plans.settingsOf(parameterNode, live=True),
-            method.straightening / 100,
-            Dependencies.places(parameterNode),
-        )
-        surface = self._surface(parameterNode, vessel)
-        surface.hideOutline()  # until nothing more is coming
-        run = yield from _working(portions)
-        surface.showChanged(run.state.indices, run.state.coordinates)
-        self._runs[parameterNode.parameterNode.GetID()] = run
-        Results.showStents(parameterNode, run.tubes())
-        parameterNode.expansion = 100.0
-
-    def _previewNumbers(self, parameterNode, run):
-        """Show about the minimum lumen, unless that was done just now."""
-        if time.perf_counter() - self._numbersTime < NUMBERS_EVERY_S:
-            return
-        lumens = yield from _working(run.lumens())
-        self._numbersTime = time.perf_counter()
-        Results.showPreviewed(parameterNode, run, lumens)
+            yield from Deploying.steps(shown, signature, vessel, self._inputs)
+            yield from Deploying.measured(shown)
 
     def prepared(self, parameterNode):
         """Make what the first preview and deployment of a vessel need; an iterator as `steps`."""
         if parameterNode.vessel is not None and parameterNode.centerline is not None:
-            yield from _working(self._inputs.preview(parameterNode).prepared())
-
-    def _surface(self, parameterNode, vessel):
-        """The output that shows the vessel's mesh."""
-        key = parameterNode.parameterNode.GetID()
-        former = self._surfaces.get(key)
-        self._surfaces[key] = outputSurface(parameterNode, vessel.polyData, former)
-        return self._surfaces[key]
-
-    def _deploy(self, parameterNode, vessel):
-        """Show every step of the plan's deployment."""
-        centerline = (
-            None if parameterNode.centerline is None else self._inputs.centerline(parameterNode)
-        )
-        run = Stenting(
-            vessel.surface,
-            centerline,
-            Plans.plannedOf(parameterNode),
-            Plans.settingsOf(parameterNode),
-            straightening=parameterNode.method.straightening / 100,
-            dtype=vtk_to_numpy(vessel.polyData.GetPoints().GetData()).dtype,
-            places=Dependencies.places(parameterNode),
-            search=None if centerline is None else self._inputs.lesions(parameterNode),
-            faces=vessel.faces,
-        )
-        surface = self._surface(parameterNode, vessel)
-        self._runs[parameterNode.parameterNode.GetID()] = run
-        Plans.remember(parameterNode)
-        surface.hideOutline()
-        try:
-            yield from _expand(run, surface)
-        finally:
-            surface.showOutline()
-        Results.showEnd(parameterNode, run)
+            yield from working(self._inputs.preview(parameterNode).prepared())
 
     def measure(self, parameterNode):
         """Diameters, certificate, table and plot of the last deployment; an iterator as `steps`."""
-        run = self.lastRun(parameterNode)
-        if run is None or not run.recorded:
-            return
-        for _part in run.measure():
-            yield 1.0
-        Results.showMeasured(parameterNode, run)
+        yield from Deploying.measured(self._shownOf(parameterNode))
+
+    # What is shown
+
+    def _shownOf(self, parameterNode):
+        """The `Shown` of a parameter node, always the same one."""
+        node = parameterNode.parameterNode
+        shown = self._shown.get(node.GetID())
+        if shown is None or shown.parameterNode.parameterNode is not node:
+            shown = self._shown[node.GetID()] = Shown(parameterNode)
+        return shown
 
     def lastRun(self, parameterNode):
         """The `Stenting` of the last deployment, with its recorded steps; None before the first."""
-        return self._runs.get(parameterNode.parameterNode.GetID())
+        return self._shownOf(parameterNode).run
 
     def hasChanged(self, parameterNode):
         """Whether the results are those of another plan, or of other inputs, than the parameters have now."""
-        signature = self._signatures.get(parameterNode.parameterNode.GetID())
-        return signature is not None and signature != self.signature(parameterNode)
+        shown = self._shownOf(parameterNode).signature
+        return shown is not None and shown != self.signature(parameterNode)
 
     def hasSteps(self, parameterNode):
         """Whether there is a deployment to go back and forth over."""
-        run = self.lastRun(parameterNode)
-        return run is not None and bool(run.recorded) and parameterNode.outputVessel is not None
+        return self._shownOf(parameterNode).hasSteps
 
     def showStep(self, parameterNode, percent):
         """Show the last deployment at a percentage of its steps."""
-        run = self.lastRun(parameterNode)
-        surface = self._surfaces.get(parameterNode.parameterNode.GetID())
-        if run is None or surface is None or not surface.isValid:
-            return
-        points, tubes = run.end() if percent >= 100 else run.at(percent)
-        surface.show(points)
-        Results.showStents(parameterNode, tubes)
+        self._shownOf(parameterNode).step(percent)
 
     def showOutline(self, parameterNode):
         """Show the stented vessel's outline in the slice views again: nothing more is coming for now."""
-        surface = self._surfaces.get(parameterNode.parameterNode.GetID())
-        if surface is not None:
-            surface.showOutline()
+        self._shownOf(parameterNode).outline()
 
     def reset(self, parameterNode):
         """Show the vessel without stents again."""
@@ -348,9 +266,9 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
             parameterNode.expansion = 0.0
             Results.clearNumbers(parameterNode)
 
-    # Showing
-
     showPlace = staticmethod(Display.showPlace)
+    showPlot = staticmethod(Display.showPlot)
+    showTable = staticmethod(Display.showTable)
 
     def updateDisplay(self, parameterNode):
         """Bring what is shown into line with the parameters; makes no nodes."""
@@ -366,20 +284,6 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
         if run.shownMap != parameterNode.map:
             Results.showMap(parameterNode, run)
 
-    def showPlot(self, parameterNode):
-        """Show the chart in a layout that has a plot."""
-        slicer.modules.plots.logic().ShowChartInLayout(parameterNode.outputChart)
-
-    def showTable(self, parameterNode):
-        """Show the table in a layout that has one."""
-        layout = slicer.mrmlScene.GetFirstNodeByClass("vtkMRMLLayoutNode")
-        if layout is not None:
-            tables = slicer.modules.tables.logic()
-            layout.SetViewArrangement(tables.GetLayoutWithTable(layout.GetViewArrangement()))
-        selection = slicer.app.applicationLogic().GetSelectionNode()
-        selection.SetActiveTableID(parameterNode.outputTable.GetID())
-        slicer.app.applicationLogic().PropagateTableSelection()
-
     @staticmethod
     def sentence(error):
         """What the user reads about an error."""
@@ -388,10 +292,10 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
         return _("Unexpected error: {kind}: {text}").format(kind=type(error).__name__, text=error)
 
     @staticmethod
-    def log(error):
-        """Put an error with its traceback into the log; what the user's sentence explains is no error of the module."""
-        isExplained = isinstance(error, (InputError, DeploymentError))
-        level = logging.INFO if isExplained else logging.ERROR
+    def log(error, level=logging.INFO):
+        """Put an error with its traceback into the log, at `level` when the user's sentence explains it."""
+        if not isinstance(error, (InputError, DeploymentError)):
+            level = logging.ERROR
         logging.log(level, "SDF Stent: %s", error, exc_info=error)
 
     @staticmethod
@@ -401,26 +305,3 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
             n for n in sys.modules if n.split(".")[0] in ("SDFStentLib", "SDFStentSlicer")
         ]:
             del sys.modules[name]
-
-
-def _working(portions):
-    """Yield 0.0 for every portion of a calculation; returns what it returns."""
-    # Ends: with the calculation.
-    while True:
-        try:
-            next(portions)
-        except StopIteration as end:
-            return end.value
-        yield 0.0
-
-
-def _expand(run, surface):
-    """Run the steps and show them; yields the fraction done."""
-    fraction = 0.0
-    for state in run.steps():
-        if state is not None:
-            fraction = state.fraction
-            moved = state.deployment
-            surface.show(state.before.points, moved.indices, moved.coordinates)
-        yield fraction
-    surface.show(run.points)

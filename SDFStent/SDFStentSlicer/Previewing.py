@@ -1,15 +1,73 @@
-"""Stents while they are dragged: the library's preview, off the application's thread. No nodes in here."""
+"""Stents while they are dragged: the library's preview, off the application's thread, and what is shown of it."""
 
 import threading
+import time
+
+import numpy as np
+import slicer
+from slicer.i18n import tr as _
 
 from SDFStentLib.measure import displacements, face_stretches
-from SDFStentLib.treatment import Preview
+from SDFStentLib.treatment import Preview, PreviewState
+from SDFStentLib.validation import DeploymentError, InputError
 
-from .Portions import inPortions
+from . import Dependencies, Plans, Results
+from .Portions import inPortions, working
+
+NUMBERS_EVERY_S = 0.15
+"""Previews are measured no more often: a number that changes faster is not read."""
+
+
+class Previewing:
+    """Shows what the library's preview says of a plan, and about the minimum lumen."""
+
+    def __init__(self):
+        self._measuredAt = 0.0
+
+    def steps(self, shown, signature, vessel, previewed):
+        """Preview the plan on a `PreviewedVessel` and show it; an iterator as `SDFStentLogic.steps`.
+
+        Where the library refuses the plan the vessel is shown without stents, and said to be.
+        """
+        parameterNode, surface = shown.parameterNode, shown.surface(vessel)
+        surface.hideOutline()  # until nothing more is coming
+        try:
+            run = yield from working(
+                previewed.portions(
+                    Plans.plannedOf(parameterNode),
+                    Plans.settingsOf(parameterNode, live=True),
+                    parameterNode.method.straightening / 100,
+                    Dependencies.places(parameterNode),
+                )
+            )
+        except (InputError, DeploymentError):
+            self._show(shown, surface, PreviewRun.withoutStents(vessel.surface), signature)
+            with slicer.util.NodeModify(parameterNode):
+                parameterNode.expansion = 0.0
+                Results.clearNumbers(parameterNode, _("Shown: the vessel before treatment."))
+            raise
+        self._show(shown, surface, run, signature)
+        parameterNode.expansion = 100.0
+        yield from self._numbers(parameterNode, run)
+
+    @staticmethod
+    def _show(shown, surface, run, signature):
+        surface.showChanged(run.state.indices, run.state.coordinates)
+        shown.run, shown.signature = run, signature
+        Results.showStents(shown.parameterNode, run.tubes())
+        Results.showMap(shown.parameterNode, run)
+
+    def _numbers(self, parameterNode, run):
+        """Show about the minimum lumen, unless that was done just now."""
+        if time.perf_counter() - self._measuredAt < NUMBERS_EVERY_S:
+            return
+        lumens = yield from working(run.lumens())
+        self._measuredAt = time.perf_counter()
+        Results.showPreviewed(parameterNode, run, lumens)
 
 
 class PreviewedVessel:
-    """One vessel on which plans are tried out. What is made for it once is made once, whoever waits for it."""
+    """One vessel on which plans are tried out. What is made for it once is made once, whoever waits for it. No nodes in here."""
 
     def __init__(self, surface, centerline):
         self.surface = surface
@@ -54,6 +112,12 @@ class PreviewRun:
     def __init__(self, surface, state, places):
         self.surface, self.state, self.places = surface, state, list(places)
         self.shownMap = self.shownStent = None
+
+    @classmethod
+    def withoutStents(cls, surface):
+        """The vessel as it was."""
+        nothing = np.empty(0, dtype=np.int64)
+        return cls(surface, PreviewState(nothing, np.empty((0, 3)), ()), ())
 
     @property
     def points(self):

@@ -1,5 +1,7 @@
 """The panel: wires widgets to the logic and enables what can be done."""
 
+import logging
+
 import qt
 import slicer
 import vtk
@@ -197,12 +199,12 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
 
     def _onDone(self, error):
         self.ui.progressBar.value = 0 if error else 100
-        if error is not None:
-            self._showError(error)
+        if error is not None:  # of a hand that goes on there may be many
+            self._showError(error, logging.DEBUG if self.session.isPreview else logging.INFO)
         self._state.enable(self._parameterNode)
 
-    def _showError(self, error):
-        self.logic.log(error)
+    def _showError(self, error, level=logging.INFO):
+        self.logic.log(error, level)
         self._parameterNode.status = self.logic.sentence(error)
         self._state.enable(self._parameterNode)
 

@@ -77,8 +77,8 @@ def test_a_handle_let_go_outside_of_the_lumen_stays_there_and_nothing_is_deploye
     settle(host, aStent)
     np.testing.assert_allclose(positionOf(aStent), outside, atol=1e-6)
     assert "expected a point in the lumen" in aStent.ui.statusLabel.text
-    if autoUpdate:  # a preview does not look whether it is in the lumen, and says that it is one
-        assert "(preview)" in aStent._parameterNode.lumenSummary
+    if autoUpdate:
+        assert aStent.ui.lumenLabel.text == "Shown: the vessel before treatment."
         assert aStent._parameterNode.certificateSummary == ""
     else:
         assert aStent._parameterNode.lumenSummary == before

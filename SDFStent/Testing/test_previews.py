@@ -77,7 +77,7 @@ def test_numbers_and_certificate_of_another_place_are_taken_away(host, aStent):
     assert aStent.ui.certificateLabel.text
     parameters = aStent._parameterNode
     parameters.stent.diameter = 9.0
-    aStent.logic._numbersTime = 0.0
+    aStent.logic._previewing._measuredAt = 0.0
     previewed(aStent.logic, parameters)
     assert aStent.ui.certificateLabel.text == ""
     assert "about" in aStent.ui.lumenLabel.text
@@ -89,6 +89,36 @@ def test_the_vessel_can_be_shown_without_stents_after_a_preview(aLogic, theParam
     aLogic.reset(theParameters)
     np.testing.assert_array_equal(shown(theParameters), before)
     assert not aLogic.hasSteps(theParameters)
+
+
+@pytest.mark.parametrize("spoil", ["outside", "far away", "too wide"])
+def test_where_no_stent_can_be_the_vessel_is_shown_as_it_was_and_said_to_be(host, aStent, spoil):
+    parameters, handle = aStent._parameterNode, aStent._parameterNode.stent.handle
+    before = np.array(slicer.util.arrayFromModelPoints(parameters.vessel))
+    aStent.ui.autoUpdateCheckBox.checked = True
+    settle(host, aStent)
+    assert np.abs(shown(parameters) - before).max() > 0.5
+    assert parameters.outputStents.GetPolyData().GetNumberOfPoints() > 0
+    if spoil == "too wide":
+        parameters.stent.diameter = 59.0
+    else:  # across the plane of the vessel
+        across = np.array([0, 3.8 if spoil == "outside" else 40.0, 0])
+        handle.SetNthControlPointPositionWorld(0, *(theThroat() + across))
+    settle(host, aStent)
+    told = {"outside": "in the lumen", "far away": "of the centerline, got", "too wide": "at most 4 times"}
+    assert told[spoil] in aStent.ui.statusLabel.text
+    assert "Changed since" not in aStent.ui.statusLabel.text  # what is shown is of this plan
+    np.testing.assert_array_equal(shown(parameters), before)
+    assert parameters.outputStents.GetPolyData().GetNumberOfPoints() == 0
+    assert aStent.ui.lumenLabel.text == "Shown: the vessel before treatment."
+    assert aStent.ui.lumenLabel.enabled
+    assert aStent.ui.certificateLabel.text == ""
+    assert not aStent.ui.expansionSlider.enabled
+    handle.SetNthControlPointPositionWorld(0, *theThroat())
+    aStent.ui.diameterSlider.value = 8.5
+    settle(host, aStent)
+    assert "prescribed" in aStent.ui.lumenLabel.text
+    assert aStent.ui.statusLabel.text == ""
 
 
 def test_what_a_vessel_needs_is_made_when_it_is_chosen(host, theInputs, monkeypatch):

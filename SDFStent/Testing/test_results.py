@@ -62,8 +62,19 @@ def test_auto_update_marks_nothing_that_it_is_about_to_renew(host, aStent):
     settle(host, aStent)
     assert not isMarked(aStent)
     aStent._parameterNode.stent.handle.SetNthControlPointPositionWorld(0, 500, 500, 500)
-    settle(host, aStent)  # ends with an error: the numbers stay, of another place
+    settle(host, aStent)  # ends with an error: what is shown is the vessel before treatment
     assert "expected a point within" in aStent.ui.statusLabel.text
+    assert "before treatment" in aStent.ui.lumenLabel.text
+    assert not isMarked(aStent)
+
+
+def test_a_deployment_that_is_refused_leaves_the_last_one_marked_as_such(host, aStent):
+    deploy(host, aStent)
+    numbers = aStent.ui.lumenLabel.text
+    aStent._parameterNode.stent.handle.SetNthControlPointPositionWorld(0, 500, 500, 500)
+    deploy(host, aStent)
+    assert "expected a point within" in aStent.ui.statusLabel.text
+    assert aStent.ui.lumenLabel.text == numbers
     assert isMarked(aStent)
 
 
