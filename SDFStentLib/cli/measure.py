@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 from ..cautions import Caution
-from ..certificate import check_surface
 from ..files import SurfaceFile, check_same_space
 from ..plan import InputFiles, read_input_files
 from ..report import (
@@ -72,7 +71,7 @@ def check_command(options: argparse.Namespace, _console: Console) -> int:
     """Say whether a surface is sound; 3 when it is not."""
     inputs = read_input_files(options.surface, units=options.units)
     surface = inputs.surface
-    check = check_surface(surface.surface, precision=surface.precision)
+    check = inputs.vessel.check(surface.precision)
     document = {
         **_surface_document(surface),
         "passed": check.passed,

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from ..centerline import Centerline
-from ..geometry import Surface, length
+from ..certificate import SurfaceCheck, check_surface
+from ..geometry import Precision, Surface, length
 from ..measure import (
     DiameterProfile,
     Lesion,
@@ -83,3 +84,7 @@ class Vessel:
     def diameters(self, line: Points, spacing: float) -> DiameterProfile:
         """`diameter_profile` along a line through it."""
         return diameter_profile(self.surface, line, spacing)
+
+    def check(self, precision: Precision) -> SurfaceCheck:
+        """`check_surface` of its wall."""
+        return check_surface(self.surface, precision=precision)
