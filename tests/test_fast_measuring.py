@@ -7,7 +7,14 @@ import pytest
 from plain_measuring import nearest_points, plain_sphere
 
 from SDFStentLib.deformation import DeploymentSettings, deploy
-from SDFStentLib.geometry import SurfaceIndex, cut, resampled, tangents
+from SDFStentLib.geometry import (
+    SurfaceIndex,
+    cut,
+    near_balls,
+    nearest_distances,
+    resampled,
+    tangents,
+)
 from SDFStentLib.geometry.distance import closest_points_on_triangles
 from SDFStentLib.measure.cross_section import _lumen_area, equivalent_diameters
 from SDFStentLib.measure.inscribed import inscribed_spheres
@@ -85,17 +92,41 @@ def test_nearest_points_of_triangles_are_those_of_a_plain_way():
     np.testing.assert_allclose(distance, best, rtol=1e-9)
 
 
-def test_what_is_near_is_the_same_with_and_without_trees(monkeypatch):
+def test_what_is_near_is_what_a_plain_search_over_all_pairs_finds():
     tube = stenosed_tube(edge_length=1.5)
     random = np.random.default_rng(1)
-    queries = random.uniform(tube.points.min(axis=0) - 5, tube.points.max(axis=0) + 5, (40, 3))
-    radii = random.uniform(0, 12, 40)
+    queries = random.uniform(tube.points.min(axis=0) - 5, tube.points.max(axis=0) + 5, (300, 3))
+    queries[250:] = queries[250]
+    radii = random.uniform(0, 12, 300)
     index = SurfaceIndex(tube.points, tube.triangles)
-    dense, nearest = index.near(queries, radii), index.distances(queries)
-    monkeypatch.setattr("SDFStentLib.geometry.distance._DENSE", 0)
-    trees = index.near(queries, radii)
-    assert len(dense.query)
-    for one, other in zip(dense, trees, strict=True):
-        order = np.lexsort((trees.triangle, trees.query))
-        np.testing.assert_array_equal(one, other[order])
-    np.testing.assert_array_equal(index.distances(queries).distance, nearest.distance)
+    found = index.near(queries, radii)
+    corners = tube.points[tube.triangles]
+    every = np.array([np.linalg.norm(q - nearest_points(q, corners), axis=1) for q in queries])
+    pairs = np.zeros(every.shape, dtype=bool)
+    pairs[found.query, found.triangle] = True
+    assert pairs[every <= radii[:, None]].all()
+    assert np.count_nonzero(pairs) < 1.5 * np.count_nonzero(every <= radii[:, None])
+    assert (found.bound <= every[found.query, found.triangle] * (1 + 1e-9)).all()
+    assert (np.diff(found.query) >= 0).all()
+    np.testing.assert_allclose(index.distances(queries).distance, every.min(axis=1), rtol=1e-9)
+
+
+def test_balls_that_only_just_touch_what_is_looked_for_are_found():
+    """Far from the origin, where rounding is coarse; and many places and balls at one spot."""
+    random = np.random.default_rng(2)
+    balls = 1e5 + random.normal(size=(500, 3))
+    balls[400:] = balls[400]
+    places = np.repeat(balls[::5], 2, axis=0) + np.array([0.0, 0, 3])
+    place, ball = near_balls(places, np.full(len(places), 1.0), balls, np.full(500, 2.0))
+    own = set(zip(place.tolist(), ball.tolist(), strict=True))
+    assert all((n, 5 * (n // 2)) in own for n in range(len(places)))
+    place, ball = near_balls(places, np.zeros(len(places)), balls[:0], np.zeros(0))
+    assert len(place) == len(ball) == 0
+
+
+def test_the_nearest_of_many_points_is_that_of_a_plain_search():
+    random = np.random.default_rng(3)
+    points = random.normal(size=(40_000, 3))
+    places = np.vstack([random.normal(size=(50, 3)), points[:3]])
+    expected = [np.linalg.norm(points - place, axis=1).min() for place in places]
+    np.testing.assert_allclose(nearest_distances(places, points), expected, rtol=1e-12)

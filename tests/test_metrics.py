@@ -5,12 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from SDFStentLib.geometry import Surface
+from SDFStentLib.geometry import Surface, resampled, tangents
 from SDFStentLib.geometry.distance import SurfaceIndex, closest_points_on_triangles
+from SDFStentLib.measure import inscribed
 from SDFStentLib.measure.cross_section import equivalent_diameters
 from SDFStentLib.measure.inscribed import inscribed_spheres
 from SDFStentLib.measure.metrics import DiameterProfile, diameter_profile
 from SDFStentLib.measure.stretch import displacements, face_stretches
+from SDFStentLib.measure.wall_points import WallPoints
+from SDFStentLib.phantoms import branching_pulmonary_artery
 from SDFStentLib.validation import InputError
 
 ROUNDING = 1e-9  # mm: algebra on coordinates below 100 mm
@@ -177,14 +180,38 @@ def test_the_radius_is_the_distance_from_the_centre_to_the_surface():
     np.testing.assert_allclose(found.radii, measured, rtol=0, atol=ROUNDING)
 
 
-def test_a_large_surface_is_searched_with_the_result_of_a_small_one(monkeypatch):
+@pytest.mark.parametrize(("roughly", "finer"), [(100, 30), (3, 2)])
+def test_a_fine_surface_is_searched_among_its_points_with_the_same_result(
+    monkeypatch, roughly, finer
+):
     points, triangles = a_round_tube(count=90, length=60, spacing=0.6)
     points = points * [1.0, 0.8, 1.0]
     starts = np.linspace([2.0, 0.5, 20], [-1.5, 0, 40], 12)
-    thinned = inscribed_spheres(points, triangles, starts)
-    monkeypatch.setattr("SDFStentLib.measure.local_surface._THINNED_ABOVE", 10**9)
+    monkeypatch.setattr(inscribed, "_ROUGHLY", np.inf)
     plain = inscribed_spheres(points, triangles, starts)
-    np.testing.assert_allclose(thinned.radii, plain.radii, rtol=0, atol=1e-4)
+    levels = []
+    monkeypatch.setattr(
+        inscribed, "WallPoints", lambda *given: levels.append(given[1]) or WallPoints(*given)
+    )
+    monkeypatch.setattr(inscribed, "_ROUGHLY", roughly)
+    monkeypatch.setattr(inscribed, "_FINER", finer)
+    fine = inscribed_spheres(points, triangles, starts)
+    assert len(levels) >= (1 if roughly == 100 else 4)
+    np.testing.assert_allclose(fine.radii, plain.radii, rtol=0, atol=1e-4)
+
+
+def test_spheres_are_the_same_whichever_stations_are_searched_together(monkeypatch):
+    made = branching_pulmonary_artery()
+    tree = made.centerline
+    places = np.concatenate([resampled(tree.points[branch], 2.0) for branch in tree.branches])
+    directions = np.concatenate(
+        [tangents(resampled(tree.points[branch], 2.0)) for branch in tree.branches]
+    )
+    surface = made.points, made.triangles
+    together = inscribed_spheres(*surface, places, directions)
+    monkeypatch.setattr(inscribed, "_STATIONS", 1)
+    alone = inscribed_spheres(*surface, places, directions)
+    np.testing.assert_allclose(together.radii, alone.radii, atol=1e-3)
 
 
 def test_a_sphere_does_not_pass_through_the_wall_into_a_larger_vessel_beside():

@@ -16,6 +16,7 @@ from .faces import (
     vertex_normals,
 )
 from .named_faces import NamedFaces, checked_faces
+from .near_balls import near_balls, nearest_distances
 from .polyline import (
     arc_lengths,
     closest_points,
@@ -83,6 +84,8 @@ __all__ = [
     "locate",
     "may_meet_box",
     "minimum_bend_radius",
+    "near_balls",
+    "nearest_distances",
     "norm",
     "oriented_triangles",
     "plane_section",

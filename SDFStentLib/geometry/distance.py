@@ -7,23 +7,19 @@ looked at exactly. Nothing is ever missed, however uneven the mesh is.
 
 from __future__ import annotations
 
-from functools import cached_property
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from ..validation import Floats, Indices, Points, Triangles
-from .rows import dot, norm, product
+from .near_balls import near_balls, nearest_distances
+from .rows import dot, norm
 
 _BLOCK = 128
 """Queries looked at together; each may meet some thousand triangles at the centre of a tube."""
 
 _PAIR_BLOCK = 4096
 """Pairs looked at together: their temporaries stay in the processor's cache."""
-
-_DENSE, _DENSE_BLOCK = 1 << 15, 1 << 19
-"""Surfaces with fewer triangles than this are searched without a tree, so many pairs at once: a
-product of matrices is quicker than to grow a tree and to gather what it finds."""
 
 _SLACK = 1e-12
 """Relative widening of bounds, against rounding."""
@@ -98,20 +94,17 @@ class SurfaceIndex:
     ----------
     corners : (m, 3, 3) array
         Triangle, corner, coordinate, mm.
-
-    Notes
-    -----
-    Triangles are sorted into classes of similar size, each with its own tree of centroids: a few
-    huge triangles do not widen the search among the small ones.
+    centroids, disc_radii : (m, 3) and (m,) arrays
+        Of the discs that hold the triangles, mm.
     """
 
     def __init__(self, points: Points, triangles: Triangles) -> None:
         self.corners: Floats = points[triangles]
         a, b, c = self.corners[:, 0], self.corners[:, 1], self.corners[:, 2]
-        self._centroids = (a + b + c) / 3.0
-        arms = [corner - self._centroids for corner in (a, b, c)]
+        self.centroids: Points = (a + b + c) / 3.0
+        arms = [corner - self.centroids for corner in (a, b, c)]
         squared = np.maximum.reduce([dot(arm, arm) for arm in arms])
-        self._disc_radii = np.sqrt(squared)
+        self.disc_radii: Floats = np.sqrt(squared)
         normals = np.cross(arms[1] - arms[0], arms[2] - arms[0])
         lengths = norm(normals)
         self._normals = normals / np.where(lengths > 0, lengths, 1.0)[:, None]
@@ -130,18 +123,17 @@ class SurfaceIndex:
 
     def near(self, queries: Points, radii: Floats) -> NearPairs:
         """Pairs of query (n, 3) and triangle: all that come within `radii` (n,), and few more."""
-        is_small = len(self.corners) < _DENSE
-        query, triangle = (self._near_all if is_small else self._near_in_trees)(queries, radii)
+        query, triangle = near_balls(queries, radii, self.centroids, self.disc_radii)
         bound = self.lower_bounds(queries[query], triangle)
         is_near = bound <= radii[query] * (1 + _SLACK)
         return NearPairs(query[is_near], triangle[is_near], bound[is_near])
 
     def lower_bounds(self, queries: Points, triangle: Indices) -> Floats:
         """Distance (p,) from query i to the disc round triangle i: never above the true one."""
-        offset = queries - self._centroids[triangle]
+        offset = queries - self.centroids[triangle]
         height = dot(offset, self._normals[triangle])
         aside = np.sqrt(np.maximum(dot(offset, offset) - height**2, 0.0))
-        aside = np.maximum(aside - self._disc_radii[triangle], 0.0)
+        aside = np.maximum(aside - self.disc_radii[triangle], 0.0)
         above = np.maximum(np.abs(height) - self._thickness[triangle], 0.0)
         return np.sqrt(above**2 + aside**2) * (1 - _SLACK)
 
@@ -155,74 +147,12 @@ class SurfaceIndex:
         return closest
 
     def _distances(self, queries: Points) -> SurfaceDistance:
-        if len(self.corners) < _DENSE:
-            bound = np.array([norm(self._centroids - query).min() for query in queries])
-        else:
-            bound = np.minimum.reduce([tree.query(queries)[0] for tree, _ in self._trees])
-        query, triangle, _ = self.near(queries, bound)
+        query, triangle, _ = self.near(queries, nearest_distances(queries, self.centroids))
         closest = self.closest_points(queries[query], triangle)
         distance = norm(queries[query] - closest)
         order = np.lexsort((distance, query))
         first = order[np.searchsorted(query[order], np.arange(len(queries)))]
         return SurfaceDistance(distance[first], closest[first], triangle[first])
-
-    def _near_all(self, queries: Points, radii: Floats) -> tuple[Indices, Indices]:
-        """Pairs that the spheres round the triangles leave, from all pairs."""
-        middle = self._centroids.mean(axis=0)
-        theirs, ours = self._centroids - middle, queries - middle
-        squared, own, discs = dot(theirs, theirs), dot(ours, ours), self._disc_radii
-        # Squares are compared, |a - b|^2 <= (r + s)^2 with all that is mixed in one product of
-        # matrices; what rounding may do to a difference of large squares is let through.
-        left = np.column_stack([ours, radii, np.full(len(ours), -0.5)])
-        right = np.vstack([theirs.T, discs, squared - discs**2])
-        slack = 1e-12 * (squared.max() + own.max(initial=0.0) + radii.max(initial=0.0) ** 2)
-        limit = (own - radii**2 - slack) / 2
-        found = [np.empty(0, dtype=np.int64)]
-        size = max(1, _DENSE_BLOCK // len(squared))
-        for start in range(0, len(queries), size):
-            block = slice(start, start + size)
-            is_near = product(left[block], right) >= limit[block, None]
-            found.append(np.flatnonzero(is_near) + start * len(squared))
-        query, triangle = np.divmod(np.concatenate(found), len(squared))
-        return query, triangle
-
-    def _near_in_trees(self, queries: Points, radii: Floats) -> tuple[Indices, Indices]:
-        """The same from the trees of centroids."""
-        parts = [(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64))]
-        for tree, members in self._trees:
-            reach = radii * (1 + _SLACK) + self._disc_radii[members].max()
-            found = tree.query_ball_point(queries, reach, return_sorted=False)
-            counts = np.array([len(hits) for hits in found], dtype=np.int64)
-            if counts.sum():
-                hits = np.concatenate([np.asarray(hits, dtype=np.int64) for hits in found])
-                parts.append((np.repeat(np.arange(len(queries)), counts), members[hits]))
-        query, triangle = (np.concatenate(column) for column in zip(*parts, strict=True))
-        order = np.argsort(query, kind="stable")
-        return query[order], triangle[order]
-
-    @cached_property
-    def _trees(self) -> list[tuple[Any, Indices]]:
-        """Trees of the centroids, and their triangles."""
-        # Imported here: scipy costs half a second, which a first frame should not pay.
-        from scipy.spatial import cKDTree
-
-        return [
-            (cKDTree(self._centroids[members], balanced_tree=False, compact_nodes=False), members)
-            for members in _size_classes(self._disc_radii)
-        ]
-
-
-def _size_classes(sizes: Floats) -> list[Indices]:
-    """Members of each class; in a class the largest size is at most twice the smallest.
-
-    Everything below 1/64 of the typical size is one class: a search there is narrow anyway.
-    """
-    typical = np.median(sizes)
-    floor = max(typical, np.finfo(float).tiny) / 64
-    level = np.floor(np.log2(np.maximum(sizes, floor) / floor)).astype(np.int64)
-    # The common sizes stay together: one wide class costs less than two trees.
-    level[(sizes <= 2 * typical)] = 0
-    return [np.flatnonzero(level == number) for number in np.unique(level)]
 
 
 def _dot(one: Floats, other: Floats) -> Floats:

@@ -13,16 +13,19 @@ inside the old sphere, which holds no wall, so a centre can never pass through o
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..geometry import NearPairs, across, norm
+from ..geometry import across
 from ..geometry import tangents as polyline_tangents
 from ..validation import Floats, Indices, InputError, Points, Triangles, as_number, as_points
 from .local_surface import LocalSurface
-from .max_min_step import LinearRows, largest_steps
+from .max_min_step import largest_steps
+from .near_walls import Neighborhood
+from .wall_points import WallPoints
 
 _FIRST_BOX, _SMALLEST_BOX, _LARGEST_BOX = 0.05, 0.005, 0.5
 """Half width of the box of a step, as a fraction of the present radius. With 0.5 even the corner
@@ -31,14 +34,17 @@ of the box is nearer than the wall."""
 _ROUGH_TOLERANCE = 1e-3
 """Of a search among a part of the triangles, mm."""
 
-_STATIONS = 64
+_STATIONS = 512
 """Stations searched together: bounds the memory, and keeps the part of the surface local."""
 
 _ROUNDS = 200
+"""Most steps of a climb; one that is not done by then ends where it is, with the radius there."""
+
+_ROUGHLY, _FINER = 100, 30
+"""Points of the wall round a sphere in the first search, and so many times more in the next."""
 
 _ON_WALL = 1e-9
 """An axis point nearer to the wall than this, mm, lies on it: rounding tells no direction away."""
-"""Most steps of a climb; one that is not done by then ends where it is, with the radius there."""
 
 
 class InscribedSpheres(NamedTuple):
@@ -102,61 +108,90 @@ def inscribed_spheres(
     directions = polyline_tangents(centers) if tangents is None else _unit(tangents, centers)
     axes = across(directions)
     found = InscribedSpheres(np.empty_like(centers), np.empty(len(centers)))
-    for start in range(0, len(centers), _STATIONS):
-        block = slice(start, start + _STATIONS)
+    for block in _parts(centers):
         surface = LocalSurface(points, triangles, centers[block])
         spheres = _largest_spheres(surface, centers[block], axes[block], tolerance)
         found.centers[block], found.radii[block] = spheres
     return found
 
 
+def _parts(centers: Points) -> Iterator[Indices]:
+    """Stations that are searched together: near each other, not too many."""
+    todo = [np.arange(len(centers))] if len(centers) else []
+    # Ends: parts are halved until they are small.
+    while todo:
+        part = todo.pop()
+        if len(part) <= _STATIONS:
+            yield part
+            continue
+        half = len(part) // 2
+        widest = int(np.ptp(centers[part], axis=0).argmax())
+        order = np.argpartition(centers[part, widest], half)
+        todo += [np.sort(part[order[:half]]), np.sort(part[order[half:]])]
+
+
 def _largest_spheres(
     surface: LocalSurface, starts: Points, axes: Floats, tolerance: float
 ) -> InscribedSpheres:
-    """Climb on few triangles first, then on all, then make sure that no wall lies between."""
-    thinned = surface.thinned()
-    if thinned is None:
-        begin = InscribedSpheres(starts, surface.distances(starts))
-        return _climb(surface, begin, axes, tolerance)
-    rough = _largest_spheres(thinned, starts, axes, _ROUGH_TOLERANCE)
-    lost = np.flatnonzero(np.isnan(rough.radii))
-    # Fewer triangles are never nearer: the rough radius is an upper bound.
-    centers, bounds = rough.centers.copy(), rough.radii.copy()
+    """Climb among points of the wall, then on it, then make sure that no wall lies between."""
+    centers, bounds = _rough(surface, starts, axes)
+    lost = np.isnan(bounds)
     centers[lost], bounds[lost] = starts[lost], surface.distances(starts[lost])
+    box = np.where(lost, _FIRST_BOX, _SMALLEST_BOX)
     begin = InscribedSpheres(centers, bounds)
-    centers, radii = _climb(surface, begin, axes, tolerance, first_box=_SMALLEST_BOX)
+    centers, radii = _climb(surface, begin, axes, tolerance, first_box=box)
 
     # Empty spheres that overlap lie in the same lumen, and most hold the axis point anyway.
     moved = np.linalg.norm(centers - starts, axis=1)
-    doubtful = np.flatnonzero(~(moved < radii))
+    doubtful = np.flatnonzero(~(moved < radii - _ON_WALL))
     exact = surface.distances(starts[doubtful])
-    is_apart = ~(moved[doubtful] < radii[doubtful] + exact)
+    is_apart = ~(moved[doubtful] < radii[doubtful] + exact - _ON_WALL)
     again = doubtful[is_apart]
     begin = InscribedSpheres(starts[again], exact[is_apart])
     centers[again], radii[again] = _climb(surface, begin, axes[again], tolerance)
     return InscribedSpheres(centers, radii)
 
 
+def _rough(surface: LocalSurface, starts: Points, axes: Floats) -> InscribedSpheres:
+    """Spheres among points of the wall, few first; radii are at least those to the wall.
+
+    NaN where that leads out of the surface, and everywhere where the wall has few triangles.
+    """
+    around = float(np.quantile(surface.triangles_round(starts), 0.25))
+    centers, radii = starts.copy(), np.full(len(starts), np.nan)
+    strides = [max(1.0, around / _ROUGHLY)] if around > _ROUGHLY / 2 else []
+    # Ends: what is appended falls to 2.
+    while strides and strides[-1] > 2 * _FINER:
+        strides.append(strides[-1] / _FINER)
+    for number, stride in enumerate(strides):
+        wall = WallPoints(surface, stride)
+        centers = np.where(np.isnan(radii)[:, None], starts, centers)
+        begin = InscribedSpheres(centers, wall.distances(centers))
+        box = 2 * _SMALLEST_BOX if number else _FIRST_BOX
+        centers, radii = _climb(wall, begin, axes, _ROUGH_TOLERANCE, first_box=box)
+    return InscribedSpheres(centers, radii)
+
+
 def _climb(
-    surface: LocalSurface,
+    surface: LocalSurface | WallPoints,
     begin: InscribedSpheres,
     axes: Floats,
     tolerance: float,
     *,
-    first_box: float = _FIRST_BOX,
+    first_box: float | Floats = _FIRST_BOX,
 ) -> InscribedSpheres:
     """Local maxima reached from the centers of spheres that are at most as large as given."""
     spheres = InscribedSpheres(begin.centers.copy(), begin.radii.copy())
     centers, radii = spheres
     box = first_box * radii
     active = np.flatnonzero(radii > _ON_WALL)
-    near = _Neighbourhood(surface, len(centers))
+    near = Neighborhood(surface, len(centers))
     for _ in range(_ROUNDS):
         if len(active) == 0:
             break
         # Inside the box the radius grows and every distance shrinks by at most its half diagonal.
         reach = 2 * np.sqrt(2) * box[active]
-        rows = _rows(near, spheres, axes, reach, active)
+        rows = near.rows(centers, radii, axes, reach, active)
         radii[active] = rows.radii
         step, height = largest_steps(rows, box[active])
         moves = height - rows.radii > tolerance
@@ -175,76 +210,6 @@ def _climb(
     if len(active):
         radii[active] = surface.distances(centers[active])
     return spheres
-
-
-class _Neighbourhood:
-    """Triangles near every centre, found once and thinned out as the centres settle."""
-
-    def __init__(self, surface: LocalSurface, count: int) -> None:
-        self._surface = surface
-        self._covered = np.full(count, -np.inf)
-        nothing = np.empty(0, dtype=np.int64)
-        self._pairs = NearPairs(nothing, nothing, np.empty(0))
-
-    def forget(self, active: Indices, moved: Floats) -> None:
-        """Centres have moved: what is known of distances shrinks by as much."""
-        self._covered[active] -= moved
-        shift = np.full(len(self._covered), -np.inf)  # of those that are done
-        shift[active] = moved
-        query, triangle, bound = self._pairs
-        self._pairs = NearPairs(query, triangle, bound - shift[query])
-
-    def _find(self, centers: Points, which: Indices, wanted: Floats) -> None:
-        """Search anew round some of the centres, as far as wanted."""
-        found = self._surface.near(centers[which], wanted)
-        self._covered[which] = wanted
-        is_anew = np.zeros(len(centers), dtype=bool)
-        is_anew[which] = True
-        kept = np.flatnonzero(~is_anew[self._pairs.query])
-        query = np.r_[self._pairs.query[kept], which[found.query]]
-        order = np.argsort(query, kind="stable")
-        triangle = np.r_[self._pairs.triangle[kept], found.triangle]
-        bound = np.r_[self._pairs.bound[kept], found.bound]
-        self._pairs = NearPairs(query[order], triangle[order], bound[order])
-
-    def offsets(
-        self, centers: Points, active: Indices, radii: Floats, spare: Floats
-    ) -> tuple[Indices, Points, Floats]:
-        """From the walls within `radii` of the active centres: query, offset and distance.
-
-        Looks at a little more, up to `radii + spare`, so that it need not search at every step.
-        """
-        missing = radii > self._covered[active]
-        if missing.any():
-            growths = self._surface.growths
-            self._find(centers, active[missing], (radii + spare)[missing])
-            if self._surface.growths != growths and not missing.all():
-                # It has grown, and its triangles have other numbers.
-                self._find(centers, active, radii + spare)
-        query, triangle, bound = self._pairs
-        limit = np.full(len(centers), -np.inf)
-        limit[active] = radii
-        inner = np.flatnonzero(bound <= limit[query])
-        query, triangle = query[inner], triangle[inner]
-        offset = centers[query] - self._surface.index.closest_points(centers[query], triangle)
-        bound[inner] = distance = norm(offset)
-        return query, offset, distance
-
-
-def _rows(
-    near: _Neighbourhood, spheres: InscribedSpheres, axes: Floats, reach: Floats, active: Indices
-) -> LinearRows:
-    """Linear models of the distances that matter within the boxes, and the exact radii."""
-    centers, radii = spheres
-    query, offset, distance = near.offsets(centers, active, radii[active] + reach, reach)
-    starts = np.searchsorted(query, active)
-    radius = np.minimum.reduceat(distance, starts)
-    limit = np.empty(len(centers))
-    limit[active] = radius + reach
-    matters = np.flatnonzero(distance <= limit[query])
-    query, offset, distance = query[matters], offset[matters], distance[matters]
-    slope = np.einsum("nij,nj->ni", axes[query], offset) / np.maximum(distance, 1e-300)[:, None]
-    return LinearRows(distance, slope, np.searchsorted(query, active), radius)
 
 
 def _unit(tangents: ArrayLike, centers: Points) -> Points:

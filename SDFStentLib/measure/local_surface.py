@@ -5,10 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..geometry import NearPairs, SurfaceIndex, dot, may_meet_box
-from ..validation import Floats, Points, Triangles
-
-_THINNED_ABOVE, _THINNING = 8000, 8
-"""A surface with more triangles than this is thinned to one in so many."""
+from ..validation import Flags, Floats, Indices, Points, Triangles
 
 _AMPLY = 1.1
 """Factor on what the box is to grow by, against rounding."""
@@ -30,12 +27,11 @@ class LocalSurface:
         points: Points,
         triangles: Triangles,
         centers: Points,
-        extent: tuple[Floats, Floats] | None = None,
     ) -> None:
         self._points, self._triangles, self._centers = points, triangles, centers
         self.lowest: Floats
         self.highest: Floats
-        self.lowest, self.highest = extent or _extent(points)
+        self.lowest, self.highest = _extent(points)
         self._index: SurfaceIndex | None = None
         self.growths = 0
 
@@ -44,21 +40,13 @@ class LocalSurface:
         """The triangles that have been asked for, and more; at least one."""
         if self._index is None:
             # Any vertex in use bounds the distance to the wall; a thousand bound it well enough.
-            some = self._points[self._triangles[:: max(1, len(self._triangles) // 1000), 0]]
-            offset = (self._centers[:, None] - some).reshape(-1, 3)
-            squared = dot(offset, offset).reshape(len(self._centers), -1)
-            self._grow(2.5 * float(np.sqrt(squared.min(axis=1).max())))
+            self._grow(2.5 * float(self._vertex_distances(self._centers).max()))
             assert self._index is not None
         return self._index
 
     def near(self, centers: Points, radii: Floats) -> NearPairs:
         """`SurfaceIndex.near`, complete; triangle numbers change when `index` does."""
-        if self._index is None:
-            self._low, self._high = self._centers.min(axis=0), self._centers.max(axis=0)
-            self._grow(_AMPLY * self._missing(centers, radii))
-        # Where the box holds nothing, a larger one is taken.
-        self._index = self.index
-        self._cover(centers, radii)
+        self.cover(centers, radii)
         return self.index.near(centers, radii)
 
     def distances(self, centers: Points) -> Floats:
@@ -71,15 +59,40 @@ class LocalSurface:
             distance = self.index.distances(centers).distance
         return distance
 
-    def thinned(self) -> LocalSurface | None:
-        """A random part of the triangles; None where there are too few to be worth it."""
-        if len(self._triangles) < _THINNED_ABOVE:
-            return None
+    def closest_points(self, queries: Points, triangle: Indices) -> Points:
+        """Nearest point (p, 3) of triangle i, as `near` numbers them, to query i."""
+        return self.index.closest_points(queries, triangle)
+
+    def triangles_round(self, centers: Points) -> Floats:
+        """About how many triangles (n,) a sphere round a center would have that meets the wall."""
+        index = self.index
+        # A triangle with equal sides whose corners lie on a circle of radius 1 has the area 1.3.
+        area = 1.3 * float(np.median(index.disc_radii)) ** 2
+        return 4 * np.pi * self._vertex_distances(centers) ** 2 / max(area, 1e-300)
+
+    def cover(self, centers: Points, radii: Floats) -> None:
+        """Hold all within the radii of the centres."""
+        if self._index is None:
+            self._low, self._high = self._centers.min(axis=0), self._centers.max(axis=0)
+            self._grow(_AMPLY * self._missing(centers, radii))
+        # Where the box holds nothing, a larger one is taken.
+        self._index = self.index
+        self._cover(centers, radii)
+
+    def chosen(self, stride: float) -> Flags:
+        """A random part of the triangles that have been asked for, about one of so many.
+
+        A triangle is chosen or not, whatever else has been asked for.
+        """
         # A regular choice could leave out whole sides of a regular mesh.
-        count = len(self._triangles)
-        chosen = np.random.default_rng(0).integers(0, count, count // _THINNING)
-        extent = (self.lowest, self.highest)
-        return LocalSurface(self._points, self._triangles[chosen], self._centers, extent)
+        number = np.random.default_rng(0).random(len(self._triangles), dtype=np.float32)
+        return number[self._kept] * stride < 1
+
+    def _vertex_distances(self, centers: Points) -> Floats:
+        """Distance (n,) to the nearest of some thousand vertices, which bounds that to the wall."""
+        some = self._points[self._triangles[:: max(1, len(self._triangles) // 1000), 0]]
+        offset = (centers[:, None] - some).reshape(-1, 3)
+        return np.sqrt(dot(offset, offset).reshape(len(centers), -1).min(axis=1))
 
     def _grow(self, margin: float) -> None:
         """Take the triangles in the box round the centres, if there are any."""
@@ -87,9 +100,10 @@ class LocalSurface:
         self._margin = margin
         self._low = self._centers.min(axis=0) - margin
         self._high = self._centers.max(axis=0) + margin
-        kept = self._triangles
+        self._kept: slice | Flags = slice(None)
         if not self._is_whole():
-            kept = kept[may_meet_box(self._points, kept, self._low, self._high)]
+            self._kept = may_meet_box(self._points, self._triangles, self._low, self._high)
+        kept = self._triangles[self._kept]
         self._index = SurfaceIndex(self._points, kept) if len(kept) else None
 
     def _is_whole(self) -> bool:

@@ -1,0 +1,107 @@
+"""Linear models of the distances to the wall near some centers, searched as seldom as may be."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..geometry import NearPairs, norm
+from ..validation import Floats, Indices, Points
+from .local_surface import LocalSurface
+from .max_min_step import LinearRows
+from .wall_points import WallPoints
+
+_SPARE = 0.05
+"""Share of the radius by which more of the wall is looked up than a step needs."""
+
+_HELD = 0.7
+"""Share of the centers left from which on what is known of the others is dropped."""
+
+
+class Neighborhood:
+    """Triangles near every centre, found once and thinned out as the centres settle."""
+
+    def __init__(self, surface: LocalSurface | WallPoints, count: int) -> None:
+        self._surface = surface
+        self._covered = np.full(count, -np.inf)
+        self._moved, self._held = np.zeros(count), count
+        nothing = np.empty(0, dtype=np.int64)
+        # Bounds hold at a center's first place: what it has moved since is to be taken off.
+        self._pairs = NearPairs(nothing, nothing, np.empty(0))
+
+    def forget(self, active: Indices, moved: Floats) -> None:
+        """Centres have moved: what is known of distances shrinks by as much."""
+        self._covered[active] -= moved
+        self._moved[active] += moved
+
+    def rows(
+        self, centers: Points, radii: Floats, axes: Floats, reach: Floats, active: Indices
+    ) -> LinearRows:
+        """Linear models of the distances that matter within a reach, and the exact radii.
+
+        Parameters
+        ----------
+        centers, radii, axes : (n, 3), (n,) and (n, 2, 3) arrays
+            Of all; no radius is smaller than the distance to the wall.
+        reach : (k,) array
+            Walls farther than a radius and this do not matter, mm.
+        active : (k,) array of int
+            The centers that are looked at, in order.
+        """
+        spare = np.maximum(reach, _SPARE * radii[active])
+        query, offset, distance = self._offsets(centers, active, radii[active] + reach, spare)
+        starts = np.searchsorted(query, active)
+        radius = np.minimum.reduceat(distance, starts)
+        limit = np.empty(len(centers))
+        limit[active] = radius + reach
+        matters = np.flatnonzero(distance <= limit[query])
+        query, offset, distance = query[matters], offset[matters], distance[matters]
+        slope = np.einsum("nij,nj->ni", axes[query], offset) / np.maximum(distance, 1e-300)[:, None]
+        return LinearRows(distance, slope, np.searchsorted(query, active), radius)
+
+    def _find(self, centers: Points, active: Indices, which: Indices, wanted: Floats) -> None:
+        """Search anew round some of the centres, as far as wanted."""
+        found = self._surface.near(centers[which], wanted)
+        self._covered[which] = wanted
+        kept = self._pairs_of(len(centers), np.setdiff1d(active, which, assume_unique=True))
+        query = np.r_[kept.query, which[found.query]]
+        order = np.argsort(query, kind="stable")
+        triangle = np.r_[kept.triangle, found.triangle]
+        bound = np.r_[kept.bound, found.bound + self._moved[which[found.query]]]
+        self._hold(NearPairs(query[order], triangle[order], bound[order]), len(active))
+
+    def _pairs_of(self, count: int, some: Indices) -> NearPairs:
+        """What is known of some of so many centres."""
+        is_one = np.zeros(count, dtype=bool)
+        is_one[some] = True
+        query, triangle, bound = self._pairs
+        kept = np.flatnonzero(is_one[query])
+        return NearPairs(query[kept], triangle[kept], bound[kept])
+
+    def _hold(self, pairs: NearPairs, count: int) -> None:
+        self._pairs, self._held = pairs, count
+
+    def _offsets(
+        self, centers: Points, active: Indices, radii: Floats, spare: Floats
+    ) -> tuple[Indices, Points, Floats]:
+        """From the walls within `radii` of the active centres: query, offset and distance.
+
+        Looks at a little more, up to `radii + spare`, so that it need not search at every step.
+        """
+        missing = radii > self._covered[active]
+        if missing.any():
+            growths = self._surface.growths
+            self._find(centers, active, active[missing], (radii + spare)[missing])
+            if self._surface.growths != growths and not missing.all():
+                # It has grown, and its triangles have other numbers.
+                self._find(centers, active, active, radii + spare)
+        if len(active) <= _HELD * self._held:
+            self._hold(self._pairs_of(len(centers), active), len(active))
+        query, triangle, bound = self._pairs
+        limit = np.full(len(centers), -np.inf)
+        limit[active] = radii + self._moved[active]
+        inner = np.flatnonzero(bound <= limit[query])
+        query, triangle = query[inner], triangle[inner]
+        offset = centers[query] - self._surface.closest_points(centers[query], triangle)
+        distance = norm(offset)
+        bound[inner] = distance + self._moved[query]
+        return query, offset, distance
