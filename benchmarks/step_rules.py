@@ -29,7 +29,8 @@ from .common import (
     vmtk_aorta_case,
 )
 
-PUBLISHED = DeploymentSettings.published().with_changes(certify=False)
+# In the same field, so that only the steps differ.
+PUBLISHED = DeploymentSettings.published().with_changes(certify=False, fold="both")
 EVENTS = PUBLISHED.with_changes(rule="events")
 
 RULES = {

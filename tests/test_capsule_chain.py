@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -9,9 +10,10 @@ import pytest
 from deployment_cases import ANATOMIES, AXES, anatomy_case
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from oracle import field as plain_field
+from oracle import PlainField
+from oracle import field as fold_from_the_distal_end
 
-from SDFStentLib.field.capsule_chain import CapsuleChain
+from SDFStentLib.field.capsule_chain import FOLDS, CapsuleChain, runs_forward
 from SDFStentLib.field.chain_field import Field
 from SDFStentLib.validation import InputError
 
@@ -32,8 +34,23 @@ def points_round(chain, count=400, seed=1, near=12.0):
     return np.concatenate([on_axis + away, on_axis[:30], nodes, ends, far])
 
 
+def plain_field(points, chain):
+    """By the paper from the distal end; from both ends the mean of it and of the axis reversed."""
+    nodes, k = chain.nodes, chain.smoothing_width
+    distal = fold_from_the_distal_end(points, nodes, k)
+    if chain.fold == "distal":
+        return distal
+    proximal = fold_from_the_distal_end(points, nodes[::-1], k)
+    return PlainField(*((one + other) / 2 for one, other in zip(distal, proximal, strict=True)))
+
+
 def assert_equals_the_plain_fold(chain, points):
-    plain = plain_field(points, chain.nodes, chain.smoothing_width)
+    for fold in FOLDS:
+        assert_field_equals_the_plain_one(replace(chain, fold=fold), points)
+
+
+def assert_field_equals_the_plain_one(chain, points):
+    plain = plain_field(points, chain)
     field = chain.field(points)
     # The engine subtracts squares of up to (100 mm)^2: rounding of 1e-12 mm^2, hence of
     # 1e-12 / distance in the distance itself and, on the axis, of its root. No wall is there.
@@ -167,9 +184,9 @@ def test_the_smooth_distance_lies_less_than_the_width_below_the_true_one():
 
 def test_the_signed_distance_falls_by_exactly_the_radius():
     """phi(p; r) = D(p) - r: the plain fold of capsules with radius 2 is 2 less everywhere."""
-    from oracle import PlainField, capsule_distance, smin
+    from oracle import capsule_distance, smin
 
-    chain = CapsuleChain.along(AXES["bent"])
+    chain = CapsuleChain.along(AXES["bent"], fold="distal")
     points = points_round(chain)
     nodes = chain.nodes[::-1]
     folded = None
@@ -211,6 +228,37 @@ def test_capsules_have_equal_lengths_near_the_wanted_one_and_the_ends_are_kept()
     np.testing.assert_allclose(lengths, 20 / 7, atol=1e-12)
     np.testing.assert_allclose(chain.nodes[[0, -1]], AXES["straight"], atol=1e-12)
     assert chain.length == pytest.approx(20, abs=1e-12)
+
+
+@pytest.mark.parametrize("name", list(ANATOMIES))
+def test_an_axis_the_other_way_round_has_the_same_nodes_and_field_to_the_last_bit(data_dir, name):
+    case = anatomy_case(data_dir, name, 30, 40)
+    there, back = CapsuleChain.along(case.axis), CapsuleChain.along(case.axis[::-1])
+    np.testing.assert_array_equal(back.nodes, there.nodes[::-1])
+    for one, other in zip(there.field(case.points), back.field(case.points), strict=True):
+        np.testing.assert_array_equal(one, other)
+    distal = replace(there, fold="distal"), replace(back, fold="distal")
+    apart = np.abs(distal[0].field(case.points).distance - distal[1].field(case.points).distance)
+    assert apart.max() > 1e-3
+
+
+@pytest.mark.parametrize("points", [AXES["helix"], -AXES["straight"], AXES["bent"][:, [1, 0, 2]]])
+def test_one_direction_of_a_line_is_forward_and_the_other_is_not(points):
+    assert runs_forward(points) != runs_forward(points[::-1])
+
+
+def test_a_change_of_the_patients_frame_does_not_turn_a_line_round():
+    assert runs_forward(AXES["helix"] * [-1, -1, 1]) == runs_forward(AXES["helix"])
+
+
+def test_a_line_that_is_the_same_both_ways_runs_forward():
+    there = AXES["helix"]
+    assert runs_forward(np.concatenate([there, there[-2::-1]]))
+
+
+def test_an_unknown_fold_is_refused():
+    with pytest.raises(InputError, match="fold: expected one of both, distal, got 'proximal'"):
+        CapsuleChain.along(AXES["straight"], fold="proximal")
 
 
 def test_repeated_axis_points_change_nothing():
@@ -265,11 +313,14 @@ def windowed(chain, points, near):
     return Field(field.distance[back], field.direction[back], field.slope[back])
 
 
+@pytest.mark.parametrize("fold", FOLDS)
 @pytest.mark.parametrize("capsule_length", [0.3, 1.0, 2.0])
 @pytest.mark.parametrize("k", [0.0, 0.4, 1.5])
 @pytest.mark.parametrize("name", list(AXES))
-def test_windows_of_capsules_change_nothing(name, k, capsule_length):
-    chain = CapsuleChain.along(AXES[name], capsule_length=capsule_length, smoothing_width=k)
+def test_windows_of_capsules_change_nothing(name, k, capsule_length, fold):
+    chain = CapsuleChain.along(
+        AXES[name], capsule_length=capsule_length, smoothing_width=k, fold=fold
+    )
     points = points_round(chain, 5000)
     near, _ = chain.folding.nearest_nodes(points)
     whole, part = chain.field(points), windowed(chain, points, near)
@@ -280,10 +331,11 @@ def test_windows_of_capsules_change_nothing(name, k, capsule_length):
     np.testing.assert_allclose(part.direction[steep], whole.direction[steep], atol=1e-9)
 
 
+@pytest.mark.parametrize("fold", FOLDS)
 @pytest.mark.parametrize("name", ["hairpin", "helix"])
-def test_a_wrong_guess_of_the_nearest_node_costs_time_and_nothing_else(name):
+def test_a_wrong_guess_of_the_nearest_node_costs_time_and_nothing_else(name, fold):
     # Points must prove their window: those with a window at the other end are folded again.
-    chain = CapsuleChain.along(AXES[name])
+    chain = CapsuleChain.along(AXES[name], fold=fold)
     points = points_round(chain, 3000)
     points = points[chain.axis_distance(points) > 1e-3]
     guess = np.random.default_rng(3).integers(0, len(chain.nodes), len(points)).astype(np.int32)
@@ -307,7 +359,7 @@ def test_the_nearest_node_and_a_bound_of_the_distance_are_found_together():
     chain = CapsuleChain.along(AXES["helix"])
     points = points_round(chain, 3000)
     near, bound = chain.folding.nearest_nodes(points)
-    apart = np.linalg.norm(points[:, None] - chain.nodes[::-1], axis=2)
+    apart = np.linalg.norm(points[:, None] - chain.folding.nodes, axis=2)
     np.testing.assert_allclose(apart[np.arange(len(points)), near], apart.min(axis=1), atol=1e-7)
     distance = chain.axis_distance(points)
     assert (bound <= distance + 1e-6).all()

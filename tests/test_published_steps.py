@@ -119,7 +119,7 @@ def test_points_that_can_only_be_dragged_never_touch():
     radius = np.r_[np.full(400, 2.0), np.full(200, 2.6)]
     points = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), z])
     points[400:] += 0.3 * rng.normal(size=(200, 3))
-    chain = CapsuleChain.along([[0.0, 0, 8], [0, 0, 20]])
+    chain = CapsuleChain.along([[0.0, 0, 8], [0, 0, 20]], fold="distal")
     after, _ = grown(points, chain, 0.4, 3.0, np.arange(600) < 400)
     plain = oracle.deployed(points, chain.nodes, 0.4, 3.0, wall=400)
     np.testing.assert_allclose(after, plain, rtol=0, atol=EXACT)

@@ -38,6 +38,7 @@ def test_the_published_preset_adds_nothing_to_the_paper():
     assert rule.step == 0.1
     assert settings.rule == "published"
     assert settings.calibration == "paper"
+    assert settings.fold == "distal"
     assert not settings.finish
     assert not settings.facet_compensation
     assert not settings.untangle

@@ -10,17 +10,13 @@ from numpy.typing import NDArray
 
 from ..certificate import Comparison, MotionCheck
 from ..field import CapsuleChain
-from ..geometry import (
-    connected,
-    consistently_wound,
-    dot,
-    vertex_normals,
-)
+from ..geometry import consistently_wound, dot, vertex_normals
 from ..measure import caps_across
 from ..validation import DeploymentError, Points, Triangles
 from .event_steps import event_steps
-from .lumen import Expanded, drawn_in, facets_compensated, finished
+from .lumen import Expanded, OwnWall, drawn_in, facets_compensated, finished
 from .motion import Motion
+from .own_wall import own_share
 from .patch import Patch
 from .published_steps import published_steps
 from .stent_checks import motion_check
@@ -79,7 +75,7 @@ class Attempt:
         companions = task.companions.copy()
         companions[self.numbers[dragged] - len(task.surface.points)] = self.positions[dragged]
         return DeploymentState(
-            radius=min(level + task.radius - target, task.radius),
+            radius=task.radius - max(target - level, 0.0),
             fraction=min(level / target, 1.0) * (1 - 1e-9),
             indices=self.numbers[wall],
             coordinates=self.positions[wall],
@@ -98,15 +94,17 @@ class Attempt:
     def motion_check(self) -> MotionCheck:
         """How far the wall has moved, against what the method can move."""
         before, after = self.start[: self.wall_count], self.positions[: self.wall_count]
-        return motion_check(before, after, self.task.chain, self.task.radius, self._gap)
+        return motion_check(before, after, self.task.capsules, self.task.radius, self._gap)
 
     def _on_lumen(self) -> Points:
         task, settings = self.task, self.task.settings
         stent = Expanded(task.target_level, task.radius, settings.contact_tolerance)
         positions, on_stent = finished(self.motion, stent)
         if self._nearest_own is not None:
-            own = self._own_wall(self._nearest_own)
-            positions, back = drawn_in(self.motion, positions, own, self.start[own], stent)
+            share = self._own_share(self._nearest_own)
+            own = np.flatnonzero(share)
+            drawn = OwnWall(own, share[own], self.start[own])
+            positions, back = drawn_in(self.motion, positions, drawn, stent)
             on_stent = np.union1d(on_stent, back)
         self._uncompensated = positions
         if not settings.facet_compensation:
@@ -124,7 +122,7 @@ class Attempt:
     @cached_property
     def _is_cap(self) -> NDArray[np.bool_]:
         """Which faces of the patch belong to flat caps across the stent's ends."""
-        nodes, reach = self.task.chain.nodes, CAPS_WITHIN * self.task.radius
+        nodes, reach = self.task.capsules.nodes, CAPS_WITHIN * self.task.radius
         return caps_across(self.patch_start, self.patch.triangles, nodes, reach)
 
     def untangle(self, faulty: NDArray[np.int64]) -> int:
@@ -153,14 +151,14 @@ class Attempt:
         """The points that can move, and their numbers among points and companions."""
         task, points = self.task, self.task.surface.points
         reach = task.target_level + task.settings.influence_distance + gap
-        wall, near_wall = within_reach(points, task.chain, reach)
+        wall, near_wall = within_reach(points, task.capsules, reach)
         # A point that no triangle uses is no wall; nobody would see it touched.
         is_used = task.is_used[wall]
         wall, near_wall = wall[is_used], near_wall[is_used]
-        dragged, near_dragged = within_reach(task.companions, task.chain, reach)
+        dragged, near_dragged = within_reach(task.companions, task.capsules, reach)
         numbers = np.concatenate([wall, len(points) + dragged])
         motion = Motion(
-            task.chain,
+            task.capsules,
             np.concatenate([points[wall], task.companions[dragged]]),
             np.arange(len(numbers)) < len(wall),
             np.concatenate([near_wall, near_dragged]),
@@ -201,8 +199,8 @@ class Attempt:
 
     def _is_beside(self) -> NDArray[np.bool_]:
         """Which points of the wall lie beside the stent: not beyond an end, nor in a cap."""
-        points, nodes = self.positions[: self.wall_count], self.task.chain.nodes
-        reach = self.motion.level[: self.wall_count] + self.task.chain.smoothing_width
+        points, nodes = self.positions[: self.wall_count], self.task.capsules.nodes
+        reach = self.motion.level[: self.wall_count] + self.task.capsules.smoothing_width
         is_beside = np.ones(len(points), dtype=bool)
         for end, inner in (nodes[:2], nodes[:-3:-1]):
             offset = points - end
@@ -212,20 +210,16 @@ class Attempt:
         is_beside[in_cap[in_cap < len(points)]] = False
         return is_beside
 
-    def _own_wall(self, nearest: int) -> NDArray[np.int64]:
-        """Wall without tissue offset that hangs together with the point of it nearest to the axis.
+    def _own_share(self, nearest: int) -> NDArray[np.float64]:
+        """How far each point of the wall is that of the stented lumen, see `own_share`.
 
-        The far wall of a neighbor faces away from the stent as well, but is joined to it only by
-        walls that do not.
+        Known is a point without tissue offset, the nearest such to the axis.
         """
-        count = self.wall_count
-        is_free = np.zeros(len(self.patch.vertices), dtype=bool)
-        is_free[:count] = self.motion.offset[:count] == 0
+        tissue = np.ones(len(self.patch.vertices))
+        tissue[: self.wall_count] = self.motion.offset[: self.wall_count] / self._gap
         sides = np.concatenate([self.patch.triangles[:, :2], self.patch.triangles[:, 1:]])
-        sides = sides[is_free[sides].all(axis=1)]
-        _, label = connected(len(self.patch.vertices), sides[:, 0], sides[:, 1])
-        label = label[self.patch.twin][:count]
-        return np.flatnonzero(is_free[:count] & (label == label[nearest]))
+        share = own_share(sides, tissue, self.patch.twin[nearest])
+        return share[self.patch.twin[: self.wall_count]]
 
 
 def away_from_wall(task: DeploymentTask) -> DeploymentError:

@@ -69,6 +69,17 @@ class OnStent(NamedTuple):
     numbers: NDArray[np.int64]
 
 
+class OwnWall(NamedTuple):
+    """Points of the stented lumen's own wall."""
+
+    numbers: NDArray[np.int64]
+    """(k,)"""
+    share: NDArray[np.float64]
+    """(k,) how far they are that for certain, in (0, 1]."""
+    start: Points
+    """(k, 3) where they were before anything moved, mm."""
+
+
 def finished(motion: Motion, stent: Expanded) -> OnStent:
     """Move the points on the stent to the prescribed true distance from the axis.
 
@@ -96,9 +107,7 @@ def finished(motion: Motion, stent: Expanded) -> OnStent:
     return OnStent(positions, where)
 
 
-def drawn_in(
-    motion: Motion, positions: Points, own: NDArray[np.int64], start: Points, stent: Expanded
-) -> OnStent:
+def drawn_in(motion: Motion, positions: Points, own: OwnWall, stent: Expanded) -> OnStent:
     """Bring wall back that was dragged along ahead of the stent and ended outside of it.
 
     A stent only pushes. Wall that it reaches has no cause to end up outside of it, but near contact
@@ -113,25 +122,24 @@ def drawn_in(
         Settled.
     positions : (n, 3) array
         Finished, mm.
-    own : (k,) array
-        The points of the stented lumen's own wall.
-    start : (k, 3) array
-        Where these were before anything moved.
+    own : OwnWall
+        By the share of each point it is brought back.
     stent : Expanded
     """
     positions, radius = positions.copy(), stent.radius
-    moved = np.linalg.norm(positions[own] - start, axis=1)
-    outside = motion.level[own] - stent.level
+    moved = np.linalg.norm(positions[own.numbers] - own.start, axis=1)
+    outside = motion.level[own.numbers] - stent.level
     # Whatever is too far out has moved by a certain share of that; the level tells it roughly.
     surely = (1 - 1 / DRAG_BOUND) * (outside - motion.chain.smoothing_width)
     may_be = (outside > 0) & (surely < moved) & (moved > 0)
-    where, start = own[may_be], start[may_be]
-    native = motion.axis_distance(where, start)
+    where, share = own.numbers[may_be], own.share[may_be]
+    native = motion.axis_distance(where, own.start[may_be])
     allowed = DRAG_BOUND * np.maximum(native - radius, 0)
     allowed += _beyond_ends(motion, where, positions[where])
-    bound = radius + allowed
-    too_far = motion.axis_distance(where, positions[where]) > bound * (1 + ROUNDING)
-    where, bound = where[too_far], bound[too_far]
+    bound = radius + allowed + motion.offset[where]
+    distance = motion.axis_distance(where, positions[where])
+    too_far = distance > bound * (1 + ROUNDING)
+    where, bound = where[too_far], (distance + share * (bound - distance))[too_far]
     for _ in range(FINISH_ROUNDS):
         true_distance = motion.axis_distance(where, positions[where])
         positions[where] += (bound - true_distance)[:, None] * motion.direction[where]

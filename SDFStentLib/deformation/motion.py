@@ -78,7 +78,8 @@ class Motion:
             near, _ = chain.folding.nearest_nodes(points)
         local = points - self._origin
         self._frame = _own_frame(chain.nodes, local[touchable])
-        order, self.cell = _spatial_order(local @ self._frame, touchable, near)
+        place = _along(chain.folding.nodes, self._frame, near)
+        order, self.cell = _spatial_order(local @ self._frame, touchable, place)
         self.chain = chain
         self.indices = order
         self.positions = points[order]
@@ -233,9 +234,7 @@ def _own_frame(nodes: Points, wall: Points) -> Points:
     which the stent begins; sums and products keep their bits where two coordinates change sign.
     """
     middle = wall.sum(axis=0)
-    along = nodes[-1] - nodes[0]
-    if not along.any():  # a closed ring
-        along = nodes[len(nodes) // 2] - nodes[0]
+    along = _chord(nodes)
     along = along / np.linalg.norm(along)
     if middle @ along < 0:
         along = -along
@@ -246,13 +245,26 @@ def _own_frame(nodes: Points, wall: Points) -> Points:
     return np.stack([along, side, np.cross(along, side)], axis=1)
 
 
+def _chord(nodes: Points) -> Points:
+    chord = nodes[-1] - nodes[0]
+    if not chord.any():  # a closed ring
+        chord = nodes[len(nodes) // 2] - nodes[0]
+    return chord
+
+
+def _along(nodes: Points, frame: Points, near: NDArray[np.int32]) -> NDArray[np.int32]:
+    """Numbers of nodes counted along the own frame, whatever way the nodes run."""
+    return near if _chord(nodes) @ frame[:, 0] > 0 else len(nodes) - 1 - near
+
+
 def _spatial_order(
     points: Points, touchable: NDArray[np.bool_], near: NDArray[np.int32]
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Wall before companions, each along the stent, by the cube and the cell it is in.
 
     So that points that are worked on together share capsules and branches of a search tree. Also
-    returns the number of the cell of each point, in that order.
+    returns the number of the cell of each point, in that order. The nearest nodes are counted
+    along the own frame, as `_along` gives them.
     """
     if not len(points):
         return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)

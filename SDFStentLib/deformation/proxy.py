@@ -117,13 +117,13 @@ class Proxy:
             settings or DeploymentSettings.preview(),
             companions=as_points(companions, "companion points"),
         )
-        wall = self._wall_with(task.chain.nodes)
+        wall = self._wall_with(task.capsules.nodes)
         reach = task.target_level + task.settings.influence_distance + task.settings.tissue_gap
-        level = self._level(wall, wall.near(task.chain, reach + task.chain.smoothing_width))
+        level = self._level(wall, wall.near(task.capsules, reach + task.capsules.smoothing_width))
         vertices = wall.vertices[level.sample]
         start = self.surface.points[vertices] if points is None else points[vertices]
         moved = _expanded(task, start, wall.normals[level.sample], reach)
-        cells = wall.cells_near(task.chain, reach + level.spacing)
+        cells = wall.cells_near(task.capsules, reach + level.spacing)
         rows, displacement = _carried(wall, level, cells, moved.displacement)
         indices = wall.vertices[rows]
         before = self.surface.points[indices] if points is None else points[indices]
@@ -178,12 +178,12 @@ class _Moved(NamedTuple):
 
 def _expanded(task: DeploymentTask, points: Points, normals: Points, reach: float) -> _Moved:
     """The radius steps of the method on some points of the wall."""
-    wall, near_wall = within_reach(points, task.chain, reach)
-    dragged, near_dragged = within_reach(task.companions, task.chain, reach)
+    wall, near_wall = within_reach(points, task.capsules, reach)
+    dragged, near_dragged = within_reach(task.companions, task.capsules, reach)
     if not len(wall):
         raise away_from_wall(task)
     motion = Motion(
-        task.chain,
+        task.capsules,
         np.concatenate([points[wall], task.companions[dragged]]),
         np.arange(len(wall) + len(dragged)) < len(wall),
         np.concatenate([near_wall, near_dragged]),

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 from numpy.typing import ArrayLike
 
-from ..field import CapsuleChain
+from ..field import FOLDS, CapsuleChain
 from ..validation import InputError, as_length, as_number
 from .profiles import BLENDS, FALLOFFS, Profile, as_profile
 from .step_rule import StepRule
@@ -64,6 +64,9 @@ class DeploymentSettings:
         Distance to the converged limit, mm, that an adaptive step may have by its own estimate.
     crimped_radius : float
         Radius to start from; lowered where the wall is nearer to the axis than that.
+    fold : {"both", "distal"}
+        Ends from which the smooth minimum is folded. The mean of both makes the result independent
+        of the direction of the axis; from the distal end only is as published.
     falloff, blend : str or function
         Weight over the distance to the stent, and over that to the nearest contact point.
     calibration : {"axis", "paper", "none"}
@@ -86,6 +89,7 @@ class DeploymentSettings:
         "falloff": tuple(FALLOFFS),
         "blend": tuple(BLENDS),
         "calibration": CALIBRATIONS,
+        "fold": FOLDS,
     }
     """What the parameters that are names may be."""
 
@@ -97,6 +101,7 @@ class DeploymentSettings:
     step: float | None = None
     step_tolerance: float = 0.05
     crimped_radius: float = 0.4
+    fold: str = "both"
     falloff: str | Profile = "compact"
     blend: str | Profile = "linear"
     calibration: str = "axis"
@@ -125,6 +130,8 @@ class DeploymentSettings:
             raise InputError(
                 f"calibration: expected one of {', '.join(CALIBRATIONS)}, got {self.calibration!r}."
             )
+        if self.fold not in FOLDS:
+            raise InputError(f"fold: expected one of {', '.join(FOLDS)}, got {self.fold!r}.")
         as_profile(self.falloff, FALLOFFS, "falloff")
         as_profile(self.blend, BLENDS, "blend")
 
@@ -133,6 +140,7 @@ class DeploymentSettings:
         """The method as in the paper, with an exact last partial step and nothing else added."""
         return cls(
             rule="published",
+            fold="distal",
             calibration="paper",
             finish=False,
             facet_compensation=False,
@@ -163,7 +171,10 @@ class DeploymentSettings:
     def chain(self, axis: ArrayLike) -> CapsuleChain:
         """The stent along an axis (n, 3), mm; parameters and errors as `CapsuleChain.along`."""
         return CapsuleChain.along(
-            axis, capsule_length=self.capsule_length, smoothing_width=self.smoothing_width
+            axis,
+            capsule_length=self.capsule_length,
+            smoothing_width=self.smoothing_width,
+            fold=self.fold,
         )
 
     def step_rule(self) -> StepRule:

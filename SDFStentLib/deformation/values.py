@@ -103,6 +103,11 @@ class DeploymentTask:
     def _set(self, name: str, value: object) -> None:
         object.__setattr__(self, name, value)
 
+    @property
+    def capsules(self) -> CapsuleChain:
+        """The chain with its nodes in an order that does not depend on the axis' direction."""
+        return self.chain.undirected
+
     @cached_property
     def target_level(self) -> float:
         """Field level of the expanded stent: the radius less the smooth minimum's inflation, mm."""
@@ -111,7 +116,7 @@ class DeploymentTask:
             return self.radius
         if calibration == "paper":
             return max(self.radius - self.chain.smoothing_width / 4, 0.5 * self.radius)
-        return self.radius - radius_correction(self.chain, self.radius)
+        return self.radius - radius_correction(self.capsules, self.radius)
 
     @cached_property
     def is_used(self) -> NDArray[np.bool_]:
@@ -126,7 +131,7 @@ class DeploymentTask:
         """`lumen_check` of this stent; none where the settings do not promise the lumen."""
         if not (self.settings.finish and self.settings.facet_compensation):
             return ()
-        return (lumen_check(before, after, self.chain, self.radius, own),)
+        return (lumen_check(before, after, self.capsules, self.radius, own),)
 
     @property
     def has_several_parts(self) -> bool:
@@ -166,4 +171,4 @@ class DeploymentTask:
         )
         if shape.is_closed and shape.is_consistently_wound and shape.component_count == 1:
             return triangles if signed_volume(points, triangles) > 0 else triangles[:, ::-1]
-        return oriented_triangles(points, triangles, inside=self.chain.nodes)
+        return oriented_triangles(points, triangles, inside=self.capsules.nodes)

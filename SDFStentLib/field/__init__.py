@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from .capsule_chain import CapsuleChain, as_chain, radius_correction
+from .capsule_chain import FOLDS, CapsuleChain, as_chain, radius_correction
 from .chain_field import Field
 
 __all__ = [
+    "FOLDS",
     "CapsuleChain",
     "Field",
     "as_chain",

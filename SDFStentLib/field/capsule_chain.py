@@ -18,6 +18,9 @@ from ..geometry import across, dot, length, norm, resampled, without_repeats
 from ..validation import InputError, Points, as_number, as_points, in_short, read_only
 from .chain_field import ChainField, Field
 
+FOLDS = ("both", "distal")
+"""Ends from which the capsules are folded, one after the other."""
+
 STRAIGHT = 1e-6
 """Change of direction over two capsules below which they have no side towards the bend."""
 
@@ -32,10 +35,14 @@ class CapsuleChain:
         Ends of the m capsules, mm, from the proximal to the distal end.
     smoothing_width : float
         k of the smooth minimum, mm; 0 gives the hard minimum.
+    fold : {"both", "distal"}
+        The smooth minimum depends on the order of the capsules. The mean of both orders is that
+        of the axis the other way round as well; published is the order from the distal end.
     """
 
     nodes: Points
     smoothing_width: float = 0.4
+    fold: str = "both"
 
     def __post_init__(self) -> None:
         nodes = as_points(self.nodes, "capsule chain nodes", minimum=2)
@@ -47,10 +54,17 @@ class CapsuleChain:
         object.__setattr__(self, "nodes", read_only(nodes))
         width = as_number(self.smoothing_width, "smoothing width", unit="mm", minimum=0)
         object.__setattr__(self, "smoothing_width", width)
+        if self.fold not in FOLDS:
+            raise InputError(f"fold: expected one of {', '.join(FOLDS)}, got {self.fold!r}.")
 
     @classmethod
     def along(
-        cls, axis: ArrayLike, *, capsule_length: float = 1.0, smoothing_width: float = 0.4
+        cls,
+        axis: ArrayLike,
+        *,
+        capsule_length: float = 1.0,
+        smoothing_width: float = 0.4,
+        fold: str = "both",
     ) -> CapsuleChain:
         """A chain along a stent axis, resampled to capsules of equal length.
 
@@ -70,7 +84,10 @@ class CapsuleChain:
         points = without_repeats(as_points(axis, "stent axis", minimum=2))
         if len(points) < 2:
             raise InputError("stent axis: expected a line with length, got a single place.")
-        return cls(resampled(points, spacing), smoothing_width)
+        # Lengths are summed in one direction, so that the nodes do not depend on it by a last bit.
+        direction = 1 if runs_forward(points) else -1
+        nodes = resampled(points[::direction], spacing)[::direction]
+        return cls(nodes, smoothing_width, fold)
 
     @property
     def length(self) -> float:
@@ -80,8 +97,7 @@ class CapsuleChain:
     def field(self, points: ArrayLike) -> Field:
         """Smooth distance to the axis and its gradient.
 
-        The fold runs in order from the distal to the proximal end, as published. Works in blocks:
-        memory stays bounded whatever the number of points.
+        Works in blocks: memory stays bounded whatever the number of points.
 
         Parameters
         ----------
@@ -97,7 +113,32 @@ class CapsuleChain:
     @cached_property
     def folding(self) -> ChainField:
         """What evaluates the field, for points that are known to be sound."""
-        return ChainField(self.nodes[::-1], self.smoothing_width)
+        if self.fold == "distal":
+            return ChainField(self.nodes[::-1], self.smoothing_width, from_both_ends=False)
+        return ChainField(self.undirected.nodes, self.smoothing_width, from_both_ends=True)
+
+    @cached_property
+    def undirected(self) -> CapsuleChain:
+        """The same field, its nodes in an order that does not depend on theirs where it may not.
+
+        Only rounding depends on which order that is.
+        """
+        if self.fold == "distal" or runs_forward(self.nodes):
+            return self
+        return CapsuleChain(self.nodes[::-1], self.smoothing_width, self.fold)
+
+
+def runs_forward(points: Points) -> bool:
+    """One answer for a line and the other for it reversed; signs of coordinates come last.
+
+    So both frames of a patient, between which two coordinates change sign, get the same.
+    """
+    for values in (np.abs(points), points):
+        forward, backward = values.ravel(), values[::-1].ravel()
+        differs = np.flatnonzero(forward != backward)
+        if len(differs):
+            return bool(forward[differs[0]] < backward[differs[0]])
+    return True
 
 
 def as_chain(value: Any) -> CapsuleChain:

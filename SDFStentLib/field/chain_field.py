@@ -10,6 +10,7 @@ capsules only, and every point has to prove that the capsules outside change not
   Begun with that lower bound, each later pairwise weight w leaves 1 - w of the difference to the
   true value, and less than that of a larger one; the fold has forgotten it where nothing is left.
 
+A fold from the other end proves the same with the sides exchanged; a mean of both needs both.
 A point without proof, such as one between the legs of a hairpin, is folded over the whole chain.
 So a window decides how fast the field is, never what it is.
 """
@@ -24,7 +25,7 @@ from numpy.typing import NDArray
 
 from ..geometry import dot, norm
 from ..validation import Floats, Points
-from .fold import fold, hard_minimum
+from .fold import fold, fold_from_both_ends, hard_minimum
 
 NOTHING = np.empty(0, dtype=np.int64)
 
@@ -35,7 +36,7 @@ BLOCK_ELEMENTS = 1 << 16
 SINGLE_THREAD_SIZE = 200_000
 """Multiplications in a matrix product that BLAS does in the caller's thread."""
 
-WINDOW = 10.0, 5.0
+WINDOW, WINDOW_OF_BOTH = (10.0, 5.0), (8.0, 8.0)
 """Reach of a window before and after the nearest node, mm: nearly every point proves that."""
 
 BESIDE = 3
@@ -57,7 +58,7 @@ class Field(NamedTuple):
 
 
 class ChainField:
-    """The field of a chain of nodes, folded in their order. Immutable.
+    """The field of a chain of nodes, folded in their order or from both ends. Immutable.
 
     Coordinates are centred on the nodes and divided by 4 k. For a capsule with middle `m`, unit
     direction `u` and length `l`, the offset along it is `x = u . (p - m)`, `c` is `x` clipped to
@@ -65,8 +66,10 @@ class ChainField:
     products with the lifted point `[x, y, z, 1, |p|^2]`.
     """
 
-    def __init__(self, nodes: Points, smoothing_width: float) -> None:
+    def __init__(self, nodes: Points, smoothing_width: float, from_both_ends: bool) -> None:
         self.is_smooth = smoothing_width > 0
+        self.from_both_ends = from_both_ends
+        self.nodes = nodes
         self.scale = 1 / (4 * smoothing_width) if self.is_smooth else 1.0
         self.centre = nodes.mean(axis=0)
         ends = (nodes - self.centre) * self.scale
@@ -84,7 +87,8 @@ class ChainField:
         # The squared distance to a capsule axis is less than that to its nearer end by at most
         # this, where the foot is in the middle.
         self.slack = float(lengths.max()) ** 2 / 4
-        self.reach = [int(np.ceil(reach * self.scale / lengths.mean())) for reach in WINDOW]
+        reach = WINDOW_OF_BOTH if from_both_ends else WINDOW
+        self.reach = [int(np.ceil(one * self.scale / lengths.mean())) for one in reach]
 
     def at(self, points: Points, near: NDArray[np.int32] | None = None) -> Field:
         """The field at some points.
@@ -164,8 +168,8 @@ class _Block:
 
     def __init__(self, chain: ChainField, size: int) -> None:
         self._chain = chain
-        self._distances, self._offsets, self._clipped, self._weights = np.empty(
-            (4, chain.count + 1, size)
+        self._distances, self._offsets, self._clipped, self._weights, self._back = np.empty(
+            (5, chain.count + 1, size)
         )
 
     def folded(self, points: Points, window: slice, field: Field, where: Any) -> NDArray[np.int64]:
@@ -175,11 +179,18 @@ class _Block:
         distances, along = self._capsules(lifted, window)
         weights = self._weights[: len(distances), : len(points)]
         before, after = self._outside(lifted, window)
-        if chain.is_smooth:
-            room = self._offsets[: len(distances), : len(points)]
-            distance, is_proven = fold(distances, weights, room, before, after)
+        room, back = (
+            array[: len(distances), : len(points)] for array in (self._offsets, self._back)
+        )
+        is_proven: NDArray[np.bool_] | None = None
+        if not chain.is_smooth:
+            distance = hard_minimum(distances, weights)
+        elif chain.from_both_ends:
+            distance, is_proven = fold_from_both_ends(
+                distances, weights, (room, back), before, after
+            )
         else:
-            distance, is_proven = hard_minimum(distances, weights), None
+            distance, is_proven = fold(distances, weights, room, before, after)
 
         weights /= distances
         gradient = lifted[:3]

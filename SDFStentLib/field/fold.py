@@ -1,6 +1,8 @@
 """The smooth minimum over many capsules in one pass.
 
-Source: SDFStent, arXiv 2605.22009, section 2; in pairs it is `geometry.smooth_minimum`.
+Source: SDFStent, arXiv 2605.22009, section 2; in pairs it is `geometry.smooth_minimum`. It depends
+on the order of the capsules, by up to some hundredths of a mm where many are nearly as near. The
+mean of the folds from both ends does not.
 """
 
 from __future__ import annotations
@@ -64,6 +66,28 @@ def fold(
         is_late = after >= value
         is_proven = is_late if is_proven is None else is_proven & is_late
     value -= 0.25
+    return value, is_proven
+
+
+def fold_from_both_ends(
+    distances: Floats,
+    weights: Floats,
+    room: tuple[Floats, Floats],
+    before: Floats | None = None,
+    after: Floats | None = None,
+) -> tuple[Floats, NDArray[np.bool_] | None]:
+    """Mean of the folds in both orders; parameters and results as for `fold`.
+
+    The room is two arrays. Of distances in the opposite order it gives the same to the last bit.
+    """
+    value, is_proven = fold(distances, weights, room[0], before, after)
+    others = room[1]
+    back, is_proven_back = fold(distances[::-1], others[::-1], room[0][::-1], after, before)
+    for mean, other in ((value, back), (weights, others)):
+        mean += other
+        mean *= 0.5
+    if is_proven is not None and is_proven_back is not None:
+        is_proven &= is_proven_back
     return value, is_proven
 
 

@@ -39,7 +39,7 @@ POINT_PLACEMENTS: dict[str, type[AtCenter] | type[AtDistalEnd] | type[AtProximal
 SETTINGS = tuple(field.name for field in fields(DeploymentSettings))
 """Names of the method's parameters, the same in the document."""
 
-NAMED_SETTINGS = ("rule", "falloff", "blend", "calibration")
+NAMED_SETTINGS = ("rule", "falloff", "blend", "calibration", "fold")
 """Those that are names."""
 
 
