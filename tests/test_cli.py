@@ -25,8 +25,10 @@ from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 import SDFStentLib.cli.demo
 import SDFStentLib.cli.deploy
 from SDFStentLib.certificate.certificate import Certificate
+from SDFStentLib.cli.argument_types import number as _number
+from SDFStentLib.cli.argument_types import whole as _whole
 from SDFStentLib.cli.console import Console
-from SDFStentLib.cli.options import _number, _whole, parser
+from SDFStentLib.cli.options import parser
 from SDFStentLib.cli.outputs import Outputs
 from SDFStentLib.cli.shell import main
 from SDFStentLib.deformation.settings import DeploymentSettings

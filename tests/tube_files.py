@@ -30,7 +30,9 @@ def write_tube(folder):
 
 
 def deploy(*more, place=PLACE, surface="tube.vtp", line="line.vtp", out="out.vtp", diameter="6"):
-    arguments = ["deploy", surface, "--units", "cm", "--diameter", diameter, *place]
+    arguments = ["deploy", surface, "--units", "cm", *place]
+    if diameter:
+        arguments += ["--diameter", diameter]
     if line:
         arguments += ["--centerline", line]
     return main([*arguments, "-o", out, *more])

@@ -9,8 +9,6 @@ from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 
-import numpy as np
-
 from ..cautions import Caution
 from ..files import check_line_output, check_surface_output
 from ..plan import (
@@ -19,7 +17,6 @@ from ..plan import (
     PlanResult,
     StepFiles,
     as_read,
-    device_named,
     input_file,
     load_plan,
     read_plan_inputs,
@@ -33,17 +30,19 @@ from ..report import (
     check_rendering,
     lumen_sentence,
     plan_report,
+    stent_balloon_sentences,
     stent_branch_sentences,
     stent_device_sentences,
     stent_lesion_sentences,
     write_report,
     write_report_figure,
 )
-from ..stent import AtCenter, Device, Stent
+from ..stent import Stent
 from ..validation import DeploymentError, InputError, as_number
 from .console import Console
 from .outputs import Outputs
-from .place import check_place, inputs_of, lesion_place, place_of, reference_of, root_of
+from .place import check_place, inputs_of, reference_of, root_of
+from .stents import check_sizes, device_of, stents_of
 
 NOT_CERTIFIED = 3
 
@@ -51,7 +50,8 @@ NOT_CERTIFIED = 3
 def deploy_command(options: argparse.Namespace, console: Console) -> int:
     """Deploy one stent; 0, or 3 when the certificate fails."""
     start = perf_counter()
-    device = _device_of(options)
+    check_sizes(options)
+    device = device_of(options)
     has_length = options.length is not None or (device and device.nominal_length) is not None
     way = check_place(options, needed=True, has_length=has_length)
     assert way is not None
@@ -73,7 +73,7 @@ def deploy_command(options: argparse.Namespace, console: Console) -> int:
 
     method = _method(options)
     inputs = inputs_of(options)
-    job.plan = _plan(options, _stent(options, way, inputs, device), method, inputs)
+    job.plan = _plan(options, stents_of(options, way, inputs, device), method, inputs)
     return job.done(inputs, start)
 
 
@@ -155,6 +155,7 @@ class _Job:
             self.console.say(label + lumen_sentence(stent))
             for sentence in (
                 *stent_device_sentences(stent),
+                *stent_balloon_sentences(stent, self.result.lesions),
                 *stent_branch_sentences(stent),
                 *stent_lesion_sentences(self.result.lesions, stent.number),
             ):
@@ -219,42 +220,13 @@ class _Job:
         return plan_report(self._result, lost=lost, timings={"write": seconds}, picture=picture)
 
 
-def _device_of(options: argparse.Namespace) -> Device | None:
-    """The device that was named.
-
-    Raises
-    ------
-    InputError
-        No such device, or a table that cannot be read, or that nothing is taken from.
-    """
-    if options.device is not None:
-        return device_named(options.device, options.device_table)
-    if options.device_table is not None:
-        raise InputError("expected --device NAME with --device-table, got none; name one.")
-    return None
-
-
-def _stent(
-    options: argparse.Namespace, way: str, inputs: InputFiles, device: Device | None
-) -> Stent:
-    sizes = {
-        "length": options.length,
-        "foreshortening_fraction": options.foreshortening,
-        "device": device,
-    }
-    if way != "at_lesion":
-        place = place_of(options, way, inputs.surface.frame)
-        return Stent(options.diameter, placement=place.placement, **sizes)
-    # Where it goes depends on its length, which is that of one at any place.
-    anywhere = Stent(options.diameter, placement=AtCenter(np.zeros(3)), **sizes)
-    return replace(anywhere, placement=lesion_place(options, inputs, anywhere).placement)
-
-
-def _plan(options: argparse.Namespace, stent: Stent, method: Plan, inputs: InputFiles) -> Plan:
+def _plan(
+    options: argparse.Namespace, stents: tuple[Stent, ...], method: Plan, inputs: InputFiles
+) -> Plan:
     root = root_of(options)
     return replace(
         method,
-        stents=(stent,),
+        stents=stents,
         surface=input_file(inputs.surface),
         centerline=None if inputs.line_file is None else input_file(inputs.line_file),
         units=options.units,

@@ -8,6 +8,10 @@ from typing import NoReturn
 from ..plan import Plan
 from ..units import MILLIMETERS
 from ..version import VERSION
+from .argument_types import number as _number
+from .argument_types import path as _path
+from .argument_types import whole as _whole
+from .stent_options import add_device_table, add_stent
 
 _DEFAULTS = Plan().settings
 
@@ -59,14 +63,13 @@ def _deploy(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "-o", "--output", type=_path, metavar="OUT", required=True, help="surface to write"
     )
-    command.add_argument("--diameter", type=_number, metavar="D", required=True, help="mm")
     _add_place(command).add_argument(
         "--at-lesion",
         type=_whole,
         metavar="N",
         help="centered on that lesion, numbered as `measure` lists them",
     )
-    _add_stent(command)
+    add_stent(command)
     _add_method(command)
     out = command.add_argument_group("output")
     _add_units(out)
@@ -168,7 +171,7 @@ def _devices(command: argparse.ArgumentParser) -> None:
         "Every number has one, or is that of a generic row; what is not known is not made up."
     )
     command.add_argument("name", type=_path, nargs="?", metavar="NAME", help="tell all of this one")
-    _add_device_table(command)
+    add_device_table(command)
     command.add_argument("--json", action="store_true", help="print JSON instead of sentences")
     _add_talk(command)
 
@@ -221,27 +224,6 @@ def _add_place(command: argparse.ArgumentParser) -> argparse._ArgumentGroup:
             help=what,
         )
     return place
-
-
-def _add_stent(command: argparse.ArgumentParser) -> None:
-    stent = command.add_argument_group("stent")
-    stent.add_argument(
-        "--device", type=_path, metavar="NAME", help="one of `sdfstent devices`; sets its lengths"
-    )
-    _add_device_table(stent)
-    stent.add_argument(
-        "--foreshortening",
-        type=_number,
-        metavar="F",
-        help="part of the length that is lost on expansion (default: that of the device, 0.1 with "
-        "--length and no device, else 0)",
-    )
-
-
-def _add_device_table(group: argparse._ActionsContainer) -> None:
-    group.add_argument(
-        "--device-table", type=_path, metavar="F", help="JSON with devices of your own, too"
-    )
 
 
 def _add_method(command: argparse.ArgumentParser) -> None:
@@ -306,24 +288,3 @@ def _add_units(group: argparse._ActionsContainer) -> None:
 def _add_talk(command: argparse.ArgumentParser) -> None:
     command.add_argument("--quiet", action="store_true", help="say nothing but errors")
     command.add_argument("--debug", action="store_true", help="show where an error came from")
-
-
-def _number(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"expected a number, got {text!r}") from None
-
-
-def _whole(text: str) -> int:
-    try:
-        return int(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"expected a whole number, got {text!r}") from None
-
-
-def _path(text: str) -> str:
-    # Nothing would be taken for the working folder, or for an option that is left out.
-    if not text:
-        raise argparse.ArgumentTypeError("expected a file or folder, got nothing")
-    return text

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import fields
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ from ..stent import (
     AtProximalEnd,
     BetweenPoints,
     InputFile,
+    OfStent,
     Placement,
     Stent,
 )
@@ -116,6 +117,8 @@ def _stent_document(stent: Stent, units: str, folder: str | None) -> dict[str, A
         "length": stent.length,
         "foreshortening_fraction": stent.foreshortening_fraction,
         "device": device_document(stent.device),
+        "balloon": None if stent.balloon is None else asdict(stent.balloon),
+        "keeps": stent.keeps,
         "placement": placement_document(stent.placement, units, folder),
     }
 
@@ -133,6 +136,8 @@ def placement_document(
     if isinstance(placement, AlongAxis):
         by_file = _file_document(placement.file, folder)
         return {"axis": by_file or {"points": [point(p) for p in placement.points]}}
+    if isinstance(placement, OfStent):
+        return {"stent": placement.number}
     if isinstance(placement, BetweenPoints):
         return {"from": point(placement.start), "to": point(placement.end)}
     name = next(key for key, kind in POINT_PLACEMENTS.items() if isinstance(placement, kind))

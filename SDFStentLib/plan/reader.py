@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..deformation import DeploymentSettings
 from ..files import read_content
-from ..stent import AlongAxis, BetweenPoints, InputFile, Placement, Stent
+from ..stent import AlongAxis, Balloon, BetweenPoints, InputFile, OfStent, Placement, Stent
 from ..units import MILLIMETERS, Frame
 from ..validation import InputError, as_path
 from .devices import device_from_document
@@ -19,11 +19,13 @@ from .document import NAMED_SETTINGS, POINT_PLACEMENTS, SCHEMA, SETTINGS
 from .json_document import in_words, number, parsed, scaled, section, sequence, text_value, truth
 from .plan import Plan
 
-STENT_KEYS = {
-    1: ("name", "enabled", "length", "foreshortening_fraction"),
-    2: ("name", "enabled", "length", "foreshortening_fraction", "device"),
-}
+_FIRST_KEYS = ("name", "enabled", "length", "foreshortening_fraction")
+STENT_KEYS = {1: _FIRST_KEYS, 2: (*_FIRST_KEYS, "device", "balloon", "keeps")}
 """What a stent of each version may have besides its diameter and its placement."""
+
+_FIRST_PLACES = ("center", "distal", "proximal", "from", "to", "axis")
+PLACE_KEYS = {1: _FIRST_PLACES, 2: (*_FIRST_PLACES, "stent")}
+"""What a placement of each version may have."""
 
 AxisReader = Callable[[InputFile, str, Frame | None], AlongAxis]
 """Reads the curve of an axis file in a unit and a frame, mm."""
@@ -143,7 +145,7 @@ class _StentReader:
         folder: str | None,
         axis_reader: AxisReader | None,
     ) -> None:
-        self.stent_keys = STENT_KEYS[version]
+        self.stent_keys, self.place_keys = STENT_KEYS[version], PLACE_KEYS[version]
         self.units, self.frame, self.folder = units, frame, folder
         self.axis_reader = axis_reader
 
@@ -162,23 +164,27 @@ class _StentReader:
         diameter = float(number(stent["diameter"], f"{where}.diameter"))
         changes["name"] = text_value(stent.get("name", ""), f"{where}.name")
         changes["device"] = device_from_document(stent.get("device"), f"{where}.device")
+        changes["balloon"] = _balloon(stent.get("balloon"), f"{where}.balloon")
+        changes["keeps"] = text_value(stent.get("keeps", "center"), f"{where}.keeps")
         changes["enabled"] = truth(stent.get("enabled", True), f"{where}.enabled")
         return _named(where, lambda: Stent(diameter, placement=placement, **changes))
 
     def _placement(self, value: Any, where: str) -> Placement:
-        keys = ("center", "distal", "proximal", "from", "to", "axis")
-        given = section(value, where, (), keys)
+        given = section(value, where, (), self.place_keys)
         if set(given) == {"from", "to"}:
             ends = [self._point(given[key], f"{where}.{key}") for key in ("from", "to")]
             return _named(where, lambda: BetweenPoints(*ends))
+        if set(given) == {"stent"}:
+            return _named(where, lambda: OfStent(given["stent"]))
         if set(given) == {"axis"}:
             return self._axis(given["axis"], f"{where}.axis")
         if len(given) == 1 and set(given) <= set(POINT_PLACEMENTS):
             (key,) = given
             point = self._point(given[key], f"{where}.{key}")
             return _named(where, lambda: POINT_PLACEMENTS[key](point))
+        others = "axis, or stent" if "stent" in self.place_keys else "or axis"
         raise InputError(
-            f"{where}: expected one of center, distal, proximal, from with to, or axis, "
+            f"{where}: expected one of center, distal, proximal, from with to, {others}, "
             f"got {', '.join(given) or 'nothing'}."
         )
 
@@ -206,6 +212,19 @@ class _StentReader:
         factor = MILLIMETERS[self.units]
         numbers = [number(item, f"{where}[{i}]") for i, item in enumerate(coordinates)]
         return np.array([scaled(item, factor) for item in numbers])
+
+
+def _balloon(value: Any, where: str) -> Balloon | None:
+    if value is None:
+        return None
+    given = section(value, where, ("diameter", "recoil_fraction"), ("reason",))
+    values: dict[str, Any] = {
+        key: float(number(given[key], f"{where}.{key}")) for key in ("diameter", "recoil_fraction")
+    }
+    if "reason" in given:
+        values["reason"] = text_value(given["reason"], f"{where}.reason")
+    balloon: Balloon = _named(where, lambda: Balloon(**values))
+    return balloon
 
 
 def _settings(value: Any) -> tuple[DeploymentSettings, float]:

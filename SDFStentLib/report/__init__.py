@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from ..late import late_names
 
 if TYPE_CHECKING:
+    from .balloons import stent_balloon_sentences
     from .branches import stent_branch_sentences
     from .devices import device_rows, device_sentence, stent_device_sentences
     from .diameters import (
@@ -50,6 +51,7 @@ __all__ = [
     "lesions_csv",
     "lumen_sentence",
     "plan_report",
+    "stent_balloon_sentences",
     "stent_branch_sentences",
     "stent_device_sentences",
     "stent_lesion_sentences",
@@ -60,6 +62,7 @@ __all__ = [
 __getattr__, __dir__ = late_names(
     __name__,
     {
+        "balloons": ["stent_balloon_sentences"],
         "branches": ["stent_branch_sentences"],
         "devices": ["device_rows", "device_sentence", "stent_device_sentences"],
         "diameters": [

@@ -12,6 +12,7 @@ from ..plan import PlanResult
 from ..treatment import TreatedLesion, TreatedStent
 from ..units import MILLIMETERS
 from ..version import VERSION
+from .balloons import diameters_section, redilation_section
 from .changes import change_section, settings_section
 from .devices import device_section
 from .lesions import treated_lesion_section
@@ -64,8 +65,11 @@ def plan_report(
 def _stent_result(
     stent: TreatedStent, lesions: Sequence[TreatedLesion] | None, units: str
 ) -> StentResult:
+    covered = None
+    if lesions is not None:
+        covered = [one for one in lesions if stent.number in one.stents]
     return StentResult(
-        description=_description(stent, units),
+        description=_description(stent, covered, units),
         before=stent.before,
         after=stent.after,
         prescribed_diameter=stent.stent.diameter,  # type: ignore[arg-type]
@@ -74,20 +78,21 @@ def _stent_result(
         apposition=stent.apposition,
         around_before=stent.around_before,
         around_after=stent.around_after,
-        lesions=None
-        if lesions is None
-        else tuple(one.number for one in lesions if stent.number in one.stents),
+        lesions=None if covered is None else tuple(one.number for one in covered),
     )
 
 
-def _description(stent: TreatedStent, units: str) -> dict[str, Any]:
+def _description(
+    stent: TreatedStent, covered: Sequence[TreatedLesion] | None, units: str
+) -> dict[str, Any]:
     chosen, axis = stent.stent, stent.axis
     name = {"name": chosen.name} if chosen.name else {}
     return {
         "number": stent.number,
         **name,
         "device": device_section(chosen.device),
-        "lumen_diameter_mm": chosen.diameter,
+        **redilation_section(chosen),
+        **diameters_section(chosen, covered),
         "nominal_length_mm": axis.nominal_length,
         "deployed_length_mm": axis.deployed_length,
         "foreshortening_fraction": chosen.foreshortening,

@@ -16,6 +16,7 @@ _PLACEMENTS = {
     "AtProximalEnd": "by its proximal end",
     "BetweenPoints": "between two points on the centerline",
     "AlongAxis": "along a given curve",
+    "OfStent": "where the earlier one lies",
 }
 
 _INPUT_WORDS = {
@@ -70,9 +71,8 @@ def stent_rows(stent: Mapping[str, Any], surface: Mapping[str, Any]) -> list[tup
     """
     told = {key: value for key, value in stent.items() if key not in _TOLD_ELSEWHERE}
     axis = dict(told.pop("axis", {}))
-    rows = _device_rows(told.pop("device", None))
+    rows = [*_device_rows(told.pop("device", None)), *_balloon_rows(told)]
     for key, words in (
-        ("lumen_diameter_mm", "Prescribed lumen diameter"),
         ("nominal_length_mm", "Nominal length"),
         ("deployed_length_mm", "Deployed length along the axis"),
     ):
@@ -187,6 +187,29 @@ def _device_rows(device: Mapping[str, Any] | None) -> list[tuple[str, str]]:
         rows.append(("Source of its numbers", f"{device['source']}{date}; {state}"))
     if device.get("note"):
         rows.append(("About it", str(device["note"])))
+    return rows
+
+
+def _balloon_rows(told: dict[str, Any]) -> list[tuple[str, str]]:
+    """Name and value of balloon, lumen and reference; takes them out of a stent's fields."""
+    rows = []
+    if "redilates" in told:
+        rows.append(("Redilation", f"of stent {told.pop('redilates')}"))
+    balloon, share = told.pop("balloon_diameter_mm", None), told.pop("recoil_fraction", None)
+    reason = told.pop("recoil_reason", None)
+    if balloon is not None:
+        rows.append(("Balloon diameter", millimeters(balloon)))
+    if share is not None:
+        rows.append(("Recoil", f"{100 * share:g} % of the balloon: {reason}"))
+    if "lumen_diameter_mm" in told:
+        digits = 1 if balloon is None else 2
+        rows.append(
+            ("Prescribed lumen diameter", millimeters(told.pop("lumen_diameter_mm"), digits))
+        )
+    if "reference_diameter_mm" in told:
+        reference = told.pop("reference_diameter_mm")
+        if reference is not None:
+            rows.append(("Reference diameter of the lesion", millimeters(reference)))
     return rows
 
 

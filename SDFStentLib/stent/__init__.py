@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from .balloon import Balloon, balloon_by_rule
 from .beside import beside, placement_points
 from .device import CELLS, MAXIMUM_DIAMETER, MAXIMUM_LENGTH, Device
 from .placement import (
@@ -12,29 +13,36 @@ from .placement import (
     BetweenPoints,
     ByValue,
     InputFile,
+    OfStent,
     Placement,
 )
-from .stent import DEFAULT_FORESHORTENING, Stent
+from .redilation import redilated
+from .stent import DEFAULT_FORESHORTENING, KEPT, Stent
 from .stent_axis import StentAxis, stent_axis, straightened, straightened_axis
 
 __all__ = [
     "CELLS",
     "DEFAULT_FORESHORTENING",
+    "KEPT",
     "MAXIMUM_DIAMETER",
     "MAXIMUM_LENGTH",
     "AlongAxis",
     "AtCenter",
     "AtDistalEnd",
     "AtProximalEnd",
+    "Balloon",
     "BetweenPoints",
     "ByValue",
     "Device",
     "InputFile",
+    "OfStent",
     "Placement",
     "Stent",
     "StentAxis",
+    "balloon_by_rule",
     "beside",
     "placement_points",
+    "redilated",
     "stent_axis",
     "straightened",
     "straightened_axis",

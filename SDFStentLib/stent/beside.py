@@ -9,7 +9,7 @@ import numpy as np
 from ..cautions import Caution
 from ..centerline import Centerline
 from ..validation import Floats
-from .placement import AlongAxis, AtCenter, AtDistalEnd, BetweenPoints, Placement
+from .placement import AlongAxis, AtCenter, AtDistalEnd, BetweenPoints, OfStent, Placement
 
 FAR = 0.5
 """From this many local inscribed radii on the distance to the centerline is told."""
@@ -19,10 +19,10 @@ FAR_UNKNOWN = 2.0
 
 
 def placement_points(placement: Placement) -> list[tuple[str, Floats]]:
-    """The points of a placement with their names; none along a curve."""
+    """The points of a placement with their names; none along a curve or a stent."""
     if isinstance(placement, BetweenPoints):
         return [("stent start", placement.start), ("stent end", placement.end)]
-    if isinstance(placement, AlongAxis):
+    if isinstance(placement, AlongAxis | OfStent):
         return []
     if isinstance(placement, AtCenter):
         return [("center", placement.point)]

@@ -97,7 +97,23 @@ class AlongAxis(ByValue):
         object.__setattr__(self, "points", read_only(points))
 
 
-Placement = AtCenter | AtDistalEnd | AtProximalEnd | BetweenPoints | AlongAxis
+@dataclass(frozen=True, eq=False)
+class OfStent(ByValue):
+    """Where an earlier stent of the treatment lies: that one is dilated once more.
+
+    `number` is the earlier one's in the plan, from 1.
+    """
+
+    number: int
+
+    def __post_init__(self) -> None:
+        if isinstance(self.number, bool) or not isinstance(self.number, int) or self.number < 1:
+            raise InputError(
+                f"redilation: expected the number of an earlier stent, from 1, got {self.number!r}."
+            )
+
+
+Placement = AtCenter | AtDistalEnd | AtProximalEnd | BetweenPoints | AlongAxis | OfStent
 
 PLACEMENT_NAMES = [kind.__name__ for kind in Placement.__args__]
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import KW_ONLY, dataclass
 
 from ..validation import InputError, as_number, check_is_a, printable
+from .balloon import Balloon, check_lumen
 from .device import (
     LEAST_FORESHORTENING,
     MAXIMUM_DIAMETER,
@@ -28,6 +29,10 @@ DEFAULT_FORESHORTENING = 0.10
 """Fraction of the nominal length that is lost on expansion where a nominal length is given."""
 
 
+KEPT = ("center", "proximal", "distal")
+"""What can stay where it is when a stent shortens."""
+
+
 @dataclass(frozen=True, eq=False)
 class Stent(ByValue):
     """A stent of constant diameter.
@@ -35,7 +40,7 @@ class Stent(ByValue):
     Parameters
     ----------
     diameter : float
-        Expanded diameter, mm.
+        Of the lumen that is deployed, mm.
     placement : Placement
         Where it goes.
     length : float, optional
@@ -47,6 +52,11 @@ class Stent(ByValue):
         0. Without a length the axis or way is the nominal one.
     device : Device, optional
         Which one it is.
+    balloon : Balloon, optional
+        What expands it; the diameter is the one that it leaves.
+    keeps : str
+        What stays where it is when the stent shortens: its center, or its proximal or distal end.
+        A stent that is placed by an end keeps that one.
     name : str
         What the user calls it; may be empty.
     enabled : bool
@@ -66,6 +76,8 @@ class Stent(ByValue):
     length: float | None = None
     foreshortening_fraction: float | None = None
     device: Device | None = None
+    balloon: Balloon | None = None
+    keeps: str = "center"
     name: str = ""
     enabled: bool = True
 
@@ -80,8 +92,12 @@ class Stent(ByValue):
             )
         if self.length is not None:
             as_number(self.length, "stent length", unit="mm", above=0, maximum=MAXIMUM_LENGTH)
+        if self.balloon is not None:
+            check_is_a(self.balloon, Balloon, "balloon")
+            check_lumen(self.balloon, self.diameter)
         if self.device is not None:
             self._fit_to(self.device)
+        self._check_kept()
         if not isinstance(self.placement, Placement):
             raise InputError(
                 f"stent placement: expected one of {', '.join(PLACEMENT_NAMES)}, "
@@ -122,9 +138,23 @@ class Stent(ByValue):
             return DEFAULT_FORESHORTENING
         return self.device.foreshortening_at(self.diameter)
 
+    def _check_kept(self) -> None:
+        if self.keeps not in KEPT:
+            raise InputError(
+                f"stent: expected what it keeps as one of {', '.join(KEPT)}, got {self.keeps!r}."
+            )
+        by_end = {AtProximalEnd: "proximal", AtDistalEnd: "distal"}.get(type(self.placement))
+        if by_end is not None and self.keeps not in ("center", by_end):
+            raise InputError(
+                f"stent: expected its {by_end} end to be kept, by which it is placed, got the "
+                f"{self.keeps} one; place it by that, or by its middle."
+            )
+
     def _fit_to(self, device: Device) -> None:
         """Check the sizes against those of a device, and take over its length."""
         check_is_a(device, Device, "device")
+        if self.balloon is not None:
+            device.check_diameter(self.balloon.diameter, "balloon diameter")
         device.check_diameter(self.diameter)
         own, name = device.nominal_length, printable(device.name)
         if own is not None and self.length not in (None, own):

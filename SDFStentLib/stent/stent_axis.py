@@ -19,6 +19,7 @@ from .placement import (
     AtDistalEnd,
     AtProximalEnd,
     BetweenPoints,
+    OfStent,
 )
 from .stent import Stent
 
@@ -77,7 +78,11 @@ class StentAxis:
 
 
 def stent_axis(
-    stent: Stent, centerline: Centerline | None = None, *, straightening_fraction: float = 0.0
+    stent: Stent,
+    centerline: Centerline | None = None,
+    *,
+    straightening_fraction: float = 0.0,
+    lies_on: StentAxis | None = None,
 ) -> StentAxis:
     """The axis of an expanded stent.
 
@@ -89,6 +94,8 @@ def stent_axis(
         Needed for every placement but `AlongAxis`, which does not look at it.
     straightening_fraction : float
         Share of the way to its chord by which the axis is straightened, 0 to 1.
+    lies_on : StentAxis, optional
+        Of the earlier stent, for one that is placed by `OfStent`.
 
     Returns
     -------
@@ -104,12 +111,14 @@ def stent_axis(
     check_is_a(stent, Stent, "stent")
     if isinstance(stent.placement, AlongAxis):
         found = _along_axis(stent.placement)
+    elif isinstance(stent.placement, OfStent):
+        found = _along_stent(stent.placement, lies_on)
     else:
         found = _along_centerline(stent, centerline)
     nominal = stent.length if stent.length is not None else found.length
     prescribed = nominal * (1.0 - stent.foreshortening)
-    if isinstance(stent.placement, AlongAxis | BetweenPoints):
-        found = _middle(found, prescribed)
+    if not isinstance(stent.placement, AtDistalEnd | AtProximalEnd):
+        found = _kept(found, prescribed, stent.keeps)
     _require_length(found)
     axis = StentAxis(found.points, found.inscribed_radius, nominal, prescribed)
     warnings = [*_shortened(axis), *(_choice(choice) for choice in found.choices)]
@@ -162,6 +171,15 @@ def _along_axis(placement: AlongAxis) -> CenterlinePath:
     return CenterlinePath(placement.points, np.full(len(placement.points), np.nan))
 
 
+def _along_stent(placement: OfStent, lies_on: StentAxis | None) -> CenterlinePath:
+    if lies_on is None:
+        raise InputError(
+            f"redilation: expected stent {placement.number} to lie in the vessel, got no axis of "
+            "it; deploy it before, in the same treatment."
+        )
+    return CenterlinePath(lies_on.points, lies_on.inscribed_radius)
+
+
 def _along_centerline(stent: Stent, centerline: Centerline | None) -> CenterlinePath:
     if centerline is None:
         raise InputError(
@@ -180,6 +198,8 @@ def _along_centerline(stent: Stent, centerline: Centerline | None) -> Centerline
     assert stent.length is not None  # Stent refuses these placements without one
     wanted = stent.length * (1.0 - stent.foreshortening)
     if isinstance(placement, AtCenter):
+        # As it is packed, when it shortens towards one end.
+        wanted = wanted if stent.keeps == "center" else max(wanted, stent.length)
         return centerline.path_around(_placed(centerline, placement.point, "center"), wanted)
     if isinstance(placement, AtDistalEnd):
         distal = _placed(centerline, placement.point, "distal end")
@@ -203,13 +223,14 @@ def _placed(centerline: Centerline, point: Floats, name: str) -> Location:
     return place
 
 
-def _middle(path: CenterlinePath, wanted: float) -> CenterlinePath:
-    """The part of the given length about the middle; the whole when it is not longer."""
+def _kept(path: CenterlinePath, wanted: float, keeps: str) -> CenterlinePath:
+    """The part of the given length that keeps an end or the middle; the whole if not longer."""
     spare = path.length - wanted
     if spare <= LENGTH_TOLERANCE:
         return path
-    points = cut(path.points, spare / 2.0, path.length - spare / 2.0)
-    at = spare / 2.0 + arc_lengths(points)
+    start = {"center": spare / 2.0, "proximal": 0.0, "distal": spare}[keeps]
+    points = cut(path.points, start, path.length - (spare - start))
+    at = start + arc_lengths(points)
     radius = np.interp(at, arc_lengths(path.points), path.inscribed_radius)
     return CenterlinePath(points, radius, path.choices)
 

@@ -22,7 +22,7 @@ from ..validation import Indices, Points, as_number, read_only
 from .in_lumen import Lumen
 from .straightening import axis_in_vessel
 from .treatment import PROFILE_SPACING
-from .value import PlacedStent, label_of, labeled, switched_on
+from .value import PlacedStent, label_of, labeled, resolved, switched_on
 from .warnings import check_width
 
 MOST_STATIONS = 24
@@ -106,12 +106,18 @@ class Preview:
         centerline, enabled = self.centerline, switched_on(stents)
         previewed: list[PreviewedStent] = []
         try:
-            for number, stent in enabled:
+            for number, planned in enabled:
                 is_last = len(previewed) == len(enabled) - 1
                 tree = None if is_last else centerline
                 with labeled(label_of(stents, number)):
+                    stent, lies_on = resolved(planned, {one.number: one for one in previewed})
                     axis = axis_in_vessel(
-                        stent, centerline, self.surface, fraction, lumen=self._lumen
+                        stent,
+                        centerline,
+                        self.surface,
+                        fraction,
+                        lumen=self._lumen,
+                        lies_on=lies_on,
                     )
                     check_width(stent.diameter, axis, self._proxy.probes(axis.points))
                     state = self._proxy.deployed(

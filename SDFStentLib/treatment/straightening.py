@@ -42,6 +42,7 @@ def axis_in_vessel(
     straightening_fraction: float = 0.0,
     *,
     lumen: Lumen | None = None,
+    lies_on: StentAxis | None = None,
 ) -> StentAxis:
     """The axis of a stent, straightened as far as asked for and as the vessel permits.
 
@@ -49,10 +50,11 @@ def axis_in_vessel(
     `lumen` is that of the surface, where many axes are asked for. `InputError` for points of the
     placement outside of it.
     """
-    native = stent_axis(stent, centerline)
+    native = stent_axis(stent, centerline, lies_on=lies_on)
     if centerline is not None:
         (lumen or Lumen(surface)).check(stent.placement, centerline)
-    if not straightening_fraction:
+    # An earlier stent's has been straightened already.
+    if not straightening_fraction or lies_on is not None:
         return native
     used, place = permitted(native.points, stent.radius, surface, straightening_fraction)
     axis = straightened_axis(native, used, stent.radius)

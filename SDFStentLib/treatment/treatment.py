@@ -8,7 +8,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field, replace
 from time import perf_counter
 from typing import NamedTuple
@@ -40,11 +40,14 @@ from ..validation import (
 from .straightening import axis_in_vessel
 from .surroundings import surroundings
 from .value import (
+    PlacedStent,
     TreatedStent,
     TreatmentResult,
     TreatmentState,
+    is_redilation,
     label_of,
     labeled,
+    resolved,
     switched_on,
 )
 from .warnings import (
@@ -121,17 +124,22 @@ class Treatment:
         self._enabled = switched_on(self.stents)
         # Fails here rather than after the first stent. Later stents lie elsewhere once the earlier
         # ones have moved the centerline.
-        axes = [self._axis(*one, self.centerline, self.surface) for one in self._enabled]
-        self._first_axis = axes[0]
+        placed: dict[int, PlacedStent] = {}
+        for number, stent in self._enabled:
+            placed[number] = self._placed(number, stent, self.centerline, self.surface, placed)
+        self._first = placed[self._enabled[0][0]]
 
     def __iter__(self) -> Iterator[TreatmentState]:
         """Yield the states of every stent in turn."""
         self._result, self._stages = None, []
         self._seconds = {"setup": 0.0, "deploy": 0.0}
         surface, centerline, companions = self.surface, self.centerline, self.companions
-        for done, (number, stent) in enumerate(self._enabled):
+        placed = {self._first.number: self._first}
+        for done, (number, planned) in enumerate(self._enabled):
             start = perf_counter()
-            axis = self._axis(number, stent, centerline, surface) if done else self._first_axis
+            if done:
+                placed[number] = self._placed(number, planned, centerline, surface, placed)
+            stent, axis = placed[number].stent, placed[number].axis
             is_only = len(self._enabled) == 1
             tree = np.empty((0, 3)) if centerline is None else centerline.points
             deployment = Deployment(
@@ -169,13 +177,20 @@ class Treatment:
         """How a message names a stent; empty when there is only one, without a name."""
         return label_of(self.stents, number)
 
-    def _axis(
-        self, number: int, stent: Stent, centerline: Centerline | None, surface: Surface
-    ) -> StentAxis:
+    def _placed(
+        self,
+        number: int,
+        planned: Stent,
+        centerline: Centerline | None,
+        surface: Surface,
+        placed: Mapping[int, PlacedStent],
+    ) -> PlacedStent:
+        fraction = self.straightening_fraction
         with labeled(self.label(number)):
-            axis = axis_in_vessel(stent, centerline, surface, self.straightening_fraction)
+            stent, lies_on = resolved(planned, placed)
+            axis = axis_in_vessel(stent, centerline, surface, fraction, lies_on=lies_on)
             check_width(stent.diameter, axis, self.surface.points)
-            return axis
+            return PlacedStent(number, stent, axis)
 
     def _measured(self) -> TreatmentResult:
         after, centerline, companions = self._final
@@ -257,7 +272,8 @@ class Treatment:
                 yield replace(caution, stent=done.number).labeled(label)
         for index, second in enumerate(treated):
             for first in treated[:index]:
-                yield from overlap(first, second)
+                if not is_redilation(second.stent, first.number):
+                    yield from overlap(first, second)
         yield from narrowed_neighbors(treated, self.label)
         for cap in bulged_caps(self.surface, after, moved):
             yield cap.caution()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
@@ -23,7 +23,7 @@ from ..measure import (
     Ostium,
     face_stretches,
 )
-from ..stent import Stent, StentAxis
+from ..stent import OfStent, Stent, StentAxis, redilated
 from ..validation import DeploymentError, InputError, Points
 
 
@@ -170,6 +170,37 @@ def switched_on(stents: Sequence[Stent]) -> list[tuple[int, Stent]]:
             else "plan: expected at least one stent, got none; add one."
         )
     return enabled
+
+
+def is_redilation(stent: Stent, number: int) -> bool:
+    """Whether a stent is the one of that number once more."""
+    return isinstance(stent.placement, OfStent) and stent.placement.number == number
+
+
+def resolved(stent: Stent, placed: Mapping[int, PlacedStent]) -> tuple[Stent, StentAxis | None]:
+    """A stent with the sizes of the earlier one that it dilates again, and that one's axis.
+
+    Parameters
+    ----------
+    stent : Stent
+    placed : mapping of int to PlacedStent
+        The earlier stents by number.
+
+    Raises
+    ------
+    InputError
+        No such stent before it, or one that cannot be dilated so.
+    """
+    placement = stent.placement
+    if not isinstance(placement, OfStent):
+        return stent, None
+    if placement.number not in placed:
+        raise InputError(
+            f"redilation: expected an earlier stent that is switched on, got number "
+            f"{placement.number}; put this stent behind it."
+        )
+    first = placed[placement.number]
+    return redilated(stent, first.stent, first.axis), first.axis
 
 
 def label_of(stents: Sequence[Stent], number: int) -> str:

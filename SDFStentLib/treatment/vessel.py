@@ -18,9 +18,11 @@ from ..measure import (
     lesions_against,
     line_seeds,
 )
-from ..stent import AtCenter, AtDistalEnd
+from ..stent import AtCenter, AtDistalEnd, Stent
 from ..validation import Points
 from .lesions import placement_at
+from .straightening import axis_in_vessel
+from .treatment import PROFILE_SPACING
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,6 +82,11 @@ class Vessel:
         """`placement_at` one of its lesions."""
         assert self.centerline is not None
         return placement_at(lesion, self.centerline, stent_length, foreshortening_fraction)
+
+    def native_lumen(self, stent: Stent) -> float:
+        """Smallest inscribed diameter where a stent lies, before it, mm; NaN where not known."""
+        axis = axis_in_vessel(stent, self.centerline, self.surface)
+        return self.diameters(axis.points, PROFILE_SPACING).minimum
 
     def diameters(self, line: Points, spacing: float) -> DiameterProfile:
         """`diameter_profile` along a line through it."""

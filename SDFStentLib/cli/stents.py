@@ -1,0 +1,109 @@
+"""From the options of the command line to a stent, and the same one dilated again."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import replace
+
+import numpy as np
+
+from ..plan import InputFiles, device_named
+from ..stent import AtCenter, Balloon, Device, OfStent, Placement, Stent, balloon_by_rule
+from ..validation import InputError
+from .place import lesion_place, place_of
+
+
+def check_sizes(options: argparse.Namespace) -> None:
+    """Whether the options say how wide the stent will be, once; `InputError` otherwise."""
+    if options.diameter is None and options.balloon is None:
+        raise InputError(
+            "expected --diameter D of the lumen or --balloon D, got neither; give one of them."
+        )
+    if options.diameter is not None and options.balloon is not None:
+        raise InputError(
+            "expected either --diameter, of the lumen, or --balloon, got both; leave one out."
+        )
+    if options.device is None and options.device_table is not None:
+        raise InputError("expected --device NAME with --device-table, got none; name one.")
+
+
+def device_of(options: argparse.Namespace) -> Device | None:
+    """The device that was named; `InputError` for one that is not there."""
+    if options.device is None:
+        return None
+    return device_named(options.device, options.device_table)
+
+
+def stents_of(
+    options: argparse.Namespace, way: str, inputs: InputFiles, device: Device | None
+) -> tuple[Stent, ...]:
+    """The stent, and as a second one the same at its later diameter, where that is asked for.
+
+    Raises
+    ------
+    InputError
+        Sizes that cannot be, or that its device or its place rule out.
+    """
+    stent = _stent(options, way, inputs, device)
+    if options.redilate is None:
+        return (stent,)
+    by_end = {"distal": "distal", "proximal": "proximal"}.get(way, "center")
+    placement, keeps = OfStent(1), options.keep or by_end
+    if _balloon_diameter(options) is None:
+        return stent, Stent(options.redilate, placement=placement, keeps=keeps)
+    # What it finds is the lumen that it has left itself.
+    balloon = _given(options, options.redilate) or balloon_by_rule(options.redilate, stent.diameter)
+    return stent, Stent(balloon.lumen_diameter, placement=placement, balloon=balloon, keeps=keeps)
+
+
+def _stent(
+    options: argparse.Namespace, way: str, inputs: InputFiles, device: Device | None
+) -> Stent:
+    diameter = _balloon_diameter(options)
+    if diameter is None:
+        return _sized(options, way, inputs, device, options.diameter)
+    balloon = _given(options, diameter)
+    if balloon is None:
+        usual = balloon_by_rule(diameter, float("nan"))
+        placed = _sized(options, way, inputs, device, usual.lumen_diameter)
+        balloon = balloon_by_rule(diameter, inputs.vessel.native_lumen(placed))
+    stent = _sized(options, way, inputs, device, balloon.lumen_diameter)
+    return replace(stent, balloon=balloon)
+
+
+def _sized(
+    options: argparse.Namespace,
+    way: str,
+    inputs: InputFiles,
+    device: Device | None,
+    diameter: float,
+) -> Stent:
+    """The stent of a diameter, mm, of the lumen."""
+    # Where it goes at a lesion depends on its length, which is that of one at any place.
+    placement: Placement = AtCenter(np.zeros(3))
+    if way != "at_lesion":
+        placement = place_of(options, way, inputs.surface.frame).placement
+    stent = Stent(
+        diameter,
+        placement=placement,
+        length=options.length,
+        foreshortening_fraction=options.foreshortening,
+        device=device,
+        keeps=options.keep or "center",
+    )
+    if way != "at_lesion":
+        return stent
+    return replace(stent, placement=lesion_place(options, inputs, stent).placement)
+
+
+def _balloon_diameter(options: argparse.Namespace) -> float | None:
+    """Of the balloon, mm; None where the lumen's diameter was given."""
+    diameter: float | None = options.balloon
+    if diameter is None and options.recoil is not None:
+        diameter = options.diameter
+    return diameter
+
+
+def _given(options: argparse.Namespace, diameter: float) -> Balloon | None:
+    """A balloon with the recoil that was given; None where the rule decides."""
+    return None if options.recoil is None else Balloon(diameter, options.recoil)

@@ -1,0 +1,51 @@
+"""The diameters of balloon, lumen and reference, which are three, as they are told."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from ..stent import OfStent, Stent
+from ..treatment import TreatedLesion, TreatedStent
+from .words import UNKNOWN
+
+Covered = Sequence[TreatedLesion] | None
+
+
+def diameters_section(stent: Stent, covered: Covered) -> dict[str, Any]:
+    """The diameters of the lumen, of the balloon and of the healthy vessel, mm; null if unknown.
+
+    The reference is that of the tightest lesion that the stent covers.
+    """
+    balloon = stent.balloon
+    return {
+        "lumen_diameter_mm": stent.diameter,
+        "balloon_diameter_mm": None if balloon is None else balloon.diameter,
+        "recoil_fraction": None if balloon is None else balloon.recoil_fraction,
+        "recoil_reason": None if balloon is None else balloon.reason,
+        "reference_diameter_mm": _reference(covered),
+    }
+
+
+def redilation_section(stent: Stent) -> dict[str, Any]:
+    """Which stent it is once more, where it is one."""
+    placement = stent.placement
+    return {"redilates": placement.number} if isinstance(placement, OfStent) else {}
+
+
+def stent_balloon_sentences(treated: TreatedStent, lesions: Covered) -> list[str]:
+    """Balloon, lumen and reference in one sentence; none for a stent whose lumen was given."""
+    stent, balloon = treated.stent, treated.stent.balloon
+    if balloon is None:
+        return []
+    covered = None if lesions is None else [one for one in lesions if treated.number in one.stents]
+    reference = _reference(covered)
+    known = UNKNOWN if reference is None else f"{reference:.2f} mm"
+    return [
+        f"Balloon {balloon.diameter:g} mm, lumen {stent.diameter:.2f} mm after recoil of "
+        f"{100 * balloon.recoil_fraction:g} %, reference {known}. Recoil: {balloon.reason}."
+    ]
+
+
+def _reference(covered: Covered) -> float | None:
+    return covered[0].before.reference_diameter if covered else None

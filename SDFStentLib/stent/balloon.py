@@ -1,0 +1,94 @@
+"""From the balloon to the lumen: a stent recoils when the balloon is let down.
+
+Source of the rule: Palmaz stents in pulmonary arteries and veins, aorta and superior vena cava
+(abstract, Cardiology in the Young): balloons of 8.2 +- 2.4 mm left lumens of 7.7 +- 2.3 mm, a
+recoil of 7 +- 4 %, the same for all stents and vessels, and of more than 10 % where the lumen had
+been below 3 mm or the balloon more than 3 times as wide as it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from ..validation import InputError, as_number
+from .device import MAXIMUM_DIAMETER
+
+USUAL_RECOIL = 0.07
+"""Part of the balloon's diameter that is lost: mean of the source, whose SD is 0.04."""
+
+RAISED_RECOIL = 0.10
+"""The same where the source saw more than this: its least."""
+
+NARROW_LUMEN = 3.0
+"""Native lumen below which the recoil is raised, mm."""
+
+WIDE_BALLOON = 3.0
+"""Diameter of the balloon over that of the native lumen above which the recoil is raised."""
+
+MOST_RECOIL = 0.5
+"""Largest recoil that is taken for one."""
+
+
+@dataclass(frozen=True)
+class Balloon:
+    """The balloon that expands a stent.
+
+    Attributes
+    ----------
+    diameter : float
+        When it is full, mm.
+    recoil_fraction : float
+        Part of its diameter that the stent loses when it is let down, 0 to 0.5.
+    reason : str
+        Where the recoil is from.
+    """
+
+    diameter: float
+    recoil_fraction: float
+    reason: str = "as given"
+
+    def __post_init__(self) -> None:
+        as_number(self.diameter, "balloon diameter", unit="mm", above=0, maximum=MAXIMUM_DIAMETER)
+        as_number(self.recoil_fraction, "recoil", minimum=0, maximum=MOST_RECOIL)
+
+    @property
+    def lumen_diameter(self) -> float:
+        """What is left when it is let down, and is deployed, mm."""
+        return self.diameter * (1.0 - self.recoil_fraction)
+
+
+def balloon_by_rule(diameter: float, native_lumen: float) -> Balloon:
+    """A balloon whose recoil follows the rule of the source.
+
+    Parameters
+    ----------
+    diameter : float
+        Of the balloon, mm.
+    native_lumen : float
+        Smallest inscribed diameter where the stent will lie, before it, mm; NaN where not known.
+    """
+    as_number(diameter, "balloon diameter", unit="mm", above=0, maximum=MAXIMUM_DIAMETER)
+    usual = f"{100 * USUAL_RECOIL:g} % is the mean in great vessels (7 \N{PLUS-MINUS SIGN} 4 %)"
+    raised = f"{100 * RAISED_RECOIL:g} %, for more than that was seen where"
+    if math.isnan(native_lumen):
+        return Balloon(diameter, USUAL_RECOIL, f"{usual}; the native lumen is not known")
+    if native_lumen < NARROW_LUMEN:
+        reason = f"{raised} the native lumen was below 3 mm; it is {native_lumen:.1f} mm"
+        return Balloon(diameter, RAISED_RECOIL, reason)
+    if diameter > WIDE_BALLOON * native_lumen:
+        ratio = diameter / native_lumen
+        reason = f"{raised} the balloon was over 3 times the native lumen; it is {ratio:.1f} times"
+        return Balloon(diameter, RAISED_RECOIL, reason)
+    return Balloon(diameter, USUAL_RECOIL, usual)
+
+
+def check_lumen(balloon: Balloon, diameter: float) -> None:
+    """Refuse a lumen, mm, that is not the one that a balloon leaves; `InputError`."""
+    left = balloon.lumen_diameter
+    if not math.isclose(diameter, left, rel_tol=1e-9):
+        raise InputError(
+            f"stent diameter: expected {left:g} mm, the lumen that a balloon of "
+            f"{balloon.diameter:g} mm leaves with a recoil of {100 * balloon.recoil_fraction:g} %, "
+            f"got {diameter:g} mm; leave one of them out."
+        )

@@ -1,0 +1,405 @@
+"""From the balloon to the lumen, what a stent keeps when it shortens, and the same stent again."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from test_devices import ROW, a_device, a_table
+from test_plan import SCHEMA, a_document
+from trees import unbranched
+from tube_files import deploy, write_tube
+
+from SDFStentLib.geometry import arc_lengths, length, resampled
+from SDFStentLib.phantoms.phantoms import branching_pulmonary_artery, stenosed_tube
+from SDFStentLib.plan.document import plan_text
+from SDFStentLib.plan.plan import Plan
+from SDFStentLib.plan.reader import load_plan, plan_from_document
+from SDFStentLib.plan.run import run_plan
+from SDFStentLib.stent import (
+    AlongAxis,
+    AtCenter,
+    AtDistalEnd,
+    AtProximalEnd,
+    Balloon,
+    BetweenPoints,
+    OfStent,
+    Stent,
+    balloon_by_rule,
+    stent_axis,
+)
+from SDFStentLib.treatment import Preview, Treatment
+from SDFStentLib.validation import InputError
+
+CENTER = AtCenter([0.0, 0, 50])
+
+
+def a_tube():
+    points = resampled([[0, 0, 0], [0, 0, 100]], 2.0)
+    return unbranched(points, np.full(len(points), 5.0))
+
+
+@pytest.fixture
+def a_folder(tmp_path, monkeypatch):
+    """A working folder with a tube of 6 mm, narrowed to 3.6, in cm."""
+    write_tube(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def reported(*more, **others):
+    """The stents of the report of a deployment that is certified."""
+    assert deploy(*more, "--report", "r.json", "--save-plan", "p.json", **others) == 0
+    return json.loads(Path("r.json").read_text(encoding="utf-8"))["stents"]
+
+
+# ---- recoil
+
+
+@pytest.mark.parametrize(
+    ("balloon", "native", "recoil"),
+    [
+        (8.0, 5.0, 0.07),
+        (8.0, 3.0, 0.07),
+        (8.0, 2.99, 0.10),
+        (9.0, 3.0, 0.07),
+        (9.1, 3.0, 0.10),
+        (24.0, 8.0, 0.07),
+        (24.1, 8.0, 0.10),
+        (8.0, math.nan, 0.07),
+    ],
+)
+def test_recoil_is_7_percent_and_10_in_a_narrow_lumen_or_with_a_wide_balloon(
+    balloon, native, recoil
+):
+    found = balloon_by_rule(balloon, native)
+    assert found.recoil_fraction == recoil
+    assert found.lumen_diameter == pytest.approx(balloon * (1 - recoil))
+    assert found.reason.startswith(f"{100 * recoil:g} %")
+
+
+def test_the_rule_meets_the_means_of_its_source():
+    assert balloon_by_rule(8.2, 5.0).lumen_diameter == pytest.approx(7.7, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ("diameter", "recoil", "words"),
+    [
+        (0, 0.1, "balloon diameter: expected a number greater than 0"),
+        (101, 0.1, "balloon diameter: expected a number greater than 0 and at most 100"),
+        (8, -0.1, "recoil: expected a number at least 0 and at most 0.5, got -0.1"),
+        (8, 7, "recoil: expected a number at least 0 and at most 0.5, got 7"),
+        (8, math.nan, "recoil: expected a number"),
+    ],
+)
+def test_a_balloon_that_cannot_be_is_refused(diameter, recoil, words):
+    with pytest.raises(InputError, match=words):
+        Balloon(diameter, recoil)
+
+
+def test_a_lumen_that_is_not_the_balloons_is_a_contradiction():
+    with pytest.raises(InputError, match=r"expected 7.2 mm, the lumen that a balloon of 8 mm"):
+        Stent(8.0, placement=CENTER, length=20, balloon=Balloon(8.0, 0.1))
+    Stent(7.2, placement=CENTER, length=20, balloon=Balloon(8.0, 0.1))
+
+
+def test_a_balloon_beyond_the_device_is_refused_although_its_lumen_is_not():
+    with pytest.raises(InputError, match="balloon diameter: expected at most 22 mm, the largest"):
+        Stent(19.8, placement=CENTER, device=a_device(), balloon=Balloon(24.75, 0.2))
+
+
+def test_the_length_of_a_device_is_the_one_at_the_lumen_not_at_the_balloon():
+    stent = Stent(18.0, placement=CENTER, device=a_device(), balloon=Balloon(20.0, 0.1))
+    assert stent_axis(stent, a_tube()).deployed_length == pytest.approx(28.6)
+
+
+# ---- what is kept
+
+
+def ends(placement, keeps, centerline=None):
+    stent = Stent(6.0, placement=placement, length=20, foreshortening_fraction=0.25, keeps=keeps)
+    return stent_axis(stent, centerline).points[[0, -1], 2].tolist()
+
+
+def test_a_shortened_stent_keeps_its_center_or_one_end():
+    curve = AlongAxis([[0, 0, 0], [0, 0, 20]])
+    assert ends(curve, "center") == pytest.approx([2.5, 17.5])
+    assert ends(curve, "proximal") == pytest.approx([0, 15])
+    assert ends(curve, "distal") == pytest.approx([5, 20])
+    # Packed it is 20 mm long about the point; one of its ends stays there.
+    assert ends(CENTER, "center", a_tube()) == pytest.approx([42.5, 57.5])
+    assert ends(CENTER, "proximal", a_tube()) == pytest.approx([40, 55])
+    assert ends(CENTER, "distal", a_tube()) == pytest.approx([45, 60])
+
+
+@pytest.mark.parametrize("keeps", ["center", "proximal", "distal"])
+def test_between_two_points_the_kept_end_is_that_of_the_way(keeps):
+    stent = Stent(
+        6.0,
+        placement=BetweenPoints([0, 0, 70], [0, 0, 50]),
+        foreshortening_fraction=0.2,
+        keeps=keeps,
+    )
+    axis = stent_axis(stent, a_tube())
+    start = {"center": 52, "proximal": 50, "distal": 54}[keeps]
+    assert axis.points[[0, -1], 2].tolist() == pytest.approx([start, start + 16])
+    assert len(axis.inscribed_radius) == len(axis.points)
+
+
+def test_an_end_by_which_a_stent_is_placed_is_kept_and_the_other_refused():
+    for place, end in ((AtDistalEnd, "distal"), (AtProximalEnd, "proximal")):
+        other = {"distal": "proximal", "proximal": "distal"}[end]
+        assert ends(place([0, 0, 50]), end, a_tube()) == ends(place([0, 0, 50]), "center", a_tube())
+        with pytest.raises(InputError, match=f"expected its {end} end to be kept, by which it is"):
+            ends(place([0, 0, 50]), other, a_tube())
+    with pytest.raises(InputError, match="expected what it keeps as one of center, proximal, di"):
+        ends(CENTER, "middle", a_tube())
+
+
+# ---- redilation
+
+
+def a_redilation(keeps="center", device=None, second=9.0, **first):
+    vessel = stenosed_tube(edge_length=0.8)
+    values = {"length": 16.0, "device": device, **first}
+    stents = [
+        Stent(6.2, placement=AtCenter([0.0, 0, 20]), **values),
+        Stent(second, placement=OfStent(1), keeps=keeps),
+    ]
+    return Treatment(vessel.surface, stents, vessel.centerline)
+
+
+def a_short_device():
+    return a_device(name="own", nominal_length=16, lengths=[[6, 15], [10, 11]])
+
+
+@pytest.mark.parametrize("keeps", ["center", "proximal", "distal"])
+def test_the_same_stent_at_a_larger_diameter_has_the_length_of_that_and_keeps_its_place(keeps):
+    treatment = a_redilation(keeps, a_short_device())
+    first, second = treatment.result.stents
+    assert first.axis.deployed_length == pytest.approx(14.8)
+    assert second.axis.deployed_length == pytest.approx(12.0)
+    assert second.axis.nominal_length == first.axis.nominal_length == 16
+    assert second.stent.device == first.stent.device
+    start = {"center": 12.6 + 1.4, "proximal": 12.6, "distal": 12.6 + 2.8}[keeps]
+    assert second.axis.points[[0, -1], 2].tolist() == pytest.approx([start, start + 12.0])
+    # Certified, without a word of an overlap, and the later diameter is the lumen's.
+    assert treatment.result.certificate.passed
+    assert [w.kind for w in treatment.result.warnings if w.kind == "overlap"] == []
+    inner = second.after.inscribed_diameter[2:-2]
+    assert inner == pytest.approx(9.0, rel=0.01)
+
+
+def test_without_a_table_the_same_stent_shortens_no_further():
+    for first, expected in (({}, 14.4), ({"foreshortening_fraction": 0.25}, 12.0)):
+        one, other = a_redilation(**first).result.stents
+        assert one.axis.deployed_length == other.axis.deployed_length == pytest.approx(expected)
+
+
+def test_two_overlapping_stents_of_which_one_is_dilated_again_are_certified():
+    vessel = branching_pulmonary_artery(edge_length=1.1)
+    stents = [
+        *(Stent(7.5, placement=BetweenPoints(*vessel.axis_at(e))) for e in ((19, 36), (32, 46))),
+        Stent(8.5, placement=OfStent(1), foreshortening_fraction=0.1),
+    ]
+    result = Treatment(vessel.surface, stents, vessel.centerline).result
+    assert result.certificate.passed
+    assert [w.numbers["first"] for w in result.warnings if w.kind == "overlap"] == [1, 2]
+    first, _, again = result.stents
+    assert again.axis.deployed_length == pytest.approx(0.9 * first.axis.deployed_length)
+    assert np.median(again.after.inscribed_diameter) == pytest.approx(8.5, rel=0.01)
+
+
+def test_a_stent_that_is_dilated_twice_again_starts_from_what_it_was():
+    vessel = stenosed_tube(edge_length=1.0)
+    stents = [
+        Stent(6.2, placement=AtCenter([0.0, 0, 20]), device=a_short_device()),
+        Stent(8.0, placement=OfStent(1)),
+        Stent(10.0, placement=OfStent(2)),
+    ]
+    lengths = [
+        stent.axis.deployed_length
+        for stent in Treatment(vessel.surface, stents, vessel.centerline).result.stents
+    ]
+    assert lengths == pytest.approx([14.8, 13.0, 11.0])
+
+
+def test_a_preview_dilates_the_same_stent_again():
+    treatment = a_redilation("distal", a_short_device())
+    preview = Preview(treatment.surface, treatment.centerline).of(treatment.stents)
+    expected = [stent.axis.points for stent in treatment.result.stents]
+    for seen, axis in zip(preview.stents, expected, strict=True):
+        np.testing.assert_array_equal(seen.axis.points, axis)
+
+
+@pytest.mark.parametrize(
+    ("second", "words"),
+    [
+        ({"diameter": 6.2}, "Stent 2: redilation: expected more than the 6.2 mm of stent 1, got 6"),
+        ({"number": 2}, "expected an earlier stent that is switched on, got number 2; put this"),
+        ({"number": 3}, "expected an earlier stent that is switched on, got number 3; put this"),
+        ({"length": 20}, "redilation: expected no length of its own, for it is stent 1, got one"),
+        ({"device": a_short_device()}, "redilation: expected no (length|device) of its own"),
+        ({"diameter": 11}, "its length is known from 6 to 10 mm of diameter, not at 11 mm"),
+    ],
+)
+def test_a_redilation_that_cannot_be_is_refused_before_anything_moves(second, words):
+    values = {"diameter": 8.0, "number": 1, **second}
+    number, diameter = values.pop("number"), values.pop("diameter")
+    first = a_redilation(device=a_short_device()).stents[0]
+    vessel = stenosed_tube(edge_length=1.2)
+    stents = [first, Stent(diameter, placement=OfStent(number), **values)]
+    with pytest.raises(InputError, match=words):
+        Treatment(vessel.surface, stents, vessel.centerline)
+
+
+def test_a_redilation_of_a_stent_that_is_switched_off_or_of_none_is_refused():
+    treatment = a_redilation()
+    off = replace(treatment.stents[0], enabled=False)
+    with pytest.raises(InputError, match="expected an earlier stent that is switched on"):
+        Treatment(treatment.surface, [off, treatment.stents[1]], treatment.centerline)
+    for number in (0, -1, 1.0, True, "1"):
+        with pytest.raises(InputError, match="expected the number of an earlier stent, from 1"):
+            OfStent(number)
+    with pytest.raises(InputError, match="expected stent 1 to lie in the vessel, got no axis"):
+        stent_axis(treatment.stents[1], treatment.centerline)
+
+
+# ---- documents
+
+
+def test_balloon_kept_end_and_redilation_come_back_from_a_plan_exactly():
+    jsonschema = pytest.importorskip("jsonschema")
+    balloon = Balloon(8.0, 0.1, "ä")
+    stents = (
+        Stent(balloon.lumen_diameter, placement=CENTER, length=20, balloon=balloon, keeps="distal"),
+        Stent(9.0, placement=OfStent(1)),
+    )
+    document = json.loads(plan_text(Plan(stents)))
+    jsonschema.Draft7Validator(SCHEMA).validate(document)
+    assert plan_from_document(document) == Plan(stents)
+
+
+@pytest.mark.parametrize(
+    ("stent", "words"),
+    [
+        ({"balloon": {"diameter": 8}}, r"balloon: expected the key 'recoil_fraction', got none"),
+        ({"balloon": {"diameter": 8, "recoil_fraction": 2}}, r"balloon: recoil: expected a number"),
+        ({"balloon": {"diameter": 8, "recoil_fraction": 0.1}}, "expected 7.2 mm, the lumen that"),
+        ({"keeps": "top"}, "expected what it keeps as one of center, proximal, distal, got 'top'"),
+        ({"placement": {"stent": 0}}, r"stents\[0\].placement: redilation: expected the number"),
+        ({"placement": {}}, "expected one of center, distal, proximal, from with to, axis, or ste"),
+    ],
+)
+def test_what_does_not_belong_in_a_plan_is_named_with_its_place(stent, words):
+    with pytest.raises(InputError, match=words):
+        plan_from_document({**a_document(**stent), "version": 2})
+    with pytest.raises(InputError):  # version 1 knows none of it
+        plan_from_document(a_document(**stent))
+
+
+# ---- the shell
+
+
+def test_a_balloon_leaves_the_lumen_that_is_deployed_and_three_diameters_are_told(a_folder, capsys):
+    (stent,) = reported("--balloon", "7", diameter=None)
+    assert stent["balloon_diameter_mm"] == 7
+    assert stent["recoil_fraction"] == 0.07
+    assert stent["lumen_diameter_mm"] == pytest.approx(6.51)
+    assert stent["reference_diameter_mm"] == pytest.approx(6.0, abs=0.1)  # of the tube
+    over = stent["diameters"]["over_stented_length"]["after"]
+    assert over["mean_mm"] == pytest.approx(6.51, rel=0.01)
+    said = capsys.readouterr().out
+    assert "Balloon 7 mm, lumen 6.51 mm after recoil of 7 %, reference 5.9" in said
+    again = run_plan(load_plan("p.json"))
+    assert again.plan.stents[0].balloon.diameter == 7
+
+
+def test_recoil_is_raised_where_the_balloon_is_over_three_times_the_lumen(a_folder, capsys):
+    (stent,) = reported("--balloon", "11.5", diameter=None)  # the throat has 3.6 mm
+    assert stent["recoil_fraction"] == 0.1
+    assert "more than that was seen where the balloon was over 3 times" in stent["recoil_reason"]
+    assert stent["lumen_diameter_mm"] == pytest.approx(10.35)
+    capsys.readouterr()
+
+
+def test_a_recoil_of_ones_own_goes_with_either_way_to_give_the_balloon(a_folder):
+    (one,) = reported("--recoil", "0.05")
+    (other,) = reported("--balloon", "6", "--recoil", "0.05", diameter=None)
+    for stent in (one, other):
+        assert stent["lumen_diameter_mm"] == pytest.approx(5.7)
+        assert (stent["balloon_diameter_mm"], stent["recoil_fraction"]) == (6, 0.05)
+        assert stent["recoil_reason"] == "as given"
+    (plain,) = reported()
+    assert plain["balloon_diameter_mm"] is plain["recoil_fraction"] is None
+    assert plain["lumen_diameter_mm"] == 6
+
+
+def test_redilate_deploys_the_same_stent_again_with_its_new_length(a_folder, capsys):
+    table = a_folder / "own.json"
+    row = {**ROW, "name": "own", "nominal_length": 16, "lengths": [[4, 16], [8, 12]]}
+    table.write_text(a_table(row), encoding="utf-8")
+    device = ["--device", "own", "--device-table", str(table)]
+    place = ["--distal", "0", "0", "2.8"]
+    first, second = reported(*device, "--redilate", "8", place=place)
+    assert [s["deployed_length_mm"] for s in (first, second)] == pytest.approx([14, 12])
+    assert first["axis"]["end_mm"] == pytest.approx(second["axis"]["end_mm"], abs=1e-6)
+    assert "redilates" not in first
+    assert second["redilates"] == 1
+    assert "Stent 2: Device own: 16 mm long as packed, 12.0 mm at 8 mm" in capsys.readouterr().out
+    middle = reported(
+        *device, "--redilate", "8", "--keep", "proximal", place=["--axis", "axis.vtp"]
+    )
+    starts = [stent["axis"]["start_mm"][2] for stent in middle]
+    assert starts == pytest.approx([12.0, 12.0])
+
+
+def test_the_page_tells_balloon_recoil_and_redilation(a_folder):
+    more = ["--balloon", "6.5", "--redilate", "8", "--report", "r.html"]
+    assert deploy(*more, diameter=None) == 0
+    page = Path("r.html").read_text(encoding="utf-8")
+    for words in (
+        "<td>Balloon diameter</td><td>6.50 mm</td>",
+        "<td>Recoil</td><td>7 % of the balloon: 7 % is the mean in great vessels",
+        "<td>Prescribed lumen diameter</td><td>6.04 mm</td>",
+        "<td>Reference diameter of the lesion</td><td>5.9",
+        "<td>Redilation</td><td>of stent 1</td>",
+    ):
+        assert words in page, words
+
+
+@pytest.mark.parametrize(
+    ("more", "diameter", "words"),
+    [
+        ([], None, "expected --diameter D of the lumen or --balloon D, got neither; give one"),
+        (
+            ["--balloon", "7"],
+            "6",
+            "expected either --diameter, of the lumen, or --balloon, got both",
+        ),
+        (["--recoil", "7"], "6", "recoil: expected a number at least 0 and at most 0.5, got 7"),
+        (["--balloon", "-7"], None, "balloon diameter: expected a number greater than 0"),
+        (["--redilate", "5"], "6", "redilation: expected more than the 6 mm of stent 1, got 5 mm"),
+        (["--keep", "top"], "6", "invalid choice: 'top'"),
+    ],
+)
+def test_sizes_that_contradict_each_other_are_said_and_nothing_is_written(
+    a_folder, capsys, more, diameter, words
+):
+    assert deploy(*more, diameter=diameter) == 2
+    assert words in capsys.readouterr().err
+    assert not Path("out.vtp").exists()
+
+
+def test_the_axis_of_a_kept_end_follows_a_bend():
+    angles = np.linspace(0, np.pi, 200)
+    arc = np.column_stack([30 * np.cos(angles), 30 * np.sin(angles), 0 * angles])
+    stent = Stent(6.0, placement=AlongAxis(arc), foreshortening_fraction=0.2, keeps="distal")
+    axis = stent_axis(stent).points
+    assert length(axis) == pytest.approx(0.8 * length(arc))
+    np.testing.assert_allclose(axis[-1], arc[-1])
+    assert arc_lengths(axis)[-1] == pytest.approx(0.8 * 30 * np.pi, rel=1e-3)
