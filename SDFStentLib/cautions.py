@@ -70,6 +70,18 @@ TEMPLATES = {
         "{device}: its shortening is known at its nominal diameters only; whether {diameter_mm:g} "
         "mm is one of them is not known, or it is none."
     ),
+    "ratio-adjacent": (
+        "The stent is {ratio:.2f} times as wide as the healthy vessel of {adjacent_mm:.1f} mm "
+        "beside the lesion; sources had {low:.2f} to {high:.2f}."
+    ),
+    "ratio-stenosis": (
+        "The balloon is {ratio:.1f} times as wide as the stenosis of {stenosis_mm:.1f} mm; above "
+        "{high:g} the recoil was more than 10 %."
+    ),
+    "shorter-than-lesion": (
+        "The stent is {deployed_mm:.1f} mm long once it has shortened, the lesion {lesion_mm:.1f} "
+        "mm."
+    ),
     # A stent in the vessel
     "switched-off": "it is switched off and was not deployed.",
     "outside-without-effect": (

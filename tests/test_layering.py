@@ -40,7 +40,7 @@ USES = {
     "treatment": "geometry centerline certificate measure stent deformation",
     "plan": "files stent deformation treatment",
     "report": "geometry measure stent files treatment plan",
-    "cli": "files stent phantoms plan report",
+    "cli": "files stent phantoms treatment plan report",
 }
 """Which rooms a room knows, those on the ground left out: the fewer, the easier it is to change."""
 

@@ -1,4 +1,4 @@
-"""The shell: `sdfstent deploy`, `run`, `measure`, `check`, `devices` and `demo`.
+"""The shell: `sdfstent deploy`, `run`, `measure`, `check`, `suggest`, `devices` and the others.
 
 What is named here is imported when it is first asked for: signals are taken before anything else.
 """

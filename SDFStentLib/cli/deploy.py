@@ -17,7 +17,6 @@ from ..plan import (
     PlanResult,
     StepFiles,
     as_read,
-    input_file,
     load_plan,
     read_plan_inputs,
     save_plan,
@@ -37,11 +36,10 @@ from ..report import (
     write_report,
     write_report_figure,
 )
-from ..stent import Stent
 from ..validation import DeploymentError, InputError, as_number
 from .console import Console
 from .outputs import Outputs
-from .place import check_place, inputs_of, reference_of, root_of
+from .place import check_place, inputs_of, plan_of
 from .stents import check_sizes, device_of, stents_of
 
 NOT_CERTIFIED = 3
@@ -73,7 +71,7 @@ def deploy_command(options: argparse.Namespace, console: Console) -> int:
 
     method = _method(options)
     inputs = inputs_of(options)
-    job.plan = _plan(options, stents_of(options, way, inputs, device), method, inputs)
+    job.plan = plan_of(options, method, stents_of(options, way, inputs, device), inputs)
     return job.done(inputs, start)
 
 
@@ -218,22 +216,6 @@ class _Job:
         # The file has not got its final name yet.
         lost = tuple(replace(caution, label="") for caution in self.lost)
         return plan_report(self._result, lost=lost, timings={"write": seconds}, picture=picture)
-
-
-def _plan(
-    options: argparse.Namespace, stents: tuple[Stent, ...], method: Plan, inputs: InputFiles
-) -> Plan:
-    root = root_of(options)
-    return replace(
-        method,
-        stents=stents,
-        surface=input_file(inputs.surface),
-        centerline=None if inputs.line_file is None else input_file(inputs.line_file),
-        units=options.units,
-        frame=inputs.surface.frame,
-        root=None if root is None else tuple(root.tolist()),
-        reference=tuple(tuple(place.tolist()) for place in reference_of(options)),
-    )
 
 
 def _method(options: argparse.Namespace) -> Plan:

@@ -11,7 +11,7 @@ from ..version import VERSION
 from .argument_types import number as _number
 from .argument_types import path as _path
 from .argument_types import whole as _whole
-from .stent_options import add_device_table, add_stent
+from .stent_options import add_device_table, add_stent, add_wishes
 
 _DEFAULTS = Plan().settings
 
@@ -46,6 +46,7 @@ def parser() -> Parser:
             "measure", help="lesions of a vessel, and diameters along it", allow_abbrev=False
         )
     )
+    _suggest(commands.add_parser("suggest", help="a plan for a lesion", allow_abbrev=False))
     _check(commands.add_parser("check", help="is a surface sound", allow_abbrev=False))
     _centerline(
         commands.add_parser(
@@ -128,6 +129,20 @@ def _measure(command: argparse.ArgumentParser) -> None:
     _add_talk(command)
 
 
+def _suggest(command: argparse.ArgumentParser) -> None:
+    command.description = (
+        "Propose a stent for a lesion: its diameters and lengths, the rule, and how they compare "
+        "with the vessel; a proposal to discuss, research use only."
+    )
+    command.add_argument("surface", type=_path, metavar="SURFACE", help="VTP, VTK, STL, PLY or OBJ")
+    command.add_argument("--centerline", type=_path, metavar="FILE", required=True, help="any form")
+    add_wishes(command)
+    _add_vessel_marks(command)
+    _add_units(command)
+    command.add_argument("--json", action="store_true", help="print JSON instead of sentences")
+    _add_talk(command)
+
+
 def _check(command: argparse.ArgumentParser) -> None:
     command.description = "Topology and self-intersections of a surface."
     command.add_argument("surface", type=_path, metavar="SURFACE", help="VTP, VTK, STL, PLY or OBJ")
@@ -189,22 +204,7 @@ def _add_place(command: argparse.ArgumentParser) -> argparse._ArgumentGroup:
     place = command.add_argument_group("where")
     place.add_argument("--axis", type=_path, metavar="FILE", help="the curve is the stent axis")
     place.add_argument("--centerline", type=_path, metavar="FILE", help="of the vessel, any form")
-    place.add_argument(
-        "--root",
-        type=_number,
-        nargs=3,
-        metavar=("X", "Y", "Z"),
-        help="the end of the centerline near this point is proximal (default: the tree tells)",
-    )
-    place.add_argument(
-        "--reference",
-        type=_number,
-        nargs=3,
-        action="append",
-        metavar=("X", "Y", "Z"),
-        default=[],
-        help="healthy vessel that the lesion beside it is measured against; once or twice",
-    )
+    _add_vessel_marks(place)
     place.add_argument(
         "--length", type=_number, metavar="L", help="mm; with --axis about its middle"
     )
@@ -224,6 +224,25 @@ def _add_place(command: argparse.ArgumentParser) -> argparse._ArgumentGroup:
             help=what,
         )
     return place
+
+
+def _add_vessel_marks(place: argparse._ActionsContainer) -> None:
+    place.add_argument(
+        "--root",
+        type=_number,
+        nargs=3,
+        metavar=("X", "Y", "Z"),
+        help="the end of the centerline near this point is proximal (default: the tree tells)",
+    )
+    place.add_argument(
+        "--reference",
+        type=_number,
+        nargs=3,
+        action="append",
+        metavar=("X", "Y", "Z"),
+        default=[],
+        help="healthy vessel that the lesion beside it is measured against; once or twice",
+    )
 
 
 def _add_method(command: argparse.ArgumentParser) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..cautions import Caution
 from ..files import axis_of, in_frame_of, read_lines
-from ..plan import POINT_PLACEMENTS, InputFiles, read_input_files, scaled
+from ..plan import POINT_PLACEMENTS, InputFiles, Plan, input_file, read_input_files, scaled
 from ..report import LEAST
 from ..stent import AlongAxis, BetweenPoints, InputFile, Placement, Stent
 from ..units import MILLIMETERS, Frame
@@ -109,24 +110,52 @@ def lesion_place(options: argparse.Namespace, inputs: InputFiles, stent: Stent) 
     InputError
         The vessel has no lesion of that number.
     """
+    check_lesion_number(options.at_lesion, inputs, "--at-lesion", "place the stent by points")
     lesions = inputs.vessel.lesions
     assert lesions is not None
-    number, count = options.at_lesion, len(lesions)
+    assert stent.length is not None
+    lesion = lesions[options.at_lesion - 1]
+    return Place(inputs.vessel.place_at(lesion, stent.length, stent.foreshortening), ())
+
+
+def check_lesion_number(number: int, inputs: InputFiles, option: str, otherwise: str) -> None:
+    """Refuse the number of a lesion that the vessel has not.
+
+    Raises
+    ------
+    InputError
+        With what to do `otherwise` where there is no lesion at all.
+    """
+    count = len(inputs.vessel.lesions or ())
     if not count:
         raise InputError(
-            "--at-lesion: expected a vessel with a lesion, got one in which none of "
-            f"{LEAST} was found; place the stent by points."
+            f"{option}: expected a vessel with a lesion, got one in which none of {LEAST} was "
+            f"found; {otherwise}."
         )
     if not 1 <= number <= count:
         there = f"a number from 1 to {count}" if count > 1 else "1"
         has = f"{count} lesions" if count > 1 else "one lesion"
         raise InputError(
-            f"--at-lesion: expected {there}, as the vessel has {has}, got {number}; see "
+            f"{option}: expected {there}, as the vessel has {has}, got {number}; see "
             "`sdfstent measure` for the list."
         )
-    assert stent.length is not None
-    lesion = lesions[number - 1]
-    return Place(inputs.vessel.place_at(lesion, stent.length, stent.foreshortening), ())
+
+
+def plan_of(
+    options: argparse.Namespace, method: Plan, stents: tuple[Stent, ...], inputs: InputFiles
+) -> Plan:
+    """A plan of stents in what was read, with the settings of another plan."""
+    root = root_of(options)
+    return replace(
+        method,
+        stents=stents,
+        surface=input_file(inputs.surface),
+        centerline=None if inputs.line_file is None else input_file(inputs.line_file),
+        units=options.units,
+        frame=inputs.surface.frame,
+        root=None if root is None else tuple(root.tolist()),
+        reference=tuple(tuple(place.tolist()) for place in reference_of(options)),
+    )
 
 
 def inputs_of(options: argparse.Namespace) -> InputFiles:

@@ -71,6 +71,10 @@ def _imported(name: str) -> Callable[[argparse.Namespace, Console], int]:
         from .devices import devices_command
 
         return devices_command
+    if name == "suggest":
+        from .suggest import suggest_command
+
+        return suggest_command
     from .demo import demo_command
 
     return demo_command

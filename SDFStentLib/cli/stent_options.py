@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from ..stent import KEPT
-from .argument_types import number, path
+from .argument_types import number, path, whole
 
 
 def add_stent(command: argparse.ArgumentParser) -> None:
@@ -33,6 +33,17 @@ def add_stent(command: argparse.ArgumentParser) -> None:
     stent.add_argument(
         "--redilate", type=number, metavar="D", help="then dilate the same stent to D, mm"
     )
+    add_device(stent)
+    stent.add_argument(
+        "--keep",
+        choices=KEPT,
+        help="what stays where it is when the stent shortens (default its center, or the end by "
+        "which it is placed)",
+    )
+
+
+def add_device(stent: argparse._ActionsContainer) -> None:
+    """Which device, and what it loses of its length."""
     stent.add_argument(
         "--device", type=path, metavar="NAME", help="one of `sdfstent devices`; sets its lengths"
     )
@@ -44,12 +55,6 @@ def add_stent(command: argparse.ArgumentParser) -> None:
         help="part of the length that is lost on expansion (default: that of the device, 0.1 with "
         "--length and no device, else 0)",
     )
-    stent.add_argument(
-        "--keep",
-        choices=KEPT,
-        help="what stays where it is when the stent shortens (default its center, or the end by "
-        "which it is placed)",
-    )
 
 
 def add_device_table(group: argparse._ActionsContainer) -> None:
@@ -57,3 +62,32 @@ def add_device_table(group: argparse._ActionsContainer) -> None:
     group.add_argument(
         "--device-table", type=path, metavar="F", help="JSON with devices of your own, too"
     )
+
+
+def add_wishes(command: argparse.ArgumentParser) -> None:
+    """Which lesion, how wide and how long beside it, and the plan to write."""
+    command.add_argument(
+        "-o", "--output", type=path, metavar="PLAN", help="to write (default SURFACE_plan.json)"
+    )
+    command.add_argument(
+        "--lesion",
+        type=whole,
+        metavar="N",
+        action="append",
+        help="numbered as `measure` lists them; may be repeated (default 1, the tightest)",
+    )
+    command.add_argument(
+        "--ratio",
+        type=number,
+        metavar="R",
+        default=1.0,
+        help="lumen over the smaller healthy vessel beside the lesion (default 1)",
+    )
+    command.add_argument(
+        "--margin",
+        type=number,
+        metavar="MM",
+        default=0.0,
+        help="how far beyond both ends of the lesion (default 0)",
+    )
+    add_device(command)

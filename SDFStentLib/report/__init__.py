@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from .painting import check_rendering
     from .picture import before_after_picture
     from .report import FIGURE_SUFFIXES, Report, write_report, write_report_figure
+    from .sizing import suggestion_section, suggestion_sentences
 
 __all__ = [
     "FIGURE_SUFFIXES",
@@ -55,6 +56,8 @@ __all__ = [
     "stent_branch_sentences",
     "stent_device_sentences",
     "stent_lesion_sentences",
+    "suggestion_section",
+    "suggestion_sentences",
     "write_report",
     "write_report_figure",
 ]
@@ -83,6 +86,7 @@ __getattr__, __dir__ = late_names(
         "of_plan": ["plan_report"],
         "painting": ["check_rendering"],
         "picture": ["before_after_picture"],
+        "sizing": ["suggestion_section", "suggestion_sentences"],
         "report": ["FIGURE_SUFFIXES", "Report", "write_report", "write_report_figure"],
     },
 )

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from ..stent import OfStent, Stent
-from ..treatment import TreatedLesion, TreatedStent
+from ..treatment import TreatedLesion, TreatedStent, size_ratios
+from .sizing import ratio_section
 from .words import UNKNOWN
 
 Covered = Sequence[TreatedLesion] | None
@@ -24,6 +25,7 @@ def diameters_section(stent: Stent, covered: Covered) -> dict[str, Any]:
         "recoil_fraction": None if balloon is None else balloon.recoil_fraction,
         "recoil_reason": None if balloon is None else balloon.reason,
         "reference_diameter_mm": _reference(covered),
+        **_ratios(stent, covered),
     }
 
 
@@ -45,6 +47,13 @@ def stent_balloon_sentences(treated: TreatedStent, lesions: Covered) -> list[str
         f"Balloon {balloon.diameter:g} mm, lumen {stent.diameter:.2f} mm after recoil of "
         f"{100 * balloon.recoil_fraction:g} %, reference {known}. Recoil: {balloon.reason}."
     ]
+
+
+def _ratios(stent: Stent, covered: Covered) -> dict[str, float | None]:
+    if not covered:
+        return {"stent_to_adjacent": None, "balloon_to_stenosis": None}
+    balloon = float("nan") if stent.balloon is None else stent.balloon.diameter
+    return ratio_section(size_ratios(covered[0].before, stent.diameter, balloon))
 
 
 def _reference(covered: Covered) -> float | None:

@@ -210,6 +210,13 @@ def _balloon_rows(told: dict[str, Any]) -> list[tuple[str, str]]:
         reference = told.pop("reference_diameter_mm")
         if reference is not None:
             rows.append(("Reference diameter of the lesion", millimeters(reference)))
+    for key, words in (
+        ("stent_to_adjacent", "Lumen : smaller healthy vessel beside the lesion"),
+        ("balloon_to_stenosis", "Balloon : stenosis"),
+    ):
+        ratio = told.pop(key, None)
+        if ratio is not None:
+            rows.append((words, number_text(ratio, 2)))
     return rows
 
 

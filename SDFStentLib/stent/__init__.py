@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .balloon import Balloon, balloon_by_rule
+from .balloon import RAISED_RECOIL, USUAL_RECOIL, WIDE_BALLOON, Balloon, balloon_by_rule
 from .beside import beside, placement_points
 from .device import CELLS, MAXIMUM_DIAMETER, MAXIMUM_LENGTH, Device
 from .placement import (
@@ -26,6 +26,9 @@ __all__ = [
     "KEPT",
     "MAXIMUM_DIAMETER",
     "MAXIMUM_LENGTH",
+    "RAISED_RECOIL",
+    "USUAL_RECOIL",
+    "WIDE_BALLOON",
     "AlongAxis",
     "AtCenter",
     "AtDistalEnd",

@@ -4,15 +4,20 @@ from __future__ import annotations
 
 from .lesions import TreatedLesion, placement_at, treated_lesions
 from .preview import Preview, PreviewedStent, PreviewState
+from .sizing import SEEN_RATIO, SizeRatios, SizingWishes, Suggestion, size_ratios, suggested
 from .straightening import axis_in_vessel
 from .treatment import Treatment
 from .value import TreatedStent, TreatmentResult, TreatmentState
 from .vessel import Vessel
 
 __all__ = [
+    "SEEN_RATIO",
     "Preview",
     "PreviewState",
     "PreviewedStent",
+    "SizeRatios",
+    "SizingWishes",
+    "Suggestion",
     "TreatedLesion",
     "TreatedStent",
     "Treatment",
@@ -21,6 +26,8 @@ __all__ = [
     "Vessel",
     "axis_in_vessel",
     "placement_at",
+    "size_ratios",
+    "suggested",
     "treated_lesions",
 ]
 

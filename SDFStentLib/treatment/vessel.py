@@ -21,6 +21,7 @@ from ..measure import (
 from ..stent import AtCenter, AtDistalEnd, Stent
 from ..validation import Points
 from .lesions import placement_at
+from .sizing import SizingWishes, Suggestion, suggested
 from .straightening import axis_in_vessel
 from .treatment import PROFILE_SPACING
 
@@ -82,6 +83,12 @@ class Vessel:
         """`placement_at` one of its lesions."""
         assert self.centerline is not None
         return placement_at(lesion, self.centerline, stent_length, foreshortening_fraction)
+
+    def suggestion(self, number: int, wishes: SizingWishes) -> Suggestion:
+        """`suggested` for one of its lesions, by number from 1."""
+        assert self.lesions is not None
+        assert self.centerline is not None
+        return suggested(self.lesions[number - 1], number, self.centerline, wishes)
 
     def native_lumen(self, stent: Stent) -> float:
         """Smallest inscribed diameter where a stent lies, before it, mm; NaN where not known."""

@@ -1,0 +1,51 @@
+"""The command `suggest`."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+from pathlib import Path
+
+from ..plan import InputFiles, Plan, save_plan
+from ..report import suggestion_section, suggestion_sentences
+from ..treatment import SizingWishes
+from ..validation import InputError
+from .console import Console
+from .outputs import Outputs
+from .place import check_lesion_number, inputs_of, plan_of
+from .stents import device_of
+
+
+def suggest_command(options: argparse.Namespace, console: Console) -> int:
+    """Propose a stent for a lesion and write the plan of it."""
+    if options.device is None and options.device_table is not None:
+        raise InputError("expected --device NAME with --device-table, got none; name one.")
+    wishes = SizingWishes(options.ratio, options.margin, device_of(options), options.foreshortening)
+    outputs = Outputs([options.surface, options.centerline])
+    plan, name = Plan(), options.output or f"{Path(options.surface).stem}_plan.json"
+    folder = os.path.dirname(os.path.abspath(name))
+    outputs.add(name, lambda path: save_plan(plan, path, relative_to=folder))
+    inputs = inputs_of(options)
+    suggestions = [inputs.vessel.suggestion(number, wishes) for number in _numbers(options, inputs)]
+    plan = plan_of(options, Plan(), tuple(one.stent for one in suggestions), inputs)
+    outputs.write()
+    if options.json:
+        listed = [suggestion_section(one) for one in suggestions]
+        print(json.dumps({"suggestions": listed}, indent=2, allow_nan=False, ensure_ascii=False))
+        return 0
+    console.warn(inputs.warnings)
+    for one in suggestions:
+        for sentence in suggestion_sentences(one):
+            console.say(sentence)
+        console.warn(caution.labeled(f"Lesion {one.number}: ") for caution in one.cautions())
+    console.say(f"Wrote {name}; to carry it out: sdfstent run {name} -o DIR")
+    return 0
+
+
+def _numbers(options: argparse.Namespace, inputs: InputFiles) -> list[int]:
+    """Of the lesions that are to be treated, each once: the tightest one by default."""
+    numbers = list(dict.fromkeys(options.lesion or [1]))
+    for number in numbers:
+        check_lesion_number(number, inputs, "--lesion", "there is nothing to treat")
+    return numbers

@@ -1,0 +1,249 @@
+"""A proposal for a lesion: sizes by a named rule, ratios, and the plan of it."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from deployment_cases import ANATOMIES, anatomy
+from test_devices import ROW, a_device, a_table
+from test_report import a_lesion
+from tube_files import write_tube
+
+from SDFStentLib.cli.shell import main
+from SDFStentLib.geometry import length
+from SDFStentLib.measure import HealthyPlace
+from SDFStentLib.phantoms.phantoms import stenosed_tube, straight_tube
+from SDFStentLib.plan import load_plan, run_plan
+from SDFStentLib.stent import stent_axis
+from SDFStentLib.treatment import SizingWishes, Vessel, size_ratios, suggested
+from SDFStentLib.treatment.sizing import adjacent_diameter
+from SDFStentLib.validation import InputError
+
+SUGGEST = ["suggest", "tube.vtp", "--units", "cm", "--centerline", "line.vtp"]
+
+
+def a_lesion_of(proximal, distal, minimum=4.0):
+    """With healthy vessel of these diameters on its sides, None for an unknown one."""
+    proximal, distal = (
+        None if diameter is None else HealthyPlace((0.0, 0.0, 0.0), 0.0, diameter, math.nan)
+        for diameter in (proximal, distal)
+    )
+    return replace(a_lesion(minimum), proximal=proximal, distal=distal)
+
+
+@pytest.fixture(scope="module")
+def a_vessel():
+    """A tube of 6 mm, narrowed to 3.6."""
+    tube = stenosed_tube(edge_length=0.8)
+    return Vessel(tube.surface, tube.centerline)
+
+
+@pytest.fixture
+def a_folder(tmp_path, monkeypatch):
+    write_tube(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_the_lumen_is_that_of_the_healthy_vessel_and_the_length_that_of_the_lesion(a_vessel):
+    one = a_vessel.suggestion(1, SizingWishes())
+    (lesion,) = a_vessel.lesions
+    assert one.lesion is lesion
+    assert one.stent.diameter == pytest.approx(6.0, abs=0.1)  # a balloon in tenths of a mm
+    assert one.stent.balloon.diameter == pytest.approx(6.0 / 0.93, abs=0.1)
+    assert one.ratios.stent_to_adjacent == pytest.approx(1.0, abs=0.01)
+    assert one.ratios.balloon_to_stenosis == pytest.approx(6.45 / 3.6, abs=0.05)
+    assert one.stent.length == int(one.stent.length)
+    assert 0 <= one.deployed_length - lesion.length < 1
+    assert list(one.cautions()) == []
+    # It lies over the lesion, as found by the tube's own shape: narrowest at z = 20.
+    axis = stent_axis(one.stent, a_vessel.centerline).points
+    assert axis[:, 2].mean() == pytest.approx(20, abs=0.5)
+
+
+@pytest.mark.parametrize("ratio", [0.7, 0.85, 1.0])
+def test_a_ratio_of_ones_own_is_kept_to_a_tenth_of_a_millimeter_of_the_balloon(a_vessel, ratio):
+    one = a_vessel.suggestion(1, SizingWishes(ratio=ratio))
+    wanted = ratio * adjacent_diameter(one.lesion)
+    assert one.stent.diameter == pytest.approx(wanted, abs=0.05)
+    assert ("times as wide" in one.rule) == (ratio != 1)
+    assert [caution.kind for caution in one.cautions()] == []
+
+
+def test_the_margin_is_added_on_both_sides(a_vessel):
+    plain, wide = (a_vessel.suggestion(1, SizingWishes(margin=m)) for m in (0.0, 3.0))
+    assert wide.deployed_length - plain.deployed_length == pytest.approx(6, abs=1)
+    assert "3 mm beyond both of its ends" in wide.rule
+
+
+def test_in_a_tight_lesion_the_balloon_is_about_a_tenth_wider_than_the_vessel():
+    """As the source of the rule advises, without a rule of its own for it."""
+    tube = stenosed_tube(throat_radius=1.2, edge_length=0.8)
+    one = Vessel(tube.surface, tube.centerline).suggestion(1, SizingWishes())
+    assert one.lesion.minimum_diameter < 3
+    assert one.stent.balloon.recoil_fraction == 0.1
+    assert one.stent.balloon.diameter / adjacent_diameter(one.lesion) == pytest.approx(
+        1.11, abs=0.02
+    )
+    assert one.stent.diameter == pytest.approx(adjacent_diameter(one.lesion), abs=0.05)
+
+
+def test_the_smaller_side_is_not_overstretched_and_an_unknown_one_not_made_up():
+    both = a_lesion_of(proximal=9.0, distal=7.0)
+    assert adjacent_diameter(both) == 7.0
+    assert adjacent_diameter(a_lesion_of(proximal=9.0, distal=None)) == 9.0
+    assert adjacent_diameter(a_lesion_of(proximal=None, distal=7.0)) == 7.0
+
+
+@pytest.mark.parametrize(
+    ("lumen", "balloon", "kinds"),
+    [
+        (7.0, 7.5, []),
+        (4.7, 5.0, []),
+        (4.5, 5.0, ["ratio-adjacent"]),
+        (7.1, 7.6, []),
+        (7.3, 7.9, ["ratio-adjacent"]),
+        (7.0, 12.0, []),
+        (7.0, 12.1, ["ratio-stenosis"]),
+        (9.0, 13.0, ["ratio-adjacent", "ratio-stenosis"]),
+        (7.0, math.nan, []),
+    ],
+)
+def test_a_ratio_beyond_its_sources_range_is_said(lumen, balloon, kinds):
+    lesion = a_lesion_of(proximal=9.0, distal=7.0, minimum=4.0)
+    ratios = size_ratios(lesion, lumen, balloon)
+    assert ratios.stent_to_adjacent == pytest.approx(lumen / 7.0)
+    assert [caution.kind for caution in ratios.cautions()] == kinds
+    for caution in ratios.cautions():
+        assert "sources had 0.66 to 1.02" in str(caution) or "above 3 the recoil" in str(caution)
+
+
+def test_a_device_gives_its_own_length_and_what_is_too_short_is_said(a_vessel):
+    row = {"nominal_length": 8, "lengths": [[4, 8], [8, 6]], "name": "short"}
+    one = a_vessel.suggestion(1, SizingWishes(device=a_device(**row)))
+    assert one.stent.length == 8
+    assert one.deployed_length == pytest.approx(8 - 0.5 * (one.stent.diameter - 4), abs=1e-9)
+    (caution,) = one.cautions()
+    assert str(caution).startswith(f"The stent is {one.deployed_length:.1f} mm long once it has")
+    assert "length that of the device" in one.rule
+
+
+def test_a_family_that_keeps_its_length_needs_a_shorter_stent(a_vessel):
+    plain = a_vessel.suggestion(1, SizingWishes(foreshortening_fraction=0.3))
+    keeps = a_vessel.suggestion(1, SizingWishes(foreshortening_fraction=0.0))
+    assert keeps.stent.length == math.ceil(keeps.lesion.length)
+    assert plain.stent.length == math.ceil(keeps.lesion.length / 0.7)
+
+
+@pytest.mark.parametrize(
+    ("wish", "words"),
+    [
+        ({"ratio": 0.1}, "ratio to the adjacent vessel: expected a number at least 0.2"),
+        ({"ratio": math.nan}, "ratio to the adjacent vessel: expected a number"),
+        ({"margin": -1}, "margin: expected a number at least 0"),
+    ],
+)
+def test_wishes_that_cannot_be_are_refused(wish, words):
+    with pytest.raises(InputError, match=words):
+        SizingWishes(**wish)
+
+
+@pytest.mark.parametrize("name", ["pulmonary", "aorta_iliac"])
+def test_in_anatomies_the_proposed_stent_covers_its_lesion(data_dir, name):
+    assert name in ANATOMIES
+    found = anatomy(data_dir, name)
+    vessel = Vessel(found.surface, found.centerline)
+    for number, lesion in enumerate(vessel.lesions[:3], start=1):
+        one = suggested(lesion, number, found.centerline, SizingWishes())
+        sides = [side.diameter for side in (lesion.proximal, lesion.distal) if side]
+        assert one.stent.diameter == pytest.approx(min(sides), abs=0.05)
+        axis = stent_axis(one.stent, found.centerline).points
+        assert length(axis) >= lesion.length - 1e-6
+        # Both ends of the lesion lie beside the stent, not beyond it.
+        for end in lesion.line[[0, -1]]:
+            assert np.linalg.norm(axis - end, axis=1).min() < 1.5
+
+
+# ---- the shell
+
+
+def test_suggest_tells_the_rule_and_writes_a_plan_that_runs(a_folder, capsys):
+    assert main(SUGGEST) == 0
+    said = capsys.readouterr().out
+    for words in (
+        "Lesion 1: 40 % by diameter, minimum 3.5",
+        "Proposed: balloon 6.4 mm, lumen 5.95 mm, nominal length ",
+        "Rule: lumen as wide as the smaller healthy vessel beside the lesion, balloon wider by its",
+        "Recoil: 7 % is the mean in great vessels",
+        "Stent : adjacent vessel 1.00 (sources 0.66 to 1.02); balloon : stenosis 1.8",
+        "Wrote tube_plan.json; to carry it out: sdfstent run tube_plan.json -o DIR",
+    ):
+        assert words in said, words
+    result = run_plan(load_plan("tube_plan.json"))
+    assert result.treatment.certificate.passed
+    (stent,) = result.treatment.stents
+    assert stent.stent.name == "lesion 1"
+    (lesion,) = result.lesions
+    assert lesion.stents == (1,)
+    assert lesion.after.percent_diameter < 5
+    assert main(["run", "tube_plan.json", "-o", "out", "--quiet"]) == 0
+    (told,) = json.loads(Path("out/report.json").read_text(encoding="utf-8"))["stents"]
+    assert told["stent_to_adjacent"] == pytest.approx(1.0, abs=0.01)
+    assert told["balloon_to_stenosis"] == pytest.approx(1.8, abs=0.05)
+    page = Path("out/report.html").read_text(encoding="utf-8")
+    assert "<td>Lumen : smaller healthy vessel beside the lesion</td><td>1.0" in page
+
+
+def test_suggest_prints_json_and_takes_a_device(a_folder, capsys):
+    row = {**ROW, "name": "own", "nominal_length": 16, "lengths": [[4, 16], [8, 12]]}
+    Path("own.json").write_text(a_table(row), encoding="utf-8")
+    more = ["--device", "own", "--device-table", "own.json", "-o", "p.json", "--json"]
+    assert main([*SUGGEST, *more]) == 0
+    (one,) = json.loads(capsys.readouterr().out)["suggestions"]
+    assert (one["lesion"], one["device"], one["nominal_length_mm"]) == (1, "own", 16)
+    assert one["deployed_length_mm"] == pytest.approx(16 - (one["lumen_diameter_mm"] - 4))
+    (stent,) = load_plan("p.json").stents
+    assert (stent.device.name, stent.length) == ("own", 16)
+    assert stent.diameter == one["lumen_diameter_mm"]
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        (["--lesion", "2"], "--lesion: expected 1, as the vessel has one lesion, got 2; see"),
+        (["--lesion", "0"], "--lesion: expected 1, as the vessel has one lesion, got 0; see"),
+        (["--ratio", "5"], "ratio to the adjacent vessel: expected a number at least 0.2 and at"),
+        (["--margin", "-1"], "margin: expected a number at least 0"),
+        (["--device", "numed-cp"], "its shortening is not known; say how much of its length it"),
+        (["--device", "none"], "device: expected a known one"),
+        (["--device-table", "x.json"], "expected --device NAME with --device-table, got none"),
+        (["-o", "line.vtp"], "expected another file than the input"),
+    ],
+)
+def test_what_cannot_be_suggested_is_said_and_nothing_is_written(a_folder, capsys, more, words):
+    before = sorted(path.name for path in a_folder.iterdir())
+    assert main([*SUGGEST, *more]) == 2
+    assert words in capsys.readouterr().err
+    assert sorted(path.name for path in a_folder.iterdir()) == before
+
+
+def test_a_vessel_without_a_lesion_gets_no_plan(tmp_path, monkeypatch, capsys):
+    from SDFStentLib.files import polydata
+    from SDFStentLib.files.formats import vtk_files as vtk_formats
+
+    tube = straight_tube(edge_length=1.0)
+    lines = [np.arange(len(tube.centerline.points))]
+    for name, data in (
+        ("tube", polydata.polydata_from_arrays(tube.points, tube.triangles)),
+        ("line", polydata.polydata_from_lines(tube.centerline.points, lines)),
+    ):
+        (tmp_path / f"{name}.vtp").write_bytes(vtk_formats.encode_vtp(data))
+    monkeypatch.chdir(tmp_path)
+    assert main(["suggest", "tube.vtp", "--centerline", "line.vtp"]) == 2
+    assert "none of 15 % or more was found; there is nothing to treat." in capsys.readouterr().err
+    assert not Path("tube_plan.json").exists()
