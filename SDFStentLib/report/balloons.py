@@ -51,7 +51,7 @@ def stent_balloon_sentences(treated: TreatedStent, lesions: Covered) -> list[str
 
 def _ratios(stent: Stent, covered: Covered) -> dict[str, float | None]:
     if not covered:
-        return {"stent_to_adjacent": None, "balloon_to_stenosis": None}
+        return {}
     balloon = float("nan") if stent.balloon is None else stent.balloon.diameter
     return ratio_section(size_ratios(covered[0].before, stent.diameter, balloon))
 
