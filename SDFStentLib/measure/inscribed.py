@@ -43,6 +43,9 @@ _ROUNDS = 200
 _ROUGHLY, _FINER = 100, 30
 """Points of the wall round a sphere in the first search, and so many times more in the next."""
 
+_SOME = 64
+"""Stations that tell how fine the surface is."""
+
 _ON_WALL = 1e-9
 """An axis point nearer to the wall than this, mm, lies on it: rounding tells no direction away."""
 
@@ -157,7 +160,8 @@ def _rough(surface: LocalSurface, starts: Points, axes: Floats) -> InscribedSphe
 
     NaN where that leads out of the surface, and everywhere where the wall has few triangles.
     """
-    around = float(np.quantile(surface.triangles_round(starts), 0.25))
+    some = starts[:: max(1, len(starts) // _SOME)]
+    around = float(np.quantile(surface.triangles_round(some), 0.25))
     centers, radii = starts.copy(), np.full(len(starts), np.nan)
     strides = [max(1.0, around / _ROUGHLY)] if around > _ROUGHLY / 2 else []
     # Ends: what is appended falls to 2.

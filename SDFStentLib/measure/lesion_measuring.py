@@ -1,7 +1,8 @@
-"""A lesion on a surface: its narrowest place against a reference that is known already."""
+"""Lesions on a surface: their narrowest places against references that are known already."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -23,48 +24,79 @@ FINE_STATIONS = 17
 """Spheres between the neighbors of the narrowest station of a lesion's line: for the same."""
 
 
-def measured(lesion: Lesion, surface: Surface, diameters: Floats | None = None) -> Lesion:
-    """The lesion with all that depends on the surface, against its reference.
+def measured(
+    lesions: Sequence[Lesion], surface: Surface, diameters: Sequence[Floats] | None = None
+) -> list[Lesion]:
+    """The lesions with all that depends on the surface, against their references.
 
     Parameters
     ----------
-    lesion : Lesion
+    lesions : sequence of Lesion
     surface : Surface
-    diameters : (k,) array, optional
-        Inscribed, at the points of the lesion's line, where they are known already, mm.
+    diameters : sequence of (k,) arrays, optional
+        Inscribed, at the points of each lesion's line, where they are known already, mm.
     """
+    if diameters is None:
+        diameters = [
+            2 * spheres.radii for spheres in _spheres(surface, [_line(x) for x in lesions])
+        ]
+    fine = [_round_narrowest(*pair) for pair in zip(lesions, diameters, strict=True)]
+    spheres = _spheres(surface, [(places, ways) for _, places, ways in fine])
+    return [
+        _with_section(_with_sphere(lesion, lesion.start + along, found), surface)
+        for lesion, (along, _, _), found in zip(lesions, fine, spheres, strict=True)
+    ]
+
+
+def _spheres(surface: Surface, lines: Sequence[tuple[Points, Points]]) -> list[InscribedSpheres]:
+    """Spheres at the points of some lines with their directions, all searched together."""
+    if not lines:
+        return []
+    places, ways = (np.concatenate(column) for column in zip(*lines, strict=True))
+    found = inscribed_spheres(surface.points, surface.triangles, places, ways)
+    ends = np.cumsum([len(line) for line, _ in lines])[:-1]
+    return [found.at(part) for part in np.split(np.arange(len(places)), ends)]
+
+
+def _line(lesion: Lesion) -> tuple[Points, Points]:
+    return lesion.line, tangents(lesion.line)
+
+
+def _with_sphere(lesion: Lesion, at: Floats, spheres: InscribedSpheres) -> Lesion:
+    """With the tightest of the spheres at some arc lengths from the root."""
+    references = _tapering(lesion, [side.diameter for side in _sides(lesion)], at)
+    tightest = int(np.nanargmax(1 - 2 * spheres.radii / references))
+    minimum, reference = 2 * float(spheres.radii[tightest]), float(references[tightest])
+    return replace(
+        lesion,
+        arc_length=float(at[tightest]),
+        point=as_place(spheres.centers[tightest]),
+        minimum_diameter=minimum,
+        reference_diameter=reference,
+        percent_diameter=100 * (1 - minimum / reference),
+    )
+
+
+def _with_section(lesion: Lesion, surface: Surface) -> Lesion:
+    """With the tightest of the sections along it."""
     line = resampled_to(lesion.line, max(STATIONS, 2 * len(lesion.line)))
     at = lesion.start + np.linspace(0.0, lesion.length, len(line))
     sections = equivalent_diameters(surface.points, surface.triangles, line, tangents(line))
     areas = np.pi / 4 * sections**2
     wanted = _tapering(lesion, [np.sqrt(side.area) for side in _sides(lesion)], at) ** 2
-    narrow_at, spheres = _narrowest_part(lesion, surface, diameters)
-    references = _tapering(lesion, [side.diameter for side in _sides(lesion)], narrow_at)
-    tightest = int(np.nanargmax(1 - 2 * spheres.radii / references))
-    minimum = 2 * float(spheres.radii[tightest])
     smallest = int(np.nanargmax(1 - areas / wanted)) if np.isfinite(areas / wanted).any() else 0
     return replace(
         lesion,
-        arc_length=float(narrow_at[tightest]),
-        point=as_place(spheres.centers[tightest]),
-        minimum_diameter=minimum,
-        reference_diameter=float(references[tightest]),
-        percent_diameter=100 * (1 - minimum / float(references[tightest])),
         minimum_area=float(areas[smallest]),
         reference_area=float(wanted[smallest]),
         percent_area=100 * (1 - float(areas[smallest] / wanted[smallest])),
     )
 
 
-def _narrowest_part(
-    lesion: Lesion, surface: Surface, diameters: Floats | None
-) -> tuple[Floats, InscribedSpheres]:
-    """Arc lengths from the root, and spheres there, round the narrowest station of its line."""
-    points, triangles = surface.points, surface.triangles
-    line, directions = lesion.line, tangents(lesion.line)
+def _round_narrowest(lesion: Lesion, diameters: Floats) -> tuple[Floats, Points, Points]:
+    """Arc lengths, points and directions round the narrowest station of a lesion's line."""
+    line, directions = _line(lesion)
     along = arc_lengths(line)
-    if diameters is None:
-        diameters = 2 * inscribed_spheres(points, triangles, line, directions).radii
     widths = [side.diameter for side in _sides(lesion)]
     narrowest = int(np.nanargmax(1 - diameters / _tapering(lesion, widths, lesion.start + along)))
     ends = along[max(narrowest - 1, 0)], along[min(narrowest + 1, len(line) - 1)]
@@ -73,7 +105,7 @@ def _narrowest_part(
         np.column_stack([np.interp(fine, along, column) for column in values.T])
         for values in (line, directions)
     )
-    return lesion.start + fine, inscribed_spheres(points, triangles, places, ways)
+    return fine, places, ways
 
 
 def _sides(lesion: Lesion) -> list[HealthyPlace]:

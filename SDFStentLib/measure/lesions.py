@@ -49,10 +49,15 @@ def find_lesions(surface: Surface, centerline: Centerline) -> tuple[Lesion, ...]
     InputError
         No surface, or a centerline outside of it.
     """
-    found = [
-        _Found(_lesion(surface, run, narrow), _junctions(run, narrow))
+    places = [
+        (run, narrow)
         for run in vessel_runs(branch_lumens(as_surface(surface), centerline))
         for narrow in narrowings(run)
+    ]
+    begun = [_begun(surface, run, narrow) for run, narrow in places]
+    lesions = measured([one for one, _ in begun], surface, [widths for _, widths in begun])
+    found = [
+        _Found(lesion, _junctions(*place)) for lesion, place in zip(lesions, places, strict=True)
     ]
     found.sort(key=lambda one: -one.lesion.percent_diameter)
     kept: list[_Found] = []
@@ -82,7 +87,7 @@ def lesion_after(lesion: Lesion, surface: Surface) -> Lesion:
     InputError
         No surface.
     """
-    return measured(lesion, as_surface(surface))
+    return measured([lesion], as_surface(surface))[0]
 
 
 def lesions_within(lesions: Sequence[Lesion], axis_points: ArrayLike) -> tuple[Lesion, ...]:
@@ -141,8 +146,8 @@ def _junctions(run: VesselRun, narrow: Narrowing) -> dict[int, bool]:
     }
 
 
-def _lesion(surface: Surface, run: VesselRun, narrow: Narrowing) -> Lesion:
-    """A narrowing with its areas, on finer stations, from the root's side on."""
+def _begun(surface: Surface, run: VesselRun, narrow: Narrowing) -> tuple[Lesion, Floats]:
+    """A narrowing with its reference, from the root's side on, and diameters along its line."""
     edges = np.interp([narrow.start, narrow.end], run.along, run.from_root)
     way = 1 if edges[0] <= edges[1] else -1
     inner = (run.along > narrow.start) & (run.along < narrow.end)
@@ -159,7 +164,7 @@ def _lesion(surface: Surface, run: VesselRun, narrow: Narrowing) -> Lesion:
     ][::way]
     unknown = float("nan")
     at = int(np.abs(run.along - narrow.narrowest).argmin())
-    return measured(
+    return (
         Lesion(
             branch=int(run.branch[at]),
             branch_arc_length=float(run.branch_along[at]),
@@ -178,7 +183,6 @@ def _lesion(surface: Surface, run: VesselRun, narrow: Narrowing) -> Lesion:
             reference=reference_words(sides),
             line=line,
         ),
-        surface,
         diameters,
     )
 

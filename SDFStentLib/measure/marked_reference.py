@@ -86,7 +86,7 @@ def lesion_against(
         distal=sides[1],
         reference=reference_words(sides, by="the vessel marked", other=""),
     )
-    return measured(changed, surface)
+    return measured([changed], surface)[0]
 
 
 def _marked(

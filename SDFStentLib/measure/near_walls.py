@@ -10,8 +10,9 @@ from .local_surface import LocalSurface
 from .max_min_step import LinearRows
 from .wall_points import WallPoints
 
-_SPARE = 0.05
-"""Share of the radius by which more of the wall is looked up than a step needs."""
+_SPARE, _MOST, _FEW = 0.05, 0.5, 3
+"""Share of the radius by which more of the wall is looked up than a step needs; with few centers a
+search costs more than what it finds: up to the most, so many over their number."""
 
 _HELD = 0.7
 """Share of the centers left from which on what is known of the others is dropped."""
@@ -47,7 +48,8 @@ class Neighborhood:
         active : (k,) array of int
             The centers that are looked at, in order.
         """
-        spare = np.maximum(reach, _SPARE * radii[active])
+        share = min(max(_SPARE, _FEW / len(active)), _MOST)
+        spare = np.maximum(reach, share * radii[active])
         query, offset, distance = self._offsets(centers, active, radii[active] + reach, spare)
         starts = np.searchsorted(query, active)
         radius = np.minimum.reduceat(distance, starts)

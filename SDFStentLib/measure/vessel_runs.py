@@ -117,9 +117,11 @@ def vessel_runs(lumens: tuple[BranchLumen, ...]) -> list[VesselRun]:
 def steady(along: Floats, diameter: Floats) -> Floats:
     """Median of the known diameters within a quarter of a diameter on both sides."""
     values = np.full(len(along), np.nan)
-    for i in np.flatnonzero(np.isfinite(diameter)):
-        low, high = np.searchsorted(along, along[i] + diameter[i] / 4 * np.array([-1, 1]))
-        values[i] = np.nanmedian(diameter[low : max(high, i + 1)])
+    known = np.flatnonzero(np.isfinite(diameter))
+    at, widths = along[known], diameter[known]
+    low, high = (np.searchsorted(at, at + side * widths / 4) for side in (-1, 1))
+    high = np.maximum(high, np.arange(len(known)) + 1)
+    values[known] = [np.median(widths[a:b]) for a, b in zip(low, high, strict=True)]
     return values
 
 
