@@ -13,11 +13,12 @@ from .local_surface import LocalSurface
 from .marked_reference import lesion_against, lesions_against
 from .metrics import DiameterProfile, diameter_profile
 from .narrowings import SMALLEST_DEGREE
-from .neighbor_lumen import NeighborLumen, VesselStates, neighbor_lumens
+from .neighbor_lumen import NeighborLumen, NeighborStations, VesselStates
 from .neighbor_ways import BranchWays, NeighborWay, end_ways
 from .ostia import LISTED, NEARLY, Ostium, find_ostia
 from .point_lumen import rough_radii
 from .profile_around import AxisStations, axis_stations, profile_around
+from .stations import measured_at
 from .stretch import FaceStretch, displacements, face_stretches
 from .tree_lumen import closed_surface
 from .triangle_sizes import TriangleSizes, triangle_sizes
@@ -40,6 +41,7 @@ __all__ = [
     "LineSeeds",
     "LocalSurface",
     "NeighborLumen",
+    "NeighborStations",
     "NeighborWay",
     "Ostium",
     "TriangleSizes",
@@ -64,7 +66,7 @@ __all__ = [
     "lesions_against",
     "lesions_within",
     "line_seeds",
-    "neighbor_lumens",
+    "measured_at",
     "profile_around",
     "rough_radii",
     "triangle_sizes",

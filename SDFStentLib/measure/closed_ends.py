@@ -13,8 +13,8 @@ from ..geometry import arc_lengths, dot, may_meet_box
 from ..validation import Floats, Points, Triangles
 from .caps import flat_caps
 from .inscribed import InscribedSpheres, inscribed_spheres
-from .local_surface import LocalSurface
 from .stations import Stations
+from .touching import TOUCH, fills, part_near, touches
 
 AHEAD = np.cos(np.deg2rad(30.0))
 """A sphere that touches the surface so nearly along the axis, on the side of its nearer end, may
@@ -22,15 +22,6 @@ touch a cap."""
 
 SQUARELY = np.cos(np.deg2rad(15.0))
 """The same for an end that is no flat cap; between is the ridge of a flow divider, for example."""
-
-ROUND = 0.98
-"""Inscribed over equivalent diameter from which the sphere fills the section: no end is nearer."""
-
-IN_SURFACE = 1e-6
-"""mm."""
-
-TOUCH = 1e-3
-"""Share of its radius by which a surface may be farther from a sphere's centre and touch it."""
 
 
 def past_closed_ends(points: Points, triangles: Triangles, measured: Stations) -> Stations:
@@ -45,49 +36,26 @@ def past_closed_ends(points: Points, triangles: Triangles, measured: Stations) -
     to_end = np.minimum(arc, arc[-1] - arc)
     # Within a radius of the lumen, and a tenth for the sag of a bend; sections may be NaN.
     near_end = to_end <= 1.1 * np.fmax(spheres.radii, equivalent / 2)
-    near_end &= ~(2 * spheres.radii > ROUND * equivalent) & np.isfinite(spheres.radii)
+    near_end &= ~fills(spheres, equivalent) & np.isfinite(spheres.radii)
     at_end = np.flatnonzero(near_end)
     outward = np.where((arc < arc[-1] / 2)[:, None], -directions, directions)
-    at_end = at_end[_touches(points, triangles, outward[at_end], spheres.at(at_end), AHEAD)]
+    at_end = at_end[touches(points, triangles, outward[at_end], spheres.at(at_end), AHEAD)]
     if not len(at_end):
         return measured
     width = float(np.nanmax(np.concatenate([equivalent[at_end], 2 * spheres.radii])))
+    points, triangles = part_near(points, triangles, stations[at_end], width)
     is_capped = _in_caps(points, triangles, stations[at_end], directions[at_end], width)
     kept = triangles[~is_capped]
     anew = inscribed_spheres(points, kept, stations[at_end], directions[at_end])
     centers, radii = spheres.centers.copy(), spheres.radii.copy()
     centers[at_end], radii[at_end] = anew
-    closed = at_end[_touches(points, kept, outward[at_end], anew, SQUARELY)]
+    closed = at_end[touches(points, kept, outward[at_end], anew, SQUARELY)]
     centers[closed], radii[closed] = np.nan, np.nan
     caps = points[triangles[is_capped].ravel()]
     cut = [i for i in at_end if _is_crossed(caps, stations[i], directions[i], width)]
     equivalent = equivalent.copy()
     equivalent[cut] = np.nan
     return measured._replace(spheres=InscribedSpheres(centers, radii), equivalent=equivalent)
-
-
-def _touches(
-    points: Points, triangles: Triangles, outward: Points, spheres: InscribedSpheres, cosine: float
-) -> NDArray[np.bool_]:
-    """Which spheres (k,) touch the surface in their outward direction (k, 3), so nearly.
-
-    One that has climbed out of the surface, through a cap that was left out, touches nothing.
-    """
-    touches = np.zeros(len(outward), dtype=bool)
-    known = np.flatnonzero(np.isfinite(spheres.radii))
-    if len(known):
-        centers, radii = spheres.at(known)
-        # Of a sphere of radius 0 rounding tells what it touches.
-        reach = np.maximum((1 + TOUCH) * radii, IN_SURFACE)
-        surface = LocalSurface(points, triangles, centers)
-        query, triangle, _ = surface.near(centers, reach)
-        offset = surface.index.closest_points(centers[query], triangle) - centers[query]
-        distance = np.linalg.norm(offset, axis=1)
-        along = dot(offset, outward[known[query]])
-        is_ahead = (distance <= reach[query]) & (along >= cosine * distance)
-        # Of a centre in the surface itself, rounding tells the direction.
-        touches[known[query[is_ahead | (distance < IN_SURFACE)]]] = True
-    return touches
 
 
 def _in_caps(

@@ -18,11 +18,10 @@ from ..cautions import Caution
 from ..geometry import Surface, arc_lengths, as_surface, resampled, tangents
 from ..validation import Flags, Floats, InputError, Points, as_number, read_only
 from .closed_ends import past_closed_ends
-from .cross_section import equivalent_diameters, winding_numbers
+from .cross_section import winding_numbers
 from .cut_sections import cut_at_ostia
-from .inscribed import inscribed_spheres
 from .rounded_ends import past_rounded_ends
-from .stations import Stations
+from .stations import Stations, measured_at
 
 _WINDING_INSIDE = 0.3
 """Winding numbers are 1 inside, 0 outside and 1/2 in the middle of an open end."""
@@ -144,17 +143,17 @@ def diameter_profile(surface: Surface, axis: ArrayLike, spacing: float = 1.0) ->
     """
     surface = as_surface(surface)
     stations = resampled(axis, as_number(spacing, "spacing", unit="mm", above=0))
-    return profile_at(surface, arc_lengths(stations), stations, tangents(stations))
+    measured = measured_at(surface, stations, tangents(stations))
+    return profile_of(surface, arc_lengths(stations), measured)
 
 
-def profile_at(
+def profile_of(
     surface: Surface,
     arc_length: Floats,
-    stations: Points,
-    directions: Points,
+    measured: Stations,
     parts: Sequence[slice] = (slice(None),),
 ) -> DiameterProfile:
-    """`diameter_profile` at stations along an axis, in their order.
+    """`diameter_profile` of stations along an axis that are measured, in their order.
 
     Parameters
     ----------
@@ -162,21 +161,15 @@ def profile_at(
         mm.
     arc_length : (n,) array
         Positions of the stations, mm, from wherever they count.
-    stations, directions : (n, 3) arrays
-        mm, about equally far apart, and unit directions of the axis. The vessel may end at the
-        first and the last station only.
+    measured : Stations
+        About equally far apart. The vessel may end at the first and the last one only.
     parts : sequence of slice
         Stations among which openings are looked for together; what the last one says counts.
     """
     points, triangles = surface.points, surface.triangles
-    measured = Stations(
-        stations,
-        directions,
-        inscribed_spheres(points, triangles, stations, directions),
-        equivalent_diameters(points, triangles, stations, directions),
-    )
     measured = past_closed_ends(points, triangles, measured)
-    equivalent, is_cut = measured.equivalent.copy(), np.zeros(len(stations), dtype=bool)
+    stations, equivalent = measured.points, measured.equivalent.copy()
+    is_cut = np.zeros(len(stations), dtype=bool)
     for part in parts:
         centers, radii = measured.spheres.at(part)
         equivalent[part], is_cut[part] = cut_at_ostia(

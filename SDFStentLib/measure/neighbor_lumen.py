@@ -11,11 +11,10 @@ import numpy as np
 from ..cautions import Caution
 from ..geometry import Surface, arc_lengths, cut, frames, length, resampled, tangents
 from ..validation import Floats, Indices, Points, read_only
-from .cross_section import equivalent_diameters
 from .cut_sections import SUSPECT
 from .expected_wall import FARTHEST, across_alone
-from .inscribed import inscribed_spheres
 from .neighbor_ways import SHORTEST, NeighborWay
+from .stations import Stations
 from .wall_map import RAYS, near_wall, rays_from
 
 NOTICEABLE = 0.05
@@ -90,30 +89,41 @@ class VesselStates(NamedTuple):
     """and after all stents."""
 
 
-def neighbor_lumens(states: VesselStates, ways: Iterable[NeighborWay]) -> tuple[NeighborLumen, ...]:
-    """Those vessels beside a stent whose wall it has moved, before any stent and after all.
+class NeighborStations:
+    """Where the neighbors of a stent lost most, as rays see it: there they are to be measured.
 
     Parameters
     ----------
     states : VesselStates
     ways : iterable of NeighborWay
         In the vessel as the stent found it.
+
+    Attributes
+    ----------
+    points, directions : (n, 3) arrays
+        mm, and unit directions of the ways.
     """
-    moved = _Moved(states.found, states.left)
-    parts = [part for way in ways if (part := moved.part_of(way)) is not None]
-    if not parts:
-        return ()
-    surfaces = states.native, states.final
-    # Rays tell quickly where each lost most; there all are measured together.
-    worst = [_worst(part, surfaces) for part in parts]
-    at = np.concatenate([part.stations[own] for part, own in zip(parts, worst, strict=True)])
-    across = np.concatenate(
-        [tangents(part.stations)[own] for part, own in zip(parts, worst, strict=True)]
-    )
-    measured = np.array([_diameters(surface, at, across) for surface in surfaces])
-    ends = np.cumsum([len(own) for own in worst])[:-1]
-    each = zip(parts, worst, np.split(measured, ends, axis=2), strict=True)
-    return tuple(_lumen(part, own, pairs) for part, own, pairs in each)
+
+    points: Points
+    directions: Points
+
+    def __init__(self, states: VesselStates, ways: Iterable[NeighborWay]) -> None:
+        moved = _Moved(states.found, states.left)
+        self._parts = [part for way in ways if (part := moved.part_of(way)) is not None]
+        surfaces = states.native, states.final
+        self._worst = [_worst(part, surfaces) for part in self._parts]
+        own = list(zip(self._parts, self._worst, strict=True))
+        nothing = np.empty((0, 3))
+        self.points = np.concatenate([nothing, *(part.stations[at] for part, at in own)])
+        along = (tangents(part.stations)[at] for part, at in own)
+        self.directions = np.concatenate([nothing, *along])
+
+    def lumens(self, before: Stations, after: Stations) -> tuple[NeighborLumen, ...]:
+        """The lumens, of which the stations are measured before any stent and after all."""
+        measured = np.array([(2 * one.spheres.radii, one.equivalent) for one in (before, after)])
+        ends = np.cumsum([len(at) for at in self._worst])[:-1]
+        each = zip(self._parts, self._worst, np.split(measured, ends, axis=2), strict=False)
+        return tuple(_lumen(part, at, pairs) for part, at, pairs in each)
 
 
 class _Part(NamedTuple):
@@ -194,10 +204,3 @@ def _seen(surface: Surface, part: _Part) -> Floats:
     wall = across_alone(np.where(np.isfinite(rays), rays, np.nan))
     width = wall + np.roll(wall, RAYS // 2, axis=1)
     return np.stack([width.min(axis=1), width.mean(axis=1)])
-
-
-def _diameters(surface: Surface, stations: Points, directions: Points) -> Floats:
-    """Inscribed and equivalent diameters (2, n), mm."""
-    spheres = inscribed_spheres(surface.points, surface.triangles, stations, directions)
-    areas = equivalent_diameters(surface.points, surface.triangles, stations, directions)
-    return np.stack([2 * spheres.radii, areas])

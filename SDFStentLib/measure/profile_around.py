@@ -9,7 +9,8 @@ import numpy as np
 from ..geometry import Surface, arc_lengths, cut, resampled, tangents
 from ..validation import Floats, Points
 from .extended_axis import ExtendedAxis
-from .metrics import DiameterProfile, profile_at
+from .metrics import DiameterProfile, profile_of
+from .stations import Stations, measured_at
 
 
 class AxisStations(NamedTuple):
@@ -59,7 +60,9 @@ def _part(line: Points, spacing: float, start: float) -> tuple[Floats, ...]:
     return start + arc_lengths(points), points, tangents(points)
 
 
-def profile_around(surface: Surface, stations: AxisStations) -> DiameterProfile:
+def profile_around(
+    surface: Surface, stations: AxisStations, measured: Stations | None = None
+) -> DiameterProfile:
     """The profile of a stent and of its surroundings; that of the stent alone is a part of it.
 
     Parameters
@@ -68,6 +71,8 @@ def profile_around(surface: Surface, stations: AxisStations) -> DiameterProfile:
         mm.
     stations : AxisStations
         Along the extended axis of the stent.
+    measured : Stations, optional
+        What is known there; measured now without.
 
     Returns
     -------
@@ -75,6 +80,6 @@ def profile_around(surface: Surface, stations: AxisStations) -> DiameterProfile:
         Positions count from the proximal end of the stent. Vessels may be closed at both ends of
         the extended axis, not at those of the stent.
     """
-    return profile_at(
-        surface, stations.arc_length, stations.points, stations.directions, stations.parts
-    )
+    if measured is None:
+        measured = measured_at(surface, stations.points, stations.directions)
+    return profile_of(surface, stations.arc_length, measured, stations.parts)

@@ -13,8 +13,8 @@ from ..geometry import arc_lengths, connected, face_normals, product
 from ..validation import Floats, Points, Triangles
 from .caps import flat_caps
 from .inscribed import InscribedSpheres, inscribed_spheres
-from .local_surface import LocalSurface
 from .stations import Stations
+from .touching import fills, part_near, touches
 
 AHEAD = np.cos(np.deg2rad(60.0))
 """A sphere that touches the surface so nearly along the axis may touch the end."""
@@ -31,12 +31,6 @@ BESIDE = 1.5
 LOOKED_AT = 3.0
 """Surface within so many radii tells that."""
 
-ROUND = 0.98
-"""Inscribed over equivalent diameter from which a sphere fills its section."""
-
-TOUCH = 1e-3
-"""Share of its radius by which a surface may be farther from a sphere's center and touch it."""
-
 
 def past_rounded_ends(points: Points, triangles: Triangles, measured: Stations) -> InscribedSpheres:
     """The spheres, those that the closing of an end limits measured anew without it.
@@ -47,20 +41,23 @@ def past_rounded_ends(points: Points, triangles: Triangles, measured: Stations) 
     arc = arc_lengths(stations)
     centers, radii = spheres.centers.copy(), spheres.radii.copy()
     for end, sign, to_end in ((0, -1.0, arc), (len(arc) - 1, 1.0, arc[-1] - arc)):
+        present = InscribedSpheres(centers, radii)
         lumen = np.fmax(radii, equivalent / 2)
         near = np.flatnonzero((to_end <= NEAR * lumen) & (equivalent > 0))
         # A sphere that fills its section touches no end.
-        near = near[~(2 * radii[near] > ROUND * equivalent[near])]
+        near = near[~fills(present, equivalent)[near]]
         outward = sign * directions
-        nearby = InscribedSpheres(centers[near], radii[near])
-        touching = near[_touches_ahead(points, triangles, outward[near], nearby)]
-        if not len(touching) or not _is_closed(
-            points, triangles, stations[end], outward[end], float(lumen[near].max())
-        ):
+        is_ahead = touches(points, triangles, outward[near], present.at(near), AHEAD)
+        touching = near[is_ahead | np.isnan(radii[near])]
+        if not len(touching):
             continue
+        widest = float(lumen[near].max())
+        if not _is_closed(points, triangles, stations[end], outward[end], widest):
+            continue
+        beside = part_near(points, triangles, stations[touching], widest)
         for i in touching:
-            wall = triangles[_is_wall(points, triangles, stations[i], outward[i], lumen[i])]
-            anew = inscribed_spheres(points, wall, stations[[i]], directions[[i]])
+            wall = beside[1][_is_wall(*beside, stations[i], outward[i], lumen[i])]
+            anew = inscribed_spheres(beside[0], wall, stations[[i]], directions[[i]])
             # One that is wider than the section has climbed out through the open end.
             fits = 2 * anew.radii[0] <= equivalent[i]
             centers[i], radii[i] = (anew.centers[0], anew.radii[0]) if fits else (np.nan, np.nan)
@@ -110,21 +107,3 @@ def _is_closed(
         return False
     # Of a flat cap the spheres are free already.
     return not flat_caps(points, triangles[own[triangles].all(axis=1)])
-
-
-def _touches_ahead(
-    points: Points, triangles: Triangles, outward: Points, spheres: InscribedSpheres
-) -> NDArray[np.bool_]:
-    """Which spheres (k,) touch the surface ahead; those that are unknown count too."""
-    touches = ~np.isfinite(spheres.radii)
-    known = np.flatnonzero(~touches)
-    if len(known):
-        centers, radii = spheres.at(known)
-        reach = (1 + TOUCH) * radii
-        surface = LocalSurface(points, triangles, centers)
-        query, triangle, _ = surface.near(centers, reach)
-        offset = surface.index.closest_points(centers[query], triangle) - centers[query]
-        distance = np.linalg.norm(offset, axis=1)
-        along = np.einsum("ij,ij->i", offset, outward[known[query]])
-        touches[known[query[(distance <= reach[query]) & (along >= AHEAD * distance)]]] = True
-    return np.asarray(touches)

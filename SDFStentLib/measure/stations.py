@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ..validation import Floats, Points
-from .inscribed import InscribedSpheres
+from ..geometry import Surface
+from ..validation import Floats, Indices, Points
+from .cross_section import equivalent_diameters
+from .inscribed import InscribedSpheres, inscribed_spheres
 
 
 class Stations(NamedTuple):
@@ -25,3 +27,18 @@ class Stations(NamedTuple):
     directions: Points
     spheres: InscribedSpheres
     equivalent: Floats
+
+    def at(self, which: Indices | slice) -> Stations:
+        """Some of them."""
+        points, directions, spheres, equivalent = self
+        return Stations(points[which], directions[which], spheres.at(which), equivalent[which])
+
+
+def measured_at(surface: Surface, points: Points, directions: Points) -> Stations:
+    """Spheres and sections at places (n, 3) with directions (n, 3), wherever they are."""
+    return Stations(
+        points,
+        directions,
+        inscribed_spheres(surface.points, surface.triangles, points, directions),
+        equivalent_diameters(surface.points, surface.triangles, points, directions),
+    )

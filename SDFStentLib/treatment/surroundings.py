@@ -6,26 +6,39 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
+import numpy as np
+
 from ..centerline import Centerline
 from ..geometry import NamedFaces
 from ..measure import (
     Apposition,
+    AxisStations,
     BranchWays,
+    DiameterProfile,
     ExtendedAxis,
     NeighborLumen,
+    NeighborStations,
     NeighborWay,
     Ostium,
     VesselStates,
     apposition,
+    axis_stations,
     end_ways,
     find_ostia,
-    neighbor_lumens,
+    measured_at,
+    profile_around,
 )
 
 
 class Surroundings(NamedTuple):
     """Of one stent."""
 
+    stations: AxisStations
+    """Along it and beyond its ends; measured"""
+    before: DiameterProfile
+    """before any stent,"""
+    after: DiameterProfile
+    """and after all of them."""
     branches: tuple[Ostium, ...]
     """Proximal to distal."""
     neighbors: tuple[NeighborLumen, ...]
@@ -40,8 +53,10 @@ def surroundings(
     radius: float,
     centerline: Centerline | None,
     faces: NamedFaces | None,
+    *,
+    spacing: float,
 ) -> Surroundings:
-    """What a stent of some radius, mm, did to its surroundings.
+    """The lumen along a stent of some radius, mm, and what it did to its surroundings.
 
     Parameters
     ----------
@@ -54,13 +69,23 @@ def surroundings(
         As the stent found it. Without it branches are found, and followed through their lumen.
     faces : NamedFaces or None
         By which branches are named.
+    spacing : float
+        Of the stations along the axis, mm.
     """
     ostia = find_ostia(states.found, axis, faces)
-    ways = BranchWays(states.found, axis, centerline)
-    branches, into = _named_as_in_tree(ostia, ways)
+    branches, into = _named_as_in_tree(ostia, BranchWays(states.found, axis, centerline))
+    along, beside = axis_stations(axis, spacing), NeighborStations(states, [*end_ways(axis), *into])
+    # Many stations together are measured in little more time than few.
+    points = np.concatenate([along.points, beside.points])
+    directions = np.concatenate([along.directions, beside.directions])
+    before, after = (measured_at(one, points, directions) for one in (states.native, states.final))
+    own, rest = slice(len(along.points)), slice(len(along.points), None)
     return Surroundings(
+        along,
+        profile_around(states.native, along, before.at(own)),
+        profile_around(states.final, along, after.at(own)),
         branches,
-        neighbor_lumens(states, [*end_ways(axis), *into]),
+        beside.lumens(before.at(rest), after.at(rest)),
         apposition(states.final, axis.of_stent, radius),
     )
 

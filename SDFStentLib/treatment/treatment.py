@@ -24,11 +24,9 @@ from ..geometry import NamedFaces, Precision, Surface, as_surface, checked_faces
 from ..measure import (
     DiameterProfile,
     VesselStates,
-    axis_stations,
     bulged_caps,
     diameter_profile,
     extended_axis,
-    profile_around,
 )
 from ..stent import Stent, StentAxis
 from ..validation import (
@@ -218,22 +216,26 @@ class Treatment:
     def _treated(self, stage: _Stage, after: Surface) -> TreatedStent:
         found, left = stage.deployment.surface, stage.result.surface
         axis = extended_axis(found, stage.axis.points, stage.centerline)
-        stations = axis_stations(axis, PROFILE_SPACING)
-        around = [profile_around(surface, stations) for surface in (self.surface, after)]
-        own = [profile.taken(stations.own) for profile in around]
         states = VesselStates(self.surface, found, left, after)
-        beside = surroundings(states, axis, stage.stent.radius, stage.centerline, self.faces)
+        seen = surroundings(
+            states,
+            axis,
+            stage.stent.radius,
+            stage.centerline,
+            self.faces,
+            spacing=PROFILE_SPACING,
+        )
         return TreatedStent(
             number=stage.number,
             stent=stage.stent,
             axis=stage.axis,
-            before=own[0],
-            after=own[1],
-            around_before=around[0],
-            around_after=around[1],
-            branches=beside.branches,
-            neighbors=beside.neighbors,
-            apposition=beside.apposition,
+            before=seen.before.taken(seen.stations.own),
+            after=seen.after.taken(seen.stations.own),
+            around_before=seen.before,
+            around_after=seen.after,
+            branches=seen.branches,
+            neighbors=seen.neighbors,
+            apposition=seen.apposition,
             result=stage.result,
         )
 

@@ -1,0 +1,60 @@
+"""Which inscribed spheres touch the surface ahead of them, as before an end of the vessel."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..geometry import compacted, dot, may_meet_box
+from ..validation import Flags, Floats, Points, Triangles
+from .inscribed import InscribedSpheres
+from .local_surface import LocalSurface
+
+ROUND = 0.98
+"""Inscribed over equivalent diameter from which a sphere fills its section: no end is nearer."""
+
+TOUCH = 1e-3
+"""Share of its radius by which a surface may be farther from a sphere's center and touch it."""
+
+IN_SURFACE = 1e-6
+"""mm."""
+
+
+BESIDE = 4.0
+"""Of the radius of the lumen: no farther from its station is a sphere, or what it touches."""
+
+
+def part_near(
+    points: Points, triangles: Triangles, stations: Points, radius: float
+) -> tuple[Points, Triangles]:
+    """The part of a surface that may touch spheres near some stations of a lumen, so wide."""
+    low, high = stations.min(axis=0) - BESIDE * radius, stations.max(axis=0) + BESIDE * radius
+    return compacted(points, triangles[may_meet_box(points, triangles, low, high)])
+
+
+def touches(
+    points: Points, triangles: Triangles, outward: Points, spheres: InscribedSpheres, cosine: float
+) -> Flags:
+    """Which spheres (k,) touch the surface in their outward direction (k, 3), so nearly.
+
+    One that is unknown, or has climbed out of the surface, touches nothing.
+    """
+    found = np.zeros(len(outward), dtype=bool)
+    known = np.flatnonzero(np.isfinite(spheres.radii))
+    if len(known):
+        centers, radii = spheres.at(known)
+        # Of a sphere of radius 0 rounding tells what it touches.
+        reach = np.maximum((1 + TOUCH) * radii, IN_SURFACE)
+        surface = LocalSurface(points, triangles, centers)
+        query, triangle, _ = surface.near(centers, reach)
+        offset = surface.index.closest_points(centers[query], triangle) - centers[query]
+        distance = np.linalg.norm(offset, axis=1)
+        along = dot(offset, outward[known[query]])
+        is_ahead = (distance <= reach[query]) & (along >= cosine * distance)
+        # Of a center in the surface itself, rounding tells the direction.
+        found[known[query[is_ahead | (distance < IN_SURFACE)]]] = True
+    return found
+
+
+def fills(spheres: InscribedSpheres, equivalent: Floats) -> Flags:
+    """Which spheres (n,) fill their sections of these equivalent diameters (n,)."""
+    return np.asarray(2 * spheres.radii > ROUND * equivalent)
