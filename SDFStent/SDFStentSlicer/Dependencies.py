@@ -1,10 +1,27 @@
 """What a deployment depends on: the nodes, what is missing, and whether anything has changed."""
 
+from typing import NamedTuple
+
 import slicer
 from slicer.i18n import tr as _
 
 from . import Conversion
-from .ParameterNode import MethodParameters, Placement
+from .ParameterNode import MethodParameters, Placement, stentsOf
+
+
+class Standing(NamedTuple):
+    """What a deployment would begin with now."""
+
+    missing: str
+    """What has to be chosen before, as a sentence; "" when nothing is."""
+    signature: tuple
+    """A value that differs whenever the result would."""
+
+
+def standing(parameterNode):
+    """The `Standing` of a parameter node; changes nothing."""
+    stents = [stent for stent in stentsOf(parameterNode) if stent.enabled]
+    return Standing(_missing(parameterNode, stents), _signature(parameterNode, stents))
 
 
 def inputNodes(parameterNode):
@@ -16,7 +33,10 @@ def inputNodes(parameterNode):
 
 def missing(parameterNode):
     """What has to be chosen before Deploy, as a sentence; "" when nothing is. Changes nothing."""
-    stents = [stent for stent in parameterNode.stents if stent.enabled]
+    return standing(parameterNode).missing
+
+
+def _missing(parameterNode, stents):
     needsCenterline = any(stent.placement != Placement.ALONG_CURVE for stent in stents)
     if parameterNode.vessel is None:
         return _("Select a vessel: a surface model or a segmentation.")
@@ -68,13 +88,12 @@ def places(parameterNode):
     """Index in the list and handle's ID of every stent that is switched on: how to find it again when the list has changed."""
     return [
         (index, stent.handle.GetID() if stent.handle is not None else None)
-        for index, stent in enumerate(parameterNode.stents)
+        for index, stent in enumerate(stentsOf(parameterNode))
         if stent.enabled
     ]
 
 
-def signature(parameterNode):
-    """A value that differs whenever the result would."""
+def _signature(parameterNode, stents):
     method = parameterNode.method
     return (
         Conversion.changeStamp(parameterNode.vessel),
@@ -91,7 +110,6 @@ def signature(parameterNode):
                 s.wholeCurve,
                 Conversion.changeStamp(s.handle),
             )
-            for s in parameterNode.stents
-            if s.enabled
+            for s in stents
         ),
     )

@@ -41,12 +41,11 @@ class DeploySession:
         """Whether something runs or is about to."""
         return self.isRunning or self._timer.isActive() or self._settleTimer.isActive()
 
-    @property
-    def isRenewing(self):
-        """Whether the results are being renewed, or will be without a click."""
+    def isRenewing(self, standing):
+        """Whether the results are being renewed, or will be without a click; `standing` is that of the parameter node."""
         if self.isRunning or self._settleTimer.isActive():
             return True
-        return self.hasChanged and self._parameterNode.autoUpdate
+        return self._isNew(standing) and self._parameterNode.autoUpdate
 
     def setParameterNode(self, parameterNode):
         """Work for another parameter node, or for none; whatever runs is stopped."""
@@ -78,42 +77,48 @@ class DeploySession:
         if self._parameterNode is not None and not self.isBusy:
             self._logic.showOutline(self._parameterNode)
 
-    @property
-    def hasChanged(self):
+    def _standing(self):
+        return self._logic.standing(self._parameterNode)
+
+    def _isNew(self, standing):
         """Whether there is something to deploy that the last deployment, finished or not, did not begin with."""
-        parameterNode = self._parameterNode
-        if parameterNode is None or self._logic.missing(parameterNode):
+        if self._parameterNode is None or standing.missing:
             return False
-        return self._logic.signature(parameterNode) != self._signature
+        return standing.signature != self._signature
 
     def _update(self):
-        if not self.hasChanged:
+        standing = self._parameterNode and self._standing()
+        if standing is None or not self._isNew(standing):
             self._rest()
             return
         if self.isRunning:
             if self._live:
                 return  # looked at again when the run ends
             self._stop()
-        self._begin(live=True)
+        self._begin(True, standing)
 
     def _settle(self):
-        if not self.isRunning and not self.hasChanged:
-            self._begin(live=False)
+        if not self.isRunning and not self._isNew(standing := self._standing()):
+            self._begin(False, standing)
         self._rest()
 
-    def _begin(self, live):
+    def _begin(self, live, standing=None):
+        standing = standing or self._standing()
+        isNext = live and self._live  # nothing else can be done than before
         self._settleTimer.stop()
-        self._signature, self._live = self._logic.signature(self._parameterNode), live
-        self._run.start(self._logic.steps(self._parameterNode, live=live))
-        self._onStart()
+        self._signature, self._live = standing.signature, live
+        self._run.start(self._logic.steps(self._parameterNode, live=live, standing=standing))
+        if not isNext:
+            self._onStart()
 
     def _finished(self, error):
-        self._onDone(error)
-        if self._parameterNode is not None and self._parameterNode.autoUpdate:
-            if self.hasChanged:
+        standing = self._parameterNode and self._standing()
+        if standing and self._parameterNode.autoUpdate:
+            if self._isNew(standing):
                 self._timer.start()
             elif self._live and error is None:
                 self._settleTimer.start()
+        self._onDone(error, standing)
         self._rest()
 
 

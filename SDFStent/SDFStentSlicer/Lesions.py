@@ -13,8 +13,9 @@ class LesionSearch:
     says why it is empty where the vessel could not be searched.
     """
 
-    def __init__(self, surface, centerline):
-        self._inputs = surface, centerline
+    def __init__(self, inputs):
+        """`inputs()` is a generator that yields None in between and returns surface and centerline."""
+        self._inputs = inputs
         self.found, self.sentence = None, ""
 
     def portions(self):
@@ -22,6 +23,7 @@ class LesionSearch:
         if self.found is not None:
             return
         try:
-            self.found = yield from inPortions(lambda: find_lesions(*self._inputs))
+            surface, centerline = yield from self._inputs()
+            self.found = yield from inPortions(lambda: find_lesions(surface, centerline))
         except InputError as error:
             self.found, self.sentence = (), str(error)

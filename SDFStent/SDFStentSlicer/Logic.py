@@ -151,7 +151,7 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
 
     inputNodes = staticmethod(Dependencies.inputNodes)
     missing = staticmethod(Dependencies.missing)
-    signature = staticmethod(Dependencies.signature)
+    standing = staticmethod(Dependencies.standing)
     leave = staticmethod(Dependencies.leave)
     chooseSegment = staticmethod(Dependencies.chooseSegment)
     takenIDs = staticmethod(Outputs.takenIDs)
@@ -201,16 +201,17 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
             pass
         return self.lastRun(parameterNode).result
 
-    def steps(self, parameterNode, live=False):
+    def steps(self, parameterNode, live=False, standing=None):
         """Deploy step by step: an iterator over the fraction done that shows every step in the output.
 
         `live` is for dragging: the end of the library's preview, neither finished nor certified, with about the minimum lumen.
-        The iterator also stops every 10 ms during longer calculations, so that whoever runs it can react.
+        `standing` is that of the parameter node, where it was just asked for. The iterator also stops every 10 ms during longer calculations, so that whoever runs it can react.
         """
-        missing, signature = self.missing(parameterNode), self.signature(parameterNode)
+        missing, signature = standing or self.standing(parameterNode)
         if missing:
             raise InputError(missing)
-        vessel, shown = self._inputs.vessel(parameterNode), self._shownOf(parameterNode)
+        vessel = yield from working(self._inputs.vesselInPortions(parameterNode))
+        shown = self._shownOf(parameterNode)
         parameterNode.status = self._snapping.told(parameterNode)
         if live:
             previewed = self._inputs.preview(parameterNode)
@@ -242,10 +243,11 @@ class SDFStentLogic(ScriptedLoadableModuleLogic):
         """The `Stenting` of the last deployment, with its recorded steps; None before the first."""
         return self._shownOf(parameterNode).run
 
-    def hasChanged(self, parameterNode):
+    def hasChanged(self, parameterNode, standing=None):
         """Whether the results are those of another plan, or of other inputs, than the parameters have now."""
         shown = self._shownOf(parameterNode).signature
-        return shown is not None and shown != self.signature(parameterNode)
+        standing = standing or self.standing(parameterNode)
+        return shown is not None and shown != standing.signature
 
     def hasSteps(self, parameterNode):
         """Whether there is a deployment to go back and forth over."""

@@ -51,19 +51,23 @@ class PanelState:
         for name, parameter in METHOD_SLIDERS.items():
             _letReach(getattr(self.ui, name), self._usualReach[name], getattr(method, parameter))
 
-    def enable(self, parameterNode):
+    def enable(self, parameterNode, standing=None):
+        """What can be done now; `standing` is that of the parameter node, where it was just asked for."""
         if parameterNode is None:
             return
         running, count = self._session.isRunning, len(parameterNode.stents)
-        missing = self._logic.missing(parameterNode)
-        self.ui.deployButton.enabled = not missing and not running
+        standing, hasSteps = (
+            standing or self._logic.standing(parameterNode),
+            self._logic.hasSteps(parameterNode),
+        )
+        missing, isDeploying = standing.missing, running and not self._session.isPreview
+        self.ui.deployButton.enabled = not missing and not isDeploying
         self.ui.deployButton.toolTip = missing or _(
             "Expand the stents and show the stented vessel."
         )
-        self.ui.cancelButton.enabled = running
-        self.ui.progressBar.visible = running and not self._session.isPreview
-        self.ui.resetButton.enabled = self._logic.hasSteps(parameterNode) and not running
-        self.ui.expansionSlider.enabled = self._logic.hasSteps(parameterNode) and not running
+        self.ui.cancelButton.enabled = self._session.isBusy
+        self.ui.progressBar.visible = isDeploying
+        self.ui.resetButton.enabled = self.ui.expansionSlider.enabled = hasSteps and not running
         self.ui.stentEditor.enabled = count > 0
         stent = parameterNode.stent
         isCurve = stent.placement == Placement.ALONG_CURVE
@@ -81,15 +85,16 @@ class PanelState:
         self.ui.showPlotButton.enabled = parameterNode.outputChart is not None
         self.ui.showTableButton.enabled = parameterNode.outputTable is not None
         self.ui.warningLabel.visible = bool(parameterNode.warningSummary)
-        self._tell(parameterNode, missing)
+        self._tell(parameterNode, standing)
 
-    def _tell(self, parameterNode, missing):
+    def _tell(self, parameterNode, standing):
         """The line below Deploy; results that no longer belong to the plan are grey, unless they are renewed anyway."""
-        isOld = not self._session.isRenewing and self._logic.hasChanged(parameterNode)
+        isRenewed = self._session.isRenewing(standing)
+        isOld = not isRenewed and self._logic.hasChanged(parameterNode, standing)
         for label in (self.ui.lumenLabel, self.ui.certificateLabel, self.ui.warningLabel):
             label.enabled = not isOld
         changed = _("Changed since this deployment; click Deploy.") if isOld else ""
-        sentences = [missing or parameterNode.status, changed]
+        sentences = [standing.missing or parameterNode.status, changed]
         self.ui.statusLabel.text = printable("\n".join(filter(None, sentences)))
         self.ui.statusLabel.visible = bool(self.ui.statusLabel.text)
 

@@ -1,6 +1,7 @@
 """The module's typed parameters: everything a user chooses, stored in the scene."""
 
 import enum
+from types import SimpleNamespace
 from typing import Annotated, NamedTuple, Optional, Union
 
 from slicer import (
@@ -177,6 +178,11 @@ class SDFStentParameterNode:
 
 
 STENT_FIELDS = tuple(StentParameters.allParameters)
+
+
+def stentsOf(parameterNode):
+    """The plan's stents, free of the node, which looks up every single value when it is asked for."""
+    return [SimpleNamespace(**stentValues(stent)) for stent in parameterNode.stents]
 
 
 def stentValues(stent):

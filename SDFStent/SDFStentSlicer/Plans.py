@@ -13,7 +13,7 @@ from SDFStentLib.stent import InputFile, Stent
 from SDFStentLib.validation import InputError
 
 from . import Conversion, Dependencies, Handles
-from .ParameterNode import RANGES, MethodParameters, Placement
+from .ParameterNode import RANGES, MethodParameters, Placement, stentsOf
 from .StentList import StentList
 
 BY_POINT = {
@@ -25,7 +25,7 @@ BY_POINT = {
 
 def plannedOf(parameterNode):
     """The stents that are switched on, in order, as the library's stents."""
-    return [plannedStent(stent) for stent in parameterNode.stents if stent.enabled]
+    return [plannedStent(stent) for stent in stentsOf(parameterNode) if stent.enabled]
 
 
 def settingsOf(parameterNode, live=False):
@@ -56,7 +56,7 @@ def planOf(parameterNode, stents=None):
 
     Its points are in the frame of the vessel's file, which may not say so itself; in RAS where there is no file.
     """
-    chosen = parameterNode.stents if stents is None else stents
+    chosen = stentsOf(parameterNode) if stents is None else stents
     surface = _fileOf(parameterNode.vessel)
     frame = "RAS" if surface is None else Conversion.fileFrame(parameterNode.vessel)
     return Plan(
@@ -71,7 +71,7 @@ def planOf(parameterNode, stents=None):
 
 def remember(parameterNode):
     """Keep the plan's document in the parameter node; without stents that are switched off and not placed yet."""
-    placed = [stent for stent in parameterNode.stents if not Dependencies.missingOf(stent)]
+    placed = [stent for stent in stentsOf(parameterNode) if not Dependencies.missingOf(stent)]
     parameterNode.planDocument = plan_text(planOf(parameterNode, placed))
 
 

@@ -36,9 +36,23 @@ def inPortions(function):
 def working(portions):
     """Yield 0.0, as a fraction done, for every portion of a calculation; returns what it returns."""
     # Ends: with the calculation.
-    while True:
-        try:
-            next(portions)
-        except StopIteration as end:
-            return end.value
+    while (end := _next(portions)) is None:
         yield 0.0
+    return end.value
+
+
+def untilDone(portions):
+    """Run all portions of a calculation at once; returns what it returns."""
+    # Ends: with the calculation.
+    while (end := _next(portions)) is None:
+        pass
+    return end.value
+
+
+def _next(portions):
+    """None, or the `StopIteration` that ends it."""
+    try:
+        next(portions)
+    except StopIteration as end:
+        return end
+    return None

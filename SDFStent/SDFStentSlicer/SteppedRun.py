@@ -14,7 +14,7 @@ class SteppedRun:
     One object serves one run after another: in PythonQt a timer and the method that it calls keep each other for ever.
     """
 
-    def __init__(self, onProgress, onDone, budget=0.025):
+    def __init__(self, onProgress, onDone, budget=0.015):
         self._onProgress, self._onDone, self._budget = onProgress, onDone, budget
         self._iterator, self._startTime = None, 0.0
         self._timer = qt.QTimer()

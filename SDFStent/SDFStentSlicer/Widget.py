@@ -197,11 +197,11 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
     def _onProgress(self, fraction):
         self.ui.progressBar.value = int(100 * fraction)
 
-    def _onDone(self, error):
+    def _onDone(self, error, standing):
         self.ui.progressBar.value = 0 if error else 100
         if error is not None:  # of a hand that goes on there may be many
             self._showError(error, logging.DEBUG if self.session.isPreview else logging.INFO)
-        self._state.enable(self._parameterNode)
+        self._state.enable(self._parameterNode, standing)
 
     def _showError(self, error, level=logging.INFO):
         self.logic.log(error, level)

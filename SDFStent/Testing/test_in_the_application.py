@@ -190,9 +190,9 @@ def test_the_outline_in_slice_views_is_that_of_the_settled_vessel(host, aStent):
     assert outline(parameters.outputVessel)
     session, ended = aStent.session, []
     onDone = session._onDone
-    session._onDone = lambda error: (
+    session._onDone = lambda *told: (
         ended.append((session.isPreview, outline(parameters.outputVessel))),
-        onDone(error),
+        onDone(*told),
     )
     aStent.ui.autoUpdateCheckBox.checked = True
     aStent.ui.diameterSlider.value = 8.0

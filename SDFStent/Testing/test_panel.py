@@ -138,7 +138,7 @@ def recorded_begins(aStent):
     """A list to which every deployment that begins from now on adds whether it is live."""
     begun = []
     begin = aStent.session._begin
-    aStent.session._begin = lambda live: (begun.append(live), begin(live))
+    aStent.session._begin = lambda live, *rest: (begun.append(live), begin(live, *rest))
     return begun
 
 
