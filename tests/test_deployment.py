@@ -6,10 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from deployment_cases import hairpin, phantom, phantom_case
+from deployment_cases import anatomy_case, hairpin, phantom, phantom_case
 from mesh_files import open_tube
 
-from SDFStentLib.deformation.deployment import Deployment, deploy
+from SDFStentLib.deformation.attempt import Attempt
+from SDFStentLib.deformation.deployment import GAP_RAMP, Deployment, deploy
 from SDFStentLib.deformation.settings import DeploymentSettings
 from SDFStentLib.field.capsule_chain import CapsuleChain
 from SDFStentLib.geometry import Surface
@@ -152,13 +153,39 @@ def test_companions_inside_the_expanded_stent_stay_and_others_move_with_the_wall
 @both
 def test_companions_do_not_change_what_the_wall_does(case, settings):
     alone = deployment_of(case, settings).result.points
-    companions = np.concatenate([case.axis, case.points + 0.5])
+    # Many of them: the look ahead takes samples.
+    companions = np.concatenate([case.axis, case.points + 0.5, case.points + 0.7])
     np.testing.assert_allclose(
         deployment_of(case, settings, companions=companions).result.points,
         alone,
         rtol=0,
         atol=1e-9,
     )
+
+
+@pytest.mark.parametrize("name", ["pulmonary", "vmtk_aorta"])
+def test_companions_do_not_change_what_the_wall_does_in_an_anatomy(data_dir, name):
+    case = anatomy_case(data_dir, name, 20.0, 25.0)
+    np.testing.assert_array_equal(
+        deployment_of(case, companions=case.points + 0.3).result.points,
+        deployment_of(case).result.points,
+    )
+
+
+@both
+def test_companions_at_one_place_are_dragged_once_and_stay_together(case, settings):
+    line = case.axis + np.array([0, 5.0, 0])
+    once = deployment_of(case, settings, companions=line)
+    thrice = deployment_of(case, settings, companions=np.concatenate([line, line[::-1], line]))
+    for state, other in zip(once, thrice, strict=True):
+        first, second, third = np.split(other.companions, 3)
+        np.testing.assert_array_equal(first, state.companions)
+        np.testing.assert_array_equal(second[::-1], first)
+        np.testing.assert_array_equal(third, first)
+        np.testing.assert_array_equal(other.coordinates, state.coordinates)
+    assert (first != line).any()
+    runs = [Attempt(run, GAP_RAMP, 0.4).motion for run in (once, thrice)]
+    assert np.count_nonzero(~runs[1].touchable) == np.count_nonzero(~runs[0].touchable) > 0
 
 
 def test_every_state_has_all_companions(case):

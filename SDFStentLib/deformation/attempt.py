@@ -17,7 +17,7 @@ from .event_steps import event_steps
 from .lumen import Expanded, OwnWall, drawn_in, facets_compensated, finished
 from .motion import Motion
 from .own_wall import own_share
-from .patch import Patch
+from .patch import Patch, twins
 from .published_steps import published_steps
 from .stent_checks import motion_check
 from .untangle import Relief, Tangle, taken_apart
@@ -28,6 +28,8 @@ WALL_CLEARANCE = 0.9
 
 CAPS_WITHIN = 2.0
 """Distance from the stent's ends, in its radii, within which caps are looked for."""
+
+NOTHING = np.empty(0, dtype=np.int64)
 
 
 class Attempt:
@@ -41,6 +43,7 @@ class Attempt:
 
     def __init__(self, task: DeploymentTask, ramp: tuple[float, float], gap: float) -> None:
         self.task, self._gap = task, gap
+        self._copies = self._copied = NOTHING
         self.motion, self.numbers = self._active(gap)
         self.positions = self.motion.positions
         self.start = self.positions.copy()
@@ -74,6 +77,7 @@ class Attempt:
         dragged = self.wall_count + np.flatnonzero(moved[self.wall_count :])
         companions = task.companions.copy()
         companions[self.numbers[dragged] - len(task.surface.points)] = self.positions[dragged]
+        companions[self._copies] = companions[self._copied]
         return DeploymentState(
             radius=task.radius - max(target - level, 0.0),
             fraction=min(level / target, 1.0) * (1 - 1e-9),
@@ -156,6 +160,11 @@ class Attempt:
         is_used = task.is_used[wall]
         wall, near_wall = wall[is_used], near_wall[is_used]
         dragged, near_dragged = within_reach(task.companions, task.capsules, reach)
+        # A tree and the file that it was made of, or overlapping lines, have the same points.
+        twin = twins(task.companions[dragged])
+        is_first = twin == np.arange(len(twin))
+        self._copies, self._copied = dragged[~is_first], dragged[twin[~is_first]]
+        dragged, near_dragged = dragged[is_first], near_dragged[is_first]
         numbers = np.concatenate([wall, len(points) + dragged])
         motion = Motion(
             task.capsules,

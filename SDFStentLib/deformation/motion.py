@@ -171,9 +171,10 @@ class Motion:
         """Find the points whose direction changes along the way, half and the whole of it, mm.
 
         Of many points a sample is looked at, and a cube of points is curved when one of its
-        sample is.
+        sample is. The wall's does not depend on what is dragged along.
         """
-        sample = np.arange(0, len(self.positions), max(1, len(self.positions) // SAMPLE))
+        wall, others = (np.flatnonzero(self.touchable == which) for which in (True, False))
+        sample = np.concatenate([one[:: max(1, len(one) // SAMPLE)] for one in (wall, others)])
         direction = self.direction[sample]
         curved = np.zeros(len(sample), dtype=bool)
         for share in (0.5, 1.0):
