@@ -10,6 +10,8 @@ from types import ModuleType
 import pytest
 from mesh_files import PROJECT
 
+from SDFStentLib.deformation import deployment as engine
+
 DATA_FOLDER = Path(
     os.environ.get("SDFSTENT_DATA", Path(__file__).resolve().parents[2] / "shared" / "data")
 )
@@ -30,3 +32,17 @@ def sweep() -> ModuleType:
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
+
+
+@pytest.fixture
+def attempts(monkeypatch):
+    """Every attempt that a deployment makes."""
+    made = []
+    plain = engine.Attempt
+
+    def recorded(*arguments):
+        made.append(plain(*arguments))
+        return made[-1]
+
+    monkeypatch.setattr(engine, "Attempt", recorded)
+    return made

@@ -6,6 +6,9 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pytest
+
+from SDFStentLib.validation import InputError
 
 PROJECT = Path(__file__).resolve().parents[1]
 RUN_PYTHON = [sys.executable, "-W", "error::RuntimeWarning", "-c"]
@@ -39,3 +42,11 @@ def open_tube(radius=5.0, length=60.0, around=24, along=30):
     a, b = k * around + i, k * around + (i + 1) % around
     c, d = a + around, b + around
     return points, np.concatenate([np.stack([a, b, d], 1), np.stack([a, d, c], 1)])
+
+
+def assert_refused_by_name(read, path, words):
+    """One sentence with the file's name and these words."""
+    with pytest.raises(InputError, match=words) as caught:
+        read(path)
+    assert str(path) in str(caught.value)
+    assert "\n" not in str(caught.value)

@@ -10,7 +10,6 @@ from deployment_cases import AXES, arc, phantom, phantom_case, straight
 from oracle import capsule_distance
 from oracle import field as plain_field
 
-from SDFStentLib.deformation import deployment as engine
 from SDFStentLib.deformation.deployment import Deployment, deploy
 from SDFStentLib.deformation.lumen import OnStent
 from SDFStentLib.deformation.settings import DeploymentSettings
@@ -277,15 +276,7 @@ def test_compensation_needs_the_finish():
     np.testing.assert_array_equal(*results)
 
 
-def test_after_the_last_step_the_motion_is_over_and_nobody_writes_into_it(monkeypatch):
-    attempts = []
-    plain = engine.Attempt
-
-    def recorded(*arguments):
-        attempts.append(plain(*arguments))
-        return attempts[-1]
-
-    monkeypatch.setattr(engine, "Attempt", recorded)
+def test_after_the_last_step_the_motion_is_over_and_nobody_writes_into_it(attempts):
     case = phantom_case("bent_tube")
     settings = DeploymentSettings()
     deploy(case.surface, settings.chain(case.axis), case.radius, settings)

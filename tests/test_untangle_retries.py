@@ -14,20 +14,6 @@ from SDFStentLib.deformation.untangle import WAYS_TO_UNTANGLE
 from SDFStentLib.field import CapsuleChain
 
 
-@pytest.fixture
-def attempts(monkeypatch):
-    """Every attempt that a deployment makes."""
-    made = []
-    plain = engine.Attempt
-
-    def recorded(*arguments):
-        made.append(plain(*arguments))
-        return made[-1]
-
-    monkeypatch.setattr(engine, "Attempt", recorded)
-    return made
-
-
 @pytest.mark.parametrize(
     ("way", "stent"),
     [

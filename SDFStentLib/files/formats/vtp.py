@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from ...validation import InputError, in_short
 from ..content import kind_in_words
 from .stored_polydata import CELL_KINDS, ArrayGroup, Kind, StoredArray, StoredPolydata
-from .vtp_arrays import Damage, Encoding, encoding_of, read_array, whole_number
+from .vtp_arrays import encoding_of, read_array, whole_number
+from .vtp_bytes import Damage, Encoding
 from .vtp_markup import Element, parsed_markup
 
 _Cells = tuple[NDArray[np.int64], NDArray[np.int64]]

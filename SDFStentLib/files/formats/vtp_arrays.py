@@ -1,16 +1,10 @@
-"""The arrays of a VTP file: text, base64 or raw bytes, compressed or not.
+"""The arrays of a VTP file: from its markup and text, or from bytes, to numbers and names.
 
-Source: VTK's file formats, "XML". Nothing is allocated because a number in the file says so: what
-is announced is compared with the bytes that are there, and with what the mesh needs.
+Source: VTK's file formats, "XML".
 """
 
 from __future__ import annotations
 
-import lzma
-import zlib
-from base64 import b64decode
-from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -19,6 +13,7 @@ from numpy.typing import NDArray
 from ...validation import in_short
 from .stored_polydata import Kind, StoredArray
 from .text_numbers import numbers_in
+from .vtp_bytes import DECOMPRESSORS, Damage, Encoding, StoredBytes
 from .vtp_markup import Element, Markup
 
 STRING, BIT, ID_TYPE = Kind("vtkStringArray", "u1"), Kind("vtkBitArray", "u1"), "vtkIdTypeArray"
@@ -35,34 +30,6 @@ _MOST_COMPONENTS = 10_000
 _MOST_DIGITS = 15
 
 
-class Damage(ValueError):
-    """What is wrong with an array, as the second half of a sentence."""
-
-
-@dataclass(frozen=True)
-class Encoding:
-    """How a file stores its arrays.
-
-    Attributes
-    ----------
-    order : "<" or ">"
-    word : numpy dtype
-        Of the numbers before an array.
-    decompress : function of (bytes, size) or None
-        Makes `size` bytes of one block, or raises `ValueError`.
-    markup : Markup
-        Where the appended bytes are.
-    data : bytes
-        The whole file.
-    """
-
-    order: str
-    word: np.dtype[Any]
-    decompress: Callable[[bytes, int], bytes] | None
-    markup: Markup
-    data: bytes
-
-
 def encoding_of(markup: Markup, data: bytes) -> Encoding:
     """The encoding that the root element names; `Damage` for an unknown one."""
     attributes = markup.root.attributes
@@ -70,7 +37,7 @@ def encoding_of(markup: Markup, data: bytes) -> Encoding:
         attributes, "byte_order", {"LittleEndian": "<", "BigEndian": ">"}, "LittleEndian"
     )
     word = _choice(attributes, "header_type", {"UInt32": "u4", "UInt64": "u8"}, "UInt32")
-    decompress = _choice(attributes, "compressor", _DECOMPRESSORS, "")
+    decompress = _choice(attributes, "compressor", DECOMPRESSORS, "")
     return Encoding(order, np.dtype(order + word), decompress, markup, data)
 
 
@@ -143,7 +110,7 @@ def _values(
         return _from_text("".join(element.texts), kind)
     if form == "binary":
         text = "".join(element.texts).encode("ascii", "replace")
-        found = _Bytes(b"".join(text.split()), 0, None, False)
+        found = StoredBytes(b"".join(text.split()), 0, None, False)
     elif form == "appended":
         found = _appended(element, encoding)
     else:
@@ -188,123 +155,9 @@ def _checked_bits(values: NDArray[Any]) -> NDArray[Any]:
     return values
 
 
-def _appended(element: Element, encoding: Encoding) -> _Bytes:
+def _appended(element: Element, encoding: Encoding) -> StoredBytes:
     markup = encoding.markup
     start = markup.start + whole_number(element.attributes, "offset", 0)
     if not markup.start or "offset" not in element.attributes or start >= markup.end:
         raise Damage("expected a place in the appended data, got none")
-    return _Bytes(encoding.data, start, markup.end, markup.is_raw)
-
-
-class _Bytes:
-    """Bytes of one array, read one part after the other: raw, or as base64."""
-
-    def __init__(self, data: bytes, start: int, end: int | None, is_raw: bool) -> None:
-        self._data, self._at, self._is_raw = data, start, is_raw
-        self._end = len(data) if end is None else end
-
-    def content(self, encoding: Encoding, size: int | None) -> bytes:
-        """What the array holds, after the words that stand before it: `size` bytes if given."""
-        word = encoding.word
-        first = self._peek(word.itemsize)
-        number = int(np.frombuffer(first, word)[0])
-        if encoding.decompress is None:
-            _compare(number, size)
-            return self._plain(number, word.itemsize)
-        if number == 0:
-            _compare(0, size)
-            return b""
-        if number > (self._end - self._at) // word.itemsize:
-            raise Damage(f"expected parts that fit into the file, got {number} of them")
-        header = np.frombuffer(self._take((3 + number) * word.itemsize), word)
-        full, last = int(header[1]), int(header[2])
-        _compare(full * (number - 1) + (last or full), size)
-        return self._unpacked(header, encoding.decompress)
-
-    def _plain(self, size: int, before: int) -> bytes:
-        """Bytes that are not compressed; their size is coded alone, or together with them."""
-        padding = b"=" * (-before % 3)
-        end = self._at + 4 * -(-before // 3)
-        if not self._is_raw and self._data[self._at : end].endswith(padding):
-            self._take(before)
-            return self._take(size)
-        return self._take(before + size)[before:]
-
-    def _unpacked(self, header: NDArray[Any], decompress: Callable[[bytes, int], bytes]) -> bytes:
-        full, last, sizes = int(header[1]), int(header[2]), header[3:].astype(np.float64)
-        total = float(sizes.sum())
-        packed = self._take(int(total) if total < 2**62 else 2**62)
-        parts, at = [], 0
-        for number, size in enumerate(header[3:].tolist()):
-            wanted = last if last and number == len(sizes) - 1 else full
-            try:
-                part = decompress(packed[at : at + size], wanted)
-            except (ValueError, zlib.error, lzma.LZMAError, EOFError) as error:
-                raise Damage(f"expected compressed data, got damaged ones ({error})") from error
-            if len(part) != wanted:
-                raise Damage(f"expected {wanted} bytes in a part, got {len(part)}")
-            parts.append(part)
-            at += size
-        return b"".join(parts)
-
-    def _peek(self, size: int) -> bytes:
-        at = self._at
-        found = self._take(size)
-        self._at = at
-        return found
-
-    def _take(self, size: int) -> bytes:
-        """The next bytes; base64 begins anew with each call, as VTK writes it."""
-        length = size if self._is_raw else 4 * -(-size // 3)
-        if length > self._end - self._at:
-            raise Damage(f"expected {size} bytes, got the end of the data")
-        coded = self._data[self._at : self._at + length]
-        self._at += length
-        if self._is_raw:
-            return coded
-        try:
-            found = b64decode(coded, validate=True)
-        except ValueError as error:
-            raise Damage(f"expected base64, got other letters ({error})") from error
-        if len(found) < size:
-            raise Damage(f"expected {size} bytes of base64, got {len(found)}")
-        return found[:size]
-
-
-def _compare(announced: int, size: int | None) -> None:
-    if size is not None and announced != size:
-        raise Damage(f"expected {size} bytes, got {announced}")
-
-
-def _from_zlib(packed: bytes, size: int) -> bytes:
-    """At most one byte more than announced, so that little data cannot fill the memory."""
-    engine = zlib.decompressobj()
-    found = engine.decompress(packed, size + 1)
-    if not engine.eof and len(found) == size:
-        engine.decompress(engine.unconsumed_tail, 1)
-    if not engine.eof:
-        raise ValueError("it does not end")
-    return found
-
-
-def _from_lzma(packed: bytes, size: int) -> bytes:
-    engine = lzma.LZMADecompressor()
-    found = engine.decompress(packed, size + 1)
-    if not engine.eof and len(found) <= size:
-        found += engine.decompress(b"", 1)
-    return found
-
-
-def _from_lz4(packed: bytes, size: int) -> bytes:
-    """Imported late: VTK has the only LZ4 at hand, and few files need it."""
-    from .lz4_blocks import from_lz4
-
-    return from_lz4(packed, size)
-
-
-_DECOMPRESSORS: dict[str, Callable[[bytes, int], bytes] | None] = {
-    "": None,
-    "vtkZLibDataCompressor": _from_zlib,
-    "vtkLZMADataCompressor": _from_lzma,
-    "vtkLZ4DataCompressor": _from_lz4,
-}
+    return StoredBytes(encoding.data, start, markup.end, markup.is_raw)
