@@ -87,8 +87,7 @@ def _joined(graph: LineGraph) -> LineGraph:
     if labels.max() == 0:
         return graph
     reach = reach_of(graph, GAP_FRACTION, GAP_EXTENT)
-    pairs = near_pairs(graph, reach)
-    pairs = pairs.selected(labels[pairs.nodes] != labels[graph.edges[pairs.segments, 0]])
+    pairs = near_pairs(graph, reach, piece=labels)
     # Shortest bridge per pair of pieces, then the spanning tree over the pieces.
     pairs = pairs.selected(np.argsort(pairs.distances, kind="stable"))
     here, there = labels[pairs.nodes], labels[graph.edges[pairs.segments, 0]]

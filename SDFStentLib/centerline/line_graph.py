@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,6 +15,10 @@ from .point_tree import mixed_radius
 
 WELD_EXTENT = 1e-6
 """Points nearer than this fraction of the bounding box's diagonal are one point."""
+
+
+PAIRS = 1 << 18
+"""Nodes and segments compared at once: some ten MB."""
 
 
 class NearPairs(NamedTuple):
@@ -193,21 +199,52 @@ def split_edges(
     return _unique_edges(np.concatenate(parts))
 
 
-def near_pairs(graph: LineGraph, reach: Floats) -> NearPairs:
-    """All nodes within the reach (of the wider end) of a segment of which they are no end."""
+def near_pairs(graph: LineGraph, reach: Floats, piece: Indices | None = None) -> NearPairs:
+    """All nodes within the reach (of the wider end) of a segment of which they are no end.
+
+    Dense points of wide vessels have hundreds of neighbors each: so many pairs are looked at in
+    blocks, and only those within reach are kept.
+
+    Parameters
+    ----------
+    graph : LineGraph
+    reach : (n,) array
+        Of every node, mm.
+    piece : (n,) array, optional
+        The piece that every node is of: then only pairs between different pieces.
+    """
     from scipy.spatial import cKDTree
 
+    tree = cKDTree(graph.points)
     starts, ends = graph.points[graph.edges[:, 0]], graph.points[graph.edges[:, 1]]
     limits = reach[graph.edges].max(axis=1)
-    found = cKDTree(graph.points).query_ball_point(
-        (starts + ends) / 2, graph.edge_lengths() / 2 * (1 + 1e-9) + limits, return_sorted=True
-    )
-    segments = np.repeat(np.arange(len(graph.edges)), [len(nodes) for nodes in found])
-    nodes = np.concatenate(found).astype(np.int64)
-    other = (nodes[:, None] != graph.edges[segments]).all(axis=1)
-    nodes, segments = nodes[other], segments[other]
-    squared, fractions = distances_to_segments(
-        graph.points[nodes], starts[segments], ends[segments]
-    )
-    distances = np.sqrt(squared)
-    return NearPairs(nodes, segments, fractions, distances).selected(distances <= limits[segments])
+    centers, radii = (starts + ends) / 2, graph.edge_lengths() / 2 * (1 + 1e-9) + limits
+    found = []
+    for part in _blocks(tree.query_ball_point(centers, radii, return_length=True)):
+        nodes, segments = _within(tree, centers, radii, part)
+        other = (nodes[:, None] != graph.edges[segments]).all(axis=1)
+        if piece is not None:
+            other &= piece[nodes] != piece[graph.edges[segments, 0]]
+        nodes, segments = nodes[other], segments[other]
+        squared, fractions = distances_to_segments(
+            graph.points[nodes], starts[segments], ends[segments]
+        )
+        pairs = NearPairs(nodes, segments, fractions, np.sqrt(squared))
+        found.append(pairs.selected(pairs.distances <= limits[segments]))
+    return NearPairs(*(np.concatenate(column) for column in zip(*found, strict=True)))
+
+
+def _blocks(counts: Indices) -> Iterator[slice]:
+    """Parts of a row of counts with sums of about `PAIRS` at most; at least one part."""
+    block = np.cumsum(counts) // PAIRS
+    bounds = np.flatnonzero(np.diff(block)) + 1
+    for start, end in pairwise([0, *bounds.tolist(), len(counts)]):
+        yield slice(start, end)
+
+
+def _within(tree: Any, centers: Points, radii: Floats, part: slice) -> tuple[Indices, Indices]:
+    """Points of a tree within radii of some centers, and the number of the center of each."""
+    found = tree.query_ball_point(centers[part], radii[part], return_sorted=True)
+    counts = [len(nodes) for nodes in found]
+    numbers = np.repeat(np.arange(part.start, part.start + len(counts)), counts)
+    return np.concatenate(found).astype(np.int64), numbers
