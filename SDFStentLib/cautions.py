@@ -9,9 +9,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
+from .units import MILLIMETERS
+
 _BESIDE = (
     "lies {distance_mm:.1f} mm beside the centerline; the place on it that is nearest, "
-    "({x:.4g}, {y:.4g}, {z:.4g}) mm, was taken."
+    "({x:.4g}, {y:.4g}, {z:.4g}) mm{filed}, was taken."
 )
 
 TEMPLATES = {
@@ -34,6 +36,7 @@ TEMPLATES = {
     "unit-in-file": "it says that it is in {unit}, not {wanted}.",
     "frame-turned": "it is in {frame}, the surface in {wanted}; its x and y were negated.",
     "partly-outside": "{outside_percent:.0f} % of its points lie outside of {surface}.",
+    "face-names-not-read": "names of faces are not read: {reason}",
     "arrays-not-kept": "{format} cannot keep the arrays {arrays}; write .vtp to keep them.",
     "line-arrays-not-kept": "arrays are not kept in .mrk.json; write .vtp.",
     # Plans
@@ -47,7 +50,7 @@ TEMPLATES = {
         "of centerline are available there."
     ),
     "branch-chosen": (
-        "At the junction near ({x:.4g}, {y:.4g}, {z:.4g}) mm the {thing} follows the {rule} "
+        "At the junction near ({x:.4g}, {y:.4g}, {z:.4g}) mm{filed} the {thing} follows the {rule} "
         "branch; place it between two points{to} to choose another one."
     ),
     "point-beside": "The {point} " + _BESIDE,
@@ -60,7 +63,7 @@ TEMPLATES = {
     "straightened-less": (
         "The axis is straightened by {fraction:.2f} of the way to its chord instead of "
         "{prescribed_fraction:g}: farther on it comes too near to the wall at "
-        "({x:.1f}, {y:.1f}, {z:.1f}) mm; a shorter stent can be straightened more."
+        "({x:.1f}, {y:.1f}, {z:.1f}) mm{filed}; a shorter stent can be straightened more."
     ),
     "device-range": (
         "{device}: a {what} of {value_mm:g} mm is outside of the {low_mm:g} to {high_mm:g} mm "
@@ -107,8 +110,8 @@ TEMPLATES = {
         "{earlier_minimum_mm:.1f} mm before them; deploy it after them, or once more."
     ),
     "facets-inside": (
-        "Facets lie inside the prescribed lumen near ({x:.1f}, {y:.1f}, {z:.1f}) mm, by up to "
-        "{depth_mm:.2g} mm: pushed out they would fold; smaller triangles there may help."
+        "Facets lie inside the prescribed lumen near ({x:.1f}, {y:.1f}, {z:.1f}) mm{filed}, by up "
+        "to {depth_mm:.2g} mm: pushed out they would fold; smaller triangles there may help."
     ),
     "overlap": (
         "Stents {first} and {second} overlap over {length_mm:.1f} mm of the second one's length; "
@@ -119,9 +122,9 @@ TEMPLATES = {
         "diameter, {percent:.0f} %), {distance_mm:.0f} mm beyond its origin."
     ),
     "cap-bulged": (
-        "The flat cap near ({x:.1f}, {y:.1f}, {z:.1f}) mm is pushed up to {height_mm:.2f} mm out "
-        "of its plane by the stent; end the stent farther from it, or extend the vessel, when a "
-        "boundary condition belongs there."
+        "The flat cap near ({x:.1f}, {y:.1f}, {z:.1f}) mm{filed} is pushed up to {height_mm:.2f} "
+        "mm out of its plane by the stent; end the stent farther from it, or extend the vessel, "
+        "when a boundary condition belongs there."
     ),
     # Measuring
     "no-inscribed-diameter": (
@@ -173,7 +176,12 @@ class Caution:
         """The same with a label in front of its own."""
         return replace(self, label=label + self.label)
 
-    def sentence(self, thing: str = "stent", remedies: Mapping[str, str] | None = None) -> str:
+    def sentence(
+        self,
+        thing: str = "stent",
+        remedies: Mapping[str, str] | None = None,
+        units: str = "mm",
+    ) -> str:
         """For the user.
 
         Parameters
@@ -182,9 +190,20 @@ class Caution:
             What was placed: a stent, or a part that is measured.
         remedies : mapping, optional
             How the reader does what is advised, by name, such as options of the command.
+        units : {"mm", "cm", "m"}
+            Of the surface's file: a place is told in it, too.
         """
         x, y, z = self.place or (None, None, None)
         words = {**NO_REMEDIES, **(remedies or {}), "thing": thing, "x": x, "y": y, "z": z}
+        words["filed"] = _filed(self.place, units)
         return self.label + TEMPLATES[self.kind].format_map({**words, **self.numbers})
 
     __str__ = sentence
+
+
+def _filed(place: tuple[float, float, float] | None, units: str) -> str:
+    """A place in the unit of the file, to stand behind that in mm; empty where it is the same."""
+    if place is None or units == "mm":
+        return ""
+    numbers = ", ".join(f"{value / MILLIMETERS[units]:.4g}" for value in place)
+    return f" (in the file {numbers} {units})"

@@ -51,6 +51,7 @@ def a_lesion(minimum):
     """Against 8 mm; without a section round the centerline."""
     return Lesion(
         branch=0,
+        branch_name="branch 1",
         branch_arc_length=10.0,
         arc_length=10.0,
         start=5.0,

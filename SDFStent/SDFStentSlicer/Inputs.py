@@ -64,7 +64,7 @@ class Inputs:
 
     def _bothInPortions(self, parameterNode):
         vessel = yield from self.vesselInPortions(parameterNode)
-        return vessel.surface, self.centerline(parameterNode)
+        return vessel.surface, self.centerline(parameterNode), vessel.faces
 
     def preview(self, parameterNode):
         """The `PreviewedVessel` of vessel and centerline, the same object until one of them changes."""

@@ -119,7 +119,7 @@ class LesionTable:
 
 def _texts(number, lesion):
     return (
-        _("{number} (branch {branch})").format(number=number, branch=lesion.branch + 1),
+        _("{number} ({branch})").format(number=number, branch=lesion.branch_name),
         degree(lesion.percent_diameter),
         f"{lesion.minimum_diameter:.1f} mm",
         f"{lesion.length:.0f} mm",

@@ -14,7 +14,7 @@ class LesionSearch:
     """
 
     def __init__(self, inputs):
-        """`inputs()` is a generator that yields None in between and returns surface and centerline."""
+        """`inputs()` is a generator that yields None in between and returns what `find_lesions` takes."""
         self._inputs = inputs
         self.found, self.sentence = None, ""
 
@@ -23,7 +23,7 @@ class LesionSearch:
         if self.found is not None:
             return
         try:
-            surface, centerline = yield from self._inputs()
-            self.found = yield from inPortions(lambda: find_lesions(surface, centerline))
+            inputs = yield from self._inputs()
+            self.found = yield from inPortions(lambda: find_lesions(*inputs))
         except InputError as error:
             self.found, self.sentence = (), str(error)

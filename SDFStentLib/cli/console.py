@@ -35,11 +35,14 @@ class Console:
         if not self.quiet:
             print(one_line(sentence))
 
-    def warn(self, cautions: Iterable[Caution], thing: str = "stent") -> None:
-        """Each on a line of stderr; nothing when quiet, for the report has them too."""
+    def warn(self, cautions: Iterable[Caution], thing: str = "stent", units: str = "mm") -> None:
+        """Each on a line of stderr; nothing when quiet, for the report has them too.
+
+        Places are told in mm and in the unit of the file.
+        """
         if not self.quiet:
             for caution in cautions:
-                words = caution.sentence(thing, self.remedies)
+                words = caution.sentence(thing, self.remedies, units)
                 print(one_line(f"warning: {words}"), file=sys.stderr)
 
     @contextmanager

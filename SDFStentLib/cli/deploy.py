@@ -147,7 +147,8 @@ class _Job:
         self.result = PlanResult(self.plan, inputs, treatment.result)
         self.write_start = perf_counter()
         lost = self.outputs.write()
-        self.console.warn([*self.result.warnings, *lost])
+        units = self.result.inputs.surface.units
+        self.console.warn([*self.result.warnings, *lost], units=units)
         for stent in self.result.treatment.stents:
             label = treatment.label(stent.number)
             self.console.say(label + lumen_sentence(stent))

@@ -57,7 +57,7 @@ def measure_command(options: argparse.Namespace, console: Console) -> int:
         document = _document(inputs, lines, warnings)
         print(json.dumps(document, indent=2, allow_nan=False))
         return 0
-    console.warn(warnings, thing="part")
+    console.warn(warnings, thing="part", units=units)
     if vessel.lesions is not None and vessel.root is not None:
         filed = filed_point(vessel.root, units)
         print(f"Proximal is the end at {filed} {units}; --root X Y Z names another one.")
@@ -93,7 +93,9 @@ def _ways(
     warnings = list(inputs.warnings)
     if way is None:
         branches = inputs.vessel.branches if options.tables else {}
-        return [(f"Branch {number}", line) for number, line in branches.items()], warnings
+        names = inputs.vessel.branch_names
+        titles = {n: names[n - 1][:1].upper() + names[n - 1][1:] for n in branches}
+        return [(titles[n], line) for n, line in branches.items()], warnings
     place = place_of(options, way, inputs.surface.frame)
     stent = Stent(
         _PROBE_DIAMETER,
@@ -132,7 +134,7 @@ def _document(
         if vessel.lesions is None
         else [lesion_section(n, one, units) for n, one in enumerate(vessel.lesions, start=1)],
         "lines": [diameter_section(line) for line in lines],
-        "warnings": [caution.sentence("part") for caution in warnings],
+        "warnings": [caution.sentence("part", units=units) for caution in warnings],
     }
 
 

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Mapping
+from pathlib import Path
 
 import numpy as np
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkStringArray
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 
+from ..cautions import Caution
 from ..geometry import NamedFaces
+from ..validation import InputError
+from .content import read_content
+from .formats.mdl_faces import LARGEST, mdl_face_names
 
 ID_ARRAY = "ModelFaceID"
 """Cell array of integers, as SimVascular writes it."""
@@ -21,15 +27,40 @@ NAME_ARRAY = "ModelFaceNames"
 _ID = re.compile("[0-9]{1,9}")
 
 
-def faces_of_polydata(polydata: vtkPolyData) -> NamedFaces | None:
-    """The faces of polydata of triangles; None where it does not tell them."""
+MODEL_SUFFIX = ".mdl"
+"""Of the SimVascular model that belongs to a surface of the same name."""
+
+
+def names_beside(path: Path) -> tuple[dict[int, str], tuple[Caution, ...]]:
+    """Names of faces from the model beside a surface, or why there are none.
+
+    A model that cannot be read is no reason to refuse the surface.
+    """
+    model = path.with_suffix(MODEL_SUFFIX)
+    if model == path or not model.is_file():
+        return {}, ()
+    try:
+        if os.path.getsize(model) > LARGEST:
+            raise InputError(f"{model}: expected at most {LARGEST} bytes; take the file away.")
+        return mdl_face_names(read_content(model).data, str(model)), ()
+    except (InputError, OSError) as error:
+        return {}, (Caution("face-names-not-read", {"reason": str(error)}),)
+
+
+def faces_of_polydata(
+    polydata: vtkPolyData, names: Mapping[int, str] | None = None
+) -> NamedFaces | None:
+    """The faces of polydata of triangles; None where it does not tell them.
+
+    Names that it holds itself go before those given.
+    """
     array = polydata.GetCellData().GetArray(ID_ARRAY)
     if array is None or array.GetNumberOfComponents() != 1:
         return None
     ids = np.asarray(vtk_to_numpy(array))
     if not np.issubdtype(ids.dtype, np.integer) or len(ids) != polydata.GetNumberOfPolys():
         return None
-    return NamedFaces(ids, _names(polydata))
+    return NamedFaces(ids, {**(names or {}), **_names(polydata)})
 
 
 def set_face_names(polydata: vtkPolyData, names: Mapping[int, str]) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -19,7 +20,7 @@ from ..units import Frame, millimeters_per
 from ..validation import InputError, Points, Triangles, as_points
 from .content import FileContent, frame_in_text, read_content
 from .formats import Decoder, decode_obj, decode_ply, decode_stl, read_vtk_polydata
-from .model_faces import faces_of_polydata
+from .model_faces import ID_ARRAY, faces_of_polydata, names_beside
 from .polydata import add_arrays, polydata_from_polygons, surface_from_polydata
 from .same_space import size_warnings
 from .triangulation import triangulated_polydata
@@ -53,6 +54,8 @@ class SurfaceFile:
         Precision of the coordinates in the file, float32 or float64.
     warnings : tuple of Caution
         What was changed in reading, what looks wrong.
+    face_names : mapping of int to str
+        From the SimVascular model (.mdl) of the same name beside the file.
     """
 
     surface: Surface
@@ -63,6 +66,7 @@ class SurfaceFile:
     coordinate_type: np.dtype[Any]
     warnings: tuple[Caution, ...]
     _polydata: vtkPolyData = field(repr=False, compare=False)
+    face_names: Mapping[int, str] = field(default_factory=dict)
 
     @property
     def points(self) -> Points:
@@ -82,7 +86,7 @@ class SurfaceFile:
     @property
     def faces(self) -> NamedFaces | None:
         """The parts of the model, where the file tells them."""
-        return faces_of_polydata(self._polydata)
+        return faces_of_polydata(self._polydata, self.face_names)
 
     def polydata(self) -> vtkPolyData:
         """A copy of the polydata in the unit of the file, with all its arrays."""
@@ -129,6 +133,8 @@ def read_surface(path: str | os.PathLike[str], units: str = "mm") -> SurfaceFile
     _check_arrays(template, name)
     warnings += _degenerate(surface.points, surface.triangles, name)
     warnings += size_warnings(surface, name, units)
+    has_faces = template.GetCellData().HasArray(ID_ARRAY)
+    face_names, unread = names_beside(content.path) if has_faces else ({}, ())
     return SurfaceFile(
         surface=surface,
         units=units,
@@ -136,8 +142,9 @@ def read_surface(path: str | os.PathLike[str], units: str = "mm") -> SurfaceFile
         path=content.path,
         sha256=content.sha256,
         coordinate_type=vtk_to_numpy(template.GetPoints().GetData()).dtype,
-        warnings=warnings,
+        warnings=warnings + unread,
         _polydata=template,
+        face_names=face_names,
     )
 
 

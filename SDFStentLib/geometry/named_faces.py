@@ -50,6 +50,12 @@ class NamedFaces:
         kinds, counts = np.unique(self.ids[np.asarray(triangles)], return_counts=True)
         return int(kinds[np.argmax(counts)])
 
+    def branch_name(self, ids: Sequence[int]) -> str:
+        """What a branch is called that leads to some parts."""
+        if len(ids) == 1 and ids[0] in self.names:
+            return self.said(ids)
+        return f"branch to {self.said(ids)}"
+
     def said(self, ids: Sequence[int]) -> str:
         """Some parts in words, such as "face 3" or "right pulmonary artery"."""
         words = [self.names.get(number, f"face {number}") for number in ids]

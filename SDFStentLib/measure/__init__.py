@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from .apposition import Apposition, FreeStretch, apposition
+from .branch_names import branch_names
 from .caps import bulged_caps, caps_across
 from .cross_section import equivalent_diameters, winding_numbers
 from .extended_axis import ExtendedAxis, extended_axis
@@ -49,6 +50,7 @@ __all__ = [
     "VesselStates",
     "apposition",
     "axis_stations",
+    "branch_names",
     "bulged_caps",
     "caps_across",
     "closed_surface",

@@ -35,6 +35,8 @@ class Lesion:
 
     branch: int
     """Index into `Centerline.branches` of the branch in which it is narrowest."""
+    branch_name: str
+    """Of that branch, as `branch_names` has it."""
     branch_arc_length: float
     """Of the narrowest place, from the start of that branch."""
     arc_length: float

@@ -13,8 +13,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..centerline import Centerline
-from ..geometry import Surface, as_surface, closest_points, point_at, tangents
+from ..geometry import (
+    NamedFaces,
+    Surface,
+    as_surface,
+    checked_faces,
+    closest_points,
+    point_at,
+    tangents,
+)
 from ..validation import Points, as_points
+from .branch_names import branch_names
 from .lesion_measuring import as_place, measured, median_area
 from .lesion_value import HealthyPlace, Lesion, reference_words
 from .narrowings import Narrowing, narrowings
@@ -27,7 +36,9 @@ _ASLANT = 2.0
 """An axis that goes aslant meets the section within so many radii of its middle."""
 
 
-def find_lesions(surface: Surface, centerline: Centerline) -> tuple[Lesion, ...]:
+def find_lesions(
+    surface: Surface, centerline: Centerline, faces: NamedFaces | None = None
+) -> tuple[Lesion, ...]:
     """All lesions of a vessel tree, the tightest first.
 
     Parameters
@@ -36,6 +47,8 @@ def find_lesions(surface: Surface, centerline: Centerline) -> tuple[Lesion, ...]
         Before any stent; open or closed.
     centerline : Centerline
         Its root does not matter, but for what is called proximal.
+    faces : NamedFaces, optional
+        Of the surface; they name the branches.
 
     Returns
     -------
@@ -54,7 +67,8 @@ def find_lesions(surface: Surface, centerline: Centerline) -> tuple[Lesion, ...]
         for run in vessel_runs(branch_lumens(as_surface(surface), centerline))
         for narrow in narrowings(run)
     ]
-    begun = [_begun(surface, run, narrow) for run, narrow in places]
+    names = branch_names(surface, centerline, checked_faces(faces, len(surface.triangles)))
+    begun = [_begun(surface, run, narrow, names) for run, narrow in places]
     lesions = measured([one for one, _ in begun], surface, [widths for _, widths in begun])
     found = [
         _Found(lesion, _junctions(*place)) for lesion, place in zip(lesions, places, strict=True)
@@ -146,7 +160,9 @@ def _junctions(run: VesselRun, narrow: Narrowing) -> dict[int, bool]:
     }
 
 
-def _begun(surface: Surface, run: VesselRun, narrow: Narrowing) -> tuple[Lesion, Floats]:
+def _begun(
+    surface: Surface, run: VesselRun, narrow: Narrowing, names: Sequence[str]
+) -> tuple[Lesion, Floats]:
     """A narrowing with its reference, from the root's side on, and diameters along its line."""
     edges = np.interp([narrow.start, narrow.end], run.along, run.from_root)
     way = 1 if edges[0] <= edges[1] else -1
@@ -167,6 +183,7 @@ def _begun(surface: Surface, run: VesselRun, narrow: Narrowing) -> tuple[Lesion,
     return (
         Lesion(
             branch=int(run.branch[at]),
+            branch_name=names[run.branch[at]],
             branch_arc_length=float(run.branch_along[at]),
             arc_length=unknown,
             start=float(min(edges)),

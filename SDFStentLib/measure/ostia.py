@@ -162,11 +162,8 @@ def _inner(region: Mask) -> Mask:
 
 
 def _named(ostium: Ostium, faces: NamedFaces | None, number: int) -> Ostium:
-    ids = ostium.face_ids
-    if faces is None or not ids:
+    if faces is None or not ostium.face_ids:
         name = f"side branch {number}"
-    elif len(ids) == 1 and ids[0] in faces.names:
-        name = faces.said(ids)
     else:
-        name = f"branch to {faces.said(ids)}"
+        name = faces.branch_name(ostium.face_ids)
     return replace(ostium, name=name)

@@ -168,7 +168,7 @@ def read_input_files(
         tree = line_file.centerline(root)
         warnings += line_file.warnings
         warnings += _same_space(surface_file, tree.points, os.fspath(centerline))
-    vessel = Vessel(surface_file.surface, tree, tuple(reference))
+    vessel = Vessel(surface_file.surface, tree, tuple(reference), surface_file.faces)
     return InputFiles(surface_file, line_file, vessel, warnings, perf_counter() - start)
 
 

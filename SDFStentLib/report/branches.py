@@ -8,6 +8,7 @@ from typing import Any
 
 from ..measure import LISTED, NEARLY, Apposition, NeighborLumen, Ostium
 from ..treatment import TreatedStent
+from ..units import MILLIMETERS
 from .words import millimeters
 
 NONE_NEAR = f"No side branch was found within {LISTED:.0f} mm of the stent."
@@ -20,12 +21,16 @@ def stent_branch_sentences(stent: TreatedStent) -> list[str]:
     return [*branches, free] if free else branches
 
 
-def branch_section(branch: Ostium, neighbors: Sequence[NeighborLumen]) -> dict[str, Any]:
+def branch_section(
+    branch: Ostium, neighbors: Sequence[NeighborLumen], units: str = "mm"
+) -> dict[str, Any]:
     """One ostium as a report has it; its lumen where the wall of the branch has moved."""
     lumen = next((n for n in neighbors if n.name == branch.name), None)
     return {
         "name": branch.name,
         "ostium_mm": branch.center,
+        "ostium": branch.center / MILLIMETERS[units],
+        "units": units,
         "ostium_start_mm": branch.start,
         "ostium_end_mm": branch.end,
         "percent_covered": 100 * branch.covered_share,

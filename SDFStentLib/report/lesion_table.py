@@ -51,7 +51,7 @@ def lesion_table(lesions: Sequence[Section] | None) -> list[str]:
     if not lesions:
         return [f"{title}<p>{escape(NO_LESION)}</p>"]
     rows = "".join(
-        f"<tr><td>{one['number']}</td><td class='place'>branch {one['branch']}, "
+        f"<tr><td>{one['number']}</td><td class='place'>{escape(one['branch_name'])}, "
         f"{millimeters(one['along_branch_mm'], 1)} along it; "
         f"{point_words(one['place_mm'], one['units'])}</td>"
         f"<td class='n'>{millimeters(one['extent']['length_mm'], 1)}</td>"

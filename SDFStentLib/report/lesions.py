@@ -22,6 +22,7 @@ NOT_LOOKED_FOR = "Lesions were not looked for: that takes a centerline of the ve
 COLUMNS = (
     "lesion",
     "branch",
+    "branch_name",
     "along_branch_mm",
     "x",
     "y",
@@ -46,6 +47,7 @@ def lesion_section(number: int, lesion: Lesion, units: str = "mm") -> dict[str, 
     return {
         "number": number,
         "branch": lesion.branch + 1,
+        "branch_name": lesion.branch_name,
         "along_branch_mm": lesion.branch_arc_length,
         "place_mm": list(lesion.point),
         "place": list(_filed(lesion.point, units)),
@@ -81,7 +83,7 @@ def lesion_sentences(number: int, lesion: Lesion, units: str = "mm") -> tuple[st
     place = ", ".join(f"{value:.4g}" for value in _filed(lesion.point, units))
     return (
         f"Lesion {number}: {degree_text(lesion.percent_diameter)} by diameter, "
-        f"{degree_text(lesion.percent_area)} by area; branch {lesion.branch + 1}, "
+        f"{degree_text(lesion.percent_area)} by area; {lesion.branch_name}, "
         f"{lesion.branch_arc_length:.1f} mm along it, at ({place}) {units}; "
         f"{lesion.length:.1f} mm long; minimum {lesion.minimum_diameter:.2f} mm against "
         f"{lesion.reference_diameter:.2f} mm.",
@@ -130,6 +132,7 @@ def _row(number: int, lesion: Lesion, units: str) -> list[Any]:
     return [
         number,
         lesion.branch + 1,
+        lesion.branch_name,
         lesion.branch_arc_length,
         *_filed(lesion.point, units),
         units,

@@ -108,7 +108,7 @@ class Report:
             "branches": [
                 {
                     "stent": stent.description.get("number", place),
-                    **branch_section(branch, stent.neighbors),
+                    **branch_section(branch, stent.neighbors, stent.units),
                 }
                 for place, stent in enumerate(self.stents, start=1)
                 for branch in stent.branches

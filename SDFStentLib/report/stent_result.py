@@ -36,6 +36,11 @@ class StentResult:
     lesions: tuple[int, ...] | None = None
     """Numbers of the lesions that it covers; None when none were looked for."""
 
+    @property
+    def units(self) -> str:
+        """Of the surface's file."""
+        return str(self.description.get("axis", {}).get("units", "mm"))
+
     def __post_init__(self) -> None:
         stations = self.before.arc_length.shape
         if self.after.arc_length.shape != stations or not np.allclose(

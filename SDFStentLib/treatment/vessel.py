@@ -8,11 +8,12 @@ from functools import cached_property
 
 from ..centerline import Centerline
 from ..certificate import SurfaceCheck, check_surface
-from ..geometry import Precision, Surface, length
+from ..geometry import NamedFaces, Precision, Surface, length
 from ..measure import (
     DiameterProfile,
     Lesion,
     LineSeeds,
+    branch_names,
     diameter_profile,
     find_lesions,
     lesions_against,
@@ -36,17 +37,26 @@ class Vessel:
     centerline : Centerline or None
     reference : tuple of (3,) arrays
         Healthy vessel that the user marked, mm.
+    faces : NamedFaces or None
+        Of the wall; they name the branches.
     """
 
     surface: Surface
     centerline: Centerline | None = None
     reference: tuple[Points, ...] = ()
+    faces: NamedFaces | None = None
 
     @property
     def root(self) -> Points | None:
         """The proximal end of the centerline, (3,) mm."""
         tree = self.centerline
         return None if tree is None else tree.points[tree.roots[0]]
+
+    @cached_property
+    def branch_names(self) -> tuple[str, ...]:
+        """Of the centerline's branches, from that at the root on."""
+        tree = self.centerline
+        return () if tree is None else branch_names(self.surface, tree, self.faces)
 
     @property
     def branches(self) -> dict[int, Points]:
@@ -68,7 +78,7 @@ class Vessel:
         """
         if self.centerline is None:
             return None
-        found = find_lesions(self.surface, self.centerline)
+        found = find_lesions(self.surface, self.centerline, self.faces)
         if not self.reference:
             return found
         return lesions_against(found, self.reference, self.surface, self.centerline)

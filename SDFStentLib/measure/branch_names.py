@@ -1,0 +1,93 @@
+"""What the branches of a centerline are called: after the ends of the model that they lead to."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..centerline import Centerline
+from ..geometry import NamedFaces, Surface, face_areas, face_normals
+from ..validation import Floats, Indices, Points
+
+FLAT = 0.95
+"""Length of the mean unit normal of a part of the model from which it is a cap, no wall."""
+
+BESIDE = 2.0
+"""The centerline ends within so many radii of a cap from its middle."""
+
+
+def branch_names(
+    surface: Surface, centerline: Centerline, faces: NamedFaces | None = None
+) -> tuple[str, ...]:
+    """One name for every branch, as `find_ostia` calls those whose ends the faces tell.
+
+    Parameters
+    ----------
+    surface : Surface
+    centerline : Centerline
+        Of the same vessel.
+    faces : NamedFaces, optional
+        Of the surface.
+
+    Returns
+    -------
+    tuple of str
+        Such as "left pulmonary artery", or "branch to face 3 and face 4" where a branch has no name
+        or divides; that at the root is called after its own end. "branch 2" where faces do not
+        tell, as branches are counted from 1 at the root, and behind a name that two have.
+    """
+    caps = _caps(surface, faces) if faces is not None else {}
+    face_at = {
+        int(end): number
+        for end in (*centerline.roots, *centerline.leaves)
+        if (number := _cap_near(centerline.points[end], caps)) is not None
+    }
+    leads_to = _faces_beyond(centerline, face_at)
+    names = []
+    for number, branch in enumerate(centerline.branches, start=1):
+        start = int(branch[0])
+        ids = leads_to[int(branch[-1])]
+        if centerline.parent[start] < 0:
+            # A vessel without branches needs no name.
+            ids = {face_at[start]} if start in face_at and len(centerline.branches) > 1 else set()
+        told = faces.branch_name(sorted(ids)) if faces is not None and ids else ""
+        names.append(told or f"branch {number}")
+    # Where some ends have no face, two branches may lead to the same.
+    return tuple(
+        f"{name} (branch {number})" if names.count(name) > 1 else name
+        for number, name in enumerate(names, start=1)
+    )
+
+
+def _caps(surface: Surface, faces: NamedFaces) -> dict[int, tuple[Points, float]]:
+    """Middle and radius, mm, of the parts of a model that are flat, by id."""
+    areas = face_areas(surface.points, surface.triangles)
+    normals = face_normals(surface.points, surface.triangles)
+    middles = surface.points[surface.triangles].mean(axis=1)
+    kinds, part = np.unique(faces.ids, return_inverse=True)
+    total = np.maximum(np.bincount(part, areas), 1e-300)
+
+    def mean(values: Floats) -> Floats:
+        return np.stack([np.bincount(part, areas * column) / total for column in values.T], axis=1)
+
+    is_flat = np.linalg.norm(mean(normals), axis=1) > FLAT
+    centers, radii = mean(middles), np.sqrt(total / np.pi)
+    return {int(kinds[n]): (centers[n], float(radii[n])) for n in np.flatnonzero(is_flat).tolist()}
+
+
+def _cap_near(point: Points, caps: dict[int, tuple[Points, float]]) -> int | None:
+    """The cap at which a centerline ends."""
+    away = {n: float(np.linalg.norm(point - middle)) / r for n, (middle, r) in caps.items()}
+    nearest = min(away, key=away.__getitem__, default=None)
+    return None if nearest is None or away[nearest] > BESIDE else nearest
+
+
+def _faces_beyond(centerline: Centerline, face_at: dict[int, int]) -> dict[int, set[int]]:
+    """By centerline point: the faces at the leaves beyond it, for the ends of branches."""
+    beyond: dict[int, set[int]] = {int(branch[-1]): set() for branch in centerline.branches}
+    for leaf in centerline.leaves:
+        way: Indices = centerline.ancestry(leaf)
+        if int(leaf) in face_at:
+            for node in way.tolist():
+                if node in beyond:
+                    beyond[node].add(face_at[int(leaf)])
+    return beyond

@@ -1,0 +1,242 @@
+"""One naming of branches everywhere, by the faces of the model where it names them."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+
+import numpy as np
+import pytest
+from deployment_cases import ANATOMIES, anatomy
+
+from SDFStentLib import phantoms
+from SDFStentLib.cautions import TEMPLATES, Caution
+from SDFStentLib.cli.shell import main
+from SDFStentLib.files import (
+    add_arrays,
+    encode_vtp,
+    polydata_from_arrays,
+    polydata_from_lines,
+    read_surface,
+)
+from SDFStentLib.files.formats.mdl_faces import LARGEST, mdl_face_names
+from SDFStentLib.geometry import NamedFaces
+from SDFStentLib.measure import branch_names, find_lesions
+from SDFStentLib.validation import InputError
+
+MODEL = """<?xml version="1.0" encoding="UTF-8" ?>
+<format version="1.0" />
+<model type="PolyData">
+    <timestep id="0">
+        <model_element type="PolyData" num_sampling="0">
+            <faces>
+{faces}
+            </faces>
+            <blend_radii />
+        </model_element>
+    </timestep>
+</model>
+"""
+"""As SimVascular writes it: two roots."""
+
+
+def a_model(names):
+    rows = (
+        f'<face id="{number}" name="{name}" type="cap" visible="true" opacity="1" />'
+        for number, name in names.items()
+    )
+    return MODEL.format(faces="\n".join(rows))
+
+
+@pytest.fixture
+def artery():
+    return phantoms.branching_pulmonary_artery()
+
+
+@pytest.fixture
+def a_patient(tmp_path, artery):
+    """Surface with ids of faces, without names, and its centerline, in cm."""
+    polydata = polydata_from_arrays(artery.points / 10, artery.triangles)
+    add_arrays(polydata, {}, {"ModelFaceID": artery.face_ids.astype(np.int32)})
+    (tmp_path / "pa.vtp").write_bytes(encode_vtp(polydata))
+    tree = artery.centerline
+    lines = [tree.ancestry(leaf) for leaf in tree.leaves]
+    line = polydata_from_lines(tree.points / 10, lines)
+    (tmp_path / "line.vtp").write_bytes(encode_vtp(line))
+    return tmp_path
+
+
+def test_branches_have_the_names_of_their_ends(artery):
+    tree = artery.centerline
+    names = branch_names(artery.surface, tree, artery.faces)
+    for branch, name in zip(tree.branches, names, strict=True):
+        end = branch[0] if tree.parent[branch[0]] < 0 else branch[-1]
+        # By another way: the face of the triangle whose middle is nearest to the end.
+        middles = artery.points[artery.triangles].mean(axis=1)
+        nearest = np.linalg.norm(middles - tree.points[end], axis=1).argmin()
+        assert name == artery.faces.names[artery.face_ids[nearest]]
+
+
+def test_without_names_faces_are_numbered_and_without_faces_branches(artery):
+    tree = artery.centerline
+    numbered = branch_names(artery.surface, tree, NamedFaces(artery.face_ids))
+    assert all(name.startswith("branch to face ") for name in numbered)
+    assert len(set(numbered)) == len(tree.branches)
+    plain = branch_names(artery.surface, tree)
+    assert plain == tuple(f"branch {n + 1}" for n in range(len(tree.branches)))
+    one_id = NamedFaces(np.ones(len(artery.triangles), dtype=int))
+    assert branch_names(artery.surface, tree, one_id) == plain
+
+
+def test_a_branch_that_divides_leads_to_all_of_its_ends():
+    tree = phantoms.vascular_tree(4, 1.0)
+    names = branch_names(tree.surface, tree.centerline, tree.faces)
+    line = tree.centerline
+    leaves = set(line.leaves.tolist())
+    for branch, name in zip(line.branches, names, strict=True):
+        if line.parent[branch[0]] >= 0 and int(branch[-1]) not in leaves:
+            assert name.startswith("branch to outlet of branch ")
+            assert " and outlet of branch " in name
+    assert len(set(names)) == len(names)
+
+
+def test_two_branches_that_lead_to_the_same_end_keep_their_numbers():
+    tree = phantoms.vascular_tree(4, 1.0)
+    ids = tree.face_ids.copy()
+    kept = int(ids.max())
+    ids[ids != kept] = 1
+    names = branch_names(tree.surface, tree.centerline, NamedFaces(ids))
+    assert len(set(names)) == len(names)
+    assert sum(name.startswith(f"branch to face {kept} (branch ") for name in names) == 2
+
+
+@pytest.mark.parametrize("name", ["pulmonary", "aorta_iliac"])
+def test_every_branch_of_an_anatomy_is_named_by_a_cap_of_its_own(data_dir, name):
+    vessel = anatomy(data_dir, name)
+    surface_name, _, units = ANATOMIES[name]
+    faces = read_surface(data_dir / surface_name, units=units).faces
+    names = branch_names(vessel.surface, vessel.centerline, faces)
+    middles = vessel.points[vessel.triangles].mean(axis=1)
+    tree = vessel.centerline
+    for branch, said in zip(tree.branches, names, strict=True):
+        end = branch[0] if tree.parent[branch[0]] < 0 else branch[-1]
+        nearest = np.linalg.norm(middles - tree.points[end], axis=1).argmin()
+        assert said == f"branch to face {faces.ids[nearest]}"
+
+
+def test_a_model_beside_the_surface_names_lesions_branches_and_tables(a_patient, artery, capsys):
+    names = artery.faces.names
+    own = {number: f"face &amp; {name}" for number, name in names.items()}
+    (a_patient / "pa.mdl").write_text(a_model(own), encoding="utf-8")
+    surface = read_surface(a_patient / "pa.vtp", units="cm")
+    assert surface.faces.names == {n: f"face & {name}" for n, name in names.items()}
+    files = [str(a_patient / "pa.vtp"), "--centerline", str(a_patient / "line.vtp")]
+    assert main(["measure", *files, "--units", "cm", "--tables"]) == 0
+    said = capsys.readouterr()
+    first = find_lesions(artery.surface, artery.centerline, artery.faces)[0]
+    assert f"; face & {first.branch_name}, " in said.out
+    assert "Face & main pulmonary artery" in said.out
+    assert all("equivalent diameter" in line for line in said.err.splitlines())
+    table = a_patient / "lesions.csv"
+    assert main(["measure", *files, "--units", "cm", "--csv", str(table)]) == 0
+    row = next(csv.DictReader(io.StringIO(table.read_text(encoding="utf-8"))))
+    assert row["branch_name"] == f"face & {first.branch_name}"
+
+    report = a_patient / "report.json"
+    place = [str(value / 10) for value in artery.throat.point]
+    stent = ["--center", *place, "--length", "25", "--diameter", "8"]
+    written = ["-o", str(a_patient / "out.vtp"), "--report", str(report)]
+    page = ["--report", str(a_patient / "report.html")]
+    assert main(["deploy", *files, "--units", "cm", *stent, *written, *page, "--quiet"]) in (0, 3)
+    document = json.loads(report.read_text(encoding="utf-8"))
+    assert document["lesions"][0]["branch_name"] == f"face & {first.branch_name}"
+    branch_names_told = {branch["name"] for branch in document["branches"]}
+    assert branch_names_told
+    assert branch_names_told <= set(surface.faces.names.values())
+    for branch in document["branches"]:
+        assert branch["units"] == "cm"
+        np.testing.assert_allclose(np.multiply(branch["ostium"], 10), branch["ostium_mm"])
+    html = (a_patient / "report.html").read_text(encoding="utf-8")
+    assert f"face &amp; {first.branch_name}" in html
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", "an empty file"),
+        ("<model>", "an error"),
+        (a_model({1: "a"}).replace("<format", "<!DOCTYPE x [<!ENTITY a 'b'>]><format"), "error"),
+        (a_model({1: "a"}) + a_model({1: "b"}).split("?>")[1], "two names of face 1"),
+        (a_model({"one": "a"}), "a face with id 'one'"),
+        (a_model({-1: "a"}), "a face with id '-1'"),
+        (a_model({1: " "}), "a face with id '1'"),
+        (a_model({"1" * 4000: "a"}), "a face with id '1111"),
+        ("<model>" + "<a>" * 50 + "</a>" * 50 + "</model>", "levels"),
+        ("<vtk/>", "no element model"),
+        (" " * (LARGEST + 1), "bytes"),
+    ],
+)
+def test_a_model_that_is_none_leaves_the_surface_as_it_is(a_patient, text, said):
+    (a_patient / "pa.mdl").write_text(text, encoding="utf-8")
+    surface = read_surface(a_patient / "pa.vtp", units="cm")
+    assert surface.faces.names == {}
+    (caution,) = [one for one in surface.warnings if one.kind == "face-names-not-read"]
+    assert str(a_patient / "pa.mdl") in str(caution)
+    assert said in str(caution)
+    assert len(str(caution)) < 600
+
+
+def test_damaged_models_are_refused_in_a_sentence_or_read():
+    whole = a_model({1: "wall", 2: "inflow", 3: "left iliac"}).encode()
+    assert mdl_face_names(whole, "m") == {1: "wall", 2: "inflow", 3: "left iliac"}
+    dice = np.random.default_rng(11)
+    outcomes = set()
+    for _ in range(400):
+        data = bytearray(whole)
+        for _ in range(dice.integers(1, 4)):
+            data[dice.integers(len(data))] = dice.integers(256)
+        if dice.random() < 0.3:
+            del data[dice.integers(len(data)) :]
+        try:
+            names = mdl_face_names(bytes(data), "m")
+        except InputError as refused:
+            outcomes.add("sentence" if "\n" not in str(refused) else "lines")
+        else:
+            outcomes.add("read")
+            assert all(isinstance(n, int) and name for n, name in names.items())
+    assert outcomes == {"read", "sentence"}
+
+
+def test_a_model_beside_a_surface_without_faces_is_not_looked_at(tmp_path, artery):
+    polydata = polydata_from_arrays(artery.points, artery.triangles)
+    (tmp_path / "pa.vtp").write_bytes(encode_vtp(polydata))
+    (tmp_path / "pa.mdl").write_text("nonsense", encoding="utf-8")
+    assert not read_surface(tmp_path / "pa.vtp").warnings
+
+
+def test_places_in_warnings_are_told_in_the_file_s_unit_as_well(a_patient, artery, capsys):
+    x, y, z = artery.axis_at(15.0)[0]
+    files = [str(a_patient / "pa.vtp"), "--centerline", str(a_patient / "line.vtp")]
+    at = ["--center", *(str(value / 10) for value in (x, y, z))]
+    report = a_patient / "report.json"
+    arguments = [
+        "deploy", *files, "--units", "cm", *at, "--length", "26", "--diameter", "9",
+        "-o", str(a_patient / "out.vtp"), "--report", str(report),
+    ]  # fmt: skip
+    assert main(arguments) in (0, 3)
+    said = next(line for line in capsys.readouterr().err.splitlines() if "junction" in line)
+    assert " mm (in the file " in said
+    in_mm = np.array(said.split("near (")[1].split(")")[0].split(","), dtype=float)
+    filed = np.array(said.split("in the file ")[1].split(" cm)")[0].split(","), dtype=float)
+    np.testing.assert_allclose(10 * filed, in_mm, rtol=1e-3)
+    document = json.loads(report.read_text(encoding="utf-8"))
+    assert any(line[:-60] in said for line in document["warnings"])
+
+
+def test_every_template_with_a_place_tells_it_in_the_file_s_unit():
+    for kind, words in TEMPLATES.items():
+        assert words.count("{x") == words.count("{filed}"), kind
+    caution = Caution("cap-bulged", {"height_mm": 0.5}, (10.0, -20.0, 30.0))
+    assert "(in the file 1, -2, 3 cm)" in caution.sentence(units="cm")
+    assert "in the file" not in caution.sentence()
