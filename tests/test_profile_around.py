@@ -56,3 +56,14 @@ def test_between_a_stent_and_the_inlet_of_a_patient_it_is_as_wide(start, data_di
     before = (around.arc_length < 0) & (at > 0.5)
     expected = np.interp(at, whole.arc_length, whole.inscribed_diameter)
     np.testing.assert_allclose(around.inscribed_diameter[before], expected[before], rtol=0.02)
+
+
+@pytest.mark.parametrize("rounding", [-1e-13, 0.0, 1e-13])
+def test_a_stent_that_ends_where_the_way_ends_but_for_rounding_has_stations(rounding):
+    """The rest of the way, 3e-15 mm long, was cut off and refused: no deployment had a report."""
+    line = np.array([[0.0, 0, 0], [0, 0, 4.0], [0, 4.0, 5.0], [0.1, 9.0, 7.0]])
+    total = np.linalg.norm(np.diff(line, axis=0), axis=1).sum()
+    stations = axis_stations(ExtendedAxis(line, 5.0, float(total - 5.0 + rounding)))
+    # Stations cut the corners of the line.
+    assert stations.arc_length[-1] == pytest.approx(total - 5.0, abs=0.01)
+    assert stations.own.stop == len(stations.points)

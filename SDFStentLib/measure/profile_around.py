@@ -12,6 +12,9 @@ from .extended_axis import ExtendedAxis
 from .metrics import DiameterProfile, profile_of
 from .stations import Stations, measured_at
 
+SHORTEST = 1e-6
+"""Less vessel than this beyond an end is rounding, mm."""
+
 
 class AxisStations(NamedTuple):
     """Stations along an extended axis: the ends of the stent are among them.
@@ -41,11 +44,11 @@ def axis_stations(axis: ExtendedAxis, spacing: float = 1.0) -> AxisStations:
     # The ends of the stent are stations of its own part.
     columns = [_part(axis.of_stent, spacing, 0.0)]
     first, count = 0, len(columns[0][0])
-    if axis.before > 0:
+    if axis.before > SHORTEST:
         proximal = _part(cut(axis.points, 0.0, axis.before), spacing, -axis.before)
         first = len(proximal[0]) - 1
         columns.insert(0, tuple(column[:-1] for column in proximal))
-    if axis.after > 0:
+    if axis.after > SHORTEST:
         distal = _part(cut(axis.points, last, np.inf), spacing, axis.stent_length)
         columns.append(tuple(column[1:] for column in distal))
     arc_length, points, directions = map(np.concatenate, zip(*columns, strict=True))
