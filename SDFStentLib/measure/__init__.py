@@ -18,6 +18,7 @@ from .neighbor_lumen import NeighborLumen, NeighborStations, VesselStates
 from .neighbor_ways import BranchWays, NeighborWay, end_ways
 from .ostia import LISTED, NEARLY, Ostium, find_ostia
 from .point_lumen import rough_radii
+from .pressure import ADULT, Blood, PressureBand, VesselBlock, pressure_band, vessel_block
 from .profile_around import AxisStations, axis_stations, profile_around
 from .stations import measured_at
 from .stretch import FaceStretch, displacements, face_stretches
@@ -26,11 +27,13 @@ from .triangle_sizes import TriangleSizes, triangle_sizes
 from .vessel_ends import LineSeeds, VesselEnd, line_seeds, vessel_ends
 
 __all__ = [
+    "ADULT",
     "LISTED",
     "NEARLY",
     "SMALLEST_DEGREE",
     "Apposition",
     "AxisStations",
+    "Blood",
     "BranchWays",
     "DiameterProfile",
     "ExtendedAxis",
@@ -45,7 +48,9 @@ __all__ = [
     "NeighborStations",
     "NeighborWay",
     "Ostium",
+    "PressureBand",
     "TriangleSizes",
+    "VesselBlock",
     "VesselEnd",
     "VesselStates",
     "apposition",
@@ -69,9 +74,11 @@ __all__ = [
     "lesions_within",
     "line_seeds",
     "measured_at",
+    "pressure_band",
     "profile_around",
     "rough_radii",
     "triangle_sizes",
+    "vessel_block",
     "vessel_ends",
     "winding_numbers",
 ]
