@@ -1,10 +1,18 @@
 """Pressure drops, against the formulas integrated by hand and the one case with a solver."""
 
+import json
+from pathlib import Path
+
+import jsonschema
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from test_plan import SCHEMA, a_document
+from tube_files import deploy, write_tube
 
+from SDFStentLib.cli.shell import main
 from SDFStentLib.measure import Blood, DiameterProfile, pressure_band, vessel_block
+from SDFStentLib.plan import load_plan, plan_from_document
 from SDFStentLib.validation import InputError
 
 MMHG = 133.322
@@ -104,3 +112,101 @@ def test_a_stretch_with_unknown_diameters_is_refused():
     line = profile(lambda x: float("nan") if x > 15 else 6.0, 20.0)
     with pytest.raises(InputError, match="some are not known"):
         pressure_band(line, 5.0)
+
+
+@pytest.fixture
+def a_folder(tmp_path, monkeypatch):
+    """A working folder with a tube of 6 mm, narrowed to 3.6, in cm."""
+    write_tube(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def read(path):
+    return json.loads(Path(path).read_text(encoding="utf-8"))
+
+
+def test_shell_report_and_plan_tell_the_pressure_for_a_flow(a_folder, capsys):
+    files = ["--report", "r.json", "--report", "r.html", "--save-plan", "p.json"]
+    assert deploy("--flow", "4", "8.5", "--export-0d", "zero.json", *files) == 0
+    said = capsys.readouterr().out
+    (stent,) = read("r.json")["stents"]
+    along, pressure = stent["diameters"]["along"], stent["pressure"]
+    start, end = stent["diameters"]["stent_ends_mm"]
+    is_own = (np.array(along["arc_length_mm"]) >= start) & (np.array(along["arc_length_mm"]) <= end)
+    for when in ("before", "after"):
+        columns = [along[f"{kind}_{when}_mm"] for kind in ("mis", "equivalent")]
+        x, inscribed, equivalent = np.array([along["arc_length_mm"], *columns], dtype=float)[
+            :, is_own
+        ]
+        line = DiameterProfile(x, np.zeros((len(x), 3)), inscribed, equivalent)
+        for flow, (low, high) in zip((4.0, 8.5), pressure[f"{when}_mmhg"], strict=True):
+            assert (low, high) == pytest.approx(pressure_band(line, flow)[1:])
+            assert f"{low:.2g} to {high:.2g} mmHg at {flow:g} mL/s" in said
+    assert pressure["after_mmhg"][1][1] < pressure["before_mmhg"][1][0]
+    page = Path("r.html").read_text(encoding="utf-8")
+    assert "<h2>Pressure</h2>" in page
+    assert "No measured gradient" in page
+    assert load_plan("p.json").flow == (4.0, 8.5)
+    jsonschema.validate(read("p.json"), SCHEMA)
+
+
+def test_the_blocks_for_a_solver_are_those_of_the_lumen_in_cgs(a_folder):
+    assert deploy("--flow", "4", "8", "--export-0d", "zero.json") == 0
+    document = read("zero.json")
+    before, after = document["vessels"]
+    values = after["zero_d_element_values"]
+    # A lumen of 0.6 cm over 2 cm less the foreshortening of 10 %.
+    assert after["vessel_length"] == pytest.approx(1.8, abs=0.01)
+    assert values["R_poiseuille"] == pytest.approx(8 * 0.04 * 1.8 / (np.pi * 0.3**4), rel=0.02)
+    assert values["L"] == pytest.approx(1.06 * 1.8 / (np.pi * 0.3**2), rel=0.02)
+    assert values["stenosis_coefficient"] < 1e-2
+    assert before["zero_d_element_values"]["stenosis_coefficient"] > 1.0
+    assert "K_t = 1.52" in document["stenosis_coefficient"]
+
+
+def test_no_flow_no_word_of_pressure(a_folder, capsys):
+    assert deploy("--report", "r.json", "--report", "r.html") == 0
+    assert "ressure" not in capsys.readouterr().out
+    assert read("r.json")["stents"][0]["pressure"] is None
+    assert "ressure" not in Path("r.html").read_text(encoding="utf-8")
+
+
+def test_where_a_branch_opens_within_the_stent_nothing_is_estimated(tmp_path, capsys):
+    assert main(["demo", "-o", str(tmp_path / "demo"), "--quiet"]) == 0
+    document = read(tmp_path / "demo" / "plan.json")
+    document["flow"] = [5, 20]
+    plan = tmp_path / "demo" / "flow.json"
+    plan.write_text(json.dumps(document), encoding="utf-8")
+    assert main(["run", str(plan), "-o", str(tmp_path / "out")]) == 0
+    assert "Pressure drop: not estimated; flow leaves through right" in capsys.readouterr().out
+    pressure = read(tmp_path / "out" / "report.json")["stents"][0]["pressure"]
+    assert pressure["before_mmhg"] is pressure["after_mmhg"] is None
+
+
+@pytest.mark.parametrize(
+    ("flow", "words"),
+    [
+        (("0", "5"), "flow: expected a number greater than 0 (mL/s), got 0"),
+        (("-2", "5"), "flow: expected a number greater than 0 (mL/s), got -2"),
+        (("5", "4"), "flow at most: expected"),
+        (("nan", "4"), "flow"),
+    ],
+)
+def test_a_flow_of_zero_or_backwards_is_a_sentence_and_nothing_is_written(
+    a_folder, capsys, flow, words
+):
+    assert deploy("--flow", *flow) == 2
+    assert words in capsys.readouterr().err
+    assert not Path("out.vtp").exists()
+
+
+@pytest.mark.parametrize("flow", [[5], 5, [5, 4], [0, 4], ["5", "8"], [1, 2, 3], [True, 2]])
+def test_a_plan_with_another_flow_is_refused(flow):
+    with pytest.raises(InputError, match="flow"):
+        plan_from_document({**a_document(), "version": 2, "flow": flow})
+
+
+def test_a_plan_of_version_1_has_no_flow():
+    with pytest.raises(InputError, match="flow"):
+        plan_from_document({**a_document(), "version": 1, "flow": [1, 2]})

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import os
 from collections.abc import Sequence
 from dataclasses import replace
@@ -33,8 +34,10 @@ from ..report import (
     stent_branch_sentences,
     stent_device_sentences,
     stent_lesion_sentences,
+    stent_pressure_sentences,
     write_report,
     write_report_figure,
+    zero_d_document,
 )
 from ..validation import DeploymentError, InputError, as_number
 from .console import Console
@@ -124,6 +127,9 @@ class _Job:
         if picture:
             _check_suffix(picture, "a picture", (".png",))
             self.outputs.add(picture, self.write_picture)
+        if self.options.export_0d:
+            _check_suffix(self.options.export_0d, "values for a 0D solver", (".json",))
+            self.outputs.add(self.options.export_0d, self.write_0d)
         if picture or (figure and figure.lower().endswith(".png")):
             check_rendering()
         if self.options.steps:
@@ -157,6 +163,7 @@ class _Job:
                 *stent_balloon_sentences(stent, self.result.lesions),
                 *stent_branch_sentences(stent),
                 *stent_lesion_sentences(self.result.lesions, stent.number),
+                *stent_pressure_sentences(stent, self.plan.flow),
             ):
                 self.console.say(label + sentence)
         certificate = self.result.treatment.certificate
@@ -186,6 +193,11 @@ class _Job:
     def write_figure(self, path: Path) -> None:
         """The diameters along the stents."""
         write_report_figure(self._report(), path)
+
+    def write_0d(self, path: Path) -> None:
+        """Vessel blocks before and after."""
+        text = json.dumps(zero_d_document(self._result), indent=2, allow_nan=False)
+        path.write_text(text + "\n", encoding="utf-8")
 
     def write_picture(self, path: Path) -> None:
         """The vessel before and after."""
@@ -232,7 +244,8 @@ def _method(options: argparse.Namespace) -> Plan:
         rule=options.rule,
         facet_compensation=not options.no_compensation,
     )
-    return Plan(settings=settings, straightening_fraction=options.straighten)
+    flow = None if options.flow is None else tuple(options.flow)
+    return Plan(settings=settings, straightening_fraction=options.straighten, flow=flow)
 
 
 def _check_suffix(path: str, what: str, suffixes: Sequence[str]) -> None:

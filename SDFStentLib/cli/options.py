@@ -86,6 +86,13 @@ def _deploy(command: argparse.ArgumentParser) -> None:
         help=".json or .html; may be repeated",
     )
     out.add_argument(
+        "--flow",
+        type=_number,
+        nargs=2,
+        metavar=("LEAST", "MOST"),
+        help="mL/s; the pressure drop over the stented length is estimated for both, as a band",
+    )
+    out.add_argument(
         "--save-plan", type=_path, metavar="F", help="what determines the result, for `run`"
     )
     _add_output(out)
@@ -286,6 +293,9 @@ def _add_output(group: argparse._ArgumentGroup) -> None:
     group.add_argument("--figure", type=_path, metavar="F", help="diameters as .png or .svg")
     group.add_argument(
         "--picture", type=_path, metavar="F", help="the vessel before and after as .png"
+    )
+    group.add_argument(
+        "--export-0d", type=_path, metavar="F", help="vessel blocks for a 0D solver, as .json"
     )
     group.add_argument(
         "--steps", type=_path, metavar="DIR", help="the surface at every step, for ParaView"

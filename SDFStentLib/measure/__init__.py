@@ -18,7 +18,7 @@ from .neighbor_lumen import NeighborLumen, NeighborStations, VesselStates
 from .neighbor_ways import BranchWays, NeighborWay, end_ways
 from .ostia import LISTED, NEARLY, Ostium, find_ostia
 from .point_lumen import rough_radii
-from .pressure import ADULT, Blood, PressureBand, VesselBlock, pressure_band, vessel_block
+from .pressure import ADULT, TOO_LOW, Blood, PressureBand, VesselBlock, pressure_band, vessel_block
 from .profile_around import AxisStations, axis_stations, profile_around
 from .stations import measured_at
 from .stretch import FaceStretch, displacements, face_stretches
@@ -31,6 +31,7 @@ __all__ = [
     "LISTED",
     "NEARLY",
     "SMALLEST_DEGREE",
+    "TOO_LOW",
     "Apposition",
     "AxisStations",
     "Blood",

@@ -13,13 +13,11 @@ import numpy as np
 
 from ..validation import Floats, InputError, as_number
 from .metrics import DiameterProfile
+from .narrowings import SMALLEST_DEGREE
 
 PASCAL_PER_MMHG = 133.322
 TURBULENCE = 1.52
 """K_t of the loss behind a stenosis (Young and Tsai, J Biomech 1973;6:395)."""
-
-SMALLEST_DEGREE = 0.25
-"""From here on a narrowing counts as one, as a share of the diameter at its ends."""
 
 TOO_LOW = {True: 1.66, False: 3.4}
 """By how much the forms may be too low. In a stenosis 1.46 to 1.664 (fits to computed flow in

@@ -101,6 +101,7 @@ def plan_document(plan: Plan, folder: str | None = None) -> dict[str, Any]:
             "reference": [_filed(place, plan.units) for place in plan.reference],
         },
         "stents": [_stent_document(stent, plan.units, folder) for stent in plan.stents],
+        "flow": None if plan.flow is None else list(plan.flow),
         "settings": {**method, "straightening_fraction": plan.straightening_fraction},
     }
 

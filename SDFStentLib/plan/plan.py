@@ -13,7 +13,7 @@ import numpy as np
 from ..deformation import DeploymentSettings
 from ..stent import ByValue, InputFile, Stent
 from ..units import Frame, flipped, millimeters_per
-from ..validation import InputError, as_number
+from ..validation import InputError, as_number, in_short
 from ..version import VERSION
 
 
@@ -40,6 +40,9 @@ class Plan(ByValue):
     reference : tuple of tuples of three floats
         One or two places of healthy vessel that the user marked, mm, in the frame `frame`; the
         lesion beside them is measured against them.
+    flow : tuple of two floats, optional
+        From the least to the most that flows through the stents, mL/s, for which the pressure
+        drop is estimated.
     sdfstent_version : str
         Of the program that made the plan.
     """
@@ -54,6 +57,7 @@ class Plan(ByValue):
     sdfstent_version: str = VERSION
     root: tuple[float, float, float] | None = None
     reference: tuple[tuple[float, float, float], ...] = ()
+    flow: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "stents", tuple(self.stents))
@@ -61,11 +65,24 @@ class Plan(ByValue):
         if self.frame not in (None, "RAS", "LPS"):
             raise InputError(f"frame: expected RAS, LPS or none, got {self.frame!r}.")
         as_number(self.straightening_fraction, "straightening fraction", minimum=0, maximum=1)
+        if self.flow is not None:
+            object.__setattr__(self, "flow", _as_range(self.flow))
         for number, stent in enumerate(self.stents, start=1):
             if not isinstance(stent, Stent):
                 raise InputError(
                     f"stent {number} of the plan: expected a Stent, got {type(stent).__name__}."
                 )
+
+
+def _as_range(flow: Any) -> tuple[float, float]:
+    try:
+        least, most = flow
+    except (TypeError, ValueError):
+        raise InputError(
+            f"flow: expected two numbers in mL/s, the least and the most, got {in_short(flow)}."
+        ) from None
+    least = as_number(least, "flow", unit="mL/s", above=0)
+    return least, as_number(most, "flow at most", unit="mL/s", minimum=least)
 
 
 def turned(stent: Stent) -> Stent:

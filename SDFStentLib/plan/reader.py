@@ -19,6 +19,10 @@ from .document import NAMED_SETTINGS, POINT_PLACEMENTS, SCHEMA, SETTINGS
 from .json_document import in_words, number, parsed, scaled, section, sequence, text_value, truth
 from .plan import Plan
 
+_FIRST_PARTS = ("sdfstent_version", "inputs", "settings")
+PLAN_KEYS = {1: _FIRST_PARTS, 2: (*_FIRST_PARTS, "flow")}
+"""What a plan of each version may have besides its stents."""
+
 _FIRST_KEYS = ("name", "enabled", "length", "foreshortening_fraction")
 STENT_KEYS = {1: _FIRST_KEYS, 2: (*_FIRST_KEYS, "device", "balloon", "keeps")}
 """What a stent of each version may have besides its diameter and its placement."""
@@ -94,7 +98,7 @@ def plan_from_document(
         document,
         "plan",
         ("schema", "version", "stents"),
-        ("sdfstent_version", "inputs", "settings"),
+        PLAN_KEYS[document["version"]],
     )
     inputs = section(
         document.get("inputs", {}),
@@ -130,8 +134,18 @@ def plan_from_document(
             reader.place(value, f"inputs.reference[{index}]")
             for index, value in enumerate(reference)
         ),
+        flow=_flow(document.get("flow")),
         **made_by,
     )
+
+
+def _flow(value: Any) -> tuple[float, float] | None:
+    if value is None:
+        return None
+    ends = sequence(value, "flow")
+    if len(ends) != 2:
+        raise InputError(f"flow: expected two numbers, the least and the most, got {len(ends)}.")
+    return float(number(ends[0], "flow[0]")), float(number(ends[1], "flow[1]"))
 
 
 class _StentReader:

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from .of_plan import plan_report
     from .painting import check_rendering
     from .picture import before_after_picture
+    from .pressure import stent_pressure_sentences, zero_d_document
     from .report import FIGURE_SUFFIXES, Report, write_report, write_report_figure
     from .sizing import suggestion_section, suggestion_sentences
 
@@ -56,10 +57,12 @@ __all__ = [
     "stent_branch_sentences",
     "stent_device_sentences",
     "stent_lesion_sentences",
+    "stent_pressure_sentences",
     "suggestion_section",
     "suggestion_sentences",
     "write_report",
     "write_report_figure",
+    "zero_d_document",
 ]
 
 __getattr__, __dir__ = late_names(
@@ -86,6 +89,7 @@ __getattr__, __dir__ = late_names(
         "of_plan": ["plan_report"],
         "painting": ["check_rendering"],
         "picture": ["before_after_picture"],
+        "pressure": ["stent_pressure_sentences", "zero_d_document"],
         "sizing": ["suggestion_section", "suggestion_sentences"],
         "report": ["FIGURE_SUFFIXES", "Report", "write_report", "write_report_figure"],
     },

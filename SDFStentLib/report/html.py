@@ -13,6 +13,7 @@ from .changes import change_rows, setting_rows
 from .drawing import svg
 from .lesion_table import covered_words, lesion_rows, lesion_table, stent_lesions
 from .plot import diameter_plot
+from .pressure import pressure_part
 from .words import (
     UNKNOWN,
     input_rows,
@@ -72,6 +73,7 @@ def html_page(document: Mapping[str, Any], picture: bytes | str | None = None) -
         *(_lumen(document, title, stent) for title, stent in named),
         *branch_table(document["branches"]),
         *apposition_table(document["apposition"]),
+        *pressure_part(document["stents"]),
         # To check and to repeat it.
         "<div class='details'>",
         *(_stent(title, stent, surface) for title, stent in named),

@@ -16,6 +16,7 @@ from .balloons import diameters_section, redilation_section
 from .changes import change_section, settings_section
 from .devices import device_section
 from .lesions import treated_lesion_section
+from .pressure import pressure_section
 from .report import Report
 from .stent_result import StentResult
 
@@ -45,9 +46,7 @@ def plan_report(
         judged = {**certificate.as_dict(), "arrays_kept": not lost}
     return Report(
         inputs=tuple(_inputs(result)),
-        stents=tuple(
-            _stent_result(stent, result.lesions, units) for stent in result.treatment.stents
-        ),
+        stents=tuple(_stent_result(stent, result, units) for stent in result.treatment.stents),
         certificate=judged,
         lesions=None
         if result.lesions is None
@@ -62,10 +61,8 @@ def plan_report(
     )
 
 
-def _stent_result(
-    stent: TreatedStent, lesions: Sequence[TreatedLesion] | None, units: str
-) -> StentResult:
-    covered = None
+def _stent_result(stent: TreatedStent, result: PlanResult, units: str) -> StentResult:
+    covered, lesions = None, result.lesions
     if lesions is not None:
         covered = [one for one in lesions if stent.number in one.stents]
     return StentResult(
@@ -79,6 +76,7 @@ def _stent_result(
         around_before=stent.around_before,
         around_after=stent.around_after,
         lesions=None if covered is None else tuple(one.number for one in covered),
+        pressure=pressure_section(stent, result.plan.flow),
     )
 
 

@@ -30,7 +30,7 @@ _INPUT_WORDS = {
     "root_mm": "Root, its proximal end (x, y, z)",
 }
 
-_TOLD_ELSEWHERE = ("number", "name", "diameters", "lesions")
+_TOLD_ELSEWHERE = ("pressure", "number", "name", "diameters", "lesions")
 """Of a stent: in its heading, and in the tables before."""
 
 
