@@ -179,15 +179,16 @@ def _without_spurs(graph: LineGraph, parent: Indices) -> NDArray[np.bool_]:
     kept = np.ones(len(parent), dtype=bool)
     child_count = np.bincount(parent[parent >= 0], minlength=len(parent))
     reach = reach_of(graph, GAP_FRACTION, GAP_EXTENT)
-    made_by_cut = list(np.flatnonzero((child_count == 0) & (graph.degrees() > 1)))
+    steps = np.linalg.norm(graph.points - graph.points[parent], axis=1).tolist()
+    above_of = parent.tolist()
+    made_by_cut = np.flatnonzero((child_count == 0) & (graph.degrees() > 1)).tolist()
     # Ends: a node comes in when it loses its last child, once.
     while made_by_cut:
         spur, size = [made_by_cut.pop()], 0.0
         # Ends: shortest ways lead to the root.
-        while parent[spur[-1]] >= 0 and child_count[spur[-1]] <= (len(spur) > 1):
-            above = parent[spur[-1]]
-            size += float(np.linalg.norm(graph.points[spur[-1]] - graph.points[above]))
-            spur.append(above)
+        while above_of[spur[-1]] >= 0 and child_count[spur[-1]] <= (len(spur) > 1):
+            size += steps[spur[-1]]
+            spur.append(above_of[spur[-1]])
         junction = spur[-1]
         if parent[spur[0]] < 0 or size > reach[junction]:
             continue

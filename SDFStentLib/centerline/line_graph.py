@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..geometry import component_labels, distances_to_segments
 from ..validation import Floats, Indices, InputError, Points
-from .point_tree import mixed_radius
+from .point_tree import NeighborTable, mixed_radius
 
 WELD_EXTENT = 1e-6
 """Points nearer than this fraction of the bounding box's diagonal are one point."""
@@ -52,6 +52,10 @@ class LineGraph(NamedTuple):
     def extent(self) -> float:
         """Diagonal of the bounding box, mm."""
         return float(np.linalg.norm(np.ptp(self.points, axis=0)))
+
+    def neighbors(self) -> NeighborTable:
+        """The nodes next to each, in the order of the edges."""
+        return half_edges(self.edges, len(self.points))
 
     def matrix(self) -> Any:
         """Edge lengths as a sparse matrix (one entry per edge), for scipy's graph functions."""
@@ -107,6 +111,13 @@ class LineGraph(NamedTuple):
         """The graph without nodes that have no edge; the others keep their order."""
         used, edges = np.unique(self.edges, return_inverse=True)
         return LineGraph(self.points[used], self.radius[used], edges.reshape(-1, 2))
+
+
+def half_edges(edges: Indices, count: int) -> NeighborTable:
+    """The nodes next to each of so many, in the order of the edges (m, 2)."""
+    order = np.argsort(edges.ravel(), kind="stable")
+    starts = np.searchsorted(edges.ravel()[order], np.arange(count + 1))
+    return NeighborTable(starts, edges[:, ::-1].ravel()[order])
 
 
 def reach_of(graph: LineGraph, fraction: float, extent_fraction: float) -> Floats:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
 from math import dist
 from typing import NamedTuple
 
@@ -11,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..validation import Indices
-from .line_graph import LineGraph, NearPairs, near_pairs, reach_of, split_edges
+from .line_graph import LineGraph, NearPairs, half_edges, near_pairs, reach_of, split_edges
 
 OVERLAP_FRACTION = 0.1
 """Lines nearer to each other than this fraction of the inscribed radius are one line."""
@@ -76,18 +75,15 @@ def _without_chords(graph: LineGraph, pairs: NearPairs) -> tuple[LineGraph, Near
 
     So a coarse line that shares some points with a finer one adds nothing to it.
     """
-    neighbors = [set[int]() for _ in graph.points]
-    for a, b in graph.edges.tolist():
-        neighbors[a].add(b)
-        neighbors[b].add(a)
+    neighbors = _NeighborSets(graph)
     branching = graph.degrees()[graph.edges].max(axis=1) > 2
     order = np.argsort(pairs.segments, kind="stable")
     nodes, limits = pairs.nodes[order], np.arange(len(graph.edges) + 1)
     bounds = np.searchsorted(pairs.segments[order], limits)
     kept = np.ones(len(graph.edges), dtype=bool)
-    for edge in np.argsort(-graph.edge_lengths(), kind="stable"):
-        if not branching[edge] or bounds[edge] == bounds[edge + 1]:
-            continue
+    longest_first = np.argsort(-graph.edge_lengths(), kind="stable")
+    may_be = branching & (bounds[:-1] < bounds[1:])
+    for edge in longest_first[may_be[longest_first]]:
         a, b = graph.edges[edge].tolist()
         beside = set(nodes[bounds[edge] : bounds[edge + 1]].tolist())
         if _meet(neighbors, a, b, beside):
@@ -102,7 +98,18 @@ def _without_chords(graph: LineGraph, pairs: NearPairs) -> tuple[LineGraph, Near
     )
 
 
-def _meet(neighbors: list[set[int]], start: int, end: int, through: set[int]) -> bool:
+class _NeighborSets(dict[int, set[int]]):
+    """The nodes next to a node, looked up when first asked for."""
+
+    def __init__(self, graph: LineGraph) -> None:
+        self._table = graph.neighbors()
+
+    def __missing__(self, node: int) -> set[int]:
+        self[node] = set(self._table.of(node))
+        return self[node]
+
+
+def _meet(neighbors: _NeighborSets, start: int, end: int, through: set[int]) -> bool:
     """Whether there is a way from start to end through at least one of the given nodes."""
     reached = neighbors[start] & through
     front = list(reached)
@@ -256,23 +263,32 @@ def _ranked_chains(graph: LineGraph, stops: NDArray[np.bool_]) -> _Chains:
 
 def chains(edges: Indices, count: int, stops: NDArray[np.bool_]) -> list[Indices]:
     """Node paths between ends, branchings and stops; then rings that have none of these."""
-    neighbors: list[list[int]] = [[] for _ in range(count)]
-    for a, b in edges.tolist():
-        neighbors[a].append(b)
-        neighbors[b].append(a)
-    is_stop = [len(steps) != 2 or bool(stop) for steps, stop in zip(neighbors, stops, strict=True)]
-    seen: set[tuple[int, int]] = set()
+    table = half_edges(edges, count)
+    degree = np.diff(table.starts)
+    is_stop = (degree != 2) | stops
+    # Of the others the two neighbors; of stops whatever stands there.
+    last = max(len(table.points) - 1, 0)
+    one, other = (table.points[np.minimum(table.starts[:-1] + k, last)].tolist() for k in (0, 1))
+    ends, seen = is_stop.tolist(), np.zeros(count, dtype=bool)
+    done: set[tuple[int, int]] = set()
     paths = []
-    for start in [*np.flatnonzero(is_stop).tolist(), *range(count)]:
-        for step in neighbors[start]:
-            if (start, step) in seen:
+
+    def follow(start: int) -> None:
+        for step in table.of(start):
+            if (start, step) in done:
                 continue
             path = [start, step]
             # Ends: on nodes with two neighbors, a way that has no end closes.
-            while not is_stop[path[-1]] and path[-1] != start:
-                one, other = neighbors[path[-1]]
-                path.append(other if one == path[-2] else one)
-            seen.update(pairwise(path))
-            seen.update(pairwise(reversed(path)))
+            while not ends[path[-1]] and path[-1] != start:
+                node = path[-1]
+                path.append(other[node] if one[node] == path[-2] else one[node])
+            done.add((path[-1], path[-2]))
             paths.append(np.array(path, dtype=np.int64))
+            seen[paths[-1]] = True
+
+    for start in np.flatnonzero(is_stop).tolist():
+        follow(start)
+    for start in np.flatnonzero(~seen & ~is_stop).tolist():
+        if not seen[start]:
+            follow(start)
     return paths
