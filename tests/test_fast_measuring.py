@@ -16,8 +16,13 @@ from SDFStentLib.geometry import (
     tangents,
 )
 from SDFStentLib.geometry.distance import closest_points_on_triangles
-from SDFStentLib.measure.cross_section import _lumen_area, equivalent_diameters
+from SDFStentLib.measure.cross_section import (
+    _lumen_area,
+    equivalent_diameters,
+    winding_numbers,
+)
 from SDFStentLib.measure.inscribed import inscribed_spheres
+from SDFStentLib.measure.stations import measured_at
 from SDFStentLib.phantoms import branching_pulmonary_artery, hairpin_tube, stenosed_tube
 
 PHANTOMS = {
@@ -65,6 +70,31 @@ def test_sections_cut_together_have_the_areas_of_those_cut_one_by_one(a_vessel, 
     areas = [_lumen_area(points, triangles, *at) for at in zip(places, directions, strict=True)]
     np.testing.assert_allclose(found, 2 * np.sqrt(np.array(areas) / np.pi), rtol=1e-9)
     assert np.isfinite(found).any()
+
+
+@pytest.mark.parametrize("when", [0, 1], ids=["before", "after"])
+def test_stations_measured_together_are_those_measured_alone(a_vessel, when):
+    surface = Surface(a_vessel[0][when], a_vessel[1])
+    places = resampled(a_vessel[2], 6.0)
+    directions = tangents(places)
+    together = measured_at(surface, places, directions)
+    for number in range(len(places)):
+        alone = measured_at(surface, places[[number]], directions[[number]])
+        one = together.at([number])
+        np.testing.assert_allclose(one.spheres.radii, alone.spheres.radii, atol=1e-3)
+        np.testing.assert_allclose(one.equivalent, alone.equivalent, atol=1e-3)
+
+
+def test_a_surface_goes_half_round_a_point_on_it():
+    """Also where rounding puts the point on either side of a triangle of a cap."""
+    tube = stenosed_tube()
+    ends = tube.centerline.points[[0, -1]]
+    for shift in (0.0, 1e-15, -1e-15):
+        places = np.vstack([ends, tube.points[tube.triangles[:50]].mean(axis=1)]) + shift
+        found = winding_numbers(places, tube.points, tube.triangles)
+        np.testing.assert_allclose(found, 0.5, atol=1e-6)
+    inner = tube.centerline.points[5:-5]
+    np.testing.assert_allclose(winding_numbers(inner, tube.points, tube.triangles), 1, atol=1e-9)
 
 
 def test_sections_do_not_depend_on_the_winding():

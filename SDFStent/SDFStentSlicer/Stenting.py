@@ -76,7 +76,7 @@ class Stenting:
             yield from self.search.portions()
             found = self.search.found
             self.lesions = yield from inPortions(
-                lambda: treated_lesions(found, result.stents, result.surface)
+                lambda: treated_lesions(found, result.stents, result.surface, self.surface)
             )
 
     def at(self, percent):

@@ -185,7 +185,8 @@ def _lumen(part: _Part, worst: Indices, pairs: Floats) -> NeighborLumen:
     lost = np.nan_to_num(1 - pairs[1] / pairs[0], nan=-np.inf)
     # A section that opens into another lumen says little about this one.
     lost[1, ~(pairs[:, 1] < SUSPECT * pairs[:, 0]).all(axis=0)] = -np.inf
-    kind, place = np.unravel_index(np.argmax(lost), lost.shape)
+    # Where none is lost, rounding would choose.
+    kind, place = np.unravel_index(np.argmax(np.round(lost, 6)), lost.shape)
     return NeighborLumen(
         part.way.name,
         part.way.points,

@@ -18,7 +18,7 @@ from ..geometry import (
     point_at,
     without_repeats,
 )
-from ..validation import Points
+from ..validation import Indices, Points
 from .extended_axis import ExtendedAxis
 from .lumen_way import through_lumen
 from .ostia import Ostium
@@ -99,8 +99,7 @@ class BranchWays:
             if norm(line - ostium.center).min() > nearest + np.diff(arc_lengths(line)).max() / 2:
                 continue
             # Only the part that leaves the axis for good is a branch.
-            apart = closest_points(self.axis.points, line).distances
-            on_axis = np.flatnonzero(apart < _LEAVES * _size(ostium))
+            on_axis = self._beside_axis(line, _LEAVES * _size(ostium))
             own = line[on_axis[-1] if len(on_axis) else 0 :]
             if len(without_repeats(own)) < 2:
                 continue
@@ -110,6 +109,12 @@ class BranchWays:
                 nearest = float(found.distances[0])
                 best = cut(own, first, first + MEASURED)
         return best
+
+    def _beside_axis(self, line: Points, distance: float) -> Indices:
+        """Which points of a line are nearer to the axis, ascending."""
+        low, high = self.axis.points.min(axis=0), self.axis.points.max(axis=0)
+        may = np.flatnonzero(((line > low - distance) & (line < high + distance)).all(axis=1))
+        return may[closest_points(self.axis.points, line[may]).distances < distance]
 
     def _lines_past(self, ostium: Ostium) -> list[Points]:
         """Lines from both ends of the axis that go on far enough beyond the opening."""

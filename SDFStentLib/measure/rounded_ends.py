@@ -6,6 +6,8 @@ beside and behind its station only.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -32,6 +34,10 @@ LOOKED_AT = 3.0
 """Surface within so many radii tells that."""
 
 
+_APART = 3.0
+"""Distance of walls that are looked at side by side, in extents of the part they are of."""
+
+
 def past_rounded_ends(points: Points, triangles: Triangles, measured: Stations) -> InscribedSpheres:
     """The spheres, those that the closing of an end limits measured anew without it.
 
@@ -54,14 +60,26 @@ def past_rounded_ends(points: Points, triangles: Triangles, measured: Stations) 
         widest = float(lumen[near].max())
         if not _is_closed(points, triangles, stations[end], outward[end], widest):
             continue
-        beside = part_near(points, triangles, stations[touching], widest)
-        for i in touching:
-            wall = beside[1][_is_wall(*beside, stations[i], outward[i], lumen[i])]
-            anew = inscribed_spheres(beside[0], wall, stations[[i]], directions[[i]])
-            # One that is wider than the section has climbed out through the open end.
-            fits = 2 * anew.radii[0] <= equivalent[i]
-            centers[i], radii[i] = (anew.centers[0], anew.radii[0]) if fits else (np.nan, np.nan)
+        part = part_near(points, triangles, stations[touching], widest)
+        own = [part[1][_is_wall(*part, stations[i], outward[i], lumen[i])] for i in touching]
+        anew = _each_in_its_wall(part[0], own, stations[touching], directions[touching])
+        # One that is wider than the section has climbed out through the open end.
+        climbed = ~(2 * anew.radii <= equivalent[touching])
+        anew.centers[climbed], anew.radii[climbed] = np.nan, np.nan
+        centers[touching], radii[touching] = anew
     return InscribedSpheres(centers, radii)
+
+
+def _each_in_its_wall(
+    points: Points, walls: Sequence[Triangles], stations: Points, directions: Points
+) -> InscribedSpheres:
+    """The sphere of every station in a wall of its own, all searched together: side by side."""
+    apart = np.zeros((len(walls), 1, 3))
+    apart[:, 0, 0] = _APART * np.ptp(points, axis=0).max() * np.arange(len(walls))
+    copies = (points + apart).reshape(-1, 3)
+    numbers = [wall + number * len(points) for number, wall in enumerate(walls)]
+    found = inscribed_spheres(copies, np.concatenate(numbers), stations + apart[:, 0], directions)
+    return InscribedSpheres(found.centers - apart[:, 0], found.radii)
 
 
 def _is_wall(

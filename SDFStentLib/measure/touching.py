@@ -26,9 +26,14 @@ BESIDE = 4.0
 def part_near(
     points: Points, triangles: Triangles, stations: Points, radius: float
 ) -> tuple[Points, Triangles]:
-    """The part of a surface that may touch spheres near some stations of a lumen, so wide."""
+    """The part of a surface that may touch spheres near some stations of a lumen, so wide.
+
+    Two points of no triangle, corners of the whole surface's box, keep it as large: a sphere that
+    leaves it is outside.
+    """
     low, high = stations.min(axis=0) - BESIDE * radius, stations.max(axis=0) + BESIDE * radius
-    return compacted(points, triangles[may_meet_box(points, triangles, low, high)])
+    near, kept = compacted(points, triangles[may_meet_box(points, triangles, low, high)])
+    return np.vstack([near, points.min(axis=0), points.max(axis=0)]), kept
 
 
 def touches(

@@ -77,8 +77,10 @@ class PlanResult:
     @cached_property
     def lesions(self) -> tuple[TreatedLesion, ...] | None:
         """Those of the vessel before and after; None without a centerline."""
-        found, result = self.inputs.vessel.lesions, self.treatment
-        return None if found is None else treated_lesions(found, result.stents, result.surface)
+        vessel, result = self.inputs.vessel, self.treatment
+        if vessel.lesions is None:
+            return None
+        return treated_lesions(vessel.lesions, result.stents, result.surface, vessel.surface)
 
     def write_surface(
         self, path: str | os.PathLike[str], *, arrays: bool = False
