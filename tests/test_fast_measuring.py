@@ -8,6 +8,7 @@ from plain_measuring import nearest_points, plain_sphere
 
 from SDFStentLib.deformation import DeploymentSettings, deploy
 from SDFStentLib.geometry import (
+    Surface,
     SurfaceIndex,
     cut,
     near_balls,

@@ -13,8 +13,8 @@ _STATIONS = 64
 """Stations cut together: keeps the part of the surface local."""
 
 
-_IN_PLANE = 1e-12
-"""Volume over the product of the three distances below which a point lies in a triangle's plane."""
+_IN_PLANE = 1e-9
+"""Height below which a point lies in a triangle's plane, mm."""
 
 
 def equivalent_diameters(
@@ -113,10 +113,9 @@ def winding_numbers(queries: Points, points: Points, triangles: Triangles) -> Fl
             + a[2] * (b[0] * c[1] - b[1] * c[0])
         )
         dots = [(one * other).sum(axis=0) for one, other in ((a, b), (b, c), (c, a))]
-        size = la * lb * lc
         # Of a triangle in whose plane the query lies, rounding would tell the side.
-        volume[np.abs(volume) <= _IN_PLANE * size] = 0.0
-        angle = np.arctan2(volume, size + dots[0] * lc + dots[1] * la + dots[2] * lb)
+        volume[np.abs(volume) <= _IN_PLANE * (la * lb + lb * lc + lc * la)] = 0.0
+        angle = np.arctan2(volume, la * lb * lc + dots[0] * lc + dots[1] * la + dots[2] * lb)
         angle[volume == 0] = 0.0
         result[number] = abs(angle.sum()) / (2 * np.pi)
     return result
