@@ -67,7 +67,7 @@ class LumenCheck:
     Attributes
     ----------
     prescribed : float
-        Diameter, mm.
+        Diameter where it is narrowest against what is prescribed there, mm.
     narrowest, widest : float
         Diameter of the inscribed sphere where that misses the prescribed one most, mm; the
         prescribed one where no station misses it by more than the tolerance. 0 where the stent

@@ -184,7 +184,7 @@ class Attempt:
         Without the gap it would be swept onto the same surface as the wall of the stented lumen.
         """
         wall = slice(0, self.wall_count)
-        direction = self.motion.direction[wall]
+        direction = self.motion.outward[wall]
         level = self.motion.level[wall]
         normals = None
         # What is known costs nothing; the patch costs little, the whole surface much.
@@ -209,7 +209,8 @@ class Attempt:
     def _is_beside(self) -> NDArray[np.bool_]:
         """Which points of the wall lie beside the stent: not beyond an end, nor in a cap."""
         points, nodes = self.positions[: self.wall_count], self.task.capsules.nodes
-        reach = self.motion.level[: self.wall_count] + self.task.capsules.smoothing_width
+        nearest = self.motion.distance_at(self.motion.level)[: self.wall_count]
+        reach = nearest + self.task.capsules.smoothing_width
         is_beside = np.ones(len(points), dtype=bool)
         for end, inner in (nodes[:2], nodes[:-3:-1]):
             offset = points - end

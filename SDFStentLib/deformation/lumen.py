@@ -96,14 +96,14 @@ def finished(motion: Motion, stent: Expanded) -> OnStent:
     positions = motion.positions.copy()
     near = motion.level < band + motion.chain.smoothing_width
     where = np.flatnonzero(near & motion.touchable)
-    true_distance = motion.axis_distance(where, positions[where])
+    true_distance = _distance(motion, where, positions[where], stent.radius)
     wanted = stent.radius + motion.offset[where]
     on_stent = (motion.level[where] < band) | (true_distance < wanted)
     where, wanted, true_distance = where[on_stent], wanted[on_stent], true_distance[on_stent]
     for round_ in range(FINISH_ROUNDS):
         if round_:
-            true_distance = motion.axis_distance(where, positions[where])
-        positions[where] += (wanted - true_distance)[:, None] * motion.direction[where]
+            true_distance = _distance(motion, where, positions[where], stent.radius)
+        positions[where] += (wanted - true_distance)[:, None] * motion.outward[where]
     return OnStent(positions, where)
 
 
@@ -128,21 +128,21 @@ def drawn_in(motion: Motion, positions: Points, own: OwnWall, stent: Expanded) -
     """
     positions, radius = positions.copy(), stent.radius
     moved = np.linalg.norm(positions[own.numbers] - own.start, axis=1)
-    outside = motion.level[own.numbers] - stent.level
+    outside = motion.distance_at(motion.level - stent.level)[own.numbers]
     # Whatever is too far out has moved by a certain share of that; the level tells it roughly.
     surely = (1 - 1 / DRAG_BOUND) * (outside - motion.chain.smoothing_width)
     may_be = (outside > 0) & (surely < moved) & (moved > 0)
     where, share = own.numbers[may_be], own.share[may_be]
-    native = motion.axis_distance(where, own.start[may_be])
+    native = _distance(motion, where, own.start[may_be], radius)
     allowed = DRAG_BOUND * np.maximum(native - radius, 0)
     allowed += _beyond_ends(motion, where, positions[where])
     bound = radius + allowed + motion.offset[where]
-    distance = motion.axis_distance(where, positions[where])
+    distance = _distance(motion, where, positions[where], stent.radius)
     too_far = distance > bound * (1 + ROUNDING)
     where, bound = where[too_far], (distance + share * (bound - distance))[too_far]
     for _ in range(FINISH_ROUNDS):
-        true_distance = motion.axis_distance(where, positions[where])
-        positions[where] += (bound - true_distance)[:, None] * motion.direction[where]
+        true_distance = _distance(motion, where, positions[where], stent.radius)
+        positions[where] += (bound - true_distance)[:, None] * motion.outward[where]
     return OnStent(positions, where[bound <= (1 + NEGLIGIBLE) * radius])
 
 
@@ -167,7 +167,7 @@ def facets_compensated(
     sides = positions[ends[:, 0]] - positions[ends[:, 1]]
     longest = dot(sides, sides).max(initial=0)
     # An edge between two points of a circle lies inside it by its length squared over 8 radii.
-    if longest < 8 * NEGLIGIBLE * radius**2:
+    if longest < 8 * NEGLIGIBLE * motion.chain.least_radius(radius) ** 2:
         return positions
     # Sorted by vertex, the edges of each follow each other.
     order = np.argsort(ends.ravel(), kind="stable")
@@ -180,14 +180,15 @@ def facets_compensated(
 
     edge_wanted = radius + motion.offset[group][ends].min(axis=1)
     edge_length = np.linalg.norm(sides, axis=1)
-    bound = np.maximum.reduceat(largest_push(edge_length, edge_wanted)[order // 2], starts)
-    start, direction = positions[group], motion.direction[group]
-    distance = motion.axis_distance(group, start)
+    local = edge_wanted - motion.chain.shortfall(_middles(positions[group], ends), radius)
+    bound = np.maximum.reduceat(largest_push(edge_length, local)[order // 2], starts)
+    start, direction = positions[group], motion.outward[group]
+    distance = _distance(motion, group, start, radius)
     pushed = np.zeros(len(group))
     for _ in range(COMPENSATION_PASSES):
         moved = start + pushed[:, None] * direction
         # Between passes the middle of an edge is taken to follow its two ends.
-        middle = motion.axis_distance(group[ends[:, 0]], _middles(moved, ends))
+        middle = _distance(motion, group[ends[:, 0]], _middles(moved, ends), radius)
         measured_at = pushed.copy()
         for _ in range(COMPENSATION_ROUNDS):
             change = _middles(pushed - measured_at, ends)
@@ -222,6 +223,18 @@ def largest_push(length: ArrayLike, radius: ArrayLike) -> NDArray[np.float64]:
     sine = np.minimum(np.asarray(length) / (2 * radius), COARSEST_CHORD)
     needed = radius * (1 / np.sqrt(1 - sine**2) - 1)
     return np.minimum(BEND_SLACK * needed, (np.sqrt(2.0) - 1) * radius)
+
+
+def _distance(
+    motion: Motion, where: NDArray[np.int64], positions: Points, radius: float
+) -> NDArray[np.float64]:
+    """Distance to the axis, mm, that some points would have elsewhere, for the largest radius.
+
+    Where the stent is narrower by a shortfall than `radius`, by that more than it is: so every
+    place of the stent is at its radius.
+    """
+    true_distance = motion.axis_distance(where, positions)
+    return true_distance + motion.chain.shortfall(positions, radius)
 
 
 def _edges_on_stent(

@@ -48,9 +48,13 @@ class Motion:
         Position of every active point in the caller's array: the wall first, then points that
         are only dragged along, each ordered for spatial coherence.
     positions, direction : (n, 3) arrays
-        Current coordinates, mm, and unit direction of motion.
+        Current coordinates, mm, and direction of motion, as long as `pace`.
     level : (n,) array
-        Distance field minus the tissue offset, mm: the stent radius that reaches the point.
+        Distance field minus the tissue offset, mm, over the pace: the stent radius that reaches
+        the point.
+    pace : (n,) array or None
+        Share of the stent's radius where it will reach the point: so far it comes while the stent
+        grows by 1. None where the radius is the same everywhere.
     slope : (n,) array
         Rate at which `level` grows when the point moves along its direction.
     cell : (n,) array
@@ -85,8 +89,9 @@ class Motion:
         self.positions = points[order]
         self._near = near[order]
         field = chain.folding.at(self.positions, self._near)
-        self.level = field.distance
-        self.direction = field.direction
+        shares = chain.shares
+        self.pace = None if shares is None else shares.at(self.positions, chain.nodes)
+        self.level, self.direction = self._paced(slice(None), field.distance, field.direction)
         self.slope = field.slope
         self.offset = np.zeros(len(points))
         self.touchable = touchable[order]
@@ -106,19 +111,40 @@ class Motion:
             "cell", "is_curved", "_near", "_extrapolated",
         ):  # fmt: skip
             setattr(self, name, getattr(self, name)[keep])
+        self.pace = None if self.pace is None else self.pace[keep]
         self.__dict__.pop("resting", None)
 
     def set_offset(self, offset: NDArray[np.float64]) -> None:
         """Keep a tissue thickness, mm, between the stent and every point."""
-        self.level += self.offset - offset
+        change, _ = self._paced(slice(None), self.offset - offset, self.direction)
+        self.level += change
         self.offset = offset
+
+    @property
+    def outward(self) -> Points:
+        """(n, 3) unit directions of motion."""
+        return self.direction if self.pace is None else self.direction / self.pace[:, None]
+
+    def distance_at(self, level: Any) -> NDArray[np.float64]:
+        """Distances (n,) from the axis, mm, but for the tissue, of points on a level or on theirs."""
+        return np.asarray(level * (1.0 if self.pace is None else self.pace))
+
+    def _paced(
+        self, where: Any, distance: NDArray[np.float64], direction: Points
+    ) -> tuple[NDArray[np.float64], Points]:
+        """Levels and directions of motion of some points, from their field."""
+        if self.pace is None:
+            return distance, direction
+        pace = self.pace[where]
+        return distance / pace, direction * pace[:, None]
 
     def moved_to(self, where: NDArray[Any], positions: Points) -> None:
         """Put some points elsewhere and evaluate their field there."""
         field = self.field_at(where, positions)
         self.positions[where] = positions
-        self.level[where] = field.distance - self.offset[where]
-        self.direction[where] = field.direction
+        self.level[where], self.direction[where] = self._paced(
+            where, field.distance - self.offset[where], field.direction
+        )
         self.slope[where] = field.slope
         self._extrapolated[where] = False
 
@@ -175,7 +201,7 @@ class Motion:
         """
         wall, others = (np.flatnonzero(self.touchable == which) for which in (True, False))
         sample = np.concatenate([one[:: max(1, len(one) // SAMPLE)] for one in (wall, others)])
-        direction = self.direction[sample]
+        direction = self.outward[sample]
         curved = np.zeros(len(sample), dtype=bool)
         for share in (0.5, 1.0):
             ahead = self.field_at(sample, self.positions[sample] + share * distance * direction)

@@ -196,7 +196,7 @@ def _expanded(task: DeploymentTask, points: Points, normals: Points, reach: floa
     is_wall = motion.touchable
     facing = normals[numbers[is_wall]]
     gap = task.settings.tissue_gap
-    offset[is_wall] = tissue_offset(facing, motion.direction[is_wall], GAP_RAMP, gap)
+    offset[is_wall] = tissue_offset(facing, motion.outward[is_wall], GAP_RAMP, gap)
     nearest = float(motion.level[is_wall].min())
     motion.set_offset(offset)
     start = motion.positions.copy()

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 from numpy.typing import ArrayLike
 
-from ..field import FOLDS, CapsuleChain
+from ..field import FOLDS, CapsuleChain, RadiusShares
 from ..validation import InputError, as_length, as_number
 from .profiles import BLENDS, FALLOFFS, Profile, as_profile
 from .step_rule import StepRule
@@ -168,13 +168,14 @@ class DeploymentSettings:
                 raise InputError(f"settings: expected one of {', '.join(known)}, got {name!r}.")
         return replace(self, **changes)
 
-    def chain(self, axis: ArrayLike) -> CapsuleChain:
+    def chain(self, axis: ArrayLike, shares: RadiusShares | None = None) -> CapsuleChain:
         """The stent along an axis (n, 3), mm; parameters and errors as `CapsuleChain.along`."""
         return CapsuleChain.along(
             axis,
             capsule_length=self.capsule_length,
             smoothing_width=self.smoothing_width,
             fold=self.fold,
+            shares=shares,
         )
 
     def step_rule(self) -> StepRule:

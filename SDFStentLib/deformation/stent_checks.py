@@ -7,6 +7,8 @@ prescribed one.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ..certificate import NARROWER, WIDER, LumenCheck, MotionCheck, Place
@@ -90,36 +92,45 @@ def lumen_check(
     own : pair of Surface, optional
         The surface just before and after this stent, where there are others: these may be wider.
     """
-    narrowest, narrowest_at = _narrowest(before, after, chain, radius)
+    narrow = _narrowest(before, after, chain, radius)
     widest, native, widest_at = _widest(*(own or (before, after)), chain, radius)
-    return LumenCheck(2 * radius, 2 * narrowest, narrowest_at, 2 * widest, widest_at, 2 * native)
+    return LumenCheck(
+        2 * narrow.wanted, 2 * narrow.width, narrow.at, 2 * widest, widest_at, 2 * native
+    )
 
 
-def _narrowest(
-    before: Surface, after: Surface, chain: CapsuleChain, radius: float
-) -> tuple[float, Place]:
-    stations, wanted = chain.nodes, (1 - NARROWER) * radius
+class _Narrowest(NamedTuple):
+    """The station that misses its prescribed radius most, mm."""
+
+    width: float
+    wanted: float
+    at: Place
+
+
+def _narrowest(before: Surface, after: Surface, chain: CapsuleChain, radius: float) -> _Narrowest:
+    stations, wanted = chain.nodes, chain.inscribed_radii(radius, chain.nodes)
     points, triangles = after.points, after.triangles
     width = LocalSurface(points, triangles, stations).distances(stations)
-    if width.min() < (1 - ROUGH) * radius:
+    if (width < (1 - ROUGH) * wanted).any():
         triangles = triangles[
             ~caps_across(before.points, triangles, stations, CAPS_WITHIN * radius)
         ]
         width = LocalSurface(points, triangles, stations).distances(stations)
-    doubtful = np.flatnonzero(width < (1 - ROUGH) * radius)
+    doubtful = np.flatnonzero(width < (1 - ROUGH) * wanted)
     if len(doubtful):
         directions = tangents(stations)[doubtful]
         spheres = inscribed_spheres(points, triangles, stations[doubtful], directions)
         width[doubtful] = np.fmax(spheres.radii, width[doubtful])
-    at = int(width.argmin())
-    if width[at] < wanted:
-        return float(width[at]), _place(stations[at])
+    at = int((width / wanted).argmin())
+    if width[at] < (1 - NARROWER) * wanted[at]:
+        return _Narrowest(float(width[at]), float(wanted[at]), _place(stations[at]))
     middle = len(stations) // 2
     if _is_outside(
         points, triangles, stations[[middle, 0, -1]], tangents(stations)[[middle, 0, -1]]
     ):
-        return 0.0, _place(stations[middle])
-    return float(min(width[at], radius)), _place(stations[at])
+        return _Narrowest(0.0, float(wanted[middle]), _place(stations[middle]))
+    prescribed = float(wanted[at])
+    return _Narrowest(min(float(width[at]), prescribed), prescribed, _place(stations[at]))
 
 
 def _widest(
@@ -133,18 +144,20 @@ def _widest(
     low, high = stations.min(axis=0) - NEAR * radius, stations.max(axis=0) + NEAR * radius
     points, triangles = after.points, after.triangles
     near = triangles[may_meet_box(points, triangles, low, high)]
+    prescribed = chain.inscribed_radii(radius, stations)
+    least = float(prescribed[0])
     if not len(near):
-        return radius, radius, _place(stations[0])
+        return least, least, _place(stations[0])
     found = inscribed_spheres(points, near, stations, directions, tolerance=tolerance).radii
-    wide = np.flatnonzero(found > (1 + WIDER) * radius)
+    wide = np.flatnonzero(found > (1 + WIDER) * prescribed)
     if not len(wide):
-        return radius, radius, _place(stations[0])
+        return least, least, _place(stations[0])
     # Fewer triangles are never nearer; where there is doubt all of them are looked at.
     found[wide] = inscribed_spheres(points, triangles, stations[wide], directions[wide]).radii
     native = inscribed_spheres(
         _united(before.points, chain, radius), triangles, stations[wide], directions[wide]
     ).radii
-    native = np.fmax(native, radius)
+    native = np.fmax(native, prescribed[wide])
     worst = int((found[wide] / native).argmax())
     return float(found[wide[worst]]), float(native[worst]), _place(stations[wide[worst]])
 
@@ -154,7 +167,8 @@ def _united(before: Points, chain: CapsuleChain, radius: float) -> Points:
     united = before.copy()
     low, high = chain.nodes.min(axis=0) - radius, chain.nodes.max(axis=0) + radius
     inside = np.flatnonzero(((before > low) & (before < high)).all(axis=1))
-    short = radius - chain.axis_distance(before[inside])
+    own = radius - chain.shortfall(before[inside], radius)
+    short = own - chain.axis_distance(before[inside])
     inside, short = inside[short > 0], short[short > 0]
     united[inside] += short[:, None] * chain.field(before[inside]).direction
     return united

@@ -133,7 +133,8 @@ def untangled(
     after, bad = begin.positions.copy(), begin.faulty
     neighbors = vertex_neighbors(triangles, len(after))
     held = motion.field_at(np.arange(wall_count), after[:wall_count]).distance
-    floor = np.minimum(held, level + motion.offset[:wall_count])
+    reached = motion.distance_at(level) + motion.offset
+    floor = np.minimum(held, reached[:wall_count])
     best, rounds, idle = begin, 0, 0
     # Ends: counted; the best state is kept.
     while len(bad) and rounds < ROUNDS and idle < IDLE_ROUNDS:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from .capsule_chain import FOLDS, CapsuleChain, as_chain, radius_correction
 from .chain_field import Field
+from .radius_shares import RadiusShares
 
 __all__ = [
     "FOLDS",
     "CapsuleChain",
     "Field",
+    "RadiusShares",
     "as_chain",
     "radius_correction",
 ]

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..geometry import across, dot, length, norm, resampled, without_repeats
 from ..validation import InputError, Points, as_number, as_points, in_short, read_only
 from .chain_field import ChainField, Field
+from .radius_shares import RadiusShares
 
 FOLDS = ("both", "distal")
 """Ends from which the capsules are folded, one after the other."""
@@ -38,11 +39,14 @@ class CapsuleChain:
     fold : {"both", "distal"}
         The smooth minimum depends on the order of the capsules. The mean of both orders is that
         of the axis the other way round as well; published is the order from the distal end.
+    shares : RadiusShares, optional
+        Of its radius along the axis, where that is not the same everywhere; the field is.
     """
 
     nodes: Points
     smoothing_width: float = 0.4
     fold: str = "both"
+    shares: RadiusShares | None = None
 
     def __post_init__(self) -> None:
         nodes = as_points(self.nodes, "capsule chain nodes", minimum=2)
@@ -65,6 +69,7 @@ class CapsuleChain:
         capsule_length: float = 1.0,
         smoothing_width: float = 0.4,
         fold: str = "both",
+        shares: RadiusShares | None = None,
     ) -> CapsuleChain:
         """A chain along a stent axis, resampled to capsules of equal length.
 
@@ -87,7 +92,7 @@ class CapsuleChain:
         # Lengths are summed in one direction, so that the nodes do not depend on it by a last bit.
         direction = 1 if runs_forward(points) else -1
         nodes = resampled(points[::direction], spacing)[::direction]
-        return cls(nodes, smoothing_width, fold)
+        return cls(nodes, smoothing_width, fold, shares)
 
     @property
     def length(self) -> float:
@@ -125,7 +130,27 @@ class CapsuleChain:
         """
         if self.fold == "distal" or runs_forward(self.nodes):
             return self
-        return CapsuleChain(self.nodes[::-1], self.smoothing_width, self.fold)
+        shares = None if self.shares is None else self.shares.reversed
+        return CapsuleChain(self.nodes[::-1], self.smoothing_width, self.fold, shares)
+
+    def shortfall(self, points: Points, radius: float) -> NDArray[np.float64] | float:
+        """By how much the stent's radius near points (n, 3) is below its largest one, mm."""
+        if self.shares is None:
+            return 0.0
+        return radius * (1 - self.shares.at(points, self.nodes))
+
+    def least_radius(self, radius: float) -> float:
+        """Where the stent is narrowest, mm."""
+        return radius if self.shares is None else radius * float(self.shares.shares.min())
+
+    def inscribed_radii(self, radius: float, stations: Points) -> NDArray[np.float64]:
+        """Radii (n,), mm, of spheres round stations on the axis that fit into the stent.
+
+        `radius` is the stent's largest one.
+        """
+        if self.shares is None:
+            return np.full(len(stations), radius)
+        return self.shares.inscribed(self.nodes, radius, stations)
 
 
 def runs_forward(points: Points) -> bool:

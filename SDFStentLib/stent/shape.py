@@ -1,0 +1,201 @@
+"""The shape of a stent that is no cylinder: one profile of diameters over its axis."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from ..validation import Floats, InputError, as_number, read_only
+from .device import MAXIMUM_DIAMETER, MAXIMUM_LENGTH
+
+SAMPLES = 201
+"""Places at which a waist or an end is sampled; profiles are linear in between."""
+
+FLATTEST_CAP = 0.1
+"""Least height of a cap over its radius."""
+
+
+@dataclass(frozen=True)
+class Waist:
+    """A narrow place, as a lesion leaves it that does not give way.
+
+    Attributes
+    ----------
+    diameter : float
+        Where it is narrowest, mm.
+    position : float, optional
+        Part of the stent's length from its proximal end, 0 to 1; left out, where the vessel is
+        narrowest.
+    length : float, optional
+        Of the whole waist, mm; left out, that of the stent.
+    """
+
+    diameter: float
+    position: float | None = None
+    length: float | None = None
+
+    def __post_init__(self) -> None:
+        as_number(self.diameter, "waist", unit="mm", above=0, maximum=MAXIMUM_DIAMETER)
+        if self.position is not None:
+            as_number(self.position, "waist position", minimum=0, maximum=1)
+        if self.length is not None:
+            as_number(self.length, "waist length", unit="mm", above=0, maximum=MAXIMUM_LENGTH)
+
+
+@dataclass(frozen=True)
+class StentEnd:
+    """An end that is wider (flare) or narrower (taper) than the stent.
+
+    Attributes
+    ----------
+    diameter : float
+        At the very end, mm.
+    length : float
+        From the end to where the stent has its own diameter, mm.
+    """
+
+    diameter: float
+    length: float
+
+    def __post_init__(self) -> None:
+        as_number(self.diameter, "end of the stent", unit="mm", above=0, maximum=MAXIMUM_DIAMETER)
+        as_number(self.length, "length of the end", unit="mm", above=0, maximum=MAXIMUM_LENGTH)
+
+
+class DiametersAlong(NamedTuple):
+    """Diameters of a stent along its axis, linear in between."""
+
+    fractions: Floats
+    """(k,) of its length from the proximal end, rising from 0 to 1."""
+    diameters: Floats
+    """(k,) mm."""
+
+    @property
+    def widest(self) -> float:
+        """mm."""
+        return float(self.diameters.max())
+
+    def at(self, fractions: Floats) -> Floats:
+        """Diameters at some parts of the length, mm."""
+        return np.interp(fractions, self.fractions, self.diameters)
+
+
+@dataclass(frozen=True)
+class Shape:
+    """What makes a stent another than a cylinder.
+
+    Attributes
+    ----------
+    waist : Waist, optional
+    start, end : StentEnd, optional
+        Its proximal and its distal end.
+    table : tuple of (fraction, diameter)
+        In place of these: diameters, mm, at parts of the length from 0 to 1, linear in between.
+    cap_height : float
+        How far the stent pushes beyond its ends, over the radius there: 1 is half a sphere, less
+        is flatter.
+
+    Raises
+    ------
+    InputError
+        A table beside other parts, one that does not rise from 0 to 1, or numbers out of range.
+    """
+
+    waist: Waist | None = None
+    start: StentEnd | None = None
+    end: StentEnd | None = None
+    table: tuple[tuple[float, float], ...] = ()
+    cap_height: float = 1.0
+
+    def __post_init__(self) -> None:
+        as_number(self.cap_height, "cap height", minimum=FLATTEST_CAP, maximum=1)
+        if not self.table:
+            return
+        others = [name for name in ("waist", "start", "end") if getattr(self, name) is not None]
+        if others:
+            raise InputError(
+                f"profile: expected a table alone, got one with {' and '.join(others)}; leave one "
+                "of them out."
+            )
+        for row in self.table:
+            if len(row) != 2:
+                raise InputError(
+                    f"profile: expected rows of a fraction and a diameter, got {len(row)} numbers."
+                )
+            as_number(row[0], "profile fraction", minimum=0, maximum=1)
+            as_number(row[1], "profile diameter", unit="mm", above=0, maximum=MAXIMUM_DIAMETER)
+        fractions = [row[0] for row in self.table]
+        if fractions[0] != 0 or fractions[-1] != 1 or (np.diff(fractions) <= 0).any():
+            raise InputError(
+                "profile: expected fractions that rise from 0 to 1, each once, got "
+                f"{_listed(fractions)}; sort the rows."
+            )
+
+    def check(self, diameter: float) -> None:
+        """Refuse what does not fit a stent of that diameter, mm; `InputError`."""
+        if self.waist is not None and self.waist.diameter > diameter:
+            raise InputError(
+                f"waist: expected at most the {diameter:g} mm of the stent, got "
+                f"{self.waist.diameter:g} mm; make it narrower."
+            )
+        if self.table:
+            widest = max(row[1] for row in self.table)
+            if abs(widest - diameter) > 1e-9 * diameter:
+                raise InputError(
+                    f"stent diameter: expected {widest:g} mm, the largest of its profile, got "
+                    f"{diameter:g} mm; leave it out."
+                )
+
+    def widest(self, diameter: float) -> float:
+        """Largest diameter of a stent that is else so wide, mm."""
+        ends = [end.diameter for end in (self.start, self.end) if end is not None]
+        return max([diameter, *ends])
+
+    def along(self, diameter: float, length: float, narrowest: float = 0.5) -> DiametersAlong:
+        """The profile of a stent.
+
+        Parameters
+        ----------
+        diameter, length : float
+            Of the deployed stent, mm.
+        narrowest : float
+            Part of its length at which the vessel is narrowest.
+
+        Raises
+        ------
+        InputError
+            Ends that are together longer than the stent.
+        """
+        if self.table:
+            fractions, diameters = np.array(self.table).T
+            return DiametersAlong(read_only(fractions), read_only(diameters))
+        ends = sum(end.length for end in (self.start, self.end) if end is not None)
+        if ends > length:
+            raise InputError(
+                f"ends of the stent: expected at most its length of {length:.1f} mm, got {ends:g} "
+                "mm together; make them shorter."
+            )
+        fractions = np.linspace(0, 1, SAMPLES)
+        at, diameters = fractions * length, np.full(SAMPLES, float(diameter))
+        for end, distance in ((self.start, at), (self.end, at[::-1])):
+            if end is not None:
+                diameters += (end.diameter - diameter) * _smooth_step(1 - distance / end.length)
+        if self.waist is not None:
+            position = narrowest if self.waist.position is None else self.waist.position
+            half = (length if self.waist.length is None else self.waist.length) / 2
+            away = np.clip(np.abs(at - position * length) / half, 0, 1)
+            depth = (diameter - self.waist.diameter) * (1 + np.cos(np.pi * away)) / 2
+            diameters = np.maximum(diameters - depth, min(self.waist.diameter, diameters.min()))
+        return DiametersAlong(read_only(fractions), read_only(diameters))
+
+
+def _smooth_step(values: Floats) -> Floats:
+    """From 0 to 1, level at both."""
+    values = np.clip(values, 0, 1)
+    return values**2 * (3 - 2 * values)
+
+
+def _listed(values: list[float]) -> str:
+    return ", ".join(f"{value:g}" for value in values[:8]) + (" ..." if len(values) > 8 else "")
