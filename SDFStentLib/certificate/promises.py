@@ -93,7 +93,7 @@ class LumenCheck:
     @property
     def is_wide(self) -> bool:
         """Wider than prescribed and than before by more than `WIDER`."""
-        return self.widest > (1 + WIDER) * max(self.native, self.prescribed)
+        return self.widest > (1 + WIDER) * self.native
 
     @property
     def passed(self) -> bool:
@@ -105,12 +105,10 @@ class LumenCheck:
         if not self.narrowest:
             return f"a stent outside of the lumen near {_in_words(self.narrowest_at)}"
         if self.is_narrow:
-            found, place = self.narrowest, self.narrowest_at
+            found, wanted, place = self.narrowest, self.prescribed, self.narrowest_at
         else:
-            found, place = self.widest, self.widest_at
-        return (
-            f"a lumen of {found:.2f} mm instead of {self.prescribed:.2f} mm near {_in_words(place)}"
-        )
+            found, wanted, place = self.widest, self.native, self.widest_at
+        return f"a lumen of {found:.2f} mm instead of {wanted:.2f} mm near {_in_words(place)}"
 
     def as_dict(self) -> dict[str, Any]:
         """As it stands in a report."""

@@ -11,7 +11,7 @@ from ..version import VERSION
 from .argument_types import number as _number
 from .argument_types import path as _path
 from .argument_types import whole as _whole
-from .stent_options import add_device_table, add_stent, add_wishes
+from .stent_options import add_device_table, add_shape, add_stent, add_wishes
 
 _DEFAULTS = Plan().settings
 
@@ -71,6 +71,7 @@ def _deploy(command: argparse.ArgumentParser) -> None:
         help="centered on that lesion, numbered as `measure` lists them",
     )
     add_stent(command)
+    add_shape(command)
     _add_method(command)
     out = command.add_argument_group("output")
     _add_units(out)

@@ -42,6 +42,42 @@ def add_stent(command: argparse.ArgumentParser) -> None:
     )
 
 
+def add_shape(command: argparse.ArgumentParser) -> None:
+    """Where a stent is no cylinder."""
+    shape = command.add_argument_group("shape")
+    shape.add_argument("--waist", type=number, metavar="D", help="where it stays narrow, mm")
+    shape.add_argument(
+        "--waist-position",
+        type=number,
+        metavar="F",
+        help="part of the length from the proximal end (default: where the vessel is narrowest)",
+    )
+    shape.add_argument(
+        "--waist-length", type=number, metavar="MM", help="of the waist (default: of the stent)"
+    )
+    for name, end in (("start", "proximal"), ("end", "distal")):
+        shape.add_argument(
+            f"--flare-{name}",
+            type=number,
+            nargs=2,
+            metavar=("D", "MM"),
+            help=f"diameter of the {end} end, wider or narrower, and over which length",
+        )
+    shape.add_argument(
+        "--profile",
+        type=path,
+        metavar="F",
+        help="CSV with rows fraction,diameter in place of --diameter",
+    )
+    shape.add_argument(
+        "--cap-height",
+        type=number,
+        metavar="F",
+        default=1.0,
+        help="how far it pushes beyond its ends, over the radius: 1 is half a sphere (default 1)",
+    )
+
+
 def add_device(stent: argparse._ActionsContainer) -> None:
     """Which device, and what it loses of its length."""
     stent.add_argument(

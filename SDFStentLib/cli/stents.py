@@ -7,15 +7,28 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..plan import InputFiles, device_named
-from ..stent import AtCenter, Balloon, Device, OfStent, Placement, Stent, balloon_by_rule
+from ..plan import InputFiles, device_named, read_profile
+from ..stent import (
+    AtCenter,
+    Balloon,
+    Device,
+    OfStent,
+    Placement,
+    Shape,
+    Stent,
+    StentEnd,
+    Waist,
+    balloon_by_rule,
+)
 from ..validation import InputError
 from .place import lesion_place, place_of
 
 
 def check_sizes(options: argparse.Namespace) -> None:
     """Whether the options say how wide the stent will be, once; `InputError` otherwise."""
-    if options.diameter is None and options.balloon is None:
+    if options.profile is not None:
+        _check_profile_alone(options)
+    elif options.diameter is None and options.balloon is None:
         raise InputError(
             "expected --diameter D of the lumen or --balloon D, got neither; give one of them."
         )
@@ -25,6 +38,40 @@ def check_sizes(options: argparse.Namespace) -> None:
         )
     if options.device is None and options.device_table is not None:
         raise InputError("expected --device NAME with --device-table, got none; name one.")
+
+
+def _check_profile_alone(options: argparse.Namespace) -> None:
+    others = ("diameter", "balloon", "recoil", "redilate", "waist", "flare_start", "flare_end")
+    given = [f"--{name.replace('_', '-')}" for name in others if getattr(options, name) is not None]
+    if given:
+        raise InputError(
+            "expected --profile alone, which has all diameters, got it with "
+            f"{' and '.join(given)}; leave one of them out."
+        )
+
+
+def shape_of(options: argparse.Namespace) -> Shape | None:
+    """The shape that was asked for; None for a cylinder with half spheres beyond its ends.
+
+    Raises
+    ------
+    InputError
+        A profile that cannot be read, sizes out of range, or a place of a waist without one.
+    """
+    for name in ("waist_position", "waist_length"):
+        if getattr(options, name) is not None and options.waist is None:
+            option = f"--{name.replace('_', '-')}"
+            raise InputError(f"expected --waist D with {option}, got none; give one.")
+    waist = None
+    if options.waist is not None:
+        waist = Waist(options.waist, options.waist_position, options.waist_length)
+    start, end = (
+        None if sizes is None else StentEnd(*sizes)
+        for sizes in (options.flare_start, options.flare_end)
+    )
+    table = () if options.profile is None else read_profile(options.profile)
+    shape = Shape(waist, start, end, table, options.cap_height)
+    return None if shape == Shape() else shape
 
 
 def device_of(options: argparse.Namespace) -> Device | None:
@@ -61,7 +108,7 @@ def _stent(
 ) -> Stent:
     diameter = _balloon_diameter(options)
     if diameter is None:
-        return _sized(options, way, inputs, device, options.diameter)
+        return _sized(options, way, inputs, device, _lumen_diameter(options))
     balloon = _given(options, diameter)
     if balloon is None:
         usual = balloon_by_rule(diameter, float("nan"))
@@ -90,10 +137,18 @@ def _sized(
         foreshortening_fraction=options.foreshortening,
         device=device,
         keeps=options.keep or "center",
+        shape=shape_of(options),
     )
     if way != "at_lesion":
         return stent
     return replace(stent, placement=lesion_place(options, inputs, stent).placement)
+
+
+def _lumen_diameter(options: argparse.Namespace) -> float:
+    """As given, or the largest one of the profile, mm."""
+    if options.profile is None:
+        return float(options.diameter)
+    return max(diameter for _, diameter in read_profile(options.profile))
 
 
 def _balloon_diameter(options: argparse.Namespace) -> float | None:

@@ -126,7 +126,7 @@ class Motion:
         return self.direction if self.pace is None else self.direction / self.pace[:, None]
 
     def distance_at(self, level: Any) -> NDArray[np.float64]:
-        """Distances (n,) from the axis, mm, but for the tissue, of points on a level or on theirs."""
+        """Distances (n,) from the axis, mm, of points on a level or on theirs, without tissue."""
         return np.asarray(level * (1.0 if self.pace is None else self.pace))
 
     def _paced(

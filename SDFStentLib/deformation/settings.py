@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 from numpy.typing import ArrayLike
 
 from ..field import FOLDS, CapsuleChain, RadiusShares
-from ..validation import InputError, as_length, as_number
+from ..validation import Floats, InputError, as_length, as_number
 from .profiles import BLENDS, FALLOFFS, Profile, as_profile
 from .step_rule import StepRule
 
@@ -168,8 +168,18 @@ class DeploymentSettings:
                 raise InputError(f"settings: expected one of {', '.join(known)}, got {name!r}.")
         return replace(self, **changes)
 
-    def chain(self, axis: ArrayLike, shares: RadiusShares | None = None) -> CapsuleChain:
-        """The stent along an axis (n, 3), mm; parameters and errors as `CapsuleChain.along`."""
+    def chain(
+        self, axis: ArrayLike, profile: tuple[Floats, Floats, float] | None = None
+    ) -> CapsuleChain:
+        """The stent along an axis (n, 3), mm; parameters and errors as `CapsuleChain.along`.
+
+        A profile is parts of the length, diameters there (mm), and the height of its caps over the
+        radius; the radius to deploy is then that of its largest diameter.
+        """
+        shares = None
+        if profile is not None:
+            fractions, diameters, cap_height = profile
+            shares = RadiusShares(fractions, diameters / diameters.max(), cap_height)
         return CapsuleChain.along(
             axis,
             capsule_length=self.capsule_length,

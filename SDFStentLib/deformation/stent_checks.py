@@ -108,7 +108,7 @@ class _Narrowest(NamedTuple):
 
 
 def _narrowest(before: Surface, after: Surface, chain: CapsuleChain, radius: float) -> _Narrowest:
-    stations, wanted = chain.nodes, chain.inscribed_radii(radius, chain.nodes)
+    stations, wanted = chain.nodes, chain.inscribed_radii(radius, chain.nodes, in_caps=True)
     points, triangles = after.points, after.triangles
     width = LocalSurface(points, triangles, stations).distances(stations)
     if (width < (1 - ROUGH) * wanted).any():

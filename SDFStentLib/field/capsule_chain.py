@@ -143,14 +143,16 @@ class CapsuleChain:
         """Where the stent is narrowest, mm."""
         return radius if self.shares is None else radius * float(self.shares.shares.min())
 
-    def inscribed_radii(self, radius: float, stations: Points) -> NDArray[np.float64]:
+    def inscribed_radii(
+        self, radius: float, stations: Points, *, in_caps: bool = False
+    ) -> NDArray[np.float64]:
         """Radii (n,), mm, of spheres round stations on the axis that fit into the stent.
 
-        `radius` is the stent's largest one.
+        `radius` is the stent's largest one. See `RadiusShares.inscribed`.
         """
         if self.shares is None:
             return np.full(len(stations), radius)
-        return self.shares.inscribed(self.nodes, radius, stations)
+        return self.shares.inscribed(self.nodes, radius, stations, in_caps=in_caps)
 
 
 def runs_forward(points: Points) -> bool:

@@ -63,15 +63,16 @@ class RadiusShares:
         """Shares at some parts of the length."""
         return np.interp(fractions, self.fractions, self.shares)
 
-    def inscribed(self, nodes: Points, radius: float, stations: Points) -> Floats:
+    def inscribed(self, nodes: Points, radius: float, stations: Points, *, in_caps: bool) -> Floats:
         """Radii (n,), mm, of the spheres round stations of the axis that fit into the stent.
 
-        They touch it where it is narrower beside them. Reckoned along a straight axis.
+        They touch it where it is narrower beside them. Reckoned along a straight axis. Where flat
+        caps count, spheres near the ends fit into these as well; else it is open there.
         """
         length = arc_lengths(nodes)[-1]
         fine = np.union1d(np.linspace(0, 1, max(200, int(length / 0.1))), self.fractions)
         at, wall = fine * length, radius * self.along(fine)
-        if self.cap_height < 1:
+        if in_caps and self.cap_height < 1:
             angles = np.linspace(0, np.pi / 2, 30)
             for end, way, place in ((wall[0], -1, 0.0), (wall[-1], 1, length)):
                 at = np.append(at, place + way * self.cap_height * end * np.sin(angles))

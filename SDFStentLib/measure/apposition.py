@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -71,7 +73,7 @@ class Apposition:
 def apposition(
     surface: Surface,
     axis: ArrayLike,
-    radius: float,
+    radius: float | Callable[[Floats], Floats],
     *,
     gap: float = GAP,
     noticed: float = 0.1,
@@ -87,8 +89,8 @@ def apposition(
         After deployment, mm.
     axis : array_like, shape (n, 3)
         The stent's, proximal to distal, mm.
-    radius : float
-        Of the stent, mm.
+    radius : float or callable
+        Of the stent, mm; or what gives it at arc lengths (n,) of the axis from its proximal end.
     gap : float
         mm.
     noticed : float
@@ -100,15 +102,22 @@ def apposition(
         An axis that is no polyline, or numbers out of range.
     """
     line = without_repeats(as_points(axis, "stent axis", minimum=2))
-    as_number(radius, "stent radius", unit="mm", above=0)
-    reach = radius + as_number(gap, "gap", unit="mm", minimum=0)
+    as_number(gap, "gap", unit="mm", minimum=0)
     as_number(noticed, "noticed", minimum=0, maximum=1)
-    near = near_wall(surface, line, max(length(line), 2 * reach))
-    wall = wall_map(near, line, spacing=SPACING, window=radius)
+    total = length(line)
+    if callable(radius):
+        radius_at, widest = radius, float(radius(np.linspace(0, total, 200)).max())
+    else:
+        widest = as_number(radius, "stent radius", unit="mm", above=0)
+        radius_at = partial(np.full_like, fill_value=widest)
+    near = near_wall(surface, line, max(total, 2 * (widest + gap)))
+    wall = wall_map(near, line, spacing=SPACING, window=widest)
     # A piece between two stations has the mean of both.
-    share = (wall.distance > reach).sum(axis=1) / RAYS
+    own = radius_at(wall.arc_length)[:, None]
+    share = (wall.distance > own + gap).sum(axis=1) / RAYS
     share = (share[1:] + share[:-1]) / 2
-    gaps = np.maximum(wall.distance[1:], wall.distance[:-1]).max(axis=1) - radius
+    apart = wall.distance - own
+    gaps = np.maximum(apart[1:], apart[:-1]).max(axis=1)
     edges = wall.arc_length
     is_free = np.r_[False, share > noticed, False]
     runs = np.flatnonzero(is_free[1:] != is_free[:-1]).reshape(-1, 2)

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
         run_plan,
         treatment_of,
     )
+    from .shapes import read_profile, shape_document
     from .steps import StepFiles
 
 __all__ = [
@@ -43,9 +44,11 @@ __all__ = [
     "plan_text",
     "read_input_files",
     "read_plan_inputs",
+    "read_profile",
     "run_plan",
     "save_plan",
     "scaled",
+    "shape_document",
     "treatment_of",
     "turned",
 ]
@@ -68,6 +71,7 @@ __getattr__, __dir__ = late_names(
             "run_plan",
             "treatment_of",
         ],
+        "shapes": ["read_profile", "shape_document"],
         "steps": ["StepFiles"],
     },
 )

@@ -25,6 +25,7 @@ from ..validation import InputError, as_path, check_is_a
 from .devices import device_document
 from .json_document import json_text, text_value, unscaled
 from .plan import Plan
+from .shapes import shape_document
 
 SCHEMA = "sdfstent-plan"
 SCHEMA_VERSION = 2
@@ -120,6 +121,7 @@ def _stent_document(stent: Stent, units: str, folder: str | None) -> dict[str, A
         "device": device_document(stent.device),
         "balloon": None if stent.balloon is None else asdict(stent.balloon),
         "keeps": stent.keeps,
+        "shape": shape_document(stent.shape),
         "placement": placement_document(stent.placement, units, folder),
     }
 

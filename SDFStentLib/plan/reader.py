@@ -18,13 +18,14 @@ from .devices import device_from_document
 from .document import NAMED_SETTINGS, POINT_PLACEMENTS, SCHEMA, SETTINGS
 from .json_document import in_words, number, parsed, scaled, section, sequence, text_value, truth
 from .plan import Plan
+from .shapes import shape_from_document
 
 _FIRST_PARTS = ("sdfstent_version", "inputs", "settings")
 PLAN_KEYS = {1: _FIRST_PARTS, 2: (*_FIRST_PARTS, "flow")}
 """What a plan of each version may have besides its stents."""
 
 _FIRST_KEYS = ("name", "enabled", "length", "foreshortening_fraction")
-STENT_KEYS = {1: _FIRST_KEYS, 2: (*_FIRST_KEYS, "device", "balloon", "keeps")}
+STENT_KEYS = {1: _FIRST_KEYS, 2: (*_FIRST_KEYS, "device", "balloon", "keeps", "shape")}
 """What a stent of each version may have besides its diameter and its placement."""
 
 _FIRST_PLACES = ("center", "distal", "proximal", "from", "to", "axis")
@@ -180,6 +181,7 @@ class _StentReader:
         changes["device"] = device_from_document(stent.get("device"), f"{where}.device")
         changes["balloon"] = _balloon(stent.get("balloon"), f"{where}.balloon")
         changes["keeps"] = text_value(stent.get("keeps", "center"), f"{where}.keeps")
+        changes["shape"] = shape_from_document(stent.get("shape"), f"{where}.shape")
         changes["enabled"] = truth(stent.get("enabled", True), f"{where}.enabled")
         return _named(where, lambda: Stent(diameter, placement=placement, **changes))
 

@@ -10,6 +10,7 @@ from ..measure import DiameterProfile
 from ..treatment import TreatedStent
 from ..units import MILLIMETERS
 from ..validation import Points
+from .shapes import prescribed_words
 
 
 class MeasuredLine(NamedTuple):
@@ -64,7 +65,7 @@ def lumen_sentence(stent: TreatedStent) -> str:
     return (
         f"Lumen over {stent.axis.deployed_length:.1f} mm: narrowest {before.minimum:.2f} mm "
         f"before, {after.minimum:.2f} mm after; mean {before.mean:.2f} mm "
-        f"before, {after.mean:.2f} mm after; prescribed {stent.stent.diameter:g} mm."
+        f"before, {after.mean:.2f} mm after; prescribed {prescribed_words(stent)}."
     )
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from ..cautions import Caution
 from ..plan import PlanResult
-from ..treatment import TreatedLesion, TreatedStent
+from ..treatment import TreatedLesion, TreatedStent, prescribed_diameters
 from ..units import MILLIMETERS
 from ..version import VERSION
 from .balloons import diameters_section, redilation_section
@@ -18,6 +18,7 @@ from .devices import device_section
 from .lesions import treated_lesion_section
 from .pressure import pressure_section
 from .report import Report
+from .shapes import shape_section
 from .stent_result import StentResult
 
 
@@ -69,7 +70,7 @@ def _stent_result(stent: TreatedStent, result: PlanResult, units: str) -> StentR
         description=_description(stent, covered, units),
         before=stent.before,
         after=stent.after,
-        prescribed_diameter=stent.stent.diameter,  # type: ignore[arg-type]
+        prescribed_diameter=prescribed_diameters(stent.stent, stent.axis, stent.before.arc_length),
         branches=stent.branches,
         neighbors=stent.neighbors,
         apposition=stent.apposition,
@@ -91,6 +92,7 @@ def _description(
         "device": device_section(chosen.device),
         **redilation_section(chosen),
         **diameters_section(chosen, covered),
+        "shape": shape_section(stent),
         "nominal_length_mm": axis.nominal_length,
         "deployed_length_mm": axis.deployed_length,
         "foreshortening_fraction": chosen.foreshortening,

@@ -72,6 +72,7 @@ def stent_rows(stent: Mapping[str, Any], surface: Mapping[str, Any]) -> list[tup
     told = {key: value for key, value in stent.items() if key not in _TOLD_ELSEWHERE}
     axis = dict(told.pop("axis", {}))
     rows = [*_device_rows(told.pop("device", None)), *_balloon_rows(told)]
+    rows += shape_rows(told.pop("shape", None))
     for key, words in (
         ("nominal_length_mm", "Nominal length"),
         ("deployed_length_mm", "Deployed length along the axis"),
@@ -217,6 +218,30 @@ def _balloon_rows(told: dict[str, Any]) -> list[tuple[str, str]]:
         ratio = told.pop(key, None)
         if ratio is not None:
             rows.append((words, number_text(ratio, 2)))
+    return rows
+
+
+def shape_rows(shape: Mapping[str, Any] | None) -> list[tuple[str, str]]:
+    """Name and value of what makes a stent no cylinder."""
+    if shape is None:
+        return []
+    rows = []
+    waist = shape.get("waist")
+    if waist:
+        rows.append(("Waist", millimeters(waist["diameter"])))
+    for key, words in (("start", "Proximal end"), ("end", "Distal end")):
+        end = shape.get(key)
+        if end:
+            sizes = f"{millimeters(end['diameter'])} at the end, over {millimeters(end['length'])}"
+            rows.append((f"{words} of the stent", sizes))
+    if shape.get("table"):
+        rows.append(("Profile", f"a table of {len(shape['table'])} diameters"))
+    diameters = shape["diameters_mm"]
+    rows.append(("Prescribed along it", f"{min(diameters):.2f} to {max(diameters):.2f} mm"))
+    if shape.get("cap_height", 1) != 1:
+        rows.append(
+            ("Caps beyond its ends", f"{number_text(shape['cap_height'], 2)} of the radius")
+        )
     return rows
 
 

@@ -17,6 +17,7 @@ from .placement import (
     Placement,
 )
 from .redilation import redilated
+from .shape import DiametersAlong, Shape, StentEnd, Waist
 from .stent import DEFAULT_FORESHORTENING, KEPT, Stent
 from .stent_axis import StentAxis, stent_axis, straightened, straightened_axis
 
@@ -37,11 +38,15 @@ __all__ = [
     "BetweenPoints",
     "ByValue",
     "Device",
+    "DiametersAlong",
     "InputFile",
     "OfStent",
     "Placement",
+    "Shape",
     "Stent",
     "StentAxis",
+    "StentEnd",
+    "Waist",
     "balloon_by_rule",
     "beside",
     "placement_points",

@@ -71,6 +71,8 @@ class DiametersAlong(NamedTuple):
     """(k,) of its length from the proximal end, rising from 0 to 1."""
     diameters: Floats
     """(k,) mm."""
+    cap_height: float = 1.0
+    """As of `Shape`."""
 
     @property
     def widest(self) -> float:
@@ -170,25 +172,27 @@ class Shape:
         """
         if self.table:
             fractions, diameters = np.array(self.table).T
-            return DiametersAlong(read_only(fractions), read_only(diameters))
+            return DiametersAlong(read_only(fractions), read_only(diameters), self.cap_height)
         ends = sum(end.length for end in (self.start, self.end) if end is not None)
         if ends > length:
             raise InputError(
                 f"ends of the stent: expected at most its length of {length:.1f} mm, got {ends:g} "
                 "mm together; make them shorter."
             )
-        fractions = np.linspace(0, 1, SAMPLES)
-        at, diameters = fractions * length, np.full(SAMPLES, float(diameter))
-        for end, distance in ((self.start, at), (self.end, at[::-1])):
+        position = narrowest
+        if self.waist is not None and self.waist.position is not None:
+            position = self.waist.position
+        fractions = np.union1d(np.linspace(0, 1, SAMPLES), [position])
+        at, diameters = fractions * length, np.full(len(fractions), float(diameter))
+        for end, distance in ((self.start, at), (self.end, length - at)):
             if end is not None:
                 diameters += (end.diameter - diameter) * _smooth_step(1 - distance / end.length)
         if self.waist is not None:
-            position = narrowest if self.waist.position is None else self.waist.position
             half = (length if self.waist.length is None else self.waist.length) / 2
             away = np.clip(np.abs(at - position * length) / half, 0, 1)
             depth = (diameter - self.waist.diameter) * (1 + np.cos(np.pi * away)) / 2
             diameters = np.maximum(diameters - depth, min(self.waist.diameter, diameters.min()))
-        return DiametersAlong(read_only(fractions), read_only(diameters))
+        return DiametersAlong(read_only(fractions), read_only(diameters), self.cap_height)
 
 
 def _smooth_step(values: Floats) -> Floats:

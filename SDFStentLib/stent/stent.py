@@ -24,6 +24,7 @@ from .placement import (
     InputFile,
     Placement,
 )
+from .shape import Shape
 
 DEFAULT_FORESHORTENING = 0.10
 """Fraction of the nominal length that is lost on expansion where a nominal length is given."""
@@ -54,6 +55,8 @@ class Stent(ByValue):
         Which one it is.
     balloon : Balloon, optional
         What expands it; the diameter is the one that it leaves.
+    shape : Shape, optional
+        Where it is no cylinder of that diameter; None: it is one.
     keeps : str
         What stays where it is when the stent shortens: its center, or its proximal or distal end.
         A stent that is placed by an end keeps that one.
@@ -78,6 +81,7 @@ class Stent(ByValue):
     device: Device | None = None
     balloon: Balloon | None = None
     keeps: str = "center"
+    shape: Shape | None = None
     name: str = ""
     enabled: bool = True
 
@@ -95,6 +99,9 @@ class Stent(ByValue):
         if self.balloon is not None:
             check_is_a(self.balloon, Balloon, "balloon")
             check_lumen(self.balloon, self.diameter)
+        if self.shape is not None:
+            check_is_a(self.shape, Shape, "shape")
+            self.shape.check(self.diameter)
         if self.device is not None:
             self._fit_to(self.device)
         self._check_kept()
@@ -121,6 +128,11 @@ class Stent(ByValue):
     def radius(self) -> float:
         """Half of the diameter, mm."""
         return self.diameter / 2.0
+
+    @property
+    def widest_diameter(self) -> float:
+        """Where it is widest, ends included, mm."""
+        return self.diameter if self.shape is None else self.shape.widest(self.diameter)
 
     @property
     def axis_file(self) -> InputFile | None:
@@ -155,7 +167,7 @@ class Stent(ByValue):
         check_is_a(device, Device, "device")
         if self.balloon is not None:
             device.check_diameter(self.balloon.diameter, "balloon diameter")
-        device.check_diameter(self.diameter)
+        device.check_diameter(self.widest_diameter)
         own, name = device.nominal_length, printable(device.name)
         if own is not None and self.length not in (None, own):
             raise InputError(

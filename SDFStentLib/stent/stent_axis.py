@@ -21,6 +21,7 @@ from .placement import (
     BetweenPoints,
     OfStent,
 )
+from .shape import DiametersAlong
 from .stent import Stent
 
 FARTHEST_PLACEMENT = 2.0
@@ -46,6 +47,8 @@ class StentAxis:
     nominal_length, prescribed_length : float
         Before and after foreshortening, mm.
     warnings : tuple of Caution
+    profile : DiametersAlong, optional
+        Of the stent that lies there, where it is no cylinder.
     """
 
     points: Points
@@ -53,6 +56,7 @@ class StentAxis:
     nominal_length: float
     prescribed_length: float
     warnings: tuple[Caution, ...] = ()
+    profile: DiametersAlong | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "points", read_only(self.points))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from .lesions import TreatedLesion, placement_at, treated_lesions
 from .preview import Preview, PreviewedStent, PreviewState
+from .profile import prescribed_diameters
 from .sizing import SEEN_RATIO, SizeRatios, SizingWishes, Suggestion, size_ratios, suggested
 from .straightening import axis_in_vessel
 from .treatment import Treatment
@@ -26,6 +27,7 @@ __all__ = [
     "Vessel",
     "axis_in_vessel",
     "placement_at",
+    "prescribed_diameters",
     "size_ratios",
     "suggested",
     "treated_lesions",

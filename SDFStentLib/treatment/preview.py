@@ -119,10 +119,10 @@ class Preview:
                         lumen=self._lumen,
                         lies_on=lies_on,
                     )
-                    check_width(stent.diameter, axis, self._proxy.probes(axis.points))
+                    check_width(stent.widest_diameter, axis, self._proxy.probes(axis.points))
                     state = self._proxy.deployed(
-                        settings.chain(axis.points),
-                        stent.radius,
+                        settings.chain(axis.points, axis.profile),
+                        stent.widest_diameter / 2,
                         settings,
                         points=self._points,
                         companions=() if tree is None else tree.points,

@@ -19,6 +19,7 @@ from ..measure import LocalSurface
 from ..stent import Stent, StentAxis, stent_axis, straightened, straightened_axis
 from ..validation import Points
 from .in_lumen import Lumen
+from .profile import with_profile
 
 Floats = NDArray[np.float64]
 
@@ -50,6 +51,18 @@ def axis_in_vessel(
     `lumen` is that of the surface, where many axes are asked for. `InputError` for points of the
     placement outside of it.
     """
+    axis = _axis(stent, centerline, surface, straightening_fraction, lumen, lies_on)
+    return with_profile(axis, stent, surface)
+
+
+def _axis(
+    stent: Stent,
+    centerline: Centerline | None,
+    surface: Surface,
+    straightening_fraction: float,
+    lumen: Lumen | None,
+    lies_on: StentAxis | None,
+) -> StentAxis:
     native = stent_axis(stent, centerline, lies_on=lies_on)
     if centerline is not None:
         (lumen or Lumen(surface)).check(stent.placement, centerline)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -28,6 +28,7 @@ from ..measure import (
     measured_at,
     profile_around,
 )
+from ..validation import Floats
 
 
 class Surroundings(NamedTuple):
@@ -50,21 +51,21 @@ class Surroundings(NamedTuple):
 def surroundings(
     states: VesselStates,
     axis: ExtendedAxis,
-    radius: float,
+    radius: Callable[[Floats], Floats],
     centerline: Centerline | None,
     faces: NamedFaces | None,
     *,
     spacing: float,
 ) -> Surroundings:
-    """The lumen along a stent of some radius, mm, and what it did to its surroundings.
+    """The lumen along a stent, and what it did to its surroundings.
 
     Parameters
     ----------
     states : VesselStates
     axis : ExtendedAxis
         Of the stent, in the vessel as it found it.
-    radius : float
-        mm.
+    radius : callable
+        Gives its radius, mm, at arc lengths (n,) of its axis.
     centerline : Centerline or None
         As the stent found it. Without it branches are found, and followed through their lumen.
     faces : NamedFaces or None

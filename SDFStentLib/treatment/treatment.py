@@ -30,11 +30,13 @@ from ..measure import (
 )
 from ..stent import Stent, StentAxis
 from ..validation import (
+    Floats,
     Points,
     as_number,
     as_points,
     read_only,
 )
+from .profile import prescribed_diameters
 from .straightening import axis_in_vessel
 from .surroundings import surroundings
 from .value import (
@@ -142,8 +144,8 @@ class Treatment:
             tree = np.empty((0, 3)) if centerline is None else centerline.points
             deployment = Deployment(
                 surface,
-                self.settings.chain(axis.points),
-                stent.radius,
+                self.settings.chain(axis.points, axis.profile),
+                stent.widest_diameter / 2,
                 self.settings.with_changes(certify=self.settings.certify and is_only),
                 companions=np.concatenate([tree, companions]),
                 precision=self.precision,
@@ -187,7 +189,7 @@ class Treatment:
         with labeled(self.label(number)):
             stent, lies_on = resolved(planned, placed)
             axis = axis_in_vessel(stent, centerline, surface, fraction, lies_on=lies_on)
-            check_width(stent.diameter, axis, self.surface.points)
+            check_width(stent.widest_diameter, axis, self.surface.points)
             return PlacedStent(number, stent, axis)
 
     def _measured(self) -> TreatmentResult:
@@ -220,7 +222,7 @@ class Treatment:
         seen = surroundings(
             states,
             axis,
-            stage.stent.radius,
+            stage.radius_at,
             stage.centerline,
             self.faces,
             spacing=PROFILE_SPACING,
@@ -317,3 +319,7 @@ class _Stage(NamedTuple):
     @property
     def result(self) -> DeploymentResult:
         return self.deployment.result
+
+    def radius_at(self, arc_length: Floats) -> Floats:
+        """Of the stent at some arc lengths of its axis, mm."""
+        return prescribed_diameters(self.stent, self.axis, arc_length) / 2

@@ -8,8 +8,8 @@ import numpy as np
 
 from ...geometry import point_at, vertex_normals
 from ...plan import PlanResult
-from ...treatment import TreatedStent
-from ...validation import Points, check_is_a
+from ...treatment import TreatedStent, prescribed_diameters
+from ...validation import Floats, Points, check_is_a
 from ..drawing import GRAY, INK, Box, Drawing, Line, Mark, Words
 from ..painting import painted
 from .shapes import (
@@ -59,7 +59,7 @@ def before_after_scene(result: PlanResult, title: str) -> tuple[Drawing, list[Pa
     surface, stents = result.inputs.surface, result.treatment.stents
     moments = surface.points, result.treatment.points
     cloud, axes = np.concatenate(moments), [stent.axis.points for stent in stents]
-    radii = [stent.stent.radius for stent in stents]
+    radii = [stent.stent.widest_diameter / 2 for stent in stents]
     view = best_view(axes, max(radii), cloud, WIDTH / 2 / (BOTTOM - TOP), surface.frame)
     lumens = [lumen for lumen in map(lumen_of, stents) if len(lumen.arc_length)]
     limits = _limits(radii, lumens)
@@ -70,11 +70,18 @@ def before_after_scene(result: PlanResult, title: str) -> tuple[Drawing, list[Pa
         colors = wall_colors(wall_diameters(points, lumens, side), limits, facing)
         panels.append(Panel(side, view, points, surface.triangles, colors))
     marks = [*_headings(stents, title), *_length_scale(view), *_color_scale(*limits)]
-    for axis, radius in zip(axes, radii, strict=True):
-        marks.append(_curve(view, axis, 0, INK, 2.5))
-        marks += [_curve(view, strut, 1, STEEL, 1.5) for strut in stent_lattice(axis, radius)]
+    for stent, radius in zip(stents, radii, strict=True):
+        marks.append(_curve(view, stent.axis.points, 0, INK, 2.5))
+        marks += [_curve(view, strut, 1, STEEL, 1.5) for strut in _struts(stent, radius)]
     marks += _sections(view, cloud, lumens)
     return Drawing(WIDTH, HEIGHT, tuple(marks), title), panels
+
+
+def _struts(stent: TreatedStent, radius: float) -> Floats:
+    """Struts of a drawn stent, as wide as it is everywhere, mm."""
+    return stent_lattice(
+        stent.axis.points, radius, lambda at: prescribed_diameters(stent.stent, stent.axis, at) / 2
+    )
 
 
 def _limits(radii: Sequence[float], lumens: Sequence[Lumen]) -> tuple[float, float]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -107,19 +107,24 @@ def diameter_colors(fraction: Floats) -> Floats:
     return np.stack([np.interp(fraction, anchors, part) for part in DIAMETER_COLORS.T], axis=-1)
 
 
-def stent_lattice(axis: Points, radius: float) -> Floats:
+def stent_lattice(
+    axis: Points, radius: float, radius_at: Callable[[Floats], Floats] | None = None
+) -> Floats:
     """Struts (l, p, 3) of a drawn stent, mm: rows of diamonds around the axis, end to end.
 
-    Only a sign for a stent; no product looks like this.
+    Only a sign for a stent; no product looks like this. `radius` is the largest one, `radius_at`
+    gives it at arc lengths where it is not the same everywhere.
     """
     around = 8
     rows = max(round(length(axis) / (np.pi * radius / around * 1.7)), 2)
-    frame = frames(center := point_at(axis, np.linspace(0, length(axis), rows + 1)))
+    along = np.linspace(0, length(axis), rows + 1)
+    frame = frames(center := point_at(axis, along))
+    own = radius if radius_at is None else radius_at(along)[:, None]
     # Zigzag in angle: half a cell forth in one row, back in the next.
     swing = np.arange(rows + 1) % 2
     starts = 2 * np.arange(around)[:, None]
     angle = (np.pi / around * np.concatenate([starts + swing, starts - swing]))[..., None]
-    return np.asarray(center + radius * (np.cos(angle) * frame[:, 1] + np.sin(angle) * frame[:, 2]))
+    return np.asarray(center + own * (np.cos(angle) * frame[:, 1] + np.sin(angle) * frame[:, 2]))
 
 
 def section_ring(lumen: Lumen, side: int) -> Points:

@@ -1,0 +1,409 @@
+"""Stents that are no cylinders: one profile over the axis, measured against what is prescribed."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from deployment_cases import anatomy, phantom
+from test_plan import SCHEMA, a_document
+from tube_files import deploy, write_tube
+
+from SDFStentLib.deformation import Deployment, DeploymentSettings
+from SDFStentLib.deformation import deploy as deployed
+from SDFStentLib.field import CapsuleChain, RadiusShares
+from SDFStentLib.plan.document import plan_text
+from SDFStentLib.plan.plan import Plan
+from SDFStentLib.plan.reader import load_plan, plan_from_document
+from SDFStentLib.plan.run import run_plan
+from SDFStentLib.plan.shapes import read_profile
+from SDFStentLib.stent import AlongAxis, AtCenter, Shape, Stent, StentEnd, Waist
+from SDFStentLib.treatment import Preview, Treatment
+from SDFStentLib.validation import InputError
+
+HOURGLASS = Shape(waist=Waist(6.6))
+"""Of the paper's first patient with tetralogy of Fallot, whose stent has 8.0 mm and 6.6 mm."""
+
+SHAPES = {
+    "hourglass": HOURGLASS,
+    "short waist": Shape(waist=Waist(6.0, position=0.3, length=8.0)),
+    "flare and taper": Shape(start=StentEnd(9.5, 4.0), end=StentEnd(7.0, 5.0)),
+    "all": Shape(waist=Waist(6.8, 0.5, 6.0), start=StentEnd(9.0, 4.0), end=StentEnd(9.0, 4.0)),
+    "table": Shape(table=((0, 7.0), (0.3, 8.0), (0.5, 6.5), (1, 8.0))),
+    "taper": Shape(table=((0, 8.0), (1, 6.0))),
+    "flat caps": Shape(cap_height=0.35),
+}
+
+ENOUGH = 0.1
+"""Largest difference of measured and prescribed diameters, mm, that is asked for."""
+
+
+def treated(shape, vessel=None, ends=(12.0, 28.0), diameter=8.0) -> Treatment:
+    vessel = vessel or phantom("stenosed_tube", edge_length=0.4)
+    axis = vessel.axis_at(np.linspace(*ends, 200))
+    stent = Stent(diameter, placement=AlongAxis(axis), shape=shape)
+    return Treatment(vessel.surface, [stent], vessel.centerline)
+
+
+def errors(stent) -> np.ndarray:
+    """Measured minus prescribed diameter across the axis, by the area of the section, mm."""
+    profile, after = stent.axis.profile, stent.after
+    prescribed = profile.at(after.arc_length / stent.axis.deployed_length)
+    return after.equivalent_diameter - prescribed
+
+
+# ---- the profile
+
+
+def test_a_profile_is_that_of_its_parts():
+    at = np.linspace(0, 1, 9)
+    flat = Shape().along(8.0, 16.0)
+    assert flat.at(at).tolist() == [8.0] * 9
+    waist = Shape(waist=Waist(6.6)).along(8.0, 16.0, narrowest=0.5)
+    assert waist.at(at)[[0, 4, 8]] == pytest.approx([8.0, 6.6, 8.0])
+    assert waist.at(at) == pytest.approx(waist.at(at[::-1]))
+    shifted = Shape(waist=Waist(6.6, length=8.0)).along(8.0, 16.0, narrowest=0.25)
+    assert shifted.at(np.array([0.0, 0.25, 0.5, 0.75])) == pytest.approx([8.0, 6.6, 8.0, 8.0])
+    ends = Shape(start=StentEnd(9.0, 4.0), end=StentEnd(6.0, 8.0)).along(8.0, 16.0)
+    assert ends.at(np.array([0.0, 0.25, 0.5, 1.0])) == pytest.approx([9.0, 8.0, 8.0, 6.0])
+    assert ends.widest == 9.0
+    assert (np.diff(ends.at(np.linspace(0, 1, 500))) <= 1e-12).all()
+    table = Shape(table=((0, 7.0), (0.5, 8.0), (1, 6.0))).along(8.0, 16.0)
+    assert table.at(np.array([0.25, 0.75])) == pytest.approx([7.5, 7.0])
+
+
+@pytest.mark.parametrize("narrowest", [0.0, 0.1, 0.5, 1.0])
+def test_no_place_is_narrower_than_the_waist_or_wider_than_the_widest_end(narrowest):
+    for shape in SHAPES.values():
+        profile = shape.along(8.0, 16.0, narrowest)
+        parts = [8.0, *(part.diameter for part in (shape.waist, shape.start, shape.end) if part)]
+        parts += [row[1] for row in shape.table]
+        assert profile.diameters.min() >= min(parts) - 1e-12
+        assert profile.widest <= shape.widest(8.0) + 1e-12
+
+
+# ---- measured
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_the_lumen_has_the_prescribed_profile(name):
+    treatment = treated(SHAPES[name])
+    (stent,) = treatment.result.stents
+    assert treatment.result.certificate.passed
+    found = np.abs(errors(stent))
+    assert found.mean() < 0.02
+    # Most at an end that is no wider than the vessel, whose wall the rest of the stent drags along.
+    assert found.max() < ENOUGH
+
+
+def test_the_hourglass_of_the_paper_has_8_mm_at_its_ends_and_6_6_at_its_waist():
+    (stent,) = treated(HOURGLASS).result.stents
+    for measured in (stent.after.equivalent_diameter, stent.after.inscribed_diameter):
+        assert measured[[0, len(measured) // 2, -1]] == pytest.approx([8.0, 6.6, 8.0], abs=0.03)
+    # The cylinder of 7.3 mm that the authors took for it misses both by 0.7 mm.
+    cylinder = treated(None, diameter=7.3).result.stents[0].after.equivalent_diameter
+    assert np.nanmax(np.abs(cylinder - stent.after.equivalent_diameter)) == pytest.approx(
+        0.7, abs=0.05
+    )
+
+
+@pytest.mark.parametrize("name", ["bent_tube", "helix_tube"])
+def test_in_a_bend_the_profile_is_that_across_the_axis(name):
+    vessel = phantom(name, edge_length=0.4)
+    (stent,) = treated(HOURGLASS, vessel, (10.0, 26.0)).result.stents
+    assert np.nanmax(np.abs(errors(stent))) < ENOUGH
+
+
+@pytest.mark.parametrize("start", [25.0, 60.0])
+def test_in_a_patients_vessel_the_waist_is_certified_and_where_it_was_narrowest(data_dir, start):
+    vessel = anatomy(data_dir, "pulmonary")
+    tree = vessel.centerline
+    path = tree.path(tree.points[tree.roots[0]], tree.points[np.sort(tree.leaves)[0]])
+    center = path.points[np.searchsorted(np.linspace(0, path.length, len(path.points)), start)]
+    wide = 2.6 * float(tree.project(center).inscribed_radius)
+    stent = Stent(
+        wide,
+        placement=AtCenter(center),
+        length=20.0,
+        shape=Shape(waist=Waist(0.85 * wide)),
+    )
+    result = Treatment(vessel.surface, [stent], tree).result
+    assert result.certificate.passed
+    (done,) = result.stents
+    at = done.axis.profile.fractions[done.axis.profile.diameters.argmin()]
+    radius = done.axis.inscribed_radius
+    assert at == pytest.approx(np.nanargmin(radius) / (len(radius) - 1), abs=0.1)
+
+
+def test_a_stent_without_a_shape_and_one_whose_shape_is_none_are_the_same_bit_for_bit():
+    vessel = phantom("bent_tube", edge_length=0.8)
+    one, other = (treated(shape, vessel, diameter=7.6).result for shape in (None, Shape()))
+    np.testing.assert_array_equal(one.points, other.points)
+    np.testing.assert_array_equal(one.companions, other.companions)
+
+
+def test_a_stent_grows_in_proportion():
+    """In a tube as narrow as to be touched all along from early on."""
+    vessel = phantom("straight_tube", edge_length=0.5, radius=1.2)
+    axis = vessel.axis_at(np.linspace(12, 28, 100))
+    settings = DeploymentSettings(tissue_gap=0.0, step=0.2)
+    shares = HOURGLASS.along(8.0, 16.0)
+    deployment = Deployment(vessel.surface, settings.chain(axis, shares), 4.0, settings)
+    for state in deployment:
+        if not 2.2 < state.radius < 3.9:
+            continue
+        points = state.applied_to(vessel.points)
+        away = np.linalg.norm(points[:, :2], axis=1)
+        height = points[:, 2] - axis[0, 2]
+        for low, high in ((0.5, 1.5), (7.5, 8.5)):
+            ring = (height > low) & (height < high)
+            share = shares.at(height[ring] / 16) / 8
+            assert away[ring] == pytest.approx(state.radius * share, abs=0.06)
+
+
+def test_flattened_caps_push_less_wall_beyond_the_ends():
+    beyond = {}
+    for cap in (1.0, 0.35):
+        treatment = treated(Shape(cap_height=cap), phantom("straight_tube", edge_length=0.5))
+        points = treatment.result.points
+        ring = np.abs(treatment.surface.points[:, 2] - 30.0) < 0.6
+        beyond[cap] = np.linalg.norm(points[ring, :2], axis=1).mean()
+    assert beyond[0.35] < beyond[1.0] - 0.05
+    assert beyond[0.35] >= 3.0 - 0.05
+
+
+def test_the_caps_of_radius_shares_are_ellipsoids():
+    nodes = np.array([[0.0, 0, 0], [0, 0, 10.0]])
+    shares = RadiusShares(np.array([0.0, 1.0]), np.array([1.0, 0.5]), 0.4)
+    points = np.array([[0, 0, -3.0], [3.0, 0, 0], [3.0, 0, 5], [0, 0, 13.0], [2.0, 0, -2.0]])
+    found = shares.at(points, nodes)
+    assert found[:4] == pytest.approx([0.4, 1.0, 0.75, 0.5 * 0.4])
+    # On an ellipse with half axes 1 and 0.4 in the direction of 45 degrees.
+    assert found[4] == pytest.approx(1 / np.sqrt(0.5 + 0.5 / 0.16))
+    np.testing.assert_allclose(shares.reversed.at(points, nodes[::-1]), found)
+
+
+@pytest.mark.parametrize("name", ["hourglass", "flare and taper"])
+def test_an_axis_the_other_way_round_with_its_profile_gives_the_same(name):
+    vessel = phantom("bent_tube", edge_length=0.8)
+    axis, settings = vessel.axis_at(np.linspace(12, 28, 100)), DeploymentSettings()
+    profile = SHAPES[name].along(8.0, 16.0, 0.3)
+    back = profile._replace(
+        fractions=1 - profile.fractions[::-1], diameters=profile.diameters[::-1]
+    )
+    results = [
+        deployed(vessel.surface, settings.chain(line, shares), profile.widest / 2).points
+        for line, shares in ((axis, profile), (axis[::-1], back))
+    ]
+    np.testing.assert_allclose(results[0], results[1], rtol=0, atol=1e-9)
+
+
+def test_the_certificate_notices_a_lumen_that_is_not_the_profile():
+    treatment = treated(HOURGLASS)
+    for _ in treatment:
+        pass
+    deployment = treatment._stages[0].deployment
+    (check,) = deployment.lumen_checks(treatment.surface, deployment.result.surface)
+    assert check.passed
+    for factor in (0.95, 1.08):
+        points = deployment.result.surface.points.copy()
+        waist = np.abs(points[:, 2] - 20) < 2.5
+        points[waist, :2] *= factor
+        wrong = deployment.result.surface.with_points(points)
+        (check,) = deployment.lumen_checks(treatment.surface, wrong)
+        assert check.is_narrow == (factor < 1)
+        assert check.is_wide == (factor > 1)
+
+
+def test_a_preview_has_the_waist_too():
+    treatment = treated(HOURGLASS, phantom("stenosed_tube", edge_length=0.8))
+    preview = Preview(treatment.surface, treatment.centerline).of(treatment.stents)
+    (stent,) = preview.stents
+    assert stent.minimum_lumen() == pytest.approx(6.6, rel=0.04)
+
+
+def test_the_contact_with_the_wall_is_that_of_the_profile():
+    """A waist hangs as little free as the ends: the wall follows it."""
+    (stent,) = treated(HOURGLASS).result.stents
+    assert stent.apposition.stretches == ()
+    wide = phantom("straight_tube", edge_length=0.5, radius=3.8)
+    (stent,) = treated(HOURGLASS, wide).result.stents
+    (stretch,) = stent.apposition.stretches
+    assert stretch.largest_gap == pytest.approx(0.5, abs=0.05)  # 7.6 against 6.6 mm
+
+
+# ---- what is refused
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: Waist(0), "waist: expected a number greater than 0"),
+        (lambda: Waist(6, position=1.2), "waist position: expected a number at least 0 and at mo"),
+        (lambda: Waist(6, length=-2), "waist length: expected a number greater than 0"),
+        (lambda: StentEnd(9, 0), "length of the end: expected a number greater than 0"),
+        (lambda: Shape(cap_height=0), "cap height: expected a number at least 0.1 and at most 1"),
+        (lambda: Shape(table=((0, 8.0),)), "expected fractions that rise from 0 to 1, each once"),
+        (lambda: Shape(table=((0, 8.0), (0.6, 7.0), (0.4, 7.0), (1, 8.0))), "got 0, 0.6, 0.4, 1"),
+        (lambda: Shape(table=((0.1, 8.0), (1, 7.0))), "expected fractions that rise from 0 to 1"),
+        (lambda: Shape(table=((0, 8.0, 1.0), (1, 7.0))), "expected rows of a fraction and a diam"),
+        (lambda: Shape(Waist(6), table=((0, 8.0), (1, 7.0))), "expected a table alone, got one w"),
+        (lambda: Shape(table=((0, -8.0), (1, 7.0))), "profile diameter: expected a number greater"),
+    ],
+)
+def test_a_shape_that_cannot_be_is_refused(make, words):
+    with pytest.raises(InputError, match=words):
+        make()
+
+
+def test_a_waist_wider_than_the_stent_and_ends_longer_than_it_are_refused():
+    place = AtCenter([0.0, 0, 20])
+    with pytest.raises(InputError, match=r"waist: expected at most the 8 mm of the stent, got 8"):
+        Stent(8.0, placement=place, length=16, shape=Shape(Waist(8.5)))
+    with pytest.raises(InputError, match="stent diameter: expected 7 mm, the largest of its prof"):
+        Stent(8.0, placement=place, length=16, shape=Shape(table=((0, 7.0), (1, 6.0))))
+    long = Shape(start=StentEnd(9.0, 9.0), end=StentEnd(9.0, 9.0))
+    with pytest.raises(InputError, match=r"expected at most its length of 16.0 mm, got 18 mm"):
+        treated(long, phantom("stenosed_tube", edge_length=1.2))
+    with pytest.raises(InputError, match="shape: expected a Shape"):
+        Stent(8.0, placement=place, length=16, shape="hourglass")
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "expected rows of fraction,diameter, got an empty file"),
+        ("a,b\n0,8\n1,7\n", "expected the header fraction,diameter in its first row, got 'a,b'"),
+        ("0,8\n1,7\n", "expected the header fraction,diameter in its first row, got '0,8'"),
+        ("fraction,diameter\n0,8\n", "expected two rows of fraction,diameter at least, got 1"),
+        ("fraction,diameter\n0,8\nx,7\n", "row 2: expected two numbers, fraction,diameter, got"),
+        ("fraction,diameter\n0,8\n1\n", "row 2: expected two numbers, fraction,diameter, got '1'"),
+    ],
+)
+def test_a_file_that_is_no_profile_is_said(tmp_path, text, words):
+    path = tmp_path / "profile.csv"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=words):
+        read_profile(path)
+    assert read_profile.__doc__
+
+
+def test_radius_shares_that_cannot_be_are_refused():
+    for fractions, shares in (
+        ([0, 1], [1, 0]),
+        ([0, 1], [1, 1.1]),
+        ([0, 0.5], [1, 1]),
+        ([0, 0.5, 0.5, 1], [1, 1, 1, 1]),
+        ([0, 1], [1, 1, 1]),
+    ):
+        with pytest.raises(InputError, match="radius shares: expected"):
+            RadiusShares(np.array(fractions, float), np.array(shares, float))
+    chain = CapsuleChain.along([[0, 0, 0], [0, 0, 9]])
+    assert chain.shortfall(np.zeros((3, 3)), 4.0) == 0.0
+
+
+# ---- documents and the shell
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_a_shape_comes_back_from_a_plan_exactly(name):
+    jsonschema = pytest.importorskip("jsonschema")
+    stent = Stent(8.0, placement=AtCenter([0.0, 0, 20]), length=16, shape=SHAPES[name])
+    document = json.loads(plan_text(Plan((stent,))))
+    jsonschema.Draft7Validator(SCHEMA).validate(document)
+    again = plan_from_document(document)
+    assert again == Plan((stent,))
+    assert again != Plan((replace(stent, shape=None),))
+
+
+@pytest.mark.parametrize(
+    ("shape", "words"),
+    [
+        ({"wast": {}}, r"stents\[0\].shape: unknown key 'wast'"),
+        ({"waist": {}}, r"stents\[0\].shape.waist: expected the key 'diameter', got none"),
+        ({"waist": {"diameter": 7}}, r"stents\[0\]: waist: expected at most the 6 mm of the stent"),
+        ({"waist": {"diameter": -7}}, r"stents\[0\].shape: waist: expected a number greater"),
+        ({"table": [[0, 6], [1]]}, r"stents\[0\].shape: profile: expected rows of a fraction"),
+        ({"table": [[1, 6], [0, 5]]}, "expected fractions that rise from 0 to 1, each once, got 1"),
+        ({"cap_height": "x"}, r"stents\[0\].shape.cap_height: expected a number, got 'x'"),
+    ],
+)
+def test_what_does_not_belong_in_a_shape_is_named_with_its_place(shape, words):
+    with pytest.raises(InputError, match=words):
+        plan_from_document({**a_document(shape=shape), "version": 2})
+
+
+@pytest.fixture
+def a_folder(tmp_path, monkeypatch):
+    """A working folder with a tube of 6 mm, narrowed to 3.6 at its middle, in cm."""
+    write_tube(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_the_shell_deploys_a_waist_at_the_throat_and_reports_the_profile(a_folder, capsys):
+    place = ["--center", "0", "0", "1.8", "--length", "20"]  # the throat is at 2.0 cm
+    more = ["--waist", "5", "--waist-length", "8", "--report", "r.json", "--report", "r.html"]
+    assert deploy(*more, "--save-plan", "p.json", place=place, diameter="6.4") == 0
+    assert "prescribed 5.00 to 6.40 mm." in capsys.readouterr().out
+    (stent,) = json.loads(Path("r.json").read_text(encoding="utf-8"))["stents"]
+    along = stent["diameters"]["along"]
+    known = [
+        (at, wanted, found)
+        for at, wanted, found in zip(
+            along["arc_length_mm"],
+            along["prescribed_mm"],
+            along["equivalent_after_mm"],
+            strict=True,
+        )
+        if wanted is not None
+    ]
+    at, wanted, found = np.array(known).T
+    assert at[wanted.argmin()] == pytest.approx(11.0, abs=1.0)  # 9 mm of the stent lie proximal
+    assert np.abs(found - wanted).max() < 0.15  # edges of 1 mm
+    assert min(stent["shape"]["diameters_mm"]) == pytest.approx(5.0)
+    page = Path("r.html").read_text(encoding="utf-8")
+    assert "<td>Waist</td><td>5.00 mm</td>" in page
+    assert "<td>Prescribed along it</td><td>5.00 to 6.40 mm</td>" in page
+    again = run_plan(load_plan("p.json"))
+    assert again.plan.stents[0].shape == Shape(Waist(5.0, None, 8.0))
+
+
+def test_the_shell_takes_a_profile_from_a_table_and_flares(a_folder):
+    Path("p.csv").write_text("fraction,diameter\n0,6\n0.5,6.8\n1,6.2\n", encoding="utf-8")
+    assert deploy("--profile", "p.csv", "--report", "r.json", diameter=None) == 0
+    (stent,) = json.loads(Path("r.json").read_text(encoding="utf-8"))["stents"]
+    assert stent["lumen_diameter_mm"] == 6.8
+    assert stent["shape"]["table"] == [[0, 6], [0.5, 6.8], [1, 6.2]]
+    more = ["--flare-start", "7.5", "4", "--flare-end", "5.8", "3", "--cap-height", "0.4"]
+    assert deploy(*more, "--report", "r.json", diameter="6.4") == 0
+    (stent,) = json.loads(Path("r.json").read_text(encoding="utf-8"))["stents"]
+    wanted = [one for one in stent["diameters"]["along"]["prescribed_mm"] if one is not None]
+    assert wanted[0] == pytest.approx(7.5)
+    assert wanted[-1] == pytest.approx(5.8)
+    assert stent["shape"]["cap_height"] == 0.4
+
+
+@pytest.mark.parametrize(
+    ("more", "diameter", "words"),
+    [
+        (["--waist", "7"], "6", "waist: expected at most the 6 mm of the stent, got 7 mm"),
+        (["--waist-position", "0.5"], "6", "expected --waist D with --waist-position, got none"),
+        (["--waist-length", "5"], "6", "expected --waist D with --waist-length, got none; give"),
+        (["--profile", "p.csv"], "6", "expected --profile alone, which has all diameters, got it"),
+        (["--profile", "p.csv"], None, "expected fractions that rise from 0 to 1, each once, got"),
+        (["--profile", "none.csv"], None, "none.csv: no such file"),
+        (["--flare-start", "9", "30"], "6", "expected at most its length of 18.0 mm, got 30 mm"),
+        (["--cap-height", "2"], "6", "cap height: expected a number at least 0.1 and at most 1"),
+    ],
+)
+def test_a_shape_that_contradicts_itself_is_said_and_nothing_is_written(
+    a_folder, capsys, more, diameter, words
+):
+    Path("p.csv").write_text("fraction,diameter\n0,6\n1,6\n0.5,5\n", encoding="utf-8")
+    assert deploy(*more, diameter=diameter) == 2
+    assert words in capsys.readouterr().err
+    assert not Path("out.vtp").exists()
