@@ -108,6 +108,7 @@ def _signature(parameterNode, stents):
                 s.foreshortening,
                 s.placement,
                 s.wholeCurve,
+                s.details,
                 Conversion.changeStamp(s.handle),
             )
             for s in stents

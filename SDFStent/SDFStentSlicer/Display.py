@@ -73,12 +73,19 @@ def showLines(node, points, lines):
 
 
 def showTubes(node, axes):
-    """Put one open tube per (points, radius) into a model node, in place."""
+    """Put one open tube per (stent axis, largest radius) into a model node, in place."""
     appended = vtk.vtkAppendPolyData()
-    for points, radius in axes:
-        spine = resampled(points, TUBE_SPACING)
+    for axis, radius in axes:
+        spine = resampled(axis.points, TUBE_SPACING)
+        line = polydata_from_lines(spine, [np.arange(len(spine))])
         tube = vtk.vtkTubeFilter()
-        tube.SetInputData(polydata_from_lines(spine, [np.arange(len(spine))]))
+        if axis.profile is not None:
+            widths = axis.profile.at(np.linspace(0, 1, len(spine))) / axis.profile.widest
+            shares = numpy_to_vtk(TUBE_SHRINK * radius * widths, deep=True)
+            shares.SetName("TubeRadius")
+            line.GetPointData().SetScalars(shares)
+            tube.SetVaryRadiusToVaryRadiusByAbsoluteScalar()
+        tube.SetInputData(line)
         tube.SetRadius(TUBE_SHRINK * radius)
         tube.SetNumberOfSides(TUBE_SIDES)
         tube.CappingOff()

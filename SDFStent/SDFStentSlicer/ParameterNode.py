@@ -115,7 +115,10 @@ CHOICE_LABELS = {
 
 @parameterPack
 class StentParameters:
-    """One stent of the plan. Sizes in mm; foreshortening in percent, as on screen."""
+    """One stent of the plan. Sizes in mm; foreshortening in percent, as on screen.
+
+    `details` is what a loaded plan says beyond them (device, balloon, shape), as the library keeps it.
+    """
 
     label: str = "Stent"
     enabled: bool = True
@@ -124,6 +127,7 @@ class StentParameters:
     foreshortening: Annotated[float, _within("foreshortening")] = 10.0
     placement: Placement = Placement.CENTER
     wholeCurve: bool = True
+    details: str = ""
     handle: Union[vtkMRMLMarkupsFiducialNode, vtkMRMLMarkupsCurveNode, None]
 
 

@@ -8,8 +8,17 @@ from slicer.i18n import tr as _
 
 from SDFStentLib import stent as library
 from SDFStentLib.deformation import DeploymentSettings
-from SDFStentLib.plan import Plan, load_plan, plan_from_document, plan_text, save_plan, turned
-from SDFStentLib.stent import InputFile, Stent
+from SDFStentLib.plan import (
+    Plan,
+    detailed_stent,
+    load_plan,
+    plan_from_document,
+    plan_text,
+    save_plan,
+    stent_details,
+    turned,
+)
+from SDFStentLib.stent import InputFile, OfStent
 from SDFStentLib.validation import InputError
 
 from . import Conversion, Dependencies, Handles
@@ -88,6 +97,12 @@ def load(path, parameterNode):
     """
     plan = load_plan(path)
     frame = plan.frame or Conversion.fileFrame(parameterNode.vessel) or "RAS"
+    for number, stent in enumerate(plan.stents, start=1):
+        if isinstance(stent.placement, OfStent):
+            raise InputError(
+                f"{path}: stent {number} dilates stent {stent.placement.number} again, which the panel does not do; "
+                "leave it out of the plan, or run it with sdfstent run."
+            )
     planned = [_inFrame(stent, frame) for stent in plan.stents]
     stents = [_valuesOf(stent) for stent in planned]
     method = _methodOf(plan)
@@ -147,7 +162,8 @@ def plannedStent(stent):
     hasLength = not stent.placement.usesHandleLength or (
         stent.placement == Placement.ALONG_CURVE and not stent.wholeCurve
     )
-    return Stent(
+    return detailed_stent(
+        stent.details,
         stent.diameter,
         placement=_placementOf(stent),
         length=stent.length if hasLength else None,
@@ -170,6 +186,7 @@ def _valuesOf(stent):
     """A stent as the values of a `StentParameters`, still without a handle."""
     kind, _points = _kindAndPoints(stent.placement)
     values = {
+        "details": stent_details(stent),
         "label": stent.name or "Stent",
         "enabled": stent.enabled,
         "diameter": stent.diameter,

@@ -131,15 +131,15 @@ class PreviewRun:
         return (yield from inPortions(lambda: [one.minimum_lumen() for one in self.state.stents]))
 
     def tubes(self):
-        """(axis points, radius) of every stent."""
-        return [(one.axis.points, one.stent.radius) for one in self.state.stents]
+        """(axis, radius) of every stent."""
+        return [(one.axis, one.stent.widest_diameter / 2) for one in self.state.stents]
 
     def at(self, percent):
         """The points before or after the stents, and the stents that are there."""
         return self.end() if percent > 0 else (self.surface.points, [])
 
     def end(self):
-        """The points after the stents, and (axis points, radius) of every stent."""
+        """The points after the stents, and (axis, radius) of every stent."""
         return self.points, self.tubes()
 
     def map(self, name):

@@ -5,6 +5,7 @@ import slicer
 from slicer.i18n import tr as _
 
 from SDFStentLib.measure import SMALLEST_DEGREE
+from SDFStentLib.treatment import prescribed_diameters
 from SDFStentLib.validation import one_line
 
 from . import Display
@@ -85,8 +86,8 @@ def stentSummary(treated, lesions):
                 before=_number(before.minimum), after=_number(after.minimum)
             ),
             _(
-                "Mean \N{PLUS-MINUS SIGN} SD in the stent: {before} \N{RIGHTWARDS ARROW} {after} mm ({prescribed:.1f} prescribed)"
-            ).format(before=_spread(before), after=_spread(after), prescribed=planned.diameter),
+                "Mean \N{PLUS-MINUS SIGN} SD in the stent: {before} \N{RIGHTWARDS ARROW} {after} mm ({prescribed} prescribed)"
+            ).format(before=_spread(before), after=_spread(after), prescribed=_prescribed(treated)),
             *lesionLines(lesions, treated.number),
             *branchLines(treated),
         )
@@ -176,6 +177,14 @@ def selectedStent(parameterNode, run):
     return ranks.index(max(ranks))
 
 
+def _prescribed(treated):
+    """The prescribed diameter, or the smallest and the largest one, mm."""
+    profile = treated.axis.profile
+    if profile is None:
+        return f"{treated.stent.diameter:.1f}"
+    return _("{low:.1f} to {high:.1f}").format(low=profile.diameters.min(), high=profile.widest)
+
+
 def _title(treated, number):
     """How a stent is called above its plot: by its name, and by its number when the name is not its own."""
     names = [one_line(stent.stent.name) for stent in treated]
@@ -197,7 +206,11 @@ def showProfile(parameterNode, run):
         POSITION: before.arc_length,
         "Before (mm)": before.inscribed_diameter,
         "After (mm)": after.inscribed_diameter,
-        "Prescribed (mm)": np.where(inStent, chosen.stent.diameter, np.nan),
+        "Prescribed (mm)": np.where(
+            inStent,
+            prescribed_diameters(chosen.stent, chosen.axis, before.arc_length),
+            np.nan,
+        ),
         "Equivalent before (mm)": before.equivalent_diameter,
         "Equivalent after (mm)": after.equivalent_diameter,
     }

@@ -3,6 +3,7 @@
 import qt
 from slicer.i18n import tr as _
 
+from SDFStentLib.plan import details_words
 from SDFStentLib.validation import one_line
 
 
@@ -19,22 +20,23 @@ class StentTable:
     def show(self, stents, selected):
         """Fill the table; does nothing when it shows this already."""
         rows = [_texts(values) for values in stents]
-        if self._shown == (rows, selected):
+        details = [one_line(details_words(values["details"])) for values in stents]
+        if self._shown == (rows, details, selected):
             return
         self._updating = True
         try:
             self.ui.stentTable.setRowCount(len(rows))
             for row, texts in enumerate(rows):
-                self._fill(row, texts, stents[row]["enabled"])
+                self._fill(row, texts, stents[row]["enabled"], details[row])
             if 0 <= selected < len(rows):
                 self.ui.stentTable.selectRow(selected)
             else:
                 self.ui.stentTable.clearSelection()
         finally:
             self._updating = False
-        self._shown = (rows, selected)
+        self._shown = (rows, details, selected)
 
-    def _fill(self, row, texts, enabled):
+    def _fill(self, row, texts, enabled, details):
         for column, text in enumerate(texts[:-1]):
             item = qt.QTableWidgetItem(text)
             if column == 0:
@@ -43,6 +45,9 @@ class StentTable:
                 )
                 item.setCheckState(qt.Qt.Checked if enabled else qt.Qt.Unchecked)
                 item.setToolTip(_("Tick to deploy this stent, untick to leave it out."))
+            if column == 1 and details:
+                item.setText(f"{text} +")
+                item.setToolTip(_("From the loaded plan: {details}.").format(details=details))
             self.ui.stentTable.setItem(row, column, item)
 
     def _selectionChanged(self):

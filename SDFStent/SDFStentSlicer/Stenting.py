@@ -64,7 +64,7 @@ class Stenting:
             if state.number not in self._axes:
                 self._follow()
                 stent = self._treatment.stents[state.number - 1]
-                self._axes[state.number] = (state.axis.points, stent.radius)
+                self._axes[state.number] = (state.axis, stent.widest_diameter / 2)
             self.recorded.append(state)
             yield state
         self._follow()
@@ -80,7 +80,7 @@ class Stenting:
             )
 
     def at(self, percent):
-        """All points at a percentage of the way, and the (axis points, radius) of every stent that is there by then.
+        """All points at a percentage of the way, and the (axis, radius) of every stent that is there by then.
 
         Between two recorded steps of a stent both are interpolated.
         """
@@ -98,7 +98,7 @@ class Stenting:
         return points, [*done, (self._axes[state.number][0], radius)]
 
     def end(self):
-        """The final points, and (axis points, radius) of every stent."""
+        """The final points, and (axis, radius) of every stent."""
         return self.points, list(self._axes.values())
 
     def map(self, name):

@@ -261,3 +261,90 @@ def test_a_deployment_takes_the_sentence_about_the_plan_away(host, aStent, tmp_p
     assert savedWith(host, aStent, tmp_path / "plan.json")
     deploy(host, aStent)
     assert aStent._parameterNode.status == ""
+
+
+DETAILED = {
+    "device": {
+        "name": "bench-16",
+        "nominal_length": 16,
+        "lengths": [[4, 16], [12, 12]],
+        "source": "own bench",
+    },
+    "balloon": {"diameter": 8.0, "recoil_fraction": 0.1, "reason": "as given"},
+    "keeps": "proximal",
+    "shape": {"waist": {"diameter": 6.0, "position": 0.5, "length": None}, "cap_height": 0.5},
+}
+"""What a plan may say of a stent that the panel has no controls for."""
+
+
+@pytest.fixture
+def aDetailedPlan(aLogic, theParameters, tmp_path):
+    """The panel's plan, its stent with a device, a balloon, a kept end and a waist."""
+    aLogic.savePlan(tmp_path / "plan.json", theParameters)
+    document = json.loads((tmp_path / "plan.json").read_text(encoding="utf-8"))
+    stent = document["stents"][0]
+    stent.update(DETAILED, diameter=7.2, length=16.0, foreshortening_fraction=None)
+    (tmp_path / "plan.json").write_text(json.dumps(document), encoding="utf-8")
+    return tmp_path / "plan.json"
+
+
+def test_what_the_panel_has_no_controls_for_survives_a_plan(aLogic, theParameters, aDetailedPlan):
+    from SDFStentLib.plan import load_plan
+
+    aLogic.loadPlan(aDetailedPlan, theParameters)
+    aLogic.savePlan(aDetailedPlan.with_name("again.json"), theParameters)
+    (first,), (again,) = (
+        load_plan(path).stents for path in (aDetailedPlan, aDetailedPlan.with_name("again.json"))
+    )
+    assert (again.device, again.balloon, again.keeps) == (first.device, first.balloon, first.keeps)
+    assert again.shape == first.shape
+    assert (again.diameter, again.length) == (first.diameter, first.length)
+    assert again.foreshortening == first.foreshortening
+    (stent,) = aLogic.deploy(theParameters).stents
+    assert stent.axis.deployed_length == pytest.approx(16 - 3.2 / 2)
+    assert stent.after.minimum == pytest.approx(6.0, abs=0.15)
+
+
+def test_table_and_tubes_follow_a_waist(aLogic, theParameters, aDetailedPlan):
+    from SDFStentLib.geometry import resampled
+
+    aLogic.loadPlan(aDetailedPlan, theParameters)
+    (stent,) = aLogic.deploy(theParameters).stents
+    table = slicer.util.arrayFromTableColumn(theParameters.outputTable, "Prescribed (mm)")
+    assert np.nanmin(table) == pytest.approx(6.0, abs=0.05)
+    assert np.nanmax(table) == pytest.approx(7.2)
+    assert "(6.0 to 7.2 prescribed)" in theParameters.lumenSummary
+    points = slicer.util.arrayFromModelPoints(theParameters.outputStents)
+    axis = resampled(stent.axis.points, 0.05)
+    away = np.array([np.linalg.norm(axis - point, axis=1).min() for point in points])
+    assert away.max() / away.min() == pytest.approx(1.2, abs=0.05)
+
+
+def test_a_diameter_set_in_the_panel_keeps_recoil_and_device(aLogic, theParameters, aDetailedPlan):
+    from SDFStentSlicer import Plans
+
+    aLogic.loadPlan(aDetailedPlan, theParameters)
+    stents = aLogic.stentList(theParameters)
+    stents.replace([{**stents.values()[0], "diameter": 9.0}], 0)
+    (stent,) = Plans.plannedOf(theParameters)
+    assert stent.balloon.diameter == pytest.approx(10.0)
+    assert stent.balloon.recoil_fraction == 0.1
+    assert stent.foreshortening == pytest.approx(2.5 / 16)
+
+
+def test_the_stent_table_says_what_else_a_plan_told(aPanel, theParameters, aDetailedPlan):
+    aPanel.logic.loadPlan(aDetailedPlan, aPanel._parameterNode)
+    cell = aPanel.ui.stentTable.item(0, 1)
+    assert cell.text().endswith(" +")
+    for words in ("device bench-16", "10 % of recoil", "proximal end kept", "a shape (waist)"):
+        assert words in cell.toolTip()
+
+
+def test_a_redilation_is_refused_in_a_sentence(aLogic, theParameters, aDetailedPlan):
+    document = json.loads(aDetailedPlan.read_text(encoding="utf-8"))
+    document["stents"].append({"diameter": 9.0, "placement": {"stent": 1}})
+    aDetailedPlan.write_text(json.dumps(document), encoding="utf-8")
+    before = aLogic.stentList(theParameters).values()
+    with pytest.raises(ValueError, match="stent 2 dilates stent 1 again, which the panel does not"):
+        aLogic.loadPlan(aDetailedPlan, theParameters)
+    assert aLogic.stentList(theParameters).values() == before

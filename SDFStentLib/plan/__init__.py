@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from ..late import late_names
 
 if TYPE_CHECKING:
+    from .details import detailed_stent, details_words, stent_details
     from .devices import device_document, device_named, device_table
     from .document import POINT_PLACEMENTS, plan_text, save_plan
     from .json_document import scaled
@@ -35,6 +36,8 @@ __all__ = [
     "PlanResult",
     "StepFiles",
     "as_read",
+    "detailed_stent",
+    "details_words",
     "device_document",
     "device_named",
     "device_table",
@@ -49,6 +52,7 @@ __all__ = [
     "save_plan",
     "scaled",
     "shape_document",
+    "stent_details",
     "treatment_of",
     "turned",
 ]
@@ -56,6 +60,7 @@ __all__ = [
 __getattr__, __dir__ = late_names(
     __name__,
     {
+        "details": ["detailed_stent", "details_words", "stent_details"],
         "devices": ["device_document", "device_named", "device_table"],
         "document": ["POINT_PLACEMENTS", "plan_text", "save_plan"],
         "json_document": ["scaled"],

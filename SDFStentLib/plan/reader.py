@@ -179,7 +179,7 @@ class _StentReader:
         diameter = float(number(stent["diameter"], f"{where}.diameter"))
         changes["name"] = text_value(stent.get("name", ""), f"{where}.name")
         changes["device"] = device_from_document(stent.get("device"), f"{where}.device")
-        changes["balloon"] = _balloon(stent.get("balloon"), f"{where}.balloon")
+        changes["balloon"] = balloon_from_document(stent.get("balloon"), f"{where}.balloon")
         changes["keeps"] = text_value(stent.get("keeps", "center"), f"{where}.keeps")
         changes["shape"] = shape_from_document(stent.get("shape"), f"{where}.shape")
         changes["enabled"] = truth(stent.get("enabled", True), f"{where}.enabled")
@@ -230,7 +230,8 @@ class _StentReader:
         return np.array([scaled(item, factor) for item in numbers])
 
 
-def _balloon(value: Any, where: str) -> Balloon | None:
+def balloon_from_document(value: Any, where: str) -> Balloon | None:
+    """A balloon from its document; None from null, `InputError` for what does not belong there."""
     if value is None:
         return None
     given = section(value, where, ("diameter", "recoil_fraction"), ("reason",))

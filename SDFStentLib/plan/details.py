@@ -1,0 +1,117 @@
+"""What a stent is beyond its sizes and its place, as one text that a program can keep.
+
+A program that shows only a stent's diameter, length and place, such as a panel, keeps the rest so:
+nothing of a plan is lost on the way through it.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from typing import Any
+
+from ..stent import Balloon, Placement, Shape, Stent
+from .devices import device_document, device_from_document
+from .json_document import parsed, section
+from .reader import balloon_from_document
+from .shapes import shape_document, shape_from_document
+
+KEYS = ("device", "balloon", "keeps", "shape")
+
+
+def stent_details(stent: Stent) -> str:
+    """Device, balloon, shape and kept end of a stent as JSON text; empty where it has none."""
+    document: dict[str, Any] = {
+        "device": device_document(stent.device),
+        "balloon": None if stent.balloon is None else vars(stent.balloon),
+        "keeps": None if stent.keeps == "center" else stent.keeps,
+        "shape": shape_document(stent.shape),
+    }
+    kept = {key: value for key, value in document.items() if value is not None}
+    return json.dumps(kept, ensure_ascii=False) if kept else ""
+
+
+def detailed_stent(
+    details: str,
+    diameter: float,
+    *,
+    placement: Placement,
+    length: float | None,
+    foreshortening_fraction: float | None,
+    **values: Any,
+) -> Stent:
+    """A stent of some sizes with the details of another one.
+
+    Where the diameter is another than theirs the balloon follows it by the same recoil, and a table
+    in proportion. A device with a table of lengths shortens as that says, whatever fraction
+    is given.
+
+    Parameters
+    ----------
+    details : str
+        As of `stent_details`.
+    diameter, placement, length, foreshortening_fraction, values
+        As of `Stent`.
+
+    Raises
+    ------
+    InputError
+        Details that cannot be read, or that rule out the sizes.
+    """
+    sizes: dict[str, Any] = {
+        "length": length,
+        "foreshortening_fraction": foreshortening_fraction,
+    }
+    if not details:
+        return Stent(diameter, placement=placement, **sizes, **values)
+    found = section(parsed(details, "stent details"), "stent details", (), KEYS)
+    device = device_from_document(found.get("device"), "stent details.device")
+    if device is not None and device.lengths:
+        sizes["foreshortening_fraction"] = None
+    balloon = balloon_from_document(found.get("balloon"), "stent details.balloon")
+    shape = shape_from_document(found.get("shape"), "stent details.shape")
+    return Stent(
+        diameter,
+        placement=placement,
+        device=device,
+        balloon=None if balloon is None else _that_leaves(balloon, diameter),
+        keeps=found.get("keeps", "center"),
+        shape=None if shape is None else _for_diameter(shape, diameter),
+        **sizes,
+        **values,
+    )
+
+
+def details_words(details: str) -> str:
+    """What the details are, for the user; empty where there are none."""
+    found = parsed(details, "stent details") if details else {}
+    words = []
+    if "device" in found:
+        words.append(f"device {found['device']['name']}")
+    if "balloon" in found:
+        recoil = 100 * float(found["balloon"]["recoil_fraction"])
+        words.append(f"a balloon with {recoil:g} % of recoil")
+    if "keeps" in found:
+        words.append(f"its {found['keeps']} end kept on shortening")
+    shape = found.get("shape", {})
+    parts = [name for name in ("waist", "table") if name in shape]
+    parts += [f"{name} of its own" for name in ("start", "end") if name in shape]
+    if "shape" in found:
+        words.append(f"a shape ({', '.join(parts) or 'flat caps'})")
+    return ", ".join(words)
+
+
+def _that_leaves(balloon: Balloon, diameter: float) -> Balloon:
+    if balloon.lumen_diameter == diameter:
+        return balloon
+    return replace(balloon, diameter=diameter / (1.0 - balloon.recoil_fraction))
+
+
+def _for_diameter(shape: Shape, diameter: float) -> Shape:
+    """A table in proportion to its largest diameter; other parts have diameters of their own."""
+    if not shape.table:
+        return shape
+    factor = diameter / max(row[1] for row in shape.table)
+    if factor == 1:
+        return shape
+    return replace(shape, table=tuple((at, wide * factor) for at, wide in shape.table))
