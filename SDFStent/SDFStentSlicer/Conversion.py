@@ -47,18 +47,23 @@ def segmentOf(parameterNode):
 
 def centerlineOf(node):
     """The library's centerline of a model, a curve, or a curve with its branches below it in the subject hierarchy."""
+    return Centerline.from_lines(*centerlineLines(node))
+
+
+def centerlineLines(node):
+    """Points in world coordinates, lines of them and radii or None: what `Centerline.from_lines` makes a centerline of."""
     if node is None:
         raise InputError(
             "Centerline: expected a model or a markups curve, got none; select one in Inputs."
         )
     _checkTransform(node)
     if node.IsA("vtkMRMLModelNode"):
-        return _centerlineOfModel(node)
+        return _linesOfModel(node)
     pieces = [curvePoints(curve) for curve in [node, *_branchCurves(node)]]
     starts = np.cumsum([0] + [len(p) for p in pieces])
     lines = [np.arange(a, b) for a, b in pairwise(starts)]
     # A curve's measurement "Radius" may be shifted by one sample (VTK 9.3 and later): measured on the wall instead.
-    return Centerline.from_lines(np.concatenate(pieces), lines)
+    return np.concatenate(pieces), lines, None
 
 
 def curvePoints(node):
@@ -209,7 +214,7 @@ def _toWorld(node, polyData):
     return mover.GetOutput()
 
 
-def _centerlineOfModel(node):
+def _linesOfModel(node):
     surface = node.GetPolyData()
     if surface is None or surface.GetNumberOfLines() == 0:
         raise InputError(
@@ -217,7 +222,7 @@ def _centerlineOfModel(node):
         )
     surface = _toWorld(node, surface)
     points, lines = lines_from_polydata(surface, f"Centerline {node.GetName()}")
-    return Centerline.from_lines(points, lines, inscribed_radius_from_polydata(surface))
+    return points, lines, inscribed_radius_from_polydata(surface)
 
 
 def _branchCurves(node):

@@ -3,6 +3,7 @@
 from vtk.util.numpy_support import vtk_to_numpy
 
 from . import Dependencies, Plans, Results
+from .Portions import working
 from .Stenting import Stenting
 
 
@@ -31,7 +32,8 @@ def steps(shown, signature, vessel, inputs):
         yield from _expand(run, surface)
     finally:
         surface.showOutline()
-    Results.showEnd(parameterNode, run)
+    lines = yield from working(run.lines())
+    Results.showEnd(parameterNode, run, lines)
     shown.signature = signature
     Results.showMap(parameterNode, run)
 

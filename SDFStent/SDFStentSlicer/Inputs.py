@@ -4,8 +4,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from SDFStentLib.centerline import Centerline
 from SDFStentLib.files import faces_of_polydata, surface_from_polydata, triangulated_polydata
-from SDFStentLib.validation import InputError
 
 from . import Conversion
 from .Lesions import LesionSearch
@@ -39,8 +39,8 @@ class Inputs:
         node, segmentID = parameterNode.vessel, Conversion.segmentOf(parameterNode)
         stamp = (Conversion.changeStamp(node), segmentID)
         if node is None or stamp != self._vessel[0]:
-            name = f"Vessel {node.GetName()}"
             given = Conversion.vesselPolyData(node, segmentID)
+            name = f"Vessel {node.GetName()}"
             yield None
             polyData = yield from inPortions(lambda: triangulated_polydata(given, name).polydata)
             surface = yield from inPortions(lambda: surface_from_polydata(polyData, name))
@@ -49,10 +49,16 @@ class Inputs:
 
     def centerline(self, parameterNode):
         """The library's centerline."""
+        return untilDone(self.centerlineInPortions(parameterNode))
+
+    def centerlineInPortions(self, parameterNode):
+        """The same in portions: a generator that yields None and returns the centerline."""
         node = parameterNode.centerline
         stamp = Conversion.changeStamp(node)
         if node is None or stamp != self._centerline[0]:
-            self._centerline = (stamp, Conversion.centerlineOf(node))
+            lines = Conversion.centerlineLines(node)
+            centerline = yield from inPortions(lambda: Centerline.from_lines(*lines))
+            self._centerline = (stamp, centerline)
         return self._centerline[1]
 
     def lesions(self, parameterNode):
@@ -64,7 +70,8 @@ class Inputs:
 
     def _bothInPortions(self, parameterNode):
         vessel = yield from self.vesselInPortions(parameterNode)
-        return vessel.surface, self.centerline(parameterNode), vessel.faces
+        centerline = yield from self.centerlineInPortions(parameterNode)
+        return vessel.surface, centerline, vessel.faces
 
     def preview(self, parameterNode):
         """The `PreviewedVessel` of vessel and centerline, the same object until one of them changes."""
@@ -77,10 +84,9 @@ class Inputs:
         return self._preview[1]
 
     def sizeLimits(self, parameterNode):
-        """Largest sensible diameter and length of a stent for this vessel, mm."""
-        try:
-            centerline = self.centerline(parameterNode)
-        except InputError:
+        """Largest sensible diameter and length of a stent for this vessel, mm; for any, until its centerline is converted."""
+        node, (stamp, centerline) = parameterNode.centerline, self._centerline
+        if node is None or stamp != Conversion.changeStamp(node):
             return 40.0, 120.0
         radius = centerline.inscribed_radius[np.isfinite(centerline.inscribed_radius)]
         diameter = float(np.ceil(4 * np.max(radius))) if len(radius) else 40.0

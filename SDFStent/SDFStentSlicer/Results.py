@@ -19,14 +19,13 @@ SERIES = {
 POSITION = "Position (mm)"
 
 
-def showEnd(parameterNode, run):
-    """After the last step: the stents and the moved centerline."""
+def showEnd(parameterNode, run, lines):
+    """After the last step: the stents and the moved centerline, by its `lines`."""
     showStents(parameterNode, run.end()[1])
     if run.centerline is not None:
         node = Display.outputModel(
             parameterNode, "outputCenterline", _("Stented centerline"), Display.CENTERLINE_COLOR
         )
-        lines = [run.centerline.ancestry(leaf) for leaf in run.centerline.leaves]
         Display.showLines(node, run.centerline.points, lines)
     with slicer.util.NodeModify(parameterNode):
         parameterNode.expansion = 100.0

@@ -69,6 +69,13 @@ class Stenting:
             yield state
         self._follow()
 
+    def lines(self):
+        """The ways down the moved centerline, as rows of its points; yields None until they are found."""
+        tree = self.centerline
+        if tree is None:
+            return []
+        return (yield from inPortions(lambda: [tree.ancestry(leaf) for leaf in tree.leaves]))
+
     def measure(self):
         """Diameters, certificate and lesions of the finished treatment; yields None until it is done."""
         self.result = result = yield from inPortions(lambda: self._treatment.result)

@@ -258,9 +258,10 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.logic.showPlace(lesion.point)
 
     def _prepare(self):
-        """Let the first preview wait for nothing that can be made now."""
+        """Let the first preview wait for nothing that can be made now; the vessel is known by now."""
         self.preparation.cancel()
         if self._parameterNode is not None:
+            self._state.show(self._parameterNode)
             self.preparation.start(self.logic.prepared(self._parameterNode))
 
     def _onPrepared(self, error):
