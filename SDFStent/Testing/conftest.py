@@ -2,6 +2,7 @@
 
 import os
 from functools import lru_cache
+from hashlib import sha1
 from pathlib import Path
 
 import pytest
@@ -29,6 +30,24 @@ def thePhantoms(theModule):
 
     for name in ("branching_pulmonary_artery", "arch_with_coarctation"):
         setattr(phantoms, name, lru_cache(getattr(phantoms, name)))
+
+
+@pytest.fixture(scope="session", autouse=True)
+def knownLesions(theModule):
+    """Look for the lesions of each vessel once: that takes as long as a deployment. A test that needs the search clears it."""
+    from SDFStentSlicer import Lesions
+
+    search, known = Lesions.find_lesions, {}
+
+    def found(surface, centerline):
+        arrays = (surface.points, surface.triangles, centerline.points, centerline.inscribed_radius)
+        key = tuple(sha1(array.tobytes()).digest() for array in arrays)
+        if key not in known:
+            known[key] = search(surface, centerline)
+        return tuple(list(known[key]))  # another one for every search, as without this
+
+    Lesions.find_lesions = found
+    return known
 
 
 @pytest.fixture(scope="session")

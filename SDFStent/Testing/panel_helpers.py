@@ -19,6 +19,17 @@ def deploy(host, panel):
     settle(host, panel)
 
 
+def expanded(logic, parameters):
+    """Deploy all stents and measure nothing, for tests that look at the wall; all its points, (n, 3)."""
+    parameters.lumenSummary = ""
+    steps = logic.steps(parameters)
+    # Ends: it says that nothing is measured yet when all are in place.
+    while not parameters.lumenSummary:
+        next(steps)
+    steps.close()
+    return logic.lastRun(parameters).points
+
+
 def saveAsFile(node, path, frame):
     """Write a model to a file in a frame, RAS or LPS, and let the node know where it is kept."""
     import slicer

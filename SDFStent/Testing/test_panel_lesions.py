@@ -116,9 +116,10 @@ def test_lesions_are_found_once_per_vessel_and_again_for_another(host, theInputs
     assert not theInputs.ui.lesionTable.visible
 
 
-def test_the_search_never_holds_the_application_for_long(host, aPanel, aVessel):
+def test_the_search_never_holds_the_application_for_long(host, aPanel, aVessel, knownLesions):
     from SDFStentSlicer import SteppedRun
 
+    knownLesions.clear()
     ticks = []
     tick = SteppedRun.SteppedRun._tick
 

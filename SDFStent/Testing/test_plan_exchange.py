@@ -5,20 +5,20 @@ import json
 import numpy as np
 import pytest
 import slicer
-from panel_helpers import deploy, saveAsFile
+from panel_helpers import deploy, expanded, saveAsFile
 
 
 def test_a_saved_plan_gives_the_same_points_after_loading(aLogic, theParameters, tmp_path):
     theParameters.method.influenceDistance = 5.5
     aLogic.addStent(theParameters, diameter=9.0, length=8.0, handle=theParameters.stents[0].handle)
-    points = aLogic.deploy(theParameters).points
+    points = expanded(aLogic, theParameters)
     aLogic.savePlan(tmp_path / "plan.json", theParameters)
     aLogic.restoreMethod(theParameters)
     aLogic.stentList(theParameters).replace([], -1)
     aLogic.loadPlan(tmp_path / "plan.json", theParameters)
     assert [stent.label for stent in theParameters.stents] == ["Stent 1", "Stent 2"]
     assert theParameters.method.influenceDistance == 5.5
-    np.testing.assert_allclose(aLogic.deploy(theParameters).points, points, atol=1e-9)
+    np.testing.assert_allclose(expanded(aLogic, theParameters), points, atol=1e-9)
 
 
 def test_settings_that_the_panel_does_not_show_survive(aLogic, theParameters, tmp_path):
@@ -26,12 +26,12 @@ def test_settings_that_the_panel_does_not_show_survive(aLogic, theParameters, tm
     document = json.loads((tmp_path / "plan.json").read_text(encoding="utf-8"))
     document["settings"]["calibration"] = "paper"
     (tmp_path / "plan.json").write_text(json.dumps(document), encoding="utf-8")
-    plain = aLogic.deploy(theParameters).points
+    plain = expanded(aLogic, theParameters)
     aLogic.loadPlan(tmp_path / "plan.json", theParameters)
-    assert np.abs(aLogic.deploy(theParameters).points - plain).max() > 1e-6
+    assert np.abs(expanded(aLogic, theParameters) - plain).max() > 1e-6
     assert json.loads(theParameters.planDocument)["settings"]["calibration"] == "paper"
     aLogic.restoreMethod(theParameters)
-    np.testing.assert_allclose(aLogic.deploy(theParameters).points, plain, atol=1e-9)
+    np.testing.assert_allclose(expanded(aLogic, theParameters), plain, atol=1e-9)
 
 
 @pytest.mark.parametrize("kind", ["BETWEEN_POINTS", "DISTAL_END", "ALONG_CURVE"])
@@ -51,13 +51,13 @@ def test_every_placement_survives(aLogic, theParameters, aScene, tmp_path, kind)
         values.update(handle=curve, wholeCurve=False, length=11.0)
     stents.replace([values], 0)
     aLogic.fitHandle(theParameters)
-    points = aLogic.deploy(theParameters).points
+    points = expanded(aLogic, theParameters)
     aLogic.savePlan(tmp_path / "plan.json", theParameters)
     aLogic.loadPlan(tmp_path / "plan.json", theParameters)
     assert theParameters.stent.placement == placement
     # A curve gives its points in single precision once more.
     tolerance = 1e-5 if placement == Placement.ALONG_CURVE else 1e-9
-    np.testing.assert_allclose(aLogic.deploy(theParameters).points, points, atol=tolerance)
+    np.testing.assert_allclose(expanded(aLogic, theParameters), points, atol=tolerance)
 
 
 def test_the_library_replays_the_plan_of_the_panel(aLogic, theParameters, tmp_path):
@@ -66,7 +66,7 @@ def test_the_library_replays_the_plan_of_the_panel(aLogic, theParameters, tmp_pa
 
     for node in (theParameters.vessel, theParameters.centerline):
         saveAsFile(node, tmp_path / f"{node.GetName()}.vtp", "RAS")
-    points = aLogic.deploy(theParameters).points
+    points = expanded(aLogic, theParameters)
     aLogic.savePlan(tmp_path / "plan.json", theParameters)
     plan = load_plan(tmp_path / "plan.json")
     assert plan.frame == "RAS"
@@ -102,10 +102,10 @@ def inFrame(frame):
 
 
 def test_a_plan_in_lps_is_turned(aLogic, theParameters, tmp_path):
-    points = aLogic.deploy(theParameters).points
+    points = expanded(aLogic, theParameters)
     writePlan(tmp_path / "plan.json", aLogic, theParameters, inFrame("LPS"))
     aLogic.loadPlan(tmp_path / "plan.json", theParameters)
-    np.testing.assert_allclose(aLogic.deploy(theParameters).points, points, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(expanded(aLogic, theParameters), points, rtol=0, atol=1e-9)
 
 
 def test_a_plan_of_the_command_line_gives_its_points_in_the_panel(aLogic, theParameters, tmp_path):
@@ -120,7 +120,7 @@ def test_a_plan_of_the_command_line_gives_its_points_in_the_panel(aLogic, thePar
     save_plan(result.plan, path)
     aLogic.loadPlan(path, theParameters)
     expected = result.treatment.points * (-1, -1, 1)
-    points = aLogic.deploy(theParameters).points
+    points = expanded(aLogic, theParameters)
     np.testing.assert_allclose(points, expected, rtol=0, atol=1e-9)
 
 
@@ -165,7 +165,7 @@ def test_a_saved_plan_fits_its_surface_without_a_space_tag(aLogic, theParameters
     plan = load_plan(tmp_path / "plan.json")
     assert plan.frame == frame
     turn = (-1, -1, 1) if frame == "LPS" else (1, 1, 1)
-    expected = aLogic.deploy(theParameters).points * turn
+    expected = expanded(aLogic, theParameters) * turn
     np.testing.assert_allclose(run_plan(plan).treatment.points, expected, rtol=0, atol=1e-9)
 
 

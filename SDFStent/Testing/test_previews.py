@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import slicer
 import vtk
-from panel_helpers import settle, theThroat
+from panel_helpers import expanded, settle, theThroat
 
 
 def shown(parameters):
@@ -42,7 +42,7 @@ def test_a_preview_after_another_place_starts_from_the_vessel_itself(aLogic, the
     assert np.abs(previewed(aLogic, theParameters) - first).max() > 0.1
     handle.SetNthControlPointPositionWorld(0, *theThroat())
     np.testing.assert_array_equal(previewed(aLogic, theParameters), first)
-    aLogic.deploy(theParameters)  # all points are set by it
+    expanded(aLogic, theParameters)  # all points are set by it
     np.testing.assert_array_equal(previewed(aLogic, theParameters), first)
 
 

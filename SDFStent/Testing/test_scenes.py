@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import slicer
 import vtk
-from panel_helpers import deploy, settle
+from panel_helpers import deploy, expanded, settle
 from vtk.util.numpy_support import vtk_to_numpy
 
 
@@ -183,7 +183,7 @@ def offered(selector):
 def test_nothing_is_written_into_a_model_that_is_no_output_of_the_set(
     aLogic, theParameters, aScene
 ):
-    first = aLogic.deploy(theParameters).points.astype(np.float32)
+    first = expanded(aLogic, theParameters).astype(np.float32)
     own, vessel = theParameters.outputVessel, theParameters.vessel
     second = aLogic.addParameterSet("Second")
     second.vessel, second.centerline = vessel, theParameters.centerline
@@ -303,7 +303,7 @@ def test_a_line_among_the_triangles_leaves_their_arrays_alone(aLogic, theParamet
         faceID.InsertNextValue(int(value))
     surface.GetCellData().AddArray(faceID)
     theParameters.vessel.SetAndObservePolyData(surface)
-    aLogic.deploy(theParameters)
+    expanded(aLogic, theParameters)
     shown = theParameters.outputVessel.GetPolyData()
     assert shown.GetNumberOfCells() == count
     np.testing.assert_array_equal(
@@ -312,7 +312,7 @@ def test_a_line_among_the_triangles_leaves_their_arrays_alone(aLogic, theParamet
 
 
 def test_a_vessel_of_strips_gives_the_result_of_its_triangles(aLogic, theParameters):
-    triangles = aLogic.deploy(theParameters)
+    points = expanded(aLogic, theParameters)
     stripper = vtk.vtkStripper()
     stripper.SetInputData(theParameters.vessel.GetPolyData())
     stripper.Update()
@@ -320,4 +320,4 @@ def test_a_vessel_of_strips_gives_the_result_of_its_triangles(aLogic, theParamet
     theParameters.vessel.SetAndObservePolyData(stripper.GetOutput())
     strips = aLogic.deploy(theParameters)
     assert strips.certificate.passed
-    np.testing.assert_allclose(strips.points, triangles.points, atol=1e-3)
+    np.testing.assert_allclose(strips.points, points, atol=1e-3)
