@@ -34,15 +34,16 @@ def own_share(sides: NDArray[np.int64], tissue: Floats, nearest: int) -> Floats:
     nearest : int
         A vertex of the stented lumen for certain, without tissue.
     """
-    sides = sides[(tissue[sides] < FOREIGN).all(axis=1)]
-    free = sides[(tissue[sides] == 0).all(axis=1)]
+    # Column by column: a reduction over rows of two takes several times as long.
+    first, second = sides.T
+    is_free, may_be = tissue == 0, tissue < FOREIGN
+    joins_free = is_free[first] & is_free[second]
     # Free wall that hangs together is one node of what has to be searched.
-    count, part = connected(len(tissue), free[:, 0], free[:, 1])
+    count, part = connected(len(tissue), first[joins_free], second[joins_free])
     keeps = np.zeros(count)
     keeps[part] = tissue
-    start, end = np.concatenate([part[sides], part[sides][:, ::-1]]).T
-    between = start != end
-    start, end = start[between], end[between]
+    bridges = part[sides[may_be[first] & may_be[second] & ~joins_free]]
+    start, end = np.concatenate([bridges, bridges[:, ::-1]]).T
     worst = np.full(count, np.inf)
     worst[part[nearest]] = 0
     # Ends: every pass but the last lowers a value to one of finitely many.
