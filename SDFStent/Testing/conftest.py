@@ -39,11 +39,14 @@ def knownLesions(theModule):
 
     search, known = Lesions.find_lesions, {}
 
-    def found(surface, centerline):
+    def found(surface, centerline, faces=None):
         arrays = (surface.points, surface.triangles, centerline.points, centerline.inscribed_radius)
-        key = tuple(sha1(array.tobytes()).digest() for array in arrays)
+        key = (
+            *(sha1(array.tobytes()).digest() for array in arrays),
+            repr(faces and sorted(faces.names.items())),
+        )
         if key not in known:
-            known[key] = search(surface, centerline)
+            known[key] = search(surface, centerline, faces)
         return tuple(list(known[key]))  # another one for every search, as without this
 
     Lesions.find_lesions = found
