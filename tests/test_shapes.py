@@ -164,6 +164,20 @@ def test_a_stent_grows_in_proportion():
             assert away[ring] == pytest.approx(state.radius * share, abs=0.06)
 
 
+def test_a_wide_hourglass_in_a_bent_vessel_is_certified(data_dir):
+    """Its ends are as wide as its waist is near: spheres there do not have the ends' diameter."""
+    vessel = anatomy(data_dir, "vmtk_aorta")
+    path = vessel.centerline.path(
+        vessel.centerline.points[vessel.centerline.roots[0]],
+        vessel.centerline.points[vessel.centerline.leaves[0]],
+    )
+    center = path.points[len(path.points) // 3]
+    wide = 2.6 * float(vessel.centerline.project(center).inscribed_radius)
+    shape = Shape(waist=Waist(0.75 * wide))
+    stent = Stent(wide, placement=AtCenter(center), length=25.0, shape=shape)
+    assert Treatment(vessel.surface, [stent], vessel.centerline).result.certificate.passed
+
+
 def test_flattened_caps_push_less_wall_beyond_the_ends():
     beyond = {}
     for cap in (1.0, 0.35):
@@ -184,6 +198,23 @@ def test_the_caps_of_radius_shares_are_ellipsoids():
     # On an ellipse with half axes 1 and 0.4 in the direction of 45 degrees.
     assert found[4] == pytest.approx(1 / np.sqrt(0.5 + 0.5 / 0.16))
     np.testing.assert_allclose(shares.reversed.at(points, nodes[::-1]), found)
+
+
+def test_the_sphere_that_fits_is_limited_by_narrow_places_beside_it_and_by_bends():
+    shares = RadiusShares(np.linspace(0, 1, 3), np.array([1.0, 0.5, 1.0]))
+    at = np.linspace(0, 20, 41)
+    line = np.column_stack([0 * at, 0 * at, at])
+    found = shares.inscribed(line, 6.0, line, in_caps=False)
+    fine = np.linspace(0, 20, 4001)
+    for place, radius in zip(at, found, strict=True):
+        profile = 6 * (0.5 + np.abs(fine - 10) / 20)
+        assert radius == pytest.approx(np.hypot(fine - place, profile).min(), abs=0.03)
+    angle = at / 8
+    bent = np.column_stack([8 - 8 * np.cos(angle), 0 * at, 8 * np.sin(angle)])
+    inside = shares.inscribed(bent, 6.0, bent, in_caps=False)
+    assert (inside <= found + 0.01).all()
+    assert inside[[0, -1]].max() < found[0] - 0.3
+    assert inside[20] == pytest.approx(3.0, abs=0.03)
 
 
 @pytest.mark.parametrize("name", ["hourglass", "flare and taper"])

@@ -179,7 +179,7 @@ def test_suggest_tells_the_rule_and_writes_a_plan_that_runs(a_folder, capsys):
         "Lesion 1: 40 % by diameter, minimum 3.5",
         "Proposed: balloon 6.4 mm, lumen 5.95 mm, nominal length ",
         "Rule: lumen as wide as the smaller healthy vessel beside the lesion, balloon wider by its",
-        "Recoil: 7 % is the mean in great vessels",
+        "Recoil 7 %: the mean in great vessels",
         "Stent : adjacent vessel 1.00 (sources 0.66 to 1.02); balloon : stenosis 1.8",
         "Wrote tube_plan.json; to carry it out: sdfstent run tube_plan.json -o DIR",
     ):

@@ -6,8 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..geometry import arc_lengths, closest_points, norm, product
+from ..geometry import arc_lengths, closest_points, frames, norm, point_at, product
 from ..validation import Floats, InputError, Points, as_number, read_only
+
+WALL_SPACING, WALL_RAYS = 0.5, 24
+"""Of the points that stand for the stent's surface: along it, mm, and around it."""
+
+INSIDE = 0.999
+"""Share of the radius below which a point lies inside of the stent."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,19 +72,44 @@ class RadiusShares:
     def inscribed(self, nodes: Points, radius: float, stations: Points, *, in_caps: bool) -> Floats:
         """Radii (n,), mm, of the spheres round stations of the axis that fit into the stent.
 
-        They touch it where it is narrower beside them. Reckoned along a straight axis. Where flat
+        They touch it where it is narrower beside them, or where it bends towards them. Where flat
         caps count, spheres near the ends fit into these as well; else it is open there.
+
+        Parameters
+        ----------
+        nodes : (m, 3) array
+            Of the axis, mm.
+        radius : float
+            The largest of the stent, mm.
+        stations : (n, 3) array
+            mm.
+        in_caps : bool
         """
-        length = arc_lengths(nodes)[-1]
-        fine = np.union1d(np.linspace(0, 1, max(200, int(length / 0.1))), self.fractions)
-        at, wall = fine * length, radius * self.along(fine)
+        wall = self._wall(nodes, radius, in_caps)
+        return np.array([norm(wall - station).min() for station in stations])
+
+    def _wall(self, nodes: Points, radius: float, in_caps: bool) -> Points:
+        """Points of the stent's surface, mm."""
+        length = float(arc_lengths(nodes)[-1])
+        even = np.linspace(0, 1, max(2, int(np.ceil(length / WALL_SPACING))) + 1)
+        # The corners of a table; a smooth profile has so many that the even places do.
+        corners = self.fractions if len(self.fractions) < len(even) else even
+        at = np.union1d(even, corners)
+        centers = point_at(nodes, at * length)
+        frame, own = frames(centers), radius * self.along(at)
+        angles = np.linspace(0, 2 * np.pi, WALL_RAYS, endpoint=False)[:, None, None]
+        around = np.cos(angles) * frame[:, 1] + np.sin(angles) * frame[:, 2]
+        wall = [(centers + own[:, None] * around).reshape(-1, 3)]
         if in_caps and self.cap_height < 1:
-            angles = np.linspace(0, np.pi / 2, 30)
-            for end, way, place in ((wall[0], -1, 0.0), (wall[-1], 1, length)):
-                at = np.append(at, place + way * self.cap_height * end * np.sin(angles))
-                wall = np.append(wall, end * np.cos(angles))
-        own = closest_points(nodes, stations).arc_lengths
-        return np.hypot(at[None] - own[:, None], wall[None]).min(axis=1)
+            for end, way in ((0, -1.0), (-1, 1.0)):
+                for angle in np.linspace(0, np.pi / 2, 20):
+                    height = way * self.cap_height * own[end] * np.sin(angle) * frame[end, 0]
+                    ring = np.cos(angle) * own[end] * around[:, end]
+                    wall.append(centers[end] + height + ring)
+        points = np.concatenate(wall)
+        # In a bend a part of it lies inside of the rest.
+        inside = closest_points(nodes, points).distances < radius * self.at(points, nodes) * INSIDE
+        return points[~inside]
 
     def _cap_share(self, points: Points, nodes: Points) -> Floats:
         """Of the radius in the direction of points beyond an end: an ellipsoid's; 1 beside it."""

@@ -45,7 +45,7 @@ def stent_balloon_sentences(treated: TreatedStent, lesions: Covered) -> list[str
     known = UNKNOWN if reference is None else f"{reference:.2f} mm"
     return [
         f"Balloon {balloon.diameter:g} mm, lumen {stent.diameter:.2f} mm after recoil of "
-        f"{100 * balloon.recoil_fraction:g} %, reference {known}. Recoil: {balloon.reason}."
+        f"{100 * balloon.recoil_fraction:g} % ({balloon.reason}), reference {known}."
     ]
 
 

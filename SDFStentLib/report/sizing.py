@@ -21,7 +21,7 @@ def suggestion_sentences(suggestion: Suggestion) -> list[str]:
         f"{_side(lesion.proximal)} proximal, {_side(lesion.distal)} distal.",
         f"Proposed{device}: balloon {balloon.diameter:.1f} mm, lumen {stent.diameter:.2f} mm, "
         f"nominal length {stent.length:g} mm ({suggestion.deployed_length:.1f} mm deployed).",
-        f"Rule: {suggestion.rule}. Recoil: {balloon.reason}.",
+        f"Rule: {suggestion.rule}. Recoil {100 * balloon.recoil_fraction:g} %: {balloon.reason}.",
         ratio_sentence(suggestion.ratios),
     ]
 

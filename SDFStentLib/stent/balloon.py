@@ -69,8 +69,8 @@ def balloon_by_rule(diameter: float, native_lumen: float) -> Balloon:
         Smallest inscribed diameter where the stent will lie, before it, mm; NaN where not known.
     """
     as_number(diameter, "balloon diameter", unit="mm", above=0, maximum=MAXIMUM_DIAMETER)
-    usual = f"{100 * USUAL_RECOIL:g} % is the mean in great vessels (7 \N{PLUS-MINUS SIGN} 4 %)"
-    raised = f"{100 * RAISED_RECOIL:g} %, for more than that was seen where"
+    usual = "the mean in great vessels (7 \N{PLUS-MINUS SIGN} 4 %)"
+    raised = "more than that was seen where"
     if math.isnan(native_lumen):
         return Balloon(diameter, USUAL_RECOIL, f"{usual}; the native lumen is not known")
     if native_lumen < NARROW_LUMEN:
