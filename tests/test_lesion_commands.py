@@ -6,6 +6,7 @@ import csv
 import json
 import re
 from functools import cache
+from html import unescape
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +21,7 @@ from SDFStentLib.geometry.polyline import resampled_to
 from SDFStentLib.measure.inscribed import inscribed_spheres
 from SDFStentLib.measure.lesions import find_lesions, lesions_within
 from SDFStentLib.phantoms.phantoms import branching_pulmonary_artery, stenosed_tube, straight_tube
+from SDFStentLib.report.html import html_page
 from SDFStentLib.stent import Stent, stent_axis
 from SDFStentLib.stent.placement import AtDistalEnd
 from SDFStentLib.treatment.lesions import placement_at
@@ -240,6 +242,8 @@ def test_what_a_short_stent_leaves_is_said_to_lie_beyond_it(pulmonary, tmp_path,
     place = ["--at-lesion", 1, "--length", 20, "--diameter", 9]
     said, report = deployed([*pulmonary, *place], tmp_path, capsys)
     assert "What is left is narrowest beyond the stent's ends." in said
+    assert report["lesions"][0]["is_left_beyond"]
+    assert "What is left is narrowest beyond the stent's ends." in unescape(html_page(report))
     treated = read_surface(tmp_path / "out.vtp", units="cm")
     lesion, stent = report["lesions"][0], report["stents"][0]
     path = np.array(lesion["path_mm"])

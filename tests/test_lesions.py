@@ -18,8 +18,10 @@ from SDFStentLib.geometry.polyline import cut
 from SDFStentLib.measure.inscribed import inscribed_spheres
 from SDFStentLib.measure.lesions import find_lesions, lesion_after, lesions_within
 from SDFStentLib.measure.marked_reference import lesion_against
+from SDFStentLib.measure.narrowings import narrowings
 from SDFStentLib.measure.tree_lumen import closed_surface
-from SDFStentLib.phantoms.axis import planar_axis
+from SDFStentLib.measure.vessel_runs import VesselEnd, VesselRun, steady
+from SDFStentLib.phantoms.axis import narrowing, planar_axis
 from SDFStentLib.phantoms.mesh import swept_tube
 from SDFStentLib.validation import InputError
 
@@ -89,6 +91,43 @@ def test_a_stenosis_across_a_junction_is_one_lesion():
     # 7 mm from 8 mm on: a mild narrowing of its own.
     assert second.branch != first.branch
     assert 15 < second.percent_diameter < 100 * (1 - 5.2 / 7)
+
+
+def a_run(at_ends, lesion=None):
+    """A branch of 3 mm between two junctions as whose trunk it does not count."""
+    along = np.linspace(0, 12, 49)
+    diameter = np.full(49, 3.0)
+    for end, width in zip((0, 12), at_ends, strict=True):
+        diameter += width * np.clip(1 - np.abs(along - end) / 2, 0, 1)
+    if lesion is not None:
+        center, half, depth = lesion
+        diameter *= narrowing(along, center, half, depth)
+    ends = tuple(VesselEnd(node, True, False, np.nan) for node in (0, 1))
+    points = np.outer(along, [0.0, 0, 1])
+    is_apart = (along >= 4) & (along <= 8.5)
+    same = np.zeros(49, dtype=np.int64)
+    wide = steady(along, diameter)
+    return VesselRun(points, along, diameter, wide, is_apart, same, along, along, ends)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_lesion_whose_slope_reaches_a_junction_is_measured_against_its_other_side(turned):
+    """In a tree of 299 branches such lesions read up to 6 points too low."""
+    run = a_run((1.0, 0.2), (5.5, 2.0, 0.4))
+    if turned:
+        turn = [column[::-1] for column in run[2:5]]
+        run = run._replace(diameter=turn[0], steady=turn[1], is_apart=turn[2])
+    (found,) = narrowings(run)
+    assert found.reference.before_diameter == pytest.approx(3.0, abs=0.05)
+    assert found.reference.after_diameter == pytest.approx(3.0, abs=0.05)
+
+
+def test_a_branch_that_is_narrowest_between_two_slopes_has_no_lesion():
+    """It ends in wider vessels on both sides: nowhere is told what is healthy."""
+    assert narrowings(a_run((1.0, 1.0))) == []
+    run = a_run((0.0, 0.0))
+    valley = 3.0 + 0.15 * np.abs(run.along - 6)
+    assert narrowings(run._replace(diameter=valley, steady=valley)) == []
 
 
 def forms_of(line):

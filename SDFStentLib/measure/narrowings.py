@@ -111,16 +111,28 @@ def _sides(
     after = _Side(-turned.along[::-1], turned.diameter[::-1])
     own = before, after
     is_branch = [end.is_junction and not end.is_trunk for end in ends]
+    # Of a branch that ends as one on both sides one side tells what is healthy, or none.
+    steep = _is_steep(along, steady, healthy), _is_steep(-along[::-1], steady[::-1], healthy[::-1])
+    tells = steep[1] and not steep[0], steep[0] and not steep[1]
     if ends[0].is_trunk:
         before = _at_trunk_end(along - along[0], own[0], own[1], ends[0].expected)
-    # A branch that ends in wider vessels on both sides shows nowhere what is healthy.
-    elif is_branch[0] and not is_branch[1]:
+    elif is_branch[0] and (not is_branch[1] or tells[1]):
         before = _at_ostium(along - along[0], own[0], own[1])
     if ends[1].is_trunk:
         after = _at_trunk_end(along[-1] - along, own[1], own[0], ends[1].expected)
-    elif is_branch[1] and not is_branch[0]:
+    elif is_branch[1] and (not is_branch[0] or tells[0]):
         after = _at_ostium(along[-1] - along, own[1], own[0])
     return before, after
+
+
+def _is_steep(along: Floats, steady: Floats, healthy: Bools) -> bool:
+    """Whether the vessel still widens toward the junction where it is apart from it: a slope."""
+    apart = np.flatnonzero(healthy)
+    if not len(apart):
+        return False
+    own = steady[apart[0]]
+    nearer = np.interp(along[apart[0]] - own / 4, along, steady)
+    return bool(nearer > (1 + FOOT) * own)
 
 
 def _widest(along: Floats, steady: Floats, healthy: Bools) -> _Side:

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Any
 
-from .lesions import COVERS_NONE, NO_LESION, NOT_LOOKED_FOR
+from .lesions import COVERS_NONE, LEFT_BEYOND, NO_LESION, NOT_LOOKED_FOR
 from .words import degree_text, millimeters, point_words
 
 Section = Mapping[str, Any]
@@ -39,7 +39,9 @@ def covered_words(lesions: Sequence[Section] | None) -> str:
     if not lesions:
         return COVERS_NONE
     return " ".join(
-        f"Lesion {one['number']} against {one['reference']['words']}." for one in lesions
+        f"Lesion {one['number']} against {one['reference']['words']}."
+        f"{LEFT_BEYOND if one.get('is_left_beyond') else ''}"
+        for one in lesions
     )
 
 
@@ -64,7 +66,8 @@ def lesion_table(lesions: Sequence[Section] | None) -> list[str]:
     )
     return [
         f"{title}<table><tr><th>lesion</th><th>narrowest at (x, y, z)</th>"
-        "<th class='n'>length</th><th class='n'>minimum</th><th class='n'>reference</th>"
-        "<th class='n'>stenosis before</th><th class='n'>after</th><th>stent</th></tr>"
+        "<th class='n'>length</th><th class='n'>minimum diameter</th>"
+        "<th class='n'>reference diameter</th><th class='n'>diameter stenosis before</th>"
+        "<th class='n'>after</th><th>stent</th></tr>"
         f"{rows}</table>"
     ]

@@ -75,6 +75,7 @@ def treated_lesion_section(treated: TreatedLesion, units: str = "mm") -> dict[st
         **lesion_section(treated.number, treated.before, units),
         "after": _degrees(treated.after),
         "stents": list(treated.stents),
+        "is_left_beyond": treated.is_left_beyond,
     }
 
 
