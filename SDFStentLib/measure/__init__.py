@@ -8,6 +8,7 @@ from .caps import bulged_caps, caps_across
 from .cross_section import equivalent_diameters, winding_numbers
 from .extended_axis import ExtendedAxis, extended_axis
 from .inscribed import InscribedSpheres, inscribed_spheres
+from .known_lumen import measured_once
 from .lesion_value import HealthyPlace, Lesion
 from .lesions import find_lesions, lesion_after, lesions_within
 from .local_surface import LocalSurface
@@ -75,6 +76,7 @@ __all__ = [
     "lesions_within",
     "line_seeds",
     "measured_at",
+    "measured_once",
     "pressure_band",
     "profile_around",
     "rough_radii",

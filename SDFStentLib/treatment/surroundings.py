@@ -26,6 +26,7 @@ from ..measure import (
     end_ways,
     find_ostia,
     measured_at,
+    measured_once,
     profile_around,
 )
 from ..validation import Floats
@@ -79,7 +80,8 @@ def surroundings(
     # Many stations together are measured in little more time than few.
     points = np.concatenate([along.points, beside.points])
     directions = np.concatenate([along.directions, beside.directions])
-    before, after = (measured_at(one, points, directions) for one in (states.native, states.final))
+    before = measured_once(states.native, points, directions)
+    after = measured_at(states.final, points, directions)
     own, rest = slice(len(along.points)), slice(len(along.points), None)
     return Surroundings(
         along,

@@ -1,0 +1,39 @@
+"""The lumen of a surface, every station measured once for as long as the surface is in use."""
+
+from __future__ import annotations
+
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from ..geometry import Surface
+from ..validation import Floats, Points
+from .inscribed import InscribedSpheres
+from .stations import Stations, measured_at
+
+MOST = 20_000
+"""Stations that are kept of one surface, about 100 bytes each; then all are forgotten."""
+
+_known: WeakKeyDictionary[Surface, dict[bytes, Floats]] = WeakKeyDictionary()
+"""By place and direction: center and radius of the sphere, equivalent diameter."""
+
+
+def measured_once(surface: Surface, points: Points, directions: Points) -> Stations:
+    """`measured_at` of a vessel before treatment; what was measured there before is not again.
+
+    A surface cannot change, and nothing about a stent but its axis matters: where another diameter
+    is tried, or another stent moved, all is known.
+    """
+    known = _known.setdefault(surface, {})
+    rows = np.column_stack([points, directions])
+    keys = [row.tobytes() for row in rows]
+    if len(known) > MOST:
+        known.clear()
+    missing = np.array([key not in known for key in keys], dtype=bool)
+    if missing.any():
+        anew = measured_at(surface, points[missing], directions[missing])
+        values = np.column_stack([anew.spheres.centers, anew.spheres.radii, anew.equivalent])
+        known.update(zip(np.array(keys, dtype=object)[missing], values, strict=True))
+    found = np.array([known[key] for key in keys]).reshape(-1, 5)
+    spheres = InscribedSpheres(found[:, :3].copy(), found[:, 3].copy())
+    return Stations(points, directions, spheres, found[:, 4].copy())

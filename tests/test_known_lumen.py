@@ -1,0 +1,72 @@
+"""A vessel before treatment is measured once, station by station."""
+
+from __future__ import annotations
+
+import gc
+
+import numpy as np
+import pytest
+
+from SDFStentLib.deformation import DeploymentSettings
+from SDFStentLib.geometry import Surface
+from SDFStentLib.measure import known_lumen, measured_at, measured_once
+from SDFStentLib.phantoms import stenosed_tube
+from SDFStentLib.stent import AtCenter, Stent
+from SDFStentLib.treatment import Treatment
+
+
+@pytest.fixture
+def a_tube():
+    return stenosed_tube()
+
+
+@pytest.fixture
+def asked(monkeypatch):
+    """How many stations were measured, each time."""
+    counts = []
+
+    def counted(surface, points, directions):
+        counts.append(len(points))
+        return measured_at(surface, points, directions)
+
+    monkeypatch.setattr(known_lumen, "measured_at", counted)
+    return counts
+
+
+def test_only_stations_that_are_new_are_measured(a_tube, asked):
+    points = np.column_stack([np.zeros(8), np.zeros(8), np.linspace(10, 25, 8)])
+    along = np.tile([0.0, 0.0, 1.0], (8, 1))
+    plain = measured_at(a_tube.surface, points, along)
+    measured_once(a_tube.surface, points[:5], along[:5])
+    found = measured_once(a_tube.surface, points, along)
+    again = measured_once(a_tube.surface, points[::-1], along[::-1])
+    assert asked == [5, 3]
+    np.testing.assert_allclose(found.spheres.radii, plain.spheres.radii, atol=1e-3)
+    np.testing.assert_allclose(found.equivalent, plain.equivalent, atol=1e-3)
+    np.testing.assert_array_equal(again.spheres.radii, found.spheres.radii[::-1])
+    along[0] = [0.0, 0.1, 0.995]
+    measured_once(a_tube.surface, points, along)
+    assert asked == [5, 3, 1]
+
+
+def test_another_diameter_is_tried_without_measuring_the_vessel_again(a_tube, asked):
+    def tried(diameter):
+        stent = Stent(diameter, placement=AtCenter([0, 0, 20.0]), length=12.0)
+        settings = DeploymentSettings(certify=False)
+        return Treatment(a_tube.surface, [stent], a_tube.centerline, settings).result.stents[0]
+
+    first, second = tried(6.0), tried(6.5)
+    assert sum(asked[1:]) < 10  # neighbors are measured where each stent narrows them
+    before = first.around_before, second.around_before
+    np.testing.assert_array_equal(before[0].inscribed_diameter, before[1].inscribed_diameter)
+    assert second.after.minimum > first.after.minimum
+
+
+def test_what_is_known_goes_with_its_surface(a_tube):
+    surface = Surface(a_tube.points, a_tube.triangles)
+    before = len(known_lumen._known)
+    measured_once(surface, np.array([[0, 0, 20.0]]), np.array([[0, 0, 1.0]]))
+    assert len(known_lumen._known) == before + 1
+    del surface
+    gc.collect()
+    assert len(known_lumen._known) == before
