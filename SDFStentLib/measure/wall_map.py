@@ -182,8 +182,7 @@ def _cut_segments(
     # The corner that is alone on its side, then the two others.
     alone = np.where(second == third, 0, np.where(first == third, 1, 2))
     apex = wall.triangles[owner, alone]
-    flat = np.stack([product(wall.points, along[:, k].T) for k in (1, 2)])
-    origin = np.stack([np.einsum("ij,ij->i", along[:, k], centers) for k in (1, 2)])
+    plane, origin = along[station, 1:], centers[station]
     ends = []
     for shift in (1, 2):
         other = wall.triangles[owner, (alone + shift) % 3]
@@ -191,6 +190,7 @@ def _cut_segments(
         low, high = np.minimum(apex, other), np.maximum(apex, other)
         below, over = heights[low, station], heights[high, station]
         share = below / (below - over)
-        from_low, to_high = flat[:, low, station], flat[:, high, station]
-        ends.append(from_low + share * (to_high - from_low) - origin[:, station])
+        from_low = wall.points[low]
+        place = from_low + share[:, None] * (wall.points[high] - from_low)
+        ends.append(np.einsum("nkj,nj->kn", plane, place - origin))
     return station, ends[0], ends[1], owner
