@@ -130,10 +130,11 @@ def thePanel(host, nodes):
     logic, parameters = panel.logic, panel._parameterNode
     panel.silence = Silence(host)
     parameters.vessel, parameters.centerline = nodes
-    logic.addStent(parameters, length=14.0)
     host.processUntil(lambda: not panel.lesions.isBusy, LONG)
     host.processUntil(lambda: not panel.preparation.isRunning, LONG)
     panel.silence.report("vessel chosen and prepared")
+    logic.addStent(parameters, length=14.0)
+    panel.silence.report("stent added")
     panel.session.start()
     host.processUntil(lambda: not panel.session.isBusy, LONG)
     panel.silence.report("first deployment")
