@@ -51,6 +51,7 @@ from pathlib import Path
 resource.setrlimit(resource.RLIMIT_AS, (2_500_000_000, 2_500_000_000))
 import numpy as np
 from SDFStentLib.files import read_lines, read_surface
+from benchmarks.peak import peak_mb
 from SDFStentLib.validation import InputError
 for path in map(Path, sys.argv[1:]):
     print("begin", path.name, flush=True)
@@ -69,8 +70,7 @@ for path in map(Path, sys.argv[1:]):
         outcome = "sentence" if is_one else f"no sentence: {error}"[:300]
     except BaseException as error:
         outcome = f"{type(error).__name__}: {error}"[:300]
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1000
-    print(json.dumps([outcome, time.perf_counter() - start, peak]), flush=True)
+    print(json.dumps([outcome, time.perf_counter() - start, peak_mb()]), flush=True)
 """
 
 

@@ -16,6 +16,8 @@ from typing import Any  # noqa: E402
 
 import numpy as np  # noqa: E402
 
+from .peak import peak_mb  # noqa: E402
+
 
 def first_frame(mesh: str, mode: str) -> dict[str, float]:
     """Times, s, from the start of this script to the first state, and of later ones."""
@@ -76,7 +78,7 @@ def memory(mesh: str, mode: str) -> dict[str, float]:
 
     arrays = np.load(mesh)
     points, triangles, axis = (arrays[name] for name in ("points", "triangles", "axis"))
-    base, peak_before = _resident_mb(), _peak_mb()
+    base, peak_before = _resident_mb(), peak_mb()
     from SDFStentLib import Deployment, Surface
 
     library = _resident_mb() - base
@@ -85,7 +87,7 @@ def memory(mesh: str, mode: str) -> dict[str, float]:
     deployment = Deployment(surface, settings.chain(axis), float(arrays["radius"]), settings)
     for _ in deployment:
         pass
-    peak = _peak_mb()
+    peak = peak_mb()
     return {
         "base": base,
         "base_peak": peak_before,
@@ -106,7 +108,7 @@ def svmorph_memory(mesh: str, mode: str) -> dict[str, float]:
     base = _resident_mb()
     start, end = float(arrays["touching_radius"]), float(arrays["radius"])
     SvmorphPeer(points, axis, axis, start, end).deployed()
-    return {"base": base, "peak": _peak_mb(), "above_base": _peak_mb() - base}
+    return {"base": base, "peak": peak_mb(), "above_base": peak_mb() - base}
 
 
 def _settings(mode: str) -> Any:
@@ -115,30 +117,13 @@ def _settings(mode: str) -> Any:
     return DeploymentSettings() if mode == "default" else getattr(DeploymentSettings, mode)()
 
 
-def _peak_mb() -> float:
-    """Highest residence of this process.
-
-    What `getrusage` tells is at least that of the process that started this one: Linux hands it
-    on. So it is read where it starts anew with the program.
-    """
-    try:
-        with open("/proc/self/status", encoding="utf-8") as status:
-            for line in status:
-                if line.startswith("VmHWM:"):
-                    return int(line.split()[1]) * 1024 / 1e6
-    except OSError:
-        pass
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return peak / 1e6 if sys.platform == "darwin" else peak * 1024 / 1e6
-
-
 def _resident_mb() -> float:
     """Resident now; where the system does not tell, the peak so far."""
     try:
         with open("/proc/self/statm", encoding="utf-8") as status:
             return int(status.read().split()[1]) * resource.getpagesize() / 1e6
     except OSError:
-        return _peak_mb()
+        return peak_mb()
 
 
 WORK = {

@@ -306,7 +306,7 @@ def bad_files(folder):
         ({"more": ["--falloff", "x"]}, "invalid choice: 'x'"),
         ({"more": ["--foreshortening", "0.9"]}, "foreshortening: expected a number"),
         ({"more": ["--output-centerline", "c.stl"]}, "c.stl: expected one of .vtp, .vtk"),
-        ({"more": ["--waist", "3"]}, "unrecognized arguments: --waist 3"),
+        ({"more": ["--waists", "3"]}, "unrecognized arguments: --waists 3"),
     ],
 )
 def test_bad_input_gives_one_sentence_and_writes_nothing(a_folder, capsys, changes, words):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import os
+from collections.abc import Callable
 from typing import Any
 
 from ..files import read_content
@@ -13,6 +14,13 @@ from ..validation import InputError, as_path, in_short
 from .json_document import number, section, sequence
 
 HEADER = ("fraction", "diameter")
+
+PARTS: dict[str, tuple[Callable[..., Any], tuple[str, ...], tuple[str, ...]]] = {
+    "waist": (Waist, ("diameter",), ("position", "length")),
+    "start": (StentEnd, ("diameter", "length"), ()),
+    "end": (StentEnd, ("diameter", "length"), ()),
+}
+"""Parts of a shape: what they are, the numbers that they need, and those that they may have."""
 
 
 def read_profile(path: str | os.PathLike[str]) -> tuple[tuple[float, float], ...]:
@@ -73,28 +81,19 @@ def shape_from_document(value: Any, where: str) -> Shape | None:
     """
     if value is None:
         return None
-    given = section(value, where, (), ("waist", "start", "end", "table", "cap_height"))
-    changes: dict[str, Any] = {}
+    given = section(value, where, (), (*PARTS, "table", "cap_height"))
+    parts = {
+        name: _numbers(given[name], f"{where}.{name}", required, optional)
+        for name, (_, required, optional) in PARTS.items()
+        if given.get(name) is not None
+    }
+    rows = [] if given.get("table") is None else sequence(given["table"], f"{where}.table")
+    table = tuple(_pair(row, f"{where}.table[{index}]") for index, row in enumerate(rows))
+    cap_height = float(number(given.get("cap_height", 1.0), f"{where}.cap_height"))
     try:
-        if given.get("waist") is not None:
-            changes["waist"] = Waist(
-                **_numbers(given["waist"], f"{where}.waist", ("diameter",), ("position", "length"))
-            )
-        for name in ("start", "end"):
-            if given.get(name) is not None:
-                keys = ("diameter", "length")
-                changes[name] = StentEnd(**_numbers(given[name], f"{where}.{name}", keys, ()))
-        if given.get("table") is not None:
-            changes["table"] = tuple(
-                _pair(row, f"{where}.table[{index}]")
-                for index, row in enumerate(sequence(given["table"], f"{where}.table"))
-            )
-        if "cap_height" in given:
-            changes["cap_height"] = float(number(given["cap_height"], f"{where}.cap_height"))
-        return Shape(**changes)
+        made = {name: PARTS[name][0](**values) for name, values in parts.items()}
+        return Shape(**made, table=table, cap_height=cap_height)
     except InputError as error:
-        if str(error).startswith(where):
-            raise
         raise error.labeled(f"{where}: ") from error
 
 
@@ -119,5 +118,5 @@ def _numbers(
     }
 
 
-def _pair(value: Any, where: str) -> tuple[float, ...]:
+def _pair(value: Any, where: str) -> tuple[Any, ...]:
     return tuple(float(number(item, where)) for item in sequence(value, where))
