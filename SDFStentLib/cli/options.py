@@ -5,15 +5,13 @@ from __future__ import annotations
 import argparse
 from typing import NoReturn
 
-from ..plan import Plan
 from ..units import MILLIMETERS
 from ..version import VERSION
 from .argument_types import number as _number
 from .argument_types import path as _path
 from .argument_types import whole as _whole
+from .method_options import add_method
 from .stent_options import add_device_table, add_shape, add_stent, add_wishes
-
-_DEFAULTS = Plan().settings
 
 
 class Parser(argparse.ArgumentParser):
@@ -72,7 +70,7 @@ def _deploy(command: argparse.ArgumentParser) -> None:
     )
     add_stent(command)
     add_shape(command)
-    _add_method(command)
+    add_method(command)
     out = command.add_argument_group("output")
     _add_units(out)
     out.add_argument(
@@ -250,43 +248,6 @@ def _add_vessel_marks(place: argparse._ActionsContainer) -> None:
         metavar=("X", "Y", "Z"),
         default=[],
         help="healthy vessel that the lesion beside it is measured against; once or twice",
-    )
-
-
-def _add_method(command: argparse.ArgumentParser) -> None:
-    method = command.add_argument_group("method")
-    for name, default, what in (
-        ("influence", _DEFAULTS.influence_distance, "distance at which the deformation ends, mm"),
-        ("smoothing", _DEFAULTS.smoothing_width, "width of the smooth minimum, mm"),
-        ("capsule", _DEFAULTS.capsule_length, "length of a capsule, mm"),
-        ("tissue-gap", _DEFAULTS.tissue_gap, "kept between the stent and other lumens' walls, mm"),
-    ):
-        method.add_argument(
-            f"--{name}",
-            type=_number,
-            metavar="MM",
-            default=default,
-            help=f"{what} (default {default:g})",
-        )
-    longest = {
-        rule: _DEFAULTS.with_changes(rule=rule).step_rule().step for rule in _DEFAULTS.names["rule"]
-    }
-    steps = ", ".join(f"{step:g} with {rule}" for rule, step in longest.items())
-    method.add_argument("--step", type=_number, metavar="MM", help=f"radius step (default {steps})")
-    method.add_argument("--falloff", choices=_DEFAULTS.names["falloff"], default=_DEFAULTS.falloff)
-    method.add_argument("--blend", choices=_DEFAULTS.names["blend"], default=_DEFAULTS.blend)
-    method.add_argument(
-        "--straighten",
-        type=_number,
-        metavar="F",
-        default=0.0,
-        help="share of the way to its chord that the axis is straightened, 0 to 1",
-    )
-    method.add_argument("--rule", choices=_DEFAULTS.names["rule"], default=_DEFAULTS.rule)
-    method.add_argument(
-        "--no-compensation",
-        action="store_true",
-        help="bring only the vertices, not the lumen, to the prescribed diameter",
     )
 
 

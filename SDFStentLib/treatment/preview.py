@@ -21,7 +21,7 @@ from ..stent import Stent
 from ..validation import Indices, Points, as_number, read_only
 from .in_lumen import Lumen
 from .straightening import axis_in_vessel
-from .treatment import PROFILE_SPACING
+from .surroundings import PROFILE_SPACING
 from .value import PlacedStent, label_of, labeled, resolved, switched_on
 from .warnings import check_width
 

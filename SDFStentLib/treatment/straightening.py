@@ -51,24 +51,18 @@ def axis_in_vessel(
     `lumen` is that of the surface, where many axes are asked for. `InputError` for points of the
     placement outside of it.
     """
-    axis = _axis(stent, centerline, surface, straightening_fraction, lumen, lies_on)
-    return with_profile(axis, stent, surface)
-
-
-def _axis(
-    stent: Stent,
-    centerline: Centerline | None,
-    surface: Surface,
-    straightening_fraction: float,
-    lumen: Lumen | None,
-    lies_on: StentAxis | None,
-) -> StentAxis:
-    native = stent_axis(stent, centerline, lies_on=lies_on)
+    axis = stent_axis(stent, centerline, lies_on=lies_on)
     if centerline is not None:
         (lumen or Lumen(surface)).check(stent.placement, centerline)
     # An earlier stent's has been straightened already.
-    if not straightening_fraction or lies_on is not None:
-        return native
+    if straightening_fraction and lies_on is None:
+        axis = _straightened(axis, stent, surface, straightening_fraction)
+    return with_profile(axis, stent, surface)
+
+
+def _straightened(
+    native: StentAxis, stent: Stent, surface: Surface, straightening_fraction: float
+) -> StentAxis:
     used, place = permitted(native.points, stent.radius, surface, straightening_fraction)
     axis = straightened_axis(native, used, stent.radius)
     if used > straightening_fraction - NOTICEABLE:

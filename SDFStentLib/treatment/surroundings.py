@@ -31,6 +31,9 @@ from ..measure import (
 )
 from ..validation import Floats
 
+PROFILE_SPACING = 1.0
+"""Distance of the stations at which diameters are measured, mm."""
+
 
 class Surroundings(NamedTuple):
     """Of one stent."""
@@ -55,8 +58,6 @@ def surroundings(
     radius: Callable[[Floats], Floats],
     centerline: Centerline | None,
     faces: NamedFaces | None,
-    *,
-    spacing: float,
 ) -> Surroundings:
     """The lumen along a stent, and what it did to its surroundings.
 
@@ -71,12 +72,13 @@ def surroundings(
         As the stent found it. Without it branches are found, and followed through their lumen.
     faces : NamedFaces or None
         By which branches are named.
-    spacing : float
-        Of the stations along the axis, mm.
     """
     ostia = find_ostia(states.found, axis, faces)
     branches, into = _named_as_in_tree(ostia, BranchWays(states.found, axis, centerline))
-    along, beside = axis_stations(axis, spacing), NeighborStations(states, [*end_ways(axis), *into])
+    along, beside = (
+        axis_stations(axis, PROFILE_SPACING),
+        NeighborStations(states, [*end_ways(axis), *into]),
+    )
     # Many stations together are measured in little more time than few.
     points = np.concatenate([along.points, beside.points])
     directions = np.concatenate([along.directions, beside.directions])

@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field, replace
 from time import perf_counter
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +18,7 @@ from numpy.typing import NDArray
 from ..cautions import Caution
 from ..centerline import Centerline
 from ..certificate import Certificate, certify
-from ..deformation import Deployment, DeploymentResult, DeploymentSettings, DeploymentState
+from ..deformation import Deployment, DeploymentSettings
 from ..geometry import NamedFaces, Precision, Surface, as_surface, checked_faces
 from ..measure import (
     DiameterProfile,
@@ -28,17 +27,11 @@ from ..measure import (
     diameter_profile,
     extended_axis,
 )
-from ..stent import Stent, StentAxis
-from ..validation import (
-    Floats,
-    Points,
-    as_number,
-    as_points,
-    read_only,
-)
-from .profile import prescribed_diameters
+from ..stent import Stent
+from ..validation import Points, as_number, as_points, read_only
+from .stage import Stage, named_states
 from .straightening import axis_in_vessel
-from .surroundings import surroundings
+from .surroundings import PROFILE_SPACING, surroundings
 from .value import (
     PlacedStent,
     TreatedStent,
@@ -59,9 +52,6 @@ from .warnings import (
     overdilated,
     overlap,
 )
-
-PROFILE_SPACING = 1.0
-"""Distance of the stations at which diameters are measured, mm."""
 
 
 @dataclass(eq=False, repr=False)
@@ -119,7 +109,7 @@ class Treatment:
         self.companions = as_points(companions, "companion points")
         self.precision = self.precision or Precision()
         self._result: TreatmentResult | None = None
-        self._stages: list[_Stage] = []
+        self._stages: list[Stage] = []
         self._seconds = {"setup": 0.0, "deploy": 0.0}
         self._enabled = switched_on(self.stents)
         # Fails here rather than after the first stent. Later stents lie elsewhere once the earlier
@@ -151,12 +141,12 @@ class Treatment:
                 precision=self.precision,
             )
             ready = perf_counter()
-            for state in _named(deployment, self.label(number)):
+            for state in named_states(deployment, self.label(number)):
                 fraction = (done + state.fraction) / len(self._enabled)
                 yield TreatmentState(number, fraction, state, surface, axis)
             self._seconds["setup"] += ready - start
             self._seconds["deploy"] += perf_counter() - ready
-            self._stages.append(_Stage(number, stent, axis, centerline, deployment))
+            self._stages.append(Stage(number, stent, axis, centerline, deployment))
             result = deployment.result
             surface = result.surface
             moved_tree, companions = np.split(result.state.companions, [len(tree)])
@@ -215,18 +205,11 @@ class Treatment:
             },
         )
 
-    def _treated(self, stage: _Stage, after: Surface) -> TreatedStent:
+    def _treated(self, stage: Stage, after: Surface) -> TreatedStent:
         found, left = stage.deployment.surface, stage.result.surface
         axis = extended_axis(found, stage.axis.points, stage.centerline)
         states = VesselStates(self.surface, found, left, after)
-        seen = surroundings(
-            states,
-            axis,
-            stage.radius_at,
-            stage.centerline,
-            self.faces,
-            spacing=PROFILE_SPACING,
-        )
+        seen = surroundings(states, axis, stage.radius_at, stage.centerline, self.faces)
         return TreatedStent(
             number=stage.number,
             stent=stage.stent,
@@ -241,7 +224,7 @@ class Treatment:
             result=stage.result,
         )
 
-    def _narrowed(self, stage: _Stage, treated: TreatedStent) -> Iterator[Caution]:
+    def _narrowed(self, stage: Stage, treated: TreatedStent) -> Iterator[Caution]:
         """Whether later stents pushed tissue into this one; measured only if it may be."""
         if stage is self._stages[-1] or treated.after.minimum > 0.97 * stage.stent.diameter:
             return
@@ -282,13 +265,13 @@ class Treatment:
         for cap in bulged_caps(self.surface, after, moved):
             yield cap.caution()
 
-    def _found_lumen(self, stage: _Stage, done: TreatedStent) -> DiameterProfile | None:
+    def _found_lumen(self, stage: Stage, done: TreatedStent) -> DiameterProfile | None:
         """The lumen that earlier stents left for one that moved nothing."""
         if done.moved_points:
             return None
         return diameter_profile(stage.deployment.surface, stage.axis.points, PROFILE_SPACING)
 
-    def _warnings_of(self, stage: _Stage, done: TreatedStent) -> Iterator[Caution]:
+    def _warnings_of(self, stage: Stage, done: TreatedStent) -> Iterator[Caution]:
         """About one stent, which is named later."""
         yield from stage.axis.warnings
         is_first = stage is self._stages[0]
@@ -300,26 +283,3 @@ class Treatment:
             yield stage.result.relief.caution()
         yield from (gap.labeled("Before treatment: ") for gap in done.before.gaps)
         yield from (gap.labeled("After treatment: ") for gap in done.after.gaps)
-
-
-def _named(deployment: Deployment, label: str) -> Iterator[DeploymentState]:
-    with labeled(label):
-        yield from deployment
-
-
-class _Stage(NamedTuple):
-    """One stent as its turn found the vessel; it is measured when all are in place."""
-
-    number: int
-    stent: Stent
-    axis: StentAxis
-    centerline: Centerline | None
-    deployment: Deployment
-
-    @property
-    def result(self) -> DeploymentResult:
-        return self.deployment.result
-
-    def radius_at(self, arc_length: Floats) -> Floats:
-        """Of the stent at some arc lengths of its axis, mm."""
-        return prescribed_diameters(self.stent, self.axis, arc_length) / 2

@@ -24,7 +24,7 @@ from ..validation import Points
 from .lesions import placement_at
 from .sizing import SizingWishes, Suggestion, suggested
 from .straightening import axis_in_vessel
-from .treatment import PROFILE_SPACING
+from .surroundings import PROFILE_SPACING
 
 
 @dataclass(frozen=True, eq=False)
