@@ -114,9 +114,8 @@ class Preview:
                     axis = axis_in_vessel(
                         stent,
                         centerline,
-                        self.surface,
+                        self._lumen,
                         fraction,
-                        lumen=self._lumen,
                         lies_on=lies_on,
                     )
                     check_width(stent.widest_diameter, axis, self._proxy.probes(axis.points))

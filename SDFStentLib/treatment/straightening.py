@@ -39,25 +39,25 @@ NOTICEABLE = 1e-3
 def axis_in_vessel(
     stent: Stent,
     centerline: Centerline | None,
-    surface: Surface,
+    vessel: Surface | Lumen,
     straightening_fraction: float = 0.0,
     *,
-    lumen: Lumen | None = None,
     lies_on: StentAxis | None = None,
 ) -> StentAxis:
     """The axis of a stent, straightened as far as asked for and as the vessel permits.
 
     Parameters and errors as for `stent_axis`; a warning tells where less than asked for was used.
-    `lumen` is that of the surface, where many axes are asked for. `InputError` for points of the
+    The vessel is given as its lumen where many axes are asked for. `InputError` for points of the
     placement outside of it.
     """
+    lumen = vessel if isinstance(vessel, Lumen) else Lumen(vessel)
     axis = stent_axis(stent, centerline, lies_on=lies_on)
     if centerline is not None:
-        (lumen or Lumen(surface)).check(stent.placement, centerline)
+        lumen.check(stent.placement, centerline)
     # An earlier stent's has been straightened already.
     if straightening_fraction and lies_on is None:
-        axis = _straightened(axis, stent, surface, straightening_fraction)
-    return with_profile(axis, stent, surface)
+        axis = _straightened(axis, stent, lumen.surface, straightening_fraction)
+    return with_profile(axis, stent, lumen.surface)
 
 
 def _straightened(
