@@ -4,26 +4,29 @@ from __future__ import annotations
 
 import argparse
 
-import numpy as np
-
-from ..files import check_line_output, check_vmtk, extract_lines, write_extracted_lines
+from ..files import (
+    VTK_LINE_SUFFIXES,
+    check_line_output,
+    check_vmtk,
+    extract_lines,
+    write_extracted_lines,
+)
 from ..plan import read_input_files
 from ..report import filed_point
-from ..units import MILLIMETERS
 from .console import Console
 from .outputs import Outputs
+from .place import in_mm
 
 
 def centerline_command(options: argparse.Namespace, console: Console) -> int:
     """Write the centerlines from the inlet to every outlet."""
     check_vmtk()
-    check_line_output(options.output, (".vtp", ".vtk"))
+    check_line_output(options.output, VTK_LINE_SUFFIXES)
     outputs = Outputs([options.surface])
     outputs.add(options.output, lambda path: write_extracted_lines(path, lines, inputs.surface))
     inputs = read_input_files(options.surface, units=options.units)
-    millimeters = MILLIMETERS[options.units]
-    inlet = None if options.inlet is None else np.multiply(options.inlet, millimeters)
-    seeds = inputs.vessel.seeds(inlet, [np.multiply(end, millimeters) for end in options.outlet])
+    inlet = None if options.inlet is None else in_mm(options.inlet, options.units)
+    seeds = inputs.vessel.seeds(inlet, [in_mm(end, options.units) for end in options.outlet])
     console.warn(inputs.warnings)
     with console.progress("VMTK") as show:
         show(0.0)

@@ -60,7 +60,7 @@ def check_place(
     given += [name for name in ("axis", "at_lesion") if getattr(options, name, None) is not None]
     if len(given) > 1:
         raise InputError(
-            f"expected one place, got {' and '.join(map(_option, given))}; leave one out."
+            f"expected one place, got {' and '.join(map(option_of, given))}; leave one out."
         )
     if not given:
         if needed:
@@ -71,10 +71,10 @@ def check_place(
         return None
     way = given[0]
     if way != "axis" and options.centerline is None:
-        raise InputError(f"expected --centerline FILE with {_option(way)}, got none; give one.")
+        raise InputError(f"expected --centerline FILE with {option_of(way)}, got none; give one.")
     has_length = options.length is not None if has_length is None else has_length
     if way in (*POINT_PLACEMENTS, "at_lesion") and not has_length:
-        raise InputError(f"expected --length L (mm) with {_option(way)}, got none; give one.")
+        raise InputError(f"expected --length L (mm) with {option_of(way)}, got none; give one.")
     if way == "from" and options.length is not None:
         raise InputError(
             "expected no --length between two points, which determine it; leave it or one of "
@@ -96,9 +96,9 @@ def place_of(options: argparse.Namespace, way: str, frame: Frame | None) -> Plac
         file = InputFile(options.axis, line_file.sha256)
         return Place(AlongAxis(axis_of(line_file), file), line_file.warnings)
     if way == "from":
-        start, end = (_mm(point, options.units) for point in (options.from_point, options.to))
+        start, end = (in_mm(point, options.units) for point in (options.from_point, options.to))
         return Place(BetweenPoints(start, end), ())
-    point = _mm(getattr(options, way), options.units)
+    point = in_mm(getattr(options, way), options.units)
     return Place(POINT_PLACEMENTS[way](point), ())
 
 
@@ -171,19 +171,21 @@ def inputs_of(options: argparse.Namespace) -> InputFiles:
 
 def root_of(options: argparse.Namespace) -> NDArray[np.float64] | None:
     """The point near the root of the centerline, mm, where one was given."""
-    return None if options.root is None else _mm(options.root, options.units)
+    return None if options.root is None else in_mm(options.root, options.units)
 
 
 def reference_of(options: argparse.Namespace) -> tuple[NDArray[np.float64], ...]:
     """The places where the user marked healthy vessel, mm."""
-    return tuple(_mm(point, options.units) for point in options.reference)
+    return tuple(in_mm(point, options.units) for point in options.reference)
 
 
-def _option(name: str) -> str:
+def option_of(name: str) -> str:
+    """How an option of the namespace is written."""
     return "--" + name.replace("_", "-")
 
 
-def _mm(point: Sequence[float], units: str) -> NDArray[np.float64]:
+def in_mm(point: Sequence[float], units: str) -> NDArray[np.float64]:
+    """A point of the command line; `InputError` where it is not finite."""
     for value in point:
         if not abs(value) < 1e300:
             raise InputError(f"point: expected three finite numbers, got {value}.")

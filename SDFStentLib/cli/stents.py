@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -21,7 +22,7 @@ from ..stent import (
     balloon_by_rule,
 )
 from ..validation import InputError
-from .place import lesion_place, place_of
+from .place import lesion_place, option_of, place_of
 
 
 def check_sizes(options: argparse.Namespace) -> None:
@@ -42,7 +43,7 @@ def check_sizes(options: argparse.Namespace) -> None:
 
 def _check_profile_alone(options: argparse.Namespace) -> None:
     others = ("diameter", "balloon", "recoil", "redilate", "waist", "flare_start", "flare_end")
-    given = [f"--{name.replace('_', '-')}" for name in others if getattr(options, name) is not None]
+    given = [option_of(name) for name in others if getattr(options, name) is not None]
     if given:
         raise InputError(
             "expected --profile alone, which has all diameters, got it with "
@@ -60,8 +61,7 @@ def shape_of(options: argparse.Namespace) -> Shape | None:
     """
     for name in ("waist_position", "waist_length"):
         if getattr(options, name) is not None and options.waist is None:
-            option = f"--{name.replace('_', '-')}"
-            raise InputError(f"expected --waist D with {option}, got none; give one.")
+            raise InputError(f"expected --waist D with {option_of(name)}, got none; give one.")
     waist = None
     if options.waist is not None:
         waist = Waist(options.waist, options.waist_position, options.waist_length)
@@ -106,49 +106,46 @@ def stents_of(
 def _stent(
     options: argparse.Namespace, way: str, inputs: InputFiles, device: Device | None
 ) -> Stent:
+    sized = _sizes(options, way, inputs, device)
     diameter = _balloon_diameter(options)
     if diameter is None:
-        return _sized(options, way, inputs, device, _lumen_diameter(options))
+        return sized(options.diameter)
     balloon = _given(options, diameter)
     if balloon is None:
         usual = balloon_by_rule(diameter, float("nan"))
-        placed = _sized(options, way, inputs, device, usual.lumen_diameter)
-        balloon = balloon_by_rule(diameter, inputs.vessel.native_lumen(placed))
-    stent = _sized(options, way, inputs, device, balloon.lumen_diameter)
-    return replace(stent, balloon=balloon)
+        found = inputs.vessel.native_lumen(sized(usual.lumen_diameter))
+        balloon = balloon_by_rule(diameter, found)
+    return replace(sized(balloon.lumen_diameter), balloon=balloon)
 
 
-def _sized(
-    options: argparse.Namespace,
-    way: str,
-    inputs: InputFiles,
-    device: Device | None,
-    diameter: float,
-) -> Stent:
-    """The stent of a diameter, mm, of the lumen."""
+def _sizes(
+    options: argparse.Namespace, way: str, inputs: InputFiles, device: Device | None
+) -> Callable[[float | None], Stent]:
+    """Makes the stent of a diameter of the lumen, mm; None where a profile has it."""
+    shape = shape_of(options)
     # Where it goes at a lesion depends on its length, which is that of one at any place.
     placement: Placement = AtCenter(np.zeros(3))
     if way != "at_lesion":
         placement = place_of(options, way, inputs.surface.frame).placement
-    stent = Stent(
-        diameter,
-        placement=placement,
-        length=options.length,
-        foreshortening_fraction=options.foreshortening,
-        device=device,
-        keeps=options.keep or "center",
-        shape=shape_of(options),
-    )
-    if way != "at_lesion":
-        return stent
-    return replace(stent, placement=lesion_place(options, inputs, stent).placement)
 
+    def sized(diameter: float | None) -> Stent:
+        if diameter is None:
+            assert shape is not None
+            diameter = max(wide for _, wide in shape.table)
+        stent = Stent(
+            diameter,
+            placement=placement,
+            length=options.length,
+            foreshortening_fraction=options.foreshortening,
+            device=device,
+            keeps=options.keep or "center",
+            shape=shape,
+        )
+        if way != "at_lesion":
+            return stent
+        return replace(stent, placement=lesion_place(options, inputs, stent).placement)
 
-def _lumen_diameter(options: argparse.Namespace) -> float:
-    """As given, or the largest one of the profile, mm."""
-    if options.profile is None:
-        return float(options.diameter)
-    return max(diameter for _, diameter in read_profile(options.profile))
+    return sized
 
 
 def _balloon_diameter(options: argparse.Namespace) -> float | None:

@@ -12,6 +12,7 @@ from ..late import late_names
 if TYPE_CHECKING:
     from .atomic import atomic_path, cannot_write, check_writable, write_bytes
     from .centerline_files import (
+        VTK_LINE_SUFFIXES,
         LineFile,
         axis_of,
         in_frame_of,
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
     from .triangulation import triangulated_polydata
 
 __all__ = [
+    "VTK_LINE_SUFFIXES",
     "ExtractedLines",
     "LineFile",
     "StagingFolder",
@@ -83,6 +85,7 @@ __getattr__, __dir__ = late_names(
     {
         "atomic": ["atomic_path", "cannot_write", "check_writable", "write_bytes"],
         "centerline_files": [
+            "VTK_LINE_SUFFIXES",
             "LineFile",
             "axis_of",
             "in_frame_of",
