@@ -5,11 +5,11 @@ from __future__ import annotations
 import argparse
 from typing import NoReturn
 
-from ..units import MILLIMETERS
 from ..version import VERSION
 from .argument_types import number as _number
 from .argument_types import path as _path
 from .argument_types import whole as _whole
+from .common_options import add_json, add_point, add_points, add_surface, add_talk, add_units
 from .method_options import add_method
 from .stent_options import add_device_table, add_shape, add_stent, add_wishes
 
@@ -58,7 +58,7 @@ def parser() -> Parser:
 
 def _deploy(command: argparse.ArgumentParser) -> None:
     command.description = "Deploy one stent in a vessel surface."
-    command.add_argument("surface", type=_path, metavar="SURFACE", help="VTP, VTK, STL, PLY or OBJ")
+    add_surface(command)
     command.add_argument(
         "-o", "--output", type=_path, metavar="OUT", required=True, help="surface to write"
     )
@@ -72,7 +72,7 @@ def _deploy(command: argparse.ArgumentParser) -> None:
     add_shape(command)
     add_method(command)
     out = command.add_argument_group("output")
-    _add_units(out)
+    add_units(out)
     out.add_argument(
         "--output-centerline", type=_path, metavar="F", help="the centerline, moved along"
     )
@@ -95,7 +95,7 @@ def _deploy(command: argparse.ArgumentParser) -> None:
         "--save-plan", type=_path, metavar="F", help="what determines the result, for `run`"
     )
     _add_output(out)
-    _add_talk(command)
+    add_talk(command)
 
 
 def _run(command: argparse.ArgumentParser) -> None:
@@ -113,7 +113,7 @@ def _run(command: argparse.ArgumentParser) -> None:
         help="go on although a file is not the one that the plan was made with",
     )
     _add_output(command.add_argument_group("output"))
-    _add_talk(command)
+    add_talk(command)
 
 
 def _measure(command: argparse.ArgumentParser) -> None:
@@ -121,18 +121,18 @@ def _measure(command: argparse.ArgumentParser) -> None:
         "Lesions of a vessel tree, the tightest first, and diameters along a part of it: of the "
         "largest inscribed sphere and of the circle with the area of the cross-section."
     )
-    command.add_argument("surface", type=_path, metavar="SURFACE", help="VTP, VTK, STL, PLY or OBJ")
+    add_surface(command)
     _add_place(command)
     command.add_argument(
         "--spacing", type=_number, metavar="MM", default=1.0, help="of the stations (default 1)"
     )
-    _add_units(command)
+    add_units(command)
     command.add_argument(
         "--tables", action="store_true", help="the diameters along every branch, too"
     )
-    command.add_argument("--json", action="store_true", help="print JSON instead of sentences")
+    add_json(command)
     command.add_argument("--csv", type=_path, metavar="F", help="write the table of lesions")
-    _add_talk(command)
+    add_talk(command)
 
 
 def _suggest(command: argparse.ArgumentParser) -> None:
@@ -140,21 +140,21 @@ def _suggest(command: argparse.ArgumentParser) -> None:
         "Propose a stent for a lesion: its diameters and lengths, the rule, and how they compare "
         "with the vessel; a proposal to discuss, research use only."
     )
-    command.add_argument("surface", type=_path, metavar="SURFACE", help="VTP, VTK, STL, PLY or OBJ")
+    add_surface(command)
     command.add_argument("--centerline", type=_path, metavar="FILE", required=True, help="any form")
     add_wishes(command)
     _add_vessel_marks(command)
-    _add_units(command)
-    command.add_argument("--json", action="store_true", help="print JSON instead of sentences")
-    _add_talk(command)
+    add_units(command)
+    add_json(command)
+    add_talk(command)
 
 
 def _check(command: argparse.ArgumentParser) -> None:
     command.description = "Topology and self-intersections of a surface."
-    command.add_argument("surface", type=_path, metavar="SURFACE", help="VTP, VTK, STL, PLY or OBJ")
-    _add_units(command)
-    command.add_argument("--json", action="store_true", help="print JSON instead of sentences")
-    _add_talk(command)
+    add_surface(command)
+    add_units(command)
+    add_json(command)
+    add_talk(command)
 
 
 def _centerline(command: argparse.ArgumentParser) -> None:
@@ -162,28 +162,16 @@ def _centerline(command: argparse.ArgumentParser) -> None:
         "The centerlines of a bare surface, from its inlet to every outlet, by VMTK "
         "(https://vmtk.github.io). Ends are open or closed by flat caps."
     )
-    command.add_argument("surface", type=_path, metavar="SURFACE", help="VTP, VTK, STL, PLY or OBJ")
+    add_surface(command)
     command.add_argument(
         "-o", "--output", type=_path, metavar="F", required=True, help="VTP or VTK to write"
     )
-    command.add_argument(
-        "--inlet",
-        type=_number,
-        nargs=3,
-        metavar=("X", "Y", "Z"),
-        help="the end near this point is proximal (default: the largest)",
+    add_point(command, "inlet", "the end near this point is proximal (default: the largest)")
+    add_points(
+        command, "outlet", "a line ends near this point; once or more (default: at every end)"
     )
-    command.add_argument(
-        "--outlet",
-        type=_number,
-        nargs=3,
-        action="append",
-        metavar=("X", "Y", "Z"),
-        default=[],
-        help="a line ends near this point; once or more (default: at every end)",
-    )
-    _add_units(command)
-    _add_talk(command)
+    add_units(command)
+    add_talk(command)
 
 
 def _devices(command: argparse.ArgumentParser) -> None:
@@ -193,8 +181,8 @@ def _devices(command: argparse.ArgumentParser) -> None:
     )
     command.add_argument("name", type=_path, nargs="?", metavar="NAME", help="tell all of this one")
     add_device_table(command)
-    command.add_argument("--json", action="store_true", help="print JSON instead of sentences")
-    _add_talk(command)
+    add_json(command)
+    add_talk(command)
 
 
 def _demo(command: argparse.ArgumentParser) -> None:
@@ -203,7 +191,7 @@ def _demo(command: argparse.ArgumentParser) -> None:
         "its origin gets a stent across the bifurcation."
     )
     command.add_argument("-o", "--output", type=_path, metavar="DIR", default="sdfstent-demo")
-    _add_talk(command)
+    add_talk(command)
 
 
 def _add_place(command: argparse.ArgumentParser) -> argparse._ArgumentGroup:
@@ -221,33 +209,20 @@ def _add_place(command: argparse.ArgumentParser) -> argparse._ArgumentGroup:
         ("from", "one end"),
         ("to", "the other end"),
     ):
-        place.add_argument(
-            f"--{name}",
-            dest="from_point" if name == "from" else name,
-            type=_number,
-            nargs=3,
-            metavar=("X", "Y", "Z"),
-            help=what,
-        )
+        add_point(place, name, what)
     return place
 
 
 def _add_vessel_marks(place: argparse._ActionsContainer) -> None:
-    place.add_argument(
-        "--root",
-        type=_number,
-        nargs=3,
-        metavar=("X", "Y", "Z"),
-        help="the end of the centerline near this point is proximal (default: the tree tells)",
+    add_point(
+        place,
+        "root",
+        "the end of the centerline near this point is proximal (default: the tree tells)",
     )
-    place.add_argument(
-        "--reference",
-        type=_number,
-        nargs=3,
-        action="append",
-        metavar=("X", "Y", "Z"),
-        default=[],
-        help="healthy vessel that the lesion beside it is measured against; once or twice",
+    add_points(
+        place,
+        "reference",
+        "healthy vessel that the lesion beside it is measured against; once or twice",
     )
 
 
@@ -268,14 +243,3 @@ def _add_output(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         "--arrays", action="store_true", help="add displacement and stretch to the surface"
     )
-
-
-def _add_units(group: argparse._ActionsContainer) -> None:
-    group.add_argument(
-        "--units", choices=list(MILLIMETERS), default="mm", help="of the files (default mm)"
-    )
-
-
-def _add_talk(command: argparse.ArgumentParser) -> None:
-    command.add_argument("--quiet", action="store_true", help="say nothing but errors")
-    command.add_argument("--debug", action="store_true", help="show where an error came from")
