@@ -176,6 +176,20 @@ def test_without_vmtk_the_sentence_says_how_to_install_it(tmp_path):
     assert 'pip install "vmtk>=1.5"' in run.stderr
 
 
+@pytest.mark.parametrize("option", ["--inlet", "--outlet"])
+def test_an_end_that_is_not_finite_is_a_sentence(tmp_path, option):
+    demo, out = tmp_path / "demo", tmp_path / "lines.vtp"
+    assert command("demo", "-o", demo).returncode == 0
+    run = command(
+        "centerline", demo / "surface.vtp", "-o", out, option, "nan", "0", "0",
+        **pretended_vmtk(tmp_path, ""),
+    )  # fmt: skip
+    assert run.returncode == 2
+    assert run.stderr == (
+        f"sdfstent centerline: {option}: expected three finite numbers, got nan.\n"
+    )
+
+
 @pytest.mark.parametrize("name", ["lines.mrk.json", "lines.stl", "lines"])
 def test_lines_go_into_vtp_or_vtk(tmp_path, name):
     run = command(

@@ -25,8 +25,10 @@ def centerline_command(options: argparse.Namespace, console: Console) -> int:
     outputs = Outputs([options.surface])
     outputs.add(options.output, lambda path: write_extracted_lines(path, lines, inputs.surface))
     inputs = read_input_files(options.surface, units=options.units)
-    inlet = None if options.inlet is None else in_mm(options.inlet, options.units)
-    seeds = inputs.vessel.seeds(inlet, [in_mm(end, options.units) for end in options.outlet])
+    inlet = None if options.inlet is None else in_mm(options.inlet, options.units, "--inlet")
+    seeds = inputs.vessel.seeds(
+        inlet, [in_mm(end, options.units, "--outlet") for end in options.outlet]
+    )
     console.warn(inputs.warnings)
     with console.progress("VMTK") as show:
         show(0.0)

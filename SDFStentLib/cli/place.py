@@ -96,9 +96,10 @@ def place_of(options: argparse.Namespace, way: str, frame: Frame | None) -> Plac
         file = InputFile(options.axis, line_file.sha256)
         return Place(AlongAxis(axis_of(line_file), file), line_file.warnings)
     if way == "from":
-        start, end = (in_mm(point, options.units) for point in (options.from_point, options.to))
+        start = in_mm(options.from_point, options.units, "--from")
+        end = in_mm(options.to, options.units, "--to")
         return Place(BetweenPoints(start, end), ())
-    point = in_mm(getattr(options, way), options.units)
+    point = in_mm(getattr(options, way), options.units, option_of(way))
     return Place(POINT_PLACEMENTS[way](point), ())
 
 
@@ -171,12 +172,12 @@ def inputs_of(options: argparse.Namespace) -> InputFiles:
 
 def root_of(options: argparse.Namespace) -> NDArray[np.float64] | None:
     """The point near the root of the centerline, mm, where one was given."""
-    return None if options.root is None else in_mm(options.root, options.units)
+    return None if options.root is None else in_mm(options.root, options.units, "--root")
 
 
 def reference_of(options: argparse.Namespace) -> tuple[NDArray[np.float64], ...]:
     """The places where the user marked healthy vessel, mm."""
-    return tuple(in_mm(point, options.units) for point in options.reference)
+    return tuple(in_mm(point, options.units, "--reference") for point in options.reference)
 
 
 def option_of(name: str) -> str:
@@ -184,9 +185,9 @@ def option_of(name: str) -> str:
     return "--" + name.replace("_", "-")
 
 
-def in_mm(point: Sequence[float], units: str) -> NDArray[np.float64]:
-    """A point of the command line; `InputError` where it is not finite."""
+def in_mm(point: Sequence[float], units: str, option: str) -> NDArray[np.float64]:
+    """A point of an option; `InputError` where it is not finite."""
     for value in point:
         if not abs(value) < 1e300:
-            raise InputError(f"point: expected three finite numbers, got {value}.")
+            raise InputError(f"{option}: expected three finite numbers, got {value}.")
     return np.array([scaled(value, MILLIMETERS[units]) for value in point])
