@@ -67,11 +67,6 @@ class Ostium:
         return self.covered_share > 1 - NEARLY
 
     @property
-    def is_covered(self) -> bool:
-        """Whether the stent covers it, fully or partly."""
-        return not self.is_free
-
-    @property
     def coverage(self) -> str:
         """What the stent does to it, in two or three words."""
         if self.is_free:
