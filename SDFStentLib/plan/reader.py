@@ -140,13 +140,11 @@ def plan_from_document(
     )
 
 
-def _flow(value: Any) -> tuple[float, float] | None:
+def _flow(value: Any) -> Any:
     if value is None:
         return None
-    ends = sequence(value, "flow")
-    if len(ends) != 2:
-        raise InputError(f"flow: expected two numbers, the least and the most, got {len(ends)}.")
-    return float(number(ends[0], "flow[0]")), float(number(ends[1], "flow[1]"))
+    ends = enumerate(sequence(value, "flow"))
+    return tuple(float(number(end, f"flow[{index}]")) for index, end in ends)
 
 
 class _StentReader:
