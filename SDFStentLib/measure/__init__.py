@@ -19,7 +19,16 @@ from .neighbor_lumen import NeighborLumen, NeighborStations, VesselStates
 from .neighbor_ways import BranchWays, NeighborWay, end_ways
 from .ostia import LISTED, NEARLY, Ostium, find_ostia
 from .point_lumen import rough_radii
-from .pressure import ADULT, TOO_LOW, Blood, PressureBand, VesselBlock, pressure_band, vessel_block
+from .pressure import (
+    ADULT,
+    TOO_LOW,
+    TURBULENCE,
+    Blood,
+    PressureBand,
+    VesselBlock,
+    pressure_band,
+    vessel_block,
+)
 from .profile_around import AxisStations, axis_stations, profile_around
 from .stations import measured_at
 from .stretch import FaceStretch, displacements, face_stretches
@@ -33,6 +42,7 @@ __all__ = [
     "NEARLY",
     "SMALLEST_DEGREE",
     "TOO_LOW",
+    "TURBULENCE",
     "Apposition",
     "AxisStations",
     "Blood",

@@ -31,9 +31,10 @@ if TYPE_CHECKING:
     from .of_plan import plan_report
     from .painting import check_rendering
     from .picture import before_after_picture
-    from .pressure import stent_pressure_sentences, zero_d_document
+    from .pressure import stent_pressure_sentences
     from .report import FIGURE_SUFFIXES, Report, write_report, write_report_figure
     from .sizing import suggestion_section, suggestion_sentences
+    from .zero_d import zero_d_document
 
 __all__ = [
     "FIGURE_SUFFIXES",
@@ -89,8 +90,9 @@ __getattr__, __dir__ = late_names(
         "of_plan": ["plan_report"],
         "painting": ["check_rendering"],
         "picture": ["before_after_picture"],
-        "pressure": ["stent_pressure_sentences", "zero_d_document"],
+        "pressure": ["stent_pressure_sentences"],
         "sizing": ["suggestion_section", "suggestion_sentences"],
         "report": ["FIGURE_SUFFIXES", "Report", "write_report", "write_report_figure"],
+        "zero_d": ["zero_d_document"],
     },
 )

@@ -6,15 +6,7 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Any
 
-from ..measure import (
-    ADULT,
-    TOO_LOW,
-    DiameterProfile,
-    VesselBlock,
-    pressure_band,
-    vessel_block,
-)
-from ..plan import PlanResult
+from ..measure import ADULT, TOO_LOW, pressure_band
 from ..treatment import TreatedStent
 from ..validation import InputError
 
@@ -72,49 +64,6 @@ def pressure_part(stents: Sequence[Mapping[str, Any]]) -> list[str]:
         f"<p>{escape(label.format(number) + pressure_words(one))}</p>" for number, one in told
     )
     return [f"<h2>Pressure</h2>{lines}<p class='small'>{escape(NOTE)}</p>"]
-
-
-def zero_d_document(result: PlanResult) -> dict[str, Any]:
-    """Values for the vessel blocks of a lumped (0D) solver, of every stent, before and after.
-
-    Raises
-    ------
-    InputError
-        A diameter along a stent could not be measured.
-    """
-    return {
-        "notice": "Research use only, not a medical device.",
-        "units": "cgs: R in dyn s/cm^5, L in dyn s^2/cm^5, S in dyn s^2/cm^8, length in cm",
-        "formula": "P_in - P_out = (R_poiseuille + stenosis_coefficient |Q|) Q + L dQ/dt",
-        "stenosis_coefficient": "K_t density / (2 A_0^2) (A_0/A_s - 1)^2, K_t = 1.52; A_0 mean of "
-        "the ends, A_s the narrowest; inscribed diameters",
-        "capacitance": "C is 0: the wall is rigid",
-        "density_g_cm3": ADULT.density / 1000,
-        "viscosity_poise": ADULT.viscosity * 10,
-        "vessels": [
-            {"vessel_name": f"stent {stent.number}, {name}", **_block(_measured(profile))}
-            for stent in result.treatment.stents
-            for name, profile in (("before", stent.before), ("after", stent.after))
-        ],
-    }
-
-
-def _measured(profile: DiameterProfile) -> VesselBlock:
-    return vessel_block(profile.arc_length, profile.inscribed_diameter)
-
-
-def _block(block: VesselBlock) -> dict[str, Any]:
-    """A vessel as svZeroDSolver has it: SI to cgs."""
-    return {
-        "vessel_length": 100 * block.length,
-        "zero_d_element_type": "BloodVessel",
-        "zero_d_element_values": {
-            "R_poiseuille": 1e-5 * block.resistance,
-            "L": 1e-5 * block.inertance,
-            "C": 0.0,
-            "stenosis_coefficient": 1e-11 * block.stenosis,
-        },
-    }
 
 
 def _why_not(stent: TreatedStent) -> str | None:
