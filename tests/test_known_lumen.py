@@ -49,6 +49,23 @@ def test_only_stations_that_are_new_are_measured(a_tube, asked):
     assert asked == [5, 3, 1]
 
 
+def test_what_another_thread_forgets_meanwhile_is_not_missed(a_tube, monkeypatch):
+    points = np.column_stack([np.zeros(8), np.zeros(8), np.linspace(10, 25, 8)])
+    along = np.tile([0.0, 0.0, 1.0], (8, 1))
+    plain = measured_once(a_tube.surface, points[:5], along[:5])
+
+    def forgetful(surface, points, directions):
+        measured = measured_at(surface, points, directions)
+        known_lumen._known[surface].clear()
+        return measured
+
+    monkeypatch.setattr(known_lumen, "measured_at", forgetful)
+    found = measured_once(a_tube.surface, points, along)
+    np.testing.assert_array_equal(found.spheres.radii[:5], plain.spheres.radii)
+    np.testing.assert_array_equal(found.equivalent[:5], plain.equivalent)
+    assert (found.spheres.radii[5:] > 0).all()
+
+
 def test_another_diameter_is_tried_without_measuring_the_vessel_again(a_tube, asked):
     def tried(diameter):
         stent = Stent(diameter, placement=AtCenter([0, 0, 20.0]), length=12.0)

@@ -29,11 +29,14 @@ def measured_once(surface: Surface, points: Points, directions: Points) -> Stati
     keys = [row.tobytes() for row in rows]
     if len(known) > MOST:
         known.clear()
-    missing = np.array([key not in known for key in keys], dtype=bool)
+    # Read once: another thread may forget everything meanwhile.
+    found = [known.get(key) for key in keys]
+    missing = np.array([values is None for values in found], dtype=bool)
     if missing.any():
         anew = measured_at(surface, points[missing], directions[missing])
-        values = np.column_stack([anew.spheres.centers, anew.spheres.radii, anew.equivalent])
-        known.update(zip(np.array(keys, dtype=object)[missing], values, strict=True))
-    found = np.array([known[key] for key in keys]).reshape(-1, 5)
-    spheres = InscribedSpheres(found[:, :3].copy(), found[:, 3].copy())
-    return Stations(points, directions, spheres, found[:, 4].copy())
+        measured = np.column_stack([anew.spheres.centers, anew.spheres.radii, anew.equivalent])
+        for index, values in zip(np.flatnonzero(missing), measured, strict=True):
+            known[keys[index]] = found[index] = values
+    stations = np.array(found, dtype=np.float64).reshape(-1, 5)
+    spheres = InscribedSpheres(stations[:, :3].copy(), stations[:, 3].copy())
+    return Stations(points, directions, spheres, stations[:, 4].copy())
