@@ -7,27 +7,49 @@ nothing of a plan is lost on the way through it.
 from __future__ import annotations
 
 import json
-from dataclasses import replace
+from collections.abc import Mapping
+from dataclasses import asdict, replace
 from typing import Any
 
 from ..stent import Balloon, Placement, Shape, Stent
+from ..validation import InputError
 from .devices import device_document, device_from_document
-from .json_document import parsed, section
-from .reader import balloon_from_document
+from .json_document import number, parsed, section, text_value
 from .shapes import shape_document, shape_from_document
 
 KEYS = ("device", "balloon", "keeps", "shape")
 
 
-def stent_details(stent: Stent) -> str:
-    """Device, balloon, shape and kept end of a stent as JSON text; empty where it has none."""
-    document: dict[str, Any] = {
+def details_document(stent: Stent) -> dict[str, Any]:
+    """The details of a stent as values of JSON; null where it has none."""
+    return {
         "device": device_document(stent.device),
-        "balloon": None if stent.balloon is None else vars(stent.balloon),
-        "keeps": None if stent.keeps == "center" else stent.keeps,
+        "balloon": None if stent.balloon is None else asdict(stent.balloon),
+        "keeps": stent.keeps,
         "shape": shape_document(stent.shape),
     }
-    kept = {key: value for key, value in document.items() if value is not None}
+
+
+def details_from_document(given: Mapping[str, Any], where: str) -> dict[str, Any]:
+    """The details in a document that may have them, as `Stent` takes them.
+
+    Raises
+    ------
+    InputError
+        Unknown keys in them, or values that do not belong there, with their place.
+    """
+    return {
+        "device": device_from_document(given.get("device"), f"{where}.device"),
+        "balloon": _balloon_from_document(given.get("balloon"), f"{where}.balloon"),
+        "keeps": text_value(given.get("keeps", "center"), f"{where}.keeps"),
+        "shape": shape_from_document(given.get("shape"), f"{where}.shape"),
+    }
+
+
+def stent_details(stent: Stent) -> str:
+    """Device, balloon, shape and kept end of a stent as JSON text; empty where it has none."""
+    usual = (None, "center")
+    kept = {key: value for key, value in details_document(stent).items() if value not in usual}
     return json.dumps(kept, ensure_ascii=False) if kept else ""
 
 
@@ -65,21 +87,15 @@ def detailed_stent(
     if not details:
         return Stent(diameter, placement=placement, **sizes, **values)
     found = section(parsed(details, "stent details"), "stent details", (), KEYS)
-    device = device_from_document(found.get("device"), "stent details.device")
+    parts = details_from_document(found, "stent details")
+    device, balloon, shape = parts["device"], parts["balloon"], parts["shape"]
     if device is not None and device.lengths:
         sizes["foreshortening_fraction"] = None
-    balloon = balloon_from_document(found.get("balloon"), "stent details.balloon")
-    shape = shape_from_document(found.get("shape"), "stent details.shape")
-    return Stent(
-        diameter,
-        placement=placement,
-        device=device,
-        balloon=None if balloon is None else _that_leaves(balloon, diameter),
-        keeps=found.get("keeps", "center"),
-        shape=None if shape is None else _for_diameter(shape, diameter),
-        **sizes,
-        **values,
-    )
+    if balloon is not None:
+        parts["balloon"] = _that_leaves(balloon, diameter)
+    if shape is not None:
+        parts["shape"] = _for_diameter(shape, diameter)
+    return Stent(diameter, placement=placement, **sizes, **parts, **values)
 
 
 def details_words(details: str) -> str:
@@ -99,6 +115,21 @@ def details_words(details: str) -> str:
     if "shape" in found:
         words.append(f"a shape ({', '.join(parts) or 'flat caps'})")
     return ", ".join(words)
+
+
+def _balloon_from_document(value: Any, where: str) -> Balloon | None:
+    if value is None:
+        return None
+    given = section(value, where, ("diameter", "recoil_fraction"), ("reason",))
+    values: dict[str, Any] = {
+        key: float(number(given[key], f"{where}.{key}")) for key in ("diameter", "recoil_fraction")
+    }
+    if "reason" in given:
+        values["reason"] = text_value(given["reason"], f"{where}.reason")
+    try:
+        return Balloon(**values)
+    except InputError as error:
+        raise error.labeled(f"{where}: ") from error
 
 
 def _that_leaves(balloon: Balloon, diameter: float) -> Balloon:

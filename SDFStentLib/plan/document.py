@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import asdict, fields
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -22,10 +22,9 @@ from ..stent import (
 )
 from ..units import MILLIMETERS
 from ..validation import InputError, as_path, check_is_a
-from .devices import device_document
+from .details import details_document
 from .json_document import json_text, text_value, unscaled
 from .plan import Plan
-from .shapes import shape_document
 
 SCHEMA = "sdfstent-plan"
 SCHEMA_VERSION = 2
@@ -118,10 +117,7 @@ def _stent_document(stent: Stent, units: str, folder: str | None) -> dict[str, A
         "diameter": float(stent.diameter),
         "length": stent.length,
         "foreshortening_fraction": stent.foreshortening_fraction,
-        "device": device_document(stent.device),
-        "balloon": None if stent.balloon is None else asdict(stent.balloon),
-        "keeps": stent.keeps,
-        "shape": shape_document(stent.shape),
+        **details_document(stent),
         "placement": placement_document(stent.placement, units, folder),
     }
 

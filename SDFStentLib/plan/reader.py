@@ -11,21 +11,21 @@ from numpy.typing import NDArray
 
 from ..deformation import DeploymentSettings
 from ..files import read_content
-from ..stent import AlongAxis, Balloon, BetweenPoints, InputFile, OfStent, Placement, Stent
+from ..stent import AlongAxis, BetweenPoints, InputFile, OfStent, Placement, Stent
 from ..units import MILLIMETERS, Frame
 from ..validation import InputError, as_path
-from .devices import device_from_document
+from .details import KEYS as DETAILS
+from .details import details_from_document
 from .document import NAMED_SETTINGS, POINT_PLACEMENTS, SCHEMA, SETTINGS
 from .json_document import in_words, number, parsed, scaled, section, sequence, text_value, truth
 from .plan import Plan
-from .shapes import shape_from_document
 
 _FIRST_PARTS = ("sdfstent_version", "inputs", "settings")
 PLAN_KEYS = {1: _FIRST_PARTS, 2: (*_FIRST_PARTS, "flow")}
 """What a plan of each version may have besides its stents."""
 
 _FIRST_KEYS = ("name", "enabled", "length", "foreshortening_fraction")
-STENT_KEYS = {1: _FIRST_KEYS, 2: (*_FIRST_KEYS, "device", "balloon", "keeps", "shape")}
+STENT_KEYS = {1: _FIRST_KEYS, 2: (*_FIRST_KEYS, *DETAILS)}
 """What a stent of each version may have besides its diameter and its placement."""
 
 _FIRST_PLACES = ("center", "distal", "proximal", "from", "to", "axis")
@@ -176,10 +176,7 @@ class _StentReader:
         }
         diameter = float(number(stent["diameter"], f"{where}.diameter"))
         changes["name"] = text_value(stent.get("name", ""), f"{where}.name")
-        changes["device"] = device_from_document(stent.get("device"), f"{where}.device")
-        changes["balloon"] = balloon_from_document(stent.get("balloon"), f"{where}.balloon")
-        changes["keeps"] = text_value(stent.get("keeps", "center"), f"{where}.keeps")
-        changes["shape"] = shape_from_document(stent.get("shape"), f"{where}.shape")
+        changes |= details_from_document(stent, where)
         changes["enabled"] = truth(stent.get("enabled", True), f"{where}.enabled")
         return _named(where, lambda: Stent(diameter, placement=placement, **changes))
 
@@ -226,20 +223,6 @@ class _StentReader:
         factor = MILLIMETERS[self.units]
         numbers = [number(item, f"{where}[{i}]") for i, item in enumerate(coordinates)]
         return np.array([scaled(item, factor) for item in numbers])
-
-
-def balloon_from_document(value: Any, where: str) -> Balloon | None:
-    """A balloon from its document; None from null, `InputError` for what does not belong there."""
-    if value is None:
-        return None
-    given = section(value, where, ("diameter", "recoil_fraction"), ("reason",))
-    values: dict[str, Any] = {
-        key: float(number(given[key], f"{where}.{key}")) for key in ("diameter", "recoil_fraction")
-    }
-    if "reason" in given:
-        values["reason"] = text_value(given["reason"], f"{where}.reason")
-    balloon: Balloon = _named(where, lambda: Balloon(**values))
-    return balloon
 
 
 def _settings(value: Any) -> tuple[DeploymentSettings, float]:
