@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from ..geometry import Surface, length, without_repeats
 from ..validation import Floats, as_number, as_points, read_only
+from .openings import Mask
 from .wall_map import RAYS, near_wall, wall_map
 
 GAP = 0.3
@@ -112,16 +113,24 @@ def apposition(
         radius_at = partial(np.full_like, fill_value=widest)
     near = near_wall(surface, line, max(total, 2 * (widest + gap)))
     wall = wall_map(near, line, spacing=SPACING, window=widest)
+    edges = wall.arc_length
     # A piece between two stations has the mean of both.
-    own = radius_at(wall.arc_length)[:, None]
+    own = radius_at(edges)[:, None]
     share = (wall.distance > own + gap).sum(axis=1) / RAYS
     share = (share[1:] + share[:-1]) / 2
     apart = wall.distance - own
     gaps = np.maximum(apart[1:], apart[:-1]).max(axis=1)
-    edges = wall.arc_length
-    is_free = np.r_[False, share > noticed, False]
-    runs = np.flatnonzero(is_free[1:] != is_free[:-1]).reshape(-1, 2)
-    stretches = tuple(
+    stretches = _stretches(share > noticed, edges, share, gaps)
+    return Apposition((edges[1:] + edges[:-1]) / 2, share, stretches, float(edges[-1]))
+
+
+def _stretches(
+    is_free: Mask, edges: Floats, share: Floats, gaps: Floats
+) -> tuple[FreeStretch, ...]:
+    """Runs of free pieces (n,) between edges (n + 1,)."""
+    bounded = np.r_[False, is_free, False]
+    runs = np.flatnonzero(bounded[1:] != bounded[:-1]).reshape(-1, 2)
+    return tuple(
         FreeStretch(
             float(edges[first]),
             float(edges[after]),
@@ -130,4 +139,3 @@ def apposition(
         )
         for first, after in runs
     )
-    return Apposition((edges[1:] + edges[:-1]) / 2, share, stretches, float(edges[-1]))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,8 @@ _FIRST_PARTS = ("sdfstent_version", "inputs", "settings")
 PLAN_KEYS = {1: _FIRST_PARTS, 2: (*_FIRST_PARTS, "flow")}
 """What a plan of each version may have besides its stents."""
 
+_INPUT_KEYS = ("units", "frame", "surface", "centerline", "root", "reference")
+
 _FIRST_KEYS = ("name", "enabled", "length", "foreshortening_fraction")
 STENT_KEYS = {1: _FIRST_KEYS, 2: (*_FIRST_KEYS, *DETAILS)}
 """What a stent of each version may have besides its diameter and its placement."""
@@ -31,6 +33,8 @@ STENT_KEYS = {1: _FIRST_KEYS, 2: (*_FIRST_KEYS, *DETAILS)}
 _FIRST_PLACES = ("center", "distal", "proximal", "from", "to", "axis")
 PLACE_KEYS = {1: _FIRST_PLACES, 2: (*_FIRST_PLACES, "stent")}
 """What a placement of each version may have."""
+
+T = TypeVar("T")
 
 AxisReader = Callable[[InputFile, str, Frame | None], AlongAxis]
 """Reads the curve of an axis file in a unit and a frame, mm."""
@@ -95,56 +99,47 @@ def plan_from_document(
         Another schema or version, unknown or missing keys, or values that do not belong there.
     """
     _check_version(document)
-    section(
-        document,
-        "plan",
-        ("schema", "version", "stents"),
-        PLAN_KEYS[document["version"]],
-    )
-    inputs = section(
-        document.get("inputs", {}),
-        "inputs",
-        (),
-        ("units", "frame", "surface", "centerline", "root", "reference"),
-    )
-    units, frame = inputs.get("units", "mm"), inputs.get("frame")
-    if not isinstance(units, str) or units not in MILLIMETERS:
-        raise InputError(f"inputs.units: expected mm, cm or m, got {in_words(units)}.")
-    if frame not in (None, "RAS", "LPS"):
-        raise InputError(f"inputs.frame: expected RAS, LPS or null, got {in_words(frame)}.")
+    section(document, "plan", ("schema", "version", "stents"), PLAN_KEYS[document["version"]])
+    inputs = section(document.get("inputs", {}), "inputs", (), _INPUT_KEYS)
+    units, frame = _space(inputs)
     reader = _StentReader(document["version"], units, frame, folder, axis_reader)
-    root = inputs.get("root")
-    reference = sequence(inputs.get("reference", []), "inputs.reference")
     settings, straightening = _settings(document.get("settings", {}))
     made_by = {}
     if "sdfstent_version" in document:
         made_by = {"sdfstent_version": text_value(document["sdfstent_version"], "sdfstent_version")}
     return Plan(
-        stents=tuple(
-            reader.stent(value, f"stents[{index}]")
-            for index, value in enumerate(sequence(document["stents"], "stents"))
-        ),
+        stents=_each(document["stents"], "stents", reader.stent),
         surface=_file(inputs.get("surface"), "inputs.surface", folder),
         centerline=_file(inputs.get("centerline"), "inputs.centerline", folder),
         units=units,
         frame=frame,
         settings=settings,
         straightening_fraction=straightening,
-        root=None if root is None else reader.place(root, "inputs.root"),
-        reference=tuple(
-            reader.place(value, f"inputs.reference[{index}]")
-            for index, value in enumerate(reference)
-        ),
+        root=None if inputs.get("root") is None else reader.place(inputs["root"], "inputs.root"),
+        reference=_each(inputs.get("reference", []), "inputs.reference", reader.place),
         flow=_flow(document.get("flow")),
         **made_by,
     )
 
 
+def _space(inputs: Mapping[str, Any]) -> tuple[str, Frame | None]:
+    """Unit and frame of the points."""
+    units, frame = inputs.get("units", "mm"), inputs.get("frame")
+    if not isinstance(units, str) or units not in MILLIMETERS:
+        raise InputError(f"inputs.units: expected mm, cm or m, got {in_words(units)}.")
+    if frame not in (None, "RAS", "LPS"):
+        raise InputError(f"inputs.frame: expected RAS, LPS or null, got {in_words(frame)}.")
+    return units, frame
+
+
 def _flow(value: Any) -> Any:
-    if value is None:
-        return None
-    ends = enumerate(sequence(value, "flow"))
-    return tuple(float(number(end, f"flow[{index}]")) for index, end in ends)
+    return None if value is None else _each(value, "flow", _float)
+
+
+def _each(value: Any, where: str, read: Callable[[Any, str], T]) -> tuple[T, ...]:
+    """The items of a list, each read with its place in the document."""
+    items = enumerate(sequence(value, where))
+    return tuple(read(item, f"{where}[{index}]") for index, item in items)
 
 
 class _StentReader:
@@ -171,10 +166,10 @@ class _StentReader:
         stent = section(value, where, ("diameter", "placement"), self.stent_keys)
         placement = self._placement(stent["placement"], f"{where}.placement")
         changes: dict[str, Any] = {
-            key: None if stent.get(key) is None else float(number(stent[key], f"{where}.{key}"))
+            key: None if stent.get(key) is None else _float(stent[key], f"{where}.{key}")
             for key in ("length", "foreshortening_fraction")
         }
-        diameter = float(number(stent["diameter"], f"{where}.diameter"))
+        diameter = _float(stent["diameter"], f"{where}.diameter")
         changes["name"] = text_value(stent.get("name", ""), f"{where}.name")
         changes |= details_from_document(stent, where)
         changes["enabled"] = truth(stent.get("enabled", True), f"{where}.enabled")
@@ -202,8 +197,7 @@ class _StentReader:
     def _axis(self, value: Any, where: str) -> AlongAxis:
         given = section(value, where, (), ("points", "file", "sha256"))
         if set(given) == {"points"}:
-            listed = sequence(given["points"], f"{where}.points")
-            points = [self._point(p, f"{where}.points[{i}]") for i, p in enumerate(listed)]
+            points = _each(given["points"], f"{where}.points", self._point)
             return _named(where, lambda: AlongAxis(np.array(points)))
         if "file" not in given or "points" in given:
             raise InputError(f"{where}: expected either points or a file.")
@@ -221,8 +215,7 @@ class _StentReader:
         if len(coordinates) != 3:
             raise InputError(f"{where}: expected three numbers, got {in_words(value)}.")
         factor = MILLIMETERS[self.units]
-        numbers = [number(item, f"{where}[{i}]") for i, item in enumerate(coordinates)]
-        return np.array([scaled(item, factor) for item in numbers])
+        return np.array([scaled(item, factor) for item in _each(coordinates, where, number)])
 
 
 def _settings(value: Any) -> tuple[DeploymentSettings, float]:
@@ -234,7 +227,7 @@ def _settings(value: Any) -> tuple[DeploymentSettings, float]:
         elif key in NAMED_SETTINGS:
             text_value(given[key], where)
         elif not (key == "step" and given[key] is None):
-            given[key] = float(number(given[key], where))
+            given[key] = _float(given[key], where)
     straightening = given.pop("straightening_fraction", 0.0)
     return _named("settings", lambda: DeploymentSettings(**given)), straightening
 
@@ -269,6 +262,10 @@ def _path(value: Any, where: str) -> str:
     except UnicodeEncodeError:
         pass
     raise InputError(f"{where}: expected the name of a file, got {in_words(value)}; correct it.")
+
+
+def _float(value: Any, where: str) -> float:
+    return float(number(value, where))
 
 
 def _named(where: str, make: Callable[[], Any]) -> Any:
