@@ -9,6 +9,7 @@ from types import ModuleType
 
 import pytest
 from mesh_files import PROJECT
+from tube_files import write_tube
 
 from SDFStentLib.deformation import deployment as engine
 
@@ -23,6 +24,14 @@ def data_dir() -> Path:
     if not (DATA_FOLDER / "pulmonary_surface_cm.vtp").is_file():
         pytest.skip(f"real anatomies not found in {DATA_FOLDER}; set SDFSTENT_DATA to their folder")
     return DATA_FOLDER
+
+
+@pytest.fixture
+def a_folder(tmp_path, monkeypatch):
+    """A working folder with a tube of 6 mm, narrowed to 3.6, its centerline and an axis, in cm."""
+    write_tube(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
 
 
 @pytest.fixture(scope="module")

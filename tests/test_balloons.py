@@ -12,7 +12,7 @@ import pytest
 from test_devices import ROW, a_device, a_table
 from test_plan import SCHEMA, a_document
 from trees import unbranched
-from tube_files import deploy, write_tube
+from tube_files import deploy
 
 from SDFStentLib.geometry import arc_lengths, length, resampled
 from SDFStentLib.phantoms.phantoms import branching_pulmonary_artery, stenosed_tube
@@ -41,14 +41,6 @@ CENTER = AtCenter([0.0, 0, 50])
 def a_tube():
     points = resampled([[0, 0, 0], [0, 0, 100]], 2.0)
     return unbranched(points, np.full(len(points), 5.0))
-
-
-@pytest.fixture
-def a_folder(tmp_path, monkeypatch):
-    """A working folder with a tube of 6 mm, narrowed to 3.6, in cm."""
-    write_tube(tmp_path)
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
 
 
 def reported(*more, **others):

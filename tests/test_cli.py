@@ -18,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tube_files import PLACE, deploy, write_tube
+from tube_files import PLACE, deploy
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 
@@ -44,14 +44,6 @@ from SDFStentLib.validation import DeploymentError, InputError
 
 PROJECT = Path(__file__).resolve().parents[1]
 COMMAND = [sys.executable, "-m", "SDFStentLib"]
-
-
-@pytest.fixture
-def a_folder(tmp_path, monkeypatch):
-    """A working folder with a stenosed tube, its centerline and an axis, all in cm."""
-    write_tube(tmp_path)
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
 
 
 def cell_array(path, name):

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from test_plan import SCHEMA, a_document
 from trees import unbranched
-from tube_files import PLACE, deploy, write_tube
+from tube_files import PLACE, deploy
 
 from SDFStentLib.cli.shell import main
 from SDFStentLib.geometry import resampled
@@ -57,14 +57,6 @@ def a_plan_with(row) -> dict:
 
 def a_table(*rows) -> str:
     return json.dumps({"schema": "sdfstent-devices", "version": 1, "devices": list(rows)})
-
-
-@pytest.fixture
-def a_folder(tmp_path, monkeypatch):
-    """A working folder with a stenosed tube of 6 mm."""
-    write_tube(tmp_path)
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 from test_plan import SCHEMA, a_document
-from tube_files import deploy, write_tube
+from tube_files import deploy
 
 from SDFStentLib.cli.shell import main
 from SDFStentLib.measure import Blood, DiameterProfile, pressure_band, vessel_block
@@ -112,14 +112,6 @@ def test_a_stretch_with_unknown_diameters_is_refused():
     line = profile(lambda x: float("nan") if x > 15 else 6.0, 20.0)
     with pytest.raises(InputError, match="some are not known"):
         pressure_band(line, 5.0)
-
-
-@pytest.fixture
-def a_folder(tmp_path, monkeypatch):
-    """A working folder with a tube of 6 mm, narrowed to 3.6, in cm."""
-    write_tube(tmp_path)
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
 
 
 def read(path):

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from deployment_cases import anatomy, phantom
 from test_plan import SCHEMA, a_document
-from tube_files import deploy, write_tube
+from tube_files import deploy
 
 from SDFStentLib.deformation import Deployment, DeploymentSettings
 from SDFStentLib.deformation import deploy as deployed
@@ -365,14 +365,6 @@ def test_a_shape_comes_back_from_a_plan_exactly(name):
 def test_what_does_not_belong_in_a_shape_is_named_with_its_place(shape, words):
     with pytest.raises(InputError, match=words):
         plan_from_document({**a_document(shape=shape), "version": 2})
-
-
-@pytest.fixture
-def a_folder(tmp_path, monkeypatch):
-    """A working folder with a tube of 6 mm, narrowed to 3.6 at its middle, in cm."""
-    write_tube(tmp_path)
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
 
 
 def test_the_shell_deploys_a_waist_at_the_throat_and_reports_the_profile(a_folder, capsys):

@@ -12,7 +12,6 @@ import pytest
 from deployment_cases import ANATOMIES, anatomy
 from test_devices import ROW, a_device, a_table
 from test_report import a_lesion
-from tube_files import write_tube
 
 from SDFStentLib.cli.shell import main
 from SDFStentLib.geometry import length
@@ -41,13 +40,6 @@ def a_vessel():
     """A tube of 6 mm, narrowed to 3.6."""
     tube = stenosed_tube(edge_length=0.8)
     return Vessel(tube.surface, tube.centerline)
-
-
-@pytest.fixture
-def a_folder(tmp_path, monkeypatch):
-    write_tube(tmp_path)
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
 
 
 def test_the_lumen_is_that_of_the_healthy_vessel_and_the_length_that_of_the_lesion(a_vessel):
