@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry import Surface, norm
+from ..geometry import Surface, median_edge, norm
 from ..validation import DeploymentError, Floats, Indices, InputError, Points
 
 OLDEST_PYTHON = (3, 12)
@@ -108,8 +108,7 @@ def extract_lines(surface: Surface, inlet: int, outlets: Sequence[int]) -> Extra
 
 def _shaken(surface: Surface) -> Points:
     """The points, each moved by a little, the same in every run."""
-    sides = surface.points[surface.triangles] - surface.points[surface.triangles[:, [1, 2, 0]]]
-    reach = SHAKEN * float(np.median(norm(sides.reshape(-1, 3))))
+    reach = SHAKEN * median_edge(surface.points, surface.triangles)
     return surface.points + reach * np.random.default_rng(0).uniform(-1, 1, surface.points.shape)
 
 

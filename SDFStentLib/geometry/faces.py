@@ -78,6 +78,12 @@ def oriented_triangles(
     return triangles
 
 
+def median_edge(points: Points, triangles: Triangles) -> float:
+    """Median length of the triangles' sides, mm; one between two triangles counts twice."""
+    sides = points[triangles] - points[triangles[:, [1, 2, 0]]]
+    return float(np.median(np.linalg.norm(sides, axis=2)))
+
+
 def faces_at(vertices: NDArray[np.bool_], triangles: Triangles) -> NDArray[np.bool_]:
     """Which triangles (m,) have a corner at one of the marked vertices (n,)."""
     # Column by column: `any` along an axis of three takes NumPy several times longer.

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..cautions import Caution
-from ..geometry import closest_points, length, point_at, resampled
+from ..geometry import closest_points, length, median_edge, point_at, resampled
 from ..measure import DiameterProfile, NeighborLumen
 from ..stent import StentAxis
 from ..validation import InputError, Points, as_points
@@ -145,10 +145,7 @@ def edge_at_stent(treated: TreatedStent) -> float:
     is_there = np.zeros(len(surface.points), dtype=bool)
     is_there[moved[at_stent]] = True
     near = surface.triangles[is_there[surface.triangles].all(axis=1)]
-    if not len(near):
-        return 0.0
-    sides = surface.points[near] - surface.points[np.roll(near, 1, axis=1)]
-    return float(np.median(np.linalg.norm(sides, axis=2)))
+    return median_edge(surface.points, near) if len(near) else 0.0
 
 
 def narrowed(own: DiameterProfile, final: DiameterProfile) -> Iterator[Caution]:
