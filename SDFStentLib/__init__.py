@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from .geometry import Precision, Surface
     from .measure import diameter_profile, find_lesions, lesion_after
     from .plan import Plan, load_plan, run_plan, save_plan
-    from .report import before_after_picture
+    from .report import before_after_picture, plan_report, write_report
     from .stent import (
         AlongAxis,
         AtCenter,
@@ -72,6 +72,7 @@ __all__ = [
     "find_lesions",
     "lesion_after",
     "load_plan",
+    "plan_report",
     "read_axis",
     "read_centerline",
     "read_surface",
@@ -79,6 +80,7 @@ __all__ = [
     "save_plan",
     "stent_axis",
     "write_centerline",
+    "write_report",
     "write_surface",
 ]
 
@@ -99,7 +101,7 @@ __getattr__, __dir__ = late_names(
         "geometry": ["Precision", "Surface"],
         "measure": ["diameter_profile", "find_lesions", "lesion_after"],
         "plan": ["Plan", "load_plan", "run_plan", "save_plan"],
-        "report": ["before_after_picture"],
+        "report": ["before_after_picture", "plan_report", "write_report"],
         "stent": [
             "AlongAxis",
             "AtCenter",

@@ -183,6 +183,31 @@ class Centerline:
         distance = float(found.distances[0])
         return Location(point, distance, index, fraction, float(along), float(local))
 
+    def point_at(self, branch: int, distance: float) -> Floats:
+        """The place (3,) on a branch at a distance along it, mm.
+
+        Parameters
+        ----------
+        branch : int
+            Index into `branches`.
+        distance : float
+            From the start of the branch, its end nearest to the root, mm.
+
+        Raises
+        ------
+        InputError
+            No such branch, or a distance beyond its ends.
+        """
+        if not isinstance(branch, int | np.integer) or not 0 <= branch < len(self.branches):
+            raise InputError(
+                f"branch: expected an index from 0 to {len(self.branches) - 1}, got {branch!r}."
+            )
+        points = self.branches[branch]
+        along = self.arc_length[points] - self.arc_length[points[0]]
+        # A length that was printed and read again may lie beyond the end by its rounding.
+        at = as_number(distance, "distance", unit="mm", minimum=0, maximum=along[-1] + SAME_PLACE)
+        return np.array([np.interp(at, along, column) for column in self.points[points].T])
+
     def path(
         self, from_point: ArrayLike | Location, to_point: ArrayLike | Location
     ) -> CenterlinePath:

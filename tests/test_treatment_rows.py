@@ -1,0 +1,121 @@
+"""A treatment as flat rows, places along branches, and the researcher's loop in the documents."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+import re
+
+import numpy as np
+import pytest
+from mesh_files import PROJECT
+from tube_files import write_tube
+
+from SDFStentLib import AtCenter, InputError, Stent, Treatment, plan_report, run_plan, write_report
+from SDFStentLib.centerline import Centerline
+from SDFStentLib.phantoms.phantoms import branching_pulmonary_artery, stenosed_tube
+from SDFStentLib.plan import Plan
+from SDFStentLib.stent import InputFile
+
+
+@pytest.fixture(scope="module")
+def treated():
+    """Two stents, the second one across the mouth of a branch."""
+    vessel = branching_pulmonary_artery()
+    line = vessel.centerline
+    first, second = (
+        Stent(size, placement=AtCenter(line.point_at(0, at)), length=10, name=name)
+        for size, at, name in ((10.6, 8.0, "upper"), (7.4, line_length(line, 0), ""))
+    )
+    return Treatment(vessel.surface, [first, second], line).result
+
+
+def line_length(line, branch):
+    points = line.branches[branch]
+    return float(line.arc_length[points[-1]] - line.arc_length[points[0]])
+
+
+def test_a_treatment_is_one_flat_row_per_stent(treated):
+    rows = treated.to_dict()
+    assert [row["stent"] for row in rows] == [1, 2]
+    assert [row["name"] for row in rows] == ["upper", ""]
+    assert len({tuple(row) for row in rows}) == 1
+    for row in rows:
+        assert all(isinstance(value, str | bool | int | float) for value in row.values())
+        json.dumps(row)
+
+
+def test_a_row_tells_what_the_result_and_its_report_tell(treated):
+    for stent, row in zip(treated.stents, treated.to_dict(), strict=True):
+        inscribed = stent.after.inscribed_diameter
+        assert row["lumen_after_mm"] == np.nanmin(inscribed)
+        assert row["mean_lumen_after_mm"] == pytest.approx(np.nanmean(inscribed), rel=1e-12)
+        assert row["lumen_before_mm"] == np.nanmin(stent.before.inscribed_diameter)
+        assert row["diameter_mm"] == stent.stent.diameter
+        assert [row[f"end_{axis}_mm"] for axis in "xyz"] == stent.axis.points[-1].tolist()
+        assert row["certified"] is treated.certificate.passed
+        assert row["moved_points"] == len(treated.indices)
+        shares = [branch.covered_share for branch in stent.branches]
+        if shares:
+            assert row["branch_covered_percent"] == pytest.approx(100 * max(shares), rel=1e-12)
+        else:
+            assert math.isnan(row["branch_covered_percent"])
+    assert treated.stents[1].branches, "the second stent lies at the mouth of a branch"
+
+
+def test_a_place_on_a_branch_is_as_far_along_it_as_was_asked():
+    line = branching_pulmonary_artery().centerline
+    for branch, points in enumerate(line.branches):
+        whole = line_length(line, branch)
+        np.testing.assert_array_equal(line.point_at(branch, 0), line.points[points[0]])
+        np.testing.assert_allclose(line.point_at(branch, whole), line.points[points[-1]])
+        place = line.project(line.point_at(branch, 0.37 * whole))
+        assert place.distance < 1e-9
+        start = line.arc_length[points[0]]
+        assert place.arc_length - start == pytest.approx(0.37 * whole, abs=1e-9)
+
+
+def test_a_place_between_two_points_of_a_bent_line_is_on_its_segment():
+    line = Centerline(
+        np.array([[0, 0, 0], [3, 0, 0], [3, 4, 0.0]]), np.ones(3), np.array([-1, 0, 1])
+    )
+    np.testing.assert_allclose(line.point_at(0, 5), [3, 2, 0])
+
+
+@pytest.mark.parametrize("branch", [-1, 3, 1.0, "LPA"])
+def test_a_branch_that_is_not_there_is_refused(branch):
+    with pytest.raises(InputError, match="branch: expected an index from 0 to 0, got"):
+        stenosed_tube(edge_length=1.5).centerline.point_at(branch, 1.0)
+
+
+@pytest.mark.parametrize("distance", [-0.1, 1e3, math.nan, "far"])
+def test_a_distance_beyond_a_branch_is_refused(distance):
+    with pytest.raises(InputError, match=r"distance: expected a number at least 0 and at most"):
+        stenosed_tube(edge_length=1.5).centerline.point_at(0, distance)
+
+
+def test_the_loop_in_the_documents_runs_and_its_table_can_be_read(tmp_path, monkeypatch):
+    write_tube(tmp_path)
+    (tmp_path / "tube.vtp").rename(tmp_path / "artery.vtp")
+    (tmp_path / "line.vtp").rename(tmp_path / "centerline.vtp")
+    monkeypatch.chdir(tmp_path)
+    text = (PROJECT / "docs" / "cohorts.md").read_text(encoding="utf-8")
+    program = re.search(r"## By hand.*?```python\n(.*?)```", text, re.S).group(1)
+    exec(compile(program, "docs/cohorts.md", "exec"), {})
+    with open("table.csv", newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [float(row["diameter_mm"]) for row in rows] == [6.0, 6.0, 6.5, 6.5, 7.0, 7.0]
+    for row in rows:
+        assert row["certified"] == "True"
+        assert float(row["lumen_after_mm"]) == pytest.approx(float(row["diameter_mm"]), rel=0.01)
+
+
+def test_the_report_of_a_plan_comes_from_the_table_of_contents(tmp_path):
+    write_tube(tmp_path)
+    stent = Stent(6.0, placement=AtCenter([0, 0, 20.0]), length=10)
+    files = [InputFile(tmp_path / name) for name in ("tube.vtp", "line.vtp")]
+    result = run_plan(Plan((stent,), *files, units="cm"))
+    write_report(plan_report(result), tmp_path / "report.json")
+    found = json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))
+    assert found["stents"] == plan_report(result).as_dict()["stents"]
