@@ -5,7 +5,7 @@ from typing import NamedTuple
 import slicer
 from slicer.i18n import tr as _
 
-from . import Conversion
+from . import Conversion, Sizes
 from .ParameterNode import MethodParameters, Placement, stentsOf
 
 
@@ -48,7 +48,15 @@ def _missing(parameterNode, stents):
         )
     if not stents:
         return _("Add a stent, or switch one on.")
-    return next(filter(None, map(missingOf, stents)), "")
+    return next(filter(None, map(missingOf, stents)), "") or _refusal(stents)
+
+
+def _refusal(stents):
+    """The first stent whose sizes do not fit together, as a sentence; "" when all do."""
+    for stent in stents:
+        if sentence := Sizes.refusal(stent):
+            return _("{label}: {sentence}").format(label=stent.label, sentence=sentence)
+    return ""
 
 
 def missingOf(stent):
@@ -85,11 +93,15 @@ def chooseSegment(parameterNode):
 
 
 def places(parameterNode):
-    """Index in the list and handle's ID of every stent that is switched on: how to find it again when the list has changed."""
+    """Index in the list and handle's ID of every stent that is switched on: how to find it again when the list has changed.
+
+    Twice in a row for one that is dilated again.
+    """
     return [
         (index, stent.handle.GetID() if stent.handle is not None else None)
         for index, stent in enumerate(stentsOf(parameterNode))
         if stent.enabled
+        for _once in range(2 if stent.redilation > 0 else 1)
     ]
 
 
@@ -103,12 +115,7 @@ def _signature(parameterNode, stents):
         tuple(
             (
                 s.label,
-                s.diameter,
-                s.length,
-                s.foreshortening,
-                s.placement,
-                s.wholeCurve,
-                s.details,
+                *Sizes.sizesOf(s),
                 Conversion.changeStamp(s.handle),
             )
             for s in stents

@@ -4,6 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from SDFStentLib import treatment
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.files import faces_of_polydata, surface_from_polydata, triangulated_polydata
 
@@ -72,6 +73,15 @@ class Inputs:
         vessel = yield from self.vesselInPortions(parameterNode)
         centerline = yield from self.centerlineInPortions(parameterNode)
         return vessel.surface, centerline, vessel.faces
+
+    def nativeLumenInPortions(self, parameterNode, stent):
+        """Smallest inscribed diameter where a stent of the library lies, before it, mm; a generator as those above."""
+        vessel = yield from self.vesselInPortions(parameterNode)
+        centerline = None
+        if parameterNode.centerline is not None:
+            centerline = yield from self.centerlineInPortions(parameterNode)
+        native = treatment.Vessel(vessel.surface, centerline)
+        return (yield from inPortions(lambda: native.native_lumen(stent)))
 
     def preview(self, parameterNode):
         """The `PreviewedVessel` of vessel and centerline, the same object until one of them changes."""

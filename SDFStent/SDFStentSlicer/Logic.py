@@ -14,6 +14,7 @@ from SDFStentLib.treatment import placement_at
 from SDFStentLib.validation import DeploymentError, InputError
 
 from . import Dependencies, Deploying, Display, Handles, Outputs, Plans, Results
+from .Fitting import Fitting
 from .Inputs import Inputs
 from .ParameterNode import STENT_FIELDS, MethodParameters, Placement, SDFStentParameterNode
 from .Portions import working
@@ -23,7 +24,7 @@ from .Snapping import Snapping
 from .StentList import StentList
 
 
-class SDFStentLogic(ScriptedLoadableModuleLogic):
+class SDFStentLogic(Fitting, ScriptedLoadableModuleLogic):
     """Deploys the stents of a parameter node.
 
         logic = SDFStentLogic()

@@ -6,6 +6,7 @@ from slicer.i18n import tr as _
 
 from SDFStentLib.validation import printable
 
+from . import Sizes
 from .ParameterNode import Placement
 
 METHOD_SLIDERS = {
@@ -72,9 +73,12 @@ class PanelState:
         stent = parameterNode.stent
         isCurve = stent.placement == Placement.ALONG_CURVE
         self.ui.wholeCurveCheckBox.visible = isCurve
-        self.ui.lengthSlider.enabled = not stent.placement.usesHandleLength or (
-            isCurve and not stent.wholeCurve
-        )
+        device, isByDevice = Sizes.detailsOf(stent).device, stent.deviceShortening
+        hasLength = not stent.placement.usesHandleLength or (isCurve and not stent.wholeCurve)
+        isOwn = device is not None and device.nominal_length is not None
+        self.ui.lengthSlider.enabled = hasLength and not isOwn
+        self.ui.diameterSlider.enabled = Sizes.detailsOf(stent).balloon is None
+        self.ui.foreshorteningSlider.enabled = device is None or not isByDevice
         self.ui.addStentButton.enabled = (
             parameterNode.vessel is not None or parameterNode.centerline is not None
         )

@@ -78,6 +78,7 @@ RANGES = {
     "diameter": Range(0.1, MAXIMUM_DIAMETER, "a diameter"),
     "length": Range(0.1, MAXIMUM_LENGTH, "a length"),
     "foreshortening": Range(-20.0, 50.0, "a foreshortening", " %"),
+    "redilation": Range(0.0, MAXIMUM_DIAMETER, "a redilation"),
     "influenceDistance": Range(
         *SHORTEST_AND_LONGEST["influence_distance"], "an influence distance"
     ),
@@ -117,7 +118,9 @@ CHOICE_LABELS = {
 class StentParameters:
     """One stent of the plan. Sizes in mm; foreshortening in percent, as on screen.
 
-    `details` is what a loaded plan says beyond them (device, balloon, shape), as the library keeps it.
+    `details` is what there is beyond them (device, balloon, kept end, shape), as the library's `StentDetails` keeps it.
+    With `deviceShortening` the device says how much shorter it becomes. `redilation` is the diameter to which the same stent is
+    dilated afterwards, of the second balloon where it has a balloon; 0 for none.
     """
 
     label: str = "Stent"
@@ -128,6 +131,8 @@ class StentParameters:
     placement: Placement = Placement.CENTER
     wholeCurve: bool = True
     details: str = ""
+    deviceShortening: bool = False
+    redilation: Annotated[float, _within("redilation")] = 0.0
     handle: Union[vtkMRMLMarkupsFiducialNode, vtkMRMLMarkupsCurveNode, None]
 
 
@@ -161,6 +166,7 @@ class SDFStentParameterNode:
     stents: list[StentParameters]
     selected: int = -1
     stent: StentParameters
+    deviceTable: str = ""
     method: MethodParameters
 
     autoUpdate: bool = False

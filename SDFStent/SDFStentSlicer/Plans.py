@@ -1,6 +1,7 @@
 """Parameters to library values and back: stents, method settings, and the plan document."""
 
 import json
+from dataclasses import replace
 from functools import lru_cache
 
 import slicer
@@ -10,7 +11,6 @@ from SDFStentLib import stent as library
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.plan import (
     Plan,
-    detailed_stent,
     load_plan,
     plan_from_document,
     plan_text,
@@ -21,20 +21,21 @@ from SDFStentLib.plan import (
 from SDFStentLib.stent import InputFile, OfStent
 from SDFStentLib.validation import InputError
 
-from . import Conversion, Dependencies, Handles
+from . import Conversion, Dependencies, Handles, Sizes
 from .ParameterNode import RANGES, MethodParameters, Placement, stentsOf
+from .Sizes import BY_POINT
 from .StentList import StentList
-
-BY_POINT = {
-    Placement.CENTER: library.AtCenter,
-    Placement.DISTAL_END: library.AtDistalEnd,
-    Placement.PROXIMAL_END: library.AtProximalEnd,
-}
 
 
 def plannedOf(parameterNode):
     """The stents that are switched on, in order, as the library's stents."""
-    return [plannedStent(stent) for stent in stentsOf(parameterNode) if stent.enabled]
+    return _allPlanned([stent for stent in stentsOf(parameterNode) if stent.enabled])
+
+
+def _allPlanned(stents):
+    """The library's stents of some parameters, with those that are dilated again."""
+    redilations = [stent.redilation for stent in stents]
+    return Sizes.withRedilations([plannedStent(stent) for stent in stents], redilations)
 
 
 def settingsOf(parameterNode, live=False):
@@ -69,7 +70,7 @@ def planOf(parameterNode, stents=None):
     surface = _fileOf(parameterNode.vessel)
     frame = "RAS" if surface is None else Conversion.fileFrame(parameterNode.vessel)
     return Plan(
-        stents=tuple(_inFrame(plannedStent(stent), frame) for stent in chosen),
+        stents=tuple(_inFrame(stent, frame) for stent in _allPlanned(chosen)),
         surface=surface,
         centerline=_fileOf(parameterNode.centerline),
         frame=frame,
@@ -79,8 +80,12 @@ def planOf(parameterNode, stents=None):
 
 
 def remember(parameterNode):
-    """Keep the plan's document in the parameter node; without stents that are switched off and not placed yet."""
-    placed = [stent for stent in stentsOf(parameterNode) if not Dependencies.missingOf(stent)]
+    """Keep the plan's document in the parameter node; without stents that are switched off and cannot be placed yet."""
+    placed = [
+        stent
+        for stent in stentsOf(parameterNode)
+        if not (Dependencies.missingOf(stent) or Sizes.refusal(stent))
+    ]
     parameterNode.planDocument = plan_text(planOf(parameterNode, placed))
 
 
@@ -97,14 +102,12 @@ def load(path, parameterNode):
     """
     plan = load_plan(path)
     frame = plan.frame or Conversion.fileFrame(parameterNode.vessel) or "RAS"
-    for number, stent in enumerate(plan.stents, start=1):
-        if isinstance(stent.placement, OfStent):
-            raise InputError(
-                f"{path}: stent {number} dilates stent {stent.placement.number} again, which the panel does not do; "
-                "leave it out of the plan, or run it with sdfstent run."
-            )
-    planned = [_inFrame(stent, frame) for stent in plan.stents]
-    stents = [_valuesOf(stent) for stent in planned]
+    firsts, redilations = _redilated(path, plan.stents)
+    planned = [_inFrame(stent, frame) for stent in firsts]
+    stents = [
+        {**_valuesOf(stent), "redilation": diameter}
+        for stent, diameter in zip(planned, redilations, strict=True)
+    ]
     method = _methodOf(plan)
     for number, values in enumerate(stents, start=1):
         _checkRanges(values, f"{path}: {values['label'] or f'stent {number}'}")
@@ -119,6 +122,34 @@ def load(path, parameterNode):
         return ""
     return _("The plan does not name the frame of its points; {frame} is taken.").format(
         frame=frame
+    )
+
+
+def _redilated(path, stents):
+    """The stents of a plan without those that dilate one before them again, and to what these do it, mm; else 0.
+
+    Raises `InputError` for a redilation that the panel cannot have.
+    """
+    firsts, redilations = [], []
+    for number, stent in enumerate(stents, start=1):
+        if not isinstance(stent.placement, OfStent):
+            firsts.append(stent)
+            redilations.append(0.0)
+            continue
+        diameter = stent.diameter if stent.balloon is None else stent.balloon.diameter
+        first = number - 1  # only that one, only once, and as the panel would
+        if stent.placement.number != first or stents[first - 1] is not firsts[-1]:
+            raise _unknownRedilation(path, number, stent)
+        if replace(library.dilated_again(firsts[-1], first, diameter), name=stent.name) != stent:
+            raise _unknownRedilation(path, number, stent)
+        redilations[-1] = diameter
+    return firsts, redilations
+
+
+def _unknownRedilation(path, number, stent):
+    return InputError(
+        f"{path}: stent {number} dilates stent {stent.placement.number} again in a way that the panel does not have: expected it "
+        "right behind that one and with its balloon and recoil; leave it out of the plan, or run it with sdfstent run."
     )
 
 
@@ -159,18 +190,8 @@ def _plannedSettings(document):
 
 def plannedStent(stent):
     """The library's stent."""
-    hasLength = not stent.placement.usesHandleLength or (
-        stent.placement == Placement.ALONG_CURVE and not stent.wholeCurve
-    )
-    return detailed_stent(
-        stent.details,
-        stent.diameter,
-        placement=_placementOf(stent),
-        length=stent.length if hasLength else None,
-        foreshortening_fraction=stent.foreshortening / 100,
-        name=stent.label,
-        enabled=stent.enabled,
-    )
+    planned = Sizes.stentAt(stent, _placementOf(stent), stent.label)
+    return planned if stent.enabled else replace(planned, enabled=False)
 
 
 def _placementOf(stent):
@@ -191,6 +212,7 @@ def _valuesOf(stent):
         "enabled": stent.enabled,
         "diameter": stent.diameter,
         "foreshortening": 100 * stent.foreshortening,
+        "deviceShortening": stent.device is not None and stent.foreshortening_fraction is None,
         "placement": kind,
         "wholeCurve": stent.length is None,
     }

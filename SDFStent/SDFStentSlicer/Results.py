@@ -5,6 +5,7 @@ import slicer
 from slicer.i18n import tr as _
 
 from SDFStentLib.measure import SMALLEST_DEGREE
+from SDFStentLib.report import stent_balloon_sentences, stent_device_sentences
 from SDFStentLib.treatment import prescribed_diameters
 from SDFStentLib.validation import one_line
 
@@ -87,6 +88,8 @@ def stentSummary(treated, lesions):
             _(
                 "Mean \N{PLUS-MINUS SIGN} SD in the stent: {before} \N{RIGHTWARDS ARROW} {after} mm ({prescribed} prescribed)"
             ).format(before=_spread(before), after=_spread(after), prescribed=_prescribed(treated)),
+            *stent_device_sentences(treated),
+            *stent_balloon_sentences(treated, lesions),
             *lesionLines(lesions, treated.number),
             *branchLines(treated),
         )
@@ -173,7 +176,11 @@ def selectedStent(parameterNode, run):
     handle, index = parameterNode.stent.handle, parameterNode.selected
     place = (index, handle.GetID() if handle is not None else None)
     ranks = [(p == place, p[1] == place[1], p[0] == index) for p in run.places]
-    return ranks.index(max(ranks))
+    number = ranks.index(max(ranks))
+    # Ends: with the list. A stent that is dilated again is there twice, and shown as it is in the end.
+    while run.places[number + 1 : number + 2] == [run.places[number]]:
+        number += 1
+    return number
 
 
 def _prescribed(treated):

@@ -11,12 +11,14 @@ from slicer.util import VTKObservationMixin
 
 from . import Outputs
 from .DeploySession import DeploySession
+from .DeviceSection import DeviceSection
 from .GuiBinding import GuiBinding
 from .InputWatch import InputWatch
 from .LesionTable import LesionTable
 from .Logic import SDFStentLogic
 from .PanelState import PanelState
 from .ParameterNode import CHOICE_LABELS
+from .RecoilRule import RecoilRule
 from .StentList import StentList
 from .StentTable import StentTable
 from .SteppedRun import SteppedRun
@@ -52,6 +54,8 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.lesions = LesionTable(
             self.ui, self.logic.lesionSearch, self._onSelectLesion, self._prepare
         )
+        self.sections = (DeviceSection(self.ui, self.logic, self._attempt),)
+        self.recoil = RecoilRule(self.logic, self._onPrepared)
         self.preparation = SteppedRun(lambda _value: None, self._onPrepared)
         self._connect()
         self._observeScene(slicer.mrmlScene)
@@ -143,6 +147,7 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.session.setParameterNode(parameterNode)
         self.stents = None
         self.lesions.follow(parameterNode)
+        self.recoil.follow(parameterNode)
         if parameterNode is not None:
             self._lastSet = parameterNode.parameterNode
             self.ui.parameterSetSelector.setCurrentNode(self._lastSet)
@@ -171,12 +176,16 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.logic.chooseSegment(self._parameterNode)
         self._inputs.watch(self.logic.inputNodes(self._parameterNode))
         self.lesions.follow(self._parameterNode)
+        self.recoil.follow(self._parameterNode)
         self.table.show(self.stents.values(), self._parameterNode.selected)
         self._state.show(self._parameterNode)
+        for section in self.sections:
+            section.show(self._parameterNode)
         self._requestUpdate()
 
     def onInputModified(self):
         self.lesions.follow(self._parameterNode)
+        self.recoil.follow(self._parameterNode)
         self._state.enable(self._parameterNode)
         self._requestUpdate()
 
@@ -227,7 +236,7 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.ui.moveDownButton.connect("clicked()", lambda: self.stents.move(1))
         self.ui.loadPlanButton.connect("clicked()", self.onLoadPlan)
         self.ui.savePlanButton.connect("clicked()", self.onSavePlan)
-        self.ui.deployButton.connect("clicked()", lambda: self.session.start())
+        self.ui.deployButton.connect("clicked()", self.onDeploy)
         self.ui.cancelButton.connect("clicked()", self.onCancel)
         self.ui.resetButton.connect("clicked()", lambda: self.logic.reset(self._parameterNode))
         self.ui.expansionSlider.connect("valueChanged(double)", self.onExpansionChanged)
@@ -275,6 +284,10 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         else:
             self._attempt(lambda: self.logic.addStentAt(self._parameterNode, lesion))
             self.lesions.clearSelection()
+
+    def onDeploy(self):
+        self._attempt(self.recoil.finish)
+        self.session.start()
 
     def onCopyStent(self):
         self._attempt(lambda: self.logic.copyStent(self._parameterNode))

@@ -6,6 +6,8 @@ from panel_helpers import deploy, settle
 
 def test_the_progress_bar_is_there_while_a_deployment_runs(host, aStent):
     ui = aStent.ui
+    aStent.parent.resize(520, 1300)  # Slicer's panel scrolls; this one would squeeze its sections
+    host.process()
     assert not ui.progressBar.visible
     height = ui.statusLabel.parentWidget().height
     host.click(ui.deployButton)

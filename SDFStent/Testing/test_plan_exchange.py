@@ -340,11 +340,61 @@ def test_the_stent_table_says_what_else_a_plan_told(aPanel, theParameters, aDeta
         assert words in cell.toolTip()
 
 
-def test_a_redilation_is_refused_in_a_sentence(aLogic, theParameters, aDetailedPlan):
-    document = json.loads(aDetailedPlan.read_text(encoding="utf-8"))
-    document["stents"].append({"diameter": 9.0, "placement": {"stent": 1}})
-    aDetailedPlan.write_text(json.dumps(document), encoding="utf-8")
+AGAIN = {
+    "diameter": 9.0,
+    "balloon": {"diameter": 10.0, "recoil_fraction": 0.1},
+    "keeps": "proximal",
+}
+"""The detailed stent dilated again as the panel does it."""
+
+
+def withStent(path, **values):
+    document = json.loads(path.read_text(encoding="utf-8"))
+    document["stents"].append({"placement": {"stent": 1}, **values})
+    path.write_text(json.dumps(document), encoding="utf-8")
+
+
+def test_a_redilation_comes_back_from_a_plan(aLogic, theParameters, aDetailedPlan):
+    from SDFStentLib.plan import load_plan
+
+    withStent(aDetailedPlan, **AGAIN)
+    aLogic.loadPlan(aDetailedPlan, theParameters)
+    assert [stent.redilation for stent in theParameters.stents] == [10.0]
+    again = aDetailedPlan.with_name("again.json")
+    aLogic.savePlan(again, theParameters)
+    first, second = (load_plan(path).stents for path in (aDetailedPlan, again))
+    assert first[0] == second[0]
+    assert (second[1].balloon, second[1].keeps) == (first[1].balloon, first[1].keeps)
+    assert second[1].placement == first[1].placement
+    small, large = aLogic.deploy(theParameters).stents
+    assert large.axis.deployed_length < small.axis.deployed_length
+    assert large.after.minimum == pytest.approx(9.0, abs=0.15)
+    assert "Stent 1, dilated again, 9.0 mm" in theParameters.lumenSummary
+    title = theParameters.outputChart.GetTitle()
+    assert title == "Diameter along Stent 1, dilated again"
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"keeps": "distal"},
+        {"balloon": {"diameter": 9.5, "recoil_fraction": 0.05263157894736842}},
+        {"balloon": None},
+        {"enabled": False},
+    ],
+)
+def test_a_redilation_that_the_panel_cannot_have_is_refused_in_a_sentence(
+    aLogic, theParameters, aDetailedPlan, change
+):
+    withStent(aDetailedPlan, **{**AGAIN, **change})
     before = aLogic.stentList(theParameters).values()
-    with pytest.raises(ValueError, match="stent 2 dilates stent 1 again, which the panel does not"):
+    with pytest.raises(ValueError, match="stent 2 dilates stent 1 again in a way that the panel"):
         aLogic.loadPlan(aDetailedPlan, theParameters)
     assert aLogic.stentList(theParameters).values() == before
+
+
+def test_a_second_redilation_is_refused(aLogic, theParameters, aDetailedPlan):
+    withStent(aDetailedPlan, **AGAIN)
+    withStent(aDetailedPlan, **{**AGAIN, "diameter": 9.9, "balloon": None})
+    with pytest.raises(ValueError, match="stent 3 dilates stent 1 again in a way that the panel"):
+        aLogic.loadPlan(aDetailedPlan, theParameters)

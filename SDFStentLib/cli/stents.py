@@ -13,13 +13,13 @@ from ..stent import (
     AtCenter,
     Balloon,
     Device,
-    OfStent,
     Placement,
     Shape,
     Stent,
     StentEnd,
     Waist,
     balloon_by_rule,
+    dilated_again,
 )
 from ..validation import InputError
 from .place import lesion_place, option_of, place_of
@@ -94,13 +94,7 @@ def stents_of(
     stent = _stent(options, way, inputs, device)
     if options.redilate is None:
         return (stent,)
-    by_end = {"distal": "distal", "proximal": "proximal"}.get(way, "center")
-    placement, keeps = OfStent(1), options.keep or by_end
-    if _balloon_diameter(options) is None:
-        return stent, Stent(options.redilate, placement=placement, keeps=keeps)
-    # What it finds is the lumen that it has left itself.
-    balloon = _given(options, options.redilate) or balloon_by_rule(options.redilate, stent.diameter)
-    return stent, Stent(balloon.lumen_diameter, placement=placement, balloon=balloon, keeps=keeps)
+    return stent, dilated_again(stent, 1, options.redilate)
 
 
 def _stent(

@@ -10,7 +10,13 @@ from typing import TYPE_CHECKING
 from ..late import late_names
 
 if TYPE_CHECKING:
-    from .details import detailed_stent, details_words, stent_details
+    from .details import (
+        StentDetails,
+        detailed_stent,
+        details_words,
+        read_details,
+        stent_details,
+    )
     from .devices import device_document, device_named, device_table
     from .document import POINT_PLACEMENTS, plan_text, save_plan
     from .json_document import scaled
@@ -34,6 +40,7 @@ __all__ = [
     "InputFiles",
     "Plan",
     "PlanResult",
+    "StentDetails",
     "StepFiles",
     "as_read",
     "detailed_stent",
@@ -45,6 +52,7 @@ __all__ = [
     "load_plan",
     "plan_from_document",
     "plan_text",
+    "read_details",
     "read_input_files",
     "read_plan_inputs",
     "read_profile",
@@ -60,7 +68,13 @@ __all__ = [
 __getattr__, __dir__ = late_names(
     __name__,
     {
-        "details": ["detailed_stent", "details_words", "stent_details"],
+        "details": [
+            "StentDetails",
+            "detailed_stent",
+            "details_words",
+            "read_details",
+            "stent_details",
+        ],
         "devices": ["device_document", "device_named", "device_table"],
         "document": ["POINT_PLACEMENTS", "plan_text", "save_plan"],
         "json_document": ["scaled"],

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, replace
+from dataclasses import asdict, dataclass, replace
+from functools import lru_cache
 from typing import Any
 
-from ..stent import Balloon, Placement, Shape, Stent
+from ..stent import Balloon, Device, Placement, Shape, Stent
 from ..validation import InputError
 from .devices import device_document, device_from_document
 from .json_document import number, parsed, section, text_value
@@ -20,7 +21,17 @@ from .shapes import shape_document, shape_from_document
 KEYS = ("device", "balloon", "keeps", "shape")
 
 
-def details_document(stent: Stent) -> dict[str, Any]:
+@dataclass(frozen=True)
+class StentDetails:
+    """What a stent is beyond its sizes and its place; as the attributes of `Stent`."""
+
+    device: Device | None = None
+    balloon: Balloon | None = None
+    keeps: str = "center"
+    shape: Shape | None = None
+
+
+def details_document(stent: Stent | StentDetails) -> dict[str, Any]:
     """The details of a stent as values of JSON; null where it has none."""
     return {
         "device": device_document(stent.device),
@@ -46,11 +57,19 @@ def details_from_document(given: Mapping[str, Any], where: str) -> dict[str, Any
     }
 
 
-def stent_details(stent: Stent) -> str:
+def stent_details(stent: Stent | StentDetails) -> str:
     """Device, balloon, shape and kept end of a stent as JSON text; empty where it has none."""
     usual = (None, "center")
     kept = {key: value for key, value in details_document(stent).items() if value not in usual}
     return json.dumps(kept, ensure_ascii=False) if kept else ""
+
+
+@lru_cache(maxsize=64)
+def read_details(details: str) -> StentDetails:
+    """What a text of `stent_details` says; `InputError` for one that cannot be read."""
+    found = parsed(details, "stent details") if details else {}
+    given = section(found, "stent details", (), KEYS)
+    return StentDetails(**details_from_document(given, "stent details"))
 
 
 def detailed_stent(
@@ -84,18 +103,19 @@ def detailed_stent(
         "length": length,
         "foreshortening_fraction": foreshortening_fraction,
     }
-    if not details:
-        return Stent(diameter, placement=placement, **sizes, **values)
-    found = section(parsed(details, "stent details"), "stent details", (), KEYS)
-    parts = details_from_document(found, "stent details")
-    device, balloon, shape = parts["device"], parts["balloon"], parts["shape"]
-    if device is not None and device.lengths:
+    found = read_details(details)
+    if found.device is not None and found.device.lengths:
         sizes["foreshortening_fraction"] = None
-    if balloon is not None:
-        parts["balloon"] = _that_leaves(balloon, diameter)
-    if shape is not None:
-        parts["shape"] = _for_diameter(shape, diameter)
-    return Stent(diameter, placement=placement, **sizes, **parts, **values)
+    return Stent(
+        diameter,
+        placement=placement,
+        device=found.device,
+        balloon=None if found.balloon is None else _that_leaves(found.balloon, diameter),
+        keeps=found.keeps,
+        shape=None if found.shape is None else _for_diameter(found.shape, diameter),
+        **sizes,
+        **values,
+    )
 
 
 def details_words(details: str) -> str:

@@ -10,9 +10,14 @@ from typing import TYPE_CHECKING
 from ..late import late_names
 
 if TYPE_CHECKING:
-    from .balloons import stent_balloon_sentences
+    from .balloons import balloon_sentences, stent_balloon_sentences
     from .branches import stent_branch_sentences
-    from .devices import device_rows, device_sentence, stent_device_sentences
+    from .devices import (
+        device_rows,
+        device_sentence,
+        planned_device_sentences,
+        stent_device_sentences,
+    )
     from .diameters import (
         MeasuredLine,
         diameter_section,
@@ -41,6 +46,7 @@ __all__ = [
     "LEAST",
     "MeasuredLine",
     "Report",
+    "balloon_sentences",
     "before_after_picture",
     "check_rendering",
     "device_rows",
@@ -54,6 +60,7 @@ __all__ = [
     "lesions_csv",
     "lumen_sentence",
     "plan_report",
+    "planned_device_sentences",
     "stent_balloon_sentences",
     "stent_branch_sentences",
     "stent_device_sentences",
@@ -69,9 +76,14 @@ __all__ = [
 __getattr__, __dir__ = late_names(
     __name__,
     {
-        "balloons": ["stent_balloon_sentences"],
+        "balloons": ["balloon_sentences", "stent_balloon_sentences"],
         "branches": ["stent_branch_sentences"],
-        "devices": ["device_rows", "device_sentence", "stent_device_sentences"],
+        "devices": [
+            "device_rows",
+            "device_sentence",
+            "planned_device_sentences",
+            "stent_device_sentences",
+        ],
         "diameters": [
             "MeasuredLine",
             "diameter_section",

@@ -37,11 +37,15 @@ def redilation_section(stent: Stent) -> dict[str, Any]:
 
 def stent_balloon_sentences(treated: TreatedStent, lesions: Covered) -> list[str]:
     """Balloon, lumen and reference in one sentence; none for a stent whose lumen was given."""
-    stent, balloon = treated.stent, treated.stent.balloon
+    covered = None if lesions is None else [one for one in lesions if treated.number in one.stents]
+    return balloon_sentences(treated.stent, _reference(covered))
+
+
+def balloon_sentences(stent: Stent, reference: float | None) -> list[str]:
+    """The same of a stent that is planned; `reference` in mm, None where it is not known."""
+    balloon = stent.balloon
     if balloon is None:
         return []
-    covered = None if lesions is None else [one for one in lesions if treated.number in one.stents]
-    reference = _reference(covered)
     known = UNKNOWN if reference is None else f"{reference:.2f} mm"
     return [
         f"Balloon {balloon.diameter:g} mm, lumen {stent.diameter:.2f} mm after recoil of "

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..stent import Device
+from ..stent import Device, Stent
 from ..treatment import TreatedStent
 from .words import UNKNOWN
 
@@ -75,14 +75,19 @@ def device_sentence(device: Device) -> str:
 
 def stent_device_sentences(treated: TreatedStent) -> list[str]:
     """Which device a stent is, how long it became, and where that is from; none without one."""
-    device, axis = treated.stent.device, treated.axis
+    return planned_device_sentences(treated.stent)
+
+
+def planned_device_sentences(stent: Stent) -> list[str]:
+    """The same of a stent that is planned."""
+    device, nominal = stent.device, stent.length
     if device is None:
         return []
     size = ""
-    if treated.stent.length is not None:
+    if nominal is not None:
         size = (
-            f"{axis.nominal_length:g} mm long as packed, {axis.prescribed_length:.1f} mm at "
-            f"{treated.stent.diameter:g} mm of diameter; "
+            f"{nominal:g} mm long as packed, {nominal * (1.0 - stent.foreshortening):.1f} mm at "
+            f"{stent.diameter:g} mm of diameter; "
         )
     return [f"Device {device.name}: {size}source of its numbers: {source_words(device)}."]
 

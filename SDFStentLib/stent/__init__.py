@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
-from .balloon import RAISED_RECOIL, USUAL_RECOIL, WIDE_BALLOON, Balloon, balloon_by_rule
+from .balloon import (
+    MOST_RECOIL,
+    RAISED_RECOIL,
+    USUAL_RECOIL,
+    WIDE_BALLOON,
+    Balloon,
+    balloon_by_rule,
+)
 from .beside import beside, placement_points
 from .device import CELLS, MAXIMUM_DIAMETER, MAXIMUM_LENGTH, Device
 from .placement import (
@@ -16,7 +23,7 @@ from .placement import (
     OfStent,
     Placement,
 )
-from .redilation import redilated
+from .redilation import dilated_again, redilated
 from .shape import DiametersAlong, Shape, StentEnd, Waist
 from .stent import DEFAULT_FORESHORTENING, KEPT, Stent
 from .stent_axis import StentAxis, stent_axis, straightened, straightened_axis
@@ -27,6 +34,7 @@ __all__ = [
     "KEPT",
     "MAXIMUM_DIAMETER",
     "MAXIMUM_LENGTH",
+    "MOST_RECOIL",
     "RAISED_RECOIL",
     "USUAL_RECOIL",
     "WIDE_BALLOON",
@@ -49,6 +57,7 @@ __all__ = [
     "Waist",
     "balloon_by_rule",
     "beside",
+    "dilated_again",
     "placement_points",
     "redilated",
     "stent_axis",

@@ -29,6 +29,9 @@ WIDE_BALLOON = 3.0
 MOST_RECOIL = 0.5
 """Largest recoil that is taken for one."""
 
+AS_GIVEN = "as given"
+"""The reason for a recoil that no rule has chosen."""
+
 
 @dataclass(frozen=True)
 class Balloon:
@@ -46,11 +49,16 @@ class Balloon:
 
     diameter: float
     recoil_fraction: float
-    reason: str = "as given"
+    reason: str = AS_GIVEN
 
     def __post_init__(self) -> None:
         as_number(self.diameter, "balloon diameter", unit="mm", above=0, maximum=MAXIMUM_DIAMETER)
         as_number(self.recoil_fraction, "recoil", minimum=0, maximum=MOST_RECOIL)
+
+    @property
+    def is_given(self) -> bool:
+        """Whether somebody has said what the recoil is, rather than the rule."""
+        return self.reason == AS_GIVEN
 
     @property
     def lumen_diameter(self) -> float:

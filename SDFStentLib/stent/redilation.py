@@ -5,9 +5,50 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ..validation import InputError
-from .placement import OfStent
+from .balloon import Balloon, balloon_by_rule
+from .placement import AtDistalEnd, AtProximalEnd, OfStent
 from .stent import Stent
 from .stent_axis import StentAxis
+
+
+def dilated_again(stent: Stent, number: int, diameter: float) -> Stent:
+    """What follows a stent of a plan when that one is dilated once more.
+
+    Parameters
+    ----------
+    stent : Stent
+        The earlier one.
+    number : int
+        Of that one in the plan, from 1.
+    diameter : float
+        Of the second balloon, where the first has one, else of the lumen, mm. The second recoils
+        as the first, or by the rule in the lumen that the first has left.
+
+    Raises
+    ------
+    InputError
+        A diameter that is not larger, or beyond the device's.
+    """
+    balloon = None if stent.balloon is None else _second_balloon(stent, stent.balloon, diameter)
+    by_end = {AtDistalEnd: "distal", AtProximalEnd: "proximal"}.get(type(stent.placement))
+    again = Stent(
+        diameter if balloon is None else balloon.lumen_diameter,
+        placement=OfStent(number),
+        balloon=balloon,
+        keeps=by_end or stent.keeps,
+        enabled=stent.enabled,
+    )
+    _check_larger(again, stent, number)
+    if stent.device is not None:
+        stent.device.check_diameter(diameter, "redilation")
+    return again
+
+
+def _second_balloon(stent: Stent, first: Balloon, diameter: float) -> Balloon:
+    if first.is_given:
+        return Balloon(diameter, first.recoil_fraction)
+    # What it finds is the lumen that the first has left.
+    return balloon_by_rule(diameter, stent.diameter)
 
 
 def redilated(stent: Stent, first: Stent, axis: StentAxis) -> Stent:
@@ -39,11 +80,7 @@ def redilated(stent: Stent, first: Stent, axis: StentAxis) -> Stent:
                 f"redilation: expected no {what} of its own, for it is stent {placement.number}, "
                 "got one; leave it out."
             )
-    if stent.diameter <= first.diameter:
-        raise InputError(
-            f"redilation: expected more than the {first.diameter:g} mm of stent "
-            f"{placement.number}, got {stent.diameter:g} mm; choose a larger diameter."
-        )
+    _check_larger(stent, first, placement.number)
     lost = stent.foreshortening_fraction
     known = first.device is not None and first.device.lengths
     return replace(
@@ -52,3 +89,11 @@ def redilated(stent: Stent, first: Stent, axis: StentAxis) -> Stent:
         device=first.device,
         foreshortening_fraction=first.foreshortening if lost is None and not known else lost,
     )
+
+
+def _check_larger(stent: Stent, first: Stent, number: int) -> None:
+    if stent.diameter <= first.diameter:
+        raise InputError(
+            f"redilation: expected more than the {first.diameter:g} mm of stent {number}, got "
+            f"{stent.diameter:g} mm; choose a larger diameter."
+        )

@@ -1,0 +1,150 @@
+"""The section Device of the panel: device, balloon, recoil and what is kept of the selected stent."""
+
+import math
+
+import qt
+from slicer.i18n import tr as _
+
+from SDFStentLib.plan import device_table
+from SDFStentLib.report import balloon_sentences, planned_device_sentences
+from SDFStentLib.stent import KEPT, USUAL_RECOIL
+from SDFStentLib.validation import InputError, printable
+
+from . import Sizes
+
+KEPT_LABELS = {
+    "center": _("Center"),
+    "proximal": _("Proximal end"),
+    "distal": _("Distal end"),
+}
+"""The texts in the panel for what a stent can keep, by the library's word."""
+
+
+class DeviceSection:
+    """Shows the details of the selected stent in `ui` and sets what the user changes.
+
+    `attempt(action)` does what is asked for and says why when it cannot be done.
+    """
+
+    def __init__(self, ui, logic, attempt):
+        self.ui, self._logic, self._attempt = ui, logic, attempt
+        self._parameterNode, self._updating, self._shown = None, False, None
+        self._table, self._rows = None, ()
+        for kept in KEPT:
+            ui.keptComboBox.addItem(KEPT_LABELS[kept])
+        ui.deviceComboBox.connect("activated(int)", self._onDevice)
+        ui.deviceTableButton.connect("clicked()", self._onTable)
+        ui.foreshorteningSlider.connect("valueChanged(double)", self._onForeshortening)
+        ui.keptComboBox.connect("activated(int)", self._onKept)
+        ui.balloonCheckBox.connect("toggled(bool)", self._onBalloonSwitched)
+        ui.balloonSlider.connect("valueChanged(double)", self._onBalloon)
+        ui.recoilSpinBox.connect("valueChanged(double)", self._onRecoil)
+        ui.recoilRuleCheckBox.connect("toggled(bool)", self._onRecoil)
+
+    def show(self, parameterNode):
+        """The stent that is selected now."""
+        self._parameterNode = parameterNode
+        stent = parameterNode.stent
+        values = (*Sizes.sizesOf(stent), parameterNode.deviceTable, self.ui.diameterSlider.maximum)
+        if values == self._shown:
+            return
+        self._shown = values
+        details, balloon = Sizes.detailsOf(stent), Sizes.balloonOf(stent)
+        self._updating = True
+        try:
+            self._showDevice(details.device)
+            self.ui.foreshorteningSlider.value = Sizes.foreshorteningOf(stent)
+            self.ui.keptComboBox.currentIndex = KEPT.index(details.keeps)
+            self._showBalloon(balloon, stent)
+        finally:
+            self._updating = False
+        self._tell(stent)
+
+    def _showDevice(self, device):
+        box, table = self.ui.deviceComboBox, self._parameterNode.deviceTable
+        if table != self._table:
+            self._table, self._rows = table, self._read(table)
+        names = [row.name for row in self._rows]
+        if device is not None and device.name not in names:
+            names.append(device.name)  # of a plan, or of a table that is gone
+        if names != [box.itemText(index) for index in range(box.count)]:
+            box.clear()
+            for name in names:
+                box.addItem(name)
+        box.currentIndex = 0 if device is None else names.index(device.name)
+        self.ui.deviceShorteningCheckBox.enabled = device is not None
+
+    def _read(self, table):
+        """The rows of the device table, and in the button's tooltip where those of the user's own are from."""
+        tip, rows = table or _("Add the devices of a table of your own (.json)."), ()
+        try:
+            rows = self._logic.devices(self._parameterNode)
+        except InputError as error:  # of a table that is gone since the scene was saved
+            tip, rows = str(error), device_table()
+        self.ui.deviceTableButton.toolTip = tip
+        return rows
+
+    def _showBalloon(self, balloon, stent):
+        ui, isUsed = self.ui, balloon is not None
+        ui.balloonCheckBox.checked = isUsed
+        for widget in (ui.balloonSlider, ui.recoilSpinBox, ui.recoilRuleCheckBox):
+            widget.enabled = isUsed
+        ui.recoilSpinBox.enabled = isUsed and balloon.is_given
+        recoil = balloon.recoil_fraction if isUsed else USUAL_RECOIL
+        diameter = balloon.diameter if isUsed else stent.diameter / (1 - recoil)
+        ui.balloonSlider.maximum = max(ui.diameterSlider.maximum, math.ceil(diameter))
+        ui.balloonSlider.value = diameter
+        ui.recoilSpinBox.value = 100 * recoil
+        ui.recoilRuleCheckBox.checked = not isUsed or not balloon.is_given
+
+    def _tell(self, stent):
+        """What is known of device and balloon, in the words of the report."""
+        try:
+            planned = Sizes.somewhere(stent)
+        except InputError:
+            sentences = []  # the line below Deploy says why
+        else:
+            sentences = [*planned_device_sentences(planned), *balloon_sentences(planned, None)]
+        self.ui.deviceLabel.text = printable("\n".join(sentences))
+        self.ui.deviceLabel.visible = bool(sentences)
+
+    def _change(self, action):
+        if not self._updating and self._parameterNode is not None:
+            self._attempt(lambda: action(self._parameterNode))
+
+    def _onDevice(self, index):
+        if index < len(self._rows):  # behind them is that of a plan, which the stent has already
+            self._change(lambda node: self._logic.setDevice(node, self._rows[index]))
+
+    def _onTable(self):
+        path = qt.QFileDialog.getOpenFileName(
+            self.ui.deviceTableButton, _("Device table"), "", _("Device table (*.json)")
+        )
+        if path:
+            self._change(lambda node: self._logic.setDeviceTable(node, path))
+
+    def _onForeshortening(self, percent):
+        if not self._updating and self._parameterNode is not None:
+            self._parameterNode.stent.foreshortening = percent
+
+    def _onKept(self, index):
+        self._change(lambda node: self._logic.setKept(node, KEPT[index]))
+
+    def _onBalloonSwitched(self, isUsed):
+        if not isUsed:
+            self._change(lambda node: self._logic.setBalloon(node, None))
+            return
+        lumen = self._parameterNode.stent.diameter if self._parameterNode is not None else 0.0
+        diameter = round(lumen / (1 - USUAL_RECOIL), 1)
+        self._change(lambda node: self._logic.inflateByRule(node, diameter))
+
+    def _onBalloon(self, diameter):
+        recoil = self.ui.recoilSpinBox.value / 100
+        if self.ui.recoilRuleCheckBox.checked:
+            self._change(lambda node: self._logic.inflateByRule(node, diameter))
+        else:
+            self._change(lambda node: self._logic.setBalloon(node, diameter, recoil))
+
+    def _onRecoil(self, _value):
+        if not self._updating and self._parameterNode is not None:
+            self._onBalloon(Sizes.balloonOf(self._parameterNode.stent).diameter)

@@ -1,0 +1,122 @@
+"""Device, balloon, kept end and shape of the selected stent: what the logic sets of them."""
+
+from dataclasses import replace
+
+import slicer
+
+from SDFStentLib.plan import device_named, device_table
+from SDFStentLib.stent import DEFAULT_FORESHORTENING, Balloon, balloon_by_rule
+from SDFStentLib.validation import InputError
+
+from . import Plans, Sizes
+from .Portions import untilDone
+
+NOT_KNOWN = float("nan")
+
+
+class Fitting:
+    """A part of `SDFStentLogic`: every method changes the selected stent of a parameter node, at once.
+
+    `self._inputs` are the logic's `Inputs`.
+    """
+
+    @staticmethod
+    def devices(parameterNode):
+        """The rows of the device table, the generic ones first; with those of the user's own where there are some."""
+        return device_table(parameterNode.deviceTable or None)
+
+    def setDeviceTable(self, parameterNode, path):
+        """Take the rows of a table of the user's own, too; raises `InputError` for one that cannot be read."""
+        device_table(path)
+        parameterNode.deviceTable = str(path)
+
+    def setDevice(self, parameterNode, device):
+        """Make the stent a device, by its name in the table or as the library's `Device`.
+
+        It gets the device's length, where that has one, and its shortening.
+
+        The generic row is none: its shortening is the one that is set.
+        """
+        if isinstance(device, str):
+            device = device_named(device, parameterNode.deviceTable or None)
+        stent = parameterNode.stent
+        with slicer.util.NodeModify(parameterNode):
+            if device == device_table()[0]:
+                stent.foreshortening = _usualForeshortening(stent)
+                stent.deviceShortening = False
+                self.setDetails(parameterNode, device=None)
+                return
+            stent.length = device.nominal_length or stent.length
+            stent.deviceShortening = True
+            self.setDetails(parameterNode, device=device)
+
+    def setBalloon(self, parameterNode, diameter, recoil=None):
+        """Expand the stent by a balloon, mm, that recoils by a fraction, by the rule of its source without one; None: by none.
+
+        The rule measures the native lumen where the stent lies.
+        """
+        if diameter is None:
+            self.setDetails(parameterNode, balloon=None)
+        elif recoil is not None:
+            self.inflate(parameterNode, Balloon(diameter, recoil))
+        else:
+            self.inflateByRule(parameterNode, diameter)
+            untilDone(self.recoilByRule(parameterNode))
+
+    def inflateByRule(self, parameterNode, diameter):
+        """Expand the stent by a balloon, mm, that recoils by the rule, which `recoilByRule` still has to ask.
+
+        Until then it recoils as the one before, or as usual.
+        """
+        former = Sizes.balloonOf(parameterNode.stent)
+        if former is None or former.is_given:
+            self.inflate(parameterNode, balloon_by_rule(diameter, NOT_KNOWN))
+        else:
+            self.inflate(parameterNode, replace(former, diameter=diameter))
+
+    def inflate(self, parameterNode, balloon):
+        """Set the balloon, and the lumen that it leaves."""
+        with slicer.util.NodeModify(parameterNode):
+            parameterNode.stent.diameter = balloon.lumen_diameter
+            self.setDetails(parameterNode, balloon=balloon)
+
+    def recoilByRule(self, parameterNode):
+        """Let the stent recoil by the rule in the lumen where it lies; yields None until that is measured.
+
+        Does nothing for a balloon whose recoil was given, or where the stent cannot lie.
+        """
+        balloon = Sizes.balloonOf(parameterNode.stent)
+        if balloon is None or balloon.is_given:
+            return
+        try:
+            planned = Plans.plannedStent(parameterNode.stent)
+            usual = balloon_by_rule(balloon.diameter, NOT_KNOWN)
+            # As the shell measures it: where it lies with the usual recoil.
+            placed = replace(planned, diameter=usual.lumen_diameter, balloon=usual, shape=None)
+            native = yield from self._inputs.nativeLumenInPortions(parameterNode, placed)
+        except InputError:
+            return  # a deployment says why
+        found = balloon_by_rule(balloon.diameter, native)
+        if found != balloon:
+            self.inflate(parameterNode, found)
+
+    def setKept(self, parameterNode, end):
+        """Keep the center, the proximal or the distal end of the stent where it is when it shortens."""
+        self.setDetails(parameterNode, keeps=end)
+
+    def setShape(self, parameterNode, shape):
+        """Give the stent a `Shape` of the library, or None: a cylinder. A table brings its diameter."""
+        with slicer.util.NodeModify(parameterNode):
+            if shape is not None and shape.table:
+                parameterNode.stent.diameter = max(row[1] for row in shape.table)
+            self.setDetails(parameterNode, shape=shape)
+
+    @staticmethod
+    def setDetails(parameterNode, **changes):
+        """Set values of the stent's `StentDetails`."""
+        parameterNode.stent.details = replace(Sizes.detailsOf(parameterNode.stent), **changes).text
+
+
+def _usualForeshortening(stent):
+    hasLength = not stent.placement.usesHandleLength
+    return 100 * DEFAULT_FORESHORTENING if hasLength else 0.0

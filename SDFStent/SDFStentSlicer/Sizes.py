@@ -1,0 +1,115 @@
+"""A stent's parameters as the library's stent: its sizes, device, balloon and shape, and whether they fit together."""
+
+from dataclasses import replace
+from functools import lru_cache
+from types import SimpleNamespace
+
+import numpy as np
+
+from SDFStentLib import stent as library
+from SDFStentLib.plan import detailed_stent, read_details
+from SDFStentLib.stent import dilated_again
+from SDFStentLib.validation import InputError
+
+from .ParameterNode import Placement
+
+BY_POINT = {
+    Placement.CENTER: library.AtCenter,
+    Placement.DISTAL_END: library.AtDistalEnd,
+    Placement.PROXIMAL_END: library.AtProximalEnd,
+}
+
+SIZES = (
+    "diameter",
+    "length",
+    "foreshortening",
+    "placement",
+    "wholeCurve",
+    "details",
+    "deviceShortening",
+    "redilation",
+)
+"""The parameters of a stent that say what it is, wherever it goes."""
+
+
+def sizesOf(stent):
+    """The values of `SIZES`."""
+    return tuple(getattr(stent, name) for name in SIZES)
+
+
+def detailsOf(stent):
+    """Device, balloon, kept end and shape of a stent, as the library's `StentDetails`."""
+    return read_details(stent.details)
+
+
+def balloonOf(stent):
+    """The balloon that leaves the stent's lumen, or None."""
+    try:
+        return somewhere(stent).balloon
+    except InputError:
+        return detailsOf(stent).balloon
+
+
+def stentAt(stent, placement, label=""):
+    """The library's stent of these parameters at a place of its kind."""
+    hasLength = not stent.placement.usesHandleLength or (
+        stent.placement == Placement.ALONG_CURVE and not stent.wholeCurve
+    )
+    isByDevice = stent.deviceShortening and detailsOf(stent).device is not None
+    return detailed_stent(
+        stent.details,
+        stent.diameter,
+        placement=placement,
+        length=stent.length if hasLength else None,
+        foreshortening_fraction=None if isByDevice else stent.foreshortening / 100,
+        name=label,
+    )
+
+
+def somewhere(stent):
+    """The library's stent at no place yet. Raises `InputError` where its sizes do not fit together."""
+    places = {
+        Placement.BETWEEN_POINTS: lambda: library.BetweenPoints(np.zeros(3), np.ones(3)),
+        Placement.ALONG_CURVE: lambda: library.AlongAxis([[0, 0, 0], [1, 1, 1]]),
+    }
+    place = places.get(stent.placement, lambda: BY_POINT[stent.placement](np.zeros(3)))
+    return stentAt(stent, place())
+
+
+def withRedilations(planned, redilations):
+    """Stents in order, each followed by itself once more where it is dilated to a second diameter, mm, above 0."""
+    following = []
+    for stent, diameter in zip(planned, redilations, strict=True):
+        following.append(stent)
+        if diameter > 0:
+            again = dilated_again(stent, len(following), diameter)
+            following.append(replace(again, name=nameAgain(stent.name)))
+    return following
+
+
+def nameAgain(name):
+    """How a stent that is dilated once more is called; nothing without a name."""
+    return f"{name}, dilated again" if name else ""
+
+
+def refusal(stent):
+    """Why the sizes of a stent do not fit together, in the library's sentence; "" when they do."""
+    return _refusal(sizesOf(stent))
+
+
+@lru_cache(maxsize=256)
+def _refusal(values):
+    stent = SimpleNamespace(**dict(zip(SIZES, values, strict=True)))
+    try:
+        withRedilations([somewhere(stent)], [stent.redilation])
+    except InputError as error:
+        return str(error)
+    return ""
+
+
+def foreshorteningOf(stent):
+    """The foreshortening in use, percent; what is set where that of the device is not known."""
+    try:
+        return 100 * somewhere(stent).foreshortening
+    except InputError:
+        return stent.foreshortening

@@ -1,0 +1,319 @@
+"""The section Device: device, balloon, recoil, what is kept, redilation."""
+
+import json
+
+import numpy as np
+import pytest
+import slicer
+from panel_helpers import deploy, theThroat
+
+BENCH = {
+    "name": "bench-16",
+    "nominal_length": 16,
+    "lengths": [[4, 16], [12, 12]],
+    "maximum_diameter": 14,
+    "source": "own bench",
+}
+
+
+@pytest.fixture
+def aTable(tmp_path):
+    """A device table of the user's own."""
+    path = tmp_path / "own.json"
+    table = {"schema": "sdfstent-devices", "version": 1, "devices": [BENCH]}
+    path.write_text(json.dumps(table), encoding="utf-8")
+    return path
+
+
+@pytest.fixture
+def theSection(host, aStent, aTable):
+    """The panel with one stent, the section open, and the rows of a table of one's own."""
+    aStent.ui.deviceCollapsibleButton.collapsed = False
+    host.process()
+    host.files.append(str(aTable))
+    host.click(aStent.ui.deviceTableButton)
+    return aStent
+
+
+def names(box):
+    return [box.itemText(index) for index in range(box.count)]
+
+
+def chooseDevice(host, panel, name):
+    host.choose(panel.ui.deviceComboBox, names(panel.ui.deviceComboBox).index(name))
+
+
+def measured(host, panel):
+    """Wait for a recoil by the rule."""
+    host.processUntil(lambda: not panel.recoil.isBusy, 60.0)
+
+
+def planned(panel):
+    from SDFStentSlicer import Plans
+
+    return Plans.plannedOf(panel._parameterNode)
+
+
+def test_the_first_screen_has_not_grown(host, aStent):
+    from PySide6 import QtCore, QtWidgets
+
+    aStent.parent.resize(460, 1500)
+    host.processUntil(lambda: not aStent.lesions.isBusy, 60.0)
+    host.process()
+    place = QtWidgets.QWidget.mapTo(aStent.ui.deployButton, aStent.parent, QtCore.QPoint(0, 0))
+    assert place.y() <= 768  # before there were devices and shapes
+    assert aStent.ui.deviceCollapsibleButton.collapsed
+
+
+def test_devices_are_those_of_the_library_and_of_the_user(theSection):
+    from SDFStentLib.plan import device_table
+
+    listed = names(theSection.ui.deviceComboBox)
+    assert listed == [device.name for device in device_table()] + ["bench-16"]
+    assert listed[0] == "generic" == theSection.ui.deviceComboBox.currentText
+    assert planned(theSection)[0].device is None
+
+
+def test_a_device_sets_length_and_shortening(host, theSection):
+    ui = theSection.ui
+    chooseDevice(host, theSection, "bench-16")
+    (stent,) = planned(theSection)
+    assert (stent.device.name, stent.length) == ("bench-16", 16)
+    assert not ui.lengthSlider.enabled
+    assert not ui.foreshorteningSlider.enabled
+    # 16 mm at 4 mm of diameter, 12 mm at 12: half a millimeter per millimeter.
+    assert ui.foreshorteningSlider.value == pytest.approx(100 * (8.5 - 4) / 2 / 16, abs=0.06)
+    assert "16 mm long as packed, 13.8 mm at 8.5 mm" in ui.deviceLabel.text
+    ui.diameterSlider.value = 6.0
+    assert ui.foreshorteningSlider.value == pytest.approx(100 * 1.0 / 16, abs=0.06)
+    assert stent.foreshortening == pytest.approx(2.25 / 16)
+    deploy(host, theSection)
+    assert "Device bench-16: 16 mm long as packed, 15.0 mm at 6 mm" in ui.lumenLabel.text
+    chooseDevice(host, theSection, "generic")
+    assert ui.foreshorteningSlider.value == 10.0
+    assert ui.lengthSlider.enabled
+    assert planned(theSection)[0].device is None
+
+
+def test_a_shortening_that_is_not_known_has_to_be_said(host, theSection):
+    ui = theSection.ui
+    chooseDevice(host, theSection, "numed-cp")
+    assert ui.statusLabel.text.startswith(
+        "Stent 1: device numed-cp: its shortening is not known; say how much of its length it loses"
+    )
+    assert not ui.deployButton.enabled
+    ui.deviceShorteningCheckBox.checked = False
+    ui.foreshorteningSlider.value = 15.0
+    assert ui.deployButton.enabled
+    assert planned(theSection)[0].foreshortening == pytest.approx(0.15)
+
+
+def test_a_diameter_beyond_the_devices_is_refused_in_the_librarys_sentence(
+    host, theSection, aTable
+):
+    from SDFStentLib.plan import device_named
+    from SDFStentLib.stent import AtCenter, Stent
+
+    ui = theSection.ui
+    chooseDevice(host, theSection, "bench-16")
+    theSection._parameterNode.stent.diameter = 15.0
+    with pytest.raises(ValueError, match="expected at most 14 mm") as said:
+        Stent(15.0, placement=AtCenter(np.zeros(3)), device=device_named("bench-16", aTable))
+    assert ui.statusLabel.text.startswith(f"Stent 1: {said.value}")
+    assert ui.deployButton.toolTip == f"Stent 1: {said.value}"
+    assert not ui.deployButton.enabled
+    ui.diameterSlider.value = 10.0
+    assert ui.statusLabel.text == ""
+    ui.redilationSpinBox.value = 14.5
+    assert "expected at most 14 mm, the largest diameter of bench-16" in ui.statusLabel.text
+    ui.redilationSpinBox.value = 9.0
+    assert "redilation: expected more than the 10 mm of stent 1, got 9 mm" in ui.statusLabel.text
+
+
+def test_a_balloon_leaves_the_lumen_by_its_recoil(host, theSection):
+    ui, parameters = theSection.ui, theSection._parameterNode
+    assert not ui.balloonSlider.enabled
+    ui.balloonCheckBox.checked = True
+    measured(host, theSection)
+    assert ui.balloonSlider.value == 9.1  # 8.5 / 0.93
+    assert parameters.stent.diameter == pytest.approx(9.1 * 0.93)
+    assert not ui.diameterSlider.enabled
+    assert not ui.recoilSpinBox.enabled
+    ui.balloonSlider.value = 8.0
+    measured(host, theSection)
+    assert parameters.stent.diameter == pytest.approx(8.0 * 0.93)
+    assert ui.deviceLabel.text == (
+        "Balloon 8 mm, lumen 7.44 mm after recoil of 7 % (the mean in great vessels "
+        "(7 \N{PLUS-MINUS SIGN} 4 %)), reference not known."
+    )
+    ui.recoilRuleCheckBox.checked = False
+    ui.recoilSpinBox.value = 12.0
+    (stent,) = planned(theSection)
+    assert (stent.balloon.diameter, stent.balloon.recoil_fraction) == (8.0, 0.12)
+    assert stent.balloon.is_given
+    assert stent.diameter == pytest.approx(8.0 * 0.88)
+    deploy(host, theSection)
+    assert "Balloon 8 mm, lumen 7.04 mm after recoil of 12 % (as given), reference" in (
+        ui.lumenLabel.text
+    )
+    ui.balloonCheckBox.checked = False
+    (stent,) = planned(theSection)
+    assert stent.balloon is None
+    assert stent.diameter == pytest.approx(7.04)
+
+
+def test_the_recoil_is_by_the_rule_where_the_stent_lies(host, theSection):
+    """Above three times the native lumen it is 10 %; the throat is 4.1 mm wide, the trunk much wider."""
+    ui, parameters = theSection.ui, theSection._parameterNode
+    ui.diameterSlider.value = 12.0
+    ui.balloonCheckBox.checked = True
+    ui.balloonSlider.value = 13.0
+    measured(host, theSection)
+    (stent,) = planned(theSection)
+    assert stent.balloon.recoil_fraction == 0.10
+    assert "the balloon was over 3 times the native lumen; it is 3.2 times" in ui.deviceLabel.text
+    tree = theSection.logic.centerlineOf(parameters)
+    wide = tree.path_from_proximal(tree.points[tree.roots[0]], 12.0).points[-1]
+    parameters.stent.handle.SetNthControlPointPositionWorld(0, *wide)
+    measured(host, theSection)
+    assert planned(theSection)[0].balloon.recoil_fraction == 0.07
+    parameters.stent.handle.SetNthControlPointPositionWorld(0, *theThroat())
+    host.click(ui.deployButton)  # does not wait for it
+    assert planned(theSection)[0].balloon.recoil_fraction == 0.10
+
+
+def test_the_recoil_of_the_panel_is_that_of_the_shell(aLogic, theParameters, tmp_path):
+    """The same rule in the lumen that the library measures at the same place."""
+    from SDFStentSlicer import Plans
+
+    from SDFStentLib.stent import balloon_by_rule
+    from SDFStentLib.treatment import Vessel
+
+    aLogic.setBalloon(theParameters, 13.0)
+    planned = Plans.plannedStent(theParameters.stent)
+    vessel = Vessel(
+        aLogic._inputs.vessel(theParameters).surface, aLogic.centerlineOf(theParameters)
+    )
+    assert planned.balloon == balloon_by_rule(13.0, vessel.native_lumen(planned))
+    assert planned.balloon.recoil_fraction == 0.10
+
+
+def test_a_loaded_recoil_stays_until_something_is_changed(host, theSection, tmp_path):
+    from SDFStentLib.stent import Balloon
+
+    parameters, logic = theSection._parameterNode, theSection.logic
+    logic.inflate(parameters, Balloon(8.0, 0.2, "somebody's rule"))
+    logic.savePlan(tmp_path / "plan.json", parameters)
+    logic.loadPlan(tmp_path / "plan.json", parameters)
+    host.process(0.5)
+    assert planned(theSection)[0].balloon.recoil_fraction == 0.2
+    theSection.ui.lengthSlider.value = 12.0
+    measured(host, theSection)
+    assert planned(theSection)[0].balloon.recoil_fraction == 0.07
+
+
+@pytest.mark.parametrize("index", range(3))
+def test_an_end_is_kept_on_shortening(host, theSection, index):
+    from SDFStentLib.stent import KEPT
+
+    logic, parameters = theSection.logic, theSection._parameterNode
+    theSection.ui.foreshorteningSlider.value = 40.0
+    host.choose(theSection.ui.keptComboBox, index)
+    (stent,) = planned(theSection)
+    assert stent.keeps == KEPT[index]
+    deploy(host, theSection)
+    (treated,) = logic.lastRun(parameters).result.stents
+    packed = logic.centerlineOf(parameters).path_around(theThroat(), 14.0).points
+    away = [np.linalg.norm(treated.axis.points[end] - packed[end]) for end in (0, -1)]
+    lost = 0.4 * 14.0
+    expected = {"center": [lost / 2, lost / 2], "proximal": [0, lost], "distal": [lost, 0]}
+    np.testing.assert_allclose(away, expected[KEPT[index]], atol=0.2)
+
+
+def test_a_redilation_is_deployed_after_the_stent_itself(host, theSection):
+    ui = theSection.ui
+    chooseDevice(host, theSection, "bench-16")
+    ui.diameterSlider.value = 6.0
+    ui.redilationSpinBox.value = 9.0
+    deploy(host, theSection)
+    first, again = theSection.logic.lastRun(theSection._parameterNode).result.stents
+    assert first.axis.deployed_length == pytest.approx(15.0)
+    assert again.axis.deployed_length == pytest.approx(13.5)
+    assert again.after.minimum == pytest.approx(9.0, abs=0.15)
+    assert "Stent 1, dilated again, 9.0 mm" in ui.lumenLabel.text
+    ui.redilationSpinBox.value = 0.0
+    assert ui.redilationSpinBox.text == "not at all"
+    assert len(planned(theSection)) == 1
+
+
+def test_details_survive_saving_and_loading_the_scene(host, theSection, aScene, aTable, tmp_path):
+    ui, parameters = theSection.ui, theSection._parameterNode
+    chooseDevice(host, theSection, "bench-16")
+    ui.balloonCheckBox.checked = True
+    ui.balloonSlider.value = 8.0
+    ui.redilationSpinBox.value = 10.0
+    host.choose(ui.keptComboBox, 2)
+    measured(host, theSection)
+    before = planned(theSection)
+    path = tmp_path / "scene.mrb"
+    assert aScene.WriteToMRB(str(path))
+    host.newScene()
+    aTable.unlink()
+    assert aScene.ReadFromMRB(str(path), True)
+    host.process()
+    assert planned(theSection) == before
+    assert ui.deviceComboBox.currentText == "bench-16"
+    assert ui.balloonSlider.value == 8.0
+    assert ui.keptComboBox.currentText == "Distal end"
+    assert "own.json" in ui.deviceTableButton.toolTip
+    chooseDevice(host, theSection, "gore-vbx")  # those that come along are there
+    assert planned(theSection)[0].device.name == "gore-vbx"
+    assert parameters is not None
+
+
+def test_a_table_that_cannot_be_read_is_refused_where_errors_are(host, theSection, tmp_path):
+    (tmp_path / "none.json").write_text("{}", encoding="utf-8")
+    host.files.append(str(tmp_path / "none.json"))
+    host.click(theSection.ui.deviceTableButton)
+    assert "none.json: device table: " in theSection.ui.statusLabel.text
+    assert names(theSection.ui.deviceComboBox)[-1] == "bench-16"
+
+
+def test_each_stent_has_details_of_its_own(host, theSection):
+    ui = theSection.ui
+    chooseDevice(host, theSection, "bench-16")
+    host.click(ui.copyStentButton)
+    chooseDevice(host, theSection, "gore-vbx")
+    assert [stent.device.name for stent in planned(theSection)] == ["bench-16", "gore-vbx"]
+    ui.stentTable.selectRow(0)
+    host.process()
+    assert ui.deviceComboBox.currentText == "bench-16"
+    assert not ui.lengthSlider.enabled
+
+
+def test_the_open_section_fits_into_a_narrow_window(host, theSection, thePictures):
+    from test_panel_looks import WIDTH_IN_THE_HOST, neededWidth
+
+    ui = theSection.ui
+    chooseDevice(host, theSection, "begraft-besmooth-peripheral")
+    ui.deviceShorteningCheckBox.checked = False
+    ui.balloonCheckBox.checked = True
+    measured(host, theSection)
+    assert neededWidth(theSection) <= WIDTH_IN_THE_HOST
+    theSection.parent.resize(460, 1500)
+    host.grab(theSection.parent, thePictures / "device.png")
+
+
+def test_dragging_a_balloon_is_previewed(host, theSection):
+    ui, parameters = theSection.ui, theSection._parameterNode
+    ui.balloonCheckBox.checked = True
+    measured(host, theSection)
+    ui.autoUpdateCheckBox.checked = True
+    host.processUntil(lambda: not theSection.session.isBusy, 60.0)
+    before = np.array(slicer.util.arrayFromModelPoints(parameters.outputVessel))
+    ui.balloonSlider.value = 7.0
+    host.processUntil(lambda: "(preview)" in ui.lumenLabel.text)
+    after = np.array(slicer.util.arrayFromModelPoints(parameters.outputVessel))
+    assert np.abs(after - before).max() > 0.3
+    host.processUntil(lambda: not (theSection.session.isBusy or theSection.recoil.isBusy), 60.0)
+    assert "Balloon 7 mm, lumen 6.51 mm" in ui.lumenLabel.text
