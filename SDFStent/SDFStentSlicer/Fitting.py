@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import slicer
 
-from SDFStentLib.plan import device_named, device_table
-from SDFStentLib.stent import DEFAULT_FORESHORTENING, Balloon, balloon_by_rule
+from SDFStentLib.plan import device_named, device_table, stent_details
+from SDFStentLib.stent import DEFAULT_FORESHORTENING, Balloon, Shape, balloon_by_rule
 from SDFStentLib.validation import InputError
 
 from . import Plans, Sizes
@@ -111,10 +111,16 @@ class Fitting:
                 parameterNode.stent.diameter = max(row[1] for row in shape.table)
             self.setDetails(parameterNode, shape=shape)
 
+    def changeShape(self, parameterNode, **parts):
+        """Set parts of the stent's `Shape`; without any that make it another it is a cylinder."""
+        shape = replace(Sizes.shapeOf(parameterNode.stent) or Shape(), **parts)
+        self.setShape(parameterNode, None if shape == Shape() else shape)
+
     @staticmethod
     def setDetails(parameterNode, **changes):
         """Set values of the stent's `StentDetails`."""
-        parameterNode.stent.details = replace(Sizes.detailsOf(parameterNode.stent), **changes).text
+        details = replace(Sizes.detailsOf(parameterNode.stent), **changes)
+        parameterNode.stent.details = stent_details(details)
 
 
 def _usualForeshortening(stent):

@@ -50,6 +50,14 @@ def balloonOf(stent):
         return detailsOf(stent).balloon
 
 
+def shapeOf(stent):
+    """What makes the stent another than a cylinder, or None."""
+    try:
+        return somewhere(stent).shape
+    except InputError:
+        return detailsOf(stent).shape
+
+
 def stentAt(stent, placement, label=""):
     """The library's stent of these parameters at a place of its kind."""
     hasLength = not stent.placement.usesHandleLength or (

@@ -47,7 +47,7 @@ class StentTable:
                 item.setToolTip(_("Tick to deploy this stent, untick to leave it out."))
             if column == 1 and details:
                 item.setText(f"{text} +")
-                item.setToolTip(_("From the loaded plan: {details}.").format(details=details))
+                item.setToolTip(_("With {details}.").format(details=details))
             self.ui.stentTable.setItem(row, column, item)
 
     def _selectionChanged(self):

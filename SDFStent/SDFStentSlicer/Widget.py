@@ -19,6 +19,7 @@ from .Logic import SDFStentLogic
 from .PanelState import PanelState
 from .ParameterNode import CHOICE_LABELS
 from .RecoilRule import RecoilRule
+from .ShapeSection import ShapeSection
 from .StentList import StentList
 from .StentTable import StentTable
 from .SteppedRun import SteppedRun
@@ -54,7 +55,9 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.lesions = LesionTable(
             self.ui, self.logic.lesionSearch, self._onSelectLesion, self._prepare
         )
-        self.sections = (DeviceSection(self.ui, self.logic, self._attempt),)
+        self.sections = [
+            kind(self.ui, self.logic, self._attempt) for kind in (DeviceSection, ShapeSection)
+        ]
         self.recoil = RecoilRule(self.logic, self._onPrepared)
         self.preparation = SteppedRun(lambda _value: None, self._onPrepared)
         self._connect()

@@ -22,6 +22,8 @@ PANEL_HEIGHT = 1500
 VIEW_SIZE = (700, 520)
 PLOT_SIZE = (760, 420)
 MARGIN = 12
+NESTED = ("device", "shape")
+"""Sections of the selected stent, within that of the stents."""
 
 
 class Studio:
@@ -49,11 +51,17 @@ class Studio:
         self._open(sections)
         self.host.process(0.05)
         root = self.panel.ui.inputsCollapsibleButton.parentWidget()
-        last = getattr(self.panel.ui, sections[-1] + "CollapsibleButton")
-        first = getattr(self.panel.ui, sections[0] + "CollapsibleButton")
-        top, bottom = geometry(first).top(), geometry(last).bottom()
+        top, bottom = (
+            self._ends(section, root)[end] for section, end in ((sections[0], 0), (sections[-1], 1))
+        )
         area = QtCore.QRect(0, top, geometry(root).width(), bottom - top)
         self._save(name, root.grab(area).toImage(), self.image())
+
+    def _ends(self, section, root):
+        """Top and bottom of a section in the panel."""
+        button = getattr(self.panel.ui, section + "CollapsibleButton")
+        top = QtWidgets.QWidget.mapTo(button, root, QtCore.QPoint(0, 0)).y()
+        return top, top + geometry(button).height()
 
     def image(self):
         """The 3D view."""
@@ -73,7 +81,9 @@ class Studio:
         self.panel.parent.resize(PANEL_WIDTH, PANEL_HEIGHT)
 
     def _open(self, sections):
-        for name in ("inputs", "outputs", "stents", "deploy", "results", "advanced"):
+        if set(sections) & set(NESTED):
+            sections = ("stents", *sections)
+        for name in ("inputs", "outputs", "stents", *NESTED, "deploy", "results", "advanced"):
             button = getattr(self.panel.ui, name + "CollapsibleButton")
             if button.collapsed != (name not in sections):
                 button.collapsed = name not in sections
@@ -177,6 +187,16 @@ def main(folder):
     host.click(ui.deployButton)
     settle(host, panel)
     studio.take("tutorial-7-two-stents.png", "stents", "results")
+    host.click(ui.removeStentButton)
+    ui.stentsCollapsibleButton.collapsed = False
+    ui.balloonCheckBox.checked = True
+    ui.balloonSlider.value = 8.0
+    ui.waistSpinBox.value = 6.0
+    ui.proximalEndSpinBox.value = 9.0
+    host.processUntil(lambda: not panel.recoil.isBusy, 60.0)
+    host.click(ui.deployButton)
+    settle(host, panel)
+    studio.take("reference-device-shape.png", "device", "shape")
     studio.take("reference-advanced.png", "advanced")
     host.closePanel(panel)
     if host.errors():

@@ -1,6 +1,6 @@
 """Look-alikes of CTK widgets: their properties, slots and signals, plain Qt inside."""
 
-from PySide6.QtCore import Property, Qt, Signal
+from PySide6.QtCore import Property, QSize, Qt, Signal
 from PySide6.QtWidgets import (
     QDoubleSpinBox,
     QHBoxLayout,
@@ -9,6 +9,9 @@ from PySide6.QtWidgets import (
     QToolButton,
     QWidget,
 )
+
+COLLAPSED_HEIGHT = 10
+"""Of the frame below a closed section, as in CTK."""
 
 
 class ctkCollapsibleButton(QWidget):
@@ -24,6 +27,15 @@ class ctkCollapsibleButton(QWidget):
         self._header.clicked.connect(lambda: self._setCollapsed(not self._collapsed))
         self.setContentsMargins(0, self._header.sizeHint().height() + 2, 0, 0)
         self._collapsed, self._shown = False, []
+
+    def sizeHint(self):
+        return self._closedSize() if self._collapsed else super().sizeHint()
+
+    def minimumSizeHint(self):
+        return self._closedSize() if self._collapsed else super().minimumSizeHint()
+
+    def _closedSize(self):
+        return self._header.sizeHint() + QSize(0, COLLAPSED_HEIGHT)
 
     def resizeEvent(self, event):
         self._header.setGeometry(0, 0, event.size().width(), self._header.sizeHint().height())
@@ -47,6 +59,7 @@ class ctkCollapsibleButton(QWidget):
             child.setVisible(not collapsed)
         if not collapsed:
             self._shown = []
+        self.updateGeometry()
         self.contentsCollapsed.emit(collapsed)
 
     text = Property(str, _text, _setText)

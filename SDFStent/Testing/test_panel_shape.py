@@ -1,0 +1,208 @@
+"""The section Shape: waist, ends, profile, caps."""
+
+import numpy as np
+import pytest
+from panel_helpers import deploy, settle
+
+
+@pytest.fixture
+def theSection(host, aStent):
+    """The panel with one stent and the section open."""
+    aStent.ui.shapeCollapsibleButton.collapsed = False
+    host.process()
+    return aStent
+
+
+def planned(panel):
+    from SDFStentSlicer import Plans
+
+    return Plans.plannedOf(panel._parameterNode)[0]
+
+
+def writeProfile(path, *rows):
+    lines = ["fraction,diameter", *(f"{at},{wide}" for at, wide in rows)]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return str(path)
+
+
+def test_a_stent_is_a_cylinder_at_first(theSection):
+    ui = theSection.ui
+    assert planned(theSection).shape is None
+    assert theSection._parameterNode.stent.details == ""
+    assert ui.waistSpinBox.text == "none"
+    assert ui.proximalEndSpinBox.text == ui.distalEndSpinBox.text == "as the stent"
+    assert ui.capsComboBox.currentText == "Round"
+    assert ui.profileLabel.text == "none"
+    assert not ui.removeProfileButton.enabled
+
+
+def test_a_waist_narrows_the_lumen_where_it_was_narrowest(host, theSection):
+    from SDFStentLib.stent import Waist
+
+    ui = theSection.ui
+    assert not ui.waistPositionSpinBox.enabled
+    ui.waistSpinBox.value = 6.0
+    assert planned(theSection).shape.waist == Waist(6.0)
+    assert ui.waistPositionSpinBox.text == "the narrowest place"
+    deploy(host, theSection)
+    treated = theSection.logic.lastRun(theSection._parameterNode).result.stents[0]
+    assert treated.after.minimum == pytest.approx(6.0, abs=0.15)
+    before, after = (p.inscribed_diameter for p in (treated.before, treated.after))
+    assert abs(int(np.nanargmin(before)) - int(np.nanargmin(after))) <= 1
+    assert "(6.0 to 8.5 prescribed)" in ui.lumenLabel.text
+    ui.waistPositionSpinBox.value = 25.0
+    ui.waistLengthSpinBox.value = 4.0
+    assert planned(theSection).shape.waist == Waist(6.0, 0.25, 4.0)
+    ui.waistSpinBox.value = 0.0
+    assert theSection._parameterNode.stent.details == ""
+
+
+def test_a_waist_wider_than_the_stent_is_refused_in_the_librarys_sentence(theSection):
+    ui = theSection.ui
+    ui.waistSpinBox.value = 9.0
+    assert ui.statusLabel.text == (
+        "Stent 1: waist: expected at most the 8.5 mm of the stent, got 9 mm; make it narrower."
+    )
+    assert not ui.deployButton.enabled
+    ui.diameterSlider.value = 9.5
+    assert ui.statusLabel.text == ""
+    assert ui.deployButton.enabled
+
+
+def test_ends_are_wider_or_narrower_than_the_stent(host, theSection):
+    from SDFStentLib.stent import StentEnd
+
+    ui = theSection.ui
+    assert not ui.distalEndLengthSpinBox.enabled
+    ui.proximalEndSpinBox.value = 10.0
+    ui.proximalEndLengthSpinBox.value = 4.0
+    ui.distalEndSpinBox.value = 7.5
+    shape = planned(theSection).shape
+    assert (shape.start, shape.end) == (StentEnd(10.0, 4.0), StentEnd(7.5, 3.0))
+    deploy(host, theSection)
+    treated = theSection.logic.lastRun(theSection._parameterNode).result.stents[0]
+    diameters = treated.axis.profile.diameters
+    assert (diameters[0], diameters[-1]) == (10.0, 7.5)
+    assert treated.after.inscribed_diameter[1] > 9.0
+    assert "(7.5 to 10.0 prescribed)" in ui.lumenLabel.text
+
+
+def test_ends_longer_than_the_stent_are_said_when_it_is_deployed(host, theSection):
+    ui = theSection.ui
+    ui.proximalEndSpinBox.value = 10.0
+    ui.proximalEndLengthSpinBox.value = 14.0
+    host.click(ui.deployButton)
+    settle(host, theSection)
+    assert "ends of the stent: expected at most its length of 12.6 mm" in ui.statusLabel.text
+
+
+def test_a_profile_from_a_file_takes_the_place_of_waist_and_ends(host, theSection, tmp_path):
+    ui, parameters = theSection.ui, theSection._parameterNode
+    ui.waistSpinBox.value = 6.0
+    host.files.append(writeProfile(tmp_path / "p.csv", (0, 9), (0.5, 6), (1, 8)))
+    host.click(ui.loadProfileButton)
+    assert planned(theSection).shape.table == ((0, 9), (0.5, 6), (1, 8))
+    assert planned(theSection).shape.waist is None
+    assert parameters.stent.diameter == ui.diameterSlider.value == 9.0
+    assert ui.profileLabel.text == "3 rows, 6.0 to 9.0 mm"
+    assert not ui.waistSpinBox.enabled
+    ui.diameterSlider.value = 4.5  # in proportion
+    assert planned(theSection).shape.table == ((0, 4.5), (0.5, 3), (1, 4))
+    assert ui.profileLabel.text == "3 rows, 3.0 to 4.5 mm"
+    host.click(ui.removeProfileButton)
+    assert planned(theSection).shape is None
+    assert ui.waistSpinBox.enabled
+
+
+def test_a_profile_that_cannot_be_is_refused_where_errors_are(host, theSection, tmp_path):
+    host.files.append(writeProfile(tmp_path / "p.csv", (0, 9), (1, 6), (0.5, 8)))
+    host.click(theSection.ui.loadProfileButton)
+    assert "profile: expected fractions that rise from 0 to 1, each once, got 0, 1, 0.5" in (
+        theSection.ui.statusLabel.text
+    )
+    host.files.append(writeProfile(tmp_path / "p.csv", (0, "wide"), (1, 6)))
+    host.click(theSection.ui.loadProfileButton)
+    assert "p.csv, row 1: expected two numbers" in theSection.ui.statusLabel.text
+    assert planned(theSection).shape is None
+
+
+def test_caps_are_round_or_flat(host, theSection):
+    ui, parameters = theSection.ui, theSection._parameterNode
+    host.choose(ui.capsComboBox, 1)
+    assert planned(theSection).shape.cap_height == 0.35
+    deploy(host, theSection)
+    flat = theSection.logic.lastRun(parameters).result
+    assert flat.certificate.passed
+    host.choose(ui.capsComboBox, 0)
+    assert planned(theSection).shape is None
+    deploy(host, theSection)
+    assert theSection.logic.lastRun(parameters).result.stents[0].moved_points > (
+        flat.stents[0].moved_points
+    )
+
+
+def test_caps_of_a_plan_are_shown_as_they_are(host, theSection):
+    from SDFStentLib.stent import Shape
+
+    ui, parameters = theSection.ui, theSection._parameterNode
+    theSection.logic.setShape(parameters, Shape(cap_height=0.5))
+    assert ui.capsComboBox.currentText == "0.5 of the radius high"
+    ui.waistSpinBox.value = 7.0
+    assert planned(theSection).shape.cap_height == 0.5
+    host.choose(ui.capsComboBox, 0)
+    assert ui.capsComboBox.count == 2
+
+
+def test_shape_balloon_and_device_go_together(host, theSection):
+    ui = theSection.ui
+    ui.waistSpinBox.value = 6.0
+    ui.balloonCheckBox.checked = True
+    ui.balloonSlider.value = 10.0
+    host.processUntil(lambda: not theSection.recoil.isBusy, 60.0)
+    theSection.logic.setDevice(theSection._parameterNode, "gore-vbx")
+    stent = planned(theSection)
+    assert (stent.shape.waist.diameter, stent.balloon.diameter) == (6.0, 10.0)
+    assert stent.device.name == "gore-vbx"
+
+
+def test_a_shape_is_previewed_while_it_changes(host, theSection):
+    import slicer
+
+    ui, parameters = theSection.ui, theSection._parameterNode
+    ui.autoUpdateCheckBox.checked = True
+    settle(host, theSection)
+    before = np.array(slicer.util.arrayFromModelPoints(parameters.outputVessel))
+    ui.waistSpinBox.value = 5.5
+    host.processUntil(lambda: "(preview)" in ui.lumenLabel.text)
+    after = np.array(slicer.util.arrayFromModelPoints(parameters.outputVessel))
+    assert np.linalg.norm(after - before, axis=1).max() == pytest.approx(1.5, abs=0.4)
+    settle(host, theSection)
+
+
+def test_a_shape_survives_saving_and_loading_the_scene(host, theSection, aScene, tmp_path):
+    ui = theSection.ui
+    ui.waistSpinBox.value = 6.0
+    ui.waistPositionSpinBox.value = 0.0
+    ui.distalEndSpinBox.value = 9.5
+    host.choose(ui.capsComboBox, 1)
+    shape = planned(theSection).shape
+    path = tmp_path / "scene.mrb"
+    assert aScene.WriteToMRB(str(path))
+    host.newScene()
+    assert aScene.ReadFromMRB(str(path), True)
+    host.process()
+    assert planned(theSection).shape == shape
+    assert (ui.waistSpinBox.value, ui.waistPositionSpinBox.value) == (6.0, 0.0)
+    assert ui.distalEndSpinBox.value == 9.5
+    assert ui.capsComboBox.currentText == "Flat"
+
+
+def test_the_open_section_fits_into_a_narrow_window(host, theSection, thePictures):
+    from test_panel_looks import WIDTH_IN_THE_HOST, neededWidth
+
+    ui = theSection.ui
+    ui.waistSpinBox.value = 6.0
+    ui.proximalEndSpinBox.value = 10.0
+    assert neededWidth(theSection) <= WIDTH_IN_THE_HOST
+    theSection.parent.resize(460, 1500)
+    host.grab(theSection.parent, thePictures / "shape.png")
