@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from .files import read_axis, read_centerline, read_surface, write_centerline, write_surface
     from .geometry import Precision, Surface
     from .measure import diameter_profile, find_lesions, lesion_after
-    from .plan import Plan, load_plan, run_plan, save_plan
+    from .plan import Plan, compare, load_plan, run_plan, save_plan
     from .report import before_after_picture, plan_report, write_report
     from .stent import (
         AlongAxis,
@@ -67,6 +67,7 @@ __all__ = [
     "before_after_picture",
     "certify",
     "check_surface",
+    "compare",
     "deploy",
     "diameter_profile",
     "find_lesions",
@@ -100,7 +101,7 @@ __getattr__, __dir__ = late_names(
         ],
         "geometry": ["Precision", "Surface"],
         "measure": ["diameter_profile", "find_lesions", "lesion_after"],
-        "plan": ["Plan", "load_plan", "run_plan", "save_plan"],
+        "plan": ["Plan", "compare", "load_plan", "run_plan", "save_plan"],
         "report": ["before_after_picture", "plan_report", "write_report"],
         "stent": [
             "AlongAxis",

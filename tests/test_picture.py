@@ -19,7 +19,8 @@ from SDFStentLib.report import painting
 from SDFStentLib.report.drawing import Box, Disc, Drawing, Line, Words, svg
 from SDFStentLib.report.painting import painted
 from SDFStentLib.report.picture import picture
-from SDFStentLib.report.picture.picture import STEEL, before_after_picture, before_after_scene
+from SDFStentLib.report.picture.marks import RED, STEEL
+from SDFStentLib.report.picture.picture import before_after_picture, before_after_scene
 from SDFStentLib.report.picture.shapes import (
     WALL_COLOR,
     Lumen,
@@ -315,7 +316,7 @@ def test_two_stents_are_both_drawn_colored_and_marked(tmp_path: Path) -> None:
     lowest = min(first.before.minimum, second.before.minimum)
     assert f"Before: minimum lumen {lowest:.1f} mm" in words
     assert "stents 7.0 x 8 mm and 7.4 x 6 mm" in words
-    red = [mark for mark in drawing.marks if isinstance(mark, Words) and mark.color == picture.RED]
+    red = [mark for mark in drawing.marks if isinstance(mark, Words) and mark.color == RED]
     assert len(red) == 4
     # A label at the same place in both panels, and no label over another.
     assert red[1].x - red[0].x == red[3].x - red[2].x == picture.WIDTH / 2

@@ -146,6 +146,8 @@ def test_the_document_holds_the_lumen_before_and_after():
         "before_at_mm": 2.0,
         "after_mm": 8.0,
         "after_at_mm": 2.0,
+        "beyond_before_mm": None,
+        "beyond_after_mm": None,
     }
     assert diameters["along"]["prescribed_mm"] == [8.5] * 5
     assert diameters["over_stented_length"]["after"]["mean_mm"] == pytest.approx(8.24)
@@ -501,6 +503,11 @@ def test_curves_go_on_beyond_the_stent_and_numbers_do_not():
     assert along["mis_before_mm"] == [10, 10, 10, 8, 6, 4, 6, 8, 10, 10, 10]
     assert along["prescribed_mm"] == 3 * [None] + 5 * [8.5] + 3 * [None]
     plain.pop("along")
+    beyond = [
+        [made["minimum_lumen"].pop(f"beyond_{when}_mm") for when in ("before", "after")]
+        for made in (whole, plain)
+    ]
+    assert beyond == [[8 + 2, 8.4 + 2], [None, None]]
     assert whole == plain
     assert whole["stent_ends_mm"] == [0, 4]
 

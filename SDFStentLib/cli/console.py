@@ -42,8 +42,12 @@ class Console:
         """
         if not self.quiet:
             for caution in cautions:
-                words = caution.sentence(thing, self.remedies, units)
-                print(one_line(f"warning: {words}"), file=sys.stderr)
+                self.complain(caution.sentence(thing, self.remedies, units))
+
+    def complain(self, sentence: str) -> None:
+        """A sentence as a warning; nothing when quiet."""
+        if not self.quiet:
+            print(one_line(f"warning: {sentence}"), file=sys.stderr)
 
     @contextmanager
     def progress(self, what: str) -> Iterator[Any]:

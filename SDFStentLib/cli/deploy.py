@@ -41,7 +41,7 @@ from ..report import (
 )
 from ..validation import DeploymentError, InputError, as_number
 from .console import Console
-from .outputs import Outputs
+from .outputs import Outputs, check_suffix
 from .place import check_place, inputs_of, plan_of
 from .stents import check_sizes, device_of, stents_of
 
@@ -66,7 +66,7 @@ def deploy_command(options: argparse.Namespace, console: Console) -> int:
         check_line_output(options.output_centerline)
         outputs.add(options.output_centerline, job.write_centerline)
     for path in options.report:
-        _check_suffix(path, "a report", (".json", ".html"))
+        check_suffix(path, "a report", (".json", ".html"))
         outputs.add(path, job.write_report)
     if options.save_plan:
         outputs.add(options.save_plan, lambda path: job.write_plan(path, options.save_plan))
@@ -122,13 +122,13 @@ class _Job:
         """The outputs that `deploy` and `run` share."""
         figure, picture = self.options.figure, self.options.picture
         if figure:
-            _check_suffix(figure, "a figure", FIGURE_SUFFIXES)
+            check_suffix(figure, "a figure", FIGURE_SUFFIXES)
             self.outputs.add(figure, self.write_figure)
         if picture:
-            _check_suffix(picture, "a picture", (".png",))
+            check_suffix(picture, "a picture", (".png",))
             self.outputs.add(picture, self.write_picture)
         if self.options.export_0d:
-            _check_suffix(self.options.export_0d, "values for a 0D solver", (".json",))
+            check_suffix(self.options.export_0d, "values for a 0D solver", (".json",))
             self.outputs.add(self.options.export_0d, self.write_0d)
         if picture or (figure and figure.lower().endswith(".png")):
             check_rendering()
@@ -246,11 +246,3 @@ def _method(options: argparse.Namespace) -> Plan:
     )
     flow = None if options.flow is None else tuple(options.flow)
     return Plan(settings=settings, straightening_fraction=options.straighten, flow=flow)
-
-
-def _check_suffix(path: str, what: str, suffixes: Sequence[str]) -> None:
-    if Path(path).suffix.lower() not in suffixes:
-        raise InputError(
-            f"{path}: expected {what} that ends in {', '.join(suffixes)}, got "
-            f"{Path(path).suffix or 'no suffix'!r}; rename it."
-        )

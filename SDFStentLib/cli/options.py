@@ -11,6 +11,7 @@ from .argument_types import path as _path
 from .argument_types import whole as _whole
 from .common_options import add_json, add_point, add_points, add_surface, add_talk, add_units
 from .method_options import add_method
+from .plan_options import add_acceptance, add_comparison
 from .stent_options import add_device_table, add_shape, add_stent, add_wishes
 
 
@@ -39,6 +40,7 @@ def parser() -> Parser:
     )
     _deploy(commands.add_parser("deploy", help="deploy one stent", allow_abbrev=False))
     _run(commands.add_parser("run", help="carry out a plan of stents", allow_abbrev=False))
+    _compare(commands.add_parser("compare", help="plans side by side", allow_abbrev=False))
     _measure(
         commands.add_parser(
             "measure", help="lesions of a vessel, and diameters along it", allow_abbrev=False
@@ -107,12 +109,13 @@ def _run(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "-o", "--output", type=_path, metavar="DIR", required=True, help="folder to write"
     )
-    command.add_argument(
-        "--accept-changed-inputs",
-        action="store_true",
-        help="go on although a file is not the one that the plan was made with",
-    )
+    add_acceptance(command)
     _add_output(command.add_argument_group("output"))
+    add_talk(command)
+
+
+def _compare(command: argparse.ArgumentParser) -> None:
+    add_comparison(command)
     add_talk(command)
 
 

@@ -67,6 +67,10 @@ def _imported(name: str) -> Callable[[argparse.Namespace, Console], int]:
         from .centerline import centerline_command
 
         return centerline_command
+    if name == "compare":
+        from .compare import compare_command
+
+        return compare_command
     if name == "devices":
         from .devices import devices_command
 

@@ -6,7 +6,7 @@ from .apposition import Apposition, FreeStretch, apposition
 from .branch_names import branch_names
 from .caps import bulged_caps, caps_across
 from .cross_section import equivalent_diameters, winding_numbers
-from .extended_axis import ExtendedAxis, extended_axis
+from .extended_axis import REACH, ExtendedAxis, extended_axis
 from .inscribed import InscribedSpheres, inscribed_spheres
 from .known_lumen import measured_once
 from .lesion_value import HealthyPlace, Lesion
@@ -40,6 +40,7 @@ __all__ = [
     "ADULT",
     "LISTED",
     "NEARLY",
+    "REACH",
     "SMALLEST_DEGREE",
     "TOO_LOW",
     "TURBULENCE",

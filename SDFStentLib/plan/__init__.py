@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from ..late import late_names
 
 if TYPE_CHECKING:
+    from .comparison import Alternative, Comparison, compare
     from .details import (
         StentDetails,
         detailed_stent,
@@ -37,12 +38,15 @@ if TYPE_CHECKING:
 
 __all__ = [
     "POINT_PLACEMENTS",
+    "Alternative",
+    "Comparison",
     "InputFiles",
     "Plan",
     "PlanResult",
     "StentDetails",
     "StepFiles",
     "as_read",
+    "compare",
     "detailed_stent",
     "details_words",
     "device_document",
@@ -68,6 +72,7 @@ __all__ = [
 __getattr__, __dir__ = late_names(
     __name__,
     {
+        "comparison": ["Alternative", "Comparison", "compare"],
         "details": [
             "StentDetails",
             "detailed_stent",

@@ -182,6 +182,11 @@ def read_plan_inputs(plan: Plan, *, accept_changed_inputs: bool = False) -> Inpu
     InputError
         As `read_input_files`; a plan without a surface file; a file whose hash is another.
     """
+    return as_planned(plan, plan_files(plan), accept_changed_inputs=accept_changed_inputs)
+
+
+def plan_files(plan: Plan) -> InputFiles:
+    """The files that a plan names, read whatever they hold; errors as `read_plan_inputs`."""
     if plan.surface is None:
         raise InputError(
             "inputs.surface: expected a file, the plan names none; save the plan with its surface."
@@ -192,7 +197,7 @@ def read_plan_inputs(plan: Plan, *, accept_changed_inputs: bool = False) -> Inpu
             "inputs.reference: expected a plan with a centerline, got one without; name the "
             "centerline, or leave the reference out."
         )
-    inputs = read_input_files(
+    return read_input_files(
         plan.surface.path,
         None if center is None else center.path,
         plan.units,
@@ -200,14 +205,24 @@ def read_plan_inputs(plan: Plan, *, accept_changed_inputs: bool = False) -> Inpu
         plan.frame,
         reference=[np.array(place) for place in plan.reference],
     )
-    pairs = [(plan.surface, inputs.surface.sha256)]
-    if center is not None and inputs.line_file is not None:
-        pairs.append((center, inputs.line_file.sha256))
+
+
+def as_planned(
+    plan: Plan, inputs: InputFiles, *, accept_changed_inputs: bool = False
+) -> InputFiles:
+    """The files that were read for a plan, with what there is to say where they are not its own.
+
+    Raises
+    ------
+    InputError
+        A file whose hash is another than the plan's, unless that is accepted.
+    """
+    named = ((plan.surface, inputs.surface), (plan.centerline, inputs.line_file))
     warnings = list(inputs.warnings)
-    for file, sha256 in pairs:
-        if is_changed(file, sha256):
+    for file, read in named:
+        if file is not None and read is not None and is_changed(file, read.sha256):
             if not accept_changed_inputs:
-                raise changed_input(file, sha256)
+                raise changed_input(file, read.sha256)
             warnings.append(Caution("changed-input", label=f"{file.path}: "))
     if plan.sdfstent_version != VERSION:
         versions = {"version": plan.sdfstent_version, "current": VERSION}

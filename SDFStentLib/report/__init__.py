@@ -12,6 +12,12 @@ from ..late import late_names
 if TYPE_CHECKING:
     from .balloons import balloon_sentences, stent_balloon_sentences
     from .branches import stent_branch_sentences
+    from .comparison import (
+        comparison_document,
+        comparison_json,
+        comparison_page,
+        comparison_pictures,
+    )
     from .devices import (
         device_rows,
         device_sentence,
@@ -35,7 +41,7 @@ if TYPE_CHECKING:
     )
     from .of_plan import plan_report
     from .painting import check_rendering
-    from .picture import before_after_picture
+    from .picture import alternatives_picture, before_after_picture
     from .pressure import stent_pressure_sentences
     from .report import FIGURE_SUFFIXES, Report, write_report, write_report_figure
     from .sizing import suggestion_section, suggestion_sentences
@@ -46,9 +52,14 @@ __all__ = [
     "LEAST",
     "MeasuredLine",
     "Report",
+    "alternatives_picture",
     "balloon_sentences",
     "before_after_picture",
     "check_rendering",
+    "comparison_document",
+    "comparison_json",
+    "comparison_page",
+    "comparison_pictures",
     "device_rows",
     "device_sentence",
     "diameter_section",
@@ -78,6 +89,12 @@ __getattr__, __dir__ = late_names(
     {
         "balloons": ["balloon_sentences", "stent_balloon_sentences"],
         "branches": ["stent_branch_sentences"],
+        "comparison": [
+            "comparison_document",
+            "comparison_json",
+            "comparison_page",
+            "comparison_pictures",
+        ],
         "devices": [
             "device_rows",
             "device_sentence",
@@ -101,7 +118,7 @@ __getattr__, __dir__ = late_names(
         ],
         "of_plan": ["plan_report"],
         "painting": ["check_rendering"],
-        "picture": ["before_after_picture"],
+        "picture": ["alternatives_picture", "before_after_picture"],
         "pressure": ["stent_pressure_sentences"],
         "sizing": ["suggestion_section", "suggestion_sentences"],
         "report": ["FIGURE_SUFFIXES", "Report", "write_report", "write_report_figure"],

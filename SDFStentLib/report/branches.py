@@ -9,7 +9,7 @@ from typing import Any
 from ..measure import LISTED, NEARLY, Apposition, NeighborLumen, Ostium
 from ..treatment import TreatedStent
 from ..units import MILLIMETERS
-from .words import millimeters
+from .words import millimeters, number_text
 
 NONE_NEAR = f"No side branch was found within {LISTED:.0f} mm of the stent."
 
@@ -56,6 +56,14 @@ def stretches_of(document: Mapping[str, Any], stent: Mapping[str, Any]) -> list[
     return [one for one in document["apposition"] if one["stent"] == number]
 
 
+def stretch_sentence(one: Mapping[str, Any]) -> str:
+    """Where a stretch is, from the proximal end of the stent, and how much of it is free."""
+    return (
+        f"{number_text(one['start_mm'], 1)} to {millimeters(one['end_mm'], 1)}: "
+        f"{one['percent_free']:.0f} % of the circumference is free"
+    )
+
+
 def branch_table(branches: Sequence[Mapping[str, Any]]) -> list[str]:
     """A part of the page; that no branch is near is said as well."""
     if not branches:
@@ -64,7 +72,7 @@ def branch_table(branches: Sequence[Mapping[str, Any]]) -> list[str]:
         f"<tr><td>{branch['stent']}</td><td>{escape(branch['name'])}</td>"
         f"<td class='n'>{millimeters(branch['ostium_start_mm'], 1, signed=True)}</td>"
         f"<td class='n'>{millimeters(branch['ostium_end_mm'], 1, signed=True)}</td>"
-        f"<td>{_covered(branch['percent_covered'])}</td><td>{_lumen(branch)}</td></tr>"
+        f"<td>{_covered(branch)}</td><td>{branch_lumen_words(branch)}</td></tr>"
         for branch in branches
     )
     return [
@@ -93,15 +101,23 @@ def apposition_table(stretches: Sequence[Mapping[str, Any]]) -> list[str]:
     ]
 
 
-def _covered(percent: float) -> str:
+def ostium_words(branch: Mapping[str, Any]) -> str:
+    """How much of an ostium is covered."""
+    percent = branch["percent_covered"]
     if percent < 100 * NEARLY:
         return "free"
     if percent > 100 * (1 - NEARLY):
-        return "<b>fully covered</b>"
-    return f"<b>{percent:.0f} % covered</b>"
+        return "fully covered"
+    return f"{percent:.0f} % covered"
 
 
-def _lumen(branch: Mapping[str, Any]) -> str:
+def _covered(branch: Mapping[str, Any]) -> str:
+    words = ostium_words(branch)
+    return words if words == "free" else f"<b>{words}</b>"
+
+
+def branch_lumen_words(branch: Mapping[str, Any]) -> str:
+    """What became of its lumen."""
     before, after = branch["lumen_before_mm"], branch["lumen_after_mm"]
     if before is None or after is None:
         return "unchanged or not followed"

@@ -82,11 +82,16 @@ def change_rows(changes: Mapping[str, Any]) -> list[tuple[str, str]]:
     for key, words, unit, digits in _SIZES:
         old, new = (_range(changes[key][when], unit, digits) for when in ("before", "after"))
         rows.append((words, f"{old} before; {new} after"))
-    rows.append(("Their area, after over before", _range(changes["area_ratio"], "", 2)))
+    rows.append(("Their area, after over before", stretch_words(changes)))
     if changes["faces"] is not None:
         told = "; ".join(map(_face, changes["faces"])) or "none"
         rows.append(("Face ids of which something moved", told))
     return rows
+
+
+def stretch_words(changes: Mapping[str, Any]) -> str:
+    """How much larger the triangles are that moved: area after over before."""
+    return _range(changes["area_ratio"], "", 2)
 
 
 def _changed_faces(parts: NamedFaces | None, moved: Indices) -> list[dict[str, Any]] | None:

@@ -25,6 +25,9 @@ from .words import (
     stent_words,
 )
 
+MINIMUM, BEYOND = "Minimum lumen diameter", "Minimum lumen beyond the ends"
+"""Of a stent."""
+
 _STYLE = """
 body{font:15px/1.45 system-ui,sans-serif;color:#1a1a1a;max-width:860px;margin:24px auto;
 padding:0 16px}
@@ -62,7 +65,7 @@ def html_page(document: Mapping[str, Any], picture: bytes | str | None = None) -
         "<meta name='viewport' content='width=device-width'>",
         f"<title>Virtual stenting report</title><style>{_STYLE}</style></head><body>",
         "<h1>Virtual stenting report</h1>",
-        f"<p class='sub'>{escape(files)} &middot; {escape(_in_words(document['created']))}"
+        f"<p class='sub'>{escape(files)} &middot; {escape(in_words(document['created']))}"
         f" &middot; sdfstent {escape(str(document['sdfstent_version']))}</p>",
         f"<p class='notice'>{escape(document['notice'])}</p>",
         # For the clinician: what was done, what came of it, and what to be careful of.
@@ -86,7 +89,7 @@ def html_page(document: Mapping[str, Any], picture: bytes | str | None = None) -
     return printable("\n".join(parts))
 
 
-def _in_words(created: str) -> str:
+def in_words(created: str) -> str:
     """A time of ISO 8601 as one reads it."""
     return created.replace("T", " ").replace("+00:00", " UTC").replace("Z", " UTC")
 
@@ -145,9 +148,14 @@ def _first_numbers(
     before, after = over["before"], over["after"]
     rows = [
         (
-            "Minimum lumen diameter",
+            MINIMUM,
             millimeters(narrow["before_mm"]),
             millimeters(narrow["after_mm"]),
+        ),
+        (
+            BEYOND,
+            millimeters(narrow["beyond_before_mm"]),
+            millimeters(narrow["beyond_after_mm"]),
         ),
         *lesion_rows(lesions or ()),
         ("Mean lumen diameter &plusmn; SD", _mean_sd(before), _mean_sd(after)),

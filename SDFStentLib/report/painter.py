@@ -46,7 +46,7 @@ def png(drawing: Drawing, panels: tuple[Panel, ...]) -> bytes:
     window.SetSize(OVERSAMPLING * drawing.width, OVERSAMPLING * drawing.height)
     paper = vtkRenderer()
     paper.SetBackground(1, 1, 1)
-    renderers = [paper, *(seen(panel) for panel in panels), _overlay(drawing)]
+    renderers = [paper, *(seen(panel, len(panels)) for panel in panels), _overlay(drawing)]
     window.SetNumberOfLayers(len(renderers))
     for layer, renderer in enumerate(renderers):
         renderer.SetLayer(layer)

@@ -13,9 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..files import atomic_path, write_bytes
-from ..measure import (
-    SMALLEST_DEGREE,
-)
+from ..measure import REACH, SMALLEST_DEGREE
 from ..validation import InputError
 from .branches import branch_section, free_stretches
 from .drawing import svg
@@ -41,6 +39,9 @@ DEFINITIONS = {
     ),
     "prescribed diameter": "lumen diameter that the stent was set to reach at that place",
     "minimum lumen diameter": "smallest inscribed diameter over the stented length (MLD)",
+    "beyond the ends": (
+        f"of the stent: up to {REACH:.0f} mm along the vessel on either side, as far as it goes"
+    ),
     "lesion": (
         f"part of the vessel that is at least {100 * SMALLEST_DEGREE:.0f} % narrower than the "
         "healthy vessel beside it; found before treatment, and the same whatever stent is tried"

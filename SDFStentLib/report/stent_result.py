@@ -103,8 +103,24 @@ def _diameter_section(stent: StentResult) -> dict[str, Any]:
             "before_at_mm": before.minimum_arc_length,
             "after_mm": after.minimum,
             "after_at_mm": after.minimum_arc_length,
+            **_beyond(stent),
         },
     }
+
+
+def _beyond(stent: StentResult) -> dict[str, float]:
+    """The narrowest of the measured vessel before and behind the stent; NaN where there is none."""
+    ends = stent.before.arc_length[[0, -1]]
+    found = {}
+    for name, around in (("before", stent.around_before), ("after", stent.around_after)):
+        least = math.nan
+        if around is not None:
+            is_beyond = (around.arc_length < ends[0]) | (around.arc_length > ends[1])
+            values = around.inscribed_diameter[is_beyond]
+            known = values[np.isfinite(values)]
+            least = float(known.min()) if len(known) else math.nan
+        found[f"beyond_{name}_mm"] = least
+    return found
 
 
 def _statistics(profile: DiameterProfile) -> dict[str, float]:

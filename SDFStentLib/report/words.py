@@ -19,6 +19,13 @@ _PLACEMENTS = {
     "OfStent": "where the earlier one lies",
 }
 
+DIAMETERS = {
+    "balloon_diameter_mm": "Balloon diameter",
+    "lumen_diameter_mm": "Prescribed lumen diameter",
+    "reference_diameter_mm": "Reference diameter of the lesion",
+}
+"""The three of a stent, as its section has them."""
+
 _INPUT_WORDS = {
     "file": "File",
     "sha256": "SHA-256",
@@ -179,9 +186,7 @@ def _device_rows(device: Mapping[str, Any] | None) -> list[tuple[str, str]]:
     """Which device it is and where its numbers are from; nothing where none was named."""
     if device is None:
         return []
-    names = (device.get("manufacturer"), device.get("family"))
-    who = " ".join(str(name) for name in names if name)
-    rows = [("Device", f"{device['name']} ({who})" if who else str(device["name"]))]
+    rows = [("Device", device_words(device))]
     if device.get("source"):
         date = f" ({device['source_date']})" if device.get("source_date") else ""
         state = "verified" if device.get("verified") else "unverified"
@@ -189,6 +194,13 @@ def _device_rows(device: Mapping[str, Any] | None) -> list[tuple[str, str]]:
     if device.get("note"):
         rows.append(("About it", str(device["note"])))
     return rows
+
+
+def device_words(device: Mapping[str, Any]) -> str:
+    """Its name, and whose it is."""
+    names = (device.get("manufacturer"), device.get("family"))
+    who = " ".join(str(name) for name in names if name)
+    return f"{device['name']} ({who})" if who else str(device["name"])
 
 
 def _balloon_rows(told: dict[str, Any]) -> list[tuple[str, str]]:
@@ -199,18 +211,17 @@ def _balloon_rows(told: dict[str, Any]) -> list[tuple[str, str]]:
     balloon, share = told.pop("balloon_diameter_mm", None), told.pop("recoil_fraction", None)
     reason = told.pop("recoil_reason", None)
     if balloon is not None:
-        rows.append(("Balloon diameter", millimeters(balloon)))
+        rows.append((DIAMETERS["balloon_diameter_mm"], millimeters(balloon)))
     if share is not None:
         rows.append(("Recoil", f"{100 * share:g} % of the balloon: {reason}"))
     if "lumen_diameter_mm" in told:
         digits = 1 if balloon is None else 2
-        rows.append(
-            ("Prescribed lumen diameter", millimeters(told.pop("lumen_diameter_mm"), digits))
-        )
+        lumen = millimeters(told.pop("lumen_diameter_mm"), digits)
+        rows.append((DIAMETERS["lumen_diameter_mm"], lumen))
     if "reference_diameter_mm" in told:
         reference = told.pop("reference_diameter_mm")
         if reference is not None:
-            rows.append(("Reference diameter of the lesion", millimeters(reference)))
+            rows.append((DIAMETERS["reference_diameter_mm"], millimeters(reference)))
     for key, words in (
         ("stent_to_adjacent", "Lumen : smaller healthy vessel beside the lesion"),
         ("balloon_to_stenosis", "Balloon : stenosis"),

@@ -15,8 +15,8 @@ LAYERS = 8
 """Walls in front of each other that are told apart."""
 
 
-def seen(panel: Panel) -> vtkRenderer:
-    """A renderer in its half of the picture."""
+def seen(panel: Panel, columns: int) -> vtkRenderer:
+    """A renderer in its part of a picture of so many columns."""
     data = polydata_from_arrays(panel.points, panel.triangles)
     data.GetPointData().SetScalars(numpy_to_vtk((255 * panel.colors).astype(np.uint8), deep=1))
     normals = vtkPolyDataNormals()
@@ -39,7 +39,7 @@ def seen(panel: Panel) -> vtkRenderer:
     renderer.SetMaximumNumberOfPeels(LAYERS)
     renderer.SetOcclusionRatio(0.0)
     low, high = 1 - BOTTOM / HEIGHT, 1 - TOP / HEIGHT
-    renderer.SetViewport(panel.side / 2, low, (panel.side + 1) / 2, high)
+    renderer.SetViewport(panel.column / columns, low, (panel.column + 1) / columns, high)
     camera, view = renderer.GetActiveCamera(), panel.view
     camera.ParallelProjectionOn()
     camera.SetFocalPoint(*view.focus)

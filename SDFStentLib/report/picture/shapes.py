@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...geometry import across, closest_points, frames, length, point_at
+from ...geometry import Surface, across, closest_points, frames, length, point_at
 from ...treatment import TreatedStent
 from ...validation import Floats, Points, Triangles
 from .view import View
@@ -33,12 +33,21 @@ REACH = 1.15
 class Panel(NamedTuple):
     """A surface, mm, in a view, with color and opacity (n, 4) of its points, 0 to 1."""
 
-    side: int
-    """0 for the left one, before; 1 for the right one, after."""
+    column: int
+    """Of the picture, 0 for the left one."""
     view: View
     points: Points
     triangles: Triangles
     colors: Floats
+
+
+def panel_of(
+    column: int, view: View, surface: Surface, diameters: Floats, limits: tuple[float, float]
+) -> Panel:
+    """A wall with the lumen diameters (n,) at its points as its colors, see `wall_colors`."""
+    facing = np.abs(surface.vertex_normals @ view.toward_camera)
+    colors = wall_colors(diameters, limits, facing)
+    return Panel(column, view, surface.points, surface.triangles, colors)
 
 
 class Lumen(NamedTuple):

@@ -11,7 +11,10 @@ from ...geometry import across, length, point_at
 from ...validation import Floats, Points
 
 WIDTH, HEIGHT = 1200, 700
-"""Of the picture, pixels."""
+"""Of a picture of two panels, pixels."""
+
+PANEL_WIDTH = WIDTH // 2
+"""pixels."""
 
 TOP, BOTTOM = 105, 602
 """Rows between which the vessel is; words are above, scales below."""
@@ -50,7 +53,7 @@ class View(NamedTuple):
 
     def pixels(self, points: Points) -> Floats:
         """Where they are in the left panel: (n, 2), to the right and down from the corner."""
-        middle = np.array([WIDTH / 4, (TOP + BOTTOM) / 2])
+        middle = np.array([PANEL_WIDTH / 2, (TOP + BOTTOM) / 2])
         return np.asarray(middle + self.per_mm * self.flat(points) * (1, -1))
 
     def framing(self, points: Points, aspect: float) -> View:

@@ -1,0 +1,138 @@
+"""The command `compare`."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from ..plan import Alternative, Comparison, Plan, compare, load_plan
+from ..report import (
+    alternatives_picture,
+    check_rendering,
+    comparison_document,
+    comparison_json,
+    comparison_page,
+    comparison_pictures,
+    lumen_sentence,
+    stent_lesion_sentences,
+)
+from ..validation import InputError
+from .console import Console
+from .outputs import Outputs, check_suffix
+
+NOT_CERTIFIED = 3
+PAGES = (".html", ".htm")
+
+
+def compare_command(options: argparse.Namespace, console: Console) -> int:
+    """Carry out several plans and show them side by side; 0, or 3 when one is not certified."""
+    start = perf_counter()
+    accept = options.accept_changed_inputs
+    plans = {
+        name: load_plan(path, accept_changed_inputs=accept)
+        for name, path in _named(options.plans).items()
+    }
+    results = _Results()
+    outputs = _outputs(options, plans, results)
+    with console.progress("Deploying") as show:
+        results.comparison = compare(plans, accept_changed_inputs=accept, progress=show)
+    results.document = comparison_document(results.comparison)
+    results.pictures = comparison_pictures(results.comparison)
+    outputs.write()
+    if options.json:
+        print(comparison_json(results.document), end="")
+    else:
+        _tell(results, console)
+        console.say(f"Wrote {', '.join(outputs.names())} in {perf_counter() - start:.1f} s.")
+    is_certified = all(one.is_certified for one in results.comparison.alternatives)
+    return 0 if is_certified else NOT_CERTIFIED
+
+
+class _Results:
+    """What is written, once it is there."""
+
+    def __init__(self) -> None:
+        self.comparison = Comparison(())
+        self.document: dict[str, Any] = {}
+        self.pictures: list[bytes] | str = ""
+
+    def write_page(self, path: Path) -> None:
+        page = comparison_page(self.document, self.pictures)
+        path.write_text(page, encoding="utf-8", errors="backslashreplace")
+
+    def write_picture(self, path: Path) -> None:
+        path.write_bytes(alternatives_picture(self.comparison.results))
+
+    def write_json(self, path: Path) -> None:
+        text = comparison_json(self.document)
+        path.write_text(text, encoding="utf-8", errors="backslashreplace")
+
+
+def _named(paths: list[str]) -> dict[str, str]:
+    """The plans by the names of their files."""
+    if len(paths) < 2:
+        raise InputError(f"expected two or more plans to compare, got {len(paths)}; name another.")
+    found: dict[str, str] = {}
+    for path in paths:
+        name = Path(path).stem
+        if name in found:
+            raise InputError(
+                f"{path}: expected plans of different names, {found[name]} is called {name}, too; "
+                "rename one of the files."
+            )
+        found[name] = path
+    return found
+
+
+def _outputs(options: argparse.Namespace, plans: dict[str, Plan], results: _Results) -> Outputs:
+    """A page, or a folder with page and document."""
+    inputs = [
+        *options.plans,
+        *(
+            file.path
+            for plan in plans.values()
+            for file in (plan.surface, plan.centerline, *(s.axis_file for s in plan.stents))
+            if file is not None
+        ),
+    ]
+    place = Path(options.output)
+    is_page = place.suffix.lower() in PAGES
+    outputs = Outputs(inputs, None if is_page else place)
+    outputs.add(place if is_page else place / "comparison.html", results.write_page)
+    if not is_page:
+        outputs.add(place / "comparison.json", results.write_json)
+    if options.picture:
+        check_suffix(options.picture, "a picture", (".png",))
+        outputs.add(options.picture, results.write_picture)
+        check_rendering()
+    return outputs
+
+
+def _tell(results: _Results, console: Console) -> None:
+    """What came of every plan, in short; the page has the rest."""
+    for one in results.comparison.alternatives:
+        _tell_alternative(one, console)
+    if isinstance(results.pictures, str):
+        console.complain(results.pictures)
+
+
+def _tell_alternative(one: Alternative, console: Console) -> None:
+    if one.result is None:
+        console.complain(f"{one.name} could not be carried out: {one.failure}")
+        return
+    result, label = one.result, f"{one.name}: "
+    units = result.inputs.surface.units
+    console.warn((caution.labeled(label) for caution in result.warnings), units=units)
+    stents = result.treatment.stents
+    for stent in stents:
+        number = f"stent {stent.number}: " if len(stents) > 1 else ""
+        for said in (
+            lumen_sentence(stent),
+            *stent_lesion_sentences(result.lesions, stent.number),
+        ):
+            console.say(label + number + said)
+    certificate = result.treatment.certificate
+    if certificate is not None:
+        console.say(label + certificate.sentence())

@@ -1,0 +1,396 @@
+"""Several plans of one patient side by side: each column is what the plan's own run tells."""
+
+from __future__ import annotations
+
+import json
+import re
+import runpy
+from functools import partial
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tube_files import write_tube
+
+from SDFStentLib.cli.shell import main
+from SDFStentLib.files import encode_vtp, polydata_from_arrays
+from SDFStentLib.phantoms import straight_tube
+from SDFStentLib.plan import compare, comparison, load_plan
+from SDFStentLib.report import comparison_document, comparison_page, painting
+from SDFStentLib.report.alternatives import comparison_rows
+from SDFStentLib.report.comparison import comparison_pictures
+from SDFStentLib.report.drawing import Words
+from SDFStentLib.report.picture.alternatives import alternatives_scene
+from SDFStentLib.treatment import vessel
+from SDFStentLib.validation import DeploymentError, InputError
+
+PROJECT = Path(__file__).parents[1]
+
+INPUTS = {
+    "units": "cm",
+    "surface": {"file": "tube.vtp"},
+    "centerline": {"file": "line.vtp"},
+}
+MIDDLE = {"center": [0, 0, 2]}  # cm; the throat of the tube
+
+
+def a_plan(*stents, **more):
+    document = {"schema": "sdfstent-plan", "version": 2, "inputs": INPUTS, "stents": stents}
+    return {**document, **more}
+
+
+def a_stent(diameter=6.0, length=20, **more):
+    return {"diameter": diameter, "length": length, "placement": MIDDLE, **more}
+
+
+PLANS = {
+    "one": a_plan(a_stent()),
+    "wide": a_plan(a_stent(7.0), flow=[5, 20]),
+    "two": a_plan(
+        a_stent(6.0, 8, name="first", placement={"center": [0, 0, 1.7]}),
+        a_stent(
+            5.58, 8, name="second", placement={"center": [0, 0, 2.3]},
+            balloon={"diameter": 6.0, "recoil_fraction": 0.07, "reason": "usual"},
+        ),
+    ),
+}  # fmt: skip
+
+
+def written(folder, **plans):
+    for name, document in plans.items():
+        (folder / f"{name}.json").write_text(json.dumps(document), encoding="utf-8")
+    return [f"{name}.json" for name in plans]
+
+
+@pytest.fixture(scope="module")
+def a_run_folder(tmp_path_factory):
+    """Three plans of a tube, compared into `out`, and each carried out by `run`."""
+    folder = tmp_path_factory.mktemp("compare")
+    write_tube(folder)
+    written(folder, **PLANS)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        names = [f"{name}.json" for name in PLANS]
+        assert main(["compare", *names, "-o", "out", "--quiet"]) == 0
+        for name in PLANS:
+            assert main(["run", f"{name}.json", "-o", f"run_{name}", "--quiet"]) == 0
+    return folder
+
+
+@pytest.fixture
+def a_folder(tmp_path, monkeypatch):
+    write_tube(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+class Page(HTMLParser):
+    """The table of a page: per row its cells, per cell its lines of text."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.rows, self.images, self._is_in_cell = [], 0, False
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        if tag == "tr":
+            self.rows.append([])
+        self._is_in_cell = tag in ("td", "th") or (self._is_in_cell and tag in ("p", "b"))
+        if tag in ("td", "th"):
+            self.rows[-1].append("")
+        self.images += tag == "img"
+
+    def handle_endtag(self, tag):
+        self._is_in_cell = self._is_in_cell and tag not in ("td", "th")
+
+    def handle_data(self, data):
+        if self._is_in_cell:
+            self.rows[-1][-1] += f"{data}\n"
+
+
+def page_of(folder):
+    page = Page((folder / "out" / "comparison.html").read_text(encoding="utf-8"))
+    return page, {row[0].split("\n")[0]: row[1:] for row in page.rows}
+
+
+def document_of(folder):
+    return json.loads((folder / "out" / "comparison.json").read_text(encoding="utf-8"))
+
+
+def own_report(folder, name):
+    return json.loads((folder / f"run_{name}" / "report.json").read_text(encoding="utf-8"))
+
+
+# The numbers
+
+
+def test_every_column_is_the_report_of_the_plans_own_run(a_run_folder):
+    alternatives = document_of(a_run_folder)["alternatives"]
+    assert [one["name"] for one in alternatives] == [*PLANS]
+    for one in alternatives:
+        own = own_report(a_run_folder, one["name"])
+        for report in (own, one["report"]):
+            del report["created"], report["timings"]
+        # The run's own name for a file that it lost nothing of.
+        assert one["report"]["certificate"].pop("arrays_kept") is own["certificate"].pop(
+            "arrays_kept"
+        )
+        assert one["report"] == own
+        assert (one["certified"], one["failure"]) == (True, None)
+
+
+def test_the_page_shows_the_numbers_of_every_run(a_run_folder):
+    page, rows = page_of(a_run_folder)
+    assert rows["Plan"] == ["one\n", "wide\n", "two\n"]
+    assert page.images == 1
+    for column, name in enumerate(PLANS):
+        own = own_report(a_run_folder, name)
+        stents = own["stents"]
+        for title, key in (
+            ("Minimum lumen diameter", "after_mm"),
+            ("Minimum lumen beyond the ends", "beyond_after_mm"),
+        ):
+            shown = re.findall(r"([\d.]+) mm \(before", rows[title][column])
+            assert shown == [f"{s['diameters']['minimum_lumen'][key]:.2f}" for s in stents]
+        prescribed = [f"{stent['lumen_diameter_mm']:.2f} mm" for stent in stents]
+        assert re.findall(r"[\d.]+ mm", rows["Prescribed lumen diameter"][column]) == prescribed
+        (lesion,) = own["lesions"]
+        left = lesion["after"]["percent_diameter"]
+        words = rows["Stenosis left of lesion 1"][column]
+        assert words.startswith(f"{left:.0f} %" if round(left) >= 0 else "none (")
+        low, high = (own["changes"]["area_ratio"][key] for key in ("smallest", "largest"))
+        stretch = rows["Stretch of the wall, area after over before"][column]
+        assert f"{low:.2f} to {high:.2f}" in stretch
+        assert rows["Certificate"][column].strip() == own["certificate"]["sentence"]
+        assert rows.get("Warnings", [""] * 3)[column].splitlines() == own["warnings"]
+    assert "first: " in rows["Minimum lumen diameter"][2]
+    assert rows["Balloon diameter"] == ["", "", "second: 6.00 mm\n"]
+    assert "at 20 mL/s" in rows["Pressure"][1]
+    assert (rows["Pressure"][0], rows["Pressure"][2]) == ("", "")
+
+
+def test_the_least_lumen_beyond_the_ends_is_that_of_the_stations_there(a_run_folder):
+    for name in PLANS:
+        for stent in own_report(a_run_folder, name)["stents"]:
+            along = stent["diameters"]["along"]
+            for when in ("before", "after"):
+                values = [
+                    value
+                    for at, value, own in zip(
+                        along["arc_length_mm"],
+                        along[f"mis_{when}_mm"],
+                        along["prescribed_mm"],
+                        strict=True,
+                    )
+                    if own is None and value is not None
+                ]
+                told = stent["diameters"]["minimum_lumen"][f"beyond_{when}_mm"]
+                assert told == min(values)
+
+
+def test_the_vessel_is_read_once_and_its_lesions_are_found_once(a_folder, monkeypatch):
+    names = written(a_folder, **PLANS)
+    read, found = [], []
+    for module, name, calls in (
+        (comparison, "plan_files", read),
+        (vessel, "find_lesions", found),
+    ):
+        real = getattr(module, name)
+        counted = partial(lambda calls, real, *args: calls.append(0) or real(*args), calls, real)
+        monkeypatch.setattr(module, name, counted)
+    plans = {name: load_plan(name) for name in names}
+    results = compare(plans).results
+    befores = [[one.before for one in result.lesions] for result in results.values()]
+    assert all(mine is its for mine, its in zip(befores[0], befores[2], strict=True))
+    assert (len(read), len(found)) == (1, 1)
+
+
+# The picture
+
+
+def test_all_panels_have_one_camera_and_one_scale_of_colors(a_run_folder, monkeypatch):
+    monkeypatch.chdir(a_run_folder)
+    results = compare({name: load_plan(f"{name}.json") for name in PLANS}).results
+    drawing, panels = alternatives_scene(results)
+    assert [panel.column for panel in panels] == [0, 1, 2, 3]
+    assert all(panel.view is panels[0].view for panel in panels)
+    np.testing.assert_array_equal(panels[0].points, results["one"].inputs.surface.points)
+    for panel, result in zip(panels[1:], results.values(), strict=True):
+        np.testing.assert_array_equal(panel.points, result.treatment.points)
+    words = [mark.text for mark in drawing.marks if isinstance(mark, Words)]
+    assert [one for one in words if one in ("Before", *PLANS)] == ["Before", *PLANS]
+    least = results["wide"].treatment.stents[0].after.minimum
+    assert f"1 stent, minimum lumen {least:.1f} mm" in words
+
+
+def test_five_plans_go_on_two_sheets_with_a_picture_each(a_folder):
+    plans = {f"plan {d}": a_plan(a_stent(d)) for d in (5, 5.5, 6, 6.5, 7)}
+    names = written(a_folder, **plans)
+    assert main(["compare", *names, "-o", "page.html", "--quiet"]) == 0
+    page = Page((a_folder / "page.html").read_text(encoding="utf-8"))
+    assert [len(row) for row in page.rows if row[0] == "Plan\n"] == [4, 3]
+    assert page.images == 2
+
+
+# What cannot be compared
+
+
+def test_a_plan_that_fails_is_a_column_that_says_why(a_folder, capsys):
+    outside = a_plan(a_stent(placement={"center": [3, 0, 2]}))
+    names = written(a_folder, one=PLANS["one"], outside=outside)
+    assert main(["compare", *names, "-o", "out"]) == 3
+    assert main(["run", "outside.json", "-o", "alone"]) == 2
+    said = capsys.readouterr().err.splitlines()
+    reason = said[-1].removeprefix("sdfstent run: ")
+    assert said[0] == f"warning: outside could not be carried out: {reason}"
+    _, rows = page_of(a_folder)
+    assert rows["Certificate"][1] == f"Could not be carried out: {reason}\n"
+    assert all(row[1] == "" for title, row in rows.items() if title not in ("Plan", "Certificate"))
+    failed = document_of(a_folder)["alternatives"][1]
+    assert failed == {"name": "outside", "certified": False, "failure": reason, "report": None}
+
+
+def test_nothing_is_written_when_every_plan_fails(a_folder, capsys):
+    outside = a_plan(a_stent(placement={"center": [3, 0, 2]}))
+    names = written(a_folder, a=outside, b=outside)
+    assert main(["compare", *names, "-o", "out"]) == 2
+    assert "None of the plans could be carried out; a: " in capsys.readouterr().err
+    assert not (a_folder / "out").exists()
+
+
+def other_surface(folder):
+    tube = straight_tube()
+    data = encode_vtp(polydata_from_arrays(tube.points / 10, tube.triangles))
+    (folder / "other.vtp").write_bytes(data)
+    return {**PLANS["one"], "inputs": {**INPUTS, "surface": {"file": "other.vtp"}}}
+
+
+def other_root(folder):
+    return {**PLANS["one"], "inputs": {**INPUTS, "root": [0, 0, 4]}}
+
+
+@pytest.mark.parametrize(
+    ("other", "sentence"),
+    [
+        (None, "expected two or more plans to compare, got 1"),
+        (other_surface, "one and other: expected plans of one surface in one unit"),
+        (other_root, "one and other: expected plans with one centerline, root and reference"),
+    ],
+)
+def test_what_cannot_be_compared_is_said_and_nothing_written(a_folder, capsys, other, sentence):
+    plans = {"one": PLANS["one"]}
+    if other is not None:
+        plans["other"] = other(a_folder)
+    assert main(["compare", *written(a_folder, **plans), "-o", "out"]) == 2
+    said = capsys.readouterr().err
+    assert sentence in said
+    assert said.count("\n") == 1
+    assert not (a_folder / "out").exists()
+
+
+def test_two_plans_of_one_name_are_refused(a_folder, capsys):
+    written(a_folder, one=PLANS["one"])
+    (a_folder / "more").mkdir()
+    (a_folder / "more" / "one.json").write_text("{}", encoding="utf-8")
+    assert main(["compare", "one.json", "more/one.json", "-o", "out"]) == 2
+    assert "one.json is called one, too; rename one of the files" in capsys.readouterr().err
+
+
+def test_a_plan_without_centerline_is_compared_and_its_lesions_were_not_looked_for(a_folder):
+    alone = a_plan({"diameter": 6.0, "placement": {"axis": {"file": "axis.vtp"}}})
+    alone["inputs"] = {key: value for key, value in INPUTS.items() if key != "centerline"}
+    names = written(a_folder, one=PLANS["one"], alone=alone)
+    assert main(["compare", *names, "-o", "out", "--quiet"]) == 0
+    _, rows = page_of(a_folder)
+    assert "that takes a centerline" in rows["Stenosis left of lesion 1"][1]
+
+
+def test_inputs_are_not_overwritten_and_old_pages_are(a_folder, capsys):
+    names = written(a_folder, one=PLANS["one"], wide=PLANS["wide"])
+    assert main(["compare", *names, "-o", "one.json"]) == 2
+    assert "expected a folder, got a file" in capsys.readouterr().err
+    (a_folder / "page.html").write_text("old", encoding="utf-8")
+    assert main(["compare", *names, "-o", "page.html", "--quiet"]) == 0
+    assert "plans compared" in (a_folder / "page.html").read_text(encoding="utf-8")
+
+
+def test_json_is_printed_and_is_the_document(a_folder, capsys):
+    names = written(a_folder, one=PLANS["one"], wide=PLANS["wide"])
+    assert main(["compare", *names, "-o", "out", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out) == document_of(a_folder)
+
+
+def test_a_page_without_picture_says_why(a_folder, monkeypatch):
+    def broken(*_):
+        raise DeploymentError("No OpenGL here.")
+
+    names = written(a_folder, one=PLANS["one"], wide=PLANS["wide"])
+    result = compare({name: load_plan(name) for name in names})
+    monkeypatch.setattr(painting.subprocess, "run", lambda *_, **__: broken())
+    pictures = comparison_pictures(result)
+    page = comparison_page(comparison_document(result), pictures)
+    assert "No OpenGL here." in page
+    assert Page(page).images == 0
+
+
+@pytest.mark.parametrize("plans", [None, [], {}, {"a": 1, "b": 2}, {1: None, 2: None}])
+def test_wrong_types_are_refused_in_a_sentence(plans):
+    with pytest.raises(InputError, match="expected"):
+        compare(plans)
+
+
+def test_lesions_that_no_plan_changes_share_one_row():
+    def a_lesion(number, left):
+        degrees = {"percent_diameter": 40.0, "percent_area": 64.0}
+        return {
+            "number": number,
+            "branch_name": "a",
+            **degrees,
+            "after": {**degrees, "percent_diameter": left},
+            "stents": [],
+            "is_left_beyond": False,
+        }
+
+    report = {
+        "certificate": None,
+        "stents": [],
+        "lesions": [a_lesion(1, 40.0), a_lesion(2, 30.0), a_lesion(3, 40.0)],
+        "branches": [],
+        "apposition": [],
+        "changes": None,
+        "warnings": [],
+    }
+    rows = {row.title: row for row in comparison_rows([{"name": "x", "report": report}])}
+    assert rows["Other lesions, by diameter"].note == "lesion 1 40 %, lesion 3 40 %"
+    assert rows["Stenosis left of lesion 2"].cells == (
+        ("30 % by diameter, 64 % by area; not stented.",),
+    )
+
+
+def test_the_picture_is_written_as_a_png_of_all_panels(a_folder, capsys):
+    names = written(a_folder, one=PLANS["one"], wide=PLANS["wide"])
+    page = ["-o", "page.html"]
+    assert main(["compare", *names, *page, "--picture", "all.gif"]) == 2
+    assert "expected a picture that ends in .png" in capsys.readouterr().err
+    assert main(["compare", *names, *page, "--picture", "all.png", "--quiet"]) == 0
+    data = (a_folder / "all.png").read_bytes()
+    assert data[:8] == b"\x89PNG\r\n\x1a\n"
+    assert [int.from_bytes(data[at : at + 4], "big") for at in (16, 20)] == [1800, 700]
+
+
+def test_the_papers_figure_is_made_of_a_phantom_where_there_is_no_patient(tmp_path):
+    script = runpy.run_path(str(PROJECT / "docs" / "three_plans.py"))
+    assert script["main"](tmp_path, is_phantom=True) == 0
+    document = json.loads((tmp_path / "compared" / "comparison.json").read_text(encoding="utf-8"))
+    left = [
+        [round(lesion["after"]["percent_diameter"]) for lesion in one["report"]["lesions"]]
+        for one in document["alternatives"]
+    ]
+    main_ones, daughters, all_four = np.array(left)
+    # As they were made, and as they are opened.
+    assert main_ones[2:] == pytest.approx([40, 35], abs=1)
+    assert daughters[:2] == pytest.approx([50, 45], abs=1)
+    assert (abs(main_ones[:2]) <= 2).all()
+    assert (abs(daughters[2:]) <= 2).all()
+    assert (abs(all_four) <= 2).all()
