@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from SDFStentLib.files.surface_files import read_surface
 from SDFStentLib.geometry import Surface
+from SDFStentLib.measure import closed_ends
 from SDFStentLib.measure.caps import flat_caps
 from SDFStentLib.measure.metrics import diameter_profile
 
@@ -172,3 +173,21 @@ def test_the_inlet_of_a_patient_is_not_narrow(data_dir, surface, line):
     start = profile.inscribed_diameter[:4]
     # Both trunks are nearly cylindrical for their first 10 mm.
     np.testing.assert_allclose(start, profile.inscribed_diameter[5], rtol=0.05)
+
+
+@pytest.mark.parametrize("bulge", [0.0, 2.5])
+def test_only_spheres_that_a_cap_limits_are_searched_again(bulge, monkeypatch):
+    searched = []
+    search = closed_ends.inscribed_spheres
+
+    def counted(points, triangles, centers, *rest):
+        searched.extend(np.round(centers[:, 2], 3).tolist())
+        return search(points, triangles, centers, *rest)
+
+    monkeypatch.setattr(closed_ends, "inscribed_spheres", counted)
+    surface = Surface(*a_capped_duct(a_circle(), bulge=-bulge))
+    profile = diameter_profile(surface, A_LINE)
+    # A cap that bulges is none: the sphere that touches it is told from the first search.
+    near = [0, 1, 2, 3, 27, 28, 29, 30]
+    assert sorted(searched) == ([] if bulge else pytest.approx(near))
+    assert np.isfinite(profile.inscribed_diameter[4:-4]).all()

@@ -9,12 +9,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry import arc_lengths, dot, may_meet_box
-from ..validation import Floats, Points, Triangles
+from ..geometry import SurfaceIndex, arc_lengths, dot, may_meet_box
+from ..validation import Flags, Floats, Points, Triangles
 from .caps import flat_caps
 from .inscribed import InscribedSpheres, inscribed_spheres
 from .stations import Stations
-from .touching import TOUCH, fills, part_near, touches
+from .touching import IN_SURFACE, TOUCH, fills, part_near, touches
 
 AHEAD = np.cos(np.deg2rad(30.0))
 """A sphere that touches the surface so nearly along the axis, on the side of its nearer end, may
@@ -45,17 +45,27 @@ def past_closed_ends(points: Points, triangles: Triangles, measured: Stations) -
     width = float(np.nanmax(np.concatenate([equivalent[at_end], 2 * spheres.radii])))
     points, triangles = part_near(points, triangles, stations[at_end], width)
     is_capped = _in_caps(points, triangles, stations[at_end], directions[at_end], width)
-    kept = triangles[~is_capped]
-    anew = inscribed_spheres(points, kept, stations[at_end], directions[at_end])
-    centers, radii = spheres.centers.copy(), spheres.radii.copy()
-    centers[at_end], radii[at_end] = anew
-    closed = at_end[touches(points, kept, outward[at_end], anew, SQUARELY)]
+    kept, centers, radii = triangles[~is_capped], spheres.centers.copy(), spheres.radii.copy()
+    limited = at_end[_are_limited(points, triangles[is_capped], spheres.at(at_end))]
+    if len(limited):
+        anew = inscribed_spheres(points, kept, stations[limited], directions[limited])
+        centers[limited], radii[limited] = anew
+    present = InscribedSpheres(centers[at_end], radii[at_end])
+    closed = at_end[touches(points, kept, outward[at_end], present, SQUARELY)]
     centers[closed], radii[closed] = np.nan, np.nan
     caps = points[triangles[is_capped].ravel()]
     cut = [i for i in at_end if _is_crossed(caps, stations[i], directions[i], width)]
     equivalent = equivalent.copy()
     equivalent[cut] = np.nan
     return measured._replace(spheres=InscribedSpheres(centers, radii), equivalent=equivalent)
+
+
+def _are_limited(points: Points, caps: Triangles, spheres: InscribedSpheres) -> Flags:
+    """Which spheres (k,) touch caps (m, 3): only these grow when the caps are taken away."""
+    if not len(caps):
+        return np.zeros(len(spheres.radii), dtype=bool)
+    distance = SurfaceIndex(points, caps).distances(spheres.centers).distance
+    return np.asarray(distance <= np.maximum((1 + TOUCH) * spheres.radii, IN_SURFACE))
 
 
 def _in_caps(
