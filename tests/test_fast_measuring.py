@@ -17,6 +17,7 @@ from SDFStentLib.geometry import (
     tangents,
 )
 from SDFStentLib.geometry.distance import closest_points_on_triangles
+from SDFStentLib.measure import tree_lumen
 from SDFStentLib.measure.cross_section import (
     _lumen_area,
     equivalent_diameters,
@@ -24,7 +25,14 @@ from SDFStentLib.measure.cross_section import (
 )
 from SDFStentLib.measure.inscribed import inscribed_spheres
 from SDFStentLib.measure.stations import measured_at
-from SDFStentLib.phantoms import branching_pulmonary_artery, hairpin_tube, stenosed_tube
+from SDFStentLib.measure.tree_lumen import branch_lumens
+from SDFStentLib.measure.vessel_runs import vessel_runs
+from SDFStentLib.phantoms import (
+    branching_pulmonary_artery,
+    hairpin_tube,
+    stenosed_tube,
+    vascular_tree,
+)
 
 PHANTOMS = {
     "stenosis": stenosed_tube,
@@ -49,6 +57,18 @@ def a_vessel(request):
     settings = DeploymentSettings(certify=False)
     after = deploy(made.surface, settings.chain(axis), radius, settings)
     return (made.points, after.points), made.triangles, axis
+
+
+@pytest.fixture(scope="module", params=["branches", "tree", *ANATOMIES])
+def a_vessel_and_its_tree(request):
+    if request.param == "tree":
+        made = vascular_tree(12, 1.0)
+    elif request.param in PHANTOMS:
+        made = PHANTOMS[request.param]()
+    else:
+        request.getfixturevalue("data_dir")
+        made = request.getfixturevalue("sweep").vessel(request.param)
+    return made.surface, made.centerline
 
 
 @pytest.mark.parametrize("when", [0, 1], ids=["before", "after"])
@@ -84,6 +104,38 @@ def test_stations_measured_together_are_those_measured_alone(a_vessel, when):
         one = together.at([number])
         np.testing.assert_allclose(one.spheres.radii, alone.spheres.radii, atol=1e-3)
         np.testing.assert_allclose(one.equivalent, alone.equivalent, atol=1e-3)
+
+
+@pytest.mark.parametrize("when", [0, 1], ids=["before", "after"])
+def test_a_climb_ends_where_the_sphere_is_large_enough(a_vessel, when):
+    points, triangles, axis = a_vessel[0][when], *a_vessel[1:]
+    places = resampled(axis, 4.0)
+    directions = tangents(places)
+    whole = inscribed_spheres(points, triangles, places, directions)
+    enough = 0.9 * whole.radii
+    enough[::3] = np.inf
+    found = inscribed_spheres(points, triangles, places, directions, enough=enough)
+    np.testing.assert_allclose(found.radii[::3], whole.radii[::3], atol=1e-3)
+    is_large = found.radii > enough
+    np.testing.assert_allclose(found.radii[~is_large], whole.radii[~is_large], atol=1e-3)
+    assert (found.radii <= whole.radii + 1e-3).all()
+    exact = SurfaceIndex(points, triangles).distances(found.centers).distance
+    np.testing.assert_allclose(found.radii, exact, rtol=1e-9)
+
+
+def test_ends_of_vessels_are_the_same_where_their_spheres_are_searched_to_the_end(
+    a_vessel_and_its_tree, monkeypatch
+):
+    surface, tree = a_vessel_and_its_tree
+    fast = vessel_runs(branch_lumens(surface, tree))
+
+    def whole(*arguments, enough, **options):
+        return inscribed_spheres(*arguments, **options)
+
+    monkeypatch.setattr(tree_lumen, "inscribed_spheres", whole)
+    for one, exact in zip(fast, vessel_runs(branch_lumens(surface, tree)), strict=True):
+        np.testing.assert_allclose(one.diameter, exact.diameter, atol=1e-3)
+        np.testing.assert_array_equal(one.is_apart, exact.is_apart)
 
 
 def test_a_surface_goes_half_round_a_point_on_it():

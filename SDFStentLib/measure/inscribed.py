@@ -61,6 +61,17 @@ class InscribedSpheres(NamedTuple):
         return InscribedSpheres(self.centers[which], self.radii[which])
 
 
+class _End(NamedTuple):
+    """Where climbs end: at a promised gain (scalar), or above radii (n,) that are enough."""
+
+    tolerance: float
+    enough: Floats
+
+    def at(self, which: Indices) -> _End:
+        """That of some of them."""
+        return _End(self.tolerance, self.enough[which])
+
+
 def inscribed_spheres(
     points: Points,
     triangles: Triangles,
@@ -68,6 +79,7 @@ def inscribed_spheres(
     tangents: ArrayLike | None = None,
     *,
     tolerance: float = 1e-6,
+    enough: ArrayLike | None = None,
 ) -> InscribedSpheres:
     """Maximum inscribed sphere at each axis point.
 
@@ -82,6 +94,8 @@ def inscribed_spheres(
         polyline.
     tolerance : float
         A centre stays when the linear model promises less gain than this, mm.
+    enough : array_like, shape (n,), optional
+        A centre stays, too, when its sphere is larger than this, mm.
 
     Returns
     -------
@@ -110,10 +124,12 @@ def inscribed_spheres(
         )
     directions = polyline_tangents(centers) if tangents is None else _unit(tangents, centers)
     axes = across(directions)
+    limits = np.full(len(centers), np.inf) if enough is None else np.asarray(enough, dtype=float)
     found = InscribedSpheres(np.empty_like(centers), np.empty(len(centers)))
     for block in _parts(centers):
         surface = LocalSurface(points, triangles, centers[block])
-        spheres = _largest_spheres(surface, centers[block], axes[block], tolerance)
+        end = _End(tolerance, limits[block])
+        spheres = _largest_spheres(surface, centers[block], axes[block], end)
         found.centers[block], found.radii[block] = spheres
     return found
 
@@ -134,7 +150,7 @@ def _parts(centers: Points) -> Iterator[Indices]:
 
 
 def _largest_spheres(
-    surface: LocalSurface, starts: Points, axes: Floats, tolerance: float
+    surface: LocalSurface, starts: Points, axes: Floats, end: _End
 ) -> InscribedSpheres:
     """Climb among points of the wall, then on it, then make sure that no wall lies between."""
     centers, bounds = _rough(surface, starts, axes)
@@ -142,7 +158,7 @@ def _largest_spheres(
     centers[lost], bounds[lost] = starts[lost], surface.distances(starts[lost])
     box = np.where(lost, _FIRST_BOX, _SMALLEST_BOX)
     begin = InscribedSpheres(centers, bounds)
-    centers, radii = _climb(surface, begin, axes, tolerance, first_box=box)
+    centers, radii = _climb(surface, begin, axes, end, first_box=box)
 
     # Empty spheres that overlap lie in the same lumen, and most hold the axis point anyway.
     moved = np.linalg.norm(centers - starts, axis=1)
@@ -151,7 +167,7 @@ def _largest_spheres(
     is_apart = ~(moved[doubtful] < radii[doubtful] + exact - _ON_WALL)
     again = doubtful[is_apart]
     begin = InscribedSpheres(starts[again], exact[is_apart])
-    centers[again], radii[again] = _climb(surface, begin, axes[again], tolerance)
+    centers[again], radii[again] = _climb(surface, begin, axes[again], end.at(again))
     return InscribedSpheres(centers, radii)
 
 
@@ -172,7 +188,8 @@ def _rough(surface: LocalSurface, starts: Points, axes: Floats) -> InscribedSphe
         centers = np.where(np.isnan(radii)[:, None], starts, centers)
         begin = InscribedSpheres(centers, wall.distances(centers))
         box = 2 * _SMALLEST_BOX if number else _FIRST_BOX
-        centers, radii = _climb(wall, begin, axes, _ROUGH_TOLERANCE, first_box=box)
+        end = _End(_ROUGH_TOLERANCE, np.full(len(starts), np.inf))
+        centers, radii = _climb(wall, begin, axes, end, first_box=box)
     return InscribedSpheres(centers, radii)
 
 
@@ -180,7 +197,7 @@ def _climb(
     surface: LocalSurface | WallPoints,
     begin: InscribedSpheres,
     axes: Floats,
-    tolerance: float,
+    end: _End,
     *,
     first_box: float | Floats = _FIRST_BOX,
 ) -> InscribedSpheres:
@@ -198,7 +215,7 @@ def _climb(
         rows = near.rows(centers, radii, axes, reach, active)
         radii[active] = rows.radii
         step, height = largest_steps(rows, box[active])
-        moves = height - rows.radii > tolerance
+        moves = (height - rows.radii > end.tolerance) & (rows.radii <= end.enough[active])
         active, step, height = active[moves], step[moves], height[moves]
         length = np.linalg.norm(step, axis=1)
         centers[active] += np.einsum("ni,nij->nj", step, axes[active])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -18,9 +20,16 @@ Indices = NDArray[np.int64]
 SAME_PLACE = 1e-9
 """Length up to which a branch has none, mm."""
 
+_SAFELY = 1 + 1e-9
+"""Factor on a radius that is enough, against rounding."""
+
 COARSEST, FINEST = 1.0, 0.25
 """Distance of the stations, mm; between the two it is a quarter of the branch's median radius."""
 
+
+END_REACH = 1.1
+"""Radii from the end of a vessel within which the sphere may touch its cap; a tenth for a cap that
+leans or is round."""
 
 TOLERANCE = 1e-4
 """Of the search for the spheres, mm; far below what a tenth of a diameter needs."""
@@ -51,16 +60,15 @@ def branch_lumens(surface: Surface, centerline: Centerline) -> tuple[BranchLumen
     InputError
         The whole centerline is outside of the surface.
     """
-    joined = _joined_nodes(centerline)
-    lines = [
-        (number, _stations(centerline, branch))
-        for number, branch in enumerate(centerline.branches)
-        if joined[branch[0]] != joined[branch[-1]]
-    ]
-    stations = np.concatenate([line for _, line in lines])
-    directions = np.concatenate([tangents(line) for _, line in lines])
+    lumens = _unmeasured(centerline)
+    stations = np.concatenate([lumen.points for lumen in lumens])
+    directions = np.concatenate([tangents(lumen.points) for lumen in lumens])
+    # What is wider than this so near to an end is not used, however wide it is.
+    enough = _SAFELY / END_REACH * np.concatenate(_distances_to_ends(lumens))
     points, triangles = surface.points, surface.triangles
-    spheres = inscribed_spheres(points, triangles, stations, directions, tolerance=TOLERANCE)
+    spheres = inscribed_spheres(
+        points, triangles, stations, directions, tolerance=TOLERANCE, enough=enough
+    )
     diameter = 2 * spheres.radii
     diameter[~_is_in_lumen(stations, spheres, surface)] = np.nan
     if not np.isfinite(diameter).any():
@@ -68,15 +76,39 @@ def branch_lumens(surface: Surface, centerline: Centerline) -> tuple[BranchLumen
             "lesions: expected a centerline inside of the surface, got one that is outside "
             "everywhere; check that both are of one patient and in one unit."
         )
-    ends = np.cumsum([len(line) for _, line in lines])[:-1]
-    found = []
-    for (number, line), values in zip(lines, np.split(diameter, ends), strict=True):
-        branch = centerline.branches[number]
+    ends = np.cumsum([len(lumen.points) for lumen in lumens])[:-1]
+    pairs = zip(lumens, np.split(diameter, ends), strict=True)
+    return tuple(lumen._replace(diameter=values) for lumen, values in pairs)
+
+
+def _unmeasured(centerline: Centerline) -> list[BranchLumen]:
+    """The stations along all branches that have a length."""
+    joined, found = _joined_nodes(centerline), []
+    for number, branch in enumerate(centerline.branches):
         nodes = int(joined[branch[0]]), int(joined[branch[-1]])
+        if nodes[0] == nodes[1]:
+            continue
+        line = _stations(centerline, branch)
         start, end = centerline.arc_length[branch[[0, -1]]]
         along = np.linspace(0.0, end - start, len(line))
-        found.append(BranchLumen(number, nodes, float(start), line, along, values))
-    return tuple(found)
+        unknown = np.full(len(line), np.nan)
+        found.append(BranchLumen(number, nodes, float(start), line, along, unknown))
+    return found
+
+
+def _distances_to_ends(lumens: Sequence[BranchLumen]) -> list[Floats]:
+    """How far (n,) the stations of every branch are from where the vessel ends, mm."""
+    meeting = Counter(node for lumen in lumens for node in lumen.nodes)
+    found = []
+    for lumen in lumens:
+        distance = np.full(len(lumen.along), np.inf)
+        for node, away in zip(
+            lumen.nodes, (lumen.along, lumen.along[-1] - lumen.along), strict=True
+        ):
+            if meeting[node] == 1:
+                distance = np.minimum(distance, away)
+        found.append(distance)
+    return found
 
 
 def closed_surface(points: Points, triangles: Triangles) -> tuple[Points, Triangles]:

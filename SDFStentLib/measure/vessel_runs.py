@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..validation import Points
-from .tree_lumen import BranchLumen
+from .tree_lumen import END_REACH, BranchLumen
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -30,10 +30,6 @@ coronary bifurcations of all types (Huo et al., doi:10.4244/EIJV7I11A206)."""
 JUNCTION_REACH = 2.0
 """Inscribed radii of a junction over which its branches still share one lumen: on the three
 anatomies their sections part 1.6 to 2.0 radii beyond it."""
-
-END_REACH = 1.1
-"""Radii from the end of a vessel within which the sphere may touch its cap; a tenth for a cap that
-leans or is round."""
 
 PROBED = 3.0
 """Diameters of a junction beyond its reach over which its branches' width is looked at."""
