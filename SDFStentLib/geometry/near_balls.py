@@ -9,13 +9,10 @@ from __future__ import annotations
 import numpy as np
 
 from ..validation import Floats, Indices, Points
-from .rows import dot, norm, product
+from .rows import dot, product
 
 _TOGETHER, _FEW = 16, 64
 """So many places, or balls, are paired at once, without halving once more."""
-
-_FEWEST, _STRIDE = 1000, 16
-"""The nearest point is sought among so few of them first, then among so many times more."""
 
 _SLACK = 1e-12
 """What rounding may do to a sum, or to a difference of squares, over its largest term."""
@@ -60,19 +57,12 @@ def near_balls(
 
 def nearest_distances(places: Points, points: Points) -> Floats:
     """Distance (n,) from every place to the nearest of some points; at least one."""
-    stride = 1
-    # Ends: the stride grows beyond the number of points.
-    while len(points) > _FEWEST * stride:
-        stride *= _STRIDE
-    distances = np.array([norm(points[::stride] - place).min() for place in places])
-    # Ends: it is divided down to 1.
-    while stride > 1:
-        stride //= _STRIDE
-        some = points[::stride]
-        place, one = near_balls(places, distances, some, np.zeros(len(some)))
-        starts = np.searchsorted(place, np.arange(len(places)))
-        distances = np.minimum.reduceat(norm(places[place] - some[one]), starts)
-    return distances
+    # Late: scipy costs what a first frame should not pay.
+    from scipy.spatial import cKDTree
+
+    # The tree is asked once: it is made as quickly as can be.
+    tree = cKDTree(points, balanced_tree=False, compact_nodes=False)
+    return np.asarray(tree.query(places)[0])
 
 
 def _in_box(

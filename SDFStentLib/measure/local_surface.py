@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..geometry import NearPairs, SurfaceIndex, dot, may_meet_box
+from ..geometry import NearPairs, SurfaceIndex, may_meet_box, nearest_distances
 from ..validation import Flags, Floats, Indices, Points, Triangles
 
 _AMPLY = 1.1
@@ -91,8 +91,7 @@ class LocalSurface:
     def _vertex_distances(self, centers: Points) -> Floats:
         """Distance (n,) to the nearest of some thousand vertices, which bounds that to the wall."""
         some = self._points[self._triangles[:: max(1, len(self._triangles) // 1000), 0]]
-        offset = (centers[:, None] - some).reshape(-1, 3)
-        return np.sqrt(dot(offset, offset).reshape(len(centers), -1).min(axis=1))
+        return nearest_distances(centers, some)
 
     def _grow(self, margin: float) -> None:
         """Take the triangles in the box round the centres, if there are any."""
