@@ -8,12 +8,14 @@ from .caps import bulged_caps, caps_across
 from .cross_section import equivalent_diameters, winding_numbers
 from .extended_axis import REACH, ExtendedAxis, extended_axis
 from .inscribed import InscribedSpheres, inscribed_spheres
-from .known_lumen import measured_once
+from .known_lumen import measured_after, measured_once
+from .lesion_measuring import lesions_after
 from .lesion_value import HealthyPlace, Lesion
 from .lesions import find_lesions, lesion_after, lesions_within
 from .local_surface import LocalSurface
 from .marked_reference import lesion_against, lesions_against
 from .metrics import DiameterProfile, diameter_profile
+from .moved_wall import MovedWall, moved_wall
 from .narrowings import SMALLEST_DEGREE
 from .neighbor_lumen import NeighborLumen, NeighborStations, VesselStates
 from .neighbor_ways import BranchWays, NeighborWay, end_ways
@@ -57,6 +59,7 @@ __all__ = [
     "Lesion",
     "LineSeeds",
     "LocalSurface",
+    "MovedWall",
     "NeighborLumen",
     "NeighborStations",
     "NeighborWay",
@@ -83,11 +86,14 @@ __all__ = [
     "inscribed_spheres",
     "lesion_after",
     "lesion_against",
+    "lesions_after",
     "lesions_against",
     "lesions_within",
     "line_seeds",
+    "measured_after",
     "measured_at",
     "measured_once",
+    "moved_wall",
     "pressure_band",
     "profile_around",
     "rough_radii",

@@ -8,8 +8,13 @@ import numpy as np
 
 from ..geometry import Surface
 from ..validation import Floats, Points
-from .inscribed import InscribedSpheres
+from .cross_section import equivalent_diameters
+from .inscribed import InscribedSpheres, inscribed_spheres
+from .moved_wall import MovedWall
 from .stations import Stations, measured_at
+
+_BESIDE = 1.02
+"""Wall farther from a sphere's center than so many radii plays no part in its climb's end."""
 
 MOST = 20_000
 """Stations that are kept of one surface, about 100 bytes each; then all are forgotten."""
@@ -40,3 +45,29 @@ def measured_once(surface: Surface, points: Points, directions: Points) -> Stati
     stations = np.array(found, dtype=np.float64).reshape(-1, 5)
     spheres = InscribedSpheres(stations[:, :3].copy(), stations[:, 3].copy())
     return Stations(points, directions, spheres, stations[:, 4].copy())
+
+
+def measured_after(before: Stations, moved: MovedWall, surface: Surface) -> Stations:
+    """`measured_at` of a vessel after treatment; what nothing has moved near is as it was.
+
+    Parameters
+    ----------
+    before : Stations
+        What was measured before it.
+    moved : MovedWall
+        From then to now.
+    surface : Surface
+        After it.
+    """
+    points, directions = before.points, before.directions
+    centers, radii = before.spheres.centers.copy(), before.spheres.radii.copy()
+    equivalent = before.equivalent.copy()
+    changed = np.flatnonzero(moved.comes_near(centers, _BESIDE * radii) | ~(radii > 0))
+    centers[changed], radii[changed] = inscribed_spheres(
+        surface.points, surface.triangles, points[changed], directions[changed]
+    )
+    cut = np.flatnonzero(moved.crosses(points, directions))
+    equivalent[cut] = equivalent_diameters(
+        surface.points, surface.triangles, points[cut], directions[cut]
+    )
+    return Stations(points, directions, InscribedSpheres(centers, radii), equivalent)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from ..validation import Points, read_only
+import numpy as np
+
+from ..validation import Floats, Points, read_only
 
 Place = tuple[float, float, float]
 """A point, mm."""
@@ -64,9 +66,14 @@ class Lesion:
     """The same in words, to follow "against"."""
     line: Points
     """(k, 3) the centerline from `start` to `end`, mm."""
+    diameters: Floats = field(default_factory=lambda: np.empty(0))
+    """(k,) inscribed, at these points, mm; NaN where unknown. Without, all are."""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "line", read_only(self.line))
+        if not len(self.diameters):
+            object.__setattr__(self, "diameters", np.full(len(self.line), np.nan))
+        for name in ("line", "diameters"):
+            object.__setattr__(self, name, read_only(getattr(self, name)))
 
     @property
     def length(self) -> float:

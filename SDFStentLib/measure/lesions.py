@@ -24,7 +24,7 @@ from ..geometry import (
 )
 from ..validation import Points, as_points
 from .branch_names import branch_names
-from .lesion_measuring import as_place, measured, median_area
+from .lesion_measuring import as_place, lesions_after, measured, median_area
 from .lesion_value import HealthyPlace, Lesion, reference_words
 from .narrowings import Narrowing, narrowings
 from .tree_lumen import branch_lumens
@@ -68,8 +68,7 @@ def find_lesions(
         for narrow in narrowings(run)
     ]
     names = branch_names(surface, centerline, checked_faces(faces, len(surface.triangles)))
-    begun = [_begun(surface, run, narrow, names) for run, narrow in places]
-    lesions = measured([one for one, _ in begun], surface, [widths for _, widths in begun])
+    lesions = measured([_begun(surface, run, narrow, names) for run, narrow in places], surface)
     found = [
         _Found(lesion, _junctions(*place)) for lesion, place in zip(lesions, places, strict=True)
     ]
@@ -101,7 +100,7 @@ def lesion_after(lesion: Lesion, surface: Surface) -> Lesion:
     InputError
         No surface.
     """
-    return measured([lesion], as_surface(surface))[0]
+    return lesions_after([lesion], as_surface(surface))[0]
 
 
 def lesions_within(lesions: Sequence[Lesion], axis_points: ArrayLike) -> tuple[Lesion, ...]:
@@ -160,10 +159,8 @@ def _junctions(run: VesselRun, narrow: Narrowing) -> dict[int, bool]:
     }
 
 
-def _begun(
-    surface: Surface, run: VesselRun, narrow: Narrowing, names: Sequence[str]
-) -> tuple[Lesion, Floats]:
-    """A narrowing with its reference, from the root's side on, and diameters along its line."""
+def _begun(surface: Surface, run: VesselRun, narrow: Narrowing, names: Sequence[str]) -> Lesion:
+    """A narrowing with its reference, and diameters along its line, from the root's side on."""
     edges = np.interp([narrow.start, narrow.end], run.along, run.from_root)
     way = 1 if edges[0] <= edges[1] else -1
     inner = (run.along > narrow.start) & (run.along < narrow.end)
@@ -180,27 +177,25 @@ def _begun(
     ][::way]
     unknown = float("nan")
     at = int(np.abs(run.along - narrow.narrowest).argmin())
-    return (
-        Lesion(
-            branch=int(run.branch[at]),
-            branch_name=names[run.branch[at]],
-            branch_arc_length=float(run.branch_along[at]),
-            arc_length=unknown,
-            start=float(min(edges)),
-            end=float(min(edges) + narrow.end - narrow.start),
-            point=(unknown, unknown, unknown),
-            minimum_diameter=unknown,
-            reference_diameter=unknown,
-            percent_diameter=unknown,
-            minimum_area=unknown,
-            reference_area=unknown,
-            percent_area=unknown,
-            proximal=sides[0],
-            distal=sides[1],
-            reference=reference_words(sides),
-            line=line,
-        ),
-        diameters,
+    return Lesion(
+        branch=int(run.branch[at]),
+        branch_name=names[run.branch[at]],
+        branch_arc_length=float(run.branch_along[at]),
+        arc_length=unknown,
+        start=float(min(edges)),
+        end=float(min(edges) + narrow.end - narrow.start),
+        point=(unknown, unknown, unknown),
+        minimum_diameter=unknown,
+        reference_diameter=unknown,
+        percent_diameter=unknown,
+        minimum_area=unknown,
+        reference_area=unknown,
+        percent_area=unknown,
+        proximal=sides[0],
+        distal=sides[1],
+        reference=reference_words(sides),
+        line=line,
+        diameters=diameters,
     )
 
 

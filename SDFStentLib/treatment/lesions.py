@@ -8,15 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..centerline import Centerline
-from ..geometry import Surface, arc_lengths, closest_points, length
-from ..measure import Lesion, lesion_after, lesions_within
+from ..geometry import Surface, arc_lengths, length
+from ..measure import Lesion, lesions_after, lesions_within, moved_wall
 from ..stent import DEFAULT_FORESHORTENING, AtCenter, AtDistalEnd
 from ..validation import Points, as_number
 from .value import TreatedStent
-
-_MATTERS = 3.0
-"""Wall farther from a lesion's line than so many diameters of its reference bounds neither its
-spheres nor its sections."""
 
 
 @dataclass(frozen=True)
@@ -60,31 +56,16 @@ def treated_lesions(
     before : Surface, optional
         Before any, the same triangles: lesions far from what has moved stay what they are.
     """
-    moved = None if before is None else _moved_places(before, after)
+    moved = None if before is None else moved_wall(before, after)
+    left = lesions_after(lesions, after, moved)
     treated = []
-    for number, lesion in enumerate(lesions, start=1):
-        is_beside = moved is None or _is_near(lesion, moved)
-        left = lesion_after(lesion, after) if is_beside else lesion
+    for number, pair in enumerate(zip(lesions, left, strict=True), start=1):
         covering, left_in = (
             tuple(stent.number for stent in stents if lesions_within([one], stent.axis.points))
-            for one in (lesion, left)
+            for one in pair
         )
-        treated.append(TreatedLesion(number, lesion, left, covering, not left_in))
+        treated.append(TreatedLesion(number, *pair, covering, not left_in))
     return tuple(treated)
-
-
-def _moved_places(before: Surface, after: Surface) -> Points:
-    """(k, 3) where points that moved were, and where they are."""
-    moved = np.flatnonzero((before.points != after.points).any(axis=1))
-    return np.concatenate([before.points[moved], after.points[moved]])
-
-
-def _is_near(lesion: Lesion, places: Points) -> bool:
-    """Whether one of the places (k, 3) is near enough to matter to a lesion's diameters."""
-    reach = _MATTERS * max(lesion.reference_diameter, np.sqrt(lesion.reference_area))
-    low, high = lesion.line.min(axis=0) - reach, lesion.line.max(axis=0) + reach
-    places = places[((places > low) & (places < high)).all(axis=1)]
-    return bool((closest_points(lesion.line, places).distances < reach).any())
 
 
 def placement_at(

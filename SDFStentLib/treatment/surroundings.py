@@ -25,8 +25,9 @@ from ..measure import (
     axis_stations,
     end_ways,
     find_ostia,
-    measured_at,
+    measured_after,
     measured_once,
+    moved_wall,
     profile_around,
 )
 from ..validation import Floats
@@ -83,7 +84,7 @@ def surroundings(
     points = np.concatenate([along.points, beside.points])
     directions = np.concatenate([along.directions, beside.directions])
     before = measured_once(states.native, points, directions)
-    after = measured_at(states.final, points, directions)
+    after = measured_after(before, moved_wall(states.native, states.final), states.final)
     own, rest = slice(len(along.points)), slice(len(along.points), None)
     return Surroundings(
         along,

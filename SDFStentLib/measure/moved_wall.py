@@ -1,0 +1,75 @@
+"""The part of a wall that a treatment has moved: beyond its reach the lumen is as it was."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..geometry import Surface, dot, norm, product
+from ..validation import Flags, Floats, Points, Triangles
+
+_APART = 1 / np.sqrt(3.0)
+"""No place of a triangle is farther from all of its corners than so many of its longest side."""
+
+_BLOCK = 1 << 21
+"""Pairs of plane and corner that are looked at together, some bytes each."""
+
+
+class MovedWall(NamedTuple):
+    """Triangles of which a corner has moved: where they were, and where they are."""
+
+    places: Points
+    """(k, 3) their corners before and after, mm."""
+    apart: float
+    """No place of them is farther from all corners, mm."""
+
+    def within(self, points: Points, reach: float) -> MovedWall:
+        """What of it lies in the box that goes `reach` mm beyond some points (n, 3)."""
+        low, high = points.min(axis=0) - reach, points.max(axis=0) + reach
+        columns = zip(self.places.T, low, high, strict=True)
+        kept = np.logical_and.reduce([(x >= first) & (x <= last) for x, first, last in columns])
+        return MovedWall(self.places[kept], self.apart)
+
+    def comes_near(self, centers: Points, radii: Floats) -> Flags:
+        """Which balls (n,) it may reach; one whose radius is not known in any case."""
+        is_near = np.isnan(radii)
+        if len(self.places):
+            # Late: scipy costs what a first frame should not pay.
+            from scipy.spatial import cKDTree
+
+            tree = cKDTree(self.places, balanced_tree=False, compact_nodes=False)
+            known = np.flatnonzero(~is_near)
+            is_near[known] = tree.query(centers[known])[0] <= radii[known] + self.apart
+        return is_near
+
+    def crosses(self, points: Points, normals: Points) -> Flags:
+        """Which planes (n,) through some points with normals (n, 3) it may cut."""
+        found = np.zeros(len(points), dtype=bool)
+        block = max(1, _BLOCK // max(1, len(self.places)))
+        for first in range(0, len(points) if len(self.places) else 0, block):
+            rows = slice(first, first + block)
+            heights = product(normals[rows], self.places.T)
+            origin = dot(normals[rows], points[rows])
+            found[rows] = (heights.min(axis=1) <= origin) & (heights.max(axis=1) >= origin)
+        return found
+
+
+def moved_wall(before: Surface, after: Surface) -> MovedWall:
+    """What has moved between two states of a surface, which have the same triangles."""
+    # By column: reductions over rows of three are slow.
+    columns = zip(before.points.T, after.points.T, strict=True)
+    is_moved = np.logical_or.reduce([one != other for one, other in columns])
+    corners = np.asfortranarray(before.triangles)
+    has_moved = is_moved[corners[:, 0]] | is_moved[corners[:, 1]] | is_moved[corners[:, 2]]
+    triangles = before.triangles[has_moved]
+    is_corner = np.zeros(len(is_moved), dtype=bool)
+    is_corner[triangles] = True
+    points = before.points, after.points
+    apart = _APART * max(_longest_side(state, triangles) for state in points)
+    return MovedWall(np.concatenate([state[is_corner] for state in points]), apart)
+
+
+def _longest_side(points: Points, triangles: Triangles) -> float:
+    corners = [points[column] for column in triangles.T]
+    return max(float(norm(corners[k] - corners[k - 1]).max(initial=0.0)) for k in range(3))

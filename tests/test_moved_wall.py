@@ -1,0 +1,130 @@
+"""After a treatment only what the moved wall comes near is measured again; nothing is missed."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from plain_measuring import nearest_points
+
+from SDFStentLib.deformation import DeploymentSettings
+from SDFStentLib.geometry import cut, resampled, tangents
+from SDFStentLib.measure import (
+    find_lesions,
+    known_lumen,
+    measured_after,
+    measured_at,
+    moved_wall,
+)
+from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube
+from SDFStentLib.stent import AtCenter, Stent
+from SDFStentLib.treatment import Treatment, treated_lesions
+
+PHANTOMS = {"stenosis": stenosed_tube, "branches": branching_pulmonary_artery}
+ANATOMIES = ("pulmonary", "aorta_iliac", "vmtk_aorta")
+
+
+@pytest.fixture(scope="module", params=[*PHANTOMS, *ANATOMIES])
+def treated(request):
+    """A vessel, its centerline, and what came of a short stent in the middle of its longest way."""
+    if request.param in PHANTOMS:
+        made = PHANTOMS[request.param]()
+    else:
+        request.getfixturevalue("data_dir")
+        made = request.getfixturevalue("sweep").vessel(request.param)
+    line = made.centerline
+    leaf = line.leaves[np.argmax(line.arc_length[line.leaves])]
+    way = line.path(line.points[line.roots[0]], line.points[leaf])
+    middle = len(way.points) // 2
+    diameter = 2.4 * float(np.nanmedian(way.inscribed_radius[middle - 5 : middle + 5]))
+    stent = Stent(diameter, placement=AtCenter(way.points[middle]), length=1.5 * diameter)
+    settings = DeploymentSettings(certify=False)
+    return made, way, Treatment(made.surface, [stent], line, settings).result
+
+
+def stations_along(way):
+    """All 4 mm, but at the ends of the vessel."""
+    places = resampled(cut(way.points, 5.0, float(way.length) - 5.0), 4.0)
+    return places, tangents(places)
+
+
+def test_what_is_not_measured_again_is_what_a_whole_search_finds(treated):
+    made, way, result = treated
+    places, directions = stations_along(way)
+    before = measured_at(made.surface, places, directions)
+    moved = moved_wall(made.surface, result.surface)
+    found = measured_after(before, moved, result.surface)
+    plain = measured_at(result.surface, places, directions)
+    np.testing.assert_allclose(found.spheres.radii, plain.spheres.radii, atol=1e-3)
+    np.testing.assert_allclose(found.equivalent, plain.equivalent, atol=1e-3)
+    assert not np.allclose(found.spheres.radii, before.spheres.radii, atol=1e-2)
+
+
+def test_only_stations_near_the_moved_wall_are_measured_again(treated, monkeypatch):
+    made, way, result = treated
+    places, directions = stations_along(way)
+    before = measured_at(made.surface, places, directions)
+    searched = []
+    search = known_lumen.inscribed_spheres
+
+    def counted(points, triangles, centers, *rest):
+        searched.append(len(centers))
+        return search(points, triangles, centers, *rest)
+
+    monkeypatch.setattr(known_lumen, "inscribed_spheres", counted)
+    nothing = moved_wall(made.surface, made.surface)
+    again = measured_after(before, nothing, made.surface)
+    assert searched == [0]
+    np.testing.assert_array_equal(again.spheres.radii, before.spheres.radii)
+    np.testing.assert_array_equal(again.equivalent, before.equivalent)
+    measured_after(before, moved_wall(made.surface, result.surface), result.surface)
+    assert 0 < searched[1] <= len(places)
+
+
+def test_no_ball_that_a_moved_triangle_touches_is_passed_over(treated):
+    made, _, result = treated
+    moved = moved_wall(made.surface, result.surface)
+    has_moved = np.isin(made.triangles, result.indices).any(axis=1)
+    middle = result.coordinates.mean(axis=0)
+    random = np.random.default_rng(0)
+    centers = middle + random.normal(size=(60, 3)) * 30
+    corners = [state.points[made.triangles[has_moved]] for state in (made.surface, result.surface)]
+    apart = np.array(
+        [
+            min(np.linalg.norm(nearest_points(one, c) - one, axis=1).min() for c in corners)
+            for one in centers
+        ]
+    )
+    assert moved.comes_near(centers, apart * (1 + 1e-9)).all()
+    assert not moved.comes_near(centers, apart - 2 * moved.apart - 1e-9).any()
+    assert moved.comes_near(centers, np.full(60, np.nan)).all()
+
+
+def test_no_plane_that_a_moved_triangle_crosses_is_passed_over(treated):
+    made, _, result = treated
+    moved = moved_wall(made.surface, result.surface)
+    has_moved = np.isin(made.triangles, result.indices).any(axis=1)
+    random = np.random.default_rng(1)
+    points = result.coordinates.mean(axis=0) + random.normal(size=(200, 3)) * 40
+    normals = random.normal(size=(200, 3))
+    crossed = np.zeros(200, dtype=bool)
+    for state in (made.surface, result.surface):
+        corners = state.points[made.triangles[has_moved]]
+        heights = np.einsum("pk,tck->ptc", normals, corners)
+        heights -= np.einsum("pk,pk->p", normals, points)[:, None, None]
+        crossed |= ((heights.min(axis=2) <= 0) & (heights.max(axis=2) >= 0)).any(axis=1)
+    found = moved.crosses(points, normals)
+    assert found[crossed].all()
+    assert crossed.any()
+    assert not found.all()
+
+
+def test_lesions_after_are_those_of_a_whole_search(treated):
+    made, _, result = treated
+    lesions = find_lesions(made.surface, made.centerline)
+    fast = treated_lesions(lesions, result.stents, result.surface, made.surface)
+    plain = treated_lesions(lesions, result.stents, result.surface)
+    for one, exact in zip(fast, plain, strict=True):
+        assert one.after.minimum_diameter == pytest.approx(exact.after.minimum_diameter, abs=1e-3)
+        assert one.after.percent_diameter == pytest.approx(exact.after.percent_diameter, abs=0.02)
+        np.testing.assert_allclose(one.after.minimum_area, exact.after.minimum_area, rtol=1e-3)
+        assert (one.stents, one.is_left_beyond) == (exact.stents, exact.is_left_beyond)
