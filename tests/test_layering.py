@@ -23,6 +23,7 @@ FLOORS = (
     ("treatment",),
     ("plan",),
     ("report",),
+    ("cohort",),
     ("cli",),
     ("__init__", "__main__"),
 )
@@ -40,7 +41,8 @@ USES = {
     "treatment": "geometry centerline certificate measure stent deformation",
     "plan": "files stent deformation treatment",
     "report": "geometry measure stent files treatment plan",
-    "cli": "files stent phantoms treatment plan report",
+    "cohort": "geometry centerline measure stent files treatment plan report",
+    "cli": "files stent phantoms treatment plan report cohort",
 }
 """Which rooms a room knows, those on the ground left out: the fewer, the easier it is to change."""
 

@@ -13,6 +13,7 @@ from .common_options import add_json, add_point, add_points, add_surface, add_ta
 from .method_options import add_method
 from .plan_options import add_acceptance, add_comparison
 from .stent_options import add_device_table, add_shape, add_stent, add_wishes
+from .sweep_options import add_sweep
 
 
 class Parser(argparse.ArgumentParser):
@@ -53,6 +54,7 @@ def parser() -> Parser:
             "centerline", help="extract the centerline of a surface", allow_abbrev=False
         )
     )
+    add_sweep(commands.add_parser("sweep", help="many deployments", allow_abbrev=False))
     _devices(commands.add_parser("devices", help="the device table", allow_abbrev=False))
     _demo(commands.add_parser("demo", help="treat a synthetic patient", allow_abbrev=False))
     return top

@@ -79,6 +79,10 @@ def _imported(name: str) -> Callable[[argparse.Namespace, Console], int]:
         from .suggest import suggest_command
 
         return suggest_command
+    if name == "sweep":
+        from .sweep import sweep_command
+
+        return sweep_command
     from .demo import demo_command
 
     return demo_command

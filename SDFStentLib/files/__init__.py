@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from ..late import late_names
 
 if TYPE_CHECKING:
-    from .atomic import atomic_path, cannot_write, check_writable, write_bytes
+    from .atomic import atomic_path, cannot_write, check_writable, flush_to_disk, write_bytes
     from .centerline_files import (
         VTK_LINE_SUFFIXES,
         LineFile,
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from .content import read_content
     from .extraction import ExtractedLines, check_vmtk, extract_lines
     from .formats import encode_vtp
+    from .locks import lock
     from .model_faces import faces_of_polydata, set_face_names
     from .output_set import StagingFolder, commit, sweep
     from .polydata import (
@@ -59,9 +60,11 @@ __all__ = [
     "encode_vtp",
     "extract_lines",
     "faces_of_polydata",
+    "flush_to_disk",
     "in_frame_of",
     "inscribed_radius_from_polydata",
     "lines_from_polydata",
+    "lock",
     "polydata_from_arrays",
     "polydata_from_lines",
     "read_axis",
@@ -83,7 +86,7 @@ __all__ = [
 __getattr__, __dir__ = late_names(
     __name__,
     {
-        "atomic": ["atomic_path", "cannot_write", "check_writable", "write_bytes"],
+        "atomic": ["atomic_path", "cannot_write", "check_writable", "flush_to_disk", "write_bytes"],
         "centerline_files": [
             "VTK_LINE_SUFFIXES",
             "LineFile",
@@ -97,6 +100,7 @@ __getattr__, __dir__ = late_names(
         "content": ["read_content"],
         "extraction": ["ExtractedLines", "check_vmtk", "extract_lines"],
         "formats.vtk_files": ["encode_vtp"],
+        "locks": ["lock"],
         "model_faces": ["faces_of_polydata", "set_face_names"],
         "output_set": ["StagingFolder", "commit", "sweep"],
         "polydata": [

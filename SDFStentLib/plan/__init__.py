@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from ..late import late_names
 
 if TYPE_CHECKING:
+    from .axis import read_axis_file
     from .comparison import Alternative, Comparison, compare
     from .details import (
         StentDetails,
@@ -18,9 +19,14 @@ if TYPE_CHECKING:
         read_details,
         stent_details,
     )
-    from .devices import device_document, device_named, device_table
+    from .devices import (
+        device_document,
+        device_from_document,
+        device_named,
+        device_table,
+    )
     from .document import POINT_PLACEMENTS, plan_text, save_plan
-    from .json_document import scaled
+    from .json_document import in_words, number, parsed, scaled, section, sequence, text_value
     from .plan import Plan, turned
     from .reader import load_plan, plan_from_document
     from .run import (
@@ -33,7 +39,7 @@ if TYPE_CHECKING:
         run_plan,
         treatment_of,
     )
-    from .shapes import read_profile, shape_document
+    from .shapes import read_profile, shape_document, shape_from_document
     from .steps import StepFiles
 
 __all__ = [
@@ -50,12 +56,17 @@ __all__ = [
     "detailed_stent",
     "details_words",
     "device_document",
+    "device_from_document",
     "device_named",
     "device_table",
+    "in_words",
     "input_file",
     "load_plan",
+    "number",
+    "parsed",
     "plan_from_document",
     "plan_text",
+    "read_axis_file",
     "read_details",
     "read_input_files",
     "read_plan_inputs",
@@ -63,8 +74,12 @@ __all__ = [
     "run_plan",
     "save_plan",
     "scaled",
+    "section",
+    "sequence",
     "shape_document",
+    "shape_from_document",
     "stent_details",
+    "text_value",
     "treatment_of",
     "turned",
 ]
@@ -72,6 +87,7 @@ __all__ = [
 __getattr__, __dir__ = late_names(
     __name__,
     {
+        "axis": ["read_axis_file"],
         "comparison": ["Alternative", "Comparison", "compare"],
         "details": [
             "StentDetails",
@@ -80,9 +96,17 @@ __getattr__, __dir__ = late_names(
             "read_details",
             "stent_details",
         ],
-        "devices": ["device_document", "device_named", "device_table"],
+        "devices": ["device_document", "device_from_document", "device_named", "device_table"],
         "document": ["POINT_PLACEMENTS", "plan_text", "save_plan"],
-        "json_document": ["scaled"],
+        "json_document": [
+            "in_words",
+            "number",
+            "parsed",
+            "scaled",
+            "section",
+            "sequence",
+            "text_value",
+        ],
         "plan": ["Plan", "turned"],
         "reader": ["load_plan", "plan_from_document"],
         "run": [
@@ -95,7 +119,7 @@ __getattr__, __dir__ = late_names(
             "run_plan",
             "treatment_of",
         ],
-        "shapes": ["read_profile", "shape_document"],
+        "shapes": ["read_profile", "shape_document", "shape_from_document"],
         "steps": ["StepFiles"],
     },
 )

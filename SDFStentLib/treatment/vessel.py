@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -82,6 +83,17 @@ class Vessel:
         if not self.reference:
             return found
         return lesions_against(found, self.reference, self.surface, self.centerline)
+
+    def unmeasured(self) -> Vessel:
+        """The same vessel with its lesions and names, and nothing known of its lumen.
+
+        What is measured along an axis is remembered with the surface. Stations that are measured
+        together differ from those that are measured apart by about 1e-8 mm: results that shall
+        not depend on earlier ones by a single bit begin with this.
+        """
+        vessel = copy(self)
+        vars(vessel)["surface"] = self.surface.with_points(self.surface.points)
+        return vessel
 
     def seeds(self, inlet: Points | None = None, outlets: Sequence[Points] = ()) -> LineSeeds:
         """`line_seeds` of its wall, to extract a centerline."""

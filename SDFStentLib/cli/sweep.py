@@ -1,0 +1,128 @@
+"""The command `sweep`."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from itertools import islice
+
+from ..cohort import (
+    Sweep,
+    Tally,
+    cases_of,
+    estimated,
+    in_words,
+    last_tally,
+    load_sweep,
+    run_sweep,
+    worker_count,
+    write_manifest,
+)
+from ..validation import DeploymentError, InputError
+from .console import Console, error_line
+from .signals import INTERRUPTED
+
+DONE, NOT_CERTIFIED, INCOMPLETE = 0, 3, 4
+
+SHOWN = 5
+"""Cases that a dry run lists."""
+
+
+def sweep_command(options: argparse.Namespace, console: Console) -> int:
+    """Carry out a sweep, or tell of one."""
+    asked = [name for name in ("sweep", "table", "status") if getattr(options, name)]
+    if len(asked) != 1:
+        raise InputError("expected one of SWEEP, --table DIR and --status DIR; give one of them.")
+    if options.table:
+        written = write_manifest(options.table)
+        console.say(f"Wrote {', '.join(written)} in {options.table}.")
+        return DONE
+    if options.status:
+        tally, is_running = last_tally(options.status)
+        console.say(_status(tally, is_running))
+        return DONE
+    if options.workers is not None and options.scheduler is not None:
+        raise InputError("expected --workers or --scheduler, got both; leave one of them out.")
+    sweep = load_sweep(options.sweep)
+    if options.dry_run:
+        return _dry_run(sweep, options, console)
+    if options.output is None:
+        raise InputError("expected -o DIR, the folder of the cohort, got none.")
+    return _run(sweep, options, console)
+
+
+def _run(sweep: Sweep, options: argparse.Namespace, console: Console) -> int:
+    tally = Tally(0)
+
+    def show(now: Tally) -> None:
+        nonlocal tally
+        tally = now
+        draw(now.fraction, now.note())
+
+    try:
+        with console.progress("Sweeping") as draw:
+            tally = run_sweep(
+                sweep,
+                options.output,
+                workers=options.workers,
+                scheduler=options.scheduler,
+                progress=show,
+            )
+    except KeyboardInterrupt:
+        error_line(
+            f"sdfstent: interrupted; {tally.finished} of {tally.total} cases are kept in "
+            f"{options.output}, run it again to go on."
+        )
+        return INTERRUPTED
+    except DeploymentError as error:
+        error_line(f"sdfstent sweep: {error}")
+        return INCOMPLETE
+    console.say(_counts(tally))
+    console.say(f"Wrote {options.output} in {in_words(tally.seconds)}.")
+    if tally.failed:
+        return INCOMPLETE
+    return NOT_CERTIFIED if tally.uncertified else DONE
+
+
+def _counts(tally: Tally) -> str:
+    parts = [f"{tally.certified} certified"]
+    for count, words in (
+        (tally.uncertified, "not certified"),
+        (tally.excluded, "excluded by the constraints"),
+        (tally.failed, "failed, the manifest says why"),
+    ):
+        if count:
+            parts.append(f"{count} {words}")
+    return f"{tally.finished} of {tally.total} cases: {', '.join(parts)}."
+
+
+def _status(tally: Tally, is_running: bool) -> str:
+    counts = _counts(tally)
+    if not is_running:
+        open_cases = tally.total - tally.finished
+        return f"Finished: {counts}" if not open_cases else f"Stopped: {counts}"
+    left = "" if tally.seconds_left is None else f" About {in_words(tally.seconds_left)} left."
+    return f"Running: {counts}{left}"
+
+
+def _dry_run(sweep: Sweep, options: argparse.Namespace, console: Console) -> int:
+    cases = list(cases_of(sweep))
+    console.say(f"{len(cases)} cases, {len(sweep.patients)} patient(s).")
+    for case in islice(cases, SHOWN):
+        values = json.dumps(case.parameters, ensure_ascii=False)
+        console.say(f"{case.number}: {case.id} {sweep.patients[case.patient].name} {values}")
+    with console.progress("Trying") as _:
+        found = estimated(sweep, cases)
+    failed = f", {found.failed} of which failed" if found.failed else ""
+    console.say(
+        f"By {found.tried} cases carried out now{failed}: {found.case_seconds:.2f} s and "
+        f"{found.case_bytes / 1e3:.0f} kB a case."
+    )
+    disk = found.case_bytes * len(cases) / 1e6
+    if options.scheduler is not None:
+        console.say(f"About {disk:.0f} MB of disk; the time depends on the cluster.")
+        return DONE
+    workers = worker_count(options.workers)
+    seconds = found.seconds(len(cases), len(sweep.patients), workers)
+    console.say(f"About {in_words(seconds)} on {workers} process(es), {disk:.0f} MB of disk.")
+    return DONE

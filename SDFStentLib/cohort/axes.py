@@ -1,0 +1,240 @@
+"""What a sweep varies: an axis is the name of a parameter, and the values that it takes."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..plan import (
+    device_document,
+    device_from_document,
+    device_named,
+    in_words,
+    number,
+    section,
+    sequence,
+    shape_document,
+    shape_from_document,
+    text_value,
+)
+from ..validation import InputError
+
+DIAMETERS = ("diameter", "diameter_over_lumen", "diameter_over_reference")
+"""Ways to say how wide: mm, over the lumen at the place, over the reference of the lesion."""
+
+PLACES = ("branch", "distance", "fraction", "lesion", "offset")
+"""A branch and a distance (mm) or a fraction along it; a lesion and an offset (mm) from it."""
+
+SHAPE_PARTS = (
+    "shape.waist.diameter",
+    "shape.waist.position",
+    "shape.waist.length",
+    "shape.start.diameter",
+    "shape.start.length",
+    "shape.end.diameter",
+    "shape.end.length",
+    "shape.cap_height",
+)
+NAMES = (*DIAMETERS, "length", *PLACES, "device", "shape", *SHAPE_PARTS)
+"""Of everything that can be an axis."""
+
+_LISTED = ("branch", "lesion", "device", "shape")
+"""These are things rather than sizes: they are listed."""
+
+DECIMALS = 6
+"""To which drawn numbers are rounded: a millionth of a millimeter."""
+
+Value = float | int | str | None | Mapping[str, Any]
+"""Of a parameter."""
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One parameter and its values.
+
+    Attributes
+    ----------
+    name : str
+        One of `NAMES`.
+    values : tuple
+        That are taken in turn; empty for a range.
+    low, high : float
+        Ends of a uniform range, or of what is kept of a normal one; -inf and inf for all of it.
+    mean, sd : float, optional
+        Of a normal distribution.
+    """
+
+    name: str
+    values: tuple[Value, ...] = ()
+    low: float = 0.0
+    high: float = 0.0
+    mean: float | None = None
+    sd: float = 0.0
+
+    @property
+    def is_listed(self) -> bool:
+        """Whether it takes values in turn, so that it can be an axis of a grid."""
+        return bool(self.values)
+
+    @property
+    def is_number(self) -> bool:
+        """Whether its values are numbers, for a table."""
+        return not self.values or all(isinstance(value, int | float) for value in self.values)
+
+    def at(self, share: NDArray[np.float64]) -> list[Value]:
+        """The values at shares (n,) of the way through the distribution, in [0, 1)."""
+        if self.values:
+            places = np.minimum(share * len(self.values), len(self.values) - 1).astype(int)
+            return [self.values[place] for place in places]
+        if self.mean is None:
+            found = self.low + share * (self.high - self.low)
+        else:
+            found = self._normal(share)
+        return [round(value, DECIMALS) for value in found.tolist()]
+
+    def _normal(self, share: NDArray[np.float64]) -> NDArray[np.float64]:
+        from scipy.special import ndtr, ndtri  # late: few sweeps need it
+
+        assert self.mean is not None
+        below, above = (ndtr((end - self.mean) / self.sd) for end in (self.low, self.high))
+        # Half of the smallest step of a sample keeps away from the infinite ends.
+        inside = np.clip(below + share * (above - below), 1e-12, 1 - 1e-12)
+        found: NDArray[np.float64] = self.mean + self.sd * ndtri(inside)
+        return np.clip(found, self.low, self.high)
+
+
+def axis_from_document(name: str, value: Any, where: str) -> Axis:
+    """An axis from its value in a sweep document.
+
+    Raises
+    ------
+    InputError
+        An unknown name, or values that do not belong there, with their place.
+    """
+    if name not in NAMES:
+        raise InputError(f"{where}: unknown axis; expected one of {', '.join(NAMES)}.")
+    is_shape_or_device = name in ("shape", "device")
+    if isinstance(value, Mapping) and not (is_shape_or_device and "values" not in value):
+        return _spread(name, value, where)
+    listed = value if isinstance(value, Sequence) and not isinstance(value, str) else [value]
+    return _listed(name, listed, where)
+
+
+def label(value: Value) -> float | int | str:
+    """A value as it stands in a table."""
+    if isinstance(value, Mapping):
+        named = value.get("name")
+        return named if named else json.dumps(plain(value), sort_keys=True)
+    return "" if value is None else value
+
+
+def plain(value: Any) -> Any:
+    """A value of a strict document as plain JSON: decimals become floats."""
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, str | bool | int) or value is None:
+        return value
+    if isinstance(value, Sequence):
+        return [plain(item) for item in value]
+    return float(value)
+
+
+def _spread(name: str, value: Mapping[str, Any], where: str) -> Axis:
+    given = section(
+        value, where, (), ("values", "from", "to", "steps", "uniform", "normal", "within")
+    )
+    kinds = [key for key in ("values", "from", "uniform", "normal") if key in given]
+    if len(kinds) != 1 or ("within" in given and kinds != ["normal"]):
+        raise InputError(
+            f"{where}: expected one of values, from with to and steps, uniform, or normal (which "
+            f"may have within), got {', '.join(given) or 'nothing'}."
+        )
+    if kinds == ["values"]:
+        return _listed(name, sequence(given["values"], f"{where}.values"), where)
+    if name in _LISTED:
+        raise InputError(f"{where}: expected a list of values, got {kinds[0]}.")
+    if kinds == ["from"]:
+        return _stepped(name, given, where)
+    low, high = -np.inf, np.inf
+    if kinds == ["uniform"]:
+        return Axis(name, (), *_rising(given["uniform"], f"{where}.uniform"))
+    mean, sd = _two(given["normal"], f"{where}.normal")
+    if sd <= 0:
+        raise InputError(f"{where}.normal: expected a mean and an SD above 0, got SD {sd:g}.")
+    if "within" in given:
+        low, high = _rising(given["within"], f"{where}.within")
+    return Axis(name, (), low, high, mean, sd)
+
+
+def _stepped(name: str, given: Mapping[str, Any], where: str) -> Axis:
+    section(given, where, ("from", "to", "steps"))
+    steps = number(given["steps"], f"{where}.steps")
+    if not isinstance(steps, int) or not 1 < steps <= 100_000:
+        raise InputError(f"{where}.steps: expected 2 to 100000, got {in_words(steps)}.")
+    low, high = (float(number(given[key], f"{where}.{key}")) for key in ("from", "to"))
+    return Axis(name, tuple(round(v, DECIMALS) for v in np.linspace(low, high, steps).tolist()))
+
+
+def _listed(name: str, values: Sequence[Any], where: str) -> Axis:
+    if not values:
+        raise InputError(f"{where}: expected at least one value, got none.")
+    checks = {"branch": _branch, "lesion": _whole, "device": _device, "shape": _shape}
+    check = checks.get(name, _number)
+    found = tuple(check(value, f"{where}[{at}]") for at, value in enumerate(values))
+    if len({json.dumps(plain(value), sort_keys=True) for value in found}) < len(found):
+        raise InputError(f"{where}: expected every value once, got one twice.")
+    return Axis(name, found)
+
+
+def _number(value: Any, where: str) -> float:
+    return float(number(value, where))
+
+
+def _whole(value: Any, where: str) -> int:
+    if isinstance(value, bool) or not isinstance(value, int) or value < 1:
+        raise InputError(f"{where}: expected a number of the list, from 1, got {in_words(value)}.")
+    return value
+
+
+def _branch(value: Any, where: str) -> int | str:
+    return text_value(value, where) if isinstance(value, str) else _whole(value, where)
+
+
+def _device(value: Any, where: str) -> Mapping[str, Any]:
+    """The row of the table: a name may mean something else where the worker is."""
+    if isinstance(value, Mapping):
+        found = device_document(device_from_document(plain(value), where))
+    else:
+        try:
+            found = device_document(device_named(text_value(value, where)))
+        except InputError as error:
+            raise error.labeled(f"{where}: ") from error
+    assert found is not None
+    return found
+
+
+def _shape(value: Any, where: str) -> Mapping[str, Any] | None:
+    return shape_document(shape_from_document(plain(value), where))
+
+
+def _two(value: Any, where: str) -> tuple[float, float]:
+    ends = sequence(value, where)
+    if len(ends) != 2:
+        raise InputError(f"{where}: expected two numbers, got {in_words(value)}.")
+    return _number(ends[0], f"{where}[0]"), _number(ends[1], f"{where}[1]")
+
+
+def _rising(value: Any, where: str) -> tuple[float, float]:
+    low, high = _two(value, where)
+    if low >= high:
+        raise InputError(f"{where}: expected two rising numbers, got {low:g} and {high:g}.")
+    return low, high
+
+
+rising = _rising
+"""Two rising numbers of a document; `InputError` for anything else."""

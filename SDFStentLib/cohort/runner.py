@@ -1,0 +1,264 @@
+"""Carry out a sweep: hand over what is not whole yet, count what comes back, survive the rest."""
+
+from __future__ import annotations
+
+import os
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    CancelledError,
+    Executor,
+    Future,
+    wait,
+)
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import suppress
+from dataclasses import replace
+from time import monotonic
+
+from ..validation import DeploymentError, InputError
+from .cases import Case, cases_of
+from .executors import Workplace, dask, given, processes, signals_held
+from .manifest import cohort_document, write_manifest
+from .store import COHORT, WHOLE, Store, StoreError, as_json
+from .tally import Tally, save_tally
+from .value import Sweep
+from .worker import Outcome, Task, run_case, task_of, write_failure
+
+ROUNDS = 3
+"""Executors in a row that break before any case is finished: then it is not the cases."""
+
+BLAMED = 2
+"""Workers that end with nothing else to do than one case, before it is that case."""
+
+KILLED = "its worker ended without a word: killed, or out of memory"
+
+LOOK, SAVE = 0.5, 2.0
+"""Seconds after which progress is told, and kept in the store."""
+
+Progress = Callable[[Tally], None]
+
+
+def run_sweep(
+    sweep: Sweep,
+    folder: str | os.PathLike[str],
+    *,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+) -> Tally:
+    """Carry out all cases of a sweep that the folder has not got yet, and write its manifest.
+
+    Parameters
+    ----------
+    sweep : Sweep
+    folder : path
+        Made when it is missing. Cases that are whole in it are skipped, those that failed are
+        done again. Every worker has to see it, and the files of the patients, by the same path.
+    workers : int, optional
+        Processes on this machine; by default one per core.
+    scheduler : str, optional
+        Address of a Dask scheduler in place of these.
+    executor : concurrent.futures.Executor, optional
+        Any other one in place of these. The caller ends it.
+    progress : callable, optional
+        Called with the counts, twice a second.
+
+    Returns
+    -------
+    Tally
+
+    Raises
+    ------
+    InputError
+        Another sweep is running in the folder, it holds cases that are not in this one, or the
+        scheduler does not answer.
+    DeploymentError
+        The store cannot be written, or the workers are lost for good. What is whole is kept,
+        and the next run goes on from there; so it does after `KeyboardInterrupt`.
+    """
+    if sum(one is not None for one in (workers, scheduler, executor)) > 1:
+        raise InputError("executor: expected one of workers, scheduler and executor, got several.")
+    place = _workplace(workers, scheduler, executor)
+    store, cases = Store(folder), list(cases_of(sweep))
+    with store.locked():
+        _prepare(store, sweep, cases)
+        run = _Run(store, place, progress, Tally(len(cases)))
+        try:
+            run.carry_out([task_of(sweep, case, store) for case in run.left(cases)])
+        finally:
+            run.told(is_last=True)
+            write_manifest(store.folder)
+        return run.tally
+
+
+def _workplace(workers: int | None, scheduler: str | None, executor: Executor | None) -> Workplace:
+    if executor is not None:
+        return given(executor)
+    return processes(workers) if scheduler is None else dask(scheduler)
+
+
+def _prepare(store: Store, sweep: Sweep, cases: list[Case]) -> None:
+    """Write what the cohort is; a folder may grow, but no case that it lists may go."""
+    document = cohort_document(sweep, cases, store.folder)
+    if (store.folder / COHORT).exists():
+        listed = {row[0] for row in store.read(COHORT)["cases"]}
+        gone = len(listed - {case.id for case in cases})
+        if gone:
+            raise InputError(
+                f"{store.folder}: expected a folder of this sweep, or of a part of it, got one "
+                f"with {gone} other cases; name another folder."
+            )
+    store.clear_leftovers()
+    store.write(COHORT, as_json(document))
+
+
+class _Run:
+    """One run of a sweep, with its counts."""
+
+    def __init__(
+        self, store: Store, place: Workplace, progress: Progress | None, tally: Tally
+    ) -> None:
+        self.store, self.place, self.progress, self.tally = store, place, progress, tally
+        self._start, self._saved, self._shown = monotonic(), -SAVE, -LOOK
+        self._blamed: dict[str, int] = {}
+        self._is_under_way = False
+
+    def left(self, cases: Iterable[Case]) -> list[Case]:
+        """The cases that are not whole when the run begins."""
+        left = self._left(cases)
+        self.tally = replace(self.tally, found=self.tally.finished)
+        return left
+
+    def _left(self, cases: Iterable[Case]) -> list[Case]:
+        """The cases that are not whole; the others are counted."""
+        left = []
+        for case in cases:
+            known = self.store.case(case.id)
+            if known is None or known["status"] not in WHOLE:
+                left.append(case)
+                continue
+            rows = known["rows"]
+            certified = None if not rows or rows[0]["certified"] == "" else rows[0]["certified"]
+            self.tally = self.tally.counted(Outcome(case.id, known["status"], certified))
+        return left
+
+    def carry_out(self, tasks: list[Task]) -> None:
+        """All of them, with as many executors as it takes."""
+        waiting, suspects, idle = deque(tasks), deque[Task](), 0
+        # Ends: every round finishes a case, blames one, or counts as idle.
+        while waiting or suspects:
+            before = self.tally.finished, sum(self._blamed.values())
+            alone = bool(suspects)
+            queue = suspects if alone else waiting
+            lost = self._round(queue, 1 if alone else self.place.window)
+            if lost is None:
+                continue
+            error, unfinished = lost[0], self._not_whole(lost[1])
+            if not self.place.is_renewable:
+                raise _gave_up(error) from error
+            if isinstance(error, BrokenProcessPool) and not self.place.blames:
+                unfinished = self._after_a_death(unfinished, alone)
+                suspects.extendleft(reversed(unfinished))
+            else:
+                queue.extendleft(reversed(unfinished))
+            idle = 0 if before != (self.tally.finished, sum(self._blamed.values())) else idle + 1
+            if idle >= ROUNDS:
+                raise _gave_up(error) from error
+
+    def told(self, *, is_last: bool = False) -> None:
+        """Tell and keep the counts, if that is due."""
+        now = monotonic()
+        self.tally = replace(self.tally, seconds=now - self._start)
+        if self.progress is not None and (is_last or now - self._shown >= LOOK):
+            self._shown = now
+            self.progress(self.tally)
+        if is_last or now - self._saved >= SAVE:
+            self._saved = now
+            with suppress(StoreError):  # the cases tell that a store cannot be written
+                save_tally(self.store, self.tally)
+
+    def _round(self, queue: deque[Task], window: int) -> tuple[Exception, list[Task]] | None:
+        """Work a queue off with one executor; why that broke, and what was with it then."""
+        at_work: dict[Future[Outcome], Task] = {}
+        try:
+            with self.place.opened() as executor:
+                try:
+                    for task, outcome in _finished(executor, queue, window, at_work, self.told):
+                        if outcome is None:
+                            self._fail(task)
+                        else:
+                            self.tally = self.tally.counted(outcome)
+                except BaseException:
+                    for future in at_work:
+                        future.cancel()
+                    raise
+        except StoreError:
+            raise
+        except (BrokenExecutor, CancelledError, OSError, TimeoutError) as error:
+            return error, list(at_work.values())
+        except InputError as error:  # of a scheduler that does not answer any more
+            if not self._is_under_way:
+                raise
+            return error, list(at_work.values())
+        finally:
+            self._is_under_way = True
+        return None
+
+    def _after_a_death(self, unfinished: list[Task], alone: bool) -> list[Task]:
+        """What is done again when a worker ended: one by one, so that it is known which it was."""
+        if not alone:
+            return unfinished
+        left = []
+        for task in unfinished:
+            times = self._blamed[task.case.id] = self._blamed.get(task.case.id, 0) + 1
+            if times < BLAMED:
+                left.append(task)
+            else:
+                self._fail(task)
+        return left
+
+    def _fail(self, task: Task) -> None:
+        self.tally = self.tally.counted(write_failure(self.store, task, KILLED))
+
+    def _not_whole(self, tasks: Iterable[Task]) -> list[Task]:
+        """Those of some tasks whose cases did not reach the store; the others are counted."""
+        found = {case.id for case in self._left(task.case for task in tasks)}
+        return [task for task in tasks if task.case.id in found]
+
+
+def _finished(
+    executor: Executor,
+    queue: deque[Task],
+    window: int,
+    at_work: dict[Future[Outcome], Task],
+    tick: Callable[[], None],
+) -> Iterator[tuple[Task, Outcome | None]]:
+    """Tasks with their outcomes as they come, None where no worker survived it.
+
+    `at_work` is what the executor has.
+    """
+    # Ends: every turn hands over or takes back a task, or waits for one that is at work.
+    while queue or at_work:
+        with signals_held():
+            # Ends: at the window.
+            while queue and len(at_work) < window:
+                future = executor.submit(run_case, queue[0])
+                at_work[future] = queue.popleft()
+        done, _ = wait(at_work, timeout=LOOK, return_when=FIRST_COMPLETED)
+        tick()
+        for future in done:
+            # Dask's word for a case that killed its workers; Dask may not be installed.
+            is_deadly = type(future.exception()).__name__ == "KilledWorker"
+            outcome = None if is_deadly else future.result()
+            yield at_work.pop(future), outcome
+
+
+def _gave_up(error: Exception) -> DeploymentError:
+    words = str(error) or type(error).__name__
+    return DeploymentError(
+        f"the workers were lost ({words}); what is whole is kept, run the sweep again to go on."
+    )

@@ -1,0 +1,224 @@
+"""Where cases are kept: a folder per case that appears whole or not at all.
+
+```
+DIR/cohort.json            what the cohort is: patients, axes, every case
+DIR/manifest.csv           a row per case and stent; .parquet where pyarrow is installed
+DIR/times.csv              when, where and how long
+DIR/cases/3f/3fa9.../      case.json, report.json.gz, surface.vtp or moved.npz, times.json
+```
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+from ..files import cannot_write, flush_to_disk, lock, write_bytes
+from ..validation import DeploymentError, InputError
+
+CASE, TIMES, REPORT = "case.json", "times.json", "report.json.gz"
+SURFACES = {"vtp": "surface.vtp", "moved": "moved.npz"}
+COHORT, PROGRESS = "cohort.json", "progress.json"
+WHOLE = ("done", "excluded")
+"""States of a case that is not done again."""
+
+_LOCK, _PREFIX = ".sdfstent-lock", ".sdfstent-"
+
+
+class StoreError(DeploymentError):
+    """The store cannot be written: nothing else can be done before that is mended."""
+
+
+class Store:
+    """The folder of a cohort.
+
+    Parameters
+    ----------
+    folder : path
+    """
+
+    def __init__(self, folder: str | os.PathLike[str]) -> None:
+        self.folder = Path(os.path.abspath(folder))
+
+    def path(self, case: str) -> Path:
+        """The folder of a case; 256 folders above them keep every one of them small."""
+        return self.folder / "cases" / case[:2] / case
+
+    @contextmanager
+    def locked(self) -> Iterator[None]:
+        """One sweep at a time writes here; the system drops the lock with its process.
+
+        Raises
+        ------
+        InputError
+            Another sweep is running here, or the folder cannot be written.
+        """
+        try:
+            self.folder.mkdir(exist_ok=True)
+            descriptor = os.open(self.folder / _LOCK, os.O_CREAT | os.O_RDWR, 0o600)
+        except OSError as error:
+            raise cannot_write(self.folder, error) from error
+        try:
+            if not _taken(descriptor):
+                raise InputError(
+                    f"{self.folder}: expected a folder where no sweep is running, another one "
+                    "is; wait for it, or name another folder."
+                )
+            yield
+        finally:
+            os.close(descriptor)
+
+    def is_running(self) -> bool:
+        """Whether a sweep is at work here."""
+        try:
+            descriptor = os.open(self.folder / _LOCK, os.O_RDWR)
+        except OSError:
+            return False
+        try:
+            return not _taken(descriptor)
+        finally:
+            os.close(descriptor)
+
+    def case(self, case: str) -> dict[str, Any] | None:
+        """What is known of a case; None where it is missing or not whole.
+
+        Files have to be there with the size that they were written with.
+        """
+        folder = self.path(case)
+        try:
+            found: dict[str, Any] = json.loads((folder / CASE).read_text(encoding="utf-8"))
+            for name, (size, _) in found["files"].items():
+                if (folder / name).stat().st_size != size:
+                    return None
+            return found
+        except (OSError, ValueError, KeyError, TypeError, AttributeError):
+            return None
+
+    def times(self, case: str) -> dict[str, Any]:
+        """When and where a case was done; empty where that is not known."""
+        try:
+            found: dict[str, Any] = json.loads(
+                (self.path(case) / TIMES).read_text(encoding="utf-8")
+            )
+        except (OSError, ValueError):
+            return {}
+        return found
+
+    def data(self, case: str, name: str) -> bytes:
+        """A file of a case; `InputError` when it is missing or damaged."""
+        known = self.case(case)
+        if known is None or name not in known["files"]:
+            raise InputError(f"case {case}: expected a file {name}, there is none; run it again.")
+        data = (self.path(case) / name).read_bytes()
+        if hashlib.sha256(data).hexdigest() != known["files"][name][1]:
+            raise InputError(f"case {case}: {name} is damaged; remove its folder, run it again.")
+        return data
+
+    @contextmanager
+    def writing(self, case: str) -> Iterator[Path]:
+        """A folder to write the files of a case into, which then takes its place as a whole.
+
+        Whoever comes second, with the same case done twice, is dropped: the bytes are the same.
+
+        Raises
+        ------
+        StoreError
+            Such as a full disk; nothing of the case is left.
+        """
+        target = self.path(case)
+        temporary: Path | None = None
+        try:
+            target.parent.mkdir(parents=True, exist_ok=True)
+            temporary = Path(tempfile.mkdtemp(prefix=_PREFIX, dir=target.parent))
+            os.chmod(temporary, 0o777 & ~_umask())
+            yield temporary
+            for path in temporary.iterdir():
+                flush_to_disk(path)
+            self._put(temporary, target, case)
+        except (OSError, InputError) as error:
+            raise _stopped(self.folder, error) from error
+        finally:
+            if temporary is not None:
+                shutil.rmtree(temporary, ignore_errors=True)
+
+    def write_case(self, folder: Path, known: Mapping[str, Any], times: Mapping[str, Any]) -> None:
+        """Write what is known of a case, with size and hash of the files that lie there."""
+        files = {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
+        sums = {name: [len(data), hashlib.sha256(data).hexdigest()] for name, data in files.items()}
+        (folder / CASE).write_bytes(as_json({**known, "files": sums}))
+        (folder / TIMES).write_bytes(as_json(times))
+
+    def write(self, name: str, data: bytes) -> None:
+        """A file of the whole cohort; `StoreError` where it cannot be written."""
+        try:
+            write_bytes(self.folder / name, data)
+        except InputError as error:
+            raise _stopped(self.folder, error) from error
+
+    def read(self, name: str) -> Any:
+        """A document of the whole cohort.
+
+        Raises
+        ------
+        InputError
+            None is there, or it is damaged.
+        """
+        path = self.folder / name
+        try:
+            return json.loads(path.read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            raise InputError(
+                f"{self.folder}: expected the folder of a cohort, got one without {name} that can "
+                "be read; name the folder that `sdfstent sweep -o` has written."
+            ) from error
+
+    def clear_leftovers(self) -> None:
+        """Remove what killed workers have left half written; under the lock only."""
+        for path in self.folder.glob(f"cases/*/{_PREFIX}*"):
+            shutil.rmtree(path, ignore_errors=True)
+
+    def _put(self, temporary: Path, target: Path, case: str) -> None:
+        try:
+            os.rename(temporary, target)
+        except OSError:
+            known = self.case(case)
+            if known is not None and known["status"] in WHOLE:
+                return
+            shutil.rmtree(target, ignore_errors=True)
+            os.rename(temporary, target)
+        with suppress(OSError):  # folders cannot be flushed everywhere
+            flush_to_disk(target.parent)
+
+
+def as_json(value: Any) -> bytes:
+    """One line of JSON, the same for the same values."""
+    return json.dumps(value, sort_keys=True, ensure_ascii=False, allow_nan=False).encode() + b"\n"
+
+
+def _taken(descriptor: int) -> bool:
+    try:
+        lock(descriptor, waits=False)
+    except OSError:
+        return False
+    return True
+
+
+def _stopped(folder: Path, error: Exception) -> StoreError:
+    if isinstance(error, StoreError):
+        return error
+    if isinstance(error, OSError):
+        error = cannot_write(folder, error)
+    return StoreError(str(error))
+
+
+def _umask() -> int:
+    found = os.umask(0o022)
+    os.umask(found)
+    return found

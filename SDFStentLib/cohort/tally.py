@@ -1,0 +1,103 @@
+"""How far a sweep is: counts, rate and time left, for a bar and for whoever asks from outside."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import asdict, dataclass, replace
+
+from ..validation import InputError
+from .store import COHORT, PROGRESS, Store, as_json
+from .worker import Outcome
+
+
+@dataclass(frozen=True)
+class Tally:
+    """Counts of a sweep, and the seconds that this run has taken so far.
+
+    Attributes
+    ----------
+    total : int
+        Cases of the sweep.
+    certified, uncertified, excluded, failed : int
+        Of those that are finished; done without being judged counts as certified.
+    found : int
+        Of the finished ones, those that were whole when this run began.
+    seconds : float
+    """
+
+    total: int
+    certified: int = 0
+    uncertified: int = 0
+    excluded: int = 0
+    failed: int = 0
+    found: int = 0
+    seconds: float = 0.0
+
+    @property
+    def finished(self) -> int:
+        """Cases that something has come of."""
+        return self.certified + self.uncertified + self.excluded + self.failed
+
+    @property
+    def fraction(self) -> float:
+        """Done of the whole."""
+        return self.finished / self.total if self.total else 1.0
+
+    @property
+    def rate(self) -> float:
+        """Cases a second of this run; 0 before the first."""
+        return (self.finished - self.found) / self.seconds if self.seconds > 0 else 0.0
+
+    @property
+    def seconds_left(self) -> float | None:
+        """At this rate; None before the first case."""
+        return (self.total - self.finished) / self.rate if self.rate > 0 else None
+
+    def counted(self, outcome: Outcome) -> Tally:
+        """With one more case."""
+        name = outcome.status
+        if name == "done":
+            name = "uncertified" if outcome.certified is False else "certified"
+        return replace(self, **{name: getattr(self, name) + 1})
+
+    def note(self) -> str:
+        """What stands behind the bar."""
+        parts = [f"{self.certified} certified", f"{self.failed} failed"]
+        if self.uncertified:
+            parts.append(f"{self.uncertified} not certified")
+        if self.excluded:
+            parts.append(f"{self.excluded} excluded")
+        if self.rate > 0 and self.seconds_left is not None:
+            parts += [f"{self.rate:.3g}/s", f"{in_words(self.seconds_left)} left"]
+        return ", ".join(parts)
+
+
+def save_tally(store: Store, tally: Tally) -> None:
+    """Keep the counts beside the cases, for `last_tally`."""
+    store.write(PROGRESS, as_json(asdict(tally)))
+
+
+def last_tally(folder: str | os.PathLike[str]) -> tuple[Tally, bool]:
+    """The last counts of the sweep in a folder, and whether it is running now.
+
+    Raises
+    ------
+    InputError
+        No folder of a cohort.
+    """
+    store = Store(folder)
+    total = len(store.read(COHORT)["cases"])
+    try:
+        tally = Tally(**store.read(PROGRESS))
+    except (InputError, TypeError):
+        tally = Tally(total)  # killed before its first case
+    return tally, store.is_running()
+
+
+def in_words(seconds: float) -> str:
+    """A duration, roughly."""
+    if seconds < 90:
+        return f"{seconds:.0f} s"
+    if seconds < 5400:
+        return f"{seconds / 60:.0f} min"
+    return f"{seconds / 3600:.1f} h" if seconds < 172_800 else f"{seconds / 86_400:.1f} days"

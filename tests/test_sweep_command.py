@@ -1,0 +1,86 @@
+"""`sdfstent sweep`: what it says, its exit codes, `--dry-run`, `--table` and `--status`."""
+
+from __future__ import annotations
+
+import pytest
+from cohort_cases import bytes_of, tube_folder, write_sweep
+
+from SDFStentLib.cli.shell import main
+
+
+@pytest.fixture
+def there(tmp_path, monkeypatch):
+    tube_folder(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_a_sweep_is_carried_out_said_and_can_be_asked_for(there, capsys):
+    write_sweep(there, axes={"diameter": [6, 6.5]}, store="moved")
+    assert main(["sweep", "sweep.json", "-o", "out", "--workers", "1"]) == 0
+    out = capsys.readouterr().out
+    assert "2 of 2 cases: 2 certified." in out
+    assert "Wrote out in " in out
+    before = bytes_of(there / "out")
+    assert main(["sweep", "--status", "out"]) == 0
+    assert capsys.readouterr().out == "Finished: 2 of 2 cases: 2 certified.\n"
+    (there / "out" / "manifest.csv").unlink()
+    assert main(["sweep", "--table", "out"]) == 0
+    assert "manifest.csv" in capsys.readouterr().out
+    assert main(["sweep", "sweep.json", "-o", "out"]) == 0
+    assert bytes_of(there / "out") == before
+
+
+def test_the_exit_code_tells_of_failed_and_of_uncertified_cases(there, capsys):
+    write_sweep(there, axes={"diameter": [6, 40]})
+    assert main(["sweep", "sweep.json", "-o", "out", "--workers", "1"]) == 4
+    said = capsys.readouterr().out
+    assert "2 of 2 cases: 1 certified, 1 failed, the manifest says why." in said
+    assert main(["sweep", "--status", "out"]) == 0
+    assert "1 failed" in capsys.readouterr().out
+
+
+def test_a_dry_run_tells_count_cases_time_and_disk_and_writes_nothing(there, capsys):
+    write_sweep(there)
+    before = sorted(there.iterdir())
+    assert main(["sweep", "sweep.json", "--dry-run", "--workers", "2"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0] == "6 cases, 1 patient(s)."
+    assert [line.split(":")[0] for line in lines[1:6]] == ["1", "2", "3", "4", "5"]
+    assert '"diameter": 6.0' in lines[1]
+    assert "By 3 cases carried out now: " in lines[6]
+    assert " on 2 process(es), " in lines[7]
+    assert lines[7].endswith("MB of disk.")
+    assert sorted(there.iterdir()) == before
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["sweep"], "expected one of SWEEP, --table DIR and --status DIR"),
+        (["sweep", "sweep.json", "--table", "out"], "expected one of SWEEP"),
+        (["sweep", "sweep.json"], "expected -o DIR"),
+        (["sweep", "none.json", "-o", "out"], "none.json"),
+        (["sweep", "sweep.json", "-o", "no/such"], "no/such: cannot be written"),
+        (["sweep", "sweep.json", "-o", "out", "--workers", "0"], "workers: expected a whole"),
+        (["sweep", "sweep.json", "-o", "o", "--workers", "1", "--scheduler", "a"], "got both"),
+        (["sweep", "--status", "."], "expected the folder of a cohort"),
+        (["sweep", "--table", "nowhere"], "expected the folder of a cohort"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_done_ends_in_one_sentence_and_writes_nothing(
+    there, capsys, words, sentence
+):
+    write_sweep(there)
+    before = sorted(there.iterdir())
+    assert main(words) == 2
+    error = capsys.readouterr().err
+    assert sentence in error
+    assert error.count("\n") == 1
+    assert sorted(there.iterdir()) == before
+
+
+def test_quiet_says_nothing(there, capsys):
+    write_sweep(there, axes={"diameter": [6]})
+    assert main(["sweep", "sweep.json", "-o", "out", "--workers", "1", "--quiet"]) == 0
+    assert capsys.readouterr() == ("", "")
