@@ -7,7 +7,7 @@ import tracemalloc
 import numpy as np
 import pytest
 
-from SDFStentLib.centerline import line_graph
+from SDFStentLib.centerline import line_graph, overlaps
 from SDFStentLib.centerline.centerline import Centerline
 from SDFStentLib.centerline.line_graph import LineGraph, near_pairs
 from SDFStentLib.geometry import distances_to_segments
@@ -69,3 +69,50 @@ def test_dense_points_of_a_wide_vessel_in_two_pieces_are_joined_in_little_memory
     assert len(line.leaves) == 1
     # 1,366 MB with all pairs at once.
     assert peak < 100
+
+
+def lines_beside_each_other(count, outlets, seed=0):
+    """Lines from one inlet to several outlets, each with points of its own, 0.03 mm apart."""
+    random = np.random.default_rng(seed)
+    points, lines = [], []
+    for number in range(count):
+        along = np.sort(np.r_[0.0, random.uniform(0.0, 40.0, 98), 40.0])
+        aside = 0.4 * (number % outlets) * np.maximum(along - 15.0, 0.0)
+        line = np.column_stack([aside, 0 * along, along]) + random.normal(size=(100, 3)) * 0.01
+        lines.append(100 * number + np.arange(100))
+        points.append(line)
+    return np.concatenate(points), lines, np.full(100 * count, 3.0)
+
+
+@pytest.mark.parametrize("outlets", [1, 4])
+def test_lines_that_share_no_point_become_one_tree_however_many_are_looked_at_together(
+    outlets, monkeypatch
+):
+    made = lines_beside_each_other(24, outlets)
+    trees = []
+    for pairs in (1 << 40, 1 << 12, 1):
+        monkeypatch.setattr(overlaps, "MOST_PAIRS", pairs)
+        trees.append(Centerline.from_lines(*made))
+    assert len(trees[0].leaves) == outlets
+    for tree in trees[1:]:
+        np.testing.assert_array_equal(tree.points, trees[0].points)
+        np.testing.assert_array_equal(tree.parent, trees[0].parent)
+
+
+def test_pairs_that_are_looked_at_grow_with_the_lines_not_with_their_square(monkeypatch):
+    """Of 300 points within 0.3 mm of every segment nearly all are of lines that are merged."""
+    looked_at, within = [], line_graph._within
+
+    def counted(*arguments):
+        found = within(*arguments)
+        looked_at.append(len(found[0]))
+        return found
+
+    monkeypatch.setattr(line_graph, "_within", counted)
+    totals = []
+    for count in (100, 400):
+        looked_at.clear()
+        Centerline.from_lines(*lines_beside_each_other(count, outlets=1))
+        totals.append(sum(looked_at))
+    # 16 times as many when all are looked at together.
+    assert totals[1] < 6 * totals[0]

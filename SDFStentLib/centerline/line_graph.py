@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry import component_labels, distances_to_segments
+from ..geometry import component_labels, distances_to_segments, norm
 from ..validation import Floats, Indices, InputError, Points
 from .point_tree import NeighborTable, mixed_radius
 
@@ -210,7 +210,14 @@ def split_edges(
     return _unique_edges(np.concatenate(parts))
 
 
-def near_pairs(graph: LineGraph, reach: Floats, piece: Indices | None = None) -> NearPairs:
+def near_pairs(
+    graph: LineGraph,
+    reach: Floats,
+    piece: Indices | None = None,
+    *,
+    nodes: Indices | None = None,
+    edges: Indices | None = None,
+) -> NearPairs:
     """All nodes within the reach (of the wider end) of a segment of which they are no end.
 
     Dense points of wide vessels have hundreds of neighbors each: so many pairs are looked at in
@@ -223,26 +230,45 @@ def near_pairs(graph: LineGraph, reach: Floats, piece: Indices | None = None) ->
         Of every node, mm.
     piece : (n,) array, optional
         The piece that every node is of: then only pairs between different pieces.
+    nodes, edges : arrays of int, optional
+        Only these, each once.
     """
     from scipy.spatial import cKDTree
 
-    tree = cKDTree(graph.points)
-    starts, ends = graph.points[graph.edges[:, 0]], graph.points[graph.edges[:, 1]]
-    limits = reach[graph.edges].max(axis=1)
-    centers, radii = (starts + ends) / 2, graph.edge_lengths() / 2 * (1 + 1e-9) + limits
+    if nodes is None:
+        nodes = np.arange(len(graph.points))
+    if edges is None:
+        edges = np.arange(len(graph.edges))
+    nothing = np.empty(0, dtype=np.int64)
+    if not len(nodes) or not len(edges):
+        return NearPairs(nothing, nothing, np.empty(0), np.empty(0))
+    tree, ends = cKDTree(graph.points[nodes]), graph.edges[edges]
+    starts, stops = graph.points[ends[:, 0]], graph.points[ends[:, 1]]
+    limits = reach[ends].max(axis=1)
+    centers, radii = (starts + stops) / 2, norm(stops - starts) / 2 * (1 + 1e-9) + limits
     found = []
     for part in _blocks(tree.query_ball_point(centers, radii, return_length=True)):
-        nodes, segments = _within(tree, centers, radii, part)
-        other = (nodes[:, None] != graph.edges[segments]).all(axis=1)
+        which, rows = _within(tree, centers, radii, part)
+        near = nodes[which]
+        other = (near[:, None] != ends[rows]).all(axis=1)
         if piece is not None:
-            other &= piece[nodes] != piece[graph.edges[segments, 0]]
-        nodes, segments = nodes[other], segments[other]
-        squared, fractions = distances_to_segments(
-            graph.points[nodes], starts[segments], ends[segments]
-        )
-        pairs = NearPairs(nodes, segments, fractions, np.sqrt(squared))
-        found.append(pairs.selected(pairs.distances <= limits[segments]))
+            other &= piece[near] != piece[ends[rows, 0]]
+        near, rows = near[other], rows[other]
+        squared, fractions = distances_to_segments(graph.points[near], starts[rows], stops[rows])
+        pairs = NearPairs(near, edges[rows], fractions, np.sqrt(squared))
+        found.append(pairs.selected(pairs.distances <= limits[rows]))
     return NearPairs(*(np.concatenate(column) for column in zip(*found, strict=True)))
+
+
+def pairs_within(graph: LineGraph, reach: Floats, edges: Indices) -> int:
+    """About how many pairs `near_pairs` looks at for some edges."""
+    from scipy.spatial import cKDTree
+
+    ends = graph.edges[edges]
+    starts, stops = graph.points[ends[:, 0]], graph.points[ends[:, 1]]
+    radii = norm(stops - starts) / 2 + reach[ends].max(axis=1)
+    tree = cKDTree(graph.points)
+    return int(tree.query_ball_point((starts + stops) / 2, radii, return_length=True).sum())
 
 
 def _blocks(counts: Indices) -> Iterator[slice]:

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
 from math import dist
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..validation import Indices
-from .line_graph import LineGraph, NearPairs, half_edges, near_pairs, reach_of, split_edges
+from ..validation import Floats, Indices
+from .chains import Chains, ranked_chains
+from .line_graph import LineGraph, near_pairs, pairs_within, reach_of, split_edges
 
 OVERLAP_FRACTION = 0.1
 """Lines nearer to each other than this fraction of the inscribed radius are one line."""
@@ -21,15 +20,11 @@ OVERLAP_EXTENT = 1e-3
 LEAVING_RATIO = 0.5
 """From a common end two lines overlap while their distance is below this fraction of the way."""
 
+MOST_PAIRS = 1 << 16
+"""Nodes and segments near each other that are looked at together, about."""
 
-class _Chains(NamedTuple):
-    """Node paths, longest first, and the number of the path to which each edge belongs."""
-
-    paths: list[Indices]
-    edge_numbers: list[Indices]
-    of_edge: Indices
-    at_end: dict[int, set[int]]
-    ends: list[set[int]]
+_SOME = 500
+"""Segments that tell how many there are."""
 
 
 def merged_overlaps(graph: LineGraph, line_ends: Indices) -> LineGraph:
@@ -45,44 +40,55 @@ def merged_overlaps(graph: LineGraph, line_ends: Indices) -> LineGraph:
     line_ends : array of nodes
         Where lines of the file start or end: lines that touch there are compared as well.
     """
-    pairs = near_pairs(graph, reach_of(graph, OVERLAP_FRACTION, OVERLAP_EXTENT))
-    if len(pairs.nodes) == 0:
-        return graph
-    graph, pairs = _without_chords(graph, pairs)
+    graph = _without_chords(graph)
     stops = np.zeros(len(graph.points), dtype=bool)
     stops[line_ends] = True
-    found = _ranked_chains(graph, stops)
+    found = ranked_chains(graph, stops)
     first_chain = np.zeros(len(graph.points), dtype=np.int64)
     for number in reversed(range(len(found.paths))):
         first_chain[found.paths[number]] = number
-    pairs = pairs.selected(np.lexsort((pairs.distances, first_chain[pairs.nodes])))
-    limits = np.arange(len(found.paths) + 1)
-    merge = _Merge(
-        graph=graph,
-        found=found,
-        pairs=pairs,
-        first_pair=np.searchsorted(first_chain[pairs.nodes], limits),
-        foot=np.full(len(graph.points), -1, dtype=np.int64),
-        gone=np.zeros(len(graph.edges), dtype=bool),
-    )
-    for number in range(len(found.paths)):
-        merge.put_on_earlier_chains(number)
+    merge = _Merge(graph, found)
+    for chains_together in _together(graph, first_chain):
+        merge.look_round(first_chain, chains_together)
+        for number in chains_together:
+            merge.put_on_earlier_chains(number)
     return _with_feet(graph, merge)
 
 
-def _without_chords(graph: LineGraph, pairs: NearPairs) -> tuple[LineGraph, NearPairs]:
+def _reach(graph: LineGraph) -> Floats:
+    return reach_of(graph, OVERLAP_FRACTION, OVERLAP_EXTENT)
+
+
+def _together(graph: LineGraph, first_chain: Indices) -> Iterator[range]:
+    """Chains, by number, round which is looked at once: they have about `MOST_PAIRS` pairs.
+
+    Of many lines that run along each other only the longest keeps its edges: the others are not
+    looked at again by those that come after them.
+    """
+    some = np.arange(0, len(graph.edges), max(1, len(graph.edges) // _SOME))
+    share = len(graph.edges) / len(some)
+    pairs = max(1.0, share * pairs_within(graph, _reach(graph), some))
+    # Pairs go with the square of the nodes.
+    count = max(1, int(len(graph.points) * min(1.0, np.sqrt(MOST_PAIRS / pairs))))
+    last = np.cumsum(np.bincount(first_chain)) // count
+    bounds = np.flatnonzero(np.diff(last)) + 1
+    return map(range, [0, *bounds.tolist()], [*bounds.tolist(), len(last)])
+
+
+def _without_chords(graph: LineGraph) -> LineGraph:
     """Drop edges, longest first, whose two ends are connected through nodes beside them.
 
     So a coarse line that shares some points with a finer one adds nothing to it.
     """
     neighbors = _NeighborSets(graph)
-    branching = graph.degrees()[graph.edges].max(axis=1) > 2
+    branching = np.flatnonzero(graph.degrees()[graph.edges].max(axis=1) > 2)
+    pairs = near_pairs(graph, _reach(graph), edges=branching)
     order = np.argsort(pairs.segments, kind="stable")
     nodes, limits = pairs.nodes[order], np.arange(len(graph.edges) + 1)
     bounds = np.searchsorted(pairs.segments[order], limits)
     kept = np.ones(len(graph.edges), dtype=bool)
     longest_first = np.argsort(-graph.edge_lengths(), kind="stable")
-    may_be = branching & (bounds[:-1] < bounds[1:])
+    may_be = bounds[:-1] < bounds[1:]
     for edge in longest_first[may_be[longest_first]]:
         a, b = graph.edges[edge].tolist()
         beside = set(nodes[bounds[edge] : bounds[edge + 1]].tolist())
@@ -90,12 +96,7 @@ def _without_chords(graph: LineGraph, pairs: NearPairs) -> tuple[LineGraph, Near
             kept[edge] = False
             neighbors[a].discard(b)
             neighbors[b].discard(a)
-    new_number = np.cumsum(kept) - 1
-    pairs = pairs.selected(kept[pairs.segments])
-    return (
-        graph._replace(edges=graph.edges[kept]),
-        pairs._replace(segments=new_number[pairs.segments]),
-    )
+    return graph._replace(edges=graph.edges[kept])
 
 
 class _NeighborSets(dict[int, set[int]]):
@@ -124,31 +125,58 @@ def _meet(neighbors: _NeighborSets, start: int, end: int, through: set[int]) -> 
     return False
 
 
-@dataclass
 class _Merge:
-    """The state of one merge: per node the pair that puts it on an earlier chain, edges gone.
+    """The state of one merge: per node the segment of an earlier chain that it is on, edges gone.
 
-    Pairs are sorted by the first chain that has their node, then by distance; `first_pair` tells
-    where those of each chain begin.
+    Parameters
+    ----------
+    graph : LineGraph
+    found : Chains
+
+    Attributes
+    ----------
+    foot, fraction : (n,) arrays
+        Of every node: an edge of an earlier chain, or -1, and the place on it.
+    gone : (m,) array of bool
+        Edges that run along earlier chains.
     """
 
-    graph: LineGraph
-    found: _Chains
-    pairs: NearPairs
-    first_pair: Indices
-    foot: Indices
-    gone: NDArray[np.bool_]
+    def __init__(self, graph: LineGraph, found: Chains) -> None:
+        self.graph, self.found = graph, found
+        self.foot = np.full(len(graph.points), -1, dtype=np.int64)
+        self.fraction = np.zeros(len(graph.points))
+        self.gone = np.zeros(len(graph.edges), dtype=bool)
+
+    def look_round(self, first_chain: Indices, numbers: range) -> None:
+        """Find what of earlier chains, and of some, is near the nodes that are new in these.
+
+        Pairs are sorted by the first chain that has their node, then by distance; `first_pair`
+        tells where those of each chain begin.
+        """
+        nodes = np.flatnonzero((first_chain >= numbers.start) & (first_chain < numbers.stop))
+        edges = np.flatnonzero((self.found.of_edge < numbers.stop) & ~self.gone)
+        pairs = near_pairs(self.graph, _reach(self.graph), nodes=nodes, edges=edges)
+        self.pairs = pairs.selected(np.lexsort((pairs.distances, first_chain[pairs.nodes])))
+        limits = np.arange(numbers.start, numbers.stop + 1)
+        self.first_pair = np.searchsorted(first_chain[self.pairs.nodes], limits)
+        self.first_number = numbers.start
 
     def put_on_earlier_chains(self, number: int) -> None:
         """Enter the feet of a chain's new nodes; drop its edges that run along earlier chains."""
         candidates = self._candidates(number)
+        ends, at_end = self.found.ends[number], self.found.at_end
+        meeting = {chain for end in ends for chain in at_end[end]}
         beside = {
-            node: [pair for pair in pairs.values() if self._is_beside(number, pair)]
+            node: [
+                pair
+                for chain, pair in pairs.items()
+                if chain not in meeting or self._is_beside(number, pair)
+            ]
             for node, pairs in candidates.items()
         }
         for node, usable in beside.items():
             if usable:
-                self.foot[node] = min(usable)
+                self._put(node, min(usable))
         path = self.found.paths[number].tolist()
         self._fill_from_end(number, path, candidates, beside)
         self._fill_from_end(number, path[::-1], candidates, beside)
@@ -160,20 +188,28 @@ class _Merge:
             either = is_foot[i] or is_foot[i + 1]
             self.gone[edge] = either and self._connected(on[i], on[i + 1])
 
+    def _put(self, node: int, pair: int) -> None:
+        self.foot[node] = self.pairs.segments[pair]
+        self.fraction[node] = self.pairs.fractions[pair]
+
     def _candidates(self, number: int) -> dict[int, dict[int, int]]:
         """Per new node and earlier chain in reach the nearest pair."""
-        first, end = self.first_pair[number : number + 2].tolist()
+        row = number - self.first_number
+        first, end = self.first_pair[row : row + 2].tolist()
         segments = self.pairs.segments[first:end]
         chains_of_pairs = self.found.of_edge[segments]
         usable = np.flatnonzero((chains_of_pairs < number) & ~self.gone[segments])
+        nodes, chains = self.pairs.nodes[first + usable], chains_of_pairs[usable]
+        # The first of each node and chain is the nearest.
+        _, nearest = np.unique(nodes * number + chains, return_index=True)
         candidates: dict[int, dict[int, int]] = {}
         for pair, node, chain in zip(
-            (first + usable).tolist(),
-            self.pairs.nodes[first + usable].tolist(),
-            chains_of_pairs[usable].tolist(),
+            (first + usable[nearest]).tolist(),
+            nodes[nearest].tolist(),
+            chains[nearest].tolist(),
             strict=True,
         ):
-            candidates.setdefault(node, {}).setdefault(chain, pair)
+            candidates.setdefault(node, {})[chain] = pair
         return candidates
 
     def _is_beside(self, number: int, pair: int) -> bool:
@@ -205,12 +241,12 @@ class _Merge:
                 last = len(reached) if pair in beside[node] else last
             for node, pair in reached[:last]:
                 if self.foot[node] < 0:
-                    self.foot[node] = pair
+                    self._put(node, pair)
 
     def _lies_on(self, number: int, node: int) -> set[int]:
         """The earlier chains on which a node lies."""
         if self.foot[node] >= 0:
-            return {int(self.found.of_edge[self.pairs.segments[self.foot[node]]])}
+            return {int(self.found.of_edge[self.foot[node]])}
         return {chain for chain in self.found.at_end.get(node, ()) if chain < number}
 
     def _connected(self, some: set[int], others: set[int]) -> bool:
@@ -221,11 +257,11 @@ class _Merge:
 
 def _with_feet(graph: LineGraph, merge: _Merge) -> LineGraph:
     """Drop the edges that are gone; move the nodes that are left at a seam onto their segment."""
-    pairs, foot, gone = merge.pairs, merge.foot, merge.gone
+    foot, gone = merge.foot, merge.gone
     needed = np.zeros(len(graph.points), dtype=bool)
     needed[graph.edges[~gone]] = True
     nodes = np.flatnonzero(needed & (foot >= 0))
-    segments, fractions = pairs.segments[foot[nodes]], pairs.fractions[foot[nodes]]
+    segments, fractions = foot[nodes], merge.fraction[nodes]
     points, radius = graph.points.copy(), graph.radius.copy()
     points[nodes], radius[nodes] = graph.interpolated(segments, fractions)
     ends = graph.end_at(segments, fractions)
@@ -240,55 +276,3 @@ def _with_feet(graph: LineGraph, merge: _Merge) -> LineGraph:
         graph.edges, segments[inner], fractions[inner], nodes[inner], np.flatnonzero(gone)
     )
     return LineGraph(points, radius, graph.edges[:0]).with_edges(same_as[edges]).without_isolated()
-
-
-def _ranked_chains(graph: LineGraph, stops: NDArray[np.bool_]) -> _Chains:
-    """The chains between ends, branchings and stops of the graph, longest first."""
-    count = len(graph.points)
-    paths = chains(graph.edges, count, stops)
-    lengths = [np.linalg.norm(np.diff(graph.points[path], axis=0), axis=1).sum() for path in paths]
-    paths = [paths[i] for i in np.argsort(-np.array(lengths), kind="stable")]
-    codes = graph.edges[:, 0] * count + graph.edges[:, 1]
-    edge_numbers, at_end = [], dict[int, set[int]]()
-    of_edge = np.empty(len(graph.edges), dtype=np.int64)
-    for number, path in enumerate(paths):
-        low, high = np.minimum(path[:-1], path[1:]), np.maximum(path[:-1], path[1:])
-        edge_numbers.append(np.searchsorted(codes, low * count + high))
-        of_edge[edge_numbers[-1]] = number
-        for end in (int(path[0]), int(path[-1])):
-            at_end.setdefault(end, set()).add(number)
-    ends = [{int(path[0]), int(path[-1])} for path in paths]
-    return _Chains(paths, edge_numbers, of_edge, at_end, ends)
-
-
-def chains(edges: Indices, count: int, stops: NDArray[np.bool_]) -> list[Indices]:
-    """Node paths between ends, branchings and stops; then rings that have none of these."""
-    table = half_edges(edges, count)
-    degree = np.diff(table.starts)
-    is_stop = (degree != 2) | stops
-    # Of the others the two neighbors; of stops whatever stands there.
-    last = max(len(table.points) - 1, 0)
-    one, other = (table.points[np.minimum(table.starts[:-1] + k, last)].tolist() for k in (0, 1))
-    ends, seen = is_stop.tolist(), np.zeros(count, dtype=bool)
-    done: set[tuple[int, int]] = set()
-    paths = []
-
-    def follow(start: int) -> None:
-        for step in table.of(start):
-            if (start, step) in done:
-                continue
-            path = [start, step]
-            # Ends: on nodes with two neighbors, a way that has no end closes.
-            while not ends[path[-1]] and path[-1] != start:
-                node = path[-1]
-                path.append(other[node] if one[node] == path[-2] else one[node])
-            done.add((path[-1], path[-2]))
-            paths.append(np.array(path, dtype=np.int64))
-            seen[paths[-1]] = True
-
-    for start in np.flatnonzero(is_stop).tolist():
-        follow(start)
-    for start in np.flatnonzero(~seen & ~is_stop).tolist():
-        if not seen[start]:
-            follow(start)
-    return paths
