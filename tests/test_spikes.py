@@ -19,7 +19,7 @@ from SDFStentLib.certificate.certificate import Certificate
 from SDFStentLib.deformation.deployment import Deployment
 from SDFStentLib.deformation.lumen import largest_push
 from SDFStentLib.deformation.settings import DeploymentSettings
-from SDFStentLib.deformation.stent_checks import lumen_check, motion_check
+from SDFStentLib.deformation.stent_checks import Expected, lumen_check, motion_check
 from SDFStentLib.field.capsule_chain import CapsuleChain
 from SDFStentLib.geometry import Surface
 from SDFStentLib.stent import Stent, StentAxis, stent_axis
@@ -239,15 +239,15 @@ def test_a_lumen_blown_up_beyond_the_stent_is_not_certified():
     deployment = Deployment(made.surface, CapsuleChain.along(axis), 3.6)
     blown = deployment.result.points.copy()
     blown[:, :2] *= 1.1
-    check = lumen_check(made.surface, made.surface.with_points(blown), deployment.chain, 3.6)
+    stent = Expected(deployment.chain, 3.6, influence_distance=6.5)
+    check = lumen_check(made.surface, made.surface.with_points(blown), stent)
     assert check.is_wide
     assert check.widest == pytest.approx(1.1 * 7.2, rel=0.01)
     native = blown.copy()
     assert lumen_check(
         Surface(native, made.triangles),
         Surface(native, made.triangles).with_points(blown),
-        deployment.chain,
-        3.6,
+        stent,
     ).passed
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from .certificate import Certificate, certificate_of, certify
 from .comparison import Comparison, Verdict
 from .intersections import self_intersecting_triangles
-from .promises import NARROWER, WIDER, LumenCheck, MotionCheck, Place
+from .promises import NARROWER, WIDER, LumenCheck, MotionCheck, Place, WallCheck
 from .surface_check import SurfaceCheck, check_surface
 
 __all__ = [
@@ -18,6 +18,7 @@ __all__ = [
     "Place",
     "SurfaceCheck",
     "Verdict",
+    "WallCheck",
     "certificate_of",
     "certify",
     "check_surface",

@@ -13,6 +13,7 @@ from ..field import CapsuleChain
 from ..geometry import consistently_wound, dot, vertex_normals
 from ..measure import caps_across
 from ..validation import DeploymentError, Points, Triangles
+from .draped import draped
 from .event_steps import event_steps
 from .lumen import Expanded, OwnWall, drawn_in, facets_compensated, finished
 from .motion import Motion
@@ -113,8 +114,14 @@ class Attempt:
         self._uncompensated = positions
         if not settings.facet_compensation:
             return positions
-        wall = self._wall_triangles()
-        return facets_compensated(self.motion, positions, wall, on_stent, task.radius)
+        # What is dragged along has no edges, and the patch goes on with corners that never move.
+        triangles = self._wall_triangles()
+        wall, others = np.split(positions, [self.wall_count])
+        wall = facets_compensated(self.motion, wall, triangles, on_stent, task.radius)
+        if task.capsules.shares is not None:
+            corners = self.patch.points(task.surface.points, wall)
+            wall = draped(self.motion, corners, triangles, task.radius)[: self.wall_count]
+        return np.concatenate([wall, others])
 
     def _wall_triangles(self) -> Triangles:
         """The patch but for flat caps across the stent's ends, which are no lumen to keep wide.

@@ -96,13 +96,13 @@ def finished(motion: Motion, stent: Expanded) -> OnStent:
     positions = motion.positions.copy()
     near = motion.level < band + motion.chain.smoothing_width
     where = np.flatnonzero(near & motion.touchable)
-    true_distance = _distance(motion, where, positions[where], stent.radius)
+    true_distance = stent_distance(motion, where, positions[where], stent.radius)
     wanted = stent.radius + motion.offset[where]
     on_stent = (motion.level[where] < band) | (true_distance < wanted)
     where, wanted, true_distance = where[on_stent], wanted[on_stent], true_distance[on_stent]
     for round_ in range(FINISH_ROUNDS):
         if round_:
-            true_distance = _distance(motion, where, positions[where], stent.radius)
+            true_distance = stent_distance(motion, where, positions[where], stent.radius)
         positions[where] += (wanted - true_distance)[:, None] * motion.outward[where]
     return OnStent(positions, where)
 
@@ -133,15 +133,15 @@ def drawn_in(motion: Motion, positions: Points, own: OwnWall, stent: Expanded) -
     surely = (1 - 1 / DRAG_BOUND) * (outside - motion.chain.smoothing_width)
     may_be = (outside > 0) & (surely < moved) & (moved > 0)
     where, share = own.numbers[may_be], own.share[may_be]
-    native = _distance(motion, where, own.start[may_be], radius)
+    native = stent_distance(motion, where, own.start[may_be], radius)
     allowed = DRAG_BOUND * np.maximum(native - radius, 0)
     allowed += _beyond_ends(motion, where, positions[where])
     bound = radius + allowed + motion.offset[where]
-    distance = _distance(motion, where, positions[where], stent.radius)
+    distance = stent_distance(motion, where, positions[where], stent.radius)
     too_far = distance > bound * (1 + ROUNDING)
     where, bound = where[too_far], (distance + share * (bound - distance))[too_far]
     for _ in range(FINISH_ROUNDS):
-        true_distance = _distance(motion, where, positions[where], stent.radius)
+        true_distance = stent_distance(motion, where, positions[where], stent.radius)
         positions[where] += (bound - true_distance)[:, None] * motion.outward[where]
     return OnStent(positions, where[bound <= (1 + NEGLIGIBLE) * radius])
 
@@ -163,7 +163,7 @@ def facets_compensated(
     because an edge from one of them to the stent can cut into the lumen as well. What remains is
     measured: see `metrics.py`.
     """
-    ends = _edges_on_stent(triangles, on_stent, len(positions))
+    ends = edges_on_stent(triangles, on_stent, len(positions))
     sides = positions[ends[:, 0]] - positions[ends[:, 1]]
     longest = dot(sides, sides).max(initial=0)
     # An edge between two points of a circle lies inside it by its length squared over 8 radii.
@@ -183,12 +183,12 @@ def facets_compensated(
     local = edge_wanted - motion.chain.shortfall(_middles(positions[group], ends), radius)
     bound = np.maximum.reduceat(largest_push(edge_length, local)[order // 2], starts)
     start, direction = positions[group], motion.outward[group]
-    distance = _distance(motion, group, start, radius)
+    distance = stent_distance(motion, group, start, radius)
     pushed = np.zeros(len(group))
     for _ in range(COMPENSATION_PASSES):
         moved = start + pushed[:, None] * direction
         # Between passes the middle of an edge is taken to follow its two ends.
-        middle = _distance(motion, group[ends[:, 0]], _middles(moved, ends), radius)
+        middle = stent_distance(motion, group[ends[:, 0]], _middles(moved, ends), radius)
         measured_at = pushed.copy()
         for _ in range(COMPENSATION_ROUNDS):
             change = _middles(pushed - measured_at, ends)
@@ -225,7 +225,7 @@ def largest_push(length: ArrayLike, radius: ArrayLike) -> NDArray[np.float64]:
     return np.minimum(BEND_SLACK * needed, (np.sqrt(2.0) - 1) * radius)
 
 
-def _distance(
+def stent_distance(
     motion: Motion, where: NDArray[np.int64], positions: Points, radius: float
 ) -> NDArray[np.float64]:
     """Distance to the axis, mm, that some points would have elsewhere, for the largest radius.
@@ -237,7 +237,7 @@ def _distance(
     return true_distance + motion.chain.shortfall(positions, radius)
 
 
-def _edges_on_stent(
+def edges_on_stent(
     triangles: Triangles, on_stent: NDArray[np.int64], count: int
 ) -> NDArray[np.int64]:
     """Edges (e, 2), each once, between the first `count` vertices with an end on the stent."""

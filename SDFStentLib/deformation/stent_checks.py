@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..certificate import NARROWER, WIDER, LumenCheck, MotionCheck, Place
-from ..field import CapsuleChain
+from ..field import CapsuleChain, fractions_of
 from ..geometry import Surface, may_meet_box, resampled, tangents
 from ..measure import (
     LocalSurface,
@@ -22,6 +22,7 @@ from ..measure import (
     winding_numbers,
 )
 from ..validation import Floats, Points, Triangles
+from .wall_check import wall_check
 
 COARSEST = np.sqrt(2.0)
 """Farthest that wall in contact can be from the axis, in radii: see `lumen.largest_push`."""
@@ -70,33 +71,54 @@ def motion_check(
     return MotionCheck(float(moved[at]), float(bound[worst]), _place(before[at]))
 
 
+class Expected(NamedTuple):
+    """A stent as it shall be."""
+
+    chain: CapsuleChain
+    radius: float
+    """The largest, mm."""
+    influence_distance: float
+    """How far from contact wall is dragged along, mm."""
+
+
 def lumen_check(
     before: Surface,
     after: Surface,
-    chain: CapsuleChain,
-    radius: float,
+    stent: Expected,
     own: tuple[Surface, Surface] | None = None,
 ) -> LumenCheck:
     """Whether the lumen along a stent is the prescribed one.
 
     The wall's distance from the axis is a lower bound of the inscribed sphere; only where that is
-    too little, the sphere itself is looked for. Flat caps of in- and outlets count as open.
+    too little, the sphere itself is looked for. Flat caps of in- and outlets count as open. Of a
+    stent that is no cylinder the wall itself is looked at, too.
 
     Parameters
     ----------
     before, after : Surface
         Without and with all stents.
-    chain : CapsuleChain
-    radius : float
-        Of the stent, mm.
+    stent : Expected
     own : pair of Surface, optional
         The surface just before and after this stent, where there are others: these may be wider.
     """
+    chain, radius, _ = stent
     narrow = _narrowest(before, after, chain, radius)
-    widest, native, widest_at = _widest(*(own or (before, after)), chain, radius)
+    widest, native, widest_at = _widest(*(own or (before, after)), stent)
+    wall = None
+    if chain.shares is not None:
+        near = _open_and_near(before, after.points, chain, radius)
+        wall = wall_check(after.points, near, chain, radius)
     return LumenCheck(
-        2 * narrow.wanted, 2 * narrow.width, narrow.at, 2 * widest, widest_at, 2 * native
+        2 * narrow.wanted, 2 * narrow.width, narrow.at, 2 * widest, widest_at, 2 * native, wall
     )
+
+
+def _open_and_near(before: Surface, after: Points, chain: CapsuleChain, radius: float) -> Triangles:
+    """The triangles round a stent, without the flat caps across its ends that were there before."""
+    nodes, triangles = chain.nodes, before.triangles
+    low, high = nodes.min(axis=0) - radius, nodes.max(axis=0) + radius
+    near = triangles[may_meet_box(after, triangles, low, high)]
+    return near[~caps_across(before.points, near, nodes, CAPS_WITHIN * radius)]
 
 
 class _Narrowest(NamedTuple):
@@ -133,10 +155,9 @@ def _narrowest(before: Surface, after: Surface, chain: CapsuleChain, radius: flo
     return _Narrowest(min(float(width[at]), prescribed), prescribed, _place(stations[at]))
 
 
-def _widest(
-    before: Surface, after: Surface, chain: CapsuleChain, radius: float
-) -> tuple[float, float, Place]:
-    """Largest sphere over what was as wide before, the latter, and the station; radii."""
+def _widest(before: Surface, after: Surface, stent: Expected) -> tuple[float, float, Place]:
+    """Largest sphere over what may be as wide, the latter, and the station; radii."""
+    chain, radius, _ = stent
     # A sphere reaches over its neighbors at this distance, and need not be exact.
     stations = resampled(chain.nodes, radius / 2)
     directions = tangents(stations)
@@ -144,7 +165,7 @@ def _widest(
     low, high = stations.min(axis=0) - NEAR * radius, stations.max(axis=0) + NEAR * radius
     points, triangles = after.points, after.triangles
     near = triangles[may_meet_box(points, triangles, low, high)]
-    prescribed = chain.inscribed_radii(radius, stations)
+    prescribed = _beside_wider_parts(chain, radius, stations)
     least = float(prescribed[0])
     if not len(near):
         return least, least, _place(stations[0])
@@ -153,13 +174,51 @@ def _widest(
     if not len(wide):
         return least, least, _place(stations[0])
     # Fewer triangles are never nearer; where there is doubt all of them are looked at.
+    triangles = triangles[~caps_across(before.points, triangles, chain.nodes, CAPS_WITHIN * radius)]
     found[wide] = inscribed_spheres(points, triangles, stations[wide], directions[wide]).radii
     native = inscribed_spheres(
         _united(before.points, chain, radius), triangles, stations[wide], directions[wide]
     ).radii
-    native = np.fmax(native, prescribed[wide])
+    native = np.fmax(native + _dragged(stent, stations[wide], native), prescribed[wide])
     worst = int((found[wide] / native).argmax())
     return float(found[wide[worst]]), float(native[worst]), _place(stations[wide[worst]])
+
+
+def _beside_wider_parts(chain: CapsuleChain, radius: float, stations: Points) -> Floats:
+    """Radii (n,), mm, that the wall round stations may have from the stent alone.
+
+    Wall cannot fall from a wide part to a narrow one more steeply than its facets allow: 45
+    degrees.
+    """
+    if chain.shares is None:
+        return np.full(len(stations), radius)
+    own, at = _profile(chain, radius, stations)
+    corners, along = radius * chain.shares.shares, chain.length * chain.shares.fractions
+    beside = (corners - np.abs(at[:, None] - along)).max(axis=1)
+    return np.maximum(own, beside)
+
+
+def _dragged(stent: Expected, stations: Points, native: Floats) -> Floats:
+    """How far (n,) wall that the stent does not reach may be drawn along by wider parts, mm.
+
+    It moves the less the farther it is from them, as the method's blending has it, and not farther
+    out than it was from the stent, as its drag bound has it.
+    """
+    chain, radius, influence = stent
+    if chain.shares is None:
+        return np.zeros(len(stations))
+    own, at = _profile(chain, radius, stations)
+    wider, along = radius * chain.shares.shares, chain.length * chain.shares.fractions
+    blend = np.maximum(1 - np.abs(at[:, None] - along) / influence, 0)
+    drag = ((wider - own[:, None]) * blend).max(axis=1)
+    return np.clip(native - own, 0, np.maximum(drag, 0))
+
+
+def _profile(chain: CapsuleChain, radius: float, stations: Points) -> tuple[Floats, Floats]:
+    """Radii (n,) of a stent at places of its axis, and arc lengths of these, mm."""
+    assert chain.shares is not None
+    at = fractions_of(stations, chain.nodes)
+    return radius * chain.shares.along(at), at * chain.length
 
 
 def _united(before: Points, chain: CapsuleChain, radius: float) -> Points:

@@ -14,7 +14,7 @@ from ..field import CapsuleChain, as_chain, radius_correction
 from ..geometry import Precision, Surface, as_surface, oriented_triangles, signed_volume
 from ..validation import Points, Triangles, as_length, as_points
 from .settings import THINNEST_AND_WIDEST_RADIUS, DeploymentSettings
-from .stent_checks import lumen_check
+from .stent_checks import Expected, lumen_check
 from .untangle import Relief
 
 
@@ -131,7 +131,8 @@ class DeploymentTask:
         """`lumen_check` of this stent; none where the settings do not promise the lumen."""
         if not (self.settings.finish and self.settings.facet_compensation):
             return ()
-        return (lumen_check(before, after, self.capsules, self.radius, own),)
+        stent = Expected(self.capsules, self.radius, self.settings.influence_distance)
+        return (lumen_check(before, after, stent, own),)
 
     @property
     def has_several_parts(self) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from .capsule_chain import FOLDS, CapsuleChain, as_chain, radius_correction
 from .chain_field import Field
-from .radius_shares import RadiusShares
+from .radius_shares import RadiusShares, fractions_of
 
 __all__ = [
     "FOLDS",
@@ -12,6 +12,7 @@ __all__ = [
     "Field",
     "RadiusShares",
     "as_chain",
+    "fractions_of",
     "radius_correction",
 ]
 

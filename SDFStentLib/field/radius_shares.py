@@ -6,7 +6,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..geometry import arc_lengths, closest_points, frames, norm, point_at, product
+from ..geometry import (
+    arc_lengths,
+    closest_points,
+    dot,
+    frames,
+    norm,
+    point_at,
+    product,
+    tangents,
+)
 from ..validation import Floats, InputError, Points, as_number, read_only
 
 WALL_SPACING, WALL_RAYS = 0.5, 24
@@ -58,9 +67,7 @@ class RadiusShares:
 
     def at(self, points: Points, nodes: Points) -> Floats:
         """Share (n,) of the radius that the stent has where it is nearest to points (n, 3)."""
-        foot = closest_points(nodes, points)
-        along = arc_lengths(nodes)[-1]
-        share = np.interp(foot.arc_lengths / along, self.fractions, self.shares)
+        share = self.along(fractions_of(points, nodes))
         if self.cap_height == 1:
             return share
         return share * self._cap_share(points, nodes)
@@ -124,3 +131,35 @@ class RadiusShares:
             cosine = height[beyond] / distance[beyond]
             share[beyond] = 1 / np.sqrt(1 - cosine**2 + (cosine / self.cap_height) ** 2)
         return share
+
+
+def fractions_of(points: Points, nodes: Points) -> Floats:
+    """Which part (n,) of an axis lies before the feet of points (n, 3), from 0 to 1.
+
+    Outside of a bend all of a wedge is nearest to a single node; a steep profile would turn into
+    stairs. So a foot goes evenly from the plane across the axis at one node to that at the next.
+    """
+    arc, across = arc_lengths(nodes), _turning_tangents(nodes)
+    last = len(nodes) - 2
+    foot = closest_points(nodes, points)
+    segment = foot.segments
+    for node, way in ((0, -1), (1, 1)):
+        height = dot(points - nodes[segment + node], across[segment + node])
+        segment = np.clip(segment + way * (way * height > 0), 0, last)
+    before = dot(points - nodes[segment], across[segment])
+    behind = dot(nodes[segment + 1] - points, across[segment + 1])
+    whole = before + behind
+    # Beyond the middle of a bend, where planes cross, the nearest place is as good as any.
+    share = np.divide(before, whole, out=foot.fractions.copy(), where=whole > 0).clip(0, 1)
+    return (arc[segment] + share * (arc[segment + 1] - arc[segment])) / arc[-1]
+
+
+def _turning_tangents(nodes: Points) -> Points:
+    """Unit tangents (m, 3); those at the ends turn on as the axis does before them."""
+    found = tangents(nodes)
+    if len(nodes) > 2:
+        for end, inner in ((0, 1), (-1, -2)):
+            side = nodes[end] - nodes[inner]
+            side = side / np.linalg.norm(side)
+            found[end] = 2 * (side @ found[inner]) * side - found[inner]
+    return found
