@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from SDFStentLib import phantoms
-from SDFStentLib.deformation.deployment import deploy
+from SDFStentLib.deformation.deployment import Deployment, deploy
 from SDFStentLib.field import CapsuleChain
 from SDFStentLib.geometry import Surface
 from SDFStentLib.measure.caps import bulged_caps
@@ -34,6 +34,40 @@ def test_a_stent_that_ends_in_the_outlet_bulges_its_cap(a_tube):
 
 def test_a_stent_in_the_middle_bulges_no_cap(a_tube):
     assert bulged_by(a_tube, 14.0, 26.0) == ()
+
+
+def thin_stent(tube, end, radius=2.0):
+    """Narrower than the tube by 1 mm all around; it touches nothing but the cap."""
+    axis = tube.axis_at(np.linspace(25.0, end, 50))
+    deployment = Deployment(tube.surface, CapsuleChain.along(axis), radius)
+    return deployment, deployment.result
+
+
+@pytest.mark.parametrize("end", [38.5, 39.5, 40.0])
+def test_a_stent_that_touches_nothing_but_a_cap_leaves_the_wall_as_it_was(a_tube, end):
+    """The outlet of 6 mm became 7.4 mm wide, and the stent was not certified for that."""
+    _, result = thin_stent(a_tube, end)
+    in_wall = np.hypot(*a_tube.points[:, :2].T) > 2.9
+    is_cap = a_tube.points[:, 2] > 39.9
+    assert (np.abs(result.points - a_tube.points) > 0.1)[is_cap].any()
+    assert result.points[in_wall].tobytes() == a_tube.points[in_wall].tobytes()
+    assert result.certificate.passed, result.certificate.sentence()
+
+
+def test_a_sphere_that_a_cap_held_back_before_it_was_pushed_out_is_no_wider_lumen(a_tube):
+    """A flat cap is open: before the stent came, too."""
+    deployment, result = thin_stent(a_tube, 38.8)
+    (check,) = deployment.lumen_checks(a_tube.surface, result.surface)
+    assert check.passed
+    pushed = result.points.copy()
+    pushed[:, 2] += np.where(a_tube.points[:, 2] > 39.9, 3.0, 0.0)
+    moved_out = a_tube.surface.with_points(pushed)
+    (check,) = deployment.lumen_checks(a_tube.surface, moved_out)
+    assert not check.is_wide
+    blown = pushed.copy()
+    blown[:, :2] *= 1.1
+    (check,) = deployment.lumen_checks(a_tube.surface, a_tube.surface.with_points(blown))
+    assert check.is_wide
 
 
 def test_flat_spots_of_a_subdivided_wall_are_not_caps():

@@ -179,9 +179,19 @@ def stented_oval(wide, settings=DEFAULT):
     return deployment, native, after
 
 
-def test_wall_that_the_stent_reaches_ends_on_it_however_it_was_dragged():
-    _, _, undrawn = stented_oval(2.9, DEFAULT.with_changes(tissue_gap=0))
-    _, native, after = stented_oval(2.9, DEFAULT.with_changes(facet_compensation=False))
+def without_drag_bound(monkeypatch):
+    monkeypatch.setattr(
+        "SDFStentLib.deformation.attempt.drawn_in",
+        lambda motion, positions, *_: OnStent(positions, np.empty(0, dtype=np.int64)),
+    )
+
+
+@pytest.mark.parametrize("gap", [0.4, 0.0])
+def test_wall_that_the_stent_reaches_ends_on_it_however_it_was_dragged(gap, monkeypatch):
+    settings = DEFAULT.with_changes(facet_compensation=False, tissue_gap=gap)
+    _, native, after = stented_oval(2.9, settings)
+    without_drag_bound(monkeypatch)
+    _, _, undrawn = stented_oval(2.9, settings)
     assert native.max() < 0
     # The wide sides of the oval were run ahead of.
     assert undrawn.max() > 0.1
@@ -198,10 +208,7 @@ def test_wall_outside_the_stent_is_dragged_no_farther_than_it_was_away():
 
 def test_far_beyond_the_ends_wall_stays_where_it_was_dragged(monkeypatch):
     drawn = stented_oval(2.9)[0].result.points
-    monkeypatch.setattr(
-        "SDFStentLib.deformation.attempt.drawn_in",
-        lambda motion, positions, *_: OnStent(positions, np.empty(0, dtype=np.int64)),
-    )
+    without_drag_bound(monkeypatch)
     deployment = stented_oval(2.9)[0]
     undrawn = deployment.result.points
     far = np.abs(undrawn[:, 2] - 20) > 8 + 2

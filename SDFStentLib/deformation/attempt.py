@@ -56,11 +56,12 @@ class Attempt:
         self.patch_start = self.patch.points(task.surface.points, self.start[: self.wall_count])
         nearest = float(self.motion.level[: self.wall_count].min())
         self.start_radius = min(task.settings.crimped_radius, WALL_CLEARANCE * nearest)
+        self.motion.drags = self._drags()
         # A wall point of the stented lumen for certain; unknown without a tissue gap.
         self._nearest_own: int | None = None
         self._uncompensated = self.start
         self.relief: Relief | None = None
-        if gap > 0:
+        if gap > 0 or task.settings.finish:
             self._keep_tissue(ramp, gap)
 
     def steps(self) -> Iterator[float]:
@@ -204,13 +205,17 @@ class Attempt:
         if normals is None:
             normals = vertex_normals(task.surface.points, task.outward_triangles)
             normals = normals[self.numbers[wall]][self.patch.twin[wall]]
-        offset = np.zeros(len(self.motion.level))
-        offset[wall] = tissue_offset(normals, direction, ramp, gap)
-        self.motion.set_offset(offset)
+        if gap > 0:
+            offset = np.zeros(len(self.motion.level))
+            offset[wall] = tissue_offset(normals, direction, ramp, gap)
+            self.motion.set_offset(offset)
+            self._tissue = offset[wall] / gap
+        else:
+            self._tissue = tissue_offset(normals, direction, ramp, 1.0)
         if not task.settings.finish:
             return
         # The middle of a cap ahead may be nearest, and joined to no wall by free points.
-        is_own = (offset[wall] == 0) & self._is_beside()
+        is_own = (self._tissue == 0) & self._is_beside()
         self._nearest_own = int(np.where(is_own, level, np.inf).argmin())
 
     def _is_beside(self) -> NDArray[np.bool_]:
@@ -227,13 +232,22 @@ class Attempt:
         is_beside[in_cap[in_cap < len(points)]] = False
         return is_beside
 
+    def _drags(self) -> NDArray[np.bool_]:
+        """Which points drag others along in contact: those of the wall, the rims of caps too."""
+        drags = self.motion.touchable.copy()
+        if self.task.settings.rule == "events" and self._is_cap.any():
+            triangles = self.patch.triangles
+            inner = np.setdiff1d(triangles[self._is_cap], triangles[~self._is_cap])
+            drags[inner[inner < self.wall_count]] = False
+        return drags
+
     def _own_share(self, nearest: int) -> NDArray[np.float64]:
         """How far each point of the wall is that of the stented lumen, see `own_share`.
 
         Known is a point without tissue offset, the nearest such to the axis.
         """
         tissue = np.ones(len(self.patch.vertices))
-        tissue[: self.wall_count] = self.motion.offset[: self.wall_count] / self._gap
+        tissue[: self.wall_count] = self._tissue
         sides = np.concatenate([self.patch.triangles[:, :2], self.patch.triangles[:, 1:]])
         share = own_share(sides, tissue, self.patch.twin[nearest])
         return share[self.patch.twin[: self.wall_count]]

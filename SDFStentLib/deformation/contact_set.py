@@ -45,6 +45,7 @@ class ContactSet:
         """
         self.is_held[numbers] = True
         self.rate[numbers] = 1
+        numbers = numbers[self._motion.drags[numbers]]
         if len(numbers):
             search = ContactSearch(self._motion.positions[numbers])
             self._motion.resting.wake(search, reach)
@@ -56,7 +57,7 @@ class ContactSet:
 
     def tied_anew(self, reach: float) -> None:
         """Look for the nearest contact of every point among all contacts."""
-        held = np.flatnonzero(self.is_held)
+        held = np.flatnonzero(self.is_held & self._motion.drags)
         if len(held):
             waiting = self.waiting()
             search = ContactSearch(self._motion.positions[held])

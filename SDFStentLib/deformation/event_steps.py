@@ -147,9 +147,10 @@ def _dragged(
 ) -> _Dragged:
     """All points out of contact that are not of the front and that a contact is near enough to."""
     radius, growth, reach = step
-    hits = front.members[front.has_touched]
-    hits_middle = front.positions[front.has_touched] - growth / 2 * motion.direction[hits]
-    new = NewContacts(hits_middle, front.contact_radius[front.has_touched] - radius, growth)
+    drags = front.has_touched & motion.drags[front.members]
+    hits = front.members[drags]
+    hits_middle = front.positions[drags] - growth / 2 * motion.direction[hits]
+    new = NewContacts(hits_middle, front.contact_radius[drags] - radius, growth)
     if new.search is not None:
         motion.resting.wake(new.search, reach)
     asking = motion.resting.awake & ~contact.is_held

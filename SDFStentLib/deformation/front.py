@@ -59,6 +59,7 @@ class Front:
         self.rate = contact.rate[members]
         self.contact_radius = np.full(len(members), np.inf)
         self.nearest = contact.nearest[members]
+        self._drags = motion.drags[members]
         self._rule = rule
         self._step = step
         self._level = motion.level[members]
@@ -83,8 +84,10 @@ class Front:
             elapsed = index * substep
             dragged = self._updated_rates(radius, elapsed)
             hits, since = self._moved(radius + elapsed, substep, dragged)
-            if hits.any() and not self._touching.all():
-                self._hand_over(np.flatnonzero(hits), since, elapsed + substep)
+            drags = self._drags[hits]
+            if drags.any() and not self._touching.all():
+                sources = np.flatnonzero(hits)[drags]
+                self._hand_over(sources, since[drags], elapsed + substep)
         self._advance(self._updated_rates(radius, growth))
 
     def _updated_rates(self, radius: float, elapsed: float) -> NDArray[np.float64]:

@@ -63,6 +63,8 @@ class Motion:
         Tissue thickness kept between the stent and the point, mm.
     touchable : (n,) bool array
         Whether the stent can touch the point (wall) or only drag it along (centerline).
+    drags : (n,) bool array
+        Whether the point, in contact, drags others along: a cap of an outlet is no wall.
     is_curved : (n,) bool array
         Whether the direction changes along the way, see `look_ahead`.
     estimated_error : float
@@ -95,6 +97,7 @@ class Motion:
         self.slope = field.slope
         self.offset = np.zeros(len(points))
         self.touchable = touchable[order]
+        self.drags = self.touchable
         self.is_curved = np.zeros(len(points), dtype=bool)
         self.estimated_error = 0.0
         self._extrapolated = np.zeros(len(points), dtype=bool)
@@ -108,7 +111,7 @@ class Motion:
         """Drop the points that are not kept; before anything moves."""
         for name in (
             "indices", "positions", "level", "direction", "slope", "offset", "touchable",
-            "cell", "is_curved", "_near", "_extrapolated",
+            "drags", "cell", "is_curved", "_near", "_extrapolated",
         ):  # fmt: skip
             setattr(self, name, getattr(self, name)[keep])
         self.pace = None if self.pace is None else self.pace[keep]

@@ -21,8 +21,9 @@ from numpy.typing import ArrayLike
 
 from ..field import CapsuleChain
 from ..geometry import Surface, as_surface
+from ..measure import looks_across
 from ..validation import Indices, Points, as_points
-from .attempt import WALL_CLEARANCE, away_from_wall, tissue_offset, within_reach
+from .attempt import CAPS_WITHIN, WALL_CLEARANCE, away_from_wall, tissue_offset, within_reach
 from .deployment import GAP_RAMP
 from .event_steps import event_steps
 from .lumen import Expanded, finished
@@ -197,6 +198,9 @@ def _expanded(task: DeploymentTask, points: Points, normals: Points, reach: floa
     facing = normals[numbers[is_wall]]
     gap = task.settings.tissue_gap
     offset[is_wall] = tissue_offset(facing, motion.outward[is_wall], GAP_RAMP, gap)
+    within, nodes = CAPS_WITHIN * task.radius, task.capsules.nodes
+    motion.drags = is_wall.copy()
+    motion.drags[is_wall] = ~looks_across(motion.positions[is_wall], facing, nodes, within)
     nearest = float(motion.level[is_wall].min())
     motion.set_offset(offset)
     start = motion.positions.copy()

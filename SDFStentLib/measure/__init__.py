@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from .apposition import Apposition, FreeStretch, apposition
 from .branch_names import branch_names
-from .caps import bulged_caps, caps_across
+from .caps import bulged_caps, caps_across, looks_across
 from .cross_section import equivalent_diameters, winding_numbers
 from .extended_axis import REACH, ExtendedAxis, extended_axis
 from .inscribed import InscribedSpheres, inscribed_spheres
@@ -90,6 +90,7 @@ __all__ = [
     "lesions_against",
     "lesions_within",
     "line_seeds",
+    "looks_across",
     "measured_after",
     "measured_at",
     "measured_once",

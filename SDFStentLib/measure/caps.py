@@ -107,6 +107,20 @@ def caps_across(points: Points, faces: Triangles, axis: Points, reach: float) ->
     return is_capped
 
 
+def looks_across(points: Points, normals: Points, axis: Points, reach: float) -> NDArray[np.bool_]:
+    """Which points of a wall (n, 3) have normals of caps across an axis, within mm of its ends.
+
+    What can be told without faces: the bottom of a round dead end looks like a cap, too.
+    """
+    looks = np.zeros(len(points), dtype=bool)
+    for end, inner in (axis[:2], axis[:-3:-1]):
+        direction = (end - inner) / np.linalg.norm(end - inner)
+        offset = points - end
+        near = dot(offset, offset) < reach**2
+        looks |= near & (np.abs(product(normals, direction)) > ACROSS)
+    return looks
+
+
 def bulged_caps(before: Surface, after: Surface, moved: NDArray[np.int64]) -> tuple[BulgedCap, ...]:
     """Caps that were flat before and are not any more.
 
