@@ -206,9 +206,7 @@ def test_one_center_or_no_wall_is_refused():
 
 
 def two_stents(line: Centerline) -> list[Stent]:
-    third = float(line.arc_length.max()) / 3
-    places = [line.point_at(share * third) for share in (1, 2)] if hasattr(line, "point_at") else []
-    places = places or [line.points[len(line.points) // 3], line.points[2 * len(line.points) // 3]]
+    places = [line.points[share * len(line.points) // 3] for share in (1, 2)]
     return [Stent(7.2, placement=AtCenter(place), length=12) for place in places]
 
 
