@@ -19,14 +19,14 @@ from SDFStentLib.report import painting
 from SDFStentLib.report.drawing import Box, Disc, Drawing, Line, Words, svg
 from SDFStentLib.report.painting import painted
 from SDFStentLib.report.picture import picture
-from SDFStentLib.report.picture.marks import RED, STEEL
+from SDFStentLib.report.picture.marks import RED
 from SDFStentLib.report.picture.picture import before_after_picture, before_after_scene
 from SDFStentLib.report.picture.shapes import (
     WALL_COLOR,
     Lumen,
     diameter_colors,
     section_ring,
-    stent_lattice,
+    strut_curves,
     wall_colors,
     wall_diameters,
 )
@@ -223,21 +223,22 @@ def test_a_wall_has_the_color_of_its_diameter_or_of_tissue_and_is_denser_edge_on
     assert colors[0, 3] > 1.5 * colors[1, 3]
 
 
-def test_the_struts_lie_on_the_cylinder_and_end_with_the_axis() -> None:
-    axis = np.linspace([0, 0, 5], [0, 0, 25], 12)
-    lattice = stent_lattice(axis, 3.1)
-    np.testing.assert_allclose(np.linalg.norm(lattice[..., :2], axis=-1), 3.1, atol=1e-9)
-    np.testing.assert_allclose([lattice[..., 2].min(), lattice[..., 2].max()], [5, 25], atol=1e-9)
-
-
-def test_a_shaky_axis_does_not_shake_the_struts() -> None:
-    rng = np.random.default_rng(7)
-    axis = np.linspace([0, 0, 0], [0, 0, 30], 61)
-    shaky = axis + rng.normal(scale=0.05, size=axis.shape) * [1, 1, 0]
-    lattice = stent_lattice(shaky, 4.0)
-    # Sections stay level: the axis is taken only where struts meet, every 2.7 mm. That tilts a
-    # section by 0.05 * sqrt(2) / 2.7, or 0.1 mm at the radius; three sigma, on both sides.
-    assert np.ptp(lattice[..., 2], axis=0).max() < 2 * 3 * 0.1
+def test_struts_are_drawn_after_treatment_and_can_be_hidden(
+    treated: PlanResult, image: np.ndarray, tmp_path: Path
+) -> None:
+    bare = pixels(
+        before_after_picture(treated, "\N{GREEK SMALL LETTER ALPHA}", hides_device=True), tmp_path
+    )
+    differs = (image != bare).any(axis=2)
+    assert not differs[:, :600].any()
+    # Steel is dark and gray; there is that much more of it, on the stented wall alone.
+    assert image[differs].mean() < bare[differs].mean() - 10
+    view = before_after_scene(treated, "")[1][1].view
+    axis = view.pixels(treated.treatment.stents[0].axis.points) + np.array([600, 0])
+    rows, columns = np.nonzero(differs)
+    away = np.hypot(columns[:, None] - axis[:, 0], rows[:, None] - axis[:, 1]).min(axis=1)
+    assert len(away) > 500
+    assert away.max() < 3.5 * view.per_mm + 5  # the radius, and a strut's own width
 
 
 def test_a_section_ring_is_a_circle_across_the_axis() -> None:
@@ -302,13 +303,10 @@ def test_the_unit_of_the_file_changes_nothing(treated: PlanResult, tmp_path: Pat
 def test_two_stents_are_both_drawn_colored_and_marked(tmp_path: Path) -> None:
     both = carried_out(tmp_path, (stent_at(28, 36), stent_at(38, 44, 7.4)))
     drawing, walls = before_after_scene(both, "")
-    view = walls[0].view
     first, second = both.treatment.stents
-    struts = [mark for mark in drawing.marks if isinstance(mark, Line) and mark.color == STEEL]
-    for lattice, stent in zip((struts[:16], struts[16:]), (first, second), strict=True):
-        middle = np.mean([corner for strut in lattice for corner in strut.points], axis=0)
-        axis = view.pixels(stent.axis.points).mean(axis=0) + np.array([picture.WIDTH / 2, 0])
-        assert np.linalg.norm(middle - axis) < 0.5 * view.per_mm
+    for curves, stent in zip(strut_curves((first, second)), (first, second), strict=True):
+        middle, axis = curves.mean(axis=(0, 1)), stent.axis.points.mean(axis=0)
+        assert np.linalg.norm(middle - axis) < 0.5
         wall = np.linalg.norm(walls[1].points - stent.axis.points[15], axis=1)
         nearest = np.argsort(wall)[:5]
         assert (np.abs(walls[1].colors[nearest, :3] - WALL_COLOR).max(axis=1) > 0.2).all()

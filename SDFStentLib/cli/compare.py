@@ -34,12 +34,12 @@ def compare_command(options: argparse.Namespace, console: Console) -> int:
         name: load_plan(path, accept_changed_inputs=accept)
         for name, path in _named(options.plans).items()
     }
-    results = _Results()
+    results = _Results(options.hide_device)
     outputs = _outputs(options, plans, results)
     with console.progress("Deploying") as show:
         results.comparison = compare(plans, accept_changed_inputs=accept, progress=show)
     results.document = comparison_document(results.comparison)
-    results.pictures = comparison_pictures(results.comparison)
+    results.pictures = comparison_pictures(results.comparison, hides_device=options.hide_device)
     outputs.write()
     if options.json:
         print(comparison_json(results.document), end="")
@@ -53,7 +53,8 @@ def compare_command(options: argparse.Namespace, console: Console) -> int:
 class _Results:
     """What is written, once it is there."""
 
-    def __init__(self) -> None:
+    def __init__(self, hides_device: bool) -> None:
+        self.hides_device = hides_device
         self.comparison = Comparison(())
         self.document: dict[str, Any] = {}
         self.pictures: list[bytes] | str = ""
@@ -63,7 +64,8 @@ class _Results:
         path.write_text(page, encoding="utf-8", errors="backslashreplace")
 
     def write_picture(self, path: Path) -> None:
-        path.write_bytes(alternatives_picture(self.comparison.results))
+        picture = alternatives_picture(self.comparison.results, hides_device=self.hides_device)
+        path.write_bytes(picture)
 
     def write_json(self, path: Path) -> None:
         text = comparison_json(self.document)

@@ -11,7 +11,7 @@ from pathlib import Path
 from time import perf_counter
 
 from ..cautions import Caution
-from ..files import check_line_output, check_surface_output
+from ..files import SurfaceFile, check_line_output, check_surface_output, read_surface
 from ..plan import (
     InputFiles,
     Plan,
@@ -22,6 +22,7 @@ from ..plan import (
     read_plan_inputs,
     save_plan,
     treatment_of,
+    write_device,
 )
 from ..report import (
     FIGURE_SUFFIXES,
@@ -56,7 +57,7 @@ def deploy_command(options: argparse.Namespace, console: Console) -> int:
     has_length = options.length is not None or (device and device.nominal_length) is not None
     way = check_place(options, needed=True, has_length=has_length)
     assert way is not None
-    outputs = Outputs([options.surface, options.centerline, options.axis])
+    outputs = Outputs([options.surface, options.centerline, options.axis, options.device_mesh])
     job = _Job(options, console, outputs)
     check_surface_output(options.output)
     outputs.add(options.output, job.write_surface)
@@ -83,7 +84,7 @@ def run_command(options: argparse.Namespace, console: Console) -> int:
     start = perf_counter()
     plan = load_plan(options.plan, accept_changed_inputs=options.accept_changed_inputs)
     files = [plan.surface, plan.centerline, *(stent.axis_file for stent in plan.stents)]
-    inputs = [options.plan, *(file.path for file in files if file)]
+    inputs = [options.plan, options.device_mesh, *(file.path for file in files if file)]
     outputs = Outputs(inputs, options.output)
     job = _Job(options, console, outputs)
     job.plan = plan
@@ -116,6 +117,7 @@ class _Job:
         self.lost: tuple[Caution, ...] = ()
         self.write_start = 0.0
         self.steps: StepFiles | None = None
+        self.mesh: SurfaceFile | None = None
         self._picture: bytes | str = ""
 
     def add_common(self) -> None:
@@ -130,6 +132,7 @@ class _Job:
         if self.options.export_0d:
             check_suffix(self.options.export_0d, "values for a 0D solver", (".json",))
             self.outputs.add(self.options.export_0d, self.write_0d)
+        self.add_device()
         if picture or (figure and figure.lower().endswith(".png")):
             check_rendering()
         if self.options.steps:
@@ -141,9 +144,21 @@ class _Job:
         elif self.options.every is not None:
             raise InputError("expected --steps DIR with --every, got none.")
 
+    def add_device(self) -> None:
+        """The struts of the stents, or the user's mesh in their place."""
+        path = self.options.export_device
+        if path:
+            check_suffix(path, "a device", (".vtp",))
+            self.outputs.add(path, lambda made: write_device(made, self._result, self.mesh))
+        elif self.options.device_mesh:
+            raise InputError("expected --export-device F with --device-mesh, got none.")
+
     def done(self, inputs: InputFiles, start: float) -> int:
         """Deploy, write, and say what came of it; the exit code."""
         self.plan = as_read(self.plan, inputs)
+        if self.options.device_mesh:
+            self.mesh = read_surface(self.options.device_mesh, inputs.surface.units)
+            self.console.warn(self.mesh.warnings)
         treatment = treatment_of(self.plan, inputs)
         with self.console.progress("Deploying") as show:
             for state in treatment:
@@ -210,7 +225,9 @@ class _Job:
         """The vessel before and after, drawn once, or why it could not be."""
         if not self._picture:
             try:
-                self._picture = before_after_picture(self._result)
+                self._picture = before_after_picture(
+                    self._result, hides_device=self.options.hide_device
+                )
             except DeploymentError as error:
                 self._picture = str(error)
         return self._picture

@@ -11,7 +11,7 @@ from .argument_types import path as _path
 from .argument_types import whole as _whole
 from .common_options import add_json, add_point, add_points, add_surface, add_talk, add_units
 from .method_options import add_method
-from .plan_options import add_acceptance, add_comparison
+from .plan_options import add_acceptance, add_comparison, add_device_file
 from .stent_options import add_device_table, add_shape, add_stent, add_wishes
 from .sweep_options import add_sweep
 
@@ -239,6 +239,7 @@ def _add_output(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         "--export-0d", type=_path, metavar="F", help="vessel blocks for a 0D solver, as .json"
     )
+    add_device_file(group)
     group.add_argument(
         "--steps", type=_path, metavar="DIR", help="the surface at every step, for ParaView"
     )

@@ -28,6 +28,7 @@ def add_comparison(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--picture", type=path, metavar="F", help="before and after every plan, as .png"
     )
+    add_hiding(command)
     command.add_argument("--json", action="store_true", help="print JSON instead of sentences")
 
 
@@ -37,4 +38,25 @@ def add_acceptance(command: argparse.ArgumentParser) -> None:
         "--accept-changed-inputs",
         action="store_true",
         help="go on although a file is not the one that the plan was made with",
+    )
+
+
+def add_device_file(group: argparse._ActionsContainer) -> None:
+    """The stents as they are drawn."""
+    group.add_argument(
+        "--export-device", type=path, metavar="F", help="rings and struts of the stents, as .vtp"
+    )
+    group.add_argument(
+        "--device-mesh",
+        type=path,
+        metavar="F",
+        help="with --export-device: this straight mesh, along z and centered, laid along the axis",
+    )
+    add_hiding(group)
+
+
+def add_hiding(group: argparse._ActionsContainer) -> None:
+    """Pictures without what no product looks like."""
+    group.add_argument(
+        "--hide-device", action="store_true", help="pictures without the struts of the stents"
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from .bends import frames, minimum_bend_radius, tangents
+from .carrying import carried
 from .connected_parts import component_labels, connected
 from .distance import NearPairs, SurfaceIndex
 from .faces import (
@@ -63,6 +64,7 @@ __all__ = [
     "as_surface",
     "blocks_of",
     "boundary_edges",
+    "carried",
     "checked_faces",
     "closest_on_segments",
     "closest_points",

@@ -59,7 +59,11 @@ def frames(points: ArrayLike, first_normal: ArrayLike | None = None) -> Floats:
         Rows are tangent, normal, binormal. From point to point the normal is turned by the
         smallest rotation that takes one tangent to the next.
     """
-    along = tangents(points)
+    return frames_along(tangents(points), first_normal)
+
+
+def frames_along(along: Floats, first_normal: ArrayLike | None = None) -> Floats:
+    """`frames` for unit tangents (n, 3)."""
     normals = np.empty_like(along)
     normals[0] = _normal_to(along[0], first_normal)
     for i in range(1, len(along)):

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
         read_details,
         stent_details,
     )
+    from .device_file import write_device
     from .devices import (
         device_document,
         device_from_document,
@@ -82,6 +83,7 @@ __all__ = [
     "text_value",
     "treatment_of",
     "turned",
+    "write_device",
 ]
 
 __getattr__, __dir__ = late_names(
@@ -96,6 +98,7 @@ __getattr__, __dir__ = late_names(
             "read_details",
             "stent_details",
         ],
+        "device_file": ["write_device"],
         "devices": ["device_document", "device_from_document", "device_named", "device_table"],
         "document": ["POINT_PLACEMENTS", "plan_text", "save_plan"],
         "json_document": [

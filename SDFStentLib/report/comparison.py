@@ -87,17 +87,21 @@ def comparison_json(document: Mapping[str, Any]) -> str:
     return json.dumps(document, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
 
 
-def comparison_pictures(comparison: Comparison) -> list[bytes] | str:
+def comparison_pictures(comparison: Comparison, *, hides_device: bool = False) -> list[bytes] | str:
     """Of every sheet of the page its picture, or the sentence that says why there is none.
 
-    Empty for a sheet on which no plan could be carried out.
+    Empty for a sheet on which no plan could be carried out. `hides_device` as of
+    `alternatives_picture`.
     """
     sheets = [
         {one.name: one.result for one in sheet if one.result is not None}
         for sheet in _sheets(comparison.alternatives)
     ]
     try:
-        return [alternatives_picture(results) if results else b"" for results in sheets]
+        return [
+            alternatives_picture(results, hides_device=hides_device) if results else b""
+            for results in sheets
+        ]
     except DeploymentError as error:
         return str(error)
 

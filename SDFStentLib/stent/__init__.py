@@ -12,6 +12,7 @@ from .balloon import (
 )
 from .beside import beside, placement_points
 from .device import CELLS, MAXIMUM_DIAMETER, MAXIMUM_LENGTH, Device
+from .lattice import Lattice, LatticeDesign, design_of, laid_along, stent_lattice, straight_lattice
 from .placement import (
     AlongAxis,
     AtCenter,
@@ -48,6 +49,8 @@ __all__ = [
     "Device",
     "DiametersAlong",
     "InputFile",
+    "Lattice",
+    "LatticeDesign",
     "OfStent",
     "Placement",
     "Shape",
@@ -57,10 +60,14 @@ __all__ = [
     "Waist",
     "balloon_by_rule",
     "beside",
+    "design_of",
     "dilated_again",
+    "laid_along",
     "placement_points",
     "redilated",
     "stent_axis",
+    "stent_lattice",
+    "straight_lattice",
     "straightened",
     "straightened_axis",
 ]

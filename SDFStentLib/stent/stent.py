@@ -33,6 +33,8 @@ DEFAULT_FORESHORTENING = 0.10
 KEPT = ("center", "proximal", "distal")
 """What can stay where it is when a stent shortens."""
 
+_KEPT_BY_PLACE: dict[type, str] = {AtProximalEnd: "proximal", AtDistalEnd: "distal"}
+
 
 @dataclass(frozen=True, eq=False)
 class Stent(ByValue):
@@ -150,12 +152,17 @@ class Stent(ByValue):
             return DEFAULT_FORESHORTENING
         return self.device.foreshortening_at(self.diameter)
 
+    @property
+    def kept(self) -> str:
+        """What stays where it is when it shortens: that by which it is placed, else `keeps`."""
+        return _KEPT_BY_PLACE.get(type(self.placement), self.keeps)
+
     def _check_kept(self) -> None:
         if self.keeps not in KEPT:
             raise InputError(
                 f"stent: expected what it keeps as one of {', '.join(KEPT)}, got {self.keeps!r}."
             )
-        by_end = {AtProximalEnd: "proximal", AtDistalEnd: "distal"}.get(type(self.placement))
+        by_end = _KEPT_BY_PLACE.get(type(self.placement))
         if by_end is not None and self.keeps not in ("center", by_end):
             raise InputError(
                 f"stent: expected its {by_end} end to be kept, by which it is placed, got the "

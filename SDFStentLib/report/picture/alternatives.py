@@ -13,18 +13,20 @@ from ...validation import InputError, check_is_a
 from ..drawing import GRAY, INK, Drawing, Line, Mark, Words
 from ..painting import painted
 from ..words import millimeters
-from .marks import STEEL, color_limits, color_scale, curve, length_scale, section_marks, struts
-from .shapes import Lumen, Panel, lumen_of, panel_of, wall_diameters
-from .view import BOTTOM, HEIGHT, PANEL_WIDTH, TOP, View, best_view
+from .marks import color_limits, color_scale, curve, length_scale, section_marks
+from .shapes import Lumen, Panel, lumen_of, panel_of, strut_curves, wall_diameters
+from .view import BOTTOM, HEIGHT, PANEL_WIDTH, TOP, best_view
 
 
-def alternatives_picture(results: Mapping[str, PlanResult]) -> bytes:
+def alternatives_picture(results: Mapping[str, PlanResult], *, hides_device: bool = False) -> bytes:
     """A PNG with the vessel before, and a panel for every plan, drawn as `before_after_picture`.
 
     Parameters
     ----------
     results : mapping of str to PlanResult
         By name: plans for one vessel that were carried out.
+    hides_device : bool
+        Whether to leave out the struts of the stents.
 
     Raises
     ------
@@ -33,7 +35,12 @@ def alternatives_picture(results: Mapping[str, PlanResult]) -> bytes:
     DeploymentError
         Nothing here can render; the message names what to install.
     """
-    return painted(*alternatives_scene(results))
+    drawing, panels = alternatives_scene(results)
+    if not hides_device:
+        for column, result in enumerate(results.values(), start=1):
+            stents = result.treatment.stents
+            panels[column] = panels[column]._replace(struts=strut_curves(stents))
+    return painted(drawing, panels)
 
 
 def alternatives_scene(results: Mapping[str, PlanResult]) -> tuple[Drawing, list[Panel]]:
@@ -59,24 +66,14 @@ def alternatives_scene(results: Mapping[str, PlanResult]) -> tuple[Drawing, list
     limits = color_limits(radii, shown[0])
     panels, marks = [], [*_headings(results), *length_scale(view)]
     marks += color_scale(*limits, len(walls) * PANEL_WIDTH / 2)
+    marks += [curve(view, stent.axis.points, 0, INK, 2.5) for stent in stents]
     for column, (wall, lumens) in enumerate(zip(walls, shown, strict=True)):
         side = min(column, 1)
         diameters = wall_diameters(wall.points, lumens, side)
         panels.append(panel_of(column, view, wall, diameters, limits))
-        for stent in groups[column - 1] if column else stents:
-            marks += _stent(view, stent, column)
         told = lumens if column else _apart(lumens)
         marks += section_marks(view, cloud, told, ((column, side),))
     return Drawing(len(walls) * PANEL_WIDTH, HEIGHT, tuple(marks)), panels
-
-
-def _stent(view: View, stent: TreatedStent, column: int) -> Iterator[Mark]:
-    """Before treatment its axis, afterwards itself."""
-    if not column:
-        yield curve(view, stent.axis.points, column, INK, 2.5)
-        return
-    radius = stent.stent.widest_diameter / 2
-    yield from (curve(view, strut, column, STEEL, 1.5) for strut in struts(stent, radius))
 
 
 def _lumens(stents: Sequence[TreatedStent]) -> list[Lumen]:

@@ -7,23 +7,15 @@ from collections.abc import Iterable, Iterator, Sequence
 import numpy as np
 
 from ...geometry import point_at
-from ...treatment import TreatedStent, prescribed_diameters
-from ...validation import Floats, Points
+from ...validation import Points
 from ..drawing import Box, Line, Mark, Words
-from .shapes import Lumen, diameter_colors, section_ring, stent_lattice
+from .shapes import Lumen, diameter_colors, section_ring
 from .view import PANEL_WIDTH, View, label_side
 
 LABEL = np.array([90.0, 28.0])
 """Width and height of the label with a diameter, pixels."""
 
-STEEL, RED = "#4d5766", "#cc0d33"
-
-
-def struts(stent: TreatedStent, radius: float) -> Floats:
-    """Struts of a drawn stent, as wide as it is everywhere, mm."""
-    return stent_lattice(
-        stent.axis.points, radius, lambda at: prescribed_diameters(stent.stent, stent.axis, at) / 2
-    )
+RED = "#cc0d33"
 
 
 def color_limits(radii: Sequence[float], lumens: Sequence[Lumen]) -> tuple[float, float]:

@@ -4,15 +4,21 @@ from __future__ import annotations
 
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk
-from vtkmodules.vtkFiltersCore import vtkPolyDataNormals
+from vtkmodules.vtkFiltersCore import vtkPolyDataNormals, vtkTubeFilter
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper, vtkRenderer
 
-from ...files import polydata_from_arrays
+from ...files import polydata_from_arrays, polydata_from_lines
+from ...validation import Floats
 from .shapes import Panel
 from .view import BOTTOM, HEIGHT, TOP
 
 LAYERS = 8
 """Walls in front of each other that are told apart."""
+
+STEEL = (0.30, 0.34, 0.40)
+
+STRUT_PIXELS = 2.0
+"""Width of a strut in the picture, whatever its scale."""
 
 
 def seen(panel: Panel, columns: int) -> vtkRenderer:
@@ -35,6 +41,8 @@ def seen(panel: Panel, columns: int) -> vtkRenderer:
     look.SetSpecularPower(30)
     renderer = vtkRenderer()
     renderer.AddActor(actor)
+    for curves in panel.struts:
+        renderer.AddActor(_tubes(curves, STRUT_PIXELS / 2 / panel.view.per_mm))
     renderer.SetUseDepthPeeling(1)
     renderer.SetMaximumNumberOfPeels(LAYERS)
     renderer.SetOcclusionRatio(0.0)
@@ -48,3 +56,23 @@ def seen(panel: Panel, columns: int) -> vtkRenderer:
     camera.SetParallelScale(view.half_height)
     renderer.ResetCameraClippingRange()
     return renderer
+
+
+def _tubes(curves: Floats, radius: float) -> vtkActor:
+    """Curves (m, p, 3) as round wires, mm."""
+    count, each, _ = curves.shape
+    indices = np.arange(count * each).reshape(count, each)
+    tubes = vtkTubeFilter()
+    tubes.SetInputData(polydata_from_lines(curves.reshape(-1, 3), [*indices]))
+    tubes.SetRadius(radius)
+    tubes.SetNumberOfSides(8)
+    mapper = vtkPolyDataMapper()
+    mapper.SetInputConnection(tubes.GetOutputPort())
+    actor = vtkActor()
+    actor.SetMapper(mapper)
+    look = actor.GetProperty()
+    look.SetColor(*STEEL)
+    look.SetAmbient(0.3)
+    look.SetSpecular(0.4)
+    look.SetSpecularPower(20)
+    return actor

@@ -11,16 +11,18 @@ from ...treatment import TreatedStent
 from ...validation import check_is_a
 from ..drawing import GRAY, INK, Drawing, Line, Mark, Words
 from ..painting import painted
-from .marks import STEEL, color_limits, color_scale, curve, length_scale, section_marks, struts
-from .shapes import Panel, lumen_of, panel_of, wall_diameters
+from .marks import color_limits, color_scale, curve, length_scale, section_marks
+from .shapes import Panel, lumen_of, panel_of, strut_curves, wall_diameters
 from .view import BOTTOM, HEIGHT, PANEL_WIDTH, TOP, WIDTH, best_view
 
 
-def before_after_picture(result: PlanResult, title: str = "") -> bytes:
+def before_after_picture(
+    result: PlanResult, title: str = "", *, hides_device: bool = False
+) -> bytes:
     """A PNG with two panels, before and after, seen by the same camera.
 
     The stented wall is colored by the local lumen diameter, the rest is drawn like glass in a
-    tissue color; a stent is a lattice of diamonds; rings mark where each was narrowest.
+    tissue color; rings mark where each stent was narrowest.
 
     Parameters
     ----------
@@ -28,6 +30,8 @@ def before_after_picture(result: PlanResult, title: str = "") -> bytes:
         A plan that was carried out.
     title : str
         A line on top, such as the patient's pseudonym.
+    hides_device : bool
+        Whether to leave out the struts of the stents, which are of no product's design.
 
     Raises
     ------
@@ -37,7 +41,10 @@ def before_after_picture(result: PlanResult, title: str = "") -> bytes:
         Nothing here can render; the message names what to install.
     """
     check_is_a(result, PlanResult, "result")
-    return painted(*before_after_scene(result, title))
+    drawing, panels = before_after_scene(result, title)
+    if not hides_device:
+        panels[1] = panels[1]._replace(struts=strut_curves(result.treatment.stents))
+    return painted(drawing, panels)
 
 
 def before_after_scene(result: PlanResult, title: str) -> tuple[Drawing, list[Panel]]:
@@ -55,9 +62,7 @@ def before_after_scene(result: PlanResult, title: str) -> tuple[Drawing, list[Pa
         panels.append(panel_of(side, view, wall, diameters, limits))
     marks = [*_headings(stents, title), *length_scale(view)]
     marks += color_scale(*limits, WIDTH / 2)
-    for stent, radius in zip(stents, radii, strict=True):
-        marks.append(curve(view, stent.axis.points, 0, INK, 2.5))
-        marks += [curve(view, strut, 1, STEEL, 1.5) for strut in struts(stent, radius)]
+    marks += [curve(view, stent.axis.points, 0, INK, 2.5) for stent in stents]
     marks += section_marks(view, cloud, lumens, ((0, 0), (1, 1)))
     return Drawing(WIDTH, HEIGHT, tuple(marks), title), panels
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from ...geometry import Surface, across, closest_points, frames, length, point_at
+from ...geometry import Surface, across, closest_points, length, point_at
+from ...stent import stent_lattice
 from ...treatment import TreatedStent
 from ...validation import Floats, Points, Triangles
 from .view import View
@@ -39,6 +40,8 @@ class Panel(NamedTuple):
     points: Points
     triangles: Triangles
     colors: Floats
+    struts: tuple[Floats, ...] = ()
+    """Of every stent in it, (m, p, 3) mm."""
 
 
 def panel_of(
@@ -116,24 +119,9 @@ def diameter_colors(fraction: Floats) -> Floats:
     return np.stack([np.interp(fraction, anchors, part) for part in DIAMETER_COLORS.T], axis=-1)
 
 
-def stent_lattice(
-    axis: Points, radius: float, radius_at: Callable[[Floats], Floats] | None = None
-) -> Floats:
-    """Struts (l, p, 3) of a drawn stent, mm: rows of diamonds around the axis, end to end.
-
-    Only a sign for a stent; no product looks like this. `radius` is the largest one, `radius_at`
-    gives it at arc lengths where it is not the same everywhere.
-    """
-    around = 8
-    rows = max(round(length(axis) / (np.pi * radius / around * 1.7)), 2)
-    along = np.linspace(0, length(axis), rows + 1)
-    frame = frames(center := point_at(axis, along))
-    own = radius if radius_at is None else radius_at(along)[:, None]
-    # Zigzag in angle: half a cell forth in one row, back in the next.
-    swing = np.arange(rows + 1) % 2
-    starts = 2 * np.arange(around)[:, None]
-    angle = (np.pi / around * np.concatenate([starts + swing, starts - swing]))[..., None]
-    return np.asarray(center + own * (np.cos(angle) * frame[:, 1] + np.sin(angle) * frame[:, 2]))
+def strut_curves(stents: Iterable[TreatedStent]) -> tuple[Floats, ...]:
+    """Of every deployed stent its struts, (m, p, 3) mm, as `stent_lattice` designs them."""
+    return tuple(stent_lattice(one.stent, one.axis).curves for one in stents)
 
 
 def section_ring(lumen: Lumen, side: int) -> Points:

@@ -1,0 +1,373 @@
+"""A stent to look at: where its struts are, how many, how they are joined, and no twist."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+from SDFStentLib.centerline import Centerline
+from SDFStentLib.geometry import arc_lengths, carried, length, tangents
+from SDFStentLib.phantoms import bent_tube, straight_tube
+from SDFStentLib.stent import (
+    AlongAxis,
+    AtCenter,
+    AtDistalEnd,
+    AtProximalEnd,
+    Device,
+    LatticeDesign,
+    Shape,
+    Stent,
+    StentEnd,
+    Waist,
+    design_of,
+    stent_axis,
+    stent_lattice,
+    straight_lattice,
+)
+from SDFStentLib.treatment.profile import with_profile
+from SDFStentLib.validation import InputError
+
+DESIGNS = [
+    LatticeDesign(crowns=8, rings=5),
+    LatticeDesign(crowns=5, rings=1, link_every=1),
+    LatticeDesign("open", crowns=8, rings=5),
+    LatticeDesign("open", crowns=6, rings=4, link_every=3),
+    LatticeDesign("open", crowns=9, rings=7, link_every=1),
+]
+designs = pytest.mark.parametrize("design", DESIGNS, ids=str)
+
+
+def arc(radius=20.0, angle=1.5, count=60_001):
+    """An arc in the plane z = 0 about the origin, so fine that its chords are it to 1e-8 mm."""
+    at = np.linspace(0, angle, count)
+    return radius * np.stack([np.cos(at), np.sin(at), 0 * at], axis=1)
+
+
+def helix(radius=12.0, pitch=8.0, turns=1.25, count=4001):
+    at = np.linspace(0, 2 * np.pi * turns, count)
+    return np.stack([radius * np.cos(at), radius * np.sin(at), pitch * at / (2 * np.pi)], axis=1)
+
+
+def edges_of(lattice):
+    return lattice.lines[:, [0, -1]]
+
+
+def four_rings(edges):
+    """How many closed walks of four struts there are: cells of diamonds."""
+    neighbors = {}
+    for one, other in edges.tolist():
+        neighbors.setdefault(one, set()).add(other)
+        neighbors.setdefault(other, set()).add(one)
+    pairs = 0
+    for one, other in combinations(sorted(neighbors), 2):
+        common = len(neighbors[one] & neighbors[other])
+        pairs += common * (common - 1) // 2
+    return pairs // 2
+
+
+def parts(edges):
+    """How many pieces the struts make, by joining them one after another."""
+    owner = {int(point): int(point) for point in np.unique(edges)}
+
+    def root(point):
+        while owner[point] != point:  # Ends: every owner was joined to one before it.
+            point = owner[point]
+        return point
+
+    for one, other in edges.tolist():
+        owner[root(one)] = root(other)
+    return len({root(point) for point in owner})
+
+
+# Struts
+
+
+@designs
+def test_struts_lie_on_the_radius_and_between_the_ends(design):
+    lattice = straight_lattice(18.0, 3.5, design)
+    np.testing.assert_allclose(np.hypot(*lattice.points[:, :2].T), 3.5, atol=1e-12)
+    assert lattice.points[:, 2].min() == pytest.approx(-9, abs=1e-12)
+    assert lattice.points[:, 2].max() == pytest.approx(9, abs=1e-12)
+    assert len(np.unique(lattice.lines)) == len(lattice.points)
+
+
+@designs
+def test_there_are_two_struts_for_every_crown_of_every_ring_and_the_links_asked_for(design):
+    lattice = straight_lattice(18.0, 3.5, design)
+    for ring in range(design.rings):
+        own = (lattice.ring == ring) & ~lattice.is_link
+        assert own.sum() == 2 * design.crowns
+        links = (lattice.ring == ring) & lattice.is_link
+        is_joined = design.cells == "open" and ring < design.rings - 1
+        assert links.sum() == (design.crowns // design.link_every if is_joined else 0)
+    # Links go straight along the stent.
+    np.testing.assert_allclose(
+        np.diff(lattice.curves[lattice.is_link][..., :2], axis=1), 0, atol=1e-12
+    )
+
+
+@designs
+def test_rings_are_evenly_spaced_and_alike(design):
+    lattice = straight_lattice(18.0, 3.5, design)
+    spans = np.array(
+        [
+            [own.min(), own.max()]
+            for ring in range(design.rings)
+            for own in [lattice.curves[(lattice.ring == ring) & ~lattice.is_link][..., 2]]
+        ]
+    )
+    heights, gaps = np.diff(spans)[:, 0], spans[1:, 0] - spans[:-1, 1]
+    np.testing.assert_allclose(heights, heights[0], atol=1e-12)
+    np.testing.assert_allclose(
+        gaps, 0 if design.cells == "closed" else 0.3 * heights[0], atol=1e-12
+    )
+    # Half a cell to the next crown, and all around.
+    x, y, _ = lattice.points[edges_of(lattice).ravel()].T
+    steps = np.arctan2(y, x) * design.crowns / np.pi
+    np.testing.assert_allclose(steps, np.round(steps), atol=1e-9)
+    assert len(np.unique(np.round(steps) % (2 * design.crowns))) == 2 * design.crowns
+
+
+@designs
+def test_struts_make_one_piece_with_the_euler_number_of_a_tube(design):
+    """Points, less struts, plus the cells that they enclose: 0 as for any tube."""
+    lattice = straight_lattice(18.0, 3.5, design)
+    edges = edges_of(lattice)
+    points = len(np.unique(edges))
+    assert parts(edges) == 1
+    # Independent loops of a connected net; one of them goes around the stent.
+    cells = len(edges) - points + 1 - 1
+    between = design.rings - 1
+    if design.cells == "closed":
+        assert cells == design.crowns * between == four_rings(edges)
+    else:
+        assert cells == design.crowns // design.link_every * between
+        assert four_rings(edges) == 0
+    assert points - len(edges) + cells == 0
+
+
+def test_the_number_of_rings_follows_from_length_and_radius():
+    rings = [
+        straight_lattice(size, radius, LatticeDesign()).ring.max() + 1
+        for size, radius in ((20, 4), (40, 4), (20, 8), (1, 4))
+    ]
+    assert rings == [7, 15, 4, 2]
+
+
+@pytest.mark.parametrize(
+    ("wrong", "sentence"),
+    [
+        ({"cells": "woven"}, "cells: expected one of closed, open, got 'woven'"),
+        ({"crowns": 2}, "crowns: expected a number at least 3"),
+        ({"rings": 2.5}, "rings: expected a whole number, got 2.5"),
+        ({"link_every": 3}, "link_every: expected a divisor of the 8 crowns, got 3"),
+        ({"crimped_diameter": 0}, "crimped diameter"),
+    ],
+)
+def test_a_design_that_cannot_be_is_refused(wrong, sentence):
+    with pytest.raises(InputError, match=sentence):
+        LatticeDesign(**wrong)
+
+
+@pytest.mark.parametrize("sizes", [(0, 3), (10, 0), (10, -1), (np.nan, 3)])
+def test_sizes_that_cannot_be_are_refused(sizes):
+    with pytest.raises(InputError):
+        straight_lattice(*sizes, LatticeDesign())
+
+
+# Where it lies
+
+
+def a_stent(axis, diameter=6.0, **more):
+    stent = Stent(diameter, placement=AlongAxis(axis), **more)
+    return stent, stent_axis(stent)
+
+
+@designs
+def test_along_an_arc_the_struts_lie_on_the_radius_around_it(design):
+    line = arc()
+    lattice = stent_lattice(*a_stent(line), design)
+    x, y, z = lattice.points.T
+    # From the circle in space, which the axis is; away from the ends, where directions are exact.
+    distance = np.hypot(np.hypot(x, y) - 20, z)
+    at = np.arctan2(y, x) * 20
+    inside = (at > 3) & (at < length(line) - 3)
+    np.testing.assert_allclose(distance[inside], 3, atol=1e-6)
+    np.testing.assert_allclose(distance, 3, atol=2e-6)
+    assert inside.mean() > 0.5
+
+
+def test_no_strut_is_beyond_the_ends_of_an_axis():
+    line = arc()
+    for design in DESIGNS:
+        points = stent_lattice(*a_stent(line), design).points
+        first, last = tangents(line)[[0, -1]]
+        # A direction at an end is that of a parabola: on an arc off by (3 / 20)^3 / 4.
+        assert ((points - line[0]) @ first).min() > -3 * 1e-3
+        assert ((points - line[-1]) @ last).max() < 3 * 1e-3
+
+
+def test_a_shape_is_followed_and_grows_in_proportion():
+    tube = straight_tube(radius=2.0, length=40.0)
+    shape = Shape(waist=Waist(4.5, 0.4), end=StentEnd(8.0, 5.0))
+    stent = Stent(6.0, placement=AlongAxis(tube.axis_at([10, 30])), shape=shape)
+    axis = with_profile(stent_axis(stent), stent, tube.surface)
+    design = LatticeDesign(rings=9, crimped_diameter=2.0)
+    for expansion, widest in ((1.0, 8.0), (0.5, 5.0), (0.0, 2.0)):
+        points = stent_lattice(stent, axis, design, expansion).points
+        along = (points[:, 2] - 10) / 20
+        wanted = axis.profile.at(along) / 2 * widest / 8
+        np.testing.assert_allclose(np.hypot(*points[:, :2].T), wanted, atol=1e-6)
+
+
+@pytest.mark.parametrize("expansion", [0.0, 0.3, 1.0])
+@pytest.mark.parametrize(
+    ("placement", "keeps", "fixed"),
+    [
+        (AtCenter, "center", 0.5),
+        (AtCenter, "proximal", 0.0),
+        (AtDistalEnd, "center", 1.0),
+        (AtProximalEnd, "center", 0.0),
+    ],
+)
+def test_the_length_goes_from_nominal_to_deployed_and_what_is_kept_stays(
+    expansion, placement, keeps, fixed
+):
+    tube = straight_tube(length=80.0)
+    stent = Stent(
+        6.0,
+        placement=placement(tube.axis_at([40.0])[0]),
+        length=20.0,
+        foreshortening_fraction=0.15,
+        keeps=keeps,
+    )
+    axis = stent_axis(stent, tube.centerline)
+    heights = stent_lattice(stent, axis, expansion=expansion).points[:, 2]
+    size = 20 - expansion * 3  # 15 % of 20 mm
+    assert np.ptp(heights) == pytest.approx(size, abs=1e-6)
+    deployed = np.sort(axis.points[[0, -1], 2])
+    kept = deployed[0] + fixed * np.ptp(deployed)
+    assert heights.min() + fixed * size == pytest.approx(kept, abs=1e-6)
+
+
+def test_struts_are_the_same_ones_while_it_expands():
+    stent, axis = a_stent(helix())
+    lattices = [stent_lattice(stent, axis, expansion=share) for share in (0, 0.5, 1)]
+    for other in lattices[1:]:
+        np.testing.assert_array_equal(other.lines, lattices[0].lines)
+        assert len(other.points) == len(lattices[0].points)
+
+
+@pytest.mark.parametrize(
+    ("cell", "drawn"), [("open", "open"), ("closed", "closed"), ("unknown", "closed")]
+)
+def test_the_cells_are_those_of_the_device(cell, drawn):
+    stent = Stent(
+        6.0,
+        placement=AlongAxis([[0, 0, 0], [0, 0, 20]]),
+        device=Device("one", cell=cell),
+        foreshortening_fraction=0.0,
+    )
+    assert design_of(stent).cells == drawn
+
+
+def test_expansions_beyond_crimped_and_deployed_are_refused():
+    with pytest.raises(InputError, match="expansion"):
+        stent_lattice(*a_stent(arc(count=50)), expansion=1.1)
+
+
+# Without twist
+
+
+def double_reflection(points, along, first):
+    """Normals of minimal twist by Wang and others (ACM TOG 27, 2008): two mirrors a step."""
+    normals = [first]
+    for here, there, old, new in zip(points, points[1:], along, along[1:], strict=False):
+        way = there - here
+        mirrored = [one - 2 / (way @ way) * (way @ one) * way for one in (normals[-1], old)]
+        other = new - mirrored[1]
+        size = other @ other
+        turned = mirrored[0] - (2 / size * (other @ mirrored[0]) * other if size > 0 else 0)
+        normals.append(turned)
+    return np.array(normals)
+
+
+def test_a_body_is_carried_without_twist():
+    """Against mirrors, and against the torsion of a helix: -tau L to the Frenet normal."""
+    radius, pitch = 12.0, 8.0
+    line = helix(radius, pitch)
+    total = length(line)
+    at = np.linspace(-total / 2, total / 2, 400)
+    seam = carried(np.stack([0 * at + 1, 0 * at, at], axis=1), line, window=0.2)
+    spine = carried(np.stack([0 * at, 0 * at, at], axis=1), line, window=0.2)
+    normals = seam - spine
+    np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1, atol=1e-9)
+
+    own = tangents(line)
+    truth = double_reflection(line, own, normals[0] - (normals[0] @ own[0]) * own[0])
+    wanted = np.stack([np.interp(at + total / 2, arc_lengths(line), one) for one in truth.T], 1)
+    np.testing.assert_allclose(normals, wanted, atol=2e-3)
+
+    rise = pitch / (2 * np.pi)
+    torsion = rise / (radius**2 + rise**2)
+    phase = np.linspace(0, 2 * np.pi * 1.25, 400)
+    inward = -np.stack([np.cos(phase), np.sin(phase), 0 * phase], axis=1)
+    tangent = np.stack([-radius * np.sin(phase), radius * np.cos(phase), 0 * phase + rise], 1)
+    across = np.cross(tangent / np.linalg.norm(tangent, axis=1, keepdims=True), inward)
+    angle = np.unwrap(np.arctan2(np.sum(normals * across, 1), np.sum(normals * inward, 1)))
+    np.testing.assert_allclose((angle - angle[0])[5:-5], (-torsion * (at - at[0]))[5:-5], atol=2e-3)
+
+
+def test_a_straight_body_on_a_straight_line_only_turns_and_moves():
+    rng = np.random.default_rng(8)
+    body = rng.normal(size=(60, 3)) * [2, 2, 9]
+    one, other = np.array([3.0, -2, 5]), np.array([13.0, 8, -4])
+    placed = carried(body, [one, other])
+    gaps, kept = (np.linalg.norm(p[:, None] - p, axis=2) for p in (body, placed))
+    np.testing.assert_allclose(kept, gaps, atol=1e-9)
+    way = (other - one) / np.linalg.norm(other - one)
+    # Middle to middle; what is longer than the line goes straight on.
+    np.testing.assert_allclose((placed - (one + other) / 2) @ way, body[:, 2], atol=1e-9)
+    # Turned, not mirrored.
+    assert np.linalg.det(np.diff(placed[:4], axis=0)) * np.linalg.det(np.diff(body[:4], axis=0)) > 0
+
+
+def test_x_points_where_it_is_asked_to():
+    placed = carried([[1, 0, 0], [0, 1, 0]], [[0, 0, 0], [0, 0, 10]], first_normal=[0, 1, 3])
+    np.testing.assert_allclose(placed, [[0, 1, 5], [-1, 0, 5]], atol=1e-12)
+
+
+def test_a_line_that_shakes_does_not_shake_the_sections():
+    rng = np.random.default_rng(5)
+    heights = np.linspace(0, 30, 61)
+    shaky = np.stack([0 * heights, 0 * heights, heights], axis=1) + rng.normal(0, 0.05, (61, 3))
+    lattice = stent_lattice(*a_stent(shaky, 8.0))
+    ends = edges_of(lattice)
+    for level in np.unique(np.round(straight_lattice(30, 4, LatticeDesign()).points[ends, 2], 6)):
+        at = np.abs(straight_lattice(30, 4, LatticeDesign()).points[:, 2] - level) < 1e-3
+        assert np.ptp(lattice.points[at, 2]) < 0.5
+
+
+def test_an_axis_with_a_step_back_and_repeats_is_carried_along():
+    line = np.array([[0, 0, 0], [0, 0, 5], [0, 0, 5], [0, 0, 4.5], [0, 0, 10], [3, 0, 15.0]])
+    placed = carried(np.random.default_rng(1).normal(size=(50, 3)) * 4, line)
+    assert np.isfinite(placed).all()
+
+
+@pytest.mark.parametrize("line", [[[0, 0, 0]], [[0, 0, 0], [0, 0, 0]], [[0, 0, np.nan], [0, 0, 1]]])
+def test_a_line_without_length_is_refused(line):
+    with pytest.raises(InputError):
+        carried([[0, 0, 0]], line)
+
+
+def test_a_stent_in_a_bent_tube_lies_within_its_wall():
+    tube = bent_tube()
+    assert isinstance(tube.centerline, Centerline)
+    stent = Stent(5.0, placement=AtCenter(tube.axis_at([20.0])[0]), length=20.0)
+    axis = stent_axis(stent, tube.centerline)
+    points = stent_lattice(stent, axis).points
+    middle = tube.axis_at(np.linspace(0, 40, 4001))
+    nearest = np.array([np.linalg.norm(middle - one, axis=1).min() for one in points])
+    np.testing.assert_allclose(nearest, 2.5, atol=0.02)
