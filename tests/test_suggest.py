@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -239,3 +240,46 @@ def test_a_vessel_without_a_lesion_gets_no_plan(tmp_path, monkeypatch, capsys):
     assert main(["suggest", "tube.vtp", "--centerline", "line.vtp"]) == 2
     assert "none of 15 % or more was found; there is nothing to treat." in capsys.readouterr().err
     assert not Path("tube_plan.json").exists()
+
+
+def deployed_in_the_tube(capsys, *options):
+    """What is said of a stent at the throat of the tube of 6 mm, and its warnings."""
+    more = ["--center", "0", "0", "2", "--length", "12", "-o", "o.vtp", "--report", "r.json"]
+    assert main(["deploy", *SUGGEST[1:], *more, *options]) == 0
+    warnings = json.loads(Path("r.json").read_text(encoding="utf-8"))["warnings"]
+    told = capsys.readouterr()
+    assert all(sentence in told.err for sentence in warnings)
+    return told.out, [one for one in warnings if "times as wide as the" in one]
+
+
+def test_a_deployed_stent_is_compared_with_its_lesion(a_folder, capsys):
+    out, warnings = deployed_in_the_tube(capsys, "--diameter", "6")
+    (ratio,) = re.findall(r"Stent : adjacent vessel (\S+) \(sources 0.66 to 1.02\)\.\n", out)
+    assert float(ratio) == pytest.approx(1.0, abs=0.02)  # facets lie within the tube's circle
+    assert warnings == []
+
+
+def test_ratios_beyond_their_sources_are_warned_of(a_folder, capsys):
+    out, warnings = deployed_in_the_tube(capsys, "--balloon", "11", "--recoil", "0.2")
+    wide, tight = warnings
+    lumen, balloon = (float(re.findall(r"is (\S+) times as wide", one)[0]) for one in warnings)
+    assert lumen == pytest.approx(8.8 / 6.0, abs=0.03)
+    assert balloon == pytest.approx(11 / 3.6, abs=0.06)
+    assert f"Stent : adjacent vessel {lumen:.2f} (sources 0.66 to 1.02); balloon : stenosis" in out
+    assert wide.endswith("beside the lesion; sources had 0.66 to 1.02.")
+    assert tight.endswith("above 3 the recoil was more than 10 %.")
+
+
+def test_a_stent_beside_the_lesion_is_not_compared(a_folder, capsys):
+    place = ["--center", "0", "0", "0.7", "--length", "6", "--diameter", "8"]
+    out, warnings = deployed_in_the_tube(capsys, *place)
+    assert "Stent : adjacent" not in out
+    assert warnings == []
+
+
+def test_the_stent_is_named_where_its_ratio_is_warned_of(a_folder):
+    assert main([*SUGGEST, "--ratio", "1.3", "--quiet"]) == 0
+    result = run_plan(load_plan("tube_plan.json"))
+    (caution,) = result.size_warnings
+    assert (caution.kind, caution.stent) == ("ratio-adjacent", 1)
+    assert caution.sentence().startswith("Stent 1 (lesion 1): The stent is 1.3")

@@ -6,7 +6,7 @@ import qt
 from slicer.i18n import tr as _
 
 from SDFStentLib.plan import device_table
-from SDFStentLib.report import balloon_sentences, planned_device_sentences
+from SDFStentLib.report import balloon_sentences, planned_device_sentences, ratio_sentence
 from SDFStentLib.stent import KEPT, USUAL_RECOIL
 from SDFStentLib.validation import InputError, printable
 
@@ -32,6 +32,7 @@ class DeviceSection:
         self._table, self._rows = None, ()
         for kept in KEPT:
             ui.keptComboBox.addItem(KEPT_LABELS[kept])
+        ui.deviceCollapsibleButton.connect("contentsCollapsed(bool)", self._onOpened)
         ui.deviceComboBox.connect("activated(int)", self._onDevice)
         ui.deviceTableButton.connect("clicked()", self._onTable)
         ui.foreshorteningSlider.connect("valueChanged(double)", self._onForeshortening)
@@ -45,6 +46,8 @@ class DeviceSection:
         """The stent that is selected now."""
         self._parameterNode = parameterNode
         stent = parameterNode.stent
+        if not self.ui.deviceCollapsibleButton.collapsed:
+            self._tell(stent)
         values = (*Sizes.sizesOf(stent), parameterNode.deviceTable, self.ui.diameterSlider.maximum)
         if values == self._shown:
             return
@@ -58,7 +61,6 @@ class DeviceSection:
             self._showBalloon(balloon, stent)
         finally:
             self._updating = False
-        self._tell(stent)
 
     def _showDevice(self, device):
         box, table = self.ui.deviceComboBox, self._parameterNode.deviceTable
@@ -104,13 +106,27 @@ class DeviceSection:
         except InputError:
             sentences = []  # the line below Deploy says why
         else:
-            sentences = [*planned_device_sentences(planned), *balloon_sentences(planned, None)]
+            sentences = [*planned_device_sentences(planned), *self._compared(planned)]
         self.ui.deviceLabel.text = printable("\n".join(sentences))
         self.ui.deviceLabel.visible = bool(sentences)
+
+    def _compared(self, planned):
+        """Balloon, lumen and vessel, and how they compare where the stent covers a lesion."""
+        known = self._logic.ratios(self._parameterNode)
+        if known is None:
+            return balloon_sentences(planned, None)
+        lesion, ratios = known
+        cautions = [caution.sentence() for caution in ratios.cautions()]
+        diameters = balloon_sentences(planned, lesion.reference_diameter)
+        return [*diameters, ratio_sentence(ratios), *cautions]
 
     def _change(self, action):
         if not self._updating and self._parameterNode is not None:
             self._attempt(lambda: action(self._parameterNode))
+
+    def _onOpened(self, isClosed):
+        if not isClosed and self._parameterNode is not None:
+            self._tell(self._parameterNode.stent)
 
     def _onDevice(self, index):
         if index < len(self._rows):  # behind them is that of a plan, which the stent has already

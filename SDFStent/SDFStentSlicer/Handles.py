@@ -77,13 +77,14 @@ def endsAround(centerline, point, length):
     return path.points[[0, -1]]
 
 
+def isOwn(node):
+    """Whether a handle is a point list that this module has made."""
+    return node is not None and bool(node.GetAttribute(HANDLE_ATTRIBUTE)) and not node.IsA(CURVE)
+
+
 def fitHandle(node, placement, centerline, length):
     """Give a point list of ours the points that a placement needs; the user's own markups stay as they are."""
-    if (
-        node is None
-        or not node.GetAttribute(HANDLE_ATTRIBUTE)
-        or node.IsA("vtkMRMLMarkupsCurveNode")
-    ):
+    if not isOwn(node):
         return
     placed, points = Conversion.placedIndices(node), Conversion.placedPoints(node)
     with slicer.util.NodeModify(node):

@@ -105,10 +105,15 @@ class LesionTable:
         finally:
             self._updating = False
         table.visible = len(lesions) > 0
+        self._offer()
         self.ui.lesionLabel.text = sentence
         self.ui.lesionLabel.visible = bool(sentence)
 
+    def _offer(self):
+        self.ui.suggestButton.enabled = self.selected is not None
+
     def _selectionChanged(self):
+        self._offer()
         if not self._updating and self.selected is not None:
             self._onSelect(self.selected)
 

@@ -22,9 +22,10 @@ from .Previewing import Previewing
 from .Shown import Shown
 from .Snapping import Snapping
 from .StentList import StentList
+from .Suggesting import Suggesting
 
 
-class SDFStentLogic(Fitting, ScriptedLoadableModuleLogic):
+class SDFStentLogic(Fitting, Suggesting, ScriptedLoadableModuleLogic):
     """Deploys the stents of a parameter node.
 
         logic = SDFStentLogic()
@@ -216,7 +217,8 @@ class SDFStentLogic(Fitting, ScriptedLoadableModuleLogic):
         parameterNode.status = self._snapping.told(parameterNode)
         if live:
             previewed = self._inputs.preview(parameterNode)
-            yield from self._previewing.steps(shown, signature, vessel, previewed)
+            search = self.lesionSearch(parameterNode)
+            yield from self._previewing.steps(shown, signature, vessel, previewed, search)
         else:
             yield from Deploying.steps(shown, signature, vessel, self._inputs)
             yield from Deploying.measured(shown)

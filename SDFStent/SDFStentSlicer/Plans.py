@@ -105,7 +105,7 @@ def load(path, parameterNode):
     firsts, redilations = _redilated(path, plan.stents)
     planned = [_inFrame(stent, frame) for stent in firsts]
     stents = [
-        {**_valuesOf(stent), "redilation": diameter}
+        {**valuesOf(stent), "redilation": diameter}
         for stent, diameter in zip(planned, redilations, strict=True)
     ]
     method = _methodOf(plan)
@@ -203,7 +203,7 @@ def _placementOf(stent):
     return BY_POINT[stent.placement](points[0])
 
 
-def _valuesOf(stent):
+def valuesOf(stent):
     """A stent as the values of a `StentParameters`, still without a handle."""
     kind, _points = _kindAndPoints(stent.placement)
     values = {

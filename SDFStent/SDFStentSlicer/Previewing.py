@@ -24,10 +24,10 @@ class Previewing:
     def __init__(self):
         self._measuredAt = 0.0
 
-    def steps(self, shown, signature, vessel, previewed):
+    def steps(self, shown, signature, vessel, previewed, search):
         """Preview the plan on a `PreviewedVessel` and show it; an iterator as `SDFStentLogic.steps`.
 
-        Where the library refuses the plan the vessel is shown without stents, and said to be.
+        `search` is the `LesionSearch` of the vessel, or None. Where the library refuses the plan the vessel is shown without stents, and said to be.
         """
         parameterNode, surface = shown.parameterNode, shown.surface(vessel)
         surface.hideOutline()  # until nothing more is coming
@@ -48,7 +48,7 @@ class Previewing:
             raise
         self._show(shown, surface, run, signature)
         parameterNode.expansion = 100.0
-        yield from self._numbers(parameterNode, run)
+        yield from self._numbers(parameterNode, run, search)
 
     @staticmethod
     def _show(shown, surface, run, signature):
@@ -57,13 +57,14 @@ class Previewing:
         Results.showStents(shown.parameterNode, run.tubes())
         Results.showMap(shown.parameterNode, run)
 
-    def _numbers(self, parameterNode, run):
+    def _numbers(self, parameterNode, run, search):
         """Show about the minimum lumen, unless that was done just now."""
         if time.perf_counter() - self._measuredAt < NUMBERS_EVERY_S:
             return
         lumens = yield from working(run.lumens())
         self._measuredAt = time.perf_counter()
-        Results.showPreviewed(parameterNode, run, lumens)
+        found = () if search is None else search.found or ()
+        Results.showPreviewed(parameterNode, run, lumens, found)
 
 
 class PreviewedVessel:

@@ -4,9 +4,14 @@ import numpy as np
 import slicer
 from slicer.i18n import tr as _
 
-from SDFStentLib.measure import SMALLEST_DEGREE
-from SDFStentLib.report import stent_balloon_sentences, stent_device_sentences
-from SDFStentLib.treatment import prescribed_diameters
+from SDFStentLib.measure import SMALLEST_DEGREE, lesions_within
+from SDFStentLib.report import (
+    ratio_sentence,
+    stent_balloon_sentences,
+    stent_device_sentences,
+    stent_ratio_sentences,
+)
+from SDFStentLib.treatment import prescribed_diameters, ratio_cautions, stent_ratios
 from SDFStentLib.validation import one_line
 
 from . import Display
@@ -46,16 +51,27 @@ def showStents(parameterNode, tubes):
     node.GetDisplayNode().SetVisibility(parameterNode.showStents)
 
 
-def showPreviewed(parameterNode, run, lumens):
-    """The numbers of a preview, as such."""
+def showPreviewed(parameterNode, run, lumens, lesions):
+    """The numbers of a preview, as such, and the ratios to the `lesions` of the vessel, as far as these are known."""
     sentences = [
         _("{name}, {diameter:.1f} mm\nMinimum lumen: about {lumen} mm (preview)").format(
             name=one.stent.name, diameter=one.stent.diameter, lumen=_number(lumen)
         )
+        + "".join(f"\n{sentence}" for sentence in _ratios(one, lesions))
         for one, lumen in zip(run.state.stents, lumens, strict=True)
     ]
     with slicer.util.NodeModify(parameterNode):
         clearNumbers(parameterNode, "\n\n".join(sentences))
+
+
+def _ratios(placed, lesions):
+    """How a stent of a preview compares with the tightest lesion that it covers, and what there is to say of that."""
+    sentences = []
+    for lesion in lesions_within(lesions, placed.axis.points)[:1]:
+        ratios = stent_ratios(placed.stent, lesion)
+        cautions = [caution.sentence() for caution in ratios.cautions()]
+        sentences += [ratio_sentence(ratios), *cautions]
+    return sentences
 
 
 def showMeasured(parameterNode, run):
@@ -70,7 +86,10 @@ def showMeasured(parameterNode, run):
         )
         parameterNode.warningSummary = "\n".join(
             _("Warning: {sentence}").format(sentence=one_line(caution.sentence()))
-            for caution in run.result.warnings
+            for caution in (
+                *run.result.warnings,
+                *ratio_cautions(run.result.stents, run.lesions or (), run.label),
+            )
         )
 
 
@@ -90,6 +109,7 @@ def stentSummary(treated, lesions):
             ).format(before=_spread(before), after=_spread(after), prescribed=_prescribed(treated)),
             *stent_device_sentences(treated),
             *stent_balloon_sentences(treated, lesions),
+            *stent_ratio_sentences(treated, lesions),
             *lesionLines(lesions, treated.number),
             *branchLines(treated),
         )

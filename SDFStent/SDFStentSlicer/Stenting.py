@@ -69,6 +69,10 @@ class Stenting:
             yield state
         self._follow()
 
+    def label(self, number):
+        """How a message names a stent of the plan."""
+        return self._treatment.label(number)
+
     def lines(self):
         """The ways down the moved centerline, as rows of its points; yields None until they are found."""
         tree = self.centerline

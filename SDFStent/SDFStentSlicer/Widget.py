@@ -182,13 +182,17 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.recoil.follow(self._parameterNode)
         self.table.show(self.stents.values(), self._parameterNode.selected)
         self._state.show(self._parameterNode)
+        self._showSections()
+        self._requestUpdate()
+
+    def _showSections(self):
         for section in self.sections:
             section.show(self._parameterNode)
-        self._requestUpdate()
 
     def onInputModified(self):
         self.lesions.follow(self._parameterNode)
         self.recoil.follow(self._parameterNode)
+        self._showSections()
         self._state.enable(self._parameterNode)
         self._requestUpdate()
 
@@ -228,6 +232,7 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         )
         self.ui.segmentSelector.connect("currentSegmentChanged(QString)", self.onSegmentChanged)
         self.ui.addStentButton.connect("clicked()", self.onAddStent)
+        self.ui.suggestButton.connect("clicked()", self.onSuggest)
         self.ui.copyStentButton.connect("clicked()", self.onCopyStent)
         self.ui.removeStentButton.connect(
             "clicked()", lambda: self.logic.removeStent(self._parameterNode)
@@ -274,6 +279,7 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.preparation.cancel()
         if self._parameterNode is not None:
             self._state.show(self._parameterNode)
+            self._showSections()
             self.preparation.start(self.logic.prepared(self._parameterNode))
 
     def _onPrepared(self, error):
@@ -287,6 +293,11 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         else:
             self._attempt(lambda: self.logic.addStentAt(self._parameterNode, lesion))
             self.lesions.clearSelection()
+
+    def onSuggest(self):
+        lesion = self.lesions.selected
+        if lesion is not None:
+            self._attempt(lambda: self.logic.suggestStent(self._parameterNode, lesion))
 
     def onDeploy(self):
         self._attempt(self.recoil.finish)

@@ -36,6 +36,7 @@ from ..report import (
     stent_device_sentences,
     stent_lesion_sentences,
     stent_pressure_sentences,
+    stent_ratio_sentences,
     write_report,
     write_report_figure,
     zero_d_document,
@@ -169,13 +170,15 @@ class _Job:
         self.write_start = perf_counter()
         lost = self.outputs.write()
         units = self.result.inputs.surface.units
-        self.console.warn([*self.result.warnings, *lost], units=units)
+        cautions = [*self.result.warnings, *self.result.size_warnings, *lost]
+        self.console.warn(cautions, units=units)
         for stent in self.result.treatment.stents:
             label = treatment.label(stent.number)
             self.console.say(label + lumen_sentence(stent))
             for sentence in (
                 *stent_device_sentences(stent),
                 *stent_balloon_sentences(stent, self.result.lesions),
+                *stent_ratio_sentences(stent, self.result.lesions),
                 *stent_branch_sentences(stent),
                 *stent_lesion_sentences(self.result.lesions, stent.number),
                 *stent_pressure_sentences(stent, self.plan.flow),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from time import perf_counter
 
 import numpy as np
@@ -28,6 +28,8 @@ from ..treatment import (
     TreatmentResult,
     TreatmentState,
     Vessel,
+    label_of,
+    ratio_cautions,
     treated_lesions,
 )
 from ..units import Frame, flipped
@@ -81,6 +83,13 @@ class PlanResult:
         if vessel.lesions is None:
             return None
         return treated_lesions(vessel.lesions, result.stents, result.surface, vessel.surface)
+
+    @cached_property
+    def size_warnings(self) -> tuple[Caution, ...]:
+        """Where a stent's ratio to its lesion is beyond what is known; the lesions are needed."""
+        stents, lesions = self.plan.stents, self.lesions or ()
+        label = partial(label_of, stents)
+        return tuple(ratio_cautions(self.treatment.stents, lesions, label))
 
     def write_surface(
         self, path: str | os.PathLike[str], *, arrays: bool = False

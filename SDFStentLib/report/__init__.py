@@ -44,7 +44,12 @@ if TYPE_CHECKING:
     from .picture import alternatives_picture, before_after_picture
     from .pressure import stent_pressure_sentences
     from .report import FIGURE_SUFFIXES, Report, write_report, write_report_figure
-    from .sizing import suggestion_section, suggestion_sentences
+    from .sizing import (
+        ratio_sentence,
+        stent_ratio_sentences,
+        suggestion_section,
+        suggestion_sentences,
+    )
     from .zero_d import zero_d_document
 
 __all__ = [
@@ -72,11 +77,13 @@ __all__ = [
     "lumen_sentence",
     "plan_report",
     "planned_device_sentences",
+    "ratio_sentence",
     "stent_balloon_sentences",
     "stent_branch_sentences",
     "stent_device_sentences",
     "stent_lesion_sentences",
     "stent_pressure_sentences",
+    "stent_ratio_sentences",
     "suggestion_section",
     "suggestion_sentences",
     "write_report",
@@ -120,7 +127,12 @@ __getattr__, __dir__ = late_names(
         "painting": ["check_rendering"],
         "picture": ["alternatives_picture", "before_after_picture"],
         "pressure": ["stent_pressure_sentences"],
-        "sizing": ["suggestion_section", "suggestion_sentences"],
+        "sizing": [
+            "ratio_sentence",
+            "stent_ratio_sentences",
+            "suggestion_section",
+            "suggestion_sentences",
+        ],
         "report": ["FIGURE_SUFFIXES", "Report", "write_report", "write_report_figure"],
         "zero_d": ["zero_d_document"],
     },

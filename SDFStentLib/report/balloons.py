@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from ..stent import OfStent, Stent
-from ..treatment import TreatedLesion, TreatedStent, size_ratios
+from ..treatment import TreatedLesion, TreatedStent, stent_ratios
 from .sizing import ratio_section
 from .words import UNKNOWN
 
@@ -56,8 +56,7 @@ def balloon_sentences(stent: Stent, reference: float | None) -> list[str]:
 def _ratios(stent: Stent, covered: Covered) -> dict[str, float | None]:
     if not covered:
         return {}
-    balloon = float("nan") if stent.balloon is None else stent.balloon.diameter
-    return ratio_section(size_ratios(covered[0].before, stent.diameter, balloon))
+    return ratio_section(stent_ratios(stent, covered[0].before))
 
 
 def _reference(covered: Covered) -> float | None:

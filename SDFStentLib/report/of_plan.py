@@ -52,7 +52,10 @@ def plan_report(
         lesions=None
         if result.lesions is None
         else tuple(treated_lesion_section(one, units) for one in result.lesions),
-        warnings=tuple(caution.sentence(units=units) for caution in (*result.warnings, *lost)),
+        warnings=tuple(
+            caution.sentence(units=units)
+            for caution in (*result.warnings, *result.size_warnings, *lost)
+        ),
         timings={"read": result.inputs.seconds, **result.treatment.timings, **(timings or {})},
         settings=settings_section(result),
         changes=change_section(result),

@@ -2,10 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from ..measure import HealthyPlace
-from ..treatment import SEEN_RATIO, SizeRatios, Suggestion
+from ..treatment import (
+    SEEN_RATIO,
+    SizeRatios,
+    Suggestion,
+    TreatedLesion,
+    TreatedStent,
+    stent_ratios,
+)
 from .words import UNKNOWN
 
 
@@ -27,14 +35,25 @@ def suggestion_sentences(suggestion: Suggestion) -> list[str]:
 
 
 def ratio_sentence(ratios: SizeRatios) -> str:
-    """Both ratios with the ranges of their sources."""
+    """The ratios with the ranges of their sources; that of the balloon where there is one."""
     low, high = SEEN_RATIO
-    to_stenosis = ratios.balloon_to_stenosis
-    balloon = f"{to_stenosis:.2f}" if to_stenosis == to_stenosis else UNKNOWN
+    to_stenosis, balloon = ratios.balloon_to_stenosis, ""
+    if to_stenosis == to_stenosis:
+        balloon = (
+            f"; balloon : stenosis {to_stenosis:.2f} (above 3.0 the recoil was more than 10 %)"
+        )
     return (
         f"Stent : adjacent vessel {ratios.stent_to_adjacent:.2f} (sources {low:.2f} to "
-        f"{high:.2f}); balloon : stenosis {balloon} (above 3.0 the recoil was more than 10 %)."
+        f"{high:.2f}){balloon}."
     )
+
+
+def stent_ratio_sentences(
+    treated: TreatedStent, lesions: Sequence[TreatedLesion] | None
+) -> list[str]:
+    """The ratios of a stent to the tightest lesion that it covers; none where it covers none."""
+    covered = [one.before for one in lesions or () if treated.number in one.stents]
+    return [ratio_sentence(stent_ratios(treated.stent, lesion)) for lesion in covered[:1]]
 
 
 def suggestion_section(suggestion: Suggestion) -> dict[str, Any]:

@@ -5,10 +5,19 @@ from __future__ import annotations
 from .lesions import TreatedLesion, placement_at, treated_lesions
 from .preview import Preview, PreviewedStent, PreviewState
 from .profile import prescribed_diameters
-from .sizing import SEEN_RATIO, SizeRatios, SizingWishes, Suggestion, size_ratios, suggested
+from .sizing import (
+    SEEN_RATIO,
+    SizeRatios,
+    SizingWishes,
+    Suggestion,
+    ratio_cautions,
+    size_ratios,
+    stent_ratios,
+    suggested,
+)
 from .straightening import axis_in_vessel
 from .treatment import Treatment
-from .value import TreatedStent, TreatmentResult, TreatmentState
+from .value import TreatedStent, TreatmentResult, TreatmentState, label_of
 from .vessel import Vessel
 
 __all__ = [
@@ -26,9 +35,12 @@ __all__ = [
     "TreatmentState",
     "Vessel",
     "axis_in_vessel",
+    "label_of",
     "placement_at",
     "prescribed_diameters",
+    "ratio_cautions",
     "size_ratios",
+    "stent_ratios",
     "suggested",
     "treated_lesions",
 ]

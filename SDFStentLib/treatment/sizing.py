@@ -10,7 +10,7 @@ beyond.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -29,7 +29,8 @@ from ..stent import (
     balloon_by_rule,
 )
 from ..validation import as_number
-from .lesions import placement_at
+from .lesions import TreatedLesion, placement_at
+from .value import TreatedStent
 
 SEEN_RATIO = (0.66, 1.02)
 """Stent over the vessel beside it, as sources had it.
@@ -164,6 +165,28 @@ def size_ratios(lesion: Lesion, lumen: float, balloon: float = math.nan) -> Size
     """How the diameters, mm, of a stent's lumen and of its balloon compare with a lesion's."""
     adjacent, stenosis = adjacent_diameter(lesion), lesion.minimum_diameter
     return SizeRatios(adjacent, lumen / adjacent, stenosis, balloon / stenosis)
+
+
+def stent_ratios(stent: Stent, lesion: Lesion) -> SizeRatios:
+    """How a stent compares with a lesion that it covers."""
+    balloon = math.nan if stent.balloon is None else stent.balloon.diameter
+    return size_ratios(lesion, stent.diameter, balloon)
+
+
+def ratio_cautions(
+    stents: Sequence[TreatedStent],
+    lesions: Sequence[TreatedLesion],
+    label: Callable[[int], str] = "".format,
+) -> Iterator[Caution]:
+    """Where a stent's ratio to the tightest lesion that it covers is beyond what its source saw.
+
+    `label` names a stent by its number.
+    """
+    for one in stents:
+        covered = [lesion.before for lesion in lesions if one.number in lesion.stents]
+        for lesion in covered[:1]:
+            for caution in stent_ratios(one.stent, lesion).cautions():
+                yield replace(caution, stent=one.number).labeled(label(one.number))
 
 
 def suggested(

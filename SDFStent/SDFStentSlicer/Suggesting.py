@@ -1,0 +1,85 @@
+"""Stents by the library's rule of sizing, and how sizes compare with the lesion of a stent."""
+
+from dataclasses import replace
+
+import slicer
+
+from SDFStentLib.measure import lesions_within
+from SDFStentLib.plan import read_details, stent_details
+from SDFStentLib.report import suggestion_sentences
+from SDFStentLib.stent import stent_axis
+from SDFStentLib.treatment import SizingWishes, stent_ratios, suggested
+from SDFStentLib.validation import InputError
+
+from . import Dependencies, Handles, Plans, Sizes
+
+
+class Suggesting:
+    """A part of `SDFStentLogic`. `self._inputs` are the logic's `Inputs`."""
+
+    def suggestStent(self, parameterNode, lesion):
+        """Size a stent for a lesion by the library's rule and place it there; what it says of that is in `status` afterwards.
+
+        The selected stent where that covers the lesion by a handle of ours, with its device and shape, and else a new one. Returns
+        the library's `Suggestion`.
+        """
+        isThere = self.lesionOf(parameterNode) is lesion and Handles.isOwn(
+            parameterNode.stent.handle
+        )
+        wishes = _wishesOf(parameterNode.stent) if isThere else SizingWishes()
+        found = self._inputs.lesions(parameterNode).found
+        number = 1 + next(index for index, one in enumerate(found) if one is lesion)
+        centerline = self._inputs.centerline(parameterNode)
+        suggestion = suggested(lesion, number, centerline, wishes)
+        values = Plans.valuesOf(suggestion.stent)
+        del values["label"]
+        if isThere:
+            self._resize(parameterNode, values)
+        else:
+            self.addStent(parameterNode, **values)
+        handle = parameterNode.stent.handle
+        handle.SetNthControlPointPositionWorld(0, *suggestion.stent.placement.point)
+        cautions = [caution.sentence() for caution in suggestion.cautions()]
+        parameterNode.status = "\n".join([*suggestion_sentences(suggestion), *cautions])
+        return suggestion
+
+    def _resize(self, parameterNode, values):
+        """Give the selected stent other values, and its handle the points that its placement needs then."""
+        stent = parameterNode.stent
+        details = read_details(values["details"])
+        kept = replace(Sizes.detailsOf(stent), device=details.device, balloon=details.balloon)
+        values["details"] = stent_details(kept)
+        with slicer.util.NodeModify(parameterNode):
+            stent.placement = values["placement"]
+            self.fitHandle(parameterNode)
+            for name, value in values.items():
+                setattr(stent, name, value)
+
+    def lesionOf(self, parameterNode):
+        """The tightest lesion that the selected stent covers; None without one, or before they were looked for."""
+        known = self.ratios(parameterNode)
+        return None if known is None else known[0]
+
+    def ratios(self, parameterNode):
+        """The selected stent's lesion, as of `lesionOf`, and its `SizeRatios` to it; None without one."""
+        search = self.lesionSearch(parameterNode)
+        if search is None or not search.found or not len(parameterNode.stents):
+            return None
+        stent = parameterNode.stent
+        if Dependencies.missingOf(stent) or Sizes.refusal(stent):
+            return None
+        try:
+            planned = Plans.plannedStent(stent)
+            axis = stent_axis(planned, self._inputs.centerline(parameterNode))
+        except InputError:
+            return None  # a deployment says why
+        for lesion in lesions_within(search.found, axis.points):
+            return lesion, stent_ratios(planned, lesion)
+        return None
+
+
+def _wishesOf(stent):
+    device = Sizes.detailsOf(stent).device
+    isOwn = device is not None and not stent.deviceShortening
+    own = stent.foreshortening / 100 if isOwn else None
+    return SizingWishes(device=device, foreshortening_fraction=own)

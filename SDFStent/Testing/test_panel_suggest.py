@@ -1,0 +1,166 @@
+"""Suggest: a stent for the selected lesion by the library's rule, and the ratios of sizes."""
+
+import numpy as np
+import pytest
+from panel_helpers import deploy, settle
+from test_panel_lesions import clickRow, found
+
+
+@pytest.fixture
+def aLesion(host, theInputs):
+    """The panel with the first lesion selected, and that lesion."""
+    lesion = found(host, theInputs)[0]
+    clickRow(host, theInputs.ui.lesionTable, 0)
+    return theInputs, lesion
+
+
+def planned(panel):
+    from SDFStentSlicer import Plans
+
+    return Plans.plannedOf(panel._parameterNode)
+
+
+def smallerSide(lesion):
+    """Diameter of the healthy vessel beside a lesion, mm."""
+    return min(side.diameter for side in (lesion.proximal, lesion.distal) if side is not None)
+
+
+def suggestion(panel, number=1, **wishes):
+    """What the library proposes for a lesion."""
+    from SDFStentLib.treatment import SizingWishes, Vessel
+
+    parameters, logic = panel._parameterNode, panel.logic
+    vessel = Vessel(logic._inputs.vessel(parameters).surface, logic.centerlineOf(parameters))
+    return vessel.suggestion(number, SizingWishes(**wishes))
+
+
+def test_suggest_needs_a_lesion_that_is_selected(host, theInputs):
+    assert not theInputs.ui.suggestButton.enabled
+    found(host, theInputs)
+    assert not theInputs.ui.suggestButton.enabled
+    clickRow(host, theInputs.ui.lesionTable, 0)
+    assert theInputs.ui.suggestButton.enabled
+
+
+def test_suggest_adds_the_stent_of_the_library(host, aLesion):
+    from SDFStentLib.report import suggestion_sentences
+
+    panel, lesion = aLesion
+    host.click(panel.ui.suggestButton)
+    (stent,) = planned(panel)
+    expected = suggestion(panel)
+    assert (stent.diameter, stent.length) == (expected.stent.diameter, expected.stent.length)
+    assert stent.balloon == expected.stent.balloon
+    assert stent.foreshortening == pytest.approx(expected.stent.foreshortening)
+    np.testing.assert_allclose(stent.placement.point, expected.stent.placement.point, atol=1e-9)
+    shown = panel.ui.statusLabel.text
+    assert shown == "\n".join(suggestion_sentences(expected))
+    assert "Rule: lumen as wide as the smaller healthy vessel" in shown
+    deploy(host, panel)
+    assert panel.ui.statusLabel.text == ""
+    run = panel.logic.lastRun(panel._parameterNode)
+    assert run.lesions[0].stents == (1,)
+    assert abs(run.lesions[0].after.percent_diameter) < 10
+    assert lesion is run.lesions[0].before
+
+
+def test_suggest_sizes_the_stent_that_is_there(host, aLesion):
+    panel, _lesion = aLesion
+    host.click(panel.ui.addStentButton)
+    clickRow(host, panel.ui.lesionTable, 0)
+    logic, parameters = panel.logic, panel._parameterNode
+    handle = parameters.stent.handle
+    logic.setDevice(parameters, "gore-vbx")
+    panel.ui.waistSpinBox.value = 4.0
+    panel.ui.lengthSlider.value = 30.0
+    panel.ui.nameEdit.text = "Main"
+    host.click(panel.ui.suggestButton)
+    (stent,) = planned(panel)
+    expected = suggestion(panel, device=stent.device)
+    assert (stent.diameter, stent.length) == (expected.stent.diameter, expected.stent.length)
+    assert stent.foreshortening == 0  # of the device
+    assert (stent.name, stent.device.name, stent.shape.waist.diameter) == ("Main", "gore-vbx", 4.0)
+    assert parameters.stent.handle is handle
+    clickRow(host, panel.ui.lesionTable, 1)
+    host.click(panel.ui.suggestButton)  # that one is elsewhere
+    assert len(planned(panel)) == 2
+    expected = suggestion(panel, number=2)
+    assert planned(panel)[1].diameter == expected.stent.diameter
+    assert panel.ui.stentTable.currentRow() == 1
+
+
+def test_suggest_leaves_a_stent_between_two_points_one_point(host, aLesion):
+    panel, _lesion = aLesion
+    host.click(panel.ui.addStentButton)
+    host.choose(panel.ui.placementComboBox, 3)
+    host.process()
+    assert panel._parameterNode.stent.handle.GetNumberOfControlPoints() == 2
+    clickRow(host, panel.ui.lesionTable, 0)
+    host.click(panel.ui.suggestButton)
+    assert panel._parameterNode.stent.handle.GetNumberOfControlPoints() == 1
+    (stent,) = planned(panel)
+    expected = suggestion(panel)
+    assert stent.length == expected.stent.length
+    np.testing.assert_allclose(stent.placement.point, expected.stent.placement.point, atol=1e-9)
+
+
+def test_ratios_are_shown_while_sizes_change(host, aLesion):
+    panel, lesion = aLesion
+    ui = panel.ui
+    host.click(ui.suggestButton)
+    ui.deviceCollapsibleButton.collapsed = False
+    healthy = smallerSide(lesion)
+    for balloon in (7.0, 9.0, 14.0):
+        ui.balloonSlider.value = balloon
+        lumen = panel._parameterNode.stent.diameter
+        assert f"Stent : adjacent vessel {lumen / healthy:.2f} (sources 0.66 to 1.02); " in (
+            ui.deviceLabel.text
+        )
+        share = balloon / lesion.minimum_diameter
+        assert f"balloon : stenosis {share:.2f} (above 3.0" in ui.deviceLabel.text
+        isWide = lumen / healthy > 1.02
+        assert ("times as wide as the healthy vessel" in ui.deviceLabel.text) == isWide
+        assert ("times as wide as the stenosis" in ui.deviceLabel.text) == (share > 3)
+        assert f"reference {lesion.reference_diameter:.2f} mm" in ui.deviceLabel.text
+    host.processUntil(lambda: not panel.recoil.isBusy, 60.0)
+    place = panel.logic.centerlineOf(panel._parameterNode)
+    root = place.points[place.roots[0]]
+    panel._parameterNode.stent.handle.SetNthControlPointPositionWorld(0, *root)
+    assert "Stent : adjacent" not in ui.deviceLabel.text
+
+
+def test_ratios_are_in_previews_and_in_the_results(host, aLesion):
+    panel, lesion = aLesion
+    ui = panel.ui
+    host.click(ui.suggestButton)
+    ui.balloonCheckBox.checked = False
+    ui.autoUpdateCheckBox.checked = True
+    settle(host, panel)
+    healthy = smallerSide(lesion)
+    ui.diameterSlider.value = 9.0
+    host.processUntil(lambda: "(preview)" in ui.lumenLabel.text)
+    ratio = f"Stent : adjacent vessel {9 / healthy:.2f} (sources 0.66 to 1.02)."
+    wide = f"The stent is {9 / healthy:.2f} times as wide as the healthy vessel of {healthy:.1f} mm"
+    assert ratio in ui.lumenLabel.text
+    assert wide in ui.lumenLabel.text
+    settle(host, panel)
+    assert "(preview)" not in ui.lumenLabel.text
+    assert ratio in ui.lumenLabel.text
+    assert f"Warning: Stent 1 (Stent 1): {wide}" in ui.warningLabel.text
+
+
+def test_a_lesion_that_is_gone_is_no_longer_offered(host, aLesion):
+    panel, _lesion = aLesion
+    panel.ui.centerlineSelector.setCurrentNode(None)
+    host.processUntil(lambda: not panel.lesions.isBusy)
+    assert not panel.ui.suggestButton.enabled
+
+
+def test_the_console_suggests_as_the_panel(aLogic, theParameters):
+    search = aLogic.lesionSearch(theParameters)
+    for _part in search.portions():
+        pass
+    suggested = aLogic.suggestStent(theParameters, search.found[0])
+    assert len(theParameters.stents) == 1  # it was there
+    assert theParameters.stent.diameter == suggested.stent.diameter
+    assert "Rule: " in theParameters.status
