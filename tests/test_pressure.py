@@ -134,7 +134,8 @@ def test_shell_report_and_plan_tell_the_pressure_for_a_flow(a_folder, capsys):
         line = DiameterProfile(x, np.zeros((len(x), 3)), inscribed, equivalent)
         for flow, (low, high) in zip((4.0, 8.5), pressure[f"{when}_mmhg"], strict=True):
             assert (low, high) == pytest.approx(pressure_band(line, flow)[1:])
-            assert f"{low:.2g} to {high:.2g} mmHg at {flow:g} mL/s" in said
+            per_minute = f"({flow * 60 / 1000:.3g} L/min)"
+            assert f"{low:.2g} to {high:.2g} mmHg at {flow:g} mL/s {per_minute}" in said
     assert pressure["after_mmhg"][1][1] < pressure["before_mmhg"][1][0]
     page = Path("r.html").read_text(encoding="utf-8")
     assert "<h2>Pressure</h2>" in page

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import slicer
 from slicer.i18n import tr as _
 
-from . import Conversion, Sizes
+from . import Conversion, Flow, Sizes
 from .ParameterNode import MethodParameters, Placement, stentsOf
 
 
@@ -48,7 +48,8 @@ def _missing(parameterNode, stents):
         )
     if not stents:
         return _("Add a stent, or switch one on.")
-    return next(filter(None, map(missingOf, stents)), "") or _refusal(stents)
+    missing = next(filter(None, map(missingOf, stents)), "")
+    return missing or _refusal(stents) or Flow.refusal(parameterNode)
 
 
 def _refusal(stents):

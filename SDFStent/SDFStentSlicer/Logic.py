@@ -286,6 +286,7 @@ class SDFStentLogic(Fitting, Suggesting, ScriptedLoadableModuleLogic):
         if run is None:
             return
         Results.followSelection(parameterNode, run)
+        Results.followFlow(parameterNode, run)
         if run.shownMap != parameterNode.map:
             Results.showMap(parameterNode, run)
 

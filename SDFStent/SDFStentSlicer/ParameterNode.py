@@ -87,6 +87,8 @@ RANGES = {
     "tissueGap": Range(0.0, WIDEST["tissue_gap"], "a tissue gap"),
     "step": Range(0.0, SHORTEST_AND_LONGEST["step"][1], "a radius step"),
     "straightening": Range(0.0, 100.0, "a straightening", " %"),
+    "flowLeast": Range(0.0, 60.0, "a flow", " L/min"),
+    "flowMost": Range(0.0, 60.0, "a flow at most", " L/min"),
 }
 
 
@@ -172,6 +174,8 @@ class SDFStentParameterNode:
     autoUpdate: bool = False
     expansion: Annotated[float, WithinRange(0.0, 100.0)] = 100.0
     map: SurfaceMap = SurfaceMap.NONE
+    flowLeast: Annotated[float, _within("flowLeast")] = 0.0
+    flowMost: Annotated[float, _within("flowMost")] = 0.0
     showStents: bool = True
 
     outputVessel: Optional[vtkMRMLModelNode]

@@ -21,7 +21,7 @@ from SDFStentLib.plan import (
 from SDFStentLib.stent import InputFile, OfStent
 from SDFStentLib.validation import InputError
 
-from . import Conversion, Dependencies, Handles, Sizes
+from . import Conversion, Dependencies, Flow, Handles, Sizes
 from .ParameterNode import RANGES, MethodParameters, Placement, stentsOf
 from .Sizes import BY_POINT
 from .StentList import StentList
@@ -76,6 +76,7 @@ def planOf(parameterNode, stents=None):
         frame=frame,
         settings=settingsOf(parameterNode),
         straightening_fraction=parameterNode.method.straightening / 100,
+        flow=Flow.flowOf(parameterNode),
     )
 
 
@@ -108,14 +109,17 @@ def load(path, parameterNode):
         {**valuesOf(stent), "redilation": diameter}
         for stent, diameter in zip(planned, redilations, strict=True)
     ]
-    method = _methodOf(plan)
+    method, flow = _methodOf(plan), Flow.valuesOf(plan)
     for number, values in enumerate(stents, start=1):
         _checkRanges(values, f"{path}: {values['label'] or f'stent {number}'}")
     _checkRanges(method, f"{path}: settings")
+    _checkRanges(flow, f"{path}: flow")
     for values, stent in zip(stents, planned, strict=True):  # nothing is refused from here on
         values["handle"] = _handleOf(stent, values["label"])
     with slicer.util.NodeModify(parameterNode):
         parameterNode.method = MethodParameters(**method)
+        for name, value in flow.items():
+            setattr(parameterNode, name, value)
         parameterNode.planDocument = plan_text(plan)
         StentList(parameterNode).replace(stents, 0 if stents else -1)
     if plan.frame is not None:

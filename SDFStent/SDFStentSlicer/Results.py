@@ -9,12 +9,13 @@ from SDFStentLib.report import (
     ratio_sentence,
     stent_balloon_sentences,
     stent_device_sentences,
+    stent_pressure_sentences,
     stent_ratio_sentences,
 )
 from SDFStentLib.treatment import prescribed_diameters, ratio_cautions, stent_ratios
 from SDFStentLib.validation import one_line
 
-from . import Display
+from . import Display, Flow
 from .ParameterNode import SurfaceMap
 
 SERIES = {
@@ -78,9 +79,7 @@ def showMeasured(parameterNode, run):
     """The numbers: sentences, table and plot."""
     with slicer.util.NodeModify(parameterNode):
         showProfile(parameterNode, run)
-        parameterNode.lumenSummary = "\n\n".join(
-            stentSummary(treated, run.lesions) for treated in run.result.stents
-        )
+        showSummary(parameterNode, run)
         parameterNode.certificateSummary = (
             run.result.certificate.sentence() if run.result.certificate else _("Not certified.")
         )
@@ -91,6 +90,25 @@ def showMeasured(parameterNode, run):
                 *ratio_cautions(run.result.stents, run.lesions or (), run.label),
             )
         )
+
+
+def showSummary(parameterNode, run):
+    """What there is to say of every stent, with the pressure drops at the flow that is set."""
+    run.shownFlow = flow = Flow.toldFlow(parameterNode)
+    told = [stent_pressure_sentences(treated, flow) for treated in run.result.stents]
+    summaries = [
+        "\n".join([stentSummary(treated, run.lesions), *pressure[:1]])
+        for treated, pressure in zip(run.result.stents, told, strict=True)
+    ]
+    notes = dict.fromkeys(note for pressure in told for note in pressure[1:])  # once
+    parameterNode.lumenSummary = "\n\n".join([*summaries, *notes])
+
+
+def followFlow(parameterNode, run):
+    """Tell the pressure drops of the last deployment at another flow, once that is set."""
+    isShown = run.result is not None and parameterNode.certificateSummary
+    if isShown and Flow.toldFlow(parameterNode) != run.shownFlow:
+        showSummary(parameterNode, run)
 
 
 def stentSummary(treated, lesions):

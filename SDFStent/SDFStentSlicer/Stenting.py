@@ -38,7 +38,7 @@ class Stenting:
         self.recorded, self._axes = [], {}
         self.places, self.result = list(places), None
         self.search, self.lesions = search, None
-        self.shownMap = self.shownStent = None
+        self.shownMap = self.shownStent = self.shownFlow = None
         self._treatment = Treatment(
             surface,
             planned,

@@ -312,7 +312,7 @@ def test_warnings_stand_with_the_numbers(host, aStent):
     deploy(host, aStent)
     assert aStent.ui.warningLabel.visible
     assert aStent.ui.warningLabel.text.startswith("Warning: ")
-    aStent.ui.diameterSlider.value = 8.5
+    aStent.ui.diameterSlider.value = 7.0
     deploy(host, aStent)
     assert not aStent.ui.warningLabel.visible
 

@@ -20,6 +20,9 @@ NOTE = (
 
 Flow = tuple[float, float]
 
+L_PER_MIN = 0.06
+"""In one mL/s."""
+
 
 def pressure_section(stent: TreatedStent, flow: Flow | None) -> dict[str, Any] | None:
     """The bands before and after at the least and at the most flow; None without a flow."""
@@ -46,7 +49,7 @@ def pressure_words(section: Mapping[str, Any]) -> str:
     flows = section["flow_ml_s"]
     spans = [
         ", ".join(
-            f"{low:.2g} to {high:.2g} mmHg at {value:g} mL/s"
+            f"{low:.2g} to {high:.2g} mmHg at {value:.4g} mL/s ({value * L_PER_MIN:.3g} L/min)"
             for value, (low, high) in dict(zip(flows, section[f"{name}_mmhg"], strict=True)).items()
         )
         for name in ("before", "after")
