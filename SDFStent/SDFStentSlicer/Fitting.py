@@ -2,14 +2,13 @@
 
 from dataclasses import replace
 
-import slicer
-
 from SDFStentLib.plan import device_named, device_table, stent_details
 from SDFStentLib.stent import DEFAULT_FORESHORTENING, Balloon, Shape, balloon_by_rule
 from SDFStentLib.validation import InputError
 
 from . import Plans, Sizes
 from .Portions import untilDone
+from .StentList import StentList
 
 NOT_KNOWN = float("nan")
 
@@ -40,15 +39,12 @@ class Fitting:
         if isinstance(device, str):
             device = device_named(device, parameterNode.deviceTable or None)
         stent = parameterNode.stent
-        with slicer.util.NodeModify(parameterNode):
-            if device == device_table()[0]:
-                stent.foreshortening = _usualForeshortening(stent)
-                stent.deviceShortening = False
-                self.setDetails(parameterNode, device=None)
-                return
-            stent.length = device.nominal_length or stent.length
-            stent.deviceShortening = True
-            self.setDetails(parameterNode, device=device)
+        if device == device_table()[0]:
+            values = {"foreshortening": _usualForeshortening(stent), "deviceShortening": False}
+            self.setDetails(parameterNode, device=None, **values)
+        else:
+            length = device.nominal_length or stent.length
+            self.setDetails(parameterNode, device=device, length=length, deviceShortening=True)
 
     def setBalloon(self, parameterNode, diameter, recoil=None):
         """Expand the stent by a balloon, mm, that recoils by a fraction, by the rule of its source without one; None: by none.
@@ -76,9 +72,7 @@ class Fitting:
 
     def inflate(self, parameterNode, balloon):
         """Set the balloon, and the lumen that it leaves."""
-        with slicer.util.NodeModify(parameterNode):
-            parameterNode.stent.diameter = balloon.lumen_diameter
-            self.setDetails(parameterNode, balloon=balloon)
+        self.setDetails(parameterNode, balloon=balloon, diameter=balloon.lumen_diameter)
 
     def recoilByRule(self, parameterNode):
         """Let the stent recoil by the rule in the lumen where it lies; yields None until that is measured.
@@ -106,10 +100,9 @@ class Fitting:
 
     def setShape(self, parameterNode, shape):
         """Give the stent a `Shape` of the library, or None: a cylinder. A table brings its diameter."""
-        with slicer.util.NodeModify(parameterNode):
-            if shape is not None and shape.table:
-                parameterNode.stent.diameter = max(row[1] for row in shape.table)
-            self.setDetails(parameterNode, shape=shape)
+        table = () if shape is None else shape.table
+        diameter = {"diameter": max(row[1] for row in table)} if table else {}
+        self.setDetails(parameterNode, shape=shape, **diameter)
 
     def changeShape(self, parameterNode, **parts):
         """Set parts of the stent's `Shape`; without any that make it another it is a cylinder."""
@@ -118,9 +111,11 @@ class Fitting:
 
     @staticmethod
     def setDetails(parameterNode, **changes):
-        """Set values of the stent's `StentDetails`."""
-        details = replace(Sizes.detailsOf(parameterNode.stent), **changes)
-        parameterNode.stent.details = stent_details(details)
+        """Set values of the stent's `StentDetails`, and others of the stent."""
+        former = Sizes.detailsOf(parameterNode.stent)
+        own = {name: changes.pop(name) for name in vars(former) if name in changes}
+        details = stent_details(replace(former, **own))
+        StentList(parameterNode).change(details=details, **changes)
 
 
 def _usualForeshortening(stent):

@@ -82,6 +82,7 @@ class PanelState:
         self.ui.addStentButton.enabled = (
             parameterNode.vessel is not None or parameterNode.centerline is not None
         )
+        self.ui.extractButton.enabled = parameterNode.vessel is not None
         self.ui.copyStentButton.enabled = self.ui.removeStentButton.enabled = count > 0
         self.ui.moveUpButton.enabled = parameterNode.selected > 0
         self.ui.moveDownButton.enabled = 0 <= parameterNode.selected < count - 1
@@ -98,7 +99,7 @@ class PanelState:
         for label in (self.ui.lumenLabel, self.ui.certificateLabel, self.ui.warningLabel):
             label.enabled = not isOld
         changed = _("Changed since this deployment; click Deploy.") if isOld else ""
-        sentences = [standing.missing or parameterNode.status, changed]
+        sentences = [standing.missing, parameterNode.status, changed]
         self.ui.statusLabel.text = printable("\n".join(filter(None, sentences)))
         self.ui.statusLabel.visible = bool(self.ui.statusLabel.text)
 

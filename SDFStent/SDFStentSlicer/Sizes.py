@@ -44,18 +44,20 @@ def detailsOf(stent):
 
 def balloonOf(stent):
     """The balloon that leaves the stent's lumen, or None."""
+    kept = detailsOf(stent).balloon
     try:
-        return somewhere(stent).balloon
+        return kept and somewhere(stent).balloon
     except InputError:
-        return detailsOf(stent).balloon
+        return kept
 
 
 def shapeOf(stent):
     """What makes the stent another than a cylinder, or None."""
+    kept = detailsOf(stent).shape
     try:
-        return somewhere(stent).shape
+        return kept and somewhere(stent).shape
     except InputError:
-        return detailsOf(stent).shape
+        return kept
 
 
 def stentAt(stent, placement, label=""):

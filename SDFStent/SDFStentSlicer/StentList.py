@@ -2,6 +2,8 @@
 
 import slicer
 
+from SDFStentLib.validation import InputError
+
 from .ParameterNode import StentParameters, stentValues
 
 
@@ -57,6 +59,14 @@ class StentList:
         target = min(max(selected + offset, 0), len(stents) - 1)
         stents.insert(target, stents.pop(selected))
         self.replace(stents, target)
+
+    def change(self, **values):
+        """Give the selected stent, as it is edited, other values."""
+        stents, selected = self.values(), self.parameterNode.selected
+        if not 0 <= selected < len(stents):
+            raise InputError("Stent: expected one that is selected, got none; add one.")
+        stents[selected] = {**stentValues(self.parameterNode.stent), **values}
+        self.replace(stents, selected)
 
     def select(self, index):
         """Make one stent the edited one."""

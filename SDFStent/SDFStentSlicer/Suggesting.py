@@ -12,6 +12,7 @@ from SDFStentLib.treatment import SizingWishes, stent_ratios, suggested
 from SDFStentLib.validation import InputError
 
 from . import Dependencies, Handles, Plans, Sizes
+from .StentList import StentList
 
 
 class Suggesting:
@@ -27,8 +28,7 @@ class Suggesting:
             parameterNode.stent.handle
         )
         wishes = _wishesOf(parameterNode.stent) if isThere else SizingWishes()
-        found = self._inputs.lesions(parameterNode).found
-        number = 1 + next(index for index, one in enumerate(found) if one is lesion)
+        number = self._numberOf(parameterNode, lesion)
         centerline = self._inputs.centerline(parameterNode)
         suggestion = suggested(lesion, number, centerline, wishes)
         values = Plans.valuesOf(suggestion.stent)
@@ -43,17 +43,27 @@ class Suggesting:
         parameterNode.status = "\n".join([*suggestion_sentences(suggestion), *cautions])
         return suggestion
 
+    def _numberOf(self, parameterNode, lesion):
+        """Of a lesion among those of the vessel, from 1."""
+        found = self._inputs.lesions(parameterNode).found or ()
+        for number, one in enumerate(found, start=1):
+            if one is lesion:
+                return number
+        raise InputError(
+            "lesion: expected one that was found in this vessel, got another; look for them again."
+        )
+
     def _resize(self, parameterNode, values):
         """Give the selected stent other values, and its handle the points that its placement needs then."""
-        stent = parameterNode.stent
         details = read_details(values["details"])
-        kept = replace(Sizes.detailsOf(stent), device=details.device, balloon=details.balloon)
+        kept = replace(
+            Sizes.detailsOf(parameterNode.stent), device=details.device, balloon=details.balloon
+        )
         values["details"] = stent_details(kept)
         with slicer.util.NodeModify(parameterNode):
-            stent.placement = values["placement"]
+            StentList(parameterNode).change(placement=values["placement"])
             self.fitHandle(parameterNode)
-            for name, value in values.items():
-                setattr(stent, name, value)
+            StentList(parameterNode).change(**values)
 
     def lesionOf(self, parameterNode):
         """The tightest lesion that the selected stent covers; None without one, or before they were looked for."""

@@ -2,14 +2,12 @@
 
 import logging
 
-import qt
 import slicer
 import vtk
-from slicer.i18n import tr as _
 from slicer.ScriptedLoadableModule import ScriptedLoadableModuleWidget
 from slicer.util import VTKObservationMixin
 
-from . import Outputs
+from . import Conversion, ExtractCenterline, Outputs
 from .DeploySession import DeploySession
 from .DeviceSection import DeviceSection
 from .GuiBinding import GuiBinding
@@ -20,12 +18,13 @@ from .PanelState import PanelState
 from .ParameterNode import CHOICE_LABELS
 from .RecoilRule import RecoilRule
 from .ShapeSection import ShapeSection
+from .StentButtons import StentButtons
 from .StentList import StentList
 from .StentTable import StentTable
 from .SteppedRun import SteppedRun
 
 
-class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
+class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationMixin):
     """See `SDFStentLogic` for everything that is computed; this class knows only how it is asked for and shown."""
 
     def __init__(self, parent=None, logic=None):
@@ -230,20 +229,8 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.ui.parameterSetSelector.connect(
             "currentNodeChanged(vtkMRMLNode*)", self.onParameterSetSelected
         )
+        self.ui.extractButton.connect("clicked()", lambda: self._attempt(self.onExtract))
         self.ui.segmentSelector.connect("currentSegmentChanged(QString)", self.onSegmentChanged)
-        self.ui.addStentButton.connect("clicked()", self.onAddStent)
-        self.ui.suggestButton.connect("clicked()", self.onSuggest)
-        self.ui.copyStentButton.connect("clicked()", self.onCopyStent)
-        self.ui.removeStentButton.connect(
-            "clicked()", lambda: self.logic.removeStent(self._parameterNode)
-        )
-        delete = qt.QShortcut(qt.QKeySequence(qt.Qt.Key_Delete), self.ui.stentTable)
-        delete.setContext(qt.Qt.WidgetWithChildrenShortcut)
-        delete.connect("activated()", lambda: self.ui.removeStentButton.click())
-        self.ui.moveUpButton.connect("clicked()", lambda: self.stents.move(-1))
-        self.ui.moveDownButton.connect("clicked()", lambda: self.stents.move(1))
-        self.ui.loadPlanButton.connect("clicked()", self.onLoadPlan)
-        self.ui.savePlanButton.connect("clicked()", self.onSavePlan)
         self.ui.deployButton.connect("clicked()", self.onDeploy)
         self.ui.cancelButton.connect("clicked()", self.onCancel)
         self.ui.resetButton.connect("clicked()", lambda: self.logic.reset(self._parameterNode))
@@ -257,7 +244,11 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.ui.defaultsButton.connect(
             "clicked()", lambda: self.logic.restoreMethod(self._parameterNode)
         )
-        self.ui.placementComboBox.connect("activated(int)", self.onPlacementActivated)
+        self._connectStents()
+
+    def onExtract(self):
+        vessel = self._parameterNode.vessel
+        ExtractCenterline.openFor(vessel, Conversion.segmentOf(self._parameterNode))
 
     def onSegmentChanged(self, segmentID):
         """Take the user's choice; what the selector says of another node, which it went to by itself, is none."""
@@ -286,33 +277,9 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         if error is not None:
             self.logic.log(error)  # the user hears of it when something is deployed
 
-    def onAddStent(self):
-        lesion = self.lesions.selected
-        if lesion is None:
-            self._attempt(lambda: self.logic.addStent(self._parameterNode))
-        else:
-            self._attempt(lambda: self.logic.addStentAt(self._parameterNode, lesion))
-            self.lesions.clearSelection()
-
-    def onSuggest(self):
-        lesion = self.lesions.selected
-        if lesion is not None:
-            self._attempt(lambda: self.logic.suggestStent(self._parameterNode, lesion))
-
     def onDeploy(self):
         self._attempt(self.recoil.finish)
         self.session.start()
-
-    def onCopyStent(self):
-        self._attempt(lambda: self.logic.copyStent(self._parameterNode))
-
-    def onPlacementActivated(self, index):
-        # The parameter hears of the new index after this slot, so the handle is fitted a moment later.
-        qt.QTimer.singleShot(0, self._fitHandle)
-
-    def _fitHandle(self):
-        if self._parameterNode is not None and len(self.stents):
-            self._attempt(lambda: self.logic.fitHandle(self._parameterNode))
 
     def onExpansionChanged(self, percent):
         if self._parameterNode is not None and not self.session.isRunning:
@@ -322,18 +289,6 @@ class SDFStentWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.session.cancel()
         self.ui.progressBar.value = 0
         self._state.enable(self._parameterNode)
-
-    def onLoadPlan(self):
-        path = qt.QFileDialog.getOpenFileName(self.parent, _("Load plan"), "", _("Plan (*.json)"))
-        if path:
-            self._attempt(lambda: self.logic.loadPlan(path, self._parameterNode))
-
-    def onSavePlan(self):
-        path = qt.QFileDialog.getSaveFileName(
-            self.parent, _("Save plan"), "plan.json", _("Plan (*.json)")
-        )
-        if path:
-            self._attempt(lambda: self.logic.savePlan(path, self._parameterNode))
 
     def _attempt(self, action):
         """Do what a button asks for; when the input does not allow it, say the library's sentence."""

@@ -163,7 +163,7 @@ def main(folder):
     host.click(ui.addStentButton)
     handle = panel._parameterNode.stent.handle
     handle.SetNthControlPointPositionWorld(0, *theThroat())
-    ui.diameterSlider.value, ui.lengthSlider.value = 8.5, 14.0
+    ui.diameterSlider.value, ui.lengthSlider.value = 7.0, 14.0
     studio.take("tutorial-2-stent.png", "stents")
 
     host.click(ui.deployButton)
@@ -189,10 +189,11 @@ def main(folder):
     studio.take("tutorial-7-two-stents.png", "stents", "results")
     host.click(ui.removeStentButton)
     ui.stentsCollapsibleButton.collapsed = False
-    ui.balloonCheckBox.checked = True
-    ui.balloonSlider.value = 8.0
-    ui.waistSpinBox.value = 6.0
-    ui.proximalEndSpinBox.value = 9.0
+    ui.lesionTable.selectRow(0)
+    host.click(ui.suggestButton)
+    ui.waistSpinBox.value = 5.5
+    ui.proximalEndSpinBox.value = 8.0
+    ui.flowLeastSpinBox.value, ui.flowMostSpinBox.value = 1.0, 2.0
     host.processUntil(lambda: not panel.recoil.isBusy, 60.0)
     host.click(ui.deployButton)
     settle(host, panel)

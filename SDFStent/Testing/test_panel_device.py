@@ -32,6 +32,7 @@ def theSection(host, aStent, aTable):
     host.process()
     host.files.append(str(aTable))
     host.click(aStent.ui.deviceTableButton)
+    host.processUntil(lambda: not aStent.lesions.isBusy, 60.0)
     return aStent
 
 
@@ -142,9 +143,10 @@ def test_a_balloon_leaves_the_lumen_by_its_recoil(host, theSection):
     ui.balloonSlider.value = 8.0
     measured(host, theSection)
     assert parameters.stent.diameter == pytest.approx(8.0 * 0.93)
-    assert ui.deviceLabel.text == (
+    reference = theSection.lesions._search.found[0].reference_diameter
+    assert ui.deviceLabel.text.splitlines()[0] == (
         "Balloon 8 mm, lumen 7.44 mm after recoil of 7 % (the mean in great vessels "
-        "(7 \N{PLUS-MINUS SIGN} 4 %)), reference not known."
+        f"(7 \N{PLUS-MINUS SIGN} 4 %)), reference {reference:.2f} mm."
     )
     ui.recoilRuleCheckBox.checked = False
     ui.recoilSpinBox.value = 12.0
@@ -190,7 +192,7 @@ def test_the_recoil_of_the_panel_is_that_of_the_shell(aLogic, theParameters, tmp
     from SDFStentLib.treatment import Vessel
 
     aLogic.setBalloon(theParameters, 13.0)
-    planned = Plans.plannedStent(theParameters.stent)
+    (planned,) = Plans.plannedOf(theParameters)
     vessel = Vessel(
         aLogic._inputs.vessel(theParameters).surface, aLogic.centerlineOf(theParameters)
     )
@@ -317,3 +319,27 @@ def test_dragging_a_balloon_is_previewed(host, theSection):
     assert np.abs(after - before).max() > 0.3
     host.processUntil(lambda: not (theSection.session.isBusy or theSection.recoil.isBusy), 60.0)
     assert "Balloon 7 mm, lumen 6.51 mm" in ui.lumenLabel.text
+
+
+def test_the_console_sets_all_of_it_without_a_panel(aLogic, theParameters, aTable):
+    from SDFStentSlicer import Plans
+
+    from SDFStentLib.stent import Shape, StentEnd
+
+    aLogic.setDeviceTable(theParameters, aTable)
+    aLogic.setDevice(theParameters, "bench-16")
+    aLogic.setBalloon(theParameters, 9.0, recoil=0.1)
+    aLogic.setKept(theParameters, "distal")
+    aLogic.setShape(theParameters, Shape(end=StentEnd(9.0, 3.0)))
+    (stent,) = Plans.plannedOf(theParameters)
+    assert (stent.device.name, stent.length, stent.diameter) == ("bench-16", 16, 8.1)
+    assert (stent.balloon.diameter, stent.keeps, stent.shape.end.length) == (9.0, "distal", 3.0)
+    aLogic.setDevice(theParameters, "generic")
+    aLogic.setBalloon(theParameters, None)
+    aLogic.setShape(theParameters, None)
+    (stent,) = Plans.plannedOf(theParameters)
+    assert (stent.device, stent.balloon, stent.shape) == (None, None, None)
+    assert stent.foreshortening == pytest.approx(0.1)
+    aLogic.stentList(theParameters).remove()
+    with pytest.raises(ValueError, match="Stent: expected one that is selected, got none; add one"):
+        aLogic.setKept(theParameters, "distal")

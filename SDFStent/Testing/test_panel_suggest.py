@@ -164,3 +164,14 @@ def test_the_console_suggests_as_the_panel(aLogic, theParameters):
     assert len(theParameters.stents) == 1  # it was there
     assert theParameters.stent.diameter == suggested.stent.diameter
     assert "Rule: " in theParameters.status
+
+
+def test_a_lesion_of_another_vessel_is_refused(aLogic, theParameters):
+    from dataclasses import replace
+
+    search = aLogic.lesionSearch(theParameters)
+    for _part in search.portions():
+        pass
+    with pytest.raises(ValueError, match="lesion: expected one that was found in this vessel"):
+        aLogic.suggestStent(theParameters, replace(search.found[0]))
+    assert theParameters.status == ""

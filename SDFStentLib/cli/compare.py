@@ -126,7 +126,8 @@ def _tell_alternative(one: Alternative, console: Console) -> None:
         return
     result, label = one.result, f"{one.name}: "
     units = result.inputs.surface.units
-    console.warn((caution.labeled(label) for caution in result.warnings), units=units)
+    cautions = (*result.warnings, *result.size_warnings)
+    console.warn((caution.labeled(label) for caution in cautions), units=units)
     stents = result.treatment.stents
     for stent in stents:
         number = f"stent {stent.number}: " if len(stents) > 1 else ""

@@ -281,11 +281,21 @@ def _fileDialog(files):
     return FileDialog
 
 
+def _module(name):
+    """A module that is there, as `slicer.modules` has it."""
+    found = getattr(slicer.modules, name.lower(), None)
+    if found is None:
+        raise RuntimeError(f"Could not find module with name '{name}'")
+    return found
+
+
 def _patchUtil():
     util = slicer.util
     util.loadUI, util.childWidgetVariables = ui_loader.loadUI, ui_loader.ChildWidgets
     util.modulePath = lambda name: getattr(slicer.modules, name.lower()).path
     util.settingsValue = lambda key, default, converter=None: default
-    util.shownErrors, util.shownMessages = [], []
+    util.shownErrors, util.shownMessages, util.selectedModules = [], [], []
+    util.selectModule = lambda name: util.selectedModules.append(_module(name).name)
+    util.getModuleWidget = lambda name: _module(name).widget
     util.errorDisplay = lambda text, *_, **__: util.shownErrors.append(text)
     util.showStatusMessage = lambda text, *_: util.shownMessages.append(text)

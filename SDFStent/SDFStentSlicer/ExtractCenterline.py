@@ -1,0 +1,34 @@
+"""The way to *Extract Centerline*, a module of the extension SlicerVMTK."""
+
+import slicer
+from slicer.i18n import tr as _
+
+from SDFStentLib.validation import InputError
+
+MODULE = "ExtractCenterline"
+
+
+def openFor(vessel, segmentID):
+    """Open the module with a vessel chosen as its surface; a segment by its ID where it is a segmentation.
+
+    Raises `InputError` with a sentence that says what to do: the module is missing, or would take the vessel elsewhere.
+    """
+    if not hasattr(slicer.modules, MODULE.lower()):
+        raise InputError(
+            _(
+                "Extract Centerline belongs to the extension SlicerVMTK, which is not installed: install it with View / Extensions "
+                "Manager, restart Slicer, and click here again."
+            )
+        )
+    if vessel.GetParentTransformNode() is not None:
+        raise InputError(
+            _(
+                "Vessel {name}: expected one under no transform, which Extract Centerline does not look at; harden the transform "
+                "first."
+            ).format(name=vessel.GetName())
+        )
+    slicer.util.selectModule(MODULE)
+    theirs = slicer.util.getModuleWidget(MODULE).ui
+    theirs.inputSurfaceSelector.setCurrentNode(vessel)
+    if segmentID:
+        theirs.inputSegmentSelectorWidget.setCurrentSegmentID(segmentID)
