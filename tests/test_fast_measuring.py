@@ -27,6 +27,7 @@ from SDFStentLib.measure.inscribed import inscribed_spheres
 from SDFStentLib.measure.stations import measured_at
 from SDFStentLib.measure.tree_lumen import branch_lumens
 from SDFStentLib.measure.vessel_runs import vessel_runs
+from SDFStentLib.measure.wall_map import cuts_across, near_wall, rays_from
 from SDFStentLib.phantoms import (
     branching_pulmonary_artery,
     hairpin_tube,
@@ -213,3 +214,19 @@ def test_the_nearest_of_many_points_is_that_of_a_plain_search():
     places = np.vstack([random.normal(size=(50, 3)), points[:3]])
     expected = [np.linalg.norm(points - place, axis=1).min() for place in places]
     np.testing.assert_allclose(nearest_distances(places, points), expected, rtol=1e-12)
+
+
+def test_the_wall_seen_from_a_shifted_place_is_that_of_rays_from_there(a_vessel):
+    surface, axis = Surface(a_vessel[0][0], a_vessel[1]), a_vessel[2]
+    near = near_wall(surface, axis, 40.0)
+    cuts = cuts_across(near, axis, spacing=2.0, window=4.0)
+    shift = np.random.default_rng(4).normal(size=(len(cuts.centers), 2)) * 0.3
+    seen = cuts.seen(shift)
+    aside = np.einsum("ij,ijk->ik", shift, cuts.along[:, 1:])
+    plain = rays_from(near, cuts.arc_length, cuts.centers + aside, cuts.along)
+    np.testing.assert_allclose(seen.centers, plain.centers, atol=1e-12)
+    # A ray that only just meets an edge may do so by rounding.
+    is_same = np.isclose(seen.distance, plain.distance, rtol=1e-6)
+    assert is_same.mean() > 0.999
+    assert (seen.triangle == plain.triangle)[is_same].mean() > 0.99
+    assert np.isfinite(seen.distance).any()

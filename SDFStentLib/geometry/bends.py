@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+from math import sqrt
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -14,6 +17,9 @@ from .polyline import (
     without_repeats,
 )
 from .rows import dot
+
+_NONE = 1e-9
+"""Length below which a vector across a unit vector has no direction."""
 
 
 def tangents(points: ArrayLike) -> Floats:
@@ -66,17 +72,27 @@ def frames_along(along: Floats, first_normal: ArrayLike | None = None) -> Floats
     """`frames` for unit tangents (n, 3)."""
     normals = np.empty_like(along)
     normals[0] = _normal_to(along[0], first_normal)
-    for i in range(1, len(along)):
-        before, after = along[i - 1], along[i]
-        turn = max(1.0 + before @ after, 1e-12)
-        normals[i] = _normal_to(after, normals[i - 1] - (normals[i - 1] @ after / turn) * before)
+    # Plain numbers: arrays of three cost ten times as much.
+    normal = normals[0].tolist()
+    for i, (before, after) in enumerate(pairwise(along.tolist()), start=1):
+        share = _dot(normal, after) / max(1.0 + _dot(before, after), 1e-12)
+        turned = [n - share * b for n, b in zip(normal, before, strict=True)]
+        away = _dot(turned, after)
+        across = [n - away * a for n, a in zip(turned, after, strict=True)]
+        size = sqrt(_dot(across, across))
+        normal = _normal_to(along[i]).tolist() if size < _NONE else [n / size for n in across]
+        normals[i] = normal
     return np.stack([along, normals, np.cross(along, normals)], axis=1)
 
 
-def _normal_to(tangent: Floats, wanted: ArrayLike | None) -> Floats:
+def _dot(one: list[float], other: list[float]) -> float:
+    return one[0] * other[0] + one[1] * other[1] + one[2] * other[2]
+
+
+def _normal_to(tangent: Floats, wanted: ArrayLike | None = None) -> Floats:
     normal = np.zeros(3) if wanted is None else as_point(wanted, "first_normal")
     normal = normal - (normal @ tangent) * tangent
-    if np.linalg.norm(normal) < 1e-9:
+    if np.linalg.norm(normal) < _NONE:
         normal = np.eye(3)[np.abs(tangent).argmin()]
         normal = normal - (normal @ tangent) * tangent
     return normal / np.linalg.norm(normal)

@@ -7,12 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry import Surface, resampled
+from ..geometry import Surface, nearest_distances, resampled
 from ..validation import Floats, Points, read_only
 from .wall_map import (
     RAYS,
     NearWall,
     WallMap,
+    cuts_across,
     frames_along,
     near_wall,
     ray_angles,
@@ -88,24 +89,23 @@ def expected_tube(surface: Surface, axis: Points) -> Tube:
     near = near_wall(surface, resampled(axis, 1.0), far_reach(surface, axis))
     radius = section_radius(wall_map(near, axis, spacing=2.0, window=2.0).distance)
     # The middle is looked for at few stations: it is smooth.
-    few = wall_map(near, axis, spacing=_COARSE * radius, window=radius)
-    wall, shift = few, np.zeros_like(few.centers)
+    few = cuts_across(near, axis, spacing=_COARSE * radius, window=radius)
+    shift = np.zeros((len(few.centers), 2))
     for _ in range(_CENTERINGS):
+        wall = few.seen(shift)
         shift = shift + _to_middle(wall, expected_wall(wall, radius), radius)
-        wall = rays_from(near, few.arc_length, few.centers + shift, few.frames)
     stations = resampled(axis, float(np.clip(_FINE * radius, _FINEST, SPACING)))
     at = np.linspace(0.0, float(few.arc_length[-1]), len(stations))
-    middle = stations + _interpolated(at, few.arc_length, shift)
+    moved = np.einsum("ij,ijk->ik", shift, few.along[:, 1:])
+    middle = stations + _interpolated(at, few.arc_length, moved)
     wall = rays_from(near, at, middle, frames_along(axis, len(at), radius))
     return Tube(wall, expected_wall(wall, radius), radius, near)
 
 
 def far_reach(surface: Surface, stations: Points) -> float:
     """How far from some points (n, 3) the wall of their vessel is looked for, mm."""
-    from scipy.spatial import KDTree
-
     some = surface.points[:: max(1, len(surface.points) // _SOME)]
-    return FARTHEST * float(KDTree(some).query(stations)[0].max())
+    return FARTHEST * float(nearest_distances(stations, some).max())
 
 
 def _interpolated(at: Floats, known: Floats, values: Points) -> Points:
@@ -147,12 +147,12 @@ def section_radius(distance: Floats) -> float:
 
 
 def _to_middle(wall: WallMap, expected: Floats, radius: float) -> Floats:
-    """Steps (n, 3) to the middle of the expected sections, smooth along the axis."""
+    """Steps (n, 2) in their planes to the middle of expected sections, smooth along the axis."""
     from scipy.ndimage import gaussian_filter1d
 
     step = middles(expected)
-    step = gaussian_filter1d(step, radius / 2 / wall.spacing, axis=0, mode="nearest")
-    return np.asarray(np.einsum("ij,ijk->ik", step, wall.frames[:, 1:]))
+    smooth = gaussian_filter1d(step, radius / 2 / wall.spacing, axis=0, mode="nearest")
+    return np.asarray(smooth)
 
 
 def middles(expected: Floats) -> Floats:

@@ -73,15 +73,17 @@ class NearWall(NamedTuple):
 def near_wall(surface: Surface, axis: Points, reach: float) -> NearWall:
     """The triangles with a corner within `reach` mm of some points (n, 3)."""
     # Late: scipy costs what a first frame should not pay.
-    from scipy.spatial import KDTree
+    from scipy.spatial import cKDTree
 
     low, high = axis.min(axis=0) - reach, axis.max(axis=0) + reach
-    in_box = np.flatnonzero(((surface.points >= low) & (surface.points <= high)).all(axis=1))
+    # By column: reductions over rows of three are slow.
+    columns = zip(surface.points.T, low, high, strict=True)
+    in_box = np.flatnonzero(np.logical_and.reduce([(x >= a) & (x <= b) for x, a, b in columns]))
     is_near = np.zeros(len(surface.points), dtype=bool)
-    distance, _ = KDTree(axis).query(surface.points[in_box], distance_upper_bound=reach)
+    distance, _ = cKDTree(axis).query(surface.points[in_box], distance_upper_bound=reach)
     is_near[in_box[np.isfinite(distance)]] = True
     triangles = np.asfortranarray(surface.triangles)
-    # By column: reductions over rows of three are slow. A long triangle may have all corners far.
+    # By column, as above. A long triangle may have all corners far.
     kept = is_near[triangles[:, 0]] | is_near[triangles[:, 1]] | is_near[triangles[:, 2]]
     if len(surface.triangles) < _FEW:
         kept |= may_meet_box(surface.points, surface.triangles, low, high)
@@ -106,20 +108,50 @@ def wall_map(wall: NearWall, axis: Points, *, spacing: float, window: float) -> 
     window : float
         Length of axis over which its direction is taken, mm; smaller wiggles do not turn a plane.
     """
+    return cuts_across(wall, axis, spacing=spacing, window=window).seen()
+
+
+def cuts_across(wall: NearWall, axis: Points, *, spacing: float, window: float) -> WallCuts:
+    """The cuts for `wall_map`."""
     centers = resampled(axis, spacing)
     at = np.linspace(0.0, arc_lengths(np.asarray(axis))[-1], len(centers))
-    return rays_from(wall, at, centers, frames_along(axis, len(centers), window))
+    return WallCuts(wall, at, centers, frames_along(axis, len(centers), window))
 
 
 def rays_from(wall: NearWall, arc_length: Floats, centers: Points, along: Floats) -> WallMap:
     """The map from given centers (n, 3), in the planes of given frames (n, 3, 3)."""
-    distance = np.full((len(centers), RAYS), np.inf)
-    triangle = np.full((len(centers), RAYS), -1)
-    block = max(1, _BLOCK // max(1, len(wall.triangles)))
-    for first in range(0, len(centers), block):
-        rows = slice(first, first + block)
-        distance[rows], triangle[rows] = _first_hits(wall, centers[rows], along[rows])
-    return WallMap(arc_length, centers, along, distance, triangle)
+    return WallCuts(wall, arc_length, centers, along).seen()
+
+
+class WallCuts:
+    """Where planes across an axis cut the wall near it: seen from any place in these planes.
+
+    Parameters
+    ----------
+    wall : NearWall
+    arc_length, centers, along : (n,), (n, 3) and (n, 3, 3) arrays
+        Of the planes' stations, as in `WallMap`.
+    """
+
+    def __init__(self, wall: NearWall, arc_length: Floats, centers: Points, along: Floats) -> None:
+        self.wall, self.arc_length, self.centers, self.along = wall, arc_length, centers, along
+        block = max(1, _BLOCK // max(1, len(wall.triangles)))
+        self._blocks = [slice(first, first + block) for first in range(0, len(centers), block)]
+        self._cuts = [_cut_segments(wall, centers[rows], along[rows]) for rows in self._blocks]
+
+    def seen(self, shift: Floats | None = None) -> WallMap:
+        """The map from the centers, or from places (n, 2) in their planes, mm."""
+        if shift is None:
+            shift = np.zeros((len(self.centers), 2))
+        distance = np.full((len(self.centers), RAYS), np.inf)
+        triangle = np.full((len(self.centers), RAYS), -1)
+        for rows, cuts in zip(self._blocks, self._cuts, strict=True):
+            found = _first_hits(cuts, shift[rows])
+            distance[rows] = found[0]
+            triangle[rows] = self.wall.triangle_ids[found[1]]
+        triangle[np.isinf(distance)] = -1
+        centers = self.centers + np.einsum("ij,ijk->ik", shift, self.along[:, 1:])
+        return WallMap(self.arc_length, centers, self.along, distance, triangle)
 
 
 def frames_along(axis: Points, count: int, window: float) -> Floats:
@@ -136,9 +168,26 @@ def ray_angles() -> Floats:
     return np.arange(RAYS, dtype=np.float64) * (2 * np.pi / RAYS)
 
 
-def _first_hits(wall: NearWall, centers: Points, along: Floats) -> tuple[Floats, Indices]:
-    """Length (n, RAYS) of the rays of some stations, and the triangles that they meet first."""
-    station, start, end, owner = _cut_segments(wall, centers, along)
+class _Segments(NamedTuple):
+    """In which some planes cut a wall."""
+
+    station: Indices
+    """(k,) the plane of each."""
+    start: Floats
+    end: Floats
+    """(2, k) in the plane's own directions, from its center."""
+    owner: Indices
+    """(k,) the triangle, by its number in the wall."""
+
+
+def _first_hits(cuts: _Segments, shift: Floats) -> tuple[Floats, Indices]:
+    """Length (n, RAYS) of the rays from places (n, 2) in some planes, and what they meet first.
+
+    Triangles by their number in the wall; any one where nothing is met.
+    """
+    station, start, end, owner = cuts
+    here = shift.T[:, station]
+    start, end = start - here, end - here
     first = np.arctan2(start[1], start[0])
     turn = np.arctan2(end[1], end[0]) - first
     turn = (turn + np.pi) % (2 * np.pi) - np.pi
@@ -154,21 +203,16 @@ def _first_hits(wall: NearWall, centers: Points, along: Floats) -> tuple[Floats,
         reach = across / (cosine * side[1][segment] - sine * side[0][segment])
     reach = np.where(reach > 0, reach, np.inf)
     cell = station[segment] * RAYS + ray
-    distance = np.full(len(centers) * RAYS, np.inf)
+    distance = np.full(len(shift) * RAYS, np.inf)
     np.minimum.at(distance, cell, reach)
-    triangle = np.full(len(distance), -1)
+    triangle = np.zeros(len(distance), dtype=np.int64)
     is_first = np.isfinite(reach) & (reach == distance[cell])
-    triangle[cell[is_first]] = wall.triangle_ids[owner[segment[is_first]]]
+    triangle[cell[is_first]] = owner[segment[is_first]]
     return distance.reshape(-1, RAYS), triangle.reshape(-1, RAYS)
 
 
-def _cut_segments(
-    wall: NearWall, centers: Points, along: Floats
-) -> tuple[Indices, Floats, Floats, Indices]:
-    """Stations (k,) and the ends (2, k) of the segments in which their planes cut the wall.
-
-    In the plane's own directions, from its center; then the triangles, by their number in `wall`.
-    """
+def _cut_segments(wall: NearWall, centers: Points, along: Floats) -> _Segments:
+    """What planes across the first directions of some frames (n, 3, 3) cut of a wall."""
     normals = along[:, 0]
     heights = product(wall.points, normals.T) - np.einsum("ij,ij->i", normals, centers)
     # A bit for each station: eight are compared at once.
@@ -193,4 +237,4 @@ def _cut_segments(
         from_low = wall.points[low]
         place = from_low + share[:, None] * (wall.points[high] - from_low)
         ends.append(np.einsum("nkj,nj->kn", plane, place - origin))
-    return station, ends[0], ends[1], owner
+    return _Segments(station, ends[0], ends[1], owner)
