@@ -87,8 +87,8 @@ def ancestry_of(parent: Indices, index: int) -> Indices:
     """The points from the root down to `index`, both included."""
     chain = [int(index)]
     # Ends: parents are checked for circles.
-    while parent[chain[-1]] >= 0:
-        chain.append(int(parent[chain[-1]]))
+    while (above := parent.item(chain[-1])) >= 0:
+        chain.append(above)
     return np.array(chain[::-1], dtype=np.int64)
 
 

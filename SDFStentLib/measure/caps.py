@@ -80,8 +80,9 @@ def flat_caps(points: Points, faces: Triangles) -> list[FlatCap]:
     steep = np.bincount(sides.ravel(), weights=(angles < RIM).ravel(), minlength=len(count))
     is_cap = (np.bincount(label) >= FEWEST_FACES) & (steep > 0.8 * count)
     found = []
-    for number in np.flatnonzero(is_cap):
-        own = np.flatnonzero(label == number)
+    capped = np.flatnonzero(is_cap[label])
+    capped = capped[np.argsort(label[capped], kind="stable")]
+    for own in np.split(capped, np.flatnonzero(np.diff(label[capped])) + 1) if len(capped) else []:
         mean = normals[own].mean(axis=0)
         length = np.linalg.norm(mean)
         if length >= ONE_WAY:

@@ -143,13 +143,15 @@ class _Moved:
 
     def __init__(self, before: Surface, after: Surface) -> None:
         # Late: scipy costs what a first frame should not pay.
-        from scipy.spatial import KDTree
+        from scipy.spatial import cKDTree
 
         motion = np.linalg.norm(after.points - before.points, axis=1)
         moved = np.flatnonzero(motion > 0)
         self.motion = motion[moved]
-        self.wall = KDTree(before.points)
-        self.points = KDTree(before.points[moved]) if len(moved) else None
+        # Asked a few times: made as quickly as can be.
+        quick = {"balanced_tree": False, "compact_nodes": False}
+        self.wall = cKDTree(before.points, **quick)
+        self.points = cKDTree(before.points[moved], **quick) if len(moved) else None
 
     def part_of(self, way: NeighborWay) -> _Part | None:
         """The part of a way whose wall has moved; None where there is none of some length."""

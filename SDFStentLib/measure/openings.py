@@ -123,14 +123,14 @@ class _Cap(NamedTuple):
 def _caps_beyond(surface: Surface, tube: Tube, part_of_triangle: Indices) -> list[_Cap]:
     """A cap in the way of the tube closes the tube itself; an edge of it may lie beyond."""
     own = np.flatnonzero(part_of_triangle > 0)
-    found = []
-    for cap in flat_caps(surface.points, surface.triangles[own]):
-        faces = own[cap.faces]
-        center = surface.points[surface.triangles[faces]].mean(axis=(0, 1))
-        relative, _ = _seen_from(center[None], tube)
-        if relative[0] > BEYOND:
-            found.append(_Cap(_most(part_of_triangle[faces]), faces, center))
-    return found
+    caps = [own[cap.faces] for cap in flat_caps(surface.points, surface.triangles[own])]
+    middles = [surface.points[surface.triangles[faces]].mean(axis=(0, 1)) for faces in caps]
+    relative, _ = _seen_from(np.reshape(middles, (-1, 3)), tube)
+    return [
+        _Cap(_most(part_of_triangle[faces]), faces, center)
+        for faces, center, away in zip(caps, middles, relative, strict=True)
+        if away > BEYOND
+    ]
 
 
 def _regions(tube: Tube, part_of_triangle: Indices) -> dict[int, Mask]:

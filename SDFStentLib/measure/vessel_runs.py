@@ -6,6 +6,7 @@ the centerline begins; a line that is stored backward gives the same vessels.
 
 from __future__ import annotations
 
+from statistics import median
 from typing import NamedTuple
 
 import numpy as np
@@ -117,7 +118,10 @@ def steady(along: Floats, diameter: Floats) -> Floats:
     at, widths = along[known], diameter[known]
     low, high = (np.searchsorted(at, at + side * widths / 4) for side in (-1, 1))
     high = np.maximum(high, np.arange(len(known)) + 1)
-    values[known] = [np.median(widths[a:b]) for a, b in zip(low, high, strict=True)]
+    # Of so few values a plain sort is a tenth of NumPy's work.
+    listed = widths.tolist()
+    windows = zip(low.tolist(), high.tolist(), strict=True)
+    values[known] = [median(listed[first:after]) for first, after in windows]
     return values
 
 
