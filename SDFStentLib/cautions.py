@@ -56,9 +56,13 @@ TEMPLATES = {
     "point-beside": "The {point} " + _BESIDE,
     "end-beside": "The {thing} {end} " + _BESIDE,
     "tight-bend": (
-        "The axis has a bend tighter than the stent's radius: {bend_radius_mm:.1f} mm against "
-        "{stent_radius_mm:.1f} mm; the inner side folds, choose another place or straighten the "
-        "axis{straighten}."
+        "The axis has a bend tighter than the stent's radius at ({x:.1f}, {y:.1f}, {z:.1f}) mm"
+        "{filed}: {bend_radius_mm:.1f} mm against {stent_radius_mm:.1f} mm; the inner side folds, "
+        "choose another place or straighten the axis{straighten}."
+    ),
+    "smoothed-less": (
+        "The axis is smoothed by {fraction:.2f} of the way: farther on it comes too near to the "
+        "wall at ({x:.1f}, {y:.1f}, {z:.1f}) mm{filed}."
     ),
     "straightened-less": (
         "The axis is straightened by {fraction:.2f} of the way to its chord instead of "

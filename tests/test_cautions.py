@@ -58,7 +58,7 @@ def test_a_part_that_is_measured_is_no_stent():
 
 
 def test_a_reader_who_has_an_option_is_told_it_and_others_are_not():
-    caution = Caution("tight-bend", BEND)
+    caution = Caution("tight-bend", BEND, (1.0, 2.0, 3.0))
     assert caution.sentence().endswith("or straighten the axis.")
     told = caution.sentence(remedies={"straighten": " (--straighten F)", "to": " (--to)"})
     assert told.endswith("or straighten the axis (--straighten F).")

@@ -258,6 +258,7 @@ def _method(options: argparse.Namespace) -> Plan:
         smoothing_width=options.smoothing,
         capsule_length=options.capsule,
         tissue_gap=options.tissue_gap,
+        axis_smoothing=options.smooth_axis,
         step=options.step,
         falloff=options.falloff,
         blend=options.blend,

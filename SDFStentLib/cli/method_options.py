@@ -34,6 +34,13 @@ def add_method(command: argparse.ArgumentParser) -> None:
     method.add_argument("--falloff", choices=_DEFAULTS.names["falloff"], default=_DEFAULTS.falloff)
     method.add_argument("--blend", choices=_DEFAULTS.names["blend"], default=_DEFAULTS.blend)
     method.add_argument(
+        "--smooth-axis",
+        type=number,
+        metavar="MM",
+        default=_DEFAULTS.axis_smoothing,
+        help="smooth the axis over that length first, such as a hand-drawn or shaky one",
+    )
+    method.add_argument(
         "--straighten",
         type=number,
         metavar="F",

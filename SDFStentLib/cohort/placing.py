@@ -232,7 +232,11 @@ def _middle(base: Stent, plan: Plan, inputs: InputFiles) -> Points:
 def _axis(stent: Stent, plan: Plan, inputs: InputFiles) -> Points:
     vessel = inputs.vessel
     fraction = plan.straightening_fraction
-    return axis_in_vessel(stent, vessel.centerline, vessel.surface, fraction).points
+    smoothing = plan.settings.axis_smoothing
+    axis = axis_in_vessel(
+        stent, vessel.centerline, vessel.surface, fraction, smoothing_length=smoothing
+    )
+    return axis.points
 
 
 def _halfway(axis: Points) -> Points:

@@ -31,8 +31,9 @@ be too many to be worked off."""
 THINNEST_AND_WIDEST_RADIUS = (0.05, 100.0)
 """Radii of a stent, mm: from below that of a wire to above that of any vessel."""
 
-WIDEST = {"smoothing_width": 20.0, "tissue_gap": 10.0}
-"""Widths that may also be zero, mm: from the size of an aorta, and of the tissue beside it."""
+WIDEST = {"smoothing_width": 20.0, "tissue_gap": 10.0, "axis_smoothing": 50.0}
+"""Widths that may also be zero, mm: from the size of an aorta, of the tissue beside it, and of its
+arch."""
 
 NARROWEST_SMOOTHING = 1e-3
 """A smaller width of the smooth minimum, mm, is none: it changes the distance by k/4 at most."""
@@ -78,6 +79,8 @@ class DeploymentSettings:
         Make the lumen, not only its vertices, reach the prescribed diameter. Needs `finish`.
     tissue_gap : float
         Thickness kept between the stent and walls of other lumens; 0 as published.
+    axis_smoothing : float
+        Length over which the axis of every stent is smoothed in a treatment; 0 leaves it as it is.
     untangle : bool
         Take apart triangles that intersect anew, and retry with other gaps when that fails.
     certify : bool
@@ -108,6 +111,7 @@ class DeploymentSettings:
     finish: bool = True
     facet_compensation: bool = True
     tissue_gap: float = 0.4
+    axis_smoothing: float = 0.0
     untangle: bool = True
     certify: bool = True
 

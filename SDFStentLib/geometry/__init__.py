@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .bends import frames, minimum_bend_radius, tangents
+from .bends import frames, minimum_bend_radius, tangents, tightest_bend
 from .carrying import carried
 from .connected_parts import component_labels, connected
 from .distance import NearPairs, SurfaceIndex
@@ -37,6 +37,7 @@ from .ragged import blocks_of, ranges
 from .rows import across, dot, norm, product
 from .section import ClosedSurface, is_inside, plane_section
 from .segments import closest_on_segments, distances_to_segments
+from .smooth_line import smoothed_line
 from .smoothing import smooth_minimum
 from .surface import Surface, as_surface, state_of
 from .topology import (
@@ -101,9 +102,11 @@ __all__ = [
     "segment_count",
     "signed_volume",
     "smooth_minimum",
+    "smoothed_line",
     "state_of",
     "surface_topology",
     "tangents",
+    "tightest_bend",
     "vertex_neighbors",
     "vertex_normals",
     "without_repeats",

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from itertools import pairwise
 from math import sqrt
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..validation import Floats, as_number, as_point, as_points
+from ..validation import Floats, Points, as_number, as_point, as_points
 from .polyline import (
     length,
     point_at,
@@ -98,8 +99,22 @@ def _normal_to(tangent: Floats, wanted: ArrayLike | None = None) -> Floats:
     return normal / np.linalg.norm(normal)
 
 
+class Bend(NamedTuple):
+    """A bend of a polyline."""
+
+    radius: float
+    """mm; infinity when straight."""
+    point: Points
+    """(3,) where it is."""
+
+
 def minimum_bend_radius(points: ArrayLike, window: float | None = None) -> float:
-    """Radius of the tightest bend, mm; infinity when straight.
+    """Radius of the `tightest_bend`, mm; infinity when straight."""
+    return tightest_bend(points, window).radius
+
+
+def tightest_bend(points: ArrayLike, window: float | None = None) -> Bend:
+    """The tightest bend of a polyline, and where it is.
 
     Parameters
     ----------
@@ -112,12 +127,13 @@ def minimum_bend_radius(points: ArrayLike, window: float | None = None) -> float
 
     Returns
     -------
-    float
-        Smallest radius of the circles through three points (exact on a circular arc).
+    Bend
+        Smallest radius of the circles through three points (exact on a circular arc), and the
+        middle one of these; the first of equals.
     """
     polyline = without_repeats(points)
     if len(polyline) < 3:
-        return float("inf")
+        return Bend(float("inf"), polyline[0])
     before, middle, after = polyline[:-2], polyline[1:-1], polyline[2:]
     if window is not None:
         total = length(polyline)
@@ -135,4 +151,5 @@ def minimum_bend_radius(points: ArrayLike, window: float | None = None) -> float
     turned_back = dot(first, second) < 0
     radii = np.where(turned_back, 0.0, np.inf)
     radii[~flat] = product[~flat] / twice[~flat]
-    return float(radii.min())
+    tightest = int(radii.argmin())
+    return Bend(float(radii[tightest]), middle[tightest])

@@ -23,6 +23,7 @@ _LENGTHS = (
     "step_tolerance",
     "crimped_radius",
     "tissue_gap",
+    "axis_smoothing",
 )
 """Parameters of the method in mm; the others are names, shares and switches."""
 

@@ -27,7 +27,7 @@ from .placement import (
 from .redilation import dilated_again, redilated
 from .shape import DiametersAlong, Shape, StentEnd, Waist
 from .stent import DEFAULT_FORESHORTENING, KEPT, Stent
-from .stent_axis import StentAxis, stent_axis, straightened, straightened_axis
+from .stent_axis import StentAxis, moved_axis, stent_axis, straightened
 
 __all__ = [
     "CELLS",
@@ -63,13 +63,13 @@ __all__ = [
     "design_of",
     "dilated_again",
     "laid_along",
+    "moved_axis",
     "placement_points",
     "redilated",
     "stent_axis",
     "stent_lattice",
     "straight_lattice",
     "straightened",
-    "straightened_axis",
 ]
 
 

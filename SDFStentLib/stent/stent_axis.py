@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from ..cautions import Caution
 from ..centerline import Centerline, CenterlinePath, JunctionChoice, Location
-from ..geometry import arc_lengths, cut, length, minimum_bend_radius
+from ..geometry import arc_lengths, cut, length, minimum_bend_radius, tightest_bend
 from ..validation import Floats, InputError, Points, as_number, as_points, check_is_a, read_only
 from .beside import beside
 from .placement import (
@@ -138,7 +138,12 @@ def stent_axis(
 
 def straightened_axis(axis: StentAxis, fraction: float, stent_radius: float) -> StentAxis:
     """An axis moved towards its chord as by `straightened`, its bend judged anew."""
-    moved = replace(axis, points=straightened(axis.points, fraction))
+    return moved_axis(axis, straightened(axis.points, fraction), stent_radius)
+
+
+def moved_axis(axis: StentAxis, points: Points, stent_radius: float) -> StentAxis:
+    """An axis whose points (n, 3) are elsewhere, mm, its bend judged anew."""
+    moved = replace(axis, points=points)
     others = (one for one in axis.warnings if one.kind != "tight-bend")
     return replace(moved, warnings=(*others, *_bend(moved, stent_radius)))
 
@@ -261,6 +266,8 @@ def _choice(choice: JunctionChoice) -> Caution:
 
 
 def _bend(axis: StentAxis, stent_radius: float) -> Iterator[Caution]:
-    tightest = axis.minimum_bend_radius(stent_radius)
-    if tightest < stent_radius:
-        yield Caution("tight-bend", {"bend_radius_mm": tightest, "stent_radius_mm": stent_radius})
+    bend = tightest_bend(axis.points, window=stent_radius)
+    if bend.radius < stent_radius:
+        x, y, z = bend.point.tolist()
+        radii = {"bend_radius_mm": bend.radius, "stent_radius_mm": stent_radius}
+        yield Caution("tight-bend", radii, (x, y, z))

@@ -116,6 +116,7 @@ class Preview:
                         centerline,
                         self._lumen,
                         fraction,
+                        smoothing_length=settings.axis_smoothing,
                         lies_on=lies_on,
                     )
                     check_width(stent.widest_diameter, axis, self._proxy.probes(axis.points))

@@ -178,7 +178,14 @@ class Treatment:
         fraction = self.straightening_fraction
         with labeled(self.label(number)):
             stent, lies_on = resolved(planned, placed)
-            axis = axis_in_vessel(stent, centerline, surface, fraction, lies_on=lies_on)
+            axis = axis_in_vessel(
+                stent,
+                centerline,
+                surface,
+                fraction,
+                smoothing_length=self.settings.axis_smoothing,
+                lies_on=lies_on,
+            )
             check_width(stent.widest_diameter, axis, self.surface.points)
             return PlacedStent(number, stent, axis)
 

@@ -1,0 +1,213 @@
+"""Axes that are smoothed, drawn by hand, or bend too tightly somewhere."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+from tube_files import deploy
+
+from SDFStentLib.cli.shell import main
+from SDFStentLib.deformation import DeploymentSettings
+from SDFStentLib.geometry import arc_lengths, length, smoothed_line, tightest_bend
+from SDFStentLib.phantoms import hairpin_tube, straight_tube
+from SDFStentLib.plan import Plan, load_plan, plan_text
+from SDFStentLib.stent import AlongAxis, AtCenter, Stent, stent_axis
+from SDFStentLib.treatment import Preview, Treatment, axis_in_vessel
+from SDFStentLib.validation import InputError
+
+
+def arc(radius=20.0, angle=2.0, count=801):
+    at = np.linspace(0, angle, count)
+    return radius * np.stack([np.cos(at), np.sin(at), 0 * at], axis=1)
+
+
+def shaky(points, by, seed=3):
+    return points + np.random.default_rng(seed).normal(0, by, points.shape)
+
+
+# The line
+
+
+def test_a_straight_line_and_both_ends_stay():
+    line = np.linspace([1, 2, 3], [20, -5, 9], 37)
+    np.testing.assert_allclose(smoothed_line(line, 3.0), line, atol=1e-12)
+    for width in (0.2, 2.0, 40.0):
+        wild = shaky(arc(), 1.0)
+        np.testing.assert_array_equal(smoothed_line(wild, width)[[0, -1]], wild[[0, -1]])
+
+
+def test_no_smoothing_leaves_every_bit():
+    np.testing.assert_array_equal(smoothed_line(arc(), 0), arc())
+
+
+def test_an_arc_moves_inwards_as_a_mean_by_a_normal_distribution_does():
+    """The mean of cos(s / r) with that weight is exp(-sigma^2 / (2 r^2)), by integration."""
+    radius, sigma = 20.0, 2.0
+    line = arc(radius)
+    middle = smoothed_line(line, sigma)[len(line) // 2]
+    assert np.linalg.norm(middle) == pytest.approx(
+        radius * np.exp(-(sigma**2) / (2 * radius**2)), abs=1e-3
+    )
+
+
+def test_each_place_is_the_weighted_mean_around_it():
+    """Against the sum over a fine line, written out, away from the ends."""
+    points = shaky(np.linspace([0, 0, 0], [40, 0, 0], 41), 0.3)
+    at = arc_lengths(points)
+    fine = np.linspace(0, at[-1], 40_001)
+    line = np.stack([np.interp(fine, at, one) for one in points.T], axis=1)
+    found = smoothed_line(points, 1.5)
+    for number in (12, 20, 27):
+        weights = np.exp(-0.5 * ((fine - at[number]) / 1.5) ** 2)
+        np.testing.assert_allclose(found[number], weights @ line / weights.sum(), atol=0.02)
+
+
+def test_what_shakes_is_calmed():
+    rough = shaky(np.linspace([0, 0, 0], [60, 0, 0], 241), 0.3)
+    calm = smoothed_line(rough, 2.0)
+    # The mean of independent steps: about sigma sqrt(4 pi) / 0.25 mm of them count.
+    counted = 2.0 * np.sqrt(4 * np.pi) / 0.25
+    assert np.std(calm[20:-20, 1]) < 2 * 0.3 / np.sqrt(counted)
+    assert length(calm) < 0.75 * length(rough)
+
+
+def test_repeats_and_a_length_far_above_that_of_the_line_are_smoothed():
+    line = np.array([[0, 0, 0], [0, 0, 0], [5, 3, 0], [5, 3, 0], [10, 0, 0.0]])
+    found = smoothed_line(line, 45.0)
+    assert found.shape == line.shape
+    assert np.isfinite(found).all()
+    assert abs(found[2, 1]) < 1.0
+
+
+@pytest.mark.parametrize("width", [-1, np.nan, "2", None])
+def test_a_smoothing_that_cannot_be_is_refused(width):
+    with pytest.raises(InputError, match="smoothing length"):
+        smoothed_line(arc(), width)
+
+
+# The axis of a stent
+
+
+def test_a_shaky_axis_is_smoothed_in_a_treatment_and_its_preview_alike():
+    tube = straight_tube(radius=3.0, length=40.0)
+    rough = shaky(tube.axis_at(np.linspace(8, 32, 60)), 0.25)
+    stent = Stent(7.0, placement=AlongAxis(rough))
+    settings = DeploymentSettings(axis_smoothing=3.0)
+    result = Treatment(tube.surface, [stent], None, settings).result
+    (treated,) = result.stents
+    np.testing.assert_allclose(treated.axis.points, smoothed_line(rough, 3.0), atol=1e-12)
+    seen = Preview(tube.surface).of([stent], settings)
+    np.testing.assert_array_equal(seen.stents[0].axis.points, treated.axis.points)
+    assert result.certificate.passed
+    plain = Treatment(tube.surface, [stent]).result.stents[0].axis.points
+    np.testing.assert_array_equal(plain, rough)
+
+
+def test_smoothing_keeps_the_axis_off_the_wall_and_says_where_it_stopped():
+    """Around a hairpin, whose smooth line would leave the lumen for the other leg."""
+    made = hairpin_tube()
+    axis = made.axis_at(np.linspace(5, 45, 120))
+    stent = Stent(5.0, placement=AlongAxis(axis))
+    found = axis_in_vessel(stent, None, made.surface, smoothing_length=15.0)
+    (caution,) = [one for one in found.warnings if one.kind == "smoothed-less"]
+    assert 0 < caution.numbers["fraction"] < 1
+    # Every place is still in the lumen: nearer to the vessel's own axis than its radius.
+    middle = made.axis_at(np.linspace(0, 60, 2001))
+    radius = float(np.median(np.linalg.norm(made.points[:, None] - middle[::20], axis=2).min(1)))
+    away = np.linalg.norm(found.points[:, None] - middle, axis=2).min(axis=1)
+    assert away.max() < 0.75 * radius
+    assert np.linalg.norm(found.points - caution.place, axis=1).min() < 1.0
+
+
+def test_a_plan_keeps_the_smoothing():
+    plan = Plan(
+        stents=(Stent(5.0, placement=AtCenter(np.zeros(3)), length=10.0),),
+        settings=DeploymentSettings(axis_smoothing=2.5),
+    )
+    assert json.loads(plan_text(plan))["settings"]["axis_smoothing"] == 2.5
+
+
+def test_the_shell_smooths_saves_and_replays(a_folder):
+    rng = np.random.default_rng(2)
+    points = np.stack([*rng.normal(0, 0.02, (2, 30)), np.linspace(1.2, 2.8, 30)], axis=1)
+    markups("hand.mrk.json", points)
+    options = ["--smooth-axis", "2", "--save-plan", "p.json", "--report", "r.json", "--quiet"]
+    assert deploy(*options, place=["--axis", "hand.mrk.json"], line=None) == 0
+    assert load_plan("p.json").settings.axis_smoothing == 2
+    assert main(["run", "p.json", "-o", "again", "--quiet"]) == 0
+    one, other = (
+        json.loads(Path(path).read_text(encoding="utf-8"))
+        for path in ("r.json", "again/report.json")
+    )
+    assert one["settings"]["axis_smoothing_mm"] == 2
+    assert one["stents"] == other["stents"]
+    assert deploy("--smooth-axis", "-1", place=["--axis", "hand.mrk.json"], line=None) == 2
+
+
+# Drawn by hand
+
+
+def markups(path, points):
+    """A curve as Slicer saves it, in LPS; coordinates in the file's unit."""
+    controls = [{"id": str(n), "position": list(p)} for n, p in enumerate(points.tolist(), 1)]
+    curve = {"type": "Curve", "coordinateSystem": "LPS", "controlPoints": controls}
+    Path(path).write_text(json.dumps({"markups": [curve]}), encoding="utf-8")
+
+
+def test_a_curve_drawn_by_hand_is_the_axis_as_slicer_shows_it(a_folder):
+    """A few control points, and the spline through them: no corners where they are."""
+    beside = [[0, 0], [0.02, 0.03], [-0.03, 0.02], [0, -0.02], [0, 0]]
+    points = np.column_stack([beside, [1.2, 1.6, 2.0, 2.4, 2.8]])
+    markups("hand.mrk.json", points)
+    report = ["--report", "r.json", "--save-plan", "p.json", "--quiet"]
+    assert deploy(*report, place=["--axis", "hand.mrk.json"], line=None) == 0
+    told = json.loads(Path("r.json").read_text(encoding="utf-8"))
+    spline = CubicSpline(np.arange(5), 10 * points, bc_type="clamped")(np.linspace(0, 4, 41))
+    axis = told["stents"][0]["axis"]
+    assert axis["length_mm"] == pytest.approx(length(spline), abs=1e-6)
+    np.testing.assert_allclose(np.abs(axis["start_mm"]), np.abs(10 * points[0]), atol=1e-9)
+    assert told["certificate"]["passed"]
+    (used,) = load_plan("p.json").stents
+    assert used.placement.file.path.endswith("hand.mrk.json")
+    assert len(used.placement.points) == len(spline)
+
+
+# Too tight
+
+
+def test_the_tightest_bend_is_where_the_line_turns():
+    corner = np.array([[0, 0, 0], [10, 0, 0], [10, 8, 0.0]])
+    bend = tightest_bend(corner, window=2.0)
+    assert bend.radius == pytest.approx(2 / (2 * np.sin(np.radians(45))), rel=0.01)
+    np.testing.assert_allclose(bend.point, [10, 0, 0], atol=0.2)
+    straight = tightest_bend([[0, 0, 0], [5, 0, 0], [9, 0, 0]])
+    assert straight.radius == np.inf
+
+
+@pytest.mark.parametrize("before", [6.0, 20.0])
+def test_the_warning_of_a_tight_bend_says_where(before):
+    turn = np.linspace(0, np.pi / 2, 40)
+    bend = np.stack([before + 2 * np.sin(turn), 2 - 2 * np.cos(turn), 0 * turn], axis=1)
+    line = np.concatenate([[[0, 0, 0]], bend, [[before + 2, 20, 0]]])
+    (caution,) = stent_axis(Stent(6.0, placement=AlongAxis(line))).warnings
+    middle = np.array([before + np.sqrt(2), 2 - np.sqrt(2), 0])
+    assert np.linalg.norm(np.array(caution.place) - middle) < 0.5
+    x, y, z = caution.place
+    assert f"at ({x:.1f}, {y:.1f}, {z:.1f}) mm" in str(caution)
+    assert "(in the file" in caution.sentence(units="cm")
+
+
+def test_smoothing_takes_a_tight_bend_and_its_warning_away():
+    corner = np.array([[0, 0, 40], [12, 0, 40], [12, 12, 40.0]])
+    line = np.array([np.interp(np.linspace(0, 2, 100), [0, 1, 2], one) for one in corner.T]).T
+    tube = straight_tube(radius=30.0, length=80.0, edge_length=6.0)
+    stent = Stent(9.0, placement=AlongAxis(line))
+    kinds = [
+        {one.kind for one in axis_in_vessel(stent, None, tube.surface, smoothing_length=s).warnings}
+        for s in (0.0, 4.0)
+    ]
+    assert kinds == [{"tight-bend"}, set()]
