@@ -39,6 +39,11 @@ TEMPLATES = {
     "face-names-not-read": "names of faces are not read: {reason}",
     "arrays-not-kept": "{format} cannot keep the arrays {arrays}; write .vtp to keep them.",
     "line-arrays-not-kept": "arrays are not kept in .mrk.json; write .vtp.",
+    # Segments
+    "dead-end": (
+        "The branch that ends at ({x:.4g}, {y:.4g}, {z:.4g}) mm{filed} has no outlet, its end is "
+        "round; cut it flat, or close the branches."
+    ),
     # Plans
     "changed-input": "it is not the file the plan was made with; accepted as asked.",
     "other-version": (

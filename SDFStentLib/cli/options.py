@@ -55,6 +55,7 @@ def parser() -> Parser:
         )
     )
     add_sweep(commands.add_parser("sweep", help="many deployments", allow_abbrev=False))
+    _extract(commands.add_parser("extract", help="a segment for a flow solver", allow_abbrev=False))
     _devices(commands.add_parser("devices", help="the device table", allow_abbrev=False))
     _demo(commands.add_parser("demo", help="treat a synthetic patient", allow_abbrev=False))
     return top
@@ -175,6 +176,29 @@ def _centerline(command: argparse.ArgumentParser) -> None:
     add_points(
         command, "outlet", "a line ends near this point; once or more (default: at every end)"
     )
+    add_units(command)
+    add_talk(command)
+
+
+def _extract(command: argparse.ArgumentParser) -> None:
+    command.description = (
+        "Cut the segment between two places of the centerline out of a vessel and close it by flat "
+        "caps, with face files for SimVascular's solvers: in cm, inlet and outlets named."
+    )
+    add_surface(command)
+    command.add_argument("--centerline", type=_path, metavar="FILE", required=True, help="any form")
+    add_point(command, "from", "one end of the segment", required=True)
+    add_point(command, "to", "the other end", required=True)
+    command.add_argument(
+        "-o", "--output", type=_path, metavar="DIR", required=True, help="folder to write"
+    )
+    command.add_argument(
+        "--close-branches", action="store_true", help="cut side branches off and close them"
+    )
+    command.add_argument(
+        "--after", type=_path, metavar="SURFACE2", help="the treated vessel, cut by the same planes"
+    )
+    add_point(command, "root", "the end of the centerline near this point is proximal")
     add_units(command)
     add_talk(command)
 

@@ -71,6 +71,10 @@ def _imported(name: str) -> Callable[[argparse.Namespace, Console], int]:
         from .compare import compare_command
 
         return compare_command
+    if name == "extract":
+        from .extract import extract_command
+
+        return extract_command
     if name == "devices":
         from .devices import devices_command
 

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from .extraction import ExtractedLines, check_vmtk, extract_lines
     from .formats import encode_vtp
     from .locks import lock
+    from .mesh_complete import MeshComplete, VolumeMesh
     from .model_faces import faces_of_polydata, set_face_names
     from .output_set import StagingFolder, commit, sweep
     from .polydata import (
@@ -45,8 +46,10 @@ __all__ = [
     "VTK_LINE_SUFFIXES",
     "ExtractedLines",
     "LineFile",
+    "MeshComplete",
     "StagingFolder",
     "SurfaceFile",
+    "VolumeMesh",
     "add_arrays",
     "atomic_path",
     "axis_of",
@@ -101,6 +104,7 @@ __getattr__, __dir__ = late_names(
         "extraction": ["ExtractedLines", "check_vmtk", "extract_lines"],
         "formats.vtk_files": ["encode_vtp"],
         "locks": ["lock"],
+        "mesh_complete": ["MeshComplete", "VolumeMesh"],
         "model_faces": ["faces_of_polydata", "set_face_names"],
         "output_set": ["StagingFolder", "commit", "sweep"],
         "polydata": [

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonCore import VTK_ID_TYPE, vtkPoints, vtkStringArray
-from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
+from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPointSet, vtkPolyData
 
 from ..geometry import Surface
 from ..units import Frame, as_frame
@@ -158,14 +158,14 @@ def polydata_from_lines(points: ArrayLike, lines: list[ArrayLike]) -> vtkPolyDat
 
 
 def add_arrays(
-    polydata: vtkPolyData,
+    data_set: vtkPointSet,
     point_arrays: Mapping[str, ArrayLike] | None,
     cell_arrays: Mapping[str, ArrayLike] | None,
 ) -> None:
     """Add copies of arrays in place, replacing those of the same name; `InputError` if unfit."""
     targets = (
-        ("point", polydata.GetPointData(), polydata.GetNumberOfPoints(), point_arrays),
-        ("cell", polydata.GetCellData(), polydata.GetNumberOfCells(), cell_arrays),
+        ("point", data_set.GetPointData(), data_set.GetNumberOfPoints(), point_arrays),
+        ("cell", data_set.GetCellData(), data_set.GetNumberOfCells(), cell_arrays),
     )
     for kind, data, count, arrays in targets:
         for array_name, values in (arrays or {}).items():

@@ -17,8 +17,10 @@ from .faces import (
     signed_volume,
     vertex_normals,
 )
+from .flat_fill import FlatFill, flat_fill
 from .named_faces import NamedFaces, checked_faces
 from .near_balls import near_balls, nearest_distances
+from .plane_cut import CutSurface, SectionAround, cut_along, section_around
 from .polyline import (
     arc_lengths,
     closest_points,
@@ -53,9 +55,12 @@ from .topology import (
 
 __all__ = [
     "ClosedSurface",
+    "CutSurface",
+    "FlatFill",
     "NamedFaces",
     "NearPairs",
     "Precision",
+    "SectionAround",
     "Surface",
     "SurfaceIndex",
     "Topology",
@@ -74,12 +79,14 @@ __all__ = [
     "connected",
     "consistently_wound",
     "cut",
+    "cut_along",
     "distances_to_segments",
     "dot",
     "edges",
     "face_areas",
     "face_normals",
     "faces_at",
+    "flat_fill",
     "frames",
     "is_inside",
     "is_manifold",
@@ -99,6 +106,7 @@ __all__ = [
     "ranges",
     "resampled",
     "resampled_to",
+    "section_around",
     "segment_count",
     "signed_volume",
     "smooth_minimum",

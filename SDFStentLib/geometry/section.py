@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..validation import (
     Flags,
     Floats,
+    Indices,
     InputError,
     Points,
     Triangles,
@@ -41,6 +42,19 @@ class SectionLoop(NamedTuple):
     is_closed: bool
 
 
+class Crossings(NamedTuple):
+    """Where a plane crosses a surface; a point in the plane counts as above it."""
+
+    triangles: Indices
+    """(k,) those that are crossed."""
+    sides: Indices
+    """(c, 2) the ends below and above of every side that is crossed,"""
+    corners: Points
+    """(c, 3) and where."""
+    nodes: Indices
+    """(k, 2) for each of the triangles the crossed side that goes down and the one that goes up."""
+
+
 def plane_section(
     points: Points, triangles: Triangles, origin: ArrayLike, normal: ArrayLike
 ) -> list[SectionLoop]:
@@ -68,7 +82,15 @@ def plane_section(
     origin, normal = as_point(origin, "origin"), as_point(normal, "normal")
     if not np.any(normal):
         raise InputError("normal: expected a direction, got the zero vector; give a plane normal.")
-    heights = product(points - origin, normal / np.linalg.norm(normal))
+    crossed = crossings(points, triangles, origin, normal / np.linalg.norm(normal))
+    chains = _chains(crossed.nodes, len(crossed.corners))
+    loops = (_without_repeats(crossed.corners[chain], is_loop) for chain, is_loop in chains)
+    return [loop for loop in loops if len(loop.points) > 1]
+
+
+def crossings(points: Points, triangles: Triangles, origin: Points, normal: Points) -> Crossings:
+    """Which triangles a plane crosses, and where; its normal is a unit vector."""
+    heights = product(points - origin, normal)
     is_above = heights >= 0
 
     above = is_above[triangles]
@@ -87,9 +109,7 @@ def plane_section(
     fraction = heights[below] / (heights[below] - heights[above_ends])
     corners = points[below] + fraction[:, None] * (points[above_ends] - points[below])
     corners[fraction == 1.0] = points[above_ends[fraction == 1.0]]
-    chains = _chains(node.reshape(2, -1).T, len(crossed))
-    loops = (_without_repeats(corners[chain], is_loop) for chain, is_loop in chains)
-    return [loop for loop in loops if len(loop.points) > 1]
+    return Crossings(cut, np.column_stack([below, above_ends]), corners, node.reshape(2, -1).T)
 
 
 def is_inside(queries: Points, points: Points, triangles: Triangles) -> Flags:

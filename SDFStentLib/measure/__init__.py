@@ -6,6 +6,7 @@ from .apposition import Apposition, FreeStretch, apposition
 from .branch_names import branch_names
 from .caps import bulged_caps, caps_across, looks_across
 from .cross_section import equivalent_diameters, winding_numbers
+from .cut_planes import CutPlane
 from .extended_axis import REACH, ExtendedAxis, extended_axis
 from .inscribed import InscribedSpheres, inscribed_spheres
 from .known_lumen import measured_after, measured_once
@@ -32,11 +33,15 @@ from .pressure import (
     vessel_block,
 )
 from .profile_around import AxisStations, axis_stations, profile_around
+from .segment import Segment, cut_segment
+from .segment_faces import SegmentFace
+from .segment_planes import segment_planes
 from .stations import measured_at
 from .stretch import FaceStretch, displacements, face_stretches
 from .tree_lumen import closed_surface
 from .triangle_sizes import TriangleSizes, triangle_sizes
 from .vessel_ends import LineSeeds, VesselEnd, line_seeds, vessel_ends
+from .vessel_parts import VesselParts, vessel_parts
 
 __all__ = [
     "ADULT",
@@ -50,6 +55,7 @@ __all__ = [
     "AxisStations",
     "Blood",
     "BranchWays",
+    "CutPlane",
     "DiameterProfile",
     "ExtendedAxis",
     "FaceStretch",
@@ -65,9 +71,12 @@ __all__ = [
     "NeighborWay",
     "Ostium",
     "PressureBand",
+    "Segment",
+    "SegmentFace",
     "TriangleSizes",
     "VesselBlock",
     "VesselEnd",
+    "VesselParts",
     "VesselStates",
     "apposition",
     "axis_stations",
@@ -75,6 +84,7 @@ __all__ = [
     "bulged_caps",
     "caps_across",
     "closed_surface",
+    "cut_segment",
     "diameter_profile",
     "displacements",
     "end_ways",
@@ -98,9 +108,11 @@ __all__ = [
     "pressure_band",
     "profile_around",
     "rough_radii",
+    "segment_planes",
     "triangle_sizes",
     "vessel_block",
     "vessel_ends",
+    "vessel_parts",
     "winding_numbers",
 ]
 

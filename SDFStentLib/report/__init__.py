@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from .picture import alternatives_picture, before_after_picture
     from .pressure import stent_pressure_sentences
     from .report import FIGURE_SUFFIXES, Report, write_report, write_report_figure
+    from .segments import segment_document, segment_sentences
     from .sizing import (
         ratio_sentence,
         stent_ratio_sentences,
@@ -78,6 +79,8 @@ __all__ = [
     "plan_report",
     "planned_device_sentences",
     "ratio_sentence",
+    "segment_document",
+    "segment_sentences",
     "stent_balloon_sentences",
     "stent_branch_sentences",
     "stent_device_sentences",
@@ -127,6 +130,7 @@ __getattr__, __dir__ = late_names(
         "painting": ["check_rendering"],
         "picture": ["alternatives_picture", "before_after_picture"],
         "pressure": ["stent_pressure_sentences"],
+        "segments": ["segment_document", "segment_sentences"],
         "sizing": [
             "ratio_sentence",
             "stent_ratio_sentences",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from .lesions import TreatedLesion, placement_at, treated_lesions
 from .preview import Preview, PreviewedStent, PreviewState
 from .profile import prescribed_diameters
+from .segments import ExtractedSegment, extract_segment
 from .sizing import (
     SEEN_RATIO,
     SizeRatios,
@@ -22,6 +23,7 @@ from .vessel import Vessel
 
 __all__ = [
     "SEEN_RATIO",
+    "ExtractedSegment",
     "Preview",
     "PreviewState",
     "PreviewedStent",
@@ -35,6 +37,7 @@ __all__ = [
     "TreatmentState",
     "Vessel",
     "axis_in_vessel",
+    "extract_segment",
     "label_of",
     "placement_at",
     "prescribed_diameters",

@@ -7,7 +7,7 @@ from .obj import decode_obj, encode_obj
 from .plain_mesh import Decoder, PlainMesh
 from .ply import decode_ply, encode_ply, fits_ply
 from .stl import decode_stl, encode_stl
-from .vtk_files import encode_legacy, encode_vtp, read_vtk_polydata
+from .vtk_files import encode_legacy, encode_vtp, encode_vtu, read_vtk_polydata
 
 __all__ = [
     "Decoder",
@@ -22,6 +22,7 @@ __all__ = [
     "encode_ply",
     "encode_stl",
     "encode_vtp",
+    "encode_vtu",
     "fits_ply",
     "new_markups",
     "read_vtk_polydata",

@@ -2,22 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import (
     VTK_ID_TYPE,
     vtkIdTypeArray,
     vtkLongLongArray,
 )
-from vtkmodules.vtkCommonDataModel import vtkDataSetAttributes, vtkFieldData, vtkPolyData
+from vtkmodules.vtkCommonDataModel import (
+    VTK_TETRA,
+    vtkDataSetAttributes,
+    vtkFieldData,
+    vtkPointSet,
+    vtkPolyData,
+    vtkUnstructuredGrid,
+)
 from vtkmodules.vtkIOLegacy import vtkPolyDataWriter
-from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
+from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter, vtkXMLUnstructuredGridWriter
 
 from ...units import Frame
-from ...validation import InputError
+from ...validation import Indices, InputError, Points
 from ..content import FileContent, frame_in_text
-from ..polydata import frame_of_polydata
+from ..polydata import add_arrays, cell_array, frame_of_polydata, polydata_from_arrays
 from .stored_to_vtk import polydata_from_stored
 from .vtk_legacy import decode_legacy, title_of
 from .vtk_quiet import vtk_messages
@@ -55,6 +65,24 @@ def encode_vtp(polydata: vtkPolyData) -> bytes:
     return b'<?xml version="1.0"?>\n' + _written(writer, polydata, "GetOutputString")
 
 
+def encode_vtu(
+    points: Points,
+    tetrahedra: Indices,
+    point_arrays: Mapping[str, NDArray[Any]],
+    cell_arrays: Mapping[str, NDArray[Any]],
+) -> bytes:
+    """Tetrahedra (t, 4) as VTU, as `encode_vtp`."""
+    grid = vtkUnstructuredGrid()
+    grid.SetPoints(polydata_from_arrays(points, tetrahedra[:, :3]).GetPoints())
+    grid.SetCells(VTK_TETRA, cell_array(4 * np.arange(len(tetrahedra) + 1), tetrahedra.ravel()))
+    add_arrays(grid, point_arrays, cell_arrays)
+    writer = vtkXMLUnstructuredGridWriter()
+    writer.SetDataModeToAppended()
+    writer.EncodeAppendedDataOff()
+    writer.SetCompressorTypeToZLib()
+    return b'<?xml version="1.0"?>\n' + _written(writer, grid, "GetOutputString")
+
+
 def encode_legacy(polydata: vtkPolyData, title: str) -> bytes:
     """Legacy VTK, binary; the title names the frame.
 
@@ -66,9 +94,9 @@ def encode_legacy(polydata: vtkPolyData, title: str) -> bytes:
     return _written(writer, _with_long_ids(polydata), "GetOutputStdString")
 
 
-def _written(writer: Any, polydata: vtkPolyData, result: str) -> bytes:
+def _written(writer: Any, data_set: vtkPointSet, result: str) -> bytes:
     """What a writer makes, in memory: so that a full disk is noticed by who writes the file."""
-    writer.SetInputData(polydata)
+    writer.SetInputData(data_set)
     writer.SetWriteToOutputString(True)
     with vtk_messages() as messages:
         succeeded = writer.Write()

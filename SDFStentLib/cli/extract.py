@@ -1,0 +1,88 @@
+"""The command `extract`: a segment of a vessel for a flow solver."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+from typing import Any
+
+from ..files import MeshComplete, SurfaceFile
+from ..plan import InputFiles, read_input_files
+from ..report import segment_document, segment_sentences
+from ..treatment import ExtractedSegment, extract_segment
+from ..validation import InputError
+from .console import Console
+from .outputs import Outputs
+from .place import in_mm, root_of
+
+SUMMARY = "segment.json"
+OWN = {SUMMARY, "before", "after"}
+"""What is in the folder that is written."""
+
+
+def extract_command(options: argparse.Namespace, console: Console) -> int:
+    """Write the segment between two places, before treatment and after."""
+    ends = (
+        in_mm(options.from_point, options.units, "--from"),
+        in_mm(options.to, options.units, "--to"),
+    )
+    outputs = Outputs([options.surface, options.centerline, options.after])
+    outputs.add_folder(options.output, lambda folder: _write(folder, found, read), OWN.__contains__)
+    units = options.units
+    read = [read_input_files(options.surface, options.centerline, units, root_of(options))]
+    if options.after is not None:
+        read.append(_treated(options, read[0]))
+    for one in read:
+        console.warn(one.warnings, units=units)
+    found = extract_segment(
+        read[0].vessel,
+        *ends,
+        close_branches=options.close_branches,
+        after=read[1].vessel if len(read) > 1 else None,
+    )
+    console.warn(found.warnings, units=units)
+    outputs.write()
+    for name, segment in (("Before", found.before), ("After", found.after)):
+        for sentence in segment_sentences(segment) if segment is not None else ():
+            console.say(f"{name}: {sentence}")
+    console.say(f"Wrote {options.output}, in cm; mesh its exterior with the surface kept.")
+    return 0
+
+
+def _treated(options: argparse.Namespace, before: InputFiles) -> InputFiles:
+    """The vessel after treatment; `InputError` where it is in another frame."""
+    after = read_input_files(options.after, units=options.units)
+    frames = [one.surface.frame for one in (before, after)]
+    if None not in frames and frames[0] != frames[1]:
+        raise InputError(
+            f"{options.after}: expected the frame of {options.surface}, {frames[0]}, got "
+            f"{frames[1]}; write both in one frame."
+        )
+    return after
+
+
+def _write(folder: Path, found: ExtractedSegment, read: list[InputFiles]) -> None:
+    folder.mkdir()
+    segments = (("before", found.before), ("after", found.after))
+    for (name, segment), one in zip(segments, read, strict=False):
+        assert segment is not None
+        faces, frame = segment.named_faces, one.surface.frame
+        MeshComplete(segment.surface, faces, segment.walls, frame).write(folder / name)
+    document = segment_document(found, _inputs(read))
+    text = json.dumps(document, indent=2, allow_nan=False, ensure_ascii=False)
+    (folder / SUMMARY).write_text(text + "\n", encoding="utf-8")
+
+
+def _inputs(read: list[InputFiles]) -> dict[str, Any]:
+    line = read[0].line_file
+    assert line is not None
+    return {
+        "surface": _file(read[0].surface),
+        "centerline": {"file": str(line.path), "sha256": line.sha256},
+        "after": _file(read[1].surface) if len(read) > 1 else None,
+    }
+
+
+def _file(read: SurfaceFile) -> dict[str, Any]:
+    return {"file": str(read.path), "sha256": read.sha256}

@@ -1,0 +1,197 @@
+"""Planes across a vessel that meet only this vessel, however oblique its parent is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..centerline import Location
+from ..geometry import (
+    ClosedSurface,
+    SectionAround,
+    across,
+    arc_lengths,
+    closest_points,
+    length,
+    norm,
+    point_at,
+    product,
+    section_around,
+)
+from ..validation import Floats, InputError, Points, read_only
+from .vessel_parts import VesselParts
+
+SPACING = 0.5
+"""Between points of the centerline that stand for it, mm."""
+
+OFF = 1.5
+"""A place is so many radii of the vessel away from its centerline at most."""
+
+ALONG = 1.5
+"""How far along the tree, in distances from the axis to the wall, a section belongs to its place:
+where its border lies nearer to the centerline elsewhere, it runs into another vessel."""
+
+TANGENT = 1.5
+"""The direction of a vessel is that of a parabola over so many distances to the wall."""
+
+STEP = 0.25
+"""Between the places that are tried for a plane, in the same unit."""
+
+SAME = 1e-6
+"""Up to this distance a point lies on a path, mm."""
+
+
+@dataclass(frozen=True)
+class CutPlane:
+    """A plane across a vessel by which a segment of it is cut off."""
+
+    name: str
+    """Of the branch that it cuts."""
+    origin: Floats
+    """(3,) on the centerline, mm."""
+    normal: Floats
+    """(3,) unit vector into the segment."""
+    is_closed: bool = False
+    """Whether what is cut off there was a side branch: the opening becomes wall."""
+
+    def __post_init__(self) -> None:
+        for name in ("origin", "normal"):
+            object.__setattr__(self, name, read_only(getattr(self, name)))
+
+
+class PlaneFinder:
+    """A vessel that is asked for its sections again and again."""
+
+    def __init__(self, vessel: VesselParts) -> None:
+        from scipy.spatial import cKDTree
+
+        self.points, self.triangles = vessel.surface.points, vessel.surface.triangles
+        self.is_cap = np.isin(vessel.ids, list(vessel.caps))
+        self.axis = vessel.tree.resampled(SPACING)
+        self.wall = cKDTree(self.points[np.unique(self.triangles[~self.is_cap])])
+        self.reach = self.wall.query(self.axis.points)[0]
+
+    def end_direction(self, way: Points, place: Location, word: str) -> Floats:
+        """Across the first point of a way along the vessel; `InputError` where that cannot be."""
+        direction = self.direction(way)
+        section = section_around(self.points, self.triangles, way[0], direction)
+        radius = np.inf if section is None else np.sqrt(section.area / np.pi)
+        if place.distance > OFF * radius:
+            raise InputError(
+                f"segment {word}: expected a place in the vessel, got one {place.distance:.1f} mm "
+                f"from its centerline where it has a radius of {radius:.1f} mm; check the place, "
+                "its unit (mm, cm) and its frame (RAS, LPS)."
+            )
+        fault = self.fault(section, way[0], direction)
+        if fault:
+            raise InputError(
+                f"segment {word}: expected a plane that meets only this vessel, the one at "
+                f"{_said(way[0])} mm {fault}; {self._advice(way)}."
+            )
+        return direction
+
+    def first_across(
+        self, side: Points, way: Points, lumen: ClosedSurface
+    ) -> tuple[Points, Floats] | None:
+        """Where along a line that leaves a way a plane first meets only it; its normal, back.
+
+        In a lumen, and so far from the way that the branch has parted from it; None without one.
+        """
+        for place, direction in self._tried(side):
+            apart = closest_points(way, place[None]).distances[0] > self.wall.query(place)[0]
+            if not apart or not lumen.contains(place[None])[0]:
+                continue
+            section = section_around(self.points, self.triangles, place, direction)
+            if not self.fault(section, place, direction):
+                return place, -direction
+        return None
+
+    def direction(self, way: Points) -> Floats:
+        """The direction of a line (k, 3) at its first point."""
+        span = min(TANGENT * float(self.wall.query(way[0])[0]), length(way))
+        at = np.linspace(0.0, max(span, SAME), 9)
+        parabola = np.polyfit(at, point_at(way, at), 2)
+        return np.asarray(parabola[1] / np.linalg.norm(parabola[1]))
+
+    def fault(self, section: SectionAround | None, origin: Points, normal: Floats) -> str:
+        """Why a section is not that of one vessel alone; empty where it is."""
+        if section is None:
+            return "does not go round its centerline"
+        if not section.is_closed:
+            return "runs through an open end"
+        if self.is_cap[section.triangles].any():
+            return "runs through an end of the vessel"
+        if self._is_crossed_elsewhere(section, origin, normal):
+            return "cuts a branch of it, too"
+        return "runs into another vessel" if self._is_elsewhere(section, origin) else ""
+
+    def _tried(self, line: Points) -> Iterator[tuple[Points, Floats]]:
+        """Places along a line and its direction there."""
+        at, total = 0.0, length(line)
+        # Ends: goes on by a tenth of the spacing at least.
+        while at < total - SAME:
+            place = point_at(line, [at])[0]
+            rest = np.vstack([place, line[arc_lengths(line) > at]])
+            yield place, self.direction(rest)
+            at += max(STEP * float(self.wall.query(place)[0]), SPACING / 10)
+
+    def _advice(self, way: Points) -> str:
+        for place, direction in self._tried(way):
+            section = section_around(self.points, self.triangles, place, direction)
+            if not self.fault(section, place, direction):
+                moved = closest_points(way, place[None]).arc_lengths[0]
+                return f"move it {moved:.1f} mm into the segment, to {_said(place)} mm"
+        return "choose another place"
+
+    def _is_crossed_elsewhere(self, section: SectionAround, origin: Points, normal: Floats) -> bool:
+        """Whether the centerline passes through the section at another place than the origin."""
+        ends = np.flatnonzero(self.axis.parent >= 0)
+        heights = product(self.axis.points - origin, normal)
+        ends = ends[(heights[self.axis.parent[ends]] < 0) != (heights[ends] < 0)]
+        starts = self.axis.parent[ends]
+        share = (heights[starts] / (heights[starts] - heights[ends]))[:, None]
+        low, high = self.axis.points[starts], self.axis.points[ends]
+        places = low + share * (high - low)
+        away = places[norm(places - origin) > self.wall.query(origin)[0]]
+        return any(_is_round(section, place, normal) for place in away)
+
+    def _is_elsewhere(self, section: SectionAround, origin: Points) -> bool:
+        """Whether some of the border lies nearer to the centerline far along the tree."""
+        here = int(np.argmin(norm(self.axis.points - origin)))
+        near = self._nearby(here, ALONG * float(self.wall.query(origin)[0]) + SPACING)
+        rim = section.start
+        own, other = np.full(len(rim), np.inf), np.full(len(rim), np.inf)
+        width = float(norm(rim - origin).max())
+        for index in np.flatnonzero(norm(self.axis.points - origin) < 3 * width):
+            beside = norm(rim - self.axis.points[index]) - self.reach[index]
+            best = own if near[index] else other
+            np.minimum(best, beside, out=best)
+        return bool((other < own - SPACING / 2).any())
+
+    def _nearby(self, start: int, limit: float) -> Floats:
+        """Which points of the axis are within a distance along the tree."""
+        distance = np.full(len(self.axis.points), np.inf)
+        distance[start], waiting = 0.0, [start]
+        # Ends: in a tree a point is reached once.
+        while waiting:
+            point = waiting.pop()
+            for other in self.axis.neighbors.of(point):
+                step = float(np.linalg.norm(self.axis.points[other] - self.axis.points[point]))
+                if np.isinf(distance[other]) and distance[point] + step <= limit:
+                    distance[other] = distance[point] + step
+                    waiting.append(int(other))
+        return np.isfinite(distance)
+
+
+def _is_round(section: SectionAround, place: Points, normal: Floats) -> bool:
+    """Whether a section goes round a point of its plane."""
+    plane = across(normal[None])[0].T
+    (x, y), (end_x, end_y) = ((section.start - place) @ plane).T, ((section.end - place) @ plane).T
+    angle = np.arctan2(x * end_y - y * end_x, x * end_x + y * end_y).sum()
+    return bool(abs(angle) > np.pi)
+
+
+def _said(place: Points) -> str:
+    return "({:.4g}, {:.4g}, {:.4g})".format(*place)

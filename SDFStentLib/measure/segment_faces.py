@@ -1,0 +1,116 @@
+"""The faces of a segment: wall, inlet or outlet, and what they are called."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from ..centerline import Centerline
+from ..geometry import Surface, face_areas
+from ..validation import Floats, Indices, read_only
+from .cut_planes import SAME, CutPlane
+from .vessel_parts import VesselParts
+
+Kind = Literal["inlet", "outlet", "wall"]
+
+AT_END = 2.0
+"""The root of the centerline lies so many radii from the middle of the cap there at most."""
+
+LONGEST = 80
+"""Letters of a name, which is that of a file, too."""
+
+_NO_LETTERS = re.compile("[^0-9A-Za-z]+")
+
+
+class SegmentFace(NamedTuple):
+    """A face of a segment, as a solver names its boundaries."""
+
+    number: int
+    """Of its triangles."""
+    name: str
+    """Letters, digits and underscores."""
+    kind: Kind
+    area: float
+    """mm^2."""
+    center: Floats
+    """(3,) of its area, mm."""
+    normal: Floats
+    """(3,) mean of its unit normals, outward; of a flat face a unit vector."""
+
+
+def segment_faces(
+    surface: Surface, ids: Indices, vessel: VesselParts, ends: Mapping[int, CutPlane | None]
+) -> tuple[SegmentFace, ...]:
+    """The faces of a closed segment by name, the inlet first and what is closed last.
+
+    Parameters
+    ----------
+    surface : Surface
+    ids : (m,) array of int
+        Of its triangles.
+    vessel : VesselParts
+        From which it was cut. The inlet is the end at the root of its centerline, else the end by
+        which the root is left.
+    ends : mapping of int to CutPlane
+        The faces that closed the segment and their planes; None where there was an open end.
+    """
+    plain = {number: _plain(surface, ids, number) for number in np.unique(ids).tolist()}
+    planes = {number: plane for number, plane in ends.items() if plane is not None}
+    closed = {number for number, plane in planes.items() if plane.is_closed}
+    caps = [n for n in plain if (n in vessel.caps or n in ends) and n not in closed]
+    inlet = _inlet({n: plain[n] for n in caps}, planes, vessel.tree)
+    found = []
+    for number, face in plain.items():
+        said = (
+            planes[number].name if number in planes else vessel.names.get(number, f"face {number}")
+        )
+        kind: Kind = "wall" if number not in caps else "inlet" if number == inlet else "outlet"
+        label = "closed" if number in closed else kind
+        found.append((label, said, face._replace(kind=kind)))
+    found.sort(key=lambda one: ("inlet", "outlet", "wall", "closed").index(one[0]))
+    return tuple(
+        face._replace(name=name) for name, (_, _, face) in zip(_short(found), found, strict=True)
+    )
+
+
+def _short(faces: Sequence[tuple[str, str, SegmentFace]]) -> list[str]:
+    """Names of faces: what only one of them is needs no more words."""
+    labels = Counter(label for label, _, _ in faces)
+    taken: Counter[str] = Counter()
+    names = []
+    for label, said, _ in faces:
+        name = label if labels[label] == 1 else f"{label} {said}"
+        name = _NO_LETTERS.sub("_", name).strip("_")[:LONGEST]
+        # Names of files: some systems do not tell large letters from small ones.
+        taken[name.casefold()] += 1
+        count = taken[name.casefold()]
+        names.append(name if count == 1 else f"{name}_{count}")
+    return names
+
+
+def _inlet(
+    caps: Mapping[int, SegmentFace], planes: Mapping[int, CutPlane], tree: Centerline
+) -> int:
+    """The end at the root of the tree; else of the two planes that by which the root is left."""
+    for root in tree.points[tree.roots]:
+        for number, cap in caps.items():
+            away = float(np.linalg.norm(cap.center - root))
+            if number not in planes and away < AT_END * np.sqrt(cap.area / np.pi):
+                return number
+    start, end = [number for number, plane in planes.items() if not plane.is_closed]
+    places = [tree.project(planes[number].origin) for number in (start, end)]
+    fall = places[0].arc_length - places[1].arc_length
+    return end if abs(tree.path(*places).length - fall) < SAME else start
+
+
+def _plain(surface: Surface, ids: Indices, number: int) -> SegmentFace:
+    own = surface.triangles[ids == number]
+    areas = face_areas(surface.points, own)
+    total = float(areas.sum())
+    center = (areas[:, None] * surface.points[own].mean(axis=1)).sum(axis=0) / total
+    normal = (areas[:, None] * surface.face_normals[ids == number]).sum(axis=0) / total
+    return SegmentFace(number, "", "wall", total, read_only(center), read_only(normal))

@@ -1,0 +1,279 @@
+"""`sdfstent extract`: the files of a segment, as SimVascular's solvers read them."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from deployment_cases import ANATOMIES
+from mesh_files import PROJECT
+from tube_files import deploy
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkIntArray
+from vtkmodules.vtkCommonDataModel import VTK_TETRA
+from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLUnstructuredGridReader
+
+from SDFStentLib.cli.shell import main
+from SDFStentLib.files import (
+    MeshComplete,
+    VolumeMesh,
+    encode_vtp,
+    read_surface,
+    set_frame_of_polydata,
+)
+from SDFStentLib.geometry import NamedFaces, signed_volume
+from SDFStentLib.phantoms import straight_tube
+from SDFStentLib.validation import InputError
+
+ENDS = ["--from", "0", "0", "0.8", "--to", "0", "0", "3.2"]
+
+
+def extract(*more, ends=ENDS, surface="tube.vtp", line="line.vtp", out="seg"):
+    return main(
+        ["extract", surface, "--units", "cm", "--centerline", line, *ends, "-o", out, *more]
+    )
+
+
+def read_vtk(path):
+    """As the solvers read it: by VTK's own reader."""
+    volume = path.suffix == ".vtu"
+    reader = vtkXMLUnstructuredGridReader() if volume else vtkXMLPolyDataReader()
+    reader.SetFileName(str(path))
+    reader.Update()
+    return reader.GetOutput()
+
+
+def ids(data, name):
+    array = (data.GetCellData() if name != "GlobalNodeID" else data.GetPointData()).GetArray(name)
+    assert isinstance(array, vtkIntArray), f"{name} is no Int32"
+    return vtk_to_numpy(array)
+
+
+def triangles_of(data):
+    return vtk_to_numpy(data.GetPolys().GetConnectivityArray()).reshape(-1, 3)
+
+
+def points_of(data):
+    return vtk_to_numpy(data.GetPoints().GetData())
+
+
+def assert_faces_are_the_exterior(folder, names):
+    """Every triangle of the exterior lies in one face, with the ids of its points."""
+    exterior = read_vtk(folder / "mesh-complete.exterior.vtp")
+    points, triangles = points_of(exterior), triangles_of(exterior)
+    assert points.dtype == np.float64
+    np.testing.assert_array_equal(ids(exterior, "GlobalNodeID"), 1 + np.arange(len(points)))
+    found = {path.stem: read_vtk(path) for path in (folder / "mesh-surfaces").iterdir()}
+    assert set(found) == set(names)
+    rows = []
+    for face in found.values():
+        nodes = ids(face, "GlobalNodeID") - 1
+        np.testing.assert_array_equal(points_of(face), points[nodes])
+        rows += nodes[triangles_of(face)].tolist()
+        (number,) = np.unique(ids(face, "ModelFaceID"))
+        assert (ids(exterior, "ModelFaceID") == number).sum() == len(triangles_of(face))
+    assert sorted(rows) == sorted(triangles.tolist())
+    walls = read_vtk(folder / "walls_combined.vtp")
+    own = [name for name in names if name.startswith(("wall", "closed"))]
+    assert len(triangles_of(walls)) == sum(len(triangles_of(found[name])) for name in own)
+    return found
+
+
+def test_a_segment_is_written_with_its_faces_in_cm(a_folder, capsys):
+    assert extract() == 0
+    said = capsys.readouterr().out.splitlines()
+    faces = assert_faces_are_the_exterior(Path("seg/before"), ["inlet", "outlet", "wall"])
+    assert points_of(faces["inlet"])[:, 2] == pytest.approx(0.8, abs=1e-7)
+    assert points_of(faces["outlet"])[:, 2] == pytest.approx(3.2, abs=1e-7)
+    document = json.loads(Path("seg/segment.json").read_text(encoding="utf-8"))
+    surface = read_surface("seg/before/mesh-complete.exterior.vtp", "cm").surface
+    volume = signed_volume(surface.points, surface.triangles) / 1000
+    assert document["before"]["volume"] == pytest.approx(volume)
+    assert document["after"] is None
+    assert said[0].startswith(f"Before: {volume:.2f} cm3 of lumen; inlet 0.2")
+    assert [face["name"] for face in document["before"]["faces"]] == ["inlet", "outlet", "wall"]
+    assert sum(face["area"] for face in document["before"]["faces"]) == pytest.approx(
+        area(surface) / 100
+    )
+    assert main(["check", "seg/before/mesh-complete.exterior.vtp", "--units", "cm", "--quiet"]) == 0
+
+
+def area(surface):
+    first, second, third = surface.points[surface.triangles].transpose(1, 0, 2)
+    return 0.5 * np.linalg.norm(np.cross(second - first, third - first), axis=1).sum()
+
+
+def test_before_and_after_a_stent_lie_in_one_folder(a_folder, capsys):
+    assert deploy(diameter="7") == 0
+    assert extract("--after", "out.vtp") == 0
+    document = json.loads(Path("seg/segment.json").read_text(encoding="utf-8"))
+    for name in ("before", "after"):
+        faces = assert_faces_are_the_exterior(Path("seg") / name, ["inlet", "outlet", "wall"])
+        # The caps of both lie in the same planes.
+        for plane, cap in zip(document["planes"], ("inlet", "outlet"), strict=True):
+            heights = (points_of(faces[cap]) - plane["origin"]) @ plane["normal"]
+            assert np.abs(heights).max() < 1e-6
+    assert document["after"]["volume"] > 1.2 * document["before"]["volume"]
+    said = capsys.readouterr().out
+    assert "Before: " in said
+    assert "After: " in said
+
+
+def test_a_treated_vessel_in_another_frame_is_a_sentence(a_folder, capsys):
+    for name, frame in (("tube.vtp", "RAS"), ("after.vtp", "LPS")):
+        data = read_surface("tube.vtp", "cm").polydata()
+        set_frame_of_polydata(data, frame)
+        Path(name).write_bytes(encode_vtp(data))
+    assert extract("--after", "after.vtp") == 2
+    assert "after.vtp: expected the frame of tube.vtp, RAS, got LPS" in capsys.readouterr().err
+    assert not Path("seg").exists()
+
+
+def test_the_names_of_faces_come_back_with_the_exterior(a_folder):
+    assert extract() == 0
+    faces = read_surface("seg/before/mesh-complete.exterior.vtp", "cm").faces
+    assert set(faces.names.values()) == {"inlet", "outlet", "wall"}
+    wall = read_surface("seg/before/mesh-surfaces/wall.vtp", "cm").faces
+    assert set(wall.names.values()) == {"wall"}
+
+
+def test_the_frame_is_kept(a_folder):
+    data = read_surface("tube.vtp", "cm").polydata()
+    set_frame_of_polydata(data, "LPS")
+    Path("tube.vtp").write_bytes(encode_vtp(data))
+    assert extract() == 0
+    assert read_surface("seg/before/mesh-complete.exterior.vtp", "cm").frame == "LPS"
+
+
+def test_a_second_run_replaces_the_first_and_leaves_nothing_of_it(a_folder):
+    assert deploy(diameter="7") == 0
+    assert extract("--after", "out.vtp") == 0
+    assert extract() == 0
+    assert sorted(path.name for path in Path("seg").iterdir()) == ["before", "segment.json"]
+
+
+def test_files_of_others_are_not_replaced(a_folder, capsys):
+    Path("seg").mkdir()
+    Path("seg/thesis.txt").write_text("mine", encoding="utf-8")
+    assert extract() == 2
+    assert "got one that holds thesis.txt" in capsys.readouterr().err
+    assert Path("seg/thesis.txt").read_text(encoding="utf-8") == "mine"
+
+
+def test_branches_are_kept_or_closed(data_dir, tmp_path, capsys):
+    surface, line, units = ANATOMIES["pulmonary"]
+    files = [str(data_dir / surface), "--centerline", str(data_dir / line), "--units", units]
+    ends = ["--from", "2.966", "-6.2", "6.4", "--to", "-2.33", "-0.28", "4.0"]
+    volumes = []
+    for name, more, own in (
+        (
+            "kept",
+            [],
+            ["inlet", "outlet_branch_to_face_5", "outlet_face_3", "wall_face_1", "wall_face_2"],
+        ),
+        (
+            "closed",
+            ["--close-branches"],
+            ["inlet", "outlet", "closed", "wall_face_1", "wall_face_2"],
+        ),
+    ):
+        out = tmp_path / name
+        assert main(["extract", *files, *ends, "-o", str(out), *more]) == 0
+        assert_faces_are_the_exterior(out / "before", own)
+        document = json.loads((out / "segment.json").read_text(encoding="utf-8"))
+        assert [plane["closed"] for plane in document["planes"]] == [False, False, True][
+            : len(document["planes"])
+        ]
+        volumes.append(document["before"]["volume"])
+    assert volumes[1] < volumes[0]
+    assert capsys.readouterr().err == ""
+
+
+BAD = {
+    "no end": (["--from", "0", "0", "1"], [], "the following arguments are required: --to"),
+    "one place": ([*ENDS[:4], "--to", "0", "0", "0.8"], [], "expected two places apart"),
+    "millimeters": (["--from", "0", "0", "8", "--to", "0", "0", "32"], [], "their unit (mm, cm)"),
+    "beside": (["--from", "2", "0", "1", "--to", "0", "0", "3"], [], "got one 20.0 mm from its"),
+    "no number": (["--from", "nan", "0", "1", *ENDS[4:]], [], "--from: expected three finite"),
+    "no file after": (ENDS, ["--after", "none.vtp"], "none.vtp: no such file"),
+    "output in input": (ENDS, ["-o", "tube.vtp"], "expected a folder, got a file"),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_bad_input_is_a_sentence_and_nothing_is_written(a_folder, capsys, name):
+    ends, more, words = BAD[name]
+    assert extract(*more, ends=ends) == 2
+    error = capsys.readouterr().err
+    assert words in error
+    assert error.startswith("sdfstent extract: ")
+    assert error.count("\n") == 1
+    assert not Path("seg").exists()
+
+
+def meshed(surface):
+    tetgen = pytest.importorskip("tetgen")
+    mesher = tetgen.TetGen(surface.points, surface.triangles.astype(np.int32))
+    return VolumeMesh(*mesher.tetrahedralize(switches="pq1.4YQ")[:2])
+
+
+@pytest.fixture
+def a_segment():
+    tube = straight_tube(edge_length=1.5)
+    faces = NamedFaces(tube.face_ids, {1: "wall", 2: "inlet", 3: "outlet"})
+    return tube.surface, faces
+
+
+def test_with_a_volume_mesh_every_triangle_names_its_tetrahedron(a_segment, tmp_path):
+    surface, faces = a_segment
+    volume = meshed(surface)
+    MeshComplete(surface, faces, frozenset({1}), volume=volume).write(tmp_path / "mesh")
+    written = assert_faces_are_the_exterior(tmp_path / "mesh", ["inlet", "outlet", "wall"])
+    grid = read_vtk(tmp_path / "mesh" / "mesh-complete.mesh.vtu")
+    np.testing.assert_array_equal(points_of(grid), volume.points / 10)
+    tetrahedra = vtk_to_numpy(grid.GetCells().GetConnectivityArray()).reshape(-1, 4)
+    np.testing.assert_array_equal(tetrahedra, volume.tetrahedra)
+    assert {grid.GetCellType(index) for index in range(len(tetrahedra))} == {VTK_TETRA}
+    np.testing.assert_array_equal(ids(grid, "GlobalElementID"), 1 + np.arange(len(tetrahedra)))
+    for face in written.values():
+        nodes = ids(face, "GlobalNodeID") - 1
+        parents = tetrahedra[ids(face, "GlobalElementID") - 1]
+        for corners, parent in zip(
+            nodes[triangles_of(face)].tolist(), parents.tolist(), strict=True
+        ):
+            assert set(corners) < set(parent)
+
+
+def test_the_manual_meshes_a_segment(a_folder, monkeypatch):
+    pytest.importorskip("tetgen")
+    manual = (PROJECT / "docs" / "cli.md").read_text(encoding="utf-8")
+    (program,) = re.findall(r"```python\n(import tetgen.*?)```", manual, re.S)
+    assert extract(out="DIR") == 0
+    exec(compile(program, "cli.md", "exec"), {})
+    written = assert_faces_are_the_exterior(Path("DIR/solver"), ["inlet", "outlet", "wall"])
+    assert all(len(ids(face, "GlobalElementID")) for face in written.values())
+    assert len(points_of(read_vtk(Path("DIR/solver/mesh-complete.mesh.vtu")))) > 1000
+
+
+def test_without_a_volume_mesh_no_tetrahedron_is_made_up(a_segment, tmp_path):
+    surface, faces = a_segment
+    MeshComplete(surface, faces, frozenset({1})).write(tmp_path / "mesh")
+    wall = read_vtk(tmp_path / "mesh" / "walls_combined.vtp")
+    assert wall.GetCellData().GetArray("GlobalElementID") is None
+    assert not (tmp_path / "mesh" / "mesh-complete.mesh.vtu").exists()
+
+
+def test_a_volume_mesh_of_another_surface_is_a_sentence(a_segment, tmp_path):
+    surface, faces = a_segment
+    volume = meshed(surface)
+    moved = surface.with_points(surface.points + 0.1)
+    at_wall = (np.sort(volume.tetrahedra)[:, :3] < len(surface.points)).all(axis=1)
+    lost = volume._replace(tetrahedra=volume.tetrahedra[~at_wall])
+    none = volume._replace(tetrahedra=volume.tetrahedra[:0])
+    for one, other in ((moved, volume), (surface, lost), (surface, none)):
+        with pytest.raises(InputError, match="expected the points of the surface first"):
+            MeshComplete(one, faces, frozenset({1}), volume=other).write(tmp_path / "mesh")
+        assert not (tmp_path / "mesh").exists()

@@ -1,0 +1,394 @@
+"""A segment between two places of a vessel, closed by flat caps in planes that meet only it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from deployment_cases import ANATOMIES, anatomy
+from trees import unbranched
+from vtkmodules.vtkCommonDataModel import vtkPlane, vtkPlaneCollection
+from vtkmodules.vtkFiltersCore import (
+    vtkConnectivityFilter,
+    vtkMassProperties,
+    vtkTriangleFilter,
+)
+from vtkmodules.vtkFiltersGeneral import vtkClipClosedSurface
+
+from SDFStentLib.certificate import check_surface
+from SDFStentLib.files import polydata_from_arrays, read_surface, surface_from_polydata
+from SDFStentLib.geometry import (
+    NamedFaces,
+    Surface,
+    arc_lengths,
+    length,
+    point_at,
+    signed_volume,
+)
+from SDFStentLib.phantoms import (
+    arch_with_coarctation,
+    branching_pulmonary_artery,
+    hairpin_tube,
+    stenosed_tube,
+    straight_tube,
+    tube_with_neighbor,
+    vascular_tree,
+)
+from SDFStentLib.stent import AtCenter, Stent
+from SDFStentLib.treatment import Treatment, Vessel, extract_segment
+from SDFStentLib.validation import DeploymentError, InputError
+
+
+def vessel_of(phantom):
+    return Vessel(phantom.surface, phantom.centerline, faces=NamedFaces(phantom.face_ids))
+
+
+def vessel_at(folder, name):
+    found = anatomy(folder, name)
+    file, _, units = ANATOMIES[name]
+    return Vessel(found.surface, found.centerline, faces=read_surface(folder / file, units).faces)
+
+
+def way_to(vessel, leaf=0):
+    tree = vessel.centerline
+    return tree.points[tree.ancestry(tree.leaves[leaf])]
+
+
+def segment_of(vessel, first, last, leaf=0, **options):
+    """Between two parts of the way to a leaf."""
+    way = way_to(vessel, leaf)
+    ends = point_at(way, np.array([first, last]) * length(way))
+    return extract_segment(vessel, *ends, **options)
+
+
+def faces_of(segment):
+    return {face.name: face for face in segment.faces}
+
+
+def assert_closed_by_its_planes(found):
+    """Sound, and every plane holds one flat cap that looks out of the segment."""
+    segment = found.before
+    check = check_surface(segment.surface)
+    assert check.is_watertight
+    assert check.passed
+    assert segment.volume > 0
+    for plane in found.planes:
+        heights = np.abs((segment.surface.points - plane.origin) @ plane.normal)
+        flat = [face for face in segment.faces if heights[corners_of(segment, face)].max() < 1e-9]
+        # Both ends of a hairpin lie in one plane.
+        cap = min(flat, key=lambda face: np.linalg.norm(face.center - plane.origin))
+        np.testing.assert_allclose(cap.normal, -plane.normal, atol=1e-9)
+        assert (cap.kind == "wall") is plane.is_closed
+
+
+def corners_of(segment, face):
+    return np.unique(segment.surface.triangles[segment.face_ids == face.number])
+
+
+CASES = [
+    *(
+        (name, leaf, *part)
+        for name in ANATOMIES
+        for leaf in (0, 1)
+        for part in ((0.1, 0.9), (0.3, 0.95))
+    ),
+]
+
+
+@pytest.mark.parametrize("close", [False, True], ids=["branches kept", "branches closed"])
+@pytest.mark.parametrize("case", CASES, ids=lambda case: "-".join(map(str, case)))
+def test_segments_of_anatomies_are_sound(data_dir, case, close):
+    name, leaf, first, last = case
+    found = segment_of(vessel_at(data_dir, name), first, last, leaf, close_branches=close)
+    assert_closed_by_its_planes(found)
+    kinds = [face.kind for face in found.before.faces]
+    assert kinds.count("inlet") == 1
+    if close:
+        assert kinds.count("outlet") == 1
+
+
+@pytest.mark.parametrize("close", [False, True], ids=["branches kept", "branches closed"])
+@pytest.mark.parametrize(
+    "make", [stenosed_tube, hairpin_tube, tube_with_neighbor, branching_pulmonary_artery,
+             arch_with_coarctation, lambda: vascular_tree(6)],
+)  # fmt: skip
+def test_segments_of_phantoms_are_sound(make, close):
+    found = segment_of(vessel_of(make()), 0.12, 0.88, close_branches=close)
+    assert_closed_by_its_planes(found)
+
+
+def by_vtk(surface, found):
+    """The volume between two planes and the areas of its ends, by VTK alone."""
+    outward = surface.triangles
+    if signed_volume(surface.points, outward) < 0:
+        outward = outward[:, ::-1]
+    data = polydata_from_arrays(surface.points, outward)
+    areas = []
+    for plane in found.planes:
+        data = clipped(data, plane)
+    for plane in found.planes:
+        ends = surface_from_polydata(data)
+        heights = np.abs((ends.points - plane.origin) @ plane.normal)
+        at_end = ends.triangles[(heights[ends.triangles] < 1e-6).all(axis=1)]
+        first, second, third = ends.points[at_end].transpose(1, 0, 2)
+        areas.append(0.5 * np.linalg.norm(np.cross(second - first, third - first), axis=1).sum())
+    mass = vtkMassProperties()
+    mass.SetInputData(data)
+    return mass.GetVolume(), areas
+
+
+def clipped(data, plane):
+    """What is above a plane and hangs together with what is beside its origin."""
+    half = vtkPlane()
+    half.SetOrigin(*plane.origin)
+    half.SetNormal(*plane.normal)
+    planes = vtkPlaneCollection()
+    planes.AddItem(half)
+    clip = vtkClipClosedSurface()
+    clip.SetInputData(data)
+    clip.SetClippingPlanes(planes)
+    part = vtkConnectivityFilter()
+    part.SetInputConnection(clip.GetOutputPort())
+    part.SetExtractionModeToClosestPointRegion()
+    part.SetClosestPoint(*(plane.origin + 1e-3 * plane.normal))
+    triangles = vtkTriangleFilter()
+    triangles.SetInputConnection(part.GetOutputPort())
+    triangles.PassVertsOff()
+    triangles.PassLinesOff()
+    triangles.Update()
+    return triangles.GetOutput()
+
+
+PARTS = [
+    ("pulmonary", 0, 0.3, 0.6),
+    ("pulmonary", 1, 0.3, 0.6),
+    ("vmtk_aorta", 0, 0.1, 0.4),
+    ("aorta_iliac", 1, 0.1, 0.4),
+]
+
+
+@pytest.mark.parametrize("part", PARTS, ids=lambda part: "-".join(map(str, part)))
+def test_lumen_and_caps_of_an_anatomy_are_those_that_vtk_clips(data_dir, part):
+    name, leaf, first, last = part
+    vessel = vessel_at(data_dir, name)
+    found = segment_of(vessel, first, last, leaf)
+    volume, areas = by_vtk(vessel.surface, found)
+    assert found.before.volume == pytest.approx(volume, rel=1e-4)
+    # Points of the wall beside a plane move into it along a side: corners beside them are left out.
+    caps = [faces_of(found.before)[name].area for name in ("inlet", "outlet")]
+    assert caps == pytest.approx(areas, rel=1e-3)
+
+
+def test_a_tube_is_cut_to_a_prism():
+    found = segment_of(vessel_of(straight_tube(radius=3.0, length=40.0)), 0.2, 0.7)
+    faces = faces_of(found.before)
+    assert faces["inlet"].area == pytest.approx(faces["outlet"].area, rel=1e-3)
+    # Within the sides of the wall's triangles, which are no straight lines along the tube.
+    assert found.before.volume == pytest.approx(20.0 * faces["inlet"].area, rel=1e-3)
+    np.testing.assert_allclose(faces["inlet"].center, [0, 0, 8.0], atol=0.01)
+    np.testing.assert_allclose(faces["outlet"].normal, [0, 0, 1.0], atol=1e-9)
+
+
+@pytest.mark.parametrize("name", ["pulmonary", "vmtk_aorta"])
+def test_tetgen_meshes_a_segment_without_repair(data_dir, name):
+    judges = pytest.importorskip("test_outside_judges")
+    for close in (False, True):
+        segment = segment_of(vessel_at(data_dir, name), 0.12, 0.88, close_branches=close).before
+        surface = segment.surface
+        judges.assert_watertight(surface.points, surface.triangles)
+        judges.assert_meshed_and_filled(surface.points, surface.triangles)
+        # MeshLab takes some neighbors in one plane for crossing; TetGen, which is exact, does not.
+        walls = {face.number for face in segment.faces if face.kind == "wall"}
+        own = surface.triangles[np.isin(segment.face_ids, list(walls))]
+        assert not len(judges.intersecting_faces(surface.points, own))
+
+
+def test_before_and_after_are_cut_by_the_same_planes(data_dir):
+    vessel = vessel_at(data_dir, "pulmonary")
+    way = way_to(vessel, 1)
+    stent = Stent(10.0, placement=AtCenter(point_at(way, [70.0])[0]), length=36.0)
+    treated = Treatment(vessel.surface, [stent], vessel.centerline).result.surface
+    after = Vessel(treated, faces=vessel.faces)
+    found = extract_segment(vessel, *point_at(way, [38.0, 105.0]), after=after)
+    before, after = found.before, found.after
+    # The stent and its tissue lie within: all that the whole vessel gains the segment gains.
+    gain = signed_volume(treated.points, treated.triangles) - signed_volume(
+        vessel.surface.points, vessel.surface.triangles
+    )
+    assert abs(gain) > 500
+    assert after.volume - before.volume == pytest.approx(abs(gain), rel=1e-6)
+    for name in ("inlet", "outlet"):
+        assert faces_of(after)[name].area == faces_of(before)[name].area
+    heights = (after.surface.points - found.planes[0].origin) @ found.planes[0].normal
+    own = after.surface.triangles[after.face_ids == faces_of(after)["inlet"].number]
+    assert np.abs(heights[own]).max() < 1e-9
+
+
+def test_the_inlet_is_the_end_towards_the_root_whatever_comes_first():
+    vessel = vessel_of(stenosed_tube())
+    for ends in (([0, 0, 8], [0, 0, 30]), ([0, 0, 30], [0, 0, 8])):
+        faces = faces_of(extract_segment(vessel, *ends).before)
+        assert faces["inlet"].center[2] == pytest.approx(8.0)
+        assert faces["outlet"].center[2] == pytest.approx(30.0)
+
+
+def test_a_segment_over_a_bifurcation_has_its_inlet_at_the_root():
+    vessel = vessel_of(branching_pulmonary_artery())
+    left, right = (
+        point_at(way_to(vessel, leaf), [0.8 * length(way_to(vessel, leaf))])[0] for leaf in (0, 1)
+    )
+    kept = extract_segment(vessel, left, right).before
+    faces = faces_of(kept)
+    np.testing.assert_allclose(faces["inlet"].center, vessel.centerline.points[0], atol=0.1)
+    assert [face.kind for face in kept.faces] == ["inlet", "outlet", "outlet", "wall"]
+    # Both branches end where the user said; with the trunk closed the first is the inlet.
+    closed = extract_segment(vessel, left, right, close_branches=True)
+    faces = faces_of(closed.before)
+    assert set(faces) == {"inlet", "outlet", "wall", "closed"}
+    np.testing.assert_array_equal(closed.planes[0].origin, vessel.centerline.project(left).point)
+    assert np.linalg.norm(faces["inlet"].center - left) < 0.2
+    assert closed.before.volume < kept.volume
+
+
+def test_faces_are_called_as_the_model_calls_them():
+    phantom = branching_pulmonary_artery()
+    names = {2: "main", 3: "left pulmonary artery", 4: "right: lobe/upper", 1: "wall of it"}
+    vessel = Vessel(phantom.surface, phantom.centerline, faces=NamedFaces(phantom.face_ids, names))
+    found = segment_of(vessel, 0.1, 0.9)
+    kept = {face.number: face.name for face in found.before.faces}
+    assert kept[1] == "wall"
+    assert set(kept.values()) <= {
+        "inlet", "wall", "outlet_left_pulmonary_artery", "outlet_right_lobe_upper",
+    }  # fmt: skip
+    assert len(kept) == 4
+    np.testing.assert_array_equal(np.unique(found.before.face_ids), sorted(kept))
+
+
+def test_names_of_files_differ_in_more_than_the_size_of_their_letters():
+    phantom = branching_pulmonary_artery()
+    names = {3: "l" * 300, 4: "L" * 300}
+    vessel = Vessel(phantom.surface, phantom.centerline, faces=NamedFaces(phantom.face_ids, names))
+    kept = [face.name for face in segment_of(vessel, 0.1, 0.9).before.faces]
+    assert len({name.casefold() for name in kept}) == len(kept) == 4
+    assert max(map(len, kept)) < 100
+
+
+def test_caps_are_known_without_a_model():
+    phantom = branching_pulmonary_artery()
+    found = segment_of(Vessel(phantom.surface, phantom.centerline), 0.1, 0.9)
+    assert [face.kind for face in found.before.faces] == ["inlet", "outlet", "outlet", "wall"]
+
+
+def test_an_open_end_within_the_segment_is_closed_flat():
+    phantom = branching_pulmonary_artery()
+    wall = phantom.triangles[phantom.face_ids == 1]
+    used = np.unique(wall, return_inverse=True)
+    surface = Surface(phantom.points[used[0]], used[1].reshape(-1, 3))
+    assert surface.topology.boundary_edge_count > 0
+    found = segment_of(Vessel(surface, phantom.centerline), 0.1, 0.9)
+    whole = segment_of(vessel_of(phantom), 0.1, 0.9)
+    assert_closed_by_its_planes(found)
+    assert found.before.volume == pytest.approx(whole.before.volume, rel=1e-9)
+
+
+def test_a_branch_with_a_round_end_is_named(data_dir):
+    found = segment_of(vessel_at(data_dir, "vmtk_aorta"), 0.1, 0.9)
+    assert [caution.kind for caution in found.warnings] == ["dead-end"]
+    assert not segment_of(vessel_at(data_dir, "vmtk_aorta"), 0.1, 0.9, close_branches=True).warnings
+    assert not segment_of(vessel_at(data_dir, "pulmonary"), 0.1, 0.9).warnings
+
+
+def test_a_plane_beside_a_bifurcation_is_refused_and_the_place_that_is_said_is_not():
+    vessel = vessel_of(branching_pulmonary_artery())
+    way = way_to(vessel)
+    with pytest.raises(InputError, match="meets only this vessel") as error:
+        extract_segment(vessel, *point_at(way, [0.4 * length(way), 0.9 * length(way)]))
+    place = str(error.value).split("to (")[1].split(") mm")[0].split(", ")
+    found = extract_segment(
+        vessel, [float(x) for x in place], point_at(way, [0.9 * length(way)])[0]
+    )
+    assert_closed_by_its_planes(found)
+    # Beyond the bifurcation it is as wide as its branch.
+    assert faces_of(found.before)["inlet"].area < 1.5 * faces_of(found.before)["outlet"].area
+
+
+def test_no_section_of_a_bifurcation_that_is_let_through_is_as_wide_as_two_vessels(data_dir):
+    """Against the widest section of each branch, away from where they part."""
+    vessel = vessel_at(data_dir, "vmtk_aorta")
+    way = way_to(vessel, 1)
+    allowed = {}
+    for at in np.arange(30.0, 60.0, 1.5):
+        try:
+            found = extract_segment(vessel, *point_at(way, [at, 68.0]))
+        except InputError:
+            continue
+        allowed[at] = faces_of(found.before)["inlet"].area
+    # About 185 mm2 before and 65 after; where it divides sections have up to 213 mm2.
+    assert all(area < 80 or (area < 190 and at < 38) for at, area in allowed.items())
+    assert min(at for at, area in allowed.items() if area < 80) < 51
+    assert len(allowed) > 10
+
+
+BAD = {
+    "the same place": (([0, 0, 8], [0, 0, 8]), "expected two places apart"),
+    "off the vessel": (([40, 0, 8], [0, 0, 30]), "expected a place in the vessel, got one 40.0 mm"),
+    "too near": (([0, 0, 20], [0, 0, 20.2]), "meets another one within the vessel"),
+    "not finite": (([np.nan, 0, 8], [0, 0, 30]), "finite"),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_places_that_cannot_be_are_a_sentence(name):
+    ends, words = BAD[name]
+    with pytest.raises(InputError, match=words):
+        extract_segment(vessel_of(straight_tube()), *ends)
+
+
+def test_a_plane_through_the_end_of_the_vessel_is_a_sentence(data_dir):
+    vessel = vessel_at(data_dir, "pulmonary")
+    with pytest.raises(
+        InputError, match=r"runs through an end of the vessel; move it 2\.0 mm into"
+    ):
+        segment_of(vessel, 0.02, 0.5)
+
+
+def test_a_vessel_without_a_centerline_is_a_sentence():
+    with pytest.raises(InputError, match="expected a vessel with a centerline"):
+        extract_segment(Vessel(straight_tube().surface), [0, 0, 8], [0, 0, 30])
+
+
+def test_places_in_two_vessels_are_a_sentence():
+    vessel = vessel_of(tube_with_neighbor())
+    first, second = vessel.centerline.points[vessel.centerline.roots] + [0, 0, 8.0]
+    with pytest.raises(InputError, match="one vessel tree"):
+        extract_segment(vessel, first, second)
+
+
+def test_a_hole_in_the_wall_where_a_plane_is_is_a_sentence():
+    tube = straight_tube()
+    middle = tube.points[tube.triangles].mean(axis=1)
+    hole = (np.abs(middle[:, 2] - 10) < 1.5) & (middle[:, 0] > 2)
+    vessel = Vessel(Surface(tube.points, tube.triangles[~hole]), tube.centerline)
+    with pytest.raises(InputError, match="open end"):
+        extract_segment(vessel, [0, 0, 10], [0, 0, 30])
+
+
+def test_a_wall_that_crosses_itself_is_a_sentence():
+    tube = straight_tube()
+    points = tube.points.copy()
+    inner = (np.abs(points[:, 2] - 20) < 0.6) & (points[:, 0] > 0)
+    points[inner, 0] -= 7
+    vessel = Vessel(tube.surface.with_points(points), tube.centerline)
+    with pytest.raises(DeploymentError, match="expected one that is watertight and sound"):
+        extract_segment(vessel, [0, 0, 10], [0, 0, 30])
+
+
+def test_a_line_in_a_wider_vessel_is_followed_by_its_own_direction():
+    """The plane stands across the centerline, also where that is stored coarsely."""
+    tube = straight_tube()
+    line = unbranched(np.array([[0, 0, 0.0], [0, 0, 13], [0, 0, 40]]))
+    found = extract_segment(Vessel(tube.surface, line), [0.5, 0, 9], [0, 0.4, 30])
+    for plane, sign in zip(found.planes, (1, -1), strict=True):
+        np.testing.assert_allclose(plane.normal, [0, 0, sign], atol=1e-9)
+    assert arc_lengths(np.array([found.planes[0].origin, found.planes[1].origin]))[-1] == (
+        pytest.approx(21.0)
+    )
