@@ -64,8 +64,8 @@ def whole(folder):
 
 @pytest.fixture(scope="module")
 def moved(folder):
-    """The same with the points that moved, by two worker processes."""
-    tally = run_sweep(sweep_in(folder, store="moved"), folder / "moved", workers=2)
+    """The same with the points that moved."""
+    tally = run_sweep(sweep_in(folder, store="moved"), folder / "moved", executor=Inline())
     assert (tally.certified, tally.total) == (6, 6)
     return folder / "moved"
 

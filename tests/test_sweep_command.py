@@ -6,6 +6,7 @@ import pytest
 from cohort_cases import bytes_of, tube_folder, write_sweep
 
 from SDFStentLib.cli.shell import main
+from SDFStentLib.cohort import Tally
 
 
 @pytest.fixture
@@ -78,6 +79,28 @@ def test_what_cannot_be_done_ends_in_one_sentence_and_writes_nothing(
     assert sentence in error
     assert error.count("\n") == 1
     assert sorted(there.iterdir()) == before
+
+
+def test_a_terminal_shows_counts_rate_and_time_left(there, capsys, monkeypatch):
+    write_sweep(there, axes={"diameter": [6, 6.5, 40]})
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
+    main(["sweep", "sweep.json", "-o", "out", "--workers", "1"])
+    bar = capsys.readouterr().err
+    assert "Sweeping [" in bar
+    last = bar.rstrip().split("\r")[-1].strip() or bar.rstrip().split("\r")[-2]
+    assert "100 % 2 certified, 1 failed, " in last
+    assert "/s, 0 s left" in last
+
+
+def test_the_counts_tell_rate_and_time_left_of_this_run_alone():
+    tally = Tally(
+        total=1000, certified=90, uncertified=3, excluded=5, failed=2, found=50, seconds=25
+    )
+    assert (tally.finished, tally.fraction, tally.rate) == (100, 0.1, 2)
+    assert tally.seconds_left == 450
+    note = "90 certified, 2 failed, 3 not certified, 5 excluded, 2/s, 8 min left"
+    assert tally.note() == note
+    assert Tally(10).note() == "0 certified, 0 failed"
 
 
 def test_quiet_says_nothing(there, capsys):

@@ -89,9 +89,11 @@ def run_sweep(
         run = _Run(store, place, progress, Tally(len(cases)))
         try:
             run.carry_out([task_of(sweep, case, store) for case in run.left(cases)])
-        finally:
-            run.told(is_last=True)
-            write_manifest(store.folder)
+        except BaseException:
+            with suppress(StoreError):  # what went wrong first is what counts
+                run.end()
+            raise
+        run.end()
         return run.tally
 
 
@@ -168,6 +170,12 @@ class _Run:
             idle = 0 if before != (self.tally.finished, sum(self._blamed.values())) else idle + 1
             if idle >= ROUNDS:
                 raise _gave_up(error) from error
+
+    def end(self) -> None:
+        """Leave a folder that tells how far it got, whatever happened."""
+        self.told(is_last=True)
+        self.store.clear_leftovers()
+        write_manifest(self.store.folder)
 
     def told(self, *, is_last: bool = False) -> None:
         """Tell and keep the counts, if that is due."""

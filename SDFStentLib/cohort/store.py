@@ -15,6 +15,7 @@ import json
 import os
 import shutil
 import tempfile
+import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -28,6 +29,9 @@ SURFACES = {"vtp": "surface.vtp", "moved": "moved.npz"}
 COHORT, PROGRESS = "cohort.json", "progress.json"
 WHOLE = ("done", "excluded")
 """States of a case that is not done again."""
+
+_LOOKS, _LOOK = 4, 0.1
+"""Whoever asks for the status holds the lock for a moment."""
 
 _LOCK, _PREFIX = ".sdfstent-lock", ".sdfstent-"
 
@@ -66,7 +70,7 @@ class Store:
         except OSError as error:
             raise cannot_write(self.folder, error) from error
         try:
-            if not _taken(descriptor):
+            if not _taken_soon(descriptor):
                 raise InputError(
                     f"{self.folder}: expected a folder where no sweep is running, another one "
                     "is; wait for it, or name another folder."
@@ -208,6 +212,14 @@ def _taken(descriptor: int) -> bool:
     except OSError:
         return False
     return True
+
+
+def _taken_soon(descriptor: int) -> bool:
+    for _ in range(_LOOKS):
+        if _taken(descriptor):
+            return True
+        time.sleep(_LOOK)
+    return False
 
 
 def _stopped(folder: Path, error: Exception) -> StoreError:

@@ -1,0 +1,168 @@
+"""Sweeps on a real Dask cluster on this machine: a scheduler and workers as processes."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from concurrent.futures import Future, ThreadPoolExecutor
+
+import pytest
+from cohort_cases import bytes_of, sweep_in, tube_folder, write_sweep
+from mesh_files import PROJECT
+
+from SDFStentLib import InputError
+from SDFStentLib.cohort import Cohort, executors, run_sweep
+
+pytest.importorskip("distributed")
+
+AXES = {"diameter": {"from": 6, "to": 7, "steps": 10}}
+ENVIRONMENT = {
+    **os.environ,
+    "PYTHONPATH": str(PROJECT),
+    "OMP_NUM_THREADS": "1",
+    "DASK_DISTRIBUTED__DASHBOARD__ENABLED": "false",
+    # A scheduler that is gone is noticed at once, and the worker waits for the next one.
+    "DASK_DISTRIBUTED__COMM__TIMEOUTS__CONNECT": "30s",
+}
+
+
+def free_port():
+    with socket.socket() as one:
+        one.bind(("127.0.0.1", 0))
+        return one.getsockname()[1]
+
+
+class Cluster:
+    """A scheduler and workers that can be killed and started again."""
+
+    def __init__(self, folder):
+        self.folder, self.port, self.processes = folder, free_port(), []
+        self.address = f"tcp://127.0.0.1:{self.port}"
+        self.scheduler = self.start_scheduler()
+
+    def start(self, *words):
+        log = (self.folder / "cluster.log").open("a", encoding="utf-8")
+        process = subprocess.Popen(
+            [sys.executable, "-m", "dask", *words],
+            env=ENVIRONMENT,
+            cwd=self.folder,
+            stdout=log,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+        )
+        log.close()
+        self.processes.append(process)
+        return process
+
+    def start_scheduler(self):
+        address = ["--host", "127.0.0.1", "--port", str(self.port)]
+        return self.start("scheduler", *address, "--no-dashboard", "--no-show")
+
+    def start_worker(self):
+        small = ["--nthreads", "1", "--no-dashboard", "--death-timeout", "120", "--no-nanny"]
+        return self.start("worker", self.address, *small)
+
+    def close(self):
+        for process in self.processes:
+            if process.poll() is None:
+                os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+
+
+@pytest.fixture
+def cluster(tmp_path):
+    made = Cluster(tmp_path)
+    yield made
+    made.close()
+
+
+@pytest.fixture(scope="module")
+def wanted(tmp_path_factory):
+    """The files of the sweep that ran through in this process."""
+    folder = tube_folder(tmp_path_factory.mktemp("wanted"))
+    with ThreadPoolExecutor(1) as thread:
+        run_sweep(sweep_in(folder, axes=AXES, store="moved"), folder / "out", executor=thread)
+    return bytes_of(folder / "out")
+
+
+def started(folder, address):
+    words = ["sweep", "sweep.json", "-o", "out", "--scheduler", address]
+    return subprocess.Popen(
+        [sys.executable, "-m", "SDFStentLib", *words],
+        cwd=folder,
+        env=ENVIRONMENT,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def whole_cases(folder):
+    return list((folder / "out").glob("cases/*/[!.]*/case.json"))
+
+
+def wait_for_cases(folder, count, seconds=120):
+    end = time.monotonic() + seconds
+    # Ends: at the latest after those seconds.
+    while len(whole_cases(folder)) < count:
+        assert time.monotonic() < end, (folder / "cluster.log").read_text(encoding="utf-8")[-3000:]
+        time.sleep(0.01)
+
+
+def test_a_cluster_gives_the_same_bytes_also_when_a_worker_and_the_scheduler_are_killed(
+    tmp_path, cluster, wanted
+):
+    tube_folder(tmp_path)
+    write_sweep(tmp_path, axes=AXES, store="moved")
+    first = cluster.start_worker()
+    sweep = started(tmp_path, cluster.address)
+    wait_for_cases(tmp_path, 2)
+    cluster.start_worker()
+    os.kill(first.pid, signal.SIGKILL)
+    wait_for_cases(tmp_path, 4)
+    os.kill(cluster.scheduler.pid, signal.SIGKILL)
+    cluster.scheduler.wait()
+    assert len(whole_cases(tmp_path)) < 10, "too late to matter"
+    cluster.start_scheduler()
+    cluster.start_worker()
+    out, error = sweep.communicate(timeout=240)
+    assert sweep.returncode == 0, error
+    assert "10 of 10 cases: 10 certified." in out
+    assert bytes_of(tmp_path / "out") == wanted
+
+
+def test_a_case_that_dask_gave_up_has_failed_and_the_others_finish(tmp_path):
+    """Dask's own exception, as its executor hands it on."""
+    from distributed.scheduler import KilledWorker
+
+    class GivingUp(ThreadPoolExecutor):
+        def submit(self, fn, /, *args, **kwargs):
+            if args[0].case.number != 2:
+                return super().submit(fn, *args, **kwargs)
+            future = Future()
+            future.set_exception(KilledWorker("run_case", None, 3))
+            return future
+
+    sweep = sweep_in(tube_folder(tmp_path), axes={"diameter": [6, 6.5, 7]})
+    with GivingUp(1) as executor:
+        tally = run_sweep(sweep, tmp_path / "out", executor=executor)
+    assert (tally.certified, tally.failed) == (2, 1)
+    assert Cohort(tmp_path / "out").columns["reason"][1].startswith("its worker ended without")
+
+
+def test_a_scheduler_that_does_not_answer_is_told_in_one_sentence(tmp_path, monkeypatch):
+    tube_folder(tmp_path)
+    monkeypatch.setattr(executors, "SCHEDULER_SECONDS", 0.5)
+    address = f"tcp://127.0.0.1:{free_port()}"
+    with pytest.raises(InputError, match=rf"scheduler: expected one at {address}, none answered"):
+        run_sweep(sweep_in(tmp_path), tmp_path / "out", scheduler=address)
+
+
+def test_an_address_that_is_none_is_told_in_one_sentence(tmp_path):
+    tube_folder(tmp_path)
+    with pytest.raises(InputError, match="scheduler: expected one at somewhere"):
+        run_sweep(sweep_in(tmp_path), tmp_path / "out", scheduler="somewhere")

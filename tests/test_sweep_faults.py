@@ -1,0 +1,287 @@
+"""Sweeps whose workers, disks, patients and own processes fail, with real processes."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+from cohort_cases import bytes_of, sweep_in, tube_folder, write_sweep
+from mesh_files import PROJECT
+
+from SDFStentLib import DeploymentError, InputError
+from SDFStentLib.cohort import Cohort, cases_of, run_sweep
+from SDFStentLib.cohort.store import Store
+
+pytestmark = pytest.mark.skipif(os.name == "nt", reason="signals and limits of POSIX")
+
+AXES = {"diameter": {"from": 6, "to": 7, "steps": 8}}
+RUN = [sys.executable, "-m", "SDFStentLib", "sweep", "sweep.json", "-o"]
+
+
+@pytest.fixture
+def there(tmp_path):
+    tube_folder(tmp_path)
+    write_sweep(tmp_path, axes=AXES, store="moved")
+    return tmp_path
+
+
+@pytest.fixture(scope="module")
+def wanted(tmp_path_factory):
+    """The files of the sweep that ran through."""
+    folder = tube_folder(tmp_path_factory.mktemp("wanted"))
+    sweep = sweep_in(folder, axes=AXES, store="moved")
+    with ThreadPoolExecutor(1) as thread:
+        run_sweep(sweep, folder / "out", executor=thread)
+    return bytes_of(folder / "out")
+
+
+def started(folder, *more, out="out", **options):
+    """A sweep in a process of its own, leader of a group as under a shell."""
+    return subprocess.Popen(
+        [*RUN, out, *more],
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(PROJECT)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        **options,
+    )
+
+
+def wait_for(condition, seconds=120):
+    end = time.monotonic() + seconds
+    # Ends: at the latest after those seconds.
+    while not condition():
+        assert time.monotonic() < end, "it did not happen"
+        time.sleep(0.01)
+
+
+def whole_cases(folder, out="out"):
+    return list((folder / out).glob("cases/*/[!.]*/case.json"))
+
+
+def children_of(pid):
+    """Python processes that run cases; not the one that tracks resources."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            parent = int(path.read_text().rpartition(")")[2].split()[1])
+            line = path.with_name("cmdline").read_bytes()
+        except OSError:
+            continue
+        if parent == pid and b"spawn_main" in line:
+            found.append(int(path.parent.name))
+    return found
+
+
+def is_alive(pid):
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def ended(process):
+    out, error = process.communicate(timeout=240)
+    return process.returncode, out, error
+
+
+def test_a_sweep_interrupted_three_times_ends_with_the_same_bytes_and_leaves_no_process(
+    there, wanted
+):
+    """By Ctrl-C to its whole group, by SIGTERM to itself, and by kill -9."""
+    for count, (ending, code) in enumerate(
+        ((signal.SIGINT, 130), (signal.SIGTERM, 130), (signal.SIGKILL, -9)), start=1
+    ):
+        process = started(there, "--workers", "2" if count == 1 else "1")
+        wait_for(lambda count=count: len(whole_cases(there)) >= count)
+        workers = children_of(process.pid)
+        assert workers
+        (os.killpg if ending == signal.SIGINT else os.kill)(process.pid, ending)
+        returned, _, error = ended(process)
+        assert returned == code
+        if code == 130:
+            assert "interrupted; " in error
+            assert "of 8 cases are kept in out, run it again to go on." in error
+            assert error.count("\n") == 1, error
+        wait_for(lambda workers=workers: not any(map(is_alive, workers)), 20)
+        kept = len(whole_cases(there))
+        assert count <= kept < 8
+    code, out, error = ended(started(there, "--workers", "1"))
+    assert (code, error) == (0, "")
+    assert "8 of 8 cases: 8 certified." in out
+    assert bytes_of(there / "out") == wanted
+
+
+def test_a_worker_that_is_killed_costs_nothing(there, wanted):
+    process = started(there, "--workers", "2")
+    wait_for(lambda: whole_cases(there))
+    os.kill(children_of(process.pid)[0], signal.SIGKILL)
+    assert ended(process)[0] == 0
+    assert bytes_of(there / "out") == wanted
+
+
+def test_a_case_that_kills_its_worker_fails_alone(there, monkeypatch):
+    """A limit of memory that one case alone exceeds, as a mesh too large for the machine does."""
+    (there / "sitecustomize.py").write_text(
+        "import os, SDFStentLib.cohort.worker as worker\n"
+        "plain = worker.plan_of_case\n"
+        "def deadly(plan, number, parameters, *more):\n"
+        "    if abs(parameters['diameter'] - 6.142857) < 1e-5:\n"
+        "        os.kill(os.getpid(), 9)\n"
+        "    return plain(plan, number, parameters, *more)\n"
+        "worker.plan_of_case = deadly\n",
+        encoding="utf-8",
+    )
+    monkeypatch.setenv("PYTHONPATH", f"{there}{os.pathsep}{PROJECT}")
+    process = subprocess.Popen(
+        [*RUN, "out", "--workers", "1"],
+        cwd=there,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    code, out, error = ended(process)
+    assert (code, error) == (4, "")
+    assert "8 of 8 cases: 7 certified, 1 failed" in out
+    columns = Cohort(there / "out").columns
+    assert columns["status"].tolist() == ["done", "failed", *["done"] * 6]
+    assert columns["reason"][1].startswith("its worker ended without a word")
+
+
+def test_a_damaged_patient_in_the_middle_fails_and_the_others_finish(tmp_path):
+    tube_folder(tmp_path)
+    (tmp_path / "bad.vtp").write_bytes((tmp_path / "tube.vtp").read_bytes()[:3000])
+    people = [
+        {"name": name, "surface": file, "centerline": "line.vtp", "units": "cm"}
+        for name, file in (("A", "tube.vtp"), ("B", "bad.vtp"), ("C", "none.vtp"))
+    ]
+    people.append({**people[0], "name": "D", "root": [0, 0, 4]})
+    write_sweep(tmp_path, axes={"diameter": [6, 6.5]}, patients=people)
+    code, out, _ = ended(started(tmp_path, "--workers", "1"))
+    assert code == 4
+    assert "8 of 8 cases: 4 certified, 4 failed" in out
+    columns = Cohort(tmp_path / "out").columns
+    assert columns["patient"].tolist() == [name for name in ("A", "B", "C", "D") for _ in "12"]
+    assert columns["status"].tolist() == ["done"] * 2 + ["failed"] * 4 + ["done"] * 2
+    assert columns["reason"][2].startswith("bad.vtp: ")
+    assert columns["reason"][4].startswith("none.vtp: ")
+
+
+def test_failed_cases_are_done_again_when_the_patient_is_there(tmp_path):
+    tube_folder(tmp_path)
+    (tmp_path / "tube.vtp").rename(tmp_path / "elsewhere.vtp")
+    sweep = sweep_in(tmp_path, axes={"diameter": [6]})
+    with ThreadPoolExecutor(1) as thread:
+        assert run_sweep(sweep, tmp_path / "out", executor=thread).failed == 1
+        (tmp_path / "elsewhere.vtp").rename(tmp_path / "tube.vtp")
+        # Its name says what was read; nothing was then.
+        with pytest.raises(InputError, match="1 other cases"):
+            run_sweep(sweep_in(tmp_path, axes={"diameter": [6]}), tmp_path / "out", executor=thread)
+
+
+def test_what_is_not_whole_is_repeated_and_what_is_whole_is_not_touched(there, wanted):
+    sweep = sweep_in(there, axes=AXES, store="moved")
+    out, store = there / "out", Store(there / "out")
+    with ThreadPoolExecutor(1) as thread:
+        run_sweep(sweep, out, executor=thread)
+        one, two, three, four, *_ = [case.id for case in cases_of(sweep)]
+        (store.path(one) / "moved.npz").write_bytes(b"cut short")
+        (store.path(two) / "case.json").write_text("{", encoding="utf-8")
+        (store.path(three) / "report.json.gz").unlink()
+        leftover = store.path(three).parent / ".sdfstent-killed"
+        leftover.mkdir()
+        before = (store.path(four) / "times.json").read_bytes()
+        tally = run_sweep(sweep, out, executor=thread)
+    assert tally.finished - tally.found == 3
+    assert not leftover.exists()
+    assert (store.path(four) / "times.json").read_bytes() == before
+    assert bytes_of(out) == wanted
+
+
+@pytest.fixture
+def small_disk(there):
+    """A file system in memory of 100 kB for the cohort; gives a call that makes room on it."""
+    out = there / "out"
+    out.mkdir()
+    command = ["mount", "-t", "tmpfs", "-o", "size=100k", "tmpfs", str(out)]
+    try:
+        can_mount = subprocess.run(command, capture_output=True).returncode == 0
+    except OSError:
+        can_mount = False
+    if not can_mount:
+        pytest.skip("no file system can be mounted here")
+    yield lambda: subprocess.run(["mount", "-o", "remount,size=20m", str(out)], check=True)
+    subprocess.run(["umount", "-l", str(out)], check=True)
+
+
+def test_a_full_disk_stops_the_sweep_which_goes_on_when_there_is_room(there, wanted, small_disk):
+    code, _, error = ended(started(there, "--workers", "1"))
+    assert code == 4
+    assert f"{there / 'out'}: cannot be written (No space left on device); free space" in error
+    assert error.count("\n") == 1
+    assert not list((there / "out").glob("cases/*/.sdfstent-*"))
+    assert 0 < len(whole_cases(there)) < 8
+    small_disk()
+    code, said, _ = ended(started(there, "--workers", "1"))
+    assert code == 0, said
+    assert bytes_of(there / "out") == wanted
+
+
+def test_files_that_cannot_be_written_stop_the_sweep_where_no_disk_can_be_mounted(there):
+    """A limit on the size of files fails in the same places as a full disk."""
+    program = (
+        "import resource, signal, sys\n"
+        "from concurrent.futures import ThreadPoolExecutor\n"
+        "from SDFStentLib.cohort import load_sweep, run_sweep\n"
+        "signal.signal(signal.SIGXFSZ, signal.SIG_IGN)\n"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (3000, 3000))\n"
+        "run_sweep(load_sweep('sweep.json'), 'out', executor=ThreadPoolExecutor(1))\n"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(PROJECT)}
+    done = subprocess.run(
+        [sys.executable, "-c", program], cwd=there, env=environment, capture_output=True, text=True
+    )
+    last = done.stderr.splitlines()[-1]
+    assert "StoreError: " in last
+    assert "out: cannot be written (File too large); free space" in last
+    assert not whole_cases(there)
+
+
+def test_a_second_sweep_into_the_same_folder_is_refused_while_the_first_one_runs(there, wanted):
+    first = started(there, "--workers", "1")
+    wait_for(lambda: whole_cases(there))
+    code, _, error = ended(started(there, "--workers", "1"))
+    assert code == 2
+    assert "expected a folder where no sweep is running, another one is" in error
+    status = [sys.executable, "-m", "SDFStentLib", "sweep", "--status", "out"]
+    seen = subprocess.run(status, cwd=there, env={**os.environ, "PYTHONPATH": str(PROJECT)},
+                          capture_output=True, text=True, check=True)  # fmt: skip
+    assert seen.stdout.startswith("Running: ")
+    assert ended(first)[0] == 0
+    assert bytes_of(there / "out") == wanted
+
+
+def test_a_callers_executor_that_breaks_ends_in_a_sentence_and_keeps_what_is_whole(there):
+    from concurrent.futures.process import BrokenProcessPool
+
+    class Breaking(ThreadPoolExecutor):
+        def submit(self, fn, /, *args, **kwargs):
+            if args[0].case.number > 3:
+                raise BrokenProcessPool("it broke")
+            return super().submit(fn, *args, **kwargs)
+
+    sweep = sweep_in(there, axes=AXES, store="moved")
+    with Breaking(1) as executor, pytest.raises(DeploymentError, match="the workers were lost"):
+        run_sweep(sweep, there / "out", executor=executor)
+    manifest = Cohort(there / "out").columns
+    assert set(manifest["status"]) <= {"done", "open"}
+    assert json.loads((there / "out" / "cohort.json").read_text(encoding="utf-8"))["cases"]
