@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 import json
+import os
+import time
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
+from mesh_files import PROJECT
 from tube_files import write_tube
 
 from SDFStentLib.cohort import sweep_from_document
@@ -49,6 +54,55 @@ def write_sweep(folder: Path, name: str = "sweep.json", **changes) -> Path:
     path = folder / name
     path.write_text(json.dumps(document(**changes)), encoding="utf-8")
     return path
+
+
+_HOLDING = """
+import sys, time
+from pathlib import Path
+
+def wait(event, arguments):
+    if event == "tempfile.mkdtemp" and "cases" in str(arguments[0]):
+        hold = Path(__file__).with_name("hold")
+        while hold.exists():
+            whole = hold.with_name("out").glob("cases/*/[!.]*/case.json")
+            if len(list(whole)) < int(hold.read_text(encoding="utf-8") or 0):
+                break
+            time.sleep(0.05)
+
+sys.addaudithook(wait)
+"""
+
+
+def hold_at(folder: Path, count: int) -> dict[str, str]:
+    """From now on sweeps into `out` store no case after so many, until `let_go`.
+
+    Returns the environment for their processes and workers: Python executes `sitecustomize` first,
+    and tells it when a folder for a case is made. So a test need not be fast.
+    """
+    (folder / "sitecustomize.py").write_text(_HOLDING, encoding="utf-8")
+    part = folder / "hold.part"
+    part.write_text(str(count), encoding="utf-8")
+    part.replace(folder / "hold")
+    return {**os.environ, "PYTHONPATH": f"{folder}{os.pathsep}{PROJECT}", "OMP_NUM_THREADS": "1"}
+
+
+def let_go(folder: Path) -> None:
+    """End what `hold_at` began."""
+    (folder / "hold").unlink()
+
+
+def whole_cases(folder: Path) -> list[Path]:
+    """Cases of the cohort in `out` that are whole."""
+    return list((folder / "out").glob("cases/*/[!.]*/case.json"))
+
+
+def wait_for(condition: Callable[[], Any], seconds: float = 400) -> None:
+    """Until something is true; a machine may be busy."""
+    end = time.monotonic() + seconds
+    # Ends: at the latest after those seconds.
+    while not condition():
+        assert time.monotonic() < end, "it did not happen"
+        time.sleep(0.02)
 
 
 def bytes_of(folder: Path) -> dict[str, bytes]:

@@ -252,6 +252,15 @@ def test_what_is_excluded_and_what_fails_is_in_the_manifest_with_its_reason(fold
     assert np.isnan(columns["lumen_after_mm"][[0, 2, 3]]).all()
 
 
+def test_a_plan_that_asks_for_no_certificate_is_not_called_certified(folder, tmp_path):
+    plan = {**PLAN, "settings": {"certify": False}}
+    sweep = sweep_in(folder, plan=plan, axes={"diameter": [6]})
+    for _ in range(2):
+        tally = run_sweep(sweep, tmp_path / "out", executor=Inline())
+        assert (tally.certified, tally.unjudged) == (0, 1)
+    assert np.isnan(Cohort(tmp_path / "out").columns["certified"]).all()
+
+
 def test_texts_stay_texts_whatever_they_look_like(folder, tmp_path):
     person = {"name": "007", "units": "cm", "surface": "tube.vtp", "centerline": "line.vtp"}
     sweep = sweep_in(folder, patients=[person], axes={"diameter": 6, "device": ["generic"]})

@@ -10,8 +10,8 @@ from ..cohort import (
     Sweep,
     Tally,
     cases_of,
+    duration_in_words,
     estimated,
-    in_words,
     last_tally,
     load_sweep,
     run_sweep,
@@ -78,7 +78,7 @@ def _run(sweep: Sweep, options: argparse.Namespace, console: Console) -> int:
         error_line(f"sdfstent sweep: {error}")
         return INCOMPLETE
     console.say(_counts(tally))
-    console.say(f"Wrote {options.output} in {in_words(tally.seconds)}.")
+    console.say(f"Wrote {options.output} in {duration_in_words(tally.seconds)}.")
     if tally.failed:
         return INCOMPLETE
     return NOT_CERTIFIED if tally.uncertified else DONE
@@ -88,6 +88,7 @@ def _counts(tally: Tally) -> str:
     parts = [f"{tally.certified} certified"]
     for count, words in (
         (tally.uncertified, "not certified"),
+        (tally.unjudged, "not judged, as the plan says"),
         (tally.excluded, "excluded by the constraints"),
         (tally.failed, "failed, the manifest says why"),
     ):
@@ -101,7 +102,11 @@ def _status(tally: Tally, is_running: bool) -> str:
     if not is_running:
         open_cases = tally.total - tally.finished
         return f"Finished: {counts}" if not open_cases else f"Stopped: {counts}"
-    left = "" if tally.seconds_left is None else f" About {in_words(tally.seconds_left)} left."
+    left = (
+        ""
+        if tally.seconds_left is None
+        else f" About {duration_in_words(tally.seconds_left)} left."
+    )
     return f"Running: {counts}{left}"
 
 
@@ -124,5 +129,7 @@ def _dry_run(sweep: Sweep, options: argparse.Namespace, console: Console) -> int
         return DONE
     workers = worker_count(options.workers)
     seconds = found.seconds(len(cases), len(sweep.patients), workers)
-    console.say(f"About {in_words(seconds)} on {workers} process(es), {disk:.0f} MB of disk.")
+    console.say(
+        f"About {duration_in_words(seconds)} on {workers} process(es), {disk:.0f} MB of disk."
+    )
     return DONE

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from .manifest import write_manifest
     from .reader import Cohort
     from .runner import run_sweep
-    from .tally import Tally, in_words, last_tally
+    from .tally import Tally, duration_in_words, last_tally
     from .value import Patient, Sweep
 
 __all__ = [
@@ -28,8 +28,8 @@ __all__ = [
     "Sweep",
     "Tally",
     "cases_of",
+    "duration_in_words",
     "estimated",
-    "in_words",
     "last_tally",
     "load_sweep",
     "run_sweep",
@@ -48,7 +48,7 @@ __getattr__, __dir__ = late_names(
         "reader": ["Cohort"],
         "runner": ["run_sweep"],
         "executors": ["worker_count"],
-        "tally": ["Tally", "in_words", "last_tally"],
+        "tally": ["Tally", "duration_in_words", "last_tally"],
         "value": ["Patient", "Sweep"],
     },
 )

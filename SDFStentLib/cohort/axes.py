@@ -22,7 +22,7 @@ from ..plan import (
     shape_from_document,
     text_value,
 )
-from ..validation import InputError
+from ..validation import InputError, as_number
 
 DIAMETERS = ("diameter", "diameter_over_lumen", "diameter_over_reference")
 """Ways to say how wide: mm, over the lumen at the place, over the reference of the lesion."""
@@ -192,7 +192,7 @@ def _listed(name: str, values: Sequence[Any], where: str) -> Axis:
 
 
 def _number(value: Any, where: str) -> float:
-    return float(number(value, where))
+    return as_number(number(value, where), where)
 
 
 def _whole(value: Any, where: str) -> int:

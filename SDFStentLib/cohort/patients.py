@@ -31,10 +31,10 @@ INPUT_KEYS = ("surface", "centerline", "units", "frame", "root", "reference")
 
 def template_of(value: Any, folder: str) -> tuple[dict[str, Any], str]:
     """The document of the base plan, and the folder that its paths start at."""
+    if isinstance(value, Mapping):
+        return dict(value), folder
     if not isinstance(value, str):
-        return dict(
-            section(value, "plan", ("schema", "version", "stents"), tuple(value or ()))
-        ), folder
+        raise InputError(f"plan: expected a plan or the name of its file, got {in_words(value)}.")
     path = os.path.join(folder, value)
     text = read_content(path, "a plan in JSON").data.decode("utf-8-sig", errors="replace")
     found = parsed(text, path)
@@ -77,7 +77,8 @@ def patients_of(
 
 def _filled(template: Mapping[str, Any], axes: tuple[Axis, ...], stent: int) -> dict[str, Any]:
     """The template as a whole plan: what the axes give may be left out of it."""
-    stents = [dict(one) if isinstance(one, Mapping) else one for one in template["stents"]]
+    listed = sequence(template.get("stents", []), "plan.stents")
+    stents = [dict(one) if isinstance(one, Mapping) else one for one in listed]
     if not 0 < stent <= len(stents):
         raise InputError(f"stent: expected 1 to {len(stents)}, got {stent}.")
     own, names = stents[stent - 1], {axis.name for axis in axes}

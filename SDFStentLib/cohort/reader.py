@@ -195,10 +195,13 @@ class Cohort:
         return MovedPoints(indices, after[indices])
 
     def _patient_of(self, case: str) -> str:
-        for name, patient, _ in self._document["cases"]:
-            if name == case:
-                return self.patients[patient]
-        raise InputError(f"case: expected one of this cohort, got {case!r}.")
+        if case not in self._patients:
+            raise InputError(f"case: expected one of this cohort, got {case!r}.")
+        return self.patients[self._patients[case]]
+
+    @cached_property
+    def _patients(self) -> dict[str, int]:
+        return {case: patient for case, patient, _ in self._document["cases"]}
 
     def _one(self, patient: str | None) -> str:
         if patient is None and len(self.patients) == 1:

@@ -104,16 +104,19 @@ def _workplace(workers: int | None, scheduler: str | None, executor: Executor | 
 
 
 def _prepare(store: Store, sweep: Sweep, cases: list[Case]) -> None:
-    """Write what the cohort is; a folder may grow, but no case that it lists may go."""
+    """Write what the cohort is; a folder may grow, but no case that is whole may go."""
     document = cohort_document(sweep, cases, store.folder)
     if (store.folder / COHORT).exists():
-        listed = {row[0] for row in store.read(COHORT)["cases"]}
-        gone = len(listed - {case.id for case in cases})
+        own = {case.id for case in cases}
+        others = [row[0] for row in store.read(COHORT)["cases"] if row[0] not in own]
+        gone = sum(store.is_whole(case) for case in others)
         if gone:
             raise InputError(
                 f"{store.folder}: expected a folder of this sweep, or of a part of it, got one "
                 f"with {gone} other cases; name another folder."
             )
+        for case in others:  # that failed, such as those of a file that is mended now
+            store.remove(case)
     store.clear_leftovers()
     store.write(COHORT, as_json(document))
 

@@ -105,6 +105,15 @@ class Store:
         except (OSError, ValueError, KeyError, TypeError, AttributeError):
             return None
 
+    def is_whole(self, case: str) -> bool:
+        """Whether a case need not be done again."""
+        known = self.case(case)
+        return known is not None and known["status"] in WHOLE
+
+    def remove(self, case: str) -> None:
+        """Forget a case."""
+        shutil.rmtree(self.path(case), ignore_errors=True)
+
     def times(self, case: str) -> dict[str, Any]:
         """When and where a case was done; empty where that is not known."""
         try:
@@ -192,10 +201,9 @@ class Store:
         try:
             os.rename(temporary, target)
         except OSError:
-            known = self.case(case)
-            if known is not None and known["status"] in WHOLE:
+            if self.is_whole(case):
                 return
-            shutil.rmtree(target, ignore_errors=True)
+            self.remove(case)
             os.rename(temporary, target)
         with suppress(OSError):  # folders cannot be flushed everywhere
             flush_to_disk(target.parent)

@@ -9,6 +9,8 @@ from ..validation import InputError
 from .store import COHORT, PROGRESS, Store, as_json
 from .worker import Outcome
 
+_VERDICTS = {True: "certified", False: "uncertified", None: "unjudged"}
+
 
 @dataclass(frozen=True)
 class Tally:
@@ -18,8 +20,8 @@ class Tally:
     ----------
     total : int
         Cases of the sweep.
-    certified, uncertified, excluded, failed : int
-        Of those that are finished; done without being judged counts as certified.
+    certified, uncertified, unjudged, excluded, failed : int
+        Of those that are finished; unjudged are those of a plan that asks for no certificate.
     found : int
         Of the finished ones, those that were whole when this run began.
     seconds : float
@@ -28,6 +30,7 @@ class Tally:
     total: int
     certified: int = 0
     uncertified: int = 0
+    unjudged: int = 0
     excluded: int = 0
     failed: int = 0
     found: int = 0
@@ -36,7 +39,8 @@ class Tally:
     @property
     def finished(self) -> int:
         """Cases that something has come of."""
-        return self.certified + self.uncertified + self.excluded + self.failed
+        done = self.certified + self.uncertified + self.unjudged
+        return done + self.excluded + self.failed
 
     @property
     def fraction(self) -> float:
@@ -57,7 +61,7 @@ class Tally:
         """With one more case."""
         name = outcome.status
         if name == "done":
-            name = "uncertified" if outcome.certified is False else "certified"
+            name = _VERDICTS[outcome.certified]
         return replace(self, **{name: getattr(self, name) + 1})
 
     def note(self) -> str:
@@ -65,10 +69,12 @@ class Tally:
         parts = [f"{self.certified} certified", f"{self.failed} failed"]
         if self.uncertified:
             parts.append(f"{self.uncertified} not certified")
+        if self.unjudged:
+            parts.append(f"{self.unjudged} not judged")
         if self.excluded:
             parts.append(f"{self.excluded} excluded")
         if self.rate > 0 and self.seconds_left is not None:
-            parts += [f"{self.rate:.3g}/s", f"{in_words(self.seconds_left)} left"]
+            parts += [f"{self.rate:.3g}/s", f"{duration_in_words(self.seconds_left)} left"]
         return ", ".join(parts)
 
 
@@ -94,7 +100,7 @@ def last_tally(folder: str | os.PathLike[str]) -> tuple[Tally, bool]:
     return tally, store.is_running()
 
 
-def in_words(seconds: float) -> str:
+def duration_in_words(seconds: float) -> str:
     """A duration, roughly."""
     if seconds < 90:
         return f"{seconds:.0f} s"

@@ -1,0 +1,80 @@
+"""What the document of cohorts shows is run here, with fewer cases, and holds."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+
+import pytest
+from mesh_files import PROJECT
+
+from SDFStentLib.cli.shell import main
+from SDFStentLib.cohort import Cohort, sweep_from_document
+
+TEXT = (PROJECT / "docs" / "cohorts.md").read_text(encoding="utf-8")
+
+
+def block(kind, heading):
+    section = TEXT.split(f"\n## {heading}\n")[1].split("\n## ")[0]
+    return re.search(rf"```{kind}\n(.*?)```", section, re.S).group(1)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    made = tmp_path_factory.mktemp("document")
+    assert main(["demo", "-o", str(made / "patient"), "--quiet"]) == 0
+    return made
+
+
+def test_the_example_gives_its_table_and_its_plot(folder):
+    pytest.importorskip("matplotlib")
+    document = json.loads(block("json", "Two hundred cases"))
+    assert document["sampling"]["count"] == 200
+    document["sampling"]["count"] = 5
+    (folder / "sweep.json").write_text(json.dumps(document), encoding="utf-8")
+    (folder / "plot.py").write_text(block("python", "Two hundred cases"), encoding="utf-8")
+    environment = {**os.environ, "PYTHONPATH": str(PROJECT), "MPLBACKEND": "Agg"}
+    done = subprocess.run(
+        [sys.executable, "plot.py"], cwd=folder, env=environment, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    columns = Cohort(folder / "cohort").columns
+    certified = int((columns["certified"] == 1).sum())
+    assert certified >= 4
+    assert done.stdout.startswith(f"{certified} certified, 0 failed, ")
+    assert (folder / "lumen.png").stat().st_size > 5000
+    # The stent is prescribed along all of its length, and nothing else narrows it.
+    ratios = columns["lumen_after_mm"] / columns["diameter_mm"]
+    assert ((ratios > 0.98) & (ratios < 1.02)).all()
+    assert columns["diameter_mm"].tolist() == columns["parameter_diameter"].tolist()
+
+
+def test_the_arrays_of_the_document_are_there(folder, monkeypatch):
+    if not (folder / "cohort").exists():
+        pytest.skip("the cohort of the example was not made")
+    values = {}
+    monkeypatch.chdir(folder)
+    exec(compile(block("python", "Arrays for training"), "docs/cohorts.md", "exec"), values)
+    data = values["data"]
+    count = int((values["cohort"].columns["certified"] == 1).sum())
+    assert data.parameters.shape == (count, 3)
+    assert data.displacements.shape == (count, len(data.points), 3)
+
+
+def test_the_sweep_document_of_the_document_is_one(tmp_path):
+    found = sweep_from_document(json.loads(block("json", "The sweep document")), str(tmp_path))
+    assert [axis.name for axis in found.axes] == ["lesion", "offset", "diameter_over_reference"]
+
+
+def test_the_document_names_every_axis_and_every_exit_code():
+    from SDFStentLib.cohort.axes import NAMES, SHAPE_PARTS
+
+    table = TEXT.split("| axis | |")[1].split("\n\n")[0]
+    for name in NAMES:
+        last = f".{name.rpartition('.')[2]}" if name in SHAPE_PARTS else name
+        assert name in table or f"`{last}`" in table, name
+    codes = TEXT.split("| exit code | |")[1].split("\n\n")[0]
+    assert set(re.findall(r"^\| (\d+) \|", codes, re.M)) == {"0", "2", "3", "4", "130"}
