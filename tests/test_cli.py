@@ -589,7 +589,7 @@ def test_the_manual_has_the_defaults_of_the_method():
     }
     section = manual.partition("## The method")[2].partition("\n## ")[0]
     rows = re.findall(r"^\| `(--[a-z-]+)[^|]*\| `?([^|`]+)`? \|", section, flags=re.MULTILINE)
-    assert len(rows) == 8  # --step and --no-compensation have none
+    assert len(rows) == 9  # --step and --no-compensation have none
     for option, default in rows:
         assert default == format(known[option], "" if isinstance(known[option], str) else "g")
 
@@ -598,6 +598,7 @@ def test_the_manual_names_the_settings_without_an_option(a_folder):
     changed = {
         "--influence": "5", "--smoothing": "0.3", "--capsule": "2", "--tissue-gap": "0.7",
         "--step": "0.5", "--falloff": "cosine", "--blend": "quadratic", "--rule": "published",
+        "--smooth-axis": "1",
     }  # fmt: skip
     more = [word for pair in changed.items() for word in pair]
     assert deploy(*more, "--no-compensation", "--save-plan", "p.json", "--quiet") == 0
