@@ -273,6 +273,15 @@ def test_the_cells_are_those_of_the_device(cell, drawn):
     assert design_of(stent).cells == drawn
 
 
+def test_the_expansion_of_a_radius_is_that_at_which_it_is_drawn():
+    stent, axis = a_stent([[0, 0, 0], [0, 0, 20]], 6.0)
+    design = LatticeDesign(crimped_diameter=2.0)
+    for radius, drawn in ((1.7, 1.7), (3.0, 3.0), (0.4, 1.0)):
+        expansion = design.expansion_at(radius, 3.0)
+        points = stent_lattice(stent, axis, design, expansion).points
+        np.testing.assert_allclose(np.hypot(*points[:, :2].T), drawn, atol=1e-9)
+
+
 def test_expansions_beyond_crimped_and_deployed_are_refused():
     with pytest.raises(InputError, match="expansion"):
         stent_lattice(*a_stent(arc(count=50)), expansion=1.1)

@@ -8,6 +8,7 @@ from vtk.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 
 from SDFStentLib.files import polydata_from_lines
 from SDFStentLib.geometry import resampled
+from SDFStentLib.stent import design_of, stent_lattice
 
 from . import Outputs
 
@@ -19,6 +20,10 @@ TUBE_SIDES = 24
 TUBE_SPACING = 1.5
 TUBE_SHRINK = 0.97
 """Stents are drawn a little inside the wall that they touch, so that both can be seen."""
+
+STRUTS_ATTRIBUTE = "SDFStent.Struts"
+STRUT_WIDTH = 3
+"""Pixels."""
 
 
 def outputModel(parameterNode, role, name, color):
@@ -97,6 +102,32 @@ def showTubes(node, axes):
     display.SetRepresentation(slicer.vtkMRMLDisplayNode.SurfaceRepresentation)
     display.SetEdgeVisibility(True)
     display.SetEdgeColor(0.25, 0.3, 0.35)
+    node.RemoveAttribute(STRUTS_ATTRIBUTE)
+
+
+def showStruts(node, stents):
+    """Put the rings and struts of every `DrawnStent` into a model node, in place, as wide as it is now."""
+    points, lines, first = [], [], 0
+    for one in stents:
+        design = design_of(one.stent)
+        expansion = design.expansion_at(one.radius, one.stent.widest_diameter / 2)
+        lattice = stent_lattice(one.stent, one.axis, design, expansion)
+        points.append(lattice.points)
+        lines += list(lattice.lines + first)
+        first += len(lattice.points)
+    _replaceContent(
+        node, polydata_from_lines(np.concatenate(points), lines) if stents else vtk.vtkPolyData()
+    )
+    display = node.GetDisplayNode()
+    display.SetRepresentation(slicer.vtkMRMLDisplayNode.SurfaceRepresentation)
+    display.SetEdgeVisibility(False)
+    display.SetLineWidth(STRUT_WIDTH)
+    node.SetAttribute(STRUTS_ATTRIBUTE, "1")
+
+
+def showsStruts(node):
+    """Whether a model of stents has struts, no tubes."""
+    return node.GetAttribute(STRUTS_ATTRIBUTE) is not None
 
 
 def _replaceContent(node, polyData):

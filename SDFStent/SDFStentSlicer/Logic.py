@@ -285,6 +285,7 @@ class SDFStentLogic(Fitting, Suggesting, ScriptedLoadableModuleLogic):
         run = self.lastRun(parameterNode)
         if run is None:
             return
+        Results.followDevice(parameterNode, run)
         Results.followSelection(parameterNode, run)
         Results.followFlow(parameterNode, run)
         if run.shownMap != parameterNode.map:

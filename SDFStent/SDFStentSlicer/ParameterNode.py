@@ -177,6 +177,7 @@ class SDFStentParameterNode:
     flowLeast: Annotated[float, _within("flowLeast")] = 0.0
     flowMost: Annotated[float, _within("flowMost")] = 0.0
     showStents: bool = True
+    showDevice: bool = False
 
     outputVessel: Optional[vtkMRMLModelNode]
     outputCenterline: Optional[vtkMRMLModelNode]

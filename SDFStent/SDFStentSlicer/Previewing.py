@@ -13,6 +13,7 @@ from SDFStentLib.validation import DeploymentError, InputError
 
 from . import Dependencies, Plans, Results
 from .Portions import inPortions, working
+from .Stenting import DrawnStent
 
 NUMBERS_EVERY_S = 0.15
 """Previews are measured no more often: a number that changes faster is not read."""
@@ -132,15 +133,18 @@ class PreviewRun:
         return (yield from inPortions(lambda: [one.minimum_lumen() for one in self.state.stents]))
 
     def tubes(self):
-        """(axis, radius) of every stent."""
-        return [(one.axis, one.stent.widest_diameter / 2) for one in self.state.stents]
+        """Every stent as a `DrawnStent`."""
+        return [
+            DrawnStent(one.stent, one.axis, one.stent.widest_diameter / 2)
+            for one in self.state.stents
+        ]
 
     def at(self, percent):
         """The points before or after the stents, and the stents that are there."""
         return self.end() if percent > 0 else (self.surface.points, [])
 
     def end(self):
-        """The points after the stents, and (axis, radius) of every stent."""
+        """The points after the stents, and every stent as a `DrawnStent`."""
         return self.points, self.tubes()
 
     def map(self, name):

@@ -45,11 +45,22 @@ def clearNumbers(parameterNode, text=""):
     parameterNode.certificateSummary = parameterNode.warningSummary = ""
 
 
-def showStents(parameterNode, tubes):
-    """The stents as a model of tubes."""
+def showStents(parameterNode, stents):
+    """Every `DrawnStent` in one model, as struts or as a tube."""
     node = Display.outputModel(parameterNode, "outputStents", _("Stents"), Display.STENT_COLOR)
-    Display.showTubes(node, tubes)
+    if parameterNode.showDevice:
+        Display.showStruts(node, stents)
+    else:
+        Display.showTubes(node, [(one.axis, one.radius) for one in stents])
     node.GetDisplayNode().SetVisibility(parameterNode.showStents)
+
+
+def followDevice(parameterNode, run):
+    """Draw the stents anew, as they are shown, when struts are wanted in place of tubes or the other way round."""
+    node = parameterNode.outputStents
+    if node is not None and Display.showsStruts(node) != parameterNode.showDevice:
+        _points, stents = run.at(parameterNode.expansion)
+        showStents(parameterNode, stents)
 
 
 def showPreviewed(parameterNode, run, lumens, lesions):

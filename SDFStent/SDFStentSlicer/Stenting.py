@@ -1,12 +1,23 @@
 """One pass over the plan's stents on arrays: every step recorded, then measured and certified. No nodes in here."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from SDFStentLib.geometry import Precision
 from SDFStentLib.measure import displacements, face_stretches
+from SDFStentLib.stent import Stent, StentAxis
 from SDFStentLib.treatment import Treatment, treated_lesions
 
 from .Portions import inPortions
+
+
+class DrawnStent(NamedTuple):
+    """A stent where it lies, at the largest radius that it has just now, mm."""
+
+    stent: Stent
+    axis: StentAxis
+    radius: float
 
 
 class Stenting:
@@ -64,7 +75,7 @@ class Stenting:
             if state.number not in self._axes:
                 self._follow()
                 stent = self._treatment.stents[state.number - 1]
-                self._axes[state.number] = (state.axis, stent.widest_diameter / 2)
+                self._axes[state.number] = DrawnStent(stent, state.axis, stent.widest_diameter / 2)
             self.recorded.append(state)
             yield state
         self._follow()
@@ -91,7 +102,7 @@ class Stenting:
             )
 
     def at(self, percent):
-        """All points at a percentage of the way, and the (axis, radius) of every stent that is there by then.
+        """All points at a percentage of the way, and a `DrawnStent` for every stent that is there by then.
 
         Between two recorded steps of a stent both are interpolated.
         """
@@ -106,10 +117,10 @@ class Stenting:
             points = points + share * (following.points() - points)
             radius += share * (following.deployment.radius - radius)
         done = [tube for number, tube in self._axes.items() if number < state.number]
-        return points, [*done, (self._axes[state.number][0], radius)]
+        return points, [*done, self._axes[state.number]._replace(radius=radius)]
 
     def end(self):
-        """The final points, and (axis, radius) of every stent."""
+        """The final points, and every stent as a `DrawnStent`."""
         return self.points, list(self._axes.values())
 
     def map(self, name):

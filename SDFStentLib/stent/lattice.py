@@ -76,6 +76,11 @@ class LatticeDesign:
             )
         as_number(self.crimped_diameter, "crimped diameter", unit="mm", above=0, maximum=100)
 
+    def expansion_at(self, radius: float, widest: float) -> float:
+        """Of a stent that is now so wide as `radius` where it will be `widest`, mm: 0 to 1."""
+        packed = min(self.crimped_diameter / 2, widest)
+        return float(np.clip((radius - packed) / max(widest - packed, 1e-9), 0, 1))
+
     def ring_count(self, length: float, radius: float) -> int:
         """Rings of a deployed stent of that size, mm."""
         if self.rings is not None:

@@ -1,0 +1,68 @@
+"""Stents drawn as rings and struts in place of tubes."""
+
+import numpy as np
+import pytest
+import slicer
+from panel_helpers import deploy, settle, theThroat
+
+from SDFStentLib.geometry import closest_points
+
+
+def distances(parameters, run):
+    """Of all points of the stents' model from the axis, mm."""
+    (stent,) = run.result.stents
+    points = slicer.util.arrayFromModelPoints(parameters.outputStents)
+    return closest_points(stent.axis.points, points).distances
+
+
+def cells(parameters):
+    """Lines and polygons of the stents' model."""
+    data = parameters.outputStents.GetPolyData()
+    return data.GetNumberOfLines(), data.GetNumberOfPolys()
+
+
+def test_struts_are_shown_in_place_of_tubes_and_tubes_again(host, aStent):
+    deploy(host, aStent)
+    parameters, box = aStent._parameterNode, aStent.ui.showDeviceCheckBox
+    node, tubes = parameters.outputStents, cells(parameters)
+    assert tubes[0] == 0
+    assert not box.checked
+    box.checked = True
+    host.process()
+    lines, polygons = cells(parameters)
+    assert polygons == 0
+    assert lines % 16 == 0  # two struts for each of eight crowns, ring by ring
+    assert parameters.outputStents is node  # so it stays where it is in the subject hierarchy
+    run = aStent.logic.lastRun(parameters)
+    assert np.median(distances(parameters, run)) == pytest.approx(8.5 / 2, abs=0.01)
+    box.checked = False
+    host.process()
+    assert cells(parameters) == tubes
+
+
+def test_struts_follow_the_expansion(host, aStent):
+    aStent.ui.showDeviceCheckBox.checked = True
+    deploy(host, aStent)
+    parameters = aStent._parameterNode
+    run, widths = aStent.logic.lastRun(parameters), []
+    for percent in (100.0, 60.0):
+        parameters.expansion = percent
+        host.process()
+        shown = run.end()[1] if percent == 100 else run.at(percent)[1]
+        widths.append(np.median(distances(parameters, run)))
+        assert widths[-1] == pytest.approx(max(shown[0].radius, 1.0), abs=0.02)
+    assert widths[1] < widths[0]
+
+
+def test_struts_follow_the_preview(host, aStent):
+    parameters = aStent._parameterNode
+    aStent.ui.showDeviceCheckBox.checked = True
+    aStent.ui.autoUpdateCheckBox.checked = True
+    settle(host, aStent)
+    before = slicer.util.arrayFromModelPoints(parameters.outputStents).mean(axis=0)
+    handle = parameters.stent.handle
+    handle.SetNthControlPointPositionWorld(0, *(theThroat() + np.array([0, 0, 3.0])))
+    settle(host, aStent)
+    after = slicer.util.arrayFromModelPoints(parameters.outputStents).mean(axis=0)
+    assert np.linalg.norm(after - before) > 1.0
+    assert cells(parameters)[1] == 0
