@@ -20,6 +20,9 @@ from multiprocessing.connection import Connection
 from ..validation import InputError
 from .threads import one_thread, start_worker
 
+MOST_WORKERS = 61 if os.name == "nt" else 1000
+"""Windows waits for no more processes at a time; elsewhere more would be a slip."""
+
 SCHEDULER_SECONDS = 30.0
 """How long a scheduler is waited for."""
 
@@ -58,8 +61,10 @@ def processes(workers: int | None = None) -> Workplace:
 def worker_count(workers: int | None = None) -> int:
     """As many as asked for, or as this process may use cores; `InputError` for no such number."""
     count = cores() if workers is None else workers
-    if isinstance(count, bool) or not isinstance(count, int) or not 0 < count <= 61:
-        raise InputError(f"workers: expected a whole number from 1 to 61, got {count!r}.")
+    if isinstance(count, bool) or not isinstance(count, int) or not 0 < count <= MOST_WORKERS:
+        raise InputError(
+            f"workers: expected a whole number from 1 to {MOST_WORKERS}, got {count!r}."
+        )
     return count
 
 
@@ -91,7 +96,7 @@ def given(executor: Executor) -> Workplace:
 def cores() -> int:
     """That this process may use, at most what a pool can have."""
     count = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    return min(count or 1, 61)
+    return min(count or 1, MOST_WORKERS)
 
 
 @contextmanager
