@@ -271,7 +271,8 @@ def test_a_second_sweep_into_the_same_folder_is_refused_while_the_first_one_runs
                           capture_output=True, text=True, check=True)  # fmt: skip
     assert seen.stdout.startswith("Running: ")
     let_go(there)
-    assert ended(first)[0] == 0
+    code, _, error = ended(first)
+    assert (code, error) == (0, "")
     assert bytes_of(there / "out") == wanted
 
 

@@ -82,8 +82,7 @@ class Cohort:
             file = (self.store.folder / CSV).open(newline="", encoding="utf-8")
         except OSError as error:
             raise InputError(
-                f"{self.store.folder}: expected {CSV}, got none; write it by "
-                f"`sdfstent sweep --table {self.store.folder}`."
+                f"{self.store.folder}: expected {CSV}, got none; write the manifest again."
             ) from error
         with file:
             names, *rows = csv.reader(file)

@@ -209,6 +209,10 @@ class _Run:
                     raise
         except StoreError:
             raise
+        except KeyboardInterrupt:
+            # Of some that were at work no outcome came back, although they are kept.
+            self._not_whole(at_work.values())
+            raise
         except (BrokenExecutor, CancelledError, OSError, TimeoutError) as error:
             return error, list(at_work.values())
         except InputError as error:  # of a scheduler that does not answer any more
