@@ -91,6 +91,7 @@ def run_sweep(
             run.carry_out([task_of(sweep, case, store) for case in run.left(cases)])
         except BaseException:
             with suppress(StoreError):  # what went wrong first is what counts
+                run.recount(cases)
                 run.end()
             raise
         run.end()
@@ -174,6 +175,11 @@ class _Run:
             if idle >= ROUNDS:
                 raise _gave_up(error) from error
 
+    def recount(self, cases: Iterable[Case]) -> None:
+        """Count what the store has: some cases may have got there unheard."""
+        self.tally = Tally(self.tally.total, failed=self.tally.failed, found=self.tally.found)
+        self._left(cases)
+
     def end(self) -> None:
         """Leave a folder that tells how far it got, whatever happened."""
         self.told(is_last=True)
@@ -208,10 +214,6 @@ class _Run:
                         future.cancel()
                     raise
         except StoreError:
-            raise
-        except KeyboardInterrupt:
-            # Of some that were at work no outcome came back, although they are kept.
-            self._not_whole(at_work.values())
             raise
         except (BrokenExecutor, CancelledError, OSError, TimeoutError) as error:
             return error, list(at_work.values())
