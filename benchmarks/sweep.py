@@ -57,7 +57,7 @@ from SDFStentLib.stent import (  # noqa: E402
     AlongAxis,
     Stent,
 )
-from SDFStentLib.treatment import axis_in_vessel  # noqa: E402
+from SDFStentLib.treatment import AxisChange, axis_in_vessel  # noqa: E402
 
 DATA_FOLDER = Path(os.environ.get("SDFSTENT_DATA", PROJECT.parent / "shared" / "data"))
 
@@ -214,7 +214,7 @@ def random_stent(
     if straightening:
         where = vessel(name, folder)
         stent = Stent(2 * radius, placement=AlongAxis(axis))
-        axis = axis_in_vessel(stent, None, where.surface, straightening).points
+        axis = axis_in_vessel(stent, None, where.surface, AxisChange(straightening)).points
     return RandomStent(name, axis, radius, ratio, start, straightening)
 
 

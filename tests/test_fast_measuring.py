@@ -23,7 +23,7 @@ from SDFStentLib.measure.cross_section import (
     equivalent_diameters,
     winding_numbers,
 )
-from SDFStentLib.measure.inscribed import inscribed_spheres
+from SDFStentLib.measure.inscribed import Until, inscribed_spheres
 from SDFStentLib.measure.stations import measured_at
 from SDFStentLib.measure.tree_lumen import branch_lumens
 from SDFStentLib.measure.vessel_runs import vessel_runs
@@ -115,7 +115,7 @@ def test_a_climb_ends_where_the_sphere_is_large_enough(a_vessel, when):
     whole = inscribed_spheres(points, triangles, places, directions)
     enough = 0.9 * whole.radii
     enough[::3] = np.inf
-    found = inscribed_spheres(points, triangles, places, directions, enough=enough)
+    found = inscribed_spheres(points, triangles, places, directions, Until(enough=enough))
     np.testing.assert_allclose(found.radii[::3], whole.radii[::3], atol=1e-3)
     is_large = found.radii > enough
     np.testing.assert_allclose(found.radii[~is_large], whole.radii[~is_large], atol=1e-3)
@@ -130,8 +130,10 @@ def test_ends_of_vessels_are_the_same_where_their_spheres_are_searched_to_the_en
     surface, tree = a_vessel_and_its_tree
     fast = vessel_runs(branch_lumens(surface, tree))
 
-    def whole(*arguments, enough, **options):
-        return inscribed_spheres(*arguments, **options)
+    def whole(points, triangles, stations, directions, until):
+        assert np.isfinite(until.enough).any()
+        to_the_end = until._replace(enough=np.inf)
+        return inscribed_spheres(points, triangles, stations, directions, to_the_end)
 
     monkeypatch.setattr(tree_lumen, "inscribed_spheres", whole)
     for one, exact in zip(fast, vessel_runs(branch_lumens(surface, tree)), strict=True):

@@ -9,7 +9,7 @@ from SDFStentLib.geometry import Surface, resampled, tangents
 from SDFStentLib.geometry.distance import SurfaceIndex, closest_points_on_triangles
 from SDFStentLib.measure import inscribed
 from SDFStentLib.measure.cross_section import equivalent_diameters
-from SDFStentLib.measure.inscribed import inscribed_spheres
+from SDFStentLib.measure.inscribed import Until, inscribed_spheres
 from SDFStentLib.measure.metrics import DiameterProfile, diameter_profile
 from SDFStentLib.measure.stretch import displacements, face_stretches
 from SDFStentLib.measure.wall_points import WallPoints
@@ -261,7 +261,7 @@ def test_spheres_are_refused_without_a_direction_across_which_to_search():
     with pytest.raises(InputError, match="one for each of the 1 centers, got 2"):
         inscribed_spheres(*tube, [[0, 0, 20]], upward(2))
     with pytest.raises(InputError, match="tolerance: expected a number greater than 0"):
-        inscribed_spheres(*tube, [[0, 0, 20]], upward(1), tolerance=0)
+        inscribed_spheres(*tube, [[0, 0, 20]], upward(1), Until(0))
 
 
 # Cross-sections and profiles

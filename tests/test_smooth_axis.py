@@ -16,7 +16,7 @@ from SDFStentLib.geometry import arc_lengths, length, smoothed_line, tightest_be
 from SDFStentLib.phantoms import hairpin_tube, straight_tube
 from SDFStentLib.plan import Plan, load_plan, plan_text
 from SDFStentLib.stent import AlongAxis, AtCenter, Stent, stent_axis
-from SDFStentLib.treatment import Preview, Treatment, axis_in_vessel
+from SDFStentLib.treatment import AxisChange, Preview, Treatment, axis_in_vessel
 from SDFStentLib.validation import InputError
 
 
@@ -112,7 +112,7 @@ def test_smoothing_keeps_the_axis_off_the_wall_and_says_where_it_stopped():
     made = hairpin_tube()
     axis = made.axis_at(np.linspace(5, 45, 120))
     stent = Stent(5.0, placement=AlongAxis(axis))
-    found = axis_in_vessel(stent, None, made.surface, smoothing_length=15.0)
+    found = axis_in_vessel(stent, None, made.surface, AxisChange(smoothing_length=15.0))
     (caution,) = [one for one in found.warnings if one.kind == "smoothed-less"]
     assert 0 < caution.numbers["fraction"] < 1
     # Every place is still in the lumen: nearer to the vessel's own axis than its radius.
@@ -207,7 +207,7 @@ def test_smoothing_takes_a_tight_bend_and_its_warning_away():
     tube = straight_tube(radius=30.0, length=80.0, edge_length=6.0)
     stent = Stent(9.0, placement=AlongAxis(line))
     kinds = [
-        {one.kind for one in axis_in_vessel(stent, None, tube.surface, smoothing_length=s).warnings}
+        {one.kind for one in axis_in_vessel(stent, None, tube.surface, AxisChange(0.0, s)).warnings}
         for s in (0.0, 4.0)
     ]
     assert kinds == [{"tight-bend"}, set()]

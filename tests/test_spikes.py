@@ -24,7 +24,7 @@ from SDFStentLib.field.capsule_chain import CapsuleChain
 from SDFStentLib.geometry import Surface
 from SDFStentLib.stent import Stent, StentAxis, stent_axis, straightened
 from SDFStentLib.stent.placement import AlongAxis, AtCenter
-from SDFStentLib.treatment.straightening import axis_in_vessel, permitted
+from SDFStentLib.treatment.straightening import AxisChange, axis_in_vessel, permitted
 from SDFStentLib.treatment.treatment import Treatment
 
 _spec = importlib.util.spec_from_file_location("judges", PROJECT / "benchmarks" / "judges.py")
@@ -166,7 +166,7 @@ def test_what_the_vessel_permits_is_done_in_full_and_without_a_word():
     made = phantom("bent_tube")
     axis = made.axis_at(np.linspace(12, 18, 60))
     stent = Stent(7.2, placement=AlongAxis(axis))
-    found = axis_in_vessel(stent, None, made.surface, 1.0)
+    found = axis_in_vessel(stent, None, made.surface, AxisChange(1.0))
     expected = stent_axis(stent, straightening_fraction=1.0)
     np.testing.assert_array_equal(found.points, expected.points)
     assert found.warnings == expected.warnings

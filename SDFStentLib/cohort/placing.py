@@ -14,7 +14,7 @@ from ..geometry import arc_lengths, point_at
 from ..measure import Lesion
 from ..plan import InputFiles, Plan, detailed_stent, stent_details
 from ..stent import AtCenter, AtDistalEnd, Placement, Stent
-from ..treatment import axis_in_vessel
+from ..treatment import AxisChange, axis_in_vessel
 from ..units import flipped
 from ..validation import InputError, Points, as_number
 from .axes import PLACES, SHAPE_PARTS
@@ -231,12 +231,8 @@ def _middle(base: Stent, plan: Plan, inputs: InputFiles) -> Points:
 
 def _axis(stent: Stent, plan: Plan, inputs: InputFiles) -> Points:
     vessel = inputs.vessel
-    fraction = plan.straightening_fraction
-    smoothing = plan.settings.axis_smoothing
-    axis = axis_in_vessel(
-        stent, vessel.centerline, vessel.surface, fraction, smoothing_length=smoothing
-    )
-    return axis.points
+    change = AxisChange(plan.straightening_fraction, plan.settings.axis_smoothing)
+    return axis_in_vessel(stent, vessel.centerline, vessel.surface, change).points
 
 
 def _halfway(axis: Points) -> Points:

@@ -16,6 +16,7 @@ from ..field import CapsuleChain, fractions_of
 from ..geometry import Surface, may_meet_box, resampled, tangents
 from ..measure import (
     LocalSurface,
+    Until,
     caps_across,
     equivalent_diameters,
     inscribed_spheres,
@@ -161,7 +162,6 @@ def _widest(before: Surface, after: Surface, stent: Expected) -> tuple[float, fl
     # A sphere reaches over its neighbors at this distance, and need not be exact.
     stations = resampled(chain.nodes, radius / 2)
     directions = tangents(stations)
-    tolerance = ROUGH * radius
     low, high = stations.min(axis=0) - NEAR * radius, stations.max(axis=0) + NEAR * radius
     points, triangles = after.points, after.triangles
     near = triangles[may_meet_box(points, triangles, low, high)]
@@ -169,7 +169,8 @@ def _widest(before: Surface, after: Surface, stent: Expected) -> tuple[float, fl
     least = float(prescribed[0])
     if not len(near):
         return least, least, _place(stations[0])
-    found = inscribed_spheres(points, near, stations, directions, tolerance=tolerance).radii
+    until = Until(ROUGH * radius)
+    found = inscribed_spheres(points, near, stations, directions, until).radii
     wide = np.flatnonzero(found > (1 + WIDER) * prescribed)
     if not len(wide):
         return least, least, _place(stations[0])

@@ -8,7 +8,7 @@ from .caps import bulged_caps, caps_across, looks_across
 from .cross_section import equivalent_diameters, winding_numbers
 from .cut_planes import CutPlane
 from .extended_axis import REACH, ExtendedAxis, extended_axis
-from .inscribed import InscribedSpheres, inscribed_spheres
+from .inscribed import InscribedSpheres, Until, inscribed_spheres
 from .known_lumen import measured_after, measured_once
 from .lesion_measuring import lesions_after
 from .lesion_value import HealthyPlace, Lesion
@@ -74,6 +74,7 @@ __all__ = [
     "Segment",
     "SegmentFace",
     "TriangleSizes",
+    "Until",
     "VesselBlock",
     "VesselEnd",
     "VesselParts",

@@ -61,15 +61,21 @@ class InscribedSpheres(NamedTuple):
         return InscribedSpheres(self.centers[which], self.radii[which])
 
 
-class _End(NamedTuple):
-    """Where climbs end: at a promised gain (scalar), or above radii (n,) that are enough."""
+class Until(NamedTuple):
+    """Where the search for a sphere ends."""
 
-    tolerance: float
-    enough: Floats
+    tolerance: float = 1e-6
+    """A centre stays when the linear model promises less gain than this, mm."""
+    enough: Floats | float = np.inf
+    """(n,) or one for all: a centre stays, too, when its sphere is larger than this, mm."""
 
-    def at(self, which: Indices) -> _End:
-        """That of some of them."""
-        return _End(self.tolerance, self.enough[which])
+    def at(self, which: Indices) -> Until:
+        """That of some spheres."""
+        enough = np.asarray(self.enough)
+        return self._replace(enough=enough[which]) if enough.ndim else self
+
+
+USUAL = Until()
 
 
 def inscribed_spheres(
@@ -77,9 +83,7 @@ def inscribed_spheres(
     triangles: Triangles,
     centers: ArrayLike,
     tangents: ArrayLike | None = None,
-    *,
-    tolerance: float = 1e-6,
-    enough: ArrayLike | None = None,
+    until: Until = USUAL,
 ) -> InscribedSpheres:
     """Maximum inscribed sphere at each axis point.
 
@@ -92,10 +96,7 @@ def inscribed_spheres(
     tangents : array_like, shape (n, 3), optional
         Direction of the axis at each point, any length but zero. Default: from `centers` as a
         polyline.
-    tolerance : float
-        A centre stays when the linear model promises less gain than this, mm.
-    enough : array_like, shape (n,), optional
-        A centre stays, too, when its sphere is larger than this, mm.
+    until : Until, optional
 
     Returns
     -------
@@ -117,19 +118,17 @@ def inscribed_spheres(
         Wrong shapes, a zero tangent, or a single centre without a tangent.
     """
     centers = as_points(centers, "centers")
-    as_number(tolerance, "tolerance", unit="mm", above=0)
+    as_number(until.tolerance, "tolerance", unit="mm", above=0)
     if tangents is None and len(centers) < 2:
         raise InputError(
             f"centers: expected at least 2 points or a tangent for each, got {len(centers)}."
         )
     directions = polyline_tangents(centers) if tangents is None else _unit(tangents, centers)
     axes = across(directions)
-    limits = np.full(len(centers), np.inf) if enough is None else np.asarray(enough, dtype=float)
     found = InscribedSpheres(np.empty_like(centers), np.empty(len(centers)))
     for block in _parts(centers):
         surface = LocalSurface(points, triangles, centers[block])
-        end = _End(tolerance, limits[block])
-        spheres = _largest_spheres(surface, centers[block], axes[block], end)
+        spheres = _largest_spheres(surface, centers[block], axes[block], until.at(block))
         found.centers[block], found.radii[block] = spheres
     return found
 
@@ -150,7 +149,7 @@ def _parts(centers: Points) -> Iterator[Indices]:
 
 
 def _largest_spheres(
-    surface: LocalSurface, starts: Points, axes: Floats, end: _End
+    surface: LocalSurface, starts: Points, axes: Floats, until: Until
 ) -> InscribedSpheres:
     """Climb among points of the wall, then on it, then make sure that no wall lies between."""
     centers, bounds = _rough(surface, starts, axes)
@@ -158,7 +157,7 @@ def _largest_spheres(
     centers[lost], bounds[lost] = starts[lost], surface.distances(starts[lost])
     box = np.where(lost, _FIRST_BOX, _SMALLEST_BOX)
     begin = InscribedSpheres(centers, bounds)
-    centers, radii = _climb(surface, begin, axes, end, first_box=box)
+    centers, radii = _climb(surface, begin, axes, until, first_box=box)
 
     # Empty spheres that overlap lie in the same lumen, and most hold the axis point anyway.
     moved = np.linalg.norm(centers - starts, axis=1)
@@ -167,7 +166,7 @@ def _largest_spheres(
     is_apart = ~(moved[doubtful] < radii[doubtful] + exact - _ON_WALL)
     again = doubtful[is_apart]
     begin = InscribedSpheres(starts[again], exact[is_apart])
-    centers[again], radii[again] = _climb(surface, begin, axes[again], end.at(again))
+    centers[again], radii[again] = _climb(surface, begin, axes[again], until.at(again))
     return InscribedSpheres(centers, radii)
 
 
@@ -188,8 +187,7 @@ def _rough(surface: LocalSurface, starts: Points, axes: Floats) -> InscribedSphe
         centers = np.where(np.isnan(radii)[:, None], starts, centers)
         begin = InscribedSpheres(centers, wall.distances(centers))
         box = 2 * _SMALLEST_BOX if number else _FIRST_BOX
-        end = _End(_ROUGH_TOLERANCE, np.full(len(starts), np.inf))
-        centers, radii = _climb(wall, begin, axes, end, first_box=box)
+        centers, radii = _climb(wall, begin, axes, Until(_ROUGH_TOLERANCE), first_box=box)
     return InscribedSpheres(centers, radii)
 
 
@@ -197,7 +195,7 @@ def _climb(
     surface: LocalSurface | WallPoints,
     begin: InscribedSpheres,
     axes: Floats,
-    end: _End,
+    until: Until,
     *,
     first_box: float | Floats = _FIRST_BOX,
 ) -> InscribedSpheres:
@@ -215,7 +213,7 @@ def _climb(
         rows = near.rows(centers, radii, axes, reach, active)
         radii[active] = rows.radii
         step, height = largest_steps(rows, box[active])
-        moves = (height - rows.radii > end.tolerance) & (rows.radii <= end.enough[active])
+        moves = (height - rows.radii > until.tolerance) & (rows.radii <= until.at(active).enough)
         active, step, height = active[moves], step[moves], height[moves]
         length = np.linalg.norm(step, axis=1)
         centers[active] += np.einsum("ni,nij->nj", step, axes[active])

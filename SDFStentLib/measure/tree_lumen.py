@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..centerline import Centerline
 from ..geometry import Surface, boundary_edges, component_labels, is_inside, resampled, tangents
 from ..validation import Flags, InputError, Points, Triangles
-from .inscribed import InscribedSpheres, inscribed_spheres
+from .inscribed import InscribedSpheres, Until, inscribed_spheres
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -66,9 +66,8 @@ def branch_lumens(surface: Surface, centerline: Centerline) -> tuple[BranchLumen
     # What is wider than this so near to an end is not used, however wide it is.
     enough = _SAFELY / END_REACH * np.concatenate(_distances_to_ends(lumens))
     points, triangles = surface.points, surface.triangles
-    spheres = inscribed_spheres(
-        points, triangles, stations, directions, tolerance=TOLERANCE, enough=enough
-    )
+    until = Until(TOLERANCE, enough)
+    spheres = inscribed_spheres(points, triangles, stations, directions, until)
     diameter = 2 * spheres.radii
     diameter[~_is_in_lumen(stations, spheres, surface)] = np.nan
     if not np.isfinite(diameter).any():

@@ -16,13 +16,14 @@ from .sizing import (
     stent_ratios,
     suggested,
 )
-from .straightening import axis_in_vessel
+from .straightening import AxisChange, axis_in_vessel
 from .treatment import Treatment
 from .value import TreatedStent, TreatmentResult, TreatmentState, label_of
 from .vessel import Vessel
 
 __all__ = [
     "SEEN_RATIO",
+    "AxisChange",
     "ExtractedSegment",
     "Preview",
     "PreviewState",

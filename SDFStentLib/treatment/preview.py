@@ -20,7 +20,7 @@ from ..measure import rough_radii
 from ..stent import Stent
 from ..validation import Indices, Points, as_number, read_only
 from .in_lumen import Lumen
-from .straightening import axis_in_vessel
+from .straightening import AxisChange, axis_in_vessel
 from .surroundings import PROFILE_SPACING
 from .value import PlacedStent, label_of, labeled, resolved, switched_on
 from .warnings import check_width
@@ -111,14 +111,8 @@ class Preview:
                 tree = None if is_last else centerline
                 with labeled(label_of(stents, number)):
                     stent, lies_on = resolved(planned, {one.number: one for one in previewed})
-                    axis = axis_in_vessel(
-                        stent,
-                        centerline,
-                        self._lumen,
-                        fraction,
-                        smoothing_length=settings.axis_smoothing,
-                        lies_on=lies_on,
-                    )
+                    change = AxisChange(fraction, settings.axis_smoothing)
+                    axis = axis_in_vessel(stent, centerline, self._lumen, change, lies_on=lies_on)
                     check_width(stent.widest_diameter, axis, self._proxy.probes(axis.points))
                     state = self._proxy.deployed(
                         settings.chain(axis.points, axis.profile),

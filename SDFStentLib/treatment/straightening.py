@@ -38,32 +38,43 @@ NOTICEABLE = 1e-3
 """Share of the way that is worth a word."""
 
 
+class AxisChange(NamedTuple):
+    """What is done to the axis of a stent."""
+
+    straightening_fraction: float = 0.0
+    """Share of the way to its chord."""
+    smoothing_length: float = 0.0
+    """As for `smoothed_line`, mm; before it is straightened."""
+
+
+NONE = AxisChange()
+
+
 def axis_in_vessel(
     stent: Stent,
     centerline: Centerline | None,
     vessel: Surface | Lumen,
-    straightening_fraction: float = 0.0,
+    change: AxisChange = NONE,
     *,
-    smoothing_length: float = 0.0,
     lies_on: StentAxis | None = None,
 ) -> StentAxis:
     """The axis of a stent, smoothed and straightened as asked for, as far as the vessel permits.
 
-    Parameters and errors as for `stent_axis`, and `smoothing_length` as for `smoothed_line`, mm; a
-    warning tells where less than asked for was used. The vessel is given as its lumen where many
-    axes are asked for. `InputError` for points of the placement outside of it.
+    Parameters and errors as for `stent_axis`; a warning tells where less than asked for was used.
+    The vessel is given as its lumen where many axes are asked for. `InputError` for points of the
+    placement outside of it.
     """
     lumen = vessel if isinstance(vessel, Lumen) else Lumen(vessel)
     axis = stent_axis(stent, centerline, lies_on=lies_on)
     if centerline is not None:
         lumen.check(stent.placement, centerline)
     # An earlier stent's has been moved already.
-    if smoothing_length and lies_on is None:
-        goal = smoothed_line(axis.points, smoothing_length)
+    if change.smoothing_length and lies_on is None:
+        goal = smoothed_line(axis.points, change.smoothing_length)
         axis = _moved(axis, _Move(goal, 1.0, "smoothed-less"), stent, lumen.surface)
-    if straightening_fraction and lies_on is None:
+    if change.straightening_fraction and lies_on is None:
         goal = straightened(axis.points, 1.0)
-        move = _Move(goal, straightening_fraction, "straightened-less")
+        move = _Move(goal, change.straightening_fraction, "straightened-less")
         axis = _moved(axis, move, stent, lumen.surface)
     return with_profile(axis, stent, lumen.surface)
 

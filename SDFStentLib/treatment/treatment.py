@@ -30,7 +30,7 @@ from ..measure import (
 from ..stent import Stent
 from ..validation import Points, as_number, as_points, read_only
 from .stage import Stage, named_states
-from .straightening import axis_in_vessel
+from .straightening import AxisChange, axis_in_vessel
 from .surroundings import PROFILE_SPACING, surroundings
 from .value import (
     PlacedStent,
@@ -175,17 +175,10 @@ class Treatment:
         surface: Surface,
         placed: Mapping[int, PlacedStent],
     ) -> PlacedStent:
-        fraction = self.straightening_fraction
+        change = AxisChange(self.straightening_fraction, self.settings.axis_smoothing)
         with labeled(self.label(number)):
             stent, lies_on = resolved(planned, placed)
-            axis = axis_in_vessel(
-                stent,
-                centerline,
-                surface,
-                fraction,
-                smoothing_length=self.settings.axis_smoothing,
-                lies_on=lies_on,
-            )
+            axis = axis_in_vessel(stent, centerline, surface, change, lies_on=lies_on)
             check_width(stent.widest_diameter, axis, self.surface.points)
             return PlacedStent(number, stent, axis)
 
