@@ -9,8 +9,9 @@ demo: .venv/ready
 	@$(BIN)/sdfstent demo -o sdfstent-demo
 
 # A process per core; more than four would hold each other up. A file stays in one process.
+# Bytecode is kept: every process that a test starts would compile the library anew.
 test: .venv/ready-test
-	@QT_QPA_PLATFORM=offscreen $(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile
+	@PYTHONDONTWRITEBYTECODE= QT_QPA_PLATFORM=offscreen $(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile
 
 lint: .venv/ready-lint
 	@$(BIN)/ruff check .

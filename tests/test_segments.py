@@ -109,7 +109,7 @@ def test_segments_of_anatomies_are_sound(data_dir, case, close):
 @pytest.mark.parametrize("close", [False, True], ids=["branches kept", "branches closed"])
 @pytest.mark.parametrize(
     "make", [stenosed_tube, hairpin_tube, tube_with_neighbor, branching_pulmonary_artery,
-             arch_with_coarctation, lambda: vascular_tree(6)],
+             arch_with_coarctation, lambda: vascular_tree(4)],
 )  # fmt: skip
 def test_segments_of_phantoms_are_sound(make, close):
     found = segment_of(vessel_of(make()), 0.12, 0.88, close_branches=close)

@@ -11,6 +11,7 @@ from ..cautions import Caution
 from ..plan import PlanResult
 from ..treatment import TreatedLesion, TreatedStent, prescribed_diameters
 from ..units import MILLIMETERS
+from ..validation import check_is_a
 from ..version import VERSION
 from .balloons import diameters_section, redilation_section
 from .changes import change_section, settings_section
@@ -40,7 +41,13 @@ def plan_report(
         More seconds by name, such as that for writing.
     picture : bytes or str, optional
         For the page: a PNG as of `before_after_picture`, or why there is none.
+
+    Raises
+    ------
+    InputError
+        Something else than a result.
     """
+    check_is_a(result, PlanResult, "result")
     certificate, units = result.treatment.certificate, result.inputs.surface.units
     judged = None
     if certificate is not None:

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..files import atomic_path, write_bytes
 from ..measure import REACH, SMALLEST_DEGREE
-from ..validation import InputError
+from ..validation import InputError, as_path, check_is_a
 from .branches import branch_section, free_stretches
 from .drawing import svg
 from .html import html_page
@@ -139,9 +139,10 @@ def write_report(report: Report, path: str | os.PathLike[str]) -> None:
     Raises
     ------
     InputError
-        Another suffix than .json, .html and .htm, or a file that cannot be written.
+        No report, another suffix than .json, .html and .htm, or a file that cannot be written.
     """
-    suffix = Path(path).suffix.lower()
+    check_is_a(report, Report, "report")
+    suffix = as_path(path).suffix.lower()
     if suffix == ".json":
         text = report_json(report)
     elif suffix in (".html", ".htm"):
