@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import os
 import signal
 import socket
@@ -23,6 +25,7 @@ from cohort_cases import (
 from mesh_files import PROJECT
 
 from SDFStentLib import InputError
+from SDFStentLib.cli.shell import main
 from SDFStentLib.cohort import Cohort, executors, run_sweep
 
 pytest.importorskip("distributed")
@@ -103,14 +106,23 @@ def started(folder, address, environment):
     )
 
 
+def status_of(folder):
+    """What another shell is told, "" before the folder is there."""
+    words = io.StringIO()
+    with contextlib.redirect_stdout(words), contextlib.suppress(SystemExit):
+        main(["sweep", "--status", str(folder / "out")])
+    return words.getvalue()
+
+
 def test_a_cluster_gives_the_same_bytes_also_when_a_worker_and_the_scheduler_are_killed(
     tmp_path, cluster, wanted
 ):
-    """Held at 2 cases the first of the workers is killed, held at 4 the scheduler."""
+    """Begun without workers. Held at 2 cases the first is killed, held at 4 the scheduler."""
     write_sweep(tube_folder(tmp_path), axes=AXES, store="moved")
     environment = hold_at(tmp_path, 2)
-    first = cluster.start_worker()
     sweep = started(tmp_path, cluster.address, environment)
+    wait_for(lambda: "no workers: they are waited for" in status_of(tmp_path))
+    first = cluster.start_worker()
     wait_for(lambda: len(whole_cases(tmp_path)) == 2)
     cluster.start_worker()
     os.kill(first.pid, signal.SIGKILL)

@@ -102,12 +102,11 @@ def _status(tally: Tally, is_running: bool) -> str:
     if not is_running:
         open_cases = tally.total - tally.finished
         return f"Finished: {counts}" if not open_cases else f"Stopped: {counts}"
-    left = (
-        ""
-        if tally.seconds_left is None
-        else f" About {duration_in_words(tally.seconds_left)} left."
-    )
-    return f"Running: {counts}{left}"
+    if tally.lacks_workers:
+        return f"Running: {counts} The cluster has no workers: they are waited for."
+    if tally.seconds_left is None:
+        return f"Running: {counts}"
+    return f"Running: {counts} About {duration_in_words(tally.seconds_left)} left."
 
 
 def _dry_run(sweep: Sweep, options: argparse.Namespace, console: Console) -> int:

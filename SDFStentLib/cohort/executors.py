@@ -44,12 +44,15 @@ class Workplace:
         Whether another one can be opened when this one breaks.
     blames : bool
         Whether the executor itself finds the case that kills its workers.
+    lacks_workers : callable
+        Of the executor: whether cases wait for workers that are not there (yet).
     """
 
     opened: Callable[[], AbstractContextManager[Executor]]
     window: int
     is_renewable: bool
     blames: bool = True
+    lacks_workers: Callable[[Executor], bool] = lambda _: False
 
 
 def processes(workers: int | None = None) -> Workplace:
@@ -83,7 +86,9 @@ def dask(address: str) -> Workplace:
             "scheduler: expected the package distributed, it is not installed; install it: "
             "pip install 'sdfstent[cohort]'."
         ) from error
-    return Workplace(lambda: _client(address), DASK_WINDOW, is_renewable=True)
+    return Workplace(
+        lambda: _client(address), DASK_WINDOW, is_renewable=True, lacks_workers=_is_empty_cluster
+    )
 
 
 def given(executor: Executor) -> Workplace:
@@ -150,6 +155,14 @@ def _client(address: str) -> Iterator[Executor]:
         yield client.get_executor()
     finally:
         client.close(timeout=5)
+
+
+def _is_empty_cluster(executor: Executor) -> bool:
+    """Whether a scheduler has no worker; one that does not answer is told of by its futures."""
+    try:
+        return not executor._client.nthreads()  # type: ignore[attr-defined]
+    except (OSError, TimeoutError):
+        return False
 
 
 def _close(end: Connection) -> None:

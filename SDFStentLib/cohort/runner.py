@@ -16,6 +16,7 @@ from concurrent.futures import (
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from time import monotonic
 
 from ..validation import DeploymentError, InputError
@@ -129,7 +130,7 @@ class _Run:
         self, store: Store, place: Workplace, progress: Progress | None, tally: Tally
     ) -> None:
         self.store, self.place, self.progress, self.tally = store, place, progress, tally
-        self._start, self._saved, self._shown = monotonic(), -SAVE, -LOOK
+        self._start, self._saved, self._shown, self._asked = monotonic(), -SAVE, -LOOK, -SAVE
         self._blamed: dict[str, int] = {}
         self._is_under_way = False
 
@@ -182,6 +183,7 @@ class _Run:
 
     def end(self) -> None:
         """Leave a folder that tells how far it got, whatever happened."""
+        self.tally = replace(self.tally, lacks_workers=False)
         self.told(is_last=True)
         self.store.clear_leftovers()
         write_manifest(self.store.folder)
@@ -198,13 +200,22 @@ class _Run:
             with suppress(StoreError):  # the cases tell that a store cannot be written
                 save_tally(self.store, self.tally)
 
+    def _looked(self, executor: Executor) -> None:
+        """Tell the counts, and whether anybody is there to change them."""
+        if monotonic() - self._asked >= SAVE:
+            self._asked = monotonic()
+            lacks_workers = self.place.lacks_workers(executor)
+            self.tally = replace(self.tally, lacks_workers=lacks_workers)
+        self.told()
+
     def _round(self, queue: deque[Task], window: int) -> tuple[Exception, list[Task]] | None:
         """Work a queue off with one executor; why that broke, and what was with it then."""
         at_work: dict[Future[Outcome], Task] = {}
         try:
             with self.place.opened() as executor:
                 try:
-                    for task, outcome in _finished(executor, queue, window, at_work, self.told):
+                    tick = partial(self._looked, executor)
+                    for task, outcome in _finished(executor, queue, window, at_work, tick):
                         if outcome is None:
                             self._fail(task)
                         else:

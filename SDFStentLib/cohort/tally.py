@@ -25,6 +25,8 @@ class Tally:
     found : int
         Of the finished ones, those that were whole when this run began.
     seconds : float
+    lacks_workers : bool
+        Whether a cluster that has no worker (yet) is waited for.
     """
 
     total: int
@@ -35,6 +37,7 @@ class Tally:
     failed: int = 0
     found: int = 0
     seconds: float = 0.0
+    lacks_workers: bool = False
 
     @property
     def finished(self) -> int:
@@ -73,7 +76,9 @@ class Tally:
             parts.append(f"{self.unjudged} not judged")
         if self.excluded:
             parts.append(f"{self.excluded} excluded")
-        if self.rate > 0 and self.seconds_left is not None:
+        if self.lacks_workers:
+            parts.append("the cluster has no workers: waiting for them")
+        elif self.rate > 0 and self.seconds_left is not None:
             parts += [f"{self.rate:.3g}/s", f"{duration_in_words(self.seconds_left)} left"]
         return ", ".join(parts)
 
