@@ -266,6 +266,21 @@ def test_the_guide_says_what_every_file_of_the_module_does():
     assert sorted(named) == sorted(files)
 
 
+def test_only_what_draws_the_panel_knows_qt():
+    files = sorted((PROJECT / "SDFStent" / "SDFStentSlicer").glob("*.py"))
+    at_the_top = [
+        path.stem
+        for path in files
+        for node in tree_of(path).body
+        if isinstance(node, ast.Import) and node.names[0].name == "qt"
+    ]
+    assert at_the_top == [
+        "DeviceSection", "LesionTable", "ShapeSection", "StentButtons", "StentTable"
+    ]  # fmt: skip
+    with_qt = [path.stem for path in files if outside_of(path) & {"qt", "ctk"}]
+    assert sorted({*with_qt} - {*at_the_top}) == ["Clock"]
+
+
 def test_the_library_says_that_it_is_typed():
     assert (LIBRARY / "py.typed").is_file()
     assert "py.typed" in (LIBRARY / "CMakeLists.txt").read_text(encoding="utf-8").split()

@@ -1,7 +1,6 @@
 """When to deploy: on request, and again while something changes."""
 
-import qt
-
+from . import Clock
 from .SteppedRun import SteppedRun
 
 COALESCE_MS = 0
@@ -24,8 +23,8 @@ class DeploySession:
         self._parameterNode = self._signature = None
         self._run = SteppedRun(onProgress, self._finished)
         self._live = False
-        self._timer = _singleShot(COALESCE_MS, self._update)
-        self._settleTimer = _singleShot(SETTLE_MS, self._settle)
+        self._timer = Clock.timer(self._update, COALESCE_MS)
+        self._settleTimer = Clock.timer(self._settle, SETTLE_MS)
 
     @property
     def isRunning(self):
@@ -120,11 +119,3 @@ class DeploySession:
                 self._settleTimer.start()
         self._onDone(error, standing)
         self._rest()
-
-
-def _singleShot(milliseconds, function):
-    timer = qt.QTimer()
-    timer.setSingleShot(True)
-    timer.setInterval(milliseconds)
-    timer.connect("timeout()", function)
-    return timer

@@ -6,6 +6,7 @@ from slicer.i18n import tr as _
 from SDFStentLib.measure import SMALLEST_DEGREE
 from SDFStentLib.report import lesion_sentences
 
+from . import Clock
 from .Results import degree
 from .SteppedRun import SteppedRun
 
@@ -25,10 +26,7 @@ class LesionTable:
         self._parameterNode = self._search = None
         self._updating = False
         self._run = SteppedRun(lambda _value: None, self._done)
-        self._timer = qt.QTimer()
-        self._timer.setSingleShot(True)
-        self._timer.setInterval(SETTLE_MS)
-        self._timer.connect("timeout()", self._begin)
+        self._timer = Clock.timer(self._begin, SETTLE_MS)
         ui.lesionTable.connect("itemSelectionChanged()", self._selectionChanged)
         ui.lesionTable.connect("cellClicked(int,int)", self._clicked)
         self._show("")

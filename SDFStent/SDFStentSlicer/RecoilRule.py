@@ -1,8 +1,6 @@
 """A balloon whose recoil is by the rule: measured anew when the balloon or the place of the stent has changed."""
 
-import qt
-
-from . import Conversion, Sizes
+from . import Clock, Conversion, Sizes
 from .Portions import working
 from .SteppedRun import SteppedRun
 
@@ -17,10 +15,7 @@ class RecoilRule:
         self._logic, self._onDone = logic, onDone
         self._parameterNode, self._whose, self._what = None, None, None
         self._run = SteppedRun(lambda _value: None, self._done)
-        self._timer = qt.QTimer()
-        self._timer.setSingleShot(True)
-        self._timer.setInterval(SETTLE_MS)
-        self._timer.connect("timeout()", self._begin)
+        self._timer = Clock.timer(self._begin, SETTLE_MS)
 
     @property
     def isBusy(self):

@@ -3,11 +3,14 @@
 import qt
 from slicer.i18n import tr as _
 
+from . import Clock
+
 
 class StentButtons:
     """A part of `SDFStentWidget`: adds, copies, removes, moves and sizes stents, and loads and saves their plan."""
 
     def _connectStents(self):
+        self._fitTimer = Clock.timer(self._fitHandle, 0)
         self.ui.addStentButton.connect("clicked()", self.onAddStent)
         self.ui.suggestButton.connect("clicked()", self.onSuggest)
         self.ui.copyStentButton.connect("clicked()", self.onCopyStent)
@@ -41,7 +44,7 @@ class StentButtons:
 
     def onPlacementActivated(self, index):
         # The parameter hears of the new index after this slot, so the handle is fitted a moment later.
-        qt.QTimer.singleShot(0, self._fitHandle)
+        self._fitTimer.start()
 
     def _fitHandle(self):
         if self._parameterNode is not None and len(self.stents):

@@ -2,7 +2,7 @@
 
 import time
 
-import qt
+from . import Clock
 
 
 class SteppedRun:
@@ -11,15 +11,13 @@ class SteppedRun:
     `onProgress(value)` gets the latest value once per tick; `onDone(error)` is called once per run: with None at the end, with
     the exception when one was raised. `cancel()` ends a run at once without calling `onDone`.
 
-    One object serves one run after another: in PythonQt a timer and the method that it calls keep each other for ever.
+    One object serves one run after another, as a `Clock` timer does.
     """
 
     def __init__(self, onProgress, onDone, budget=0.015):
         self._onProgress, self._onDone, self._budget = onProgress, onDone, budget
         self._iterator, self._startTime = None, 0.0
-        self._timer = qt.QTimer()
-        self._timer.setInterval(0)
-        self._timer.connect("timeout()", self._tick)
+        self._timer = Clock.timer(self._tick, 0, isRepeated=True)
 
     def start(self, iterator):
         """Begin a run; another one must not be under way."""
