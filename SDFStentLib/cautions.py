@@ -70,8 +70,8 @@ TEMPLATES = {
         "wall at ({x:.1f}, {y:.1f}, {z:.1f}) mm{filed}."
     ),
     "straightened-less": (
-        "The axis is straightened by {fraction:.2f} of the way to its chord instead of "
-        "{prescribed_fraction:g}: farther on it comes too near to the wall at "
+        "The axis is straightened by {fraction:.2f} instead of {prescribed_fraction:g}: farther on "
+        "it comes too near to the wall, or to an end of the vessel, at "
         "({x:.1f}, {y:.1f}, {z:.1f}) mm{filed}; a shorter stent can be straightened more."
     ),
     "device-range": (

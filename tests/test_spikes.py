@@ -6,6 +6,7 @@ Judged here by VTK's distances and by the coordinates themselves, never by the c
 from __future__ import annotations
 
 import importlib.util
+from dataclasses import replace
 from functools import cache
 from typing import NamedTuple
 
@@ -21,9 +22,9 @@ from SDFStentLib.deformation.lumen import largest_push
 from SDFStentLib.deformation.settings import DeploymentSettings
 from SDFStentLib.deformation.stent_checks import Expected, lumen_check, motion_check
 from SDFStentLib.field.capsule_chain import CapsuleChain
-from SDFStentLib.geometry import Surface
-from SDFStentLib.stent import Stent, StentAxis, stent_axis, straightened
-from SDFStentLib.stent.placement import AlongAxis, AtCenter
+from SDFStentLib.geometry import Surface, length
+from SDFStentLib.stent import Stent, StentAxis, stent_axis, straight_way
+from SDFStentLib.stent.placement import AlongAxis, AtCenter, AtDistalEnd, AtProximalEnd
 from SDFStentLib.treatment.straightening import AxisChange, axis_in_vessel, permitted
 from SDFStentLib.treatment.treatment import Treatment
 
@@ -152,7 +153,7 @@ def test_straightening_stops_before_the_wall_and_says_how_far_it_went():
     (said,) = [caution for caution in found.warnings if caution.kind == "straightened-less"]
     assert said.numbers["prescribed_fraction"] == 1
     used = said.numbers["fraction"]
-    assert f"is straightened by {used:.2f} of the way to its chord instead of 1:" in str(said)
+    assert f"is straightened by {used:.2f} instead of 1:" in str(said)
     assert 0.3 < used < 0.9
     native = stent_axis(
         Stent(7.5, placement=AtCenter(np.array([-5.0, 0, 30])), length=20.0), demo().centerline
@@ -172,13 +173,59 @@ def test_what_the_vessel_permits_is_done_in_full_and_without_a_word():
     assert found.warnings == expected.warnings
 
 
+def straight_in(made, first, last, placement=AlongAxis):
+    """The axis along a part of a bent tube made straight, and as it was."""
+    way = made.centerline.points[made.centerline.ancestry(made.centerline.leaves[0])]
+    native = way[round(first * (len(way) - 1)) : round(last * (len(way) - 1)) + 1]
+    if placement is AlongAxis:
+        stent = Stent(7.2, placement=AlongAxis(native))
+    else:
+        end = native[-1] if placement is AtDistalEnd else native[0]
+        sizes = {"length": length(native), "foreshortening_fraction": 0}
+        stent = Stent(7.2, placement=placement(end), **sizes)
+    return axis_in_vessel(stent, made.centerline, made.surface, AxisChange(1.0)), native
+
+
+@pytest.mark.parametrize("is_capped", [True, False])
+@pytest.mark.parametrize(("first", "last", "stays"), [(0.0, 0.4, 0), (0.6, 1.0, -1)])
+def test_a_stent_up_to_an_outlet_moves_its_other_end_alone(first, last, stays, is_capped):
+    made = phantom("bent_tube")
+    if not is_capped:
+        wall = made.triangles[made.face_ids == made.face_ids.min()]
+        made = replace(
+            made, surface=Surface(made.points, wall), face_ids=np.ones(len(wall), np.int64)
+        )
+    found, native = straight_in(made, first, last)
+    assert found.warnings == ()
+    np.testing.assert_allclose(found.points[stays], native[stays], atol=1e-9)
+    assert found.chord == pytest.approx(length(native), abs=1e-9)
+
+
+@pytest.mark.parametrize("placement", [AtProximalEnd, AtDistalEnd])
+def test_the_end_by_which_a_stent_is_placed_stays(placement):
+    found, native = straight_in(phantom("bent_tube"), 0.3, 0.6, placement)
+    stays = 0 if placement is AtProximalEnd else -1
+    np.testing.assert_allclose(found.points[stays], native[stays], atol=1e-6)
+    moved = np.linalg.norm(found.points[-1 - stays] - native[-1 - stays])
+    assert moved > 0.1
+    assert found.deployed_length == pytest.approx(length(native), abs=1e-6)
+
+
+def test_a_stent_from_end_to_end_of_a_bent_vessel_cannot_be_straightened_and_that_is_said():
+    found, native = straight_in(phantom("bent_tube"), 0.0, 1.0)
+    np.testing.assert_allclose(found.points, native, atol=0.01)
+    (said,) = found.warnings
+    assert "straightened by 0.00 instead of 1" in str(said)
+    assert "or to an end of the vessel, at (" in str(said)
+
+
 def test_an_axis_does_not_pass_through_a_thin_wall_into_the_next_lumen():
     """Beyond the wall of a hairpin's leg is its other leg, where the axis would be free again."""
     made = phantom("hairpin_tube")
     axis = made.axis_at(np.linspace(5, 45, 120))
-    used, place = permitted(axis, straightened(axis, 1.0), 3.0, made.surface, 1.0)
-    assert used < 0.5
-    assert np.isfinite(place).all()
+    found = permitted(straight_way(axis), 3.0, made.surface, 1.0)
+    assert found.fraction < 0.5
+    assert np.isfinite(found.place).all()
 
 
 def test_no_straightening_leaves_the_axis_to_the_last_bit():

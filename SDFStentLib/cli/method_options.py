@@ -45,7 +45,7 @@ def add_method(command: argparse.ArgumentParser) -> None:
         type=number,
         metavar="F",
         default=0.0,
-        help="share of the way to its chord that the axis is straightened, 0 to 1",
+        help="share of its bends that the axis loses, 0 to 1, its length kept",
     )
     method.add_argument("--rule", choices=_DEFAULTS.names["rule"], default=_DEFAULTS.rule)
     method.add_argument(

@@ -34,7 +34,7 @@ class Plan(ByValue):
         Frame of the points; `None` is the surface's, whatever that is.
     settings : DeploymentSettings
     straightening_fraction : float
-        Share of the way to its chord by which every stent straightens its axis, 0 to 1.
+        Share of its bends that the axis of every stent loses, 0 to 1.
     root : tuple of three floats, optional
         A point near the end of the centerline that is its root, mm, in the frame `frame`.
     reference : tuple of tuples of three floats

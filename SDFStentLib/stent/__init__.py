@@ -27,7 +27,8 @@ from .placement import (
 from .redilation import dilated_again, redilated
 from .shape import DiametersAlong, Shape, StentEnd, Waist
 from .stent import DEFAULT_FORESHORTENING, KEPT, Stent
-from .stent_axis import StentAxis, moved_axis, stent_axis, straightened
+from .stent_axis import StentAxis, moved_axis, stent_axis
+from .straightened import StraightWay, straight_way, straightened
 
 __all__ = [
     "CELLS",
@@ -57,6 +58,7 @@ __all__ = [
     "Stent",
     "StentAxis",
     "StentEnd",
+    "StraightWay",
     "Waist",
     "balloon_by_rule",
     "beside",
@@ -69,6 +71,7 @@ __all__ = [
     "stent_axis",
     "stent_lattice",
     "straight_lattice",
+    "straight_way",
     "straightened",
 ]
 

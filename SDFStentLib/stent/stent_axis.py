@@ -6,12 +6,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ..cautions import Caution
 from ..centerline import Centerline, CenterlinePath, JunctionChoice, Location
 from ..geometry import arc_lengths, cut, length, minimum_bend_radius, tightest_bend
-from ..validation import Floats, InputError, Points, as_number, as_points, check_is_a, read_only
+from ..validation import Floats, InputError, Points, check_is_a, read_only
 from .beside import beside
 from .placement import (
     AlongAxis,
@@ -23,6 +22,7 @@ from .placement import (
 )
 from .shape import DiametersAlong
 from .stent import Stent
+from .straightened import straightened
 
 FARTHEST_PLACEMENT = 2.0
 """A placement may be this many local inscribed radii away from the centerline."""
@@ -97,7 +97,7 @@ def stent_axis(
     centerline : Centerline, optional
         Needed for every placement but `AlongAxis`, which does not look at it.
     straightening_fraction : float
-        Share of the way to its chord by which the axis is straightened, 0 to 1.
+        As for `straightened`, 0 to 1.
     lies_on : StentAxis, optional
         Of the earlier stent, for one that is placed by `OfStent`.
 
@@ -133,12 +133,8 @@ def stent_axis(
     axis = replace(axis, warnings=(*warnings, *_bend(axis, stent.radius)))
     if not straightening_fraction:
         return axis
-    return straightened_axis(axis, straightening_fraction, stent.radius)
-
-
-def straightened_axis(axis: StentAxis, fraction: float, stent_radius: float) -> StentAxis:
-    """An axis moved towards its chord as by `straightened`, its bend judged anew."""
-    return moved_axis(axis, straightened(axis.points, fraction), stent_radius)
+    points = straightened(axis.points, straightening_fraction, stent.kept)
+    return moved_axis(axis, points, stent.radius)
 
 
 def moved_axis(axis: StentAxis, points: Points, stent_radius: float) -> StentAxis:
@@ -146,34 +142,6 @@ def moved_axis(axis: StentAxis, points: Points, stent_radius: float) -> StentAxi
     moved = replace(axis, points=points)
     others = (one for one in axis.warnings if one.kind != "tight-bend")
     return replace(moved, warnings=(*others, *_bend(moved, stent_radius)))
-
-
-def straightened(points: ArrayLike, fraction: float) -> Points:
-    """The polyline moved towards its chord; both ends stay.
-
-    Parameters
-    ----------
-    points : array_like, shape (n, 3)
-        Polyline, mm.
-    fraction : float
-        Final fraction of the way to the chord: 0 as it is, 1 straight. Each point heads for the
-        point of the chord at its own fraction of the arc length.
-
-    Raises
-    ------
-    InputError
-        The fraction is outside 0 to 1, or the polyline has no length.
-    """
-    fraction = as_number(fraction, "straightening fraction", minimum=0, maximum=1)
-    polyline = as_points(points, "polyline", minimum=2)
-    at = arc_lengths(polyline)
-    if at[-1] <= 0:
-        raise InputError("stent axis: expected two different points, got one place only.")
-    weights = (at / at[-1])[:, None]
-    chord = (1.0 - weights) * polyline[0] + weights * polyline[-1]
-    result = (1.0 - fraction) * polyline + fraction * chord
-    result[0], result[-1] = polyline[0], polyline[-1]
-    return result
 
 
 def _along_axis(placement: AlongAxis) -> CenterlinePath:

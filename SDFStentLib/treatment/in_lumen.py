@@ -28,8 +28,15 @@ class Lumen:
         self.surface = surface
 
     @cached_property
-    def _closed(self) -> ClosedSurface:
-        return ClosedSurface(*closed_surface(self.surface.points, self.surface.triangles))
+    def closed(self) -> Surface:
+        """The surface with its open ends closed."""
+        surface = self.surface
+        points, triangles = closed_surface(surface.points, surface.triangles)
+        return surface if triangles is surface.triangles else Surface(points, triangles)
+
+    @cached_property
+    def _inside(self) -> ClosedSurface:
+        return ClosedSurface(self.closed.points, self.closed.triangles)
 
     @cached_property
     def _wall(self) -> SurfaceIndex:
@@ -57,6 +64,6 @@ class Lumen:
 
     def _beyond(self, point: Points) -> float:
         """How far outside of the wall a point (3,) is, mm; 0 inside."""
-        if self._closed.contains(point[None])[0]:
+        if self._inside.contains(point[None])[0]:
             return 0.0
         return float(self._wall.distances(point[None]).distance[0])

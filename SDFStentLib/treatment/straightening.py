@@ -2,28 +2,25 @@
 
 An axis that is moved leaves the middle of a bent lumen. Nearer to the wall than the facets are long
 it pushes their corners apart to both sides, and outside of the lumen it pushes the wall inward: the
-lumen would become narrower. So the axis goes where it shall only as long as it keeps away.
+lumen would become narrower. So the axis goes where it shall only as long as it keeps away, from the
+wall and, where its ends move apart as it becomes straight, from the ends of the vessel.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..cautions import Caution
 from ..centerline import Centerline
 from ..geometry import Surface, arc_lengths, resampled, smoothed_line
-from ..geometry import length as length_of
 from ..measure import LocalSurface
-from ..stent import Stent, StentAxis, moved_axis, stent_axis, straightened
-from ..validation import Points
+from ..stent import Stent, StentAxis, moved_axis, stent_axis, straight_way
+from ..validation import Floats, Points
 from .in_lumen import Lumen
 from .profile import with_profile
-
-Floats = NDArray[np.float64]
 
 KEPT = 0.5
 """Share of its distance from the wall that the axis keeps, or of the stent's radius if less."""
@@ -42,7 +39,7 @@ class AxisChange(NamedTuple):
     """What is done to the axis of a stent."""
 
     straightening_fraction: float = 0.0
-    """Share of the way to its chord."""
+    """As for `straightened`."""
     smoothing_length: float = 0.0
     """As for `smoothed_line`, mm; before it is straightened."""
 
@@ -70,87 +67,130 @@ def axis_in_vessel(
         lumen.check(stent.placement, centerline)
     # An earlier stent's has been moved already.
     if change.smoothing_length and lies_on is None:
-        goal = smoothed_line(axis.points, change.smoothing_length)
-        axis = _moved(axis, _Move(goal, 1.0, "smoothed-less"), stent, lumen.surface)
+        way = StraightLines(axis.points, smoothed_line(axis.points, change.smoothing_length))
+        found = permitted(way, stent.radius, lumen.surface, 1.0)
+        axis = _moved(axis, way, found, _Told("smoothed-less", 1.0, stent.radius))
     if change.straightening_fraction and lies_on is None:
-        goal = straightened(axis.points, 1.0)
-        move = _Move(goal, change.straightening_fraction, "straightened-less")
-        axis = _moved(axis, move, stent, lumen.surface)
+        axis = _straightened(axis, stent, lumen, change.straightening_fraction)
     return with_profile(axis, stent, lumen.surface)
 
 
-class _Move(NamedTuple):
-    """Where an axis shall go."""
+class Way(Protocol):
+    """How the points of an axis go somewhere; `StraightWay` is one."""
 
+    @property
+    def points(self) -> Points:
+        """(n, 3) where they are, mm."""
+
+    @property
+    def longest(self) -> Floats:
+        """(n,) mm that each goes at most; at a fraction of the way no more than that of it."""
+
+    def at(self, fraction: float) -> Points:
+        """The points at a fraction of the way, 0 to 1."""
+
+
+class StraightLines(NamedTuple):
+    """The way of every point straight to its goal."""
+
+    points: Points
+    """(n, 3) mm."""
     goal: Points
-    """(n, 3) of its points at the end of the way, mm."""
+    """(n, 3) mm."""
+
+    @property
+    def longest(self) -> Floats:
+        """(n,) mm."""
+        return np.asarray(np.linalg.norm(self.goal - self.points, axis=1))
+
+    def at(self, fraction: float) -> Points:
+        """(n, 3) mm."""
+        points = (1 - fraction) * self.points + fraction * self.goal
+        is_same = (self.points == self.goal).all(axis=1)
+        points[is_same] = self.points[is_same]
+        return points
+
+
+class Permitted(NamedTuple):
+    """The part of a way that keeps an axis off the wall."""
+
+    fraction: float
+    """At most that which is asked for."""
+    place: Floats
+    """(3,) where the axis then is nearest to what it has to keep, mm."""
+
+
+class _Told(NamedTuple):
+    kind: str
+    """Of the warning where less of the way is gone."""
     fraction: float
     """Of the way that is asked for."""
-    less: str
-    """Kind of the warning that it goes less far."""
+    stent_radius: float
 
 
-def _moved(native: StentAxis, move: _Move, stent: Stent, surface: Surface) -> StentAxis:
-    used, place = permitted(native.points, move.goal, stent.radius, surface, move.fraction)
-    points = (1 - used) * native.points + used * move.goal
-    points[0], points[-1] = native.points[0], native.points[-1]
-    axis = moved_axis(native, points, stent.radius)
-    if used > move.fraction - NOTICEABLE:
+def _straightened(axis: StentAxis, stent: Stent, lumen: Lumen, fraction: float) -> StentAxis:
+    """An axis made straight as far as possible.
+
+    One that keeps its middle keeps an end instead where the other way round it would soon run into
+    an end of the vessel.
+    """
+    kept = [stent.kept, *(("proximal", "distal") if stent.kept == "center" else ())]
+    best: tuple[Way, Permitted] | None = None
+    for keeps in kept:
+        way = straight_way(axis.points, keeps)
+        found = permitted(way, stent.radius, lumen.closed, fraction)
+        if best is None or found.fraction > best[1].fraction + NOTICEABLE:
+            best = (way, found)
+        if found.fraction > fraction - NOTICEABLE:
+            break
+    assert best is not None
+    return _moved(axis, *best, _Told("straightened-less", fraction, stent.radius))
+
+
+def _moved(native: StentAxis, way: Way, found: Permitted, told: _Told) -> StentAxis:
+    axis = moved_axis(native, way.at(found.fraction), told.stent_radius)
+    if found.fraction > told.fraction - NOTICEABLE:
         return axis
-    x, y, z = place.tolist()
-    fractions = {"fraction": used, "prescribed_fraction": move.fraction}
-    limited = Caution(move.less, fractions, (x, y, z))
+    x, y, z = found.place.tolist()
+    fractions = {"fraction": found.fraction, "prescribed_fraction": told.fraction}
+    limited = Caution(told.kind, fractions, (x, y, z))
     return replace(axis, warnings=(*axis.warnings, limited))
 
 
-def permitted(
-    axis: Points, goal: Points, radius: float, vessel: Surface, fraction: float
-) -> tuple[float, Points]:
+def permitted(way: Way, radius: float, vessel: Surface, fraction: float) -> Permitted:
     """The part of a way that keeps the axis off the wall.
 
-    Every place of the axis goes along its way to the goal by steps no longer than the wall is
-    away, less what it has to keep; so it cannot pass through one.
+    The axis goes along by steps on which no place of it goes farther than the wall is away, less
+    what the place has to keep; so it cannot pass through one.
 
     Parameters
     ----------
-    axis : (n, 3) array
-        Before it is moved, mm.
-    goal : (n, 3) array
-        Its points at the end of their ways, mm.
+    way : Way
     radius : float
         Of the stent, mm.
     vessel : Surface
     fraction : float
         Share of the way that is asked for.
-
-    Returns
-    -------
-    float
-        At most `fraction`.
-    (3,) array
-        Where the axis then is nearest to what it has to keep, mm.
     """
-    start = resampled(axis, SPACING)
-    at = np.linspace(0, 1, len(start)) * length_of(axis)
-    way = np.stack([np.interp(at, arc_lengths(axis), one) for one in goal.T], axis=1) - start
-    length = np.linalg.norm(way, axis=1)
-    places = np.concatenate([start, start + fraction * way])
-    surface = LocalSurface(vessel.points, vessel.triangles, places)
-    distance = surface.distances(start)
-    kept = KEPT * np.minimum(distance, radius)
-    is_going = length * fraction > NOTICEABLE * radius
-    done = np.where(is_going, 0.0, fraction)
-    active = np.flatnonzero(is_going)
+    along = arc_lengths(way.points)
+    at = np.linspace(0, along[-1], len(resampled(way.points, SPACING)))
+    longest = np.interp(at, along, way.longest)
+    at = at[longest * fraction > NOTICEABLE * radius]
+    longest = longest[longest * fraction > NOTICEABLE * radius]
+    if not len(at):
+        return Permitted(fraction, way.points[0])
+
+    def places(done: float) -> Points:
+        return np.stack([np.interp(at, along, one) for one in way.at(done).T], axis=1)
+
+    surface = LocalSurface(vessel.points, vessel.triangles, places(0.0))
+    distance = surface.distances(places(0.0))
+    kept, used = KEPT * np.minimum(distance, radius), 0.0
     for _ in range(ROUNDS):
-        room = np.maximum(distance[active] - kept[active], 0)
-        done[active] = np.minimum(done[active] + room / length[active], fraction)
-        # Where the room is used up the others need not go on any farther.
-        is_stopped = room < NOTICEABLE * radius
-        limit = done[active[is_stopped]].min(initial=fraction)
-        active = active[~is_stopped & (done[active] < limit)]
-        if not len(active):
+        room = np.maximum(distance - kept, 0)
+        tightest = int((room / longest).argmin())
+        used = min(used + float(room[tightest] / longest[tightest]), fraction)
+        if used == fraction or room[tightest] < NOTICEABLE * radius:
             break
-        distance[active] = surface.distances(start[active] + done[active, None] * way[active])
-    first = int(done.argmin())
-    used = float(done[first])
-    return used, start[first] + used * way[first]
+        distance = surface.distances(places(used))
+    return Permitted(used, places(used)[tightest])

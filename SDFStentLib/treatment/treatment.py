@@ -70,7 +70,7 @@ class Treatment:
     settings : DeploymentSettings, optional
         With `certify`, one certificate is made at the end for the whole treatment.
     straightening_fraction : float
-        Share of the way to its chord by which every stent straightens its axis.
+        Share of its bends that the axis of every stent loses, its length kept.
     companions : array_like, shape (c, 3), optional
         Further points that are dragged along.
     precision : Precision, optional
