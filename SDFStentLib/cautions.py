@@ -44,6 +44,11 @@ TEMPLATES = {
         "The branch that ends at ({x:.4g}, {y:.4g}, {z:.4g}) mm{filed} has no outlet, its end is "
         "round; cut it flat, or close the branches."
     ),
+    "hole": (
+        "The wall is open at ({x:.4g}, {y:.4g}, {z:.4g}) mm{filed}, {diameter_mm:.1f} mm wide, "
+        "where no centerline ends: closed as wall, face {name}; where it is an outlet, give a "
+        "centerline that ends there."
+    ),
     # Plans
     "changed-input": "it is not the file the plan was made with; accepted as asked.",
     "other-version": (
@@ -204,14 +209,14 @@ class Caution:
         """
         x, y, z = self.place or (None, None, None)
         words = {**NO_REMEDIES, **(remedies or {}), "thing": thing, "x": x, "y": y, "z": z}
-        words["filed"] = _filed(self.place, units)
+        words["filed"] = in_file(self.place, units)
         return self.label + TEMPLATES[self.kind].format_map({**words, **self.numbers})
 
     __str__ = sentence
 
 
-def _filed(place: tuple[float, float, float] | None, units: str) -> str:
-    """A place in the unit of the file, to stand behind that in mm; empty where it is the same."""
+def in_file(place: tuple[float, float, float] | None, units: str) -> str:
+    """A place in mm in the unit of the file, to stand behind that in mm; empty where that is it."""
     if place is None or units == "mm":
         return ""
     numbers = ", ".join(f"{value / MILLIMETERS[units]:.4g}" for value in place)

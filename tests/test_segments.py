@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from deployment_cases import ANATOMIES, anatomy
@@ -24,6 +26,7 @@ from SDFStentLib.geometry import (
     point_at,
     signed_volume,
 )
+from SDFStentLib.measure import branch_names
 from SDFStentLib.phantoms import (
     arch_with_coarctation,
     branching_pulmonary_artery,
@@ -329,6 +332,10 @@ def test_no_section_of_a_bifurcation_that_is_let_through_is_as_wide_as_two_vesse
 
 
 BAD = {
+    "far from an end": (
+        ([0, 0, 8], [0, 0, 400]),
+        "expected a place in the vessel, got one 360.0 mm",
+    ),
     "the same place": (([0, 0, 8], [0, 0, 8]), "expected two places apart"),
     "off the vessel": (([40, 0, 8], [0, 0, 30]), "expected a place in the vessel, got one 40.0 mm"),
     "too near": (([0, 0, 20], [0, 0, 20.2]), "meets another one within the vessel"),
@@ -370,6 +377,50 @@ def test_a_hole_in_the_wall_where_a_plane_is_is_a_sentence():
     vessel = Vessel(Surface(tube.points, tube.triangles[~hole]), tube.centerline)
     with pytest.raises(InputError, match="open end"):
         extract_segment(vessel, [0, 0, 10], [0, 0, 30])
+
+
+@pytest.mark.parametrize("is_capped", [True, False])
+def test_a_hole_in_the_wall_is_no_outlet_and_is_said_to_be_there(is_capped):
+    """Closed as wall; ends where the centerline ends are outlets, open or not."""
+    tube = straight_tube(edge_length=0.8)
+    middle = tube.points[tube.triangles].mean(axis=1)
+    hole = (np.abs(middle[:, 2] - 20) < 1.0) & (np.abs(middle[:, 1]) < 1.0) & (middle[:, 0] > 2)
+    gone = hole if is_capped else hole | (middle[:, 2] > 39.99)
+    vessel = Vessel(Surface(tube.points, tube.triangles[~gone]), tube.centerline)
+    closed = extract_segment(Vessel(tube.surface, tube.centerline), [0, 0, 10], [0, 0, 30]).before
+    found = extract_segment(vessel, [0, 0, 10], [0, 0, 30], units="cm")
+    faces = {face.name: face for face in found.before.faces}
+    assert set(faces) == {"inlet", "outlet", "wall", "hole"}
+    assert faces["hole"].kind == "wall"
+    assert found.before.walls == {faces["wall"].number, faces["hole"].number}
+    assert found.before.volume == pytest.approx(closed.volume, rel=0.01)
+    (said,) = found.warnings
+    assert re.search(
+        r"^The wall is open at \(2\.\d+, .*\) mm \(in the file 0\.2\d+, .* cm\), [12]\.\d mm wide, "
+        r"where no centerline ends: closed as wall, face hole;",
+        said.sentence(units="cm"),
+    )
+
+
+def test_refused_places_are_told_in_the_files_unit_and_along_their_branch(data_dir):
+    """What is told can be typed again, and is what it says."""
+    vessel = vessel_at(data_dir, "pulmonary")
+    way = way_to(vessel)
+    ends = point_at(way, np.array([0.02, 0.5]) * length(way))
+    with pytest.raises(InputError) as refused:
+        extract_segment(vessel, *ends, units="cm")
+    place = r"\((.*?)\) mm \(in the file (.*?) cm\), (.*?) mm along (.*?)"
+    first, second = re.findall(place + r"[,.](?: |$)", str(refused.value))
+    for told, expected in ((first, ends[0]), (second, None)):
+        point = np.array(told[0].split(", "), float)
+        np.testing.assert_allclose(10 * np.array(told[1].split(", "), float), point, atol=0.03)
+        names = branch_names(vessel.surface, vessel.centerline, vessel.faces)
+        at = vessel.centerline.point_at(names.index(told[3]), float(told[2]))
+        assert np.linalg.norm(at - point) < 0.1
+        if expected is not None:
+            np.testing.assert_allclose(point, expected, atol=0.02)
+    again = 10 * np.array(second[1].split(", "), float)
+    assert extract_segment(vessel, again, ends[1]).before.volume > 0
 
 
 def test_a_wall_that_crosses_itself_is_a_sentence():

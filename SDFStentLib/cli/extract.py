@@ -3,22 +3,17 @@
 from __future__ import annotations
 
 import argparse
-import json
 from pathlib import Path
 from typing import Any
 
-from ..files import MeshComplete, SurfaceFile
+from ..files import SurfaceFile
 from ..plan import InputFiles, read_input_files
-from ..report import segment_document, segment_sentences
+from ..report import SEGMENT_FILES, segment_sentences, write_segment
 from ..treatment import ExtractedSegment, extract_segment
 from ..validation import InputError
 from .console import Console
 from .outputs import Outputs
 from .place import in_mm, root_of
-
-SUMMARY = "segment.json"
-OWN = {SUMMARY, "before", "after"}
-"""What is in the folder that is written."""
 
 
 def extract_command(options: argparse.Namespace, console: Console) -> int:
@@ -28,7 +23,9 @@ def extract_command(options: argparse.Namespace, console: Console) -> int:
         in_mm(options.to, options.units, "--to"),
     )
     outputs = Outputs([options.surface, options.centerline, options.after])
-    outputs.add_folder(options.output, lambda folder: _write(folder, found, read), OWN.__contains__)
+    outputs.add_folder(
+        options.output, lambda folder: _write(folder, found, read), SEGMENT_FILES.__contains__
+    )
     units = options.units
     read = [read_input_files(options.surface, options.centerline, units, root_of(options))]
     if options.after is not None:
@@ -40,6 +37,7 @@ def extract_command(options: argparse.Namespace, console: Console) -> int:
         *ends,
         close_branches=options.close_branches,
         after=read[1].vessel if len(read) > 1 else None,
+        units=units,
     )
     console.warn(found.warnings, units=units)
     outputs.write()
@@ -64,14 +62,7 @@ def _treated(options: argparse.Namespace, before: InputFiles) -> InputFiles:
 
 def _write(folder: Path, found: ExtractedSegment, read: list[InputFiles]) -> None:
     folder.mkdir()
-    segments = (("before", found.before), ("after", found.after))
-    for (name, segment), one in zip(segments, read, strict=False):
-        assert segment is not None
-        faces, frame = segment.named_faces, one.surface.frame
-        MeshComplete(segment.surface, faces, segment.walls, frame).write(folder / name)
-    document = segment_document(found, _inputs(read))
-    text = json.dumps(document, indent=2, allow_nan=False, ensure_ascii=False)
-    (folder / SUMMARY).write_text(text + "\n", encoding="utf-8")
+    write_segment(folder, found, _inputs(read), [one.surface.frame for one in read])
 
 
 def _inputs(read: list[InputFiles]) -> dict[str, Any]:

@@ -34,7 +34,7 @@ from .pressure import (
 )
 from .profile_around import AxisStations, axis_stations, profile_around
 from .segment import Segment, cut_segment
-from .segment_faces import SegmentFace
+from .segment_faces import HOLE, SegmentFace
 from .segment_planes import segment_planes
 from .stations import measured_at
 from .stretch import FaceStretch, displacements, face_stretches
@@ -45,6 +45,7 @@ from .vessel_parts import VesselParts, vessel_parts
 
 __all__ = [
     "ADULT",
+    "HOLE",
     "LISTED",
     "NEARLY",
     "REACH",

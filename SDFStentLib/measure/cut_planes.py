@@ -68,6 +68,7 @@ class PlaneFinder:
         from scipy.spatial import cKDTree
 
         self.points, self.triangles = vessel.surface.points, vessel.surface.triangles
+        self.said = vessel.said
         self.is_cap = np.isin(vessel.ids, list(vessel.caps))
         self.axis = vessel.tree.resampled(SPACING)
         self.wall = cKDTree(self.points[np.unique(self.triangles[~self.is_cap])])
@@ -77,18 +78,20 @@ class PlaneFinder:
         """Across the first point of a way along the vessel; `InputError` where that cannot be."""
         direction = self.direction(way)
         section = section_around(self.points, self.triangles, way[0], direction)
-        radius = np.inf if section is None else np.sqrt(section.area / np.pi)
+        # The tip of a centerline may lie beyond its vessel.
+        wall = float(self.wall.query(way[0])[0])
+        radius = wall if section is None else float(np.sqrt(section.area / np.pi))
         if place.distance > OFF * radius:
             raise InputError(
                 f"segment {word}: expected a place in the vessel, got one {place.distance:.1f} mm "
-                f"from its centerline where it has a radius of {radius:.1f} mm; check the place, "
-                "its unit (mm, cm) and its frame (RAS, LPS)."
+                f"from its centerline at {self.said(way[0])}, where it has a radius of "
+                f"{radius:.1f} mm; check the place, its unit (mm, cm) and its frame (RAS, LPS)."
             )
         fault = self.fault(section, way[0], direction)
         if fault:
             raise InputError(
                 f"segment {word}: expected a plane that meets only this vessel, the one at "
-                f"{_said(way[0])} mm {fault}; {self._advice(way)}."
+                f"{self.said(way[0])}, {fault}; {self._advice(way)}."
             )
         return direction
 
@@ -142,7 +145,7 @@ class PlaneFinder:
             section = section_around(self.points, self.triangles, place, direction)
             if not self.fault(section, place, direction):
                 moved = closest_points(way, place[None]).arc_lengths[0]
-                return f"move it {moved:.1f} mm into the segment, to {_said(place)} mm"
+                return f"move it {moved:.1f} mm into the segment, to {self.said(place)}"
         return "choose another place"
 
     def _is_crossed_elsewhere(self, section: SectionAround, origin: Points, normal: Floats) -> bool:
@@ -191,7 +194,3 @@ def _is_round(section: SectionAround, place: Points, normal: Floats) -> bool:
     (x, y), (end_x, end_y) = ((section.start - place) @ plane).T, ((section.end - place) @ plane).T
     angle = np.arctan2(x * end_y - y * end_x, x * end_x + y * end_y).sum()
     return bool(abs(angle) > np.pi)
-
-
-def _said(place: Points) -> str:
-    return "({:.4g}, {:.4g}, {:.4g})".format(*place)

@@ -83,13 +83,13 @@ def cut_segment(vessel: VesselParts, planes: Sequence[CutPlane]) -> Segment:
     InputError
         A plane that meets the vessel in no closed curve, or planes that do not bound one segment.
     """
-    mesh, rims = _cut(vessel.surface, planes)
-    kept = _between(mesh, rims, planes)
+    mesh, rims = _cut(vessel, planes)
+    kept = _between(mesh, rims, vessel, planes)
     triangles, ids = mesh.triangles[kept], vessel.ids[mesh.sources[kept]]
     points, new = mesh.points, int(vessel.ids.max()) + 1
     ends = [*zip(rims, planes, strict=True), *_open_rims(triangles, rims)]
     for number, (rim, plane) in enumerate(ends, start=new):
-        inner, cap = _cap(points, rim, None if plane is None else -plane.normal)
+        inner, cap = _cap(points, rim, vessel, None if plane is None else -plane.normal)
         points, triangles = np.vstack([points, inner]), np.vstack([triangles, cap])
         ids = np.r_[ids, np.full(len(cap), number)]
     closed = Surface(*compacted(points, triangles), name="segment")
@@ -97,8 +97,9 @@ def cut_segment(vessel: VesselParts, planes: Sequence[CutPlane]) -> Segment:
     return Segment(closed, ids, segment_faces(closed, ids, vessel, numbered))
 
 
-def _cut(surface: Surface, planes: Sequence[CutPlane]) -> tuple[CutSurface, list[Indices]]:
+def _cut(vessel: VesselParts, planes: Sequence[CutPlane]) -> tuple[CutSurface, list[Indices]]:
     """The surface cut along every plane, and the curves of the cuts."""
+    surface = vessel.surface
     none = np.zeros(0, np.int64)
     all_triangles = np.arange(len(surface.triangles))
     mesh = CutSurface(surface.points, surface.triangles, all_triangles, none)
@@ -106,18 +107,20 @@ def _cut(surface: Surface, planes: Sequence[CutPlane]) -> tuple[CutSurface, list
     for plane in planes:
         section = section_around(mesh.points, mesh.triangles, plane.origin, plane.normal)
         if section is None or not section.is_closed:
-            raise _refused(plane, "meets the vessel in no closed curve")
+            raise _refused(vessel, plane, "meets the vessel in no closed curve")
         if np.isin(mesh.triangles[section.triangles], np.concatenate([none, *rims])).any():
-            raise _refused(plane, "meets another one within the vessel")
+            raise _refused(vessel, plane, "meets another one within the vessel")
         cut = cut_along(mesh.points, mesh.triangles, section, plane.origin, plane.normal)
         if not len(cut.rim):
-            raise _refused(plane, "meets the vessel in a curve that touches itself")
+            raise _refused(vessel, plane, "meets the vessel in a curve that touches itself")
         rims.append(cut.rim)
         mesh = cut._replace(sources=mesh.sources[cut.sources])
     return mesh, rims
 
 
-def _between(mesh: CutSurface, rims: list[Indices], planes: Sequence[CutPlane]) -> Indices:
+def _between(
+    mesh: CutSurface, rims: list[Indices], vessel: VesselParts, planes: Sequence[CutPlane]
+) -> Indices:
     """The triangles that hang together above every plane."""
     start, end = (np.concatenate(one) for one in (rims, [np.roll(rim, -1) for rim in rims]))
     sides = np.stack([mesh.triangles.ravel(), mesh.triangles[:, [1, 2, 0]].ravel()], axis=1)
@@ -131,7 +134,7 @@ def _between(mesh: CutSurface, rims: list[Indices], planes: Sequence[CutPlane]) 
     above = label[order[np.searchsorted(keys, rim_keys, sorter=order)] // 3]
     below = label[order[np.searchsorted(keys, end * count + start, sorter=order)] // 3]
     if (above != above[0]).any() or (below == above[0]).any():
-        raise _refused(planes[0], "and the other ones do not bound one segment")
+        raise _refused(vessel, planes[0], "and the other ones do not bound one segment")
     return np.flatnonzero(label == above[0])
 
 
@@ -151,7 +154,9 @@ def _open_rims(triangles: Triangles, rims: list[Indices]) -> Iterator[tuple[Indi
         yield np.array(loop), None
 
 
-def _cap(points: Points, rim: Indices, normal: Floats | None) -> tuple[Points, Triangles]:
+def _cap(
+    points: Points, rim: Indices, vessel: VesselParts, normal: Floats | None
+) -> tuple[Points, Triangles]:
     """Points within a flat cap, and its triangles in the numbers of all points and then these."""
     loop = rim[::-1]
     corners = points[loop]
@@ -165,19 +170,15 @@ def _cap(points: Points, rim: Indices, normal: Floats | None) -> tuple[Points, T
     fill = flat_fill(polygon)
     if fill is None or heights.max() > UNEVEN * np.linalg.norm(polygon, axis=1).max():
         raise InputError(
-            f"segment: expected an end near {_said(origin)} mm that a flat cap closes, its rim is "
-            "not flat or crosses itself; close it before, or choose other places."
+            f"segment: expected an end near {vessel.said(origin)}, that a flat cap closes, its rim "
+            "is not flat or crosses itself; close it before, or choose other places."
         )
     number = np.r_[loop, len(points) + np.arange(len(fill.inner))]
     return origin + fill.inner @ plane, number[fill.triangles]
 
 
-def _refused(plane: CutPlane, what: str) -> InputError:
+def _refused(vessel: VesselParts, plane: CutPlane, what: str) -> InputError:
     return InputError(
         f"segment: expected planes that cut the vessel in one closed curve each, the one at "
-        f"{_said(plane.origin)} mm {what}; choose other places."
+        f"{vessel.said(plane.origin)}, {what}; choose other places."
     )
-
-
-def _said(place: Points) -> str:
-    return "({:.4g}, {:.4g}, {:.4g})".format(*place)

@@ -18,7 +18,7 @@ from .vessel_parts import VesselParts
 Kind = Literal["inlet", "outlet", "wall"]
 
 AT_END = 2.0
-"""The root of the centerline lies so many radii from the middle of the cap there at most."""
+"""An end of the centerline lies so many radii from the middle of the cap there at most."""
 
 LONGEST = 80
 """Letters of a name, which is that of a file, too."""
@@ -42,6 +42,10 @@ class SegmentFace(NamedTuple):
     """(3,) mean of its unit normals, outward; of a flat face a unit vector."""
 
 
+HOLE = "hole"
+"""Name of what closes an opening of the wall where no centerline ends."""
+
+
 def segment_faces(
     surface: Surface, ids: Indices, vessel: VesselParts, ends: Mapping[int, CutPlane | None]
 ) -> tuple[SegmentFace, ...]:
@@ -56,12 +60,15 @@ def segment_faces(
         From which it was cut. The inlet is the end at the root of its centerline, else the end by
         which the root is left.
     ends : mapping of int to CutPlane
-        The faces that closed the segment and their planes; None where there was an open end.
+        The faces that closed the segment and their planes; None where it was open before: an end of
+        the vessel where its centerline ends, too, and else a hole, which becomes wall.
     """
     plain = {number: _plain(surface, ids, number) for number in np.unique(ids).tolist()}
     planes = {number: plane for number, plane in ends.items() if plane is not None}
     closed = {number for number, plane in planes.items() if plane.is_closed}
-    caps = [n for n in plain if (n in vessel.caps or n in ends) and n not in closed]
+    holes = {n for n in ends if n not in planes and not _is_end(plain[n], vessel.tree)}
+    is_cap = vessel.caps.union(ends) - closed - holes
+    caps = [number for number in plain if number in is_cap]
     inlet = _inlet({n: plain[n] for n in caps}, planes, vessel.tree)
     found = []
     for number, face in plain.items():
@@ -69,9 +76,9 @@ def segment_faces(
             planes[number].name if number in planes else vessel.names.get(number, f"face {number}")
         )
         kind: Kind = "wall" if number not in caps else "inlet" if number == inlet else "outlet"
-        label = "closed" if number in closed else kind
+        label = "closed" if number in closed else HOLE if number in holes else kind
         found.append((label, said, face._replace(kind=kind)))
-    found.sort(key=lambda one: ("inlet", "outlet", "wall", "closed").index(one[0]))
+    found.sort(key=lambda one: ("inlet", "outlet", "wall", "closed", HOLE).index(one[0]))
     return tuple(
         face._replace(name=name) for name, (_, _, face) in zip(_short(found), found, strict=True)
     )
@@ -98,13 +105,22 @@ def _inlet(
     """The end at the root of the tree; else of the two planes that by which the root is left."""
     for root in tree.points[tree.roots]:
         for number, cap in caps.items():
-            away = float(np.linalg.norm(cap.center - root))
-            if number not in planes and away < AT_END * np.sqrt(cap.area / np.pi):
+            if number not in planes and _is_at(cap, root):
                 return number
     start, end = [number for number, plane in planes.items() if not plane.is_closed]
     places = [tree.project(planes[number].origin) for number in (start, end)]
     fall = places[0].arc_length - places[1].arc_length
     return end if abs(tree.path(*places).length - fall) < SAME else start
+
+
+def _is_end(cap: SegmentFace, tree: Centerline) -> bool:
+    """Whether an end of the tree is near."""
+    return any(_is_at(cap, tree.points[tip]) for tip in (*tree.roots, *tree.leaves))
+
+
+def _is_at(cap: SegmentFace, tip: Floats) -> bool:
+    away = float(np.linalg.norm(cap.center - tip))
+    return away < AT_END * float(np.sqrt(cap.area / np.pi))
 
 
 def _plain(surface: Surface, ids: Indices, number: int) -> SegmentFace:

@@ -43,10 +43,9 @@ def segment_planes(
     )
     way = tree.path(*places).points
     if length(way) <= SAME:
-        x, y, z = places[0].point
         raise InputError(
             "segment: expected two places apart, got such that are nearest to the same one of the "
-            f"centerline, ({x:.4g}, {y:.4g}, {z:.4g}) mm; move one of them, or check their unit "
+            f"centerline, {vessel.said(places[0].point)}; move one of them, or check their unit "
             "(mm, cm) and frame (RAS, LPS)."
         )
     finder = PlaneFinder(vessel)
@@ -81,8 +80,8 @@ def _closing(vessel: VesselParts, found: tuple[Points, Points] | None, side: Poi
     if found is None:
         name = _name(vessel, vessel.tree.project(side[-1]))
         raise InputError(
-            f"segment: expected a plane that meets only {name} to close it, there is none; "
-            "keep the branches, or choose other places."
+            f"segment: expected a plane that meets only {name} to close it before "
+            f"{vessel.said(side[-1])}, there is none; keep the branches, or choose other places."
         )
     name = _name(vessel, vessel.tree.project(found[0]))
     return CutPlane(name, *found, is_closed=True)
@@ -102,9 +101,4 @@ def _side_lines(tree: Centerline, start: Location, way: Points) -> Iterator[Poin
 
 def _name(vessel: VesselParts, place: Location) -> str:
     """Of the branch at a place."""
-    above = int(vessel.tree.parent[place.index])
-    return next(
-        name
-        for name, branch in zip(vessel.branch_names, vessel.tree.branches, strict=True)
-        if place.index in branch and above in branch
-    )
+    return vessel.branch_names[vessel.branch_of(place)]

@@ -7,9 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..centerline import Centerline
+from ..cautions import in_file
+from ..centerline import Centerline, Location
 from ..geometry import NamedFaces, Surface, oriented_triangles
-from ..validation import Indices
+from ..validation import Indices, Points
 from .branch_names import branch_names
 from .vessel_ends import vessel_ends
 
@@ -30,14 +31,37 @@ class VesselParts(NamedTuple):
     caps: frozenset[int]
     """The parts that are flat caps; all others are wall."""
     branch_names: tuple[str, ...]
+    units: str = "mm"
+    """Of the file of the surface, in which places are told, too."""
+
+    def branch_of(self, place: Location) -> int:
+        """The index of the branch of the centerline at a place."""
+        above = int(self.tree.parent[place.index])
+        return next(
+            number
+            for number, branch in enumerate(self.tree.branches)
+            if place.index in branch and above in branch
+        )
+
+    def said(self, point: Points) -> str:
+        """A point (3,) in words: where it is, and how far along which branch."""
+        place = self.tree.project(point)
+        branch = self.branch_of(place)
+        x, y, z = point.tolist()
+        along = place.arc_length - self.tree.arc_length[self.tree.branches[branch][0]]
+        return (
+            f"({x:.4g}, {y:.4g}, {z:.4g}) mm{in_file((x, y, z), self.units)}, {along:.1f} mm along "
+            f"{self.branch_names[branch]}"
+        )
 
 
 def vessel_parts(
-    surface: Surface, tree: Centerline, faces: NamedFaces | None = None
+    surface: Surface, tree: Centerline, faces: NamedFaces | None = None, units: str = "mm"
 ) -> VesselParts:
     """A vessel with its flat caps known, by the faces of the model where it has any.
 
-    A flat cap that the model does not tell from the wall gets a number of its own.
+    `units` are those of its file. A flat cap that the model does not tell from the wall gets a
+    number of its own.
     """
     ids = np.ones(len(surface.triangles), np.int64) if faces is None else faces.ids.copy()
     caps = set()
@@ -58,4 +82,5 @@ def vessel_parts(
         {} if faces is None else dict(faces.names),
         frozenset(caps),
         branch_names(surface, tree, faces),
+        units,
     )

@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from .picture import alternatives_picture, before_after_picture
     from .pressure import stent_pressure_sentences
     from .report import FIGURE_SUFFIXES, Report, write_report, write_report_figure
-    from .segments import segment_document, segment_sentences
+    from .segments import SEGMENT_FILES, segment_document, segment_sentences, write_segment
     from .sizing import (
         ratio_sentence,
         stent_ratio_sentences,
@@ -56,6 +56,7 @@ if TYPE_CHECKING:
 __all__ = [
     "FIGURE_SUFFIXES",
     "LEAST",
+    "SEGMENT_FILES",
     "MeasuredLine",
     "Report",
     "alternatives_picture",
@@ -91,6 +92,7 @@ __all__ = [
     "suggestion_sentences",
     "write_report",
     "write_report_figure",
+    "write_segment",
     "zero_d_document",
 ]
 
@@ -130,7 +132,12 @@ __getattr__, __dir__ = late_names(
         "painting": ["check_rendering"],
         "picture": ["alternatives_picture", "before_after_picture"],
         "pressure": ["stent_pressure_sentences"],
-        "segments": ["segment_document", "segment_sentences"],
+        "segments": [
+            "SEGMENT_FILES",
+            "segment_document",
+            "segment_sentences",
+            "write_segment",
+        ],
         "sizing": [
             "ratio_sentence",
             "stent_ratio_sentences",

@@ -2,18 +2,58 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
+from ..files import MeshComplete
 from ..measure import Segment
 from ..treatment import ExtractedSegment
-from ..units import MILLIMETERS
+from ..units import MILLIMETERS, Frame
 from .report import RESEARCH_USE
+
+SUMMARY = "segment.json"
+SEGMENT_FILES = frozenset({SUMMARY, "before", "after"})
+"""What is in the folder of a segment."""
 
 UNITS = "cm"
 """Of lengths in the document, as in the files beside it."""
 
 _SCALE = MILLIMETERS[UNITS]
+
+
+def write_segment(
+    folder: Path,
+    found: ExtractedSegment,
+    inputs: Mapping[str, Any],
+    frames: Sequence[Frame | None] = (None, None),
+) -> None:
+    """Write a segment, before and after, as flow solvers read it, and its document.
+
+    Parameters
+    ----------
+    folder : Path
+        Which exists and is empty.
+    found : ExtractedSegment
+    inputs : mapping
+        For the document: what it was cut from.
+    frames : sequence of "RAS", "LPS" or None
+        Of the points before and after.
+
+    Raises
+    ------
+    OSError
+        A file that cannot be written.
+    """
+    states = (("before", found.before), ("after", found.after))
+    for (name, segment), frame in zip(states, frames, strict=False):
+        if segment is not None:
+            faces = segment.named_faces
+            MeshComplete(segment.surface, faces, segment.walls, frame).write(folder / name)
+    document = segment_document(found, inputs)
+    text = json.dumps(document, indent=2, allow_nan=False, ensure_ascii=False)
+    (folder / SUMMARY).write_text(text + "\n", encoding="utf-8")
 
 
 def segment_document(found: ExtractedSegment, inputs: Mapping[str, Any]) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from ..cautions import Caution
 from ..certificate import check_surface
 from ..geometry import ClosedSurface, Surface
 from ..measure import (
+    HOLE,
     CutPlane,
     Segment,
     VesselParts,
@@ -39,6 +40,7 @@ def extract_segment(
     *,
     close_branches: bool = False,
     after: Vessel | None = None,
+    units: str = "mm",
 ) -> ExtractedSegment:
     """Cut a segment between two places of a vessel out of it.
 
@@ -52,6 +54,8 @@ def extract_segment(
         Whether side branches are cut off and closed; else they are kept as long as they are.
     after : Vessel, optional
         The same vessel treated, which is cut by the planes of the untreated one.
+    units : str
+        Of the vessel's file, in which sentences tell places, too.
 
     Raises
     ------
@@ -62,20 +66,30 @@ def extract_segment(
     """
     if vessel.centerline is None:
         raise InputError("segment: expected a vessel with a centerline, got none; give one.")
-    parts = vessel_parts(vessel.surface, vessel.centerline, vessel.faces)
+    parts = vessel_parts(vessel.surface, vessel.centerline, vessel.faces, units)
     planes = segment_planes(parts, start, end, close_branches=close_branches)
     before = _sound(cut_segment(parts, planes), "segment")
     treated = None
     if after is not None:
         treated = _sound(cut_segment(_state_of(parts, vessel, after), planes), "treated segment")
-    return ExtractedSegment(planes, before, treated, tuple(_dead_ends(before, parts)))
+    warnings = (*_holes(before), *_dead_ends(before, parts))
+    return ExtractedSegment(planes, before, treated, warnings)
 
 
 def _state_of(parts: VesselParts, vessel: Vessel, after: Vessel) -> VesselParts:
     """The parts after treatment: the same where the triangles are, so that a bulged cap is one."""
     if np.array_equal(vessel.surface.triangles, after.surface.triangles):
         return parts._replace(surface=Surface(after.surface.points, parts.surface.triangles))
-    return vessel_parts(after.surface, parts.tree, after.faces)
+    return vessel_parts(after.surface, parts.tree, after.faces, parts.units)
+
+
+def _holes(segment: Segment) -> Iterator[Caution]:
+    """Openings of the wall that were closed."""
+    for face in segment.faces:
+        if face.name.split("_")[0] == HOLE:
+            x, y, z = face.center.tolist()
+            width = 2 * float(np.sqrt(face.area / np.pi))
+            yield Caution("hole", {"diameter_mm": width, "name": face.name}, (x, y, z))
 
 
 def _dead_ends(segment: Segment, parts: VesselParts) -> Iterator[Caution]:
