@@ -14,6 +14,7 @@ METHOD_SLIDERS = {
     "smoothingSlider": "smoothingWidth",
     "capsuleSlider": "capsuleLength",
     "gapSlider": "tissueGap",
+    "axisSmoothingSlider": "axisSmoothing",
 }
 
 

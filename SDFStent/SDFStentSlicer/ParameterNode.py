@@ -86,6 +86,7 @@ RANGES = {
     "capsuleLength": Range(*SHORTEST_AND_LONGEST["capsule_length"], "a capsule length"),
     "tissueGap": Range(0.0, WIDEST["tissue_gap"], "a tissue gap"),
     "step": Range(0.0, SHORTEST_AND_LONGEST["step"][1], "a radius step"),
+    "axisSmoothing": Range(0.0, WIDEST["axis_smoothing"], "an axis smoothing"),
     "straightening": Range(0.0, 100.0, "a straightening", " %"),
     "flowLeast": Range(0.0, 60.0, "a flow", " L/min"),
     "flowMost": Range(0.0, 60.0, "a flow at most", " L/min"),
@@ -148,6 +149,7 @@ class MethodParameters:
     tissueGap: Annotated[float, _within("tissueGap")] = 0.4
     rule: Annotated[str, Choice(["events", "published"])] = "events"
     step: Annotated[float, _within("step")] = 0.0
+    axisSmoothing: Annotated[float, _within("axisSmoothing")] = 0.0
     straightening: Annotated[float, _within("straightening")] = 0.0
     falloff: Annotated[str, Choice(["compact", "wendland", "cosine"])] = "compact"
     blend: Annotated[str, Choice(["linear", "quadratic", "exponential"])] = "linear"

@@ -98,3 +98,41 @@ def test_a_diameter_beyond_the_slider_is_shown_as_it_is(aStent):
     parameters.stent.diameter = 65.0
     assert aStent.ui.diameterSlider.value == 65.0
     assert parameters.stents[0].diameter == 65.0
+
+
+def test_the_axis_is_smoothed_as_long_as_the_slider_says(host, aStent, tmp_path):
+    """In the preview, in the full method and in the plan; what a plan says comes back, beyond the slider's end, too."""
+    from SDFStentSlicer import Plans
+
+    parameters = aStent._parameterNode
+    assert aStent.ui.axisSmoothingSlider.value == 0.0
+    aStent.ui.axisSmoothingSlider.value = 2.5
+    assert parameters.method.axisSmoothing == 2.5
+    assert [Plans.settingsOf(parameters, live).axis_smoothing for live in (False, True)] == [
+        2.5
+    ] * 2
+    parameters.method.axisSmoothing = 22.0
+    path = tmp_path / "plan.json"
+    aStent.logic.savePlan(path, parameters)
+    host.click(aStent.ui.defaultsButton)
+    assert aStent.ui.axisSmoothingSlider.value == 0.0
+    assert Plans.settingsOf(parameters).axis_smoothing == 0.0
+    aStent.logic.loadPlan(path, parameters)
+    assert aStent.ui.axisSmoothingSlider.value == 22.0
+    assert Plans.settingsOf(parameters).axis_smoothing == 22.0
+
+
+def test_a_smoothed_axis_is_that_of_the_library(aLogic, theParameters):
+    from panel_helpers import expanded
+
+    from SDFStentLib.geometry import smoothed_line
+
+    expanded(aLogic, theParameters)
+    (plain,) = (one.axis.points for one in aLogic.lastRun(theParameters).end()[1])
+    theParameters.method.axisSmoothing = 3.0
+    assert aLogic.hasChanged(theParameters)
+    expanded(aLogic, theParameters)
+    (drawn,) = (one.axis for one in aLogic.lastRun(theParameters).end()[1])
+    assert drawn.warnings == ()
+    np.testing.assert_allclose(drawn.points, smoothed_line(plain, 3.0), atol=1e-12)
+    assert np.abs(drawn.points - plain).max() > 0.05
