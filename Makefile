@@ -3,10 +3,12 @@ PYTHON ?= python3
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 
-.PHONY: demo test lint bench clean
+.PHONY: app demo test lint bench clean
 
 demo: .venv/ready
 	@$(BIN)/sdfstent demo -o sdfstent-demo
+
+app: .venv/ready-app
 
 # A process per core; more than four would hold each other up. A file stays in one process.
 # Bytecode is kept: every process that a test starts would compile the library anew.
@@ -36,8 +38,12 @@ clean:
 	@$(PIP) --editable .
 	@touch $@
 
+.venv/ready-app: .venv/ready
+	@$(PIP) --editable '.[app]'
+	@touch $@
+
 .venv/ready-test: .venv/ready
-	@$(PIP) --editable '.[test,slicer]'
+	@$(PIP) --editable '.[test,slicer,app]'
 	@touch $@
 
 .venv/ready-lint: .venv/ready

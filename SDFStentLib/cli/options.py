@@ -6,6 +6,7 @@ import argparse
 from typing import NoReturn
 
 from ..version import VERSION
+from .app_options import add_app
 from .argument_types import number as _number
 from .argument_types import path as _path
 from .argument_types import whole as _whole
@@ -58,6 +59,7 @@ def parser() -> Parser:
     _extract(commands.add_parser("extract", help="a segment for a flow solver", allow_abbrev=False))
     _devices(commands.add_parser("devices", help="the device table", allow_abbrev=False))
     _demo(commands.add_parser("demo", help="treat a synthetic patient", allow_abbrev=False))
+    add_app(commands.add_parser("app", help="plan stents in a browser", allow_abbrev=False))
     return top
 
 

@@ -87,6 +87,10 @@ def _imported(name: str) -> Callable[[argparse.Namespace, Console], int]:
         from .sweep import sweep_command
 
         return sweep_command
+    if name == "app":
+        from .app import app_command
+
+        return app_command
     from .demo import demo_command
 
     return demo_command

@@ -1,38 +1,18 @@
 """A real MRML scene with its logics, as the application would bring it up (no Qt)."""
 
-import tempfile
 from pathlib import Path
 
 import slicer
 import vtk
 
-LOGIC_CLASSES = {
-    "Units": "vtkSlicerUnitsLogic",
-    "SubjectHierarchy": "vtkSlicerSubjectHierarchyModuleLogic",
-    "Models": "vtkSlicerModelsLogic",
-    "Markups": "vtkSlicerMarkupsLogic",
-    "Segmentations": "vtkSlicerSegmentationsModuleLogic",
-    "Transforms": "vtkSlicerTransformLogic",
-    "Tables": "vtkSlicerTablesLogic",
-    "Plots": "vtkSlicerPlotsLogic",
-    "Colors": "vtkSlicerColorLogic",
-}
+from SDFStentApp import application
+
 DISPLAYABLE_MANAGERS = (
     "vtkMRMLCameraDisplayableManager",
     "vtkMRMLViewDisplayableManager",
     "vtkMRMLModelDisplayableManager",
     "vtkMRMLMarkupsDisplayableManager",
     "vtkMRMLColorLegendDisplayableManager",
-)
-
-IN_SUBJECT_HIERARCHY = (
-    slicer.vtkMRMLModelNode,
-    slicer.vtkMRMLMarkupsNode,
-    slicer.vtkMRMLSegmentationNode,
-    slicer.vtkMRMLTransformNode,
-    slicer.vtkMRMLTableNode,
-    slicer.vtkMRMLPlotChartNode,
-    slicer.vtkMRMLPlotSeriesNode,
 )
 
 
@@ -52,26 +32,16 @@ class ErrorLog:
         return self._window.GetOutput()[self._start :]
 
 
-class Application:
-    """Scene, application logic and module logics. Keep it alive as long as the scene is used."""
+class Application(application.Application):
+    """The application's scene and logics, with files, layouts, an error log and a view."""
 
     def __init__(self):
         self.errorLog = ErrorLog()
-        self.folder = tempfile.TemporaryDirectory(prefix="host-")
-        self.scene = slicer.vtkMRMLScene()
-        self.applicationLogic = slicer.vtkSlicerApplicationLogic()
-        self._makeColorFolder()
-        self.applicationLogic.SetMRMLScene(self.scene)
-        self.logics = {name: self._addLogic(name, cls) for name, cls in LOGIC_CLASSES.items()}
-        self.logics["Colors"].AddDefaultColorNodes()
+        super().__init__()
         self._io = self._makeDataIO()
         self.layoutLogic = slicer.vtkMRMLLayoutLogic()  # makes the views of a layout
         self.layoutLogic.SetMRMLApplicationLogic(self.applicationLogic)
         self.layoutLogic.SetMRMLScene(self.scene)
-        self.scene.AddObserver(self.scene.NodeAddedEvent, self._addToSubjectHierarchy)
-        self.scene.AddObserver(
-            self.scene.NodeAboutToBeRemovedEvent, self._removeFromSubjectHierarchy
-        )
         slicer.mrmlScene = self.scene
         self.view = View(
             self
@@ -83,34 +53,6 @@ class Application:
         self.view.render(focus)
         self.view.save(path)
         return Path(path)
-
-    def _addLogic(self, name, className):
-        logic = getattr(slicer, className)()
-        logic.SetMRMLApplicationLogic(self.applicationLogic)
-        logic.SetMRMLScene(self.scene)
-        self.applicationLogic.SetModuleLogic(name, logic)
-        return logic
-
-    @vtk.calldata_type(vtk.VTK_OBJECT)
-    def _addToSubjectHierarchy(self, _scene, _event, node):
-        # The application's plugins do this for every node that a user may see.
-        if isinstance(node, IN_SUBJECT_HIERARCHY) and not self.scene.IsImporting():
-            hierarchy = slicer.vtkMRMLSubjectHierarchyNode.GetSubjectHierarchyNode(self.scene)
-            hierarchy.CreateItem(hierarchy.GetSceneItemID(), node)
-
-    @vtk.calldata_type(vtk.VTK_OBJECT)
-    def _removeFromSubjectHierarchy(self, _scene, _event, node):
-        if isinstance(node, IN_SUBJECT_HIERARCHY) and not self.scene.IsClosing():
-            hierarchy = slicer.vtkMRMLSubjectHierarchyNode.GetSubjectHierarchyNode(self.scene)
-            item = hierarchy.GetItemByDataNode(node)
-            if item:
-                hierarchy.RemoveItem(item, False, False)
-
-    def _makeColorFolder(self):
-        # The color logic logs an error unless this folder exists; slicer-core ships no color files.
-        (Path(self.folder.name) / "share" / "ColorFiles").mkdir(parents=True)
-        self.applicationLogic.SetHomeDirectory(self.folder.name)
-        self.applicationLogic.SetShareDirectory("share")
 
     def _makeDataIO(self):
         # Reading .mrb files goes through the data manager, which wants a cache folder.

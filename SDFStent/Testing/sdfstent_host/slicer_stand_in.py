@@ -9,7 +9,10 @@ from pathlib import Path
 import slicer
 from PySide6 import QtWidgets
 
-from . import parameter_node, qmrml_widgets, ui_loader
+from SDFStentApp import parameter_node
+from SDFStentApp.module_base import ScriptedLoadableModuleLogic
+
+from . import connectors, qmrml_widgets, ui_loader
 from .qt_stand_in import ctkModule, qtModule, wrapped
 
 PYTHON_LAYER = ("ScriptedLoadableModule", "i18n", "parameterNodeWrapper")
@@ -47,35 +50,6 @@ class ScriptedLoadableModuleWidget:
 
     def onReload(self):
         slicer.util.reloadScriptedModule(self.moduleName)
-
-
-class ScriptedLoadableModuleLogic:
-    def __init__(self, parent=None):
-        self.moduleName = type(self).__name__.removesuffix("Logic")
-        self.isSingletonParameterNode = True
-
-    def getParameterNode(self):
-        if self.isSingletonParameterNode:
-            node = slicer.mrmlScene.GetSingletonNode(self.moduleName, "vtkMRMLScriptedModuleNode")
-            if node is not None:
-                node.SetAttribute("ModuleName", self.moduleName)
-                return node
-        for node in self.getAllParameterNodes():
-            return node
-        return slicer.mrmlScene.AddNode(self.createParameterNode())
-
-    def getAllParameterNodes(self):
-        nodes = slicer.util.getNodesByClass("vtkMRMLScriptedModuleNode")
-        return [node for node in nodes if node.GetAttribute("ModuleName") == self.moduleName]
-
-    def createParameterNode(self):
-        node = slicer.mrmlScene.CreateNodeByClass("vtkMRMLScriptedModuleNode")
-        node.UnRegister(None)
-        if self.isSingletonParameterNode:
-            node.SetSingletonTag(self.moduleName)
-        node.SetAttribute("ModuleName", self.moduleName)
-        node.SetName(slicer.mrmlScene.GenerateUniqueName(self.moduleName))
-        return node
 
 
 class ScriptedLoadableModuleTest(unittest.TestCase):
@@ -222,6 +196,7 @@ def install(application, files, checkout=None):
 
 def _installPythonLayer():
     """Our own small look-alikes of Slicer's Python packages."""
+    parameter_node.bindWith(lambda w: w.property("SlicerParameterName"), connectors.connector)
     base, i18n, parameters = (types.ModuleType(f"slicer.{name}") for name in PYTHON_LAYER)
     for cls in (
         ScriptedLoadableModule,

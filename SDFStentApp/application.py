@@ -1,0 +1,77 @@
+"""A MRML scene with its logics, as Slicer would bring it up, without Qt."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import slicer
+import vtk
+
+LOGIC_CLASSES = {
+    "Units": "vtkSlicerUnitsLogic",
+    "SubjectHierarchy": "vtkSlicerSubjectHierarchyModuleLogic",
+    "Models": "vtkSlicerModelsLogic",
+    "Markups": "vtkSlicerMarkupsLogic",
+    "Segmentations": "vtkSlicerSegmentationsModuleLogic",
+    "Transforms": "vtkSlicerTransformLogic",
+    "Tables": "vtkSlicerTablesLogic",
+    "Plots": "vtkSlicerPlotsLogic",
+    "Colors": "vtkSlicerColorLogic",
+}
+IN_SUBJECT_HIERARCHY = (
+    slicer.vtkMRMLModelNode,
+    slicer.vtkMRMLMarkupsNode,
+    slicer.vtkMRMLSegmentationNode,
+    slicer.vtkMRMLTransformNode,
+    slicer.vtkMRMLTableNode,
+    slicer.vtkMRMLPlotChartNode,
+    slicer.vtkMRMLPlotSeriesNode,
+)
+
+
+class Application:
+    """Scene, application logic and module logics. Keep it alive as long as the scene is used."""
+
+    def __init__(self) -> None:
+        self.folder = tempfile.TemporaryDirectory(prefix="sdfstent-")
+        self.scene = slicer.vtkMRMLScene()
+        self.applicationLogic = slicer.vtkSlicerApplicationLogic()
+        self._make_color_folder()
+        self.applicationLogic.SetMRMLScene(self.scene)
+        self.logics = {name: self._add_logic(name, cls) for name, cls in LOGIC_CLASSES.items()}
+        self.logics["Colors"].AddDefaultColorNodes()
+        for event, method in (
+            (self.scene.NodeAddedEvent, self._add_to_subject_hierarchy),
+            (self.scene.NodeAboutToBeRemovedEvent, self._remove_from_subject_hierarchy),
+        ):
+            self.scene.AddObserver(event, method)
+
+    def _add_logic(self, name: str, className: str) -> Any:
+        logic = getattr(slicer, className)()
+        logic.SetMRMLApplicationLogic(self.applicationLogic)
+        logic.SetMRMLScene(self.scene)
+        self.applicationLogic.SetModuleLogic(name, logic)
+        return logic
+
+    @vtk.calldata_type(vtk.VTK_OBJECT)
+    def _add_to_subject_hierarchy(self, _scene: Any, _event: str, node: Any) -> None:
+        # The application's plugins do this for every node that a user may see.
+        if isinstance(node, IN_SUBJECT_HIERARCHY) and not self.scene.IsImporting():
+            hierarchy = slicer.vtkMRMLSubjectHierarchyNode.GetSubjectHierarchyNode(self.scene)
+            hierarchy.CreateItem(hierarchy.GetSceneItemID(), node)
+
+    @vtk.calldata_type(vtk.VTK_OBJECT)
+    def _remove_from_subject_hierarchy(self, _scene: Any, _event: str, node: Any) -> None:
+        if isinstance(node, IN_SUBJECT_HIERARCHY) and not self.scene.IsClosing():
+            hierarchy = slicer.vtkMRMLSubjectHierarchyNode.GetSubjectHierarchyNode(self.scene)
+            item = hierarchy.GetItemByDataNode(node)
+            if item:
+                hierarchy.RemoveItem(item, False, False)
+
+    def _make_color_folder(self) -> None:
+        # The color logic logs an error unless this folder exists; slicer-core ships no color files.
+        (Path(self.folder.name) / "share" / "ColorFiles").mkdir(parents=True)
+        self.applicationLogic.SetHomeDirectory(self.folder.name)
+        self.applicationLogic.SetShareDirectory("share")

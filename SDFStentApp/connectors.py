@@ -1,0 +1,116 @@
+"""How a widget of the page shows and returns the value of a parameter, as Slicer's own connectors do."""
+
+from __future__ import annotations
+
+import typing
+from collections.abc import Callable
+from typing import Any
+
+from .selectors import NodeComboBox
+from .widgets import CheckBox, ComboBox, Label, LineEdit, Number, Widget
+
+
+class Connector:
+    """Widget on one side, a value on the other; `signal` is what the widget emits when the user changes it."""
+
+    signal = attribute = ""
+
+    def __init__(self, widget: Any, field: Any) -> None:
+        self.widget, self.field = widget, field
+        self._callback: Callable[[], None] | None = None
+
+    def onChanged(self, callback: Callable[[], None] | None) -> None:
+        """Call this when the user changes the value; None: nothing any more."""
+        if self._callback is None and callback is not None:
+            self.widget.connect(f"{self.signal}()", self._emit)
+        elif callback is None:
+            self.widget.disconnect(self.signal, self._emit)
+        self._callback = callback
+
+    def _emit(self) -> None:
+        if self._callback is not None:
+            self._callback()
+
+    def read(self) -> Any:
+        """The value that the widget shows."""
+        return getattr(self.widget, self.attribute)
+
+    def write(self, value: Any) -> None:
+        """Let the widget show a value."""
+        setattr(self.widget, self.attribute, value)
+
+
+class OfCheckBox(Connector):
+    signal, attribute = "toggled", "checked"
+
+
+class OfNumber(Connector):
+    signal, attribute = "valueChanged", "value"
+
+    def __init__(self, widget: Any, field: Any) -> None:
+        super().__init__(widget, field)
+        ends = next(one for one in field.validators if hasattr(one, "maximum"))
+        widget.minimum, widget.maximum = ends.minimum, ends.maximum
+
+    def read(self) -> Any:
+        return self.field.type(self.widget.value)
+
+
+class OfComboBox(Connector):
+    signal = "currentIndexChanged"
+
+    def __init__(self, widget: Any, field: Any) -> None:
+        super().__init__(widget, field)
+        choices = [one.choices for one in field.validators if hasattr(one, "choices")]
+        self.values = list(choices[0] if choices else field.type)
+        widget.clear()
+        for value in self.values:
+            widget.addItem(value.label() if hasattr(value, "label") else str(value))
+
+    def read(self) -> Any:
+        return self.values[self.widget.currentIndex]
+
+    def write(self, value: Any) -> None:
+        self.widget.currentIndex = self.values.index(value)
+
+
+class OfText(Connector):
+    signal, attribute = "textChanged", "text"
+
+
+class OfLabel(OfText):
+    def onChanged(self, callback: Callable[[], None] | None) -> None:
+        """A label is only written."""
+
+
+class OfNode(Connector):
+    signal = "currentNodeChanged"
+
+    def __init__(self, widget: Any, field: Any) -> None:
+        super().__init__(widget, field)
+        types = typing.get_args(field.type) or (field.type,)
+        widget.nodeTypes = tuple(one.__name__ for one in types if one is not type(None))
+
+    def read(self) -> Any:
+        return self.widget.currentNode()
+
+    def write(self, value: Any) -> None:
+        self.widget.setCurrentNode(value)
+
+
+CONNECTORS = (
+    (CheckBox, OfCheckBox),
+    (Number, OfNumber),
+    (ComboBox, OfComboBox),
+    (LineEdit, OfText),
+    (Label, OfLabel),
+    (NodeComboBox, OfNode),
+)
+
+
+def connector(widget: Widget, field: Any) -> Connector:
+    """The connector for a widget and a field of a parameter node."""
+    for widget_class, connector_class in CONNECTORS:
+        if isinstance(widget, widget_class):
+            return connector_class(widget, field)
+    raise LookupError(f"{widget.objectName}: there is no connector to {field.name}.")

@@ -1,0 +1,128 @@
+"""Files that a page may open: those in the folders named at the start, and what was named itself."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import slicer
+import vtk
+
+from SDFStentLib.plan import load_plan, read_input_files
+from SDFStentLib.validation import InputError
+
+SURFACES = (".vtp", ".vtk", ".stl", ".ply", ".obj")
+CENTERLINES = (".vtp", ".vtk")
+PLANS = (".json",)
+DEEPEST, MOST = 4, 400
+"""Folders below a named one, and files, that are listed."""
+
+
+class Opened(NamedTuple):
+    """The nodes of a vessel and its centerline, and a plan to load, where there is one."""
+
+    vessel: Any
+    centerline: Any
+    plan: Path | None = None
+
+
+class Folders:
+    """The named folders; a file that a link leads out of them is not in them."""
+
+    def __init__(self, folders: Iterable[str | Path]) -> None:
+        self.folders = [Path(folder).resolve() for folder in folders]
+
+    def checked(self, path: str | Path) -> Path:
+        """A file that may be opened. Raises `InputError` for one elsewhere, whether it is there or not."""
+        try:
+            found = Path(path).resolve()
+            isInside = any(found.is_relative_to(folder) for folder in self.folders)
+        except (OSError, ValueError, RuntimeError):
+            isInside = False
+        if not isInside:
+            raise InputError(
+                f"{path}: expected a file in a folder that was named at the start, got one elsewhere; "
+                "start sdfstent app with --folder to name its folder."
+            )
+        return found
+
+    def listing(self, suffixes: tuple[str, ...]) -> list[str]:
+        """The files with such ends that are not too deep, in order."""
+        found = sorted(
+            str(path)
+            for folder in self.folders
+            for path in _files(folder, DEEPEST)
+            if path.suffix.lower() in suffixes
+        )
+        return found[:MOST]
+
+
+def _files(folder: Path, depth: int) -> Iterator[Path]:
+    try:
+        entries = list(os.scandir(folder))
+    except OSError:
+        return  # gone, or not ours to read
+    for entry in entries:
+        if entry.name.startswith("."):
+            continue
+        if entry.is_dir(follow_symlinks=False) and depth > 0:
+            yield from _files(Path(entry.path), depth - 1)
+        elif entry.is_file(follow_symlinks=False):
+            yield Path(entry.path)
+
+
+def open_vessel(scene: Any, surface: Path, centerline: Path | None) -> Opened:
+    """Read both into the scene. Raises the library's `InputError` for files that it cannot use."""
+    read_input_files(surface, centerline)
+    vessel = _model(scene, surface)
+    vessel.GetDisplayNode().SetOpacity(0.5)
+    vessel.GetDisplayNode().SetColor(0.85, 0.45, 0.4)
+    if centerline is None:
+        return Opened(vessel, None)
+    lines = _model(scene, centerline)
+    lines.GetDisplayNode().SetLineWidth(3)
+    return Opened(vessel, lines)
+
+
+def open_plan(scene: Any, path: Path, folders: Folders | None) -> Opened:
+    """Read what a plan is for; its files have to be in the `folders` where some are given."""
+    plan = load_plan(path)
+    if plan.surface is None:
+        raise InputError(
+            f"{path}: expected a plan that names its surface, got one that does not; open the surface first, then load the plan."
+        )
+    files = [file and Path(file.path) for file in (plan.surface, plan.centerline)]
+    if folders is not None:
+        files = [file and folders.checked(file) for file in files]
+    opened = open_vessel(scene, files[0], files[1])
+    return opened._replace(plan=path)
+
+
+def _model(scene: Any, path: Path) -> Any:
+    node = scene.AddNewNodeByClass("vtkMRMLModelNode", scene.GenerateUniqueName(path.stem))
+    storage = scene.AddNewNodeByClass("vtkMRMLModelStorageNode")
+    node.SetAndObserveStorageNodeID(storage.GetID())
+    storage.SetFileName(str(path))
+    if not storage.ReadData(node):
+        scene.RemoveNode(node)
+        raise InputError(
+            f"{path}: expected a model that Slicer can read, got another; export it as VTP."
+        )
+    node.CreateDefaultDisplayNodes()
+    return node
+
+
+def save_model(node: Any, path: Path) -> None:
+    """Write a model to a file, in double precision, and let the node know where it is kept."""
+    points = vtk.vtkPoints()
+    points.SetDataTypeToDouble()
+    points.DeepCopy(node.GetPolyData().GetPoints())
+    node.GetPolyData().SetPoints(points)
+    storage = slicer.vtkMRMLModelStorageNode()
+    node.GetScene().AddNode(storage)
+    node.SetAndObserveStorageNodeID(storage.GetID())
+    storage.SetFileName(str(path))
+    if not storage.WriteData(node):
+        raise InputError(f"{path}: expected to write a model there, could not; is the disk full?")

@@ -1,0 +1,269 @@
+"""One page: the module's panel on a scene of its own, shown by trame."""
+
+from __future__ import annotations
+
+import asyncio
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+from . import python_layer
+from .application import Application
+from .charts import plot_of, table_of
+from .exports import NAMES, exported
+from .files import Folders, Opened, open_plan, open_vessel, save_model
+from .sight import build
+from .template import ASKS_FOR_FILE, value_of
+from .view import View
+from .widgets import Button
+
+
+class Page:
+    """What the browser shows and does. `told` is what the server was started with."""
+
+    def __init__(self, server: Any, told: dict[str, Any]) -> None:
+        self.server, self.told = server, told
+        self.application = Application()
+        python_layer.install(self.application.scene)
+        self._dialog = python_layer.FileDialog
+        self.view = View(self.application, self._on_click)
+        self.folders = Folders(told["folders"])
+        self.widget = _panel(told["module"])
+        self.panel = self.widget.ui
+        self.workshop = tempfile.TemporaryDirectory(prefix="sdfstent-")
+        self._dirty: dict[str, Any] = {}
+        self._shown_results: tuple[Any, ...] = ()
+
+    @property
+    def parameters(self) -> Any:
+        """The module's parameter node."""
+        return self.widget._parameterNode
+
+    # What the page shows
+
+    def build(self) -> None:
+        """Make the markup, and let state and widgets follow each other."""
+        build(self)
+        for widget in self.panel.widgets.values():
+            self._show(widget)
+            widget.on_change = self._changed
+            if widget.edited:
+                self._follow(widget)
+        self.panel.placeWidget.connect("placing(bool)", self._on_placing)
+
+    def _follow(self, widget: Any) -> None:
+        name = value_of(widget)
+
+        def edited(**state: Any) -> None:
+            if state[name] != getattr(widget, widget.edited):
+                self.attempt(lambda: widget.edit(state[name]))
+
+        self.server.state.change(name)(edited)
+
+    def _changed(self, widget: Any) -> None:
+        """Send what a widget shows once everything that changes now has changed."""
+        if not self._dirty:
+            asyncio.get_running_loop().call_soon(self._flush)
+        self._dirty[widget.objectName] = widget
+
+    def _flush(self) -> None:
+        changed, self._dirty = self._dirty, {}
+        with self.server.state:
+            for widget in changed.values():
+                self._show(widget)
+            self._show_results()
+
+    def _show(self, widget: Any) -> None:
+        state = self.server.state
+        state[widget.objectName] = widget.state()
+        if widget.edited:
+            state[value_of(widget)] = getattr(widget, widget.edited)
+
+    def _show_results(self) -> None:
+        """Table and plot, where they have changed, and whether there is something to save."""
+        parameters = self.parameters
+        chart, table = parameters.outputChart, parameters.outputTable
+        stamp = (chart and chart.GetTitle(), table and table.GetTable().GetMTime())
+        state = self.server.state
+        state.canSave = not self.widget.logic.missing(parameters)
+        if stamp != self._shown_results:
+            self._shown_results = stamp
+            state.plot, state.table = plot_of(chart), table_of(table)
+
+    def say(self, sentence: str) -> None:
+        """A sentence above the panel; "" takes it away."""
+        with self.server.state:
+            self.server.state.message = sentence
+
+    def attempt(self, action: Callable[[], Any]) -> Any:
+        """Do what the user asks for; where it cannot be done, say why in the page."""
+        self.say("")
+        try:
+            return action()
+        except Exception as error:
+            # Whatever it is, the page goes on.
+            self.widget.logic.log(error)
+            self.say(self.widget.logic.sentence(error))
+            return None
+
+    # What the user does
+
+    def click(self, name: str) -> None:
+        """Press a button of the panel."""
+        widget = self.panel.widgets.get(name)
+        if isinstance(widget, Button):
+            self.attempt(widget.click)
+
+    def edit(self, name: str, value: Any) -> None:
+        """Change what a widget shows by more than a state variable."""
+        widget = self.panel.widgets.get(name)
+        if widget is not None:
+            self.attempt(lambda: widget.edit(value))
+
+    def ask(self, name: str) -> None:
+        """A button of the panel that asks for a file: the page asks first."""
+        if name in ASKS_FOR_FILE and self.panel.widgets[name].enabled:
+            files = self.folders.listing(ASKS_FOR_FILE[name])
+            text = self.panel.widgets[name].toolTip
+            with self.server.state as state:
+                state.chosenPath = ""
+                state.chooser = {"button": name, "text": text, "files": files}
+
+    def choose(self, name: str, path: str) -> None:
+        """The file that the page has asked for; without a name none was wanted."""
+
+        def press() -> None:
+            with self._dialog.answering(self.folders.checked(path)):
+                self.panel.widgets[name].click()
+
+        with self.server.state as state:
+            state.chooser = {}
+        if name in ASKS_FOR_FILE:
+            self.attempt(press)
+
+    def open(self, surface: str, centerline: str) -> None:
+        """Open a vessel from files that may be opened."""
+
+        def load() -> None:
+            paths = [self.folders.checked(path) if path else None for path in (surface, centerline)]
+            if paths[0] is None:
+                return self.say(
+                    "Open: expected the path of a surface, got none; type or choose one."
+                )
+            return self._opened(open_vessel(self.application.scene, *paths))
+
+        self.attempt(load)
+
+    def open_told(self) -> None:
+        """Open what was named at the start of the server, which may be anywhere."""
+
+        def load() -> None:
+            scene, told = self.application.scene, self.told
+            if told.get("plan"):
+                self._opened(open_plan(scene, Path(told["plan"]), None))
+            elif told.get("surface"):
+                line = told.get("centerline")
+                self._opened(open_vessel(scene, Path(told["surface"]), line and Path(line)))
+
+        self.attempt(load)
+        if self.told.get("demo"):
+            self.demo()
+
+    def demo(self) -> None:
+        """The library's synthetic patient, in files of this page's own."""
+
+        def load() -> None:
+            from SDFStentSlicer.SampleVessels import addSampleVessel
+
+            nodes = addSampleVessel("branching_pulmonary_artery", "Synthetic artery")
+            for node, name in zip(nodes, ("surface", "centerline"), strict=True):
+                save_model(node, Path(self.workshop.name) / f"{name}.vtp")
+            self._opened(Opened(*nodes))
+
+        self.attempt(load)
+
+    def _opened(self, opened: Any) -> None:
+        parameters = self.parameters
+        self._close()
+        parameters.vessel, parameters.centerline = opened.vessel, opened.centerline
+        if opened.plan is not None:
+            self.widget.logic.loadPlan(opened.plan, parameters)
+        self.view.look_at_all()
+        with self.server.state as state:
+            state.opening__v = True
+
+    def _close(self) -> None:
+        """Take the former vessel out of the scene, with its stents and results."""
+        from SDFStentSlicer.Display import OUTPUT_ROLES
+
+        parameters, logic = self.parameters, self.widget.logic
+        self.widget.onCancel()
+        if parameters.outputVessel is not None:
+            logic.reset(parameters)
+        # Ends: every turn takes one away.
+        while len(parameters.stents):
+            logic.removeStent(parameters)
+        for role in ("vessel", "centerline", *OUTPUT_ROLES):
+            node = getattr(parameters, role)
+            if node is not None:
+                self.application.scene.RemoveNode(node)
+
+    async def save(self, kind: str) -> dict[str, Any] | None:
+        """A file for the browser to keep; None where it cannot be made, which the page says."""
+        if kind not in NAMES or self.server.state.isSaving:
+            return None
+        self.say("")
+        with self.server.state as state:
+            state.isSaving = True
+        try:
+            path = Path(self.workshop.name) / "plan.json"
+            self.widget.logic.savePlan(path, self.parameters)
+            content = await asyncio.to_thread(exported, kind, path)
+        except Exception as error:
+            # Whatever it is, the page goes on.
+            self.widget.logic.log(error)
+            self.say(self.widget.logic.sentence(error))
+            return None
+        finally:
+            with self.server.state as state:
+                state.isSaving = False
+        name, media_type = NAMES[kind]
+        return {"name": name, "type": media_type, "content": content}
+
+    def _on_placing(self, isPlacing: bool) -> None:
+        with self.server.state as state:
+            state.isPlacing = isPlacing
+
+    def _on_click(self, x: float, y: float) -> bool:
+        """Put the handle where the centerline is seen, while the user is placing."""
+        place = self.panel.placeWidget
+        if not place.isPlacing:
+            return False
+
+        def put() -> None:
+            from SDFStentSlicer import Conversion
+
+            points, _lines, _radii = Conversion.centerlineLines(self.parameters.centerline)
+            point = self.view.nearest(points, x, y)
+            handle = place.currentNode()
+            handle.SetNthControlPointPositionWorld(0, *point)
+            self.widget.logic.snapHandle(self.parameters, handle)
+            place.isPlacing = False
+
+        self.attempt(put)
+        return True
+
+
+def _panel(folder: Path) -> Any:
+    """The module's own panel, set up and entered. Its folder is on Python's path by now."""
+    from SDFStentSlicer import Clock
+    from SDFStentSlicer.Widget import SDFStentWidget
+
+    Clock.use(python_layer.AsyncTimer)
+    layout = SimpleNamespace(addWidget=lambda _widget: None)
+    widget = SDFStentWidget(SimpleNamespace(folder=folder, layout=layout, isEntered=True))
+    widget.setup()
+    widget.enter()
+    return widget

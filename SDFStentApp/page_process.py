@@ -1,0 +1,126 @@
+"""The process behind a page, as the server sees it: started, waited for, visited, ended."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+import os
+import secrets
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+READY_WITHIN_S = 90.0
+FIRST_VISIT_WITHIN_S = 120.0
+END_WITHIN_S = 3.0
+
+
+class PageProcess:
+    """Made with a running event loop. `on_end(page)` is called once, when it has ended, by itself or by `end`."""
+
+    def __init__(
+        self, told: dict[str, Any], kept_s: float, on_end: Callable[[PageProcess], None]
+    ) -> None:
+        self.name, self.secret = secrets.token_urlsafe(9), secrets.token_urlsafe(24)
+        self._kept_s, self._on_end = kept_s, on_end
+        self._process: asyncio.subprocess.Process | None = None
+        self._workshop = tempfile.TemporaryDirectory(prefix="sdfstent-page-")
+        self._visitors = 0
+        self._leaving: asyncio.TimerHandle | None = None
+        loop = asyncio.get_running_loop()
+        self._port: asyncio.Future[int] = loop.create_future()
+        self._life = asyncio.ensure_future(self._live({**told, "secret": self.secret}))
+        self._leave_after(FIRST_VISIT_WITHIN_S)
+
+    async def port(self) -> int:
+        """Where it listens. Raises `RuntimeError` with a sentence if it could not start."""
+        return await asyncio.shield(self._port)
+
+    @contextlib.contextmanager
+    def visited(self) -> Iterator[None]:
+        """Within the block a browser is connected."""
+        self._visitors += 1
+        if self._leaving is not None:
+            self._leaving.cancel()
+        try:
+            yield
+        finally:
+            self._visitors -= 1
+            if self._visitors == 0:
+                self._leave_after(self._kept_s)
+
+    async def end(self) -> None:
+        """End it and wait until it is gone."""
+        if self._process is None or self._process.stdin is None:
+            self._life.cancel()
+        else:
+            self._process.stdin.close()
+            done, _ = await asyncio.wait([self._life], timeout=END_WITHIN_S)
+            if not done:
+                self._process.kill()
+        await asyncio.gather(self._life, return_exceptions=True)
+
+    def _leave_after(self, seconds: float) -> None:
+        def leave() -> None:
+            self._ending = asyncio.ensure_future(self.end())
+
+        self._leaving = asyncio.get_running_loop().call_later(seconds, leave)
+
+    async def _live(self, told: dict[str, Any]) -> None:
+        try:
+            self._process = process = await _started(self._workshop.name)
+            assert process.stdin is not None
+            assert process.stdout is not None
+            process.stdin.write(json.dumps(told).encode() + b"\n")
+            await self._become_ready(process)
+            await process.wait()
+        finally:
+            await self._over()
+
+    async def _become_ready(self, process: asyncio.subprocess.Process) -> None:
+        assert process.stdout is not None
+        try:
+            line = await asyncio.wait_for(process.stdout.readline(), READY_WITHIN_S)
+            self._port.set_result(int(line))
+        except (ValueError, asyncio.TimeoutError):
+            self._port.set_exception(
+                RuntimeError(
+                    "The page could not be started; the terminal of sdfstent app says why."
+                )
+            )
+            self._port.exception()  # nobody may have asked yet
+            process.kill()
+
+    async def _over(self) -> None:
+        """Whatever happened: the process is gone, and the server hears of it."""
+        if self._leaving is not None:
+            self._leaving.cancel()
+        if self._process is not None and self._process.returncode is None:
+            self._process.kill()
+            await self._process.wait()
+        self._workshop.cleanup()
+        if not self._port.done():
+            self._port.set_exception(RuntimeError("The page was closed before it was ready."))
+            self._port.exception()
+        self._on_end(self)
+
+
+async def _started(workshop: str) -> asyncio.subprocess.Process:
+    """In a session of its own: Ctrl-C in the terminal is the server's, which then ends it.
+
+    What it writes for itself is in the `workshop`.
+    """
+    above = str(Path(__file__).resolve().parents[1])
+    path = os.pathsep.join(filter(None, (above, os.environ.get("PYTHONPATH"))))
+    return await asyncio.create_subprocess_exec(
+        sys.executable,
+        "-m",
+        "SDFStentApp.process",
+        stdin=asyncio.subprocess.PIPE,
+        stdout=asyncio.subprocess.PIPE,
+        env={**os.environ, "PYTHONPATH": path, "TMPDIR": workshop},
+        start_new_session=True,
+    )

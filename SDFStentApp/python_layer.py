@@ -1,0 +1,129 @@
+"""The part of Slicer's Python layer, and the words of Qt, that `slicer-core` does not have and the module imports."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import sys
+import types
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import slicer
+
+from . import connectors, module_base, parameter_node, tables
+from .ui_file import Panel
+
+
+class AsyncTimer:
+    """A timer of the module's `Clock` on asyncio's event loop; a repeated one lets everything else have its turn."""
+
+    def __init__(self, call: Callable[[], Any], milliseconds: float, isRepeated: bool) -> None:
+        self._call, self._seconds, self._isRepeated = call, milliseconds / 1000, isRepeated
+        self._waiting: asyncio.TimerHandle | None = None
+
+    def start(self) -> None:
+        """Wait from now on; anew where it was waiting already."""
+        self.stop()
+        self._waiting = asyncio.get_running_loop().call_later(self._seconds, self._run)
+
+    def stop(self) -> None:
+        """Call no more."""
+        if self._waiting is not None:
+            self._waiting.cancel()
+        self._waiting = None
+
+    def isActive(self) -> bool:
+        """Whether a call is still to come."""
+        return self._waiting is not None
+
+    def _run(self) -> None:
+        self._waiting = None
+        if self._isRepeated:
+            self.start()  # first: the call may stop it
+        self._call()
+
+
+class FileDialog:
+    """Qt's questions for a file, which the page has asked before: `answering` is what they return."""
+
+    _answer = ""
+
+    @classmethod
+    @contextlib.contextmanager
+    def answering(cls, path: Path) -> Iterator[None]:
+        """Within the block every question for a file is answered so."""
+        cls._answer = str(path)
+        try:
+            yield
+        finally:
+            cls._answer = ""
+
+    @classmethod
+    def getOpenFileName(cls, *_question: Any) -> str:
+        return cls._answer
+
+    getSaveFileName = getOpenFileName
+
+
+class Shortcut:
+    """A key; the page has its own."""
+
+    def __init__(self, *_: Any) -> None: ...
+
+    def setContext(self, _context: Any) -> None: ...
+
+    def connect(self, _signature: str, _function: Callable[[], Any]) -> None: ...
+
+
+def install(scene: Any) -> None:
+    """Put everything where the module looks for it. Call it once, before the module is imported."""
+    slicer.mrmlScene = scene
+    slicer.util.loadUI = _loaded
+    slicer.util.childWidgetVariables = lambda top: top.panel
+    parameter_node.bindWith(lambda widget: getattr(widget, "parameter", ""), connectors.connector)
+    _add("slicer.i18n", tr=lambda text: text, translate=lambda _context, text: text)
+    _add("slicer.ScriptedLoadableModule", **_classes(module_base, "Scripted"))
+    names = ("parameterNodeWrapper", "parameterPack", "WithinRange", "Minimum", "Choice", "Default")
+    _add("slicer.parameterNodeWrapper", **{n: getattr(parameter_node, n) for n in names})
+    _add(
+        "qt",
+        QTableWidgetItem=tables.TableItem,
+        QFileDialog=FileDialog,
+        QShortcut=Shortcut,
+        QKeySequence=lambda key: key,
+        Qt=types.SimpleNamespace(
+            Checked=tables.CHECKED,
+            Unchecked=tables.UNCHECKED,
+            ItemIsSelectable=1,
+            ItemIsUserCheckable=tables.CAN_BE_CHECKED,
+            ItemIsEnabled=32,
+            Key_Delete=0,
+            WidgetWithChildrenShortcut=0,
+        ),
+    )
+
+
+def _add(name: str, **contents: Any) -> None:
+    module = types.ModuleType(name)
+    vars(module).update(contents)
+    sys.modules[name] = module
+    if name.startswith("slicer."):
+        setattr(slicer, name.partition(".")[2], module)
+
+
+def _classes(module: types.ModuleType, start: str) -> dict[str, Any]:
+    return {name: cls for name, cls in vars(module).items() if name.startswith(start)}
+
+
+def _loaded(path: str) -> Any:
+    """The top widget of a `.ui` file, as `slicer.util.loadUI` returns it."""
+    panel = Panel(Path(path))
+    top = panel.top.widget
+    top.panel = panel  # type: ignore[attr-defined]
+    receivers = [c["receiver"] for c in panel.connections if c["slot"].startswith("setMRMLScene")]
+    top.setMRMLScene = lambda scene: [  # type: ignore[method-assign]
+        panel.widgets[name].setMRMLScene(scene) for name in receivers
+    ]
+    return top

@@ -1,0 +1,135 @@
+"""Widgets that choose something in the scene."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+from .widgets import Widget, shown
+
+
+class NodeComboBox(Widget):
+    """One of the scene's nodes, as `qMRMLNodeComboBox` is used."""
+
+    edited = "nodeID"
+    nodeTypes, noneEnabled, noneDisplay = shown(()), shown(False), shown("")
+
+    def __init__(self, name: str, parameter: str = "") -> None:
+        super().__init__(name, parameter)
+        self._scene: Any = None
+        self._node: Any = None
+        self._attributes: list[tuple[str, str, str]] = []
+        self._filter = SimpleNamespace(hiddenNodeIDs=())
+
+    def setMRMLScene(self, scene: Any) -> None:
+        """Offer the nodes of a scene, whichever it has."""
+        self._scene = scene
+        for event in (scene.NodeAddedEvent, scene.NodeRemovedEvent, scene.EndCloseEvent):
+            scene.AddObserver(event, lambda *_: self._scene_changed(), 10.0)
+
+    def addAttribute(self, className: str, name: str, value: str) -> None:
+        """Offer only nodes of a class that have an attribute."""
+        self._attributes.append((className, name, value))
+
+    def sortFilterProxyModel(self) -> SimpleNamespace:
+        return self._filter
+
+    def currentNode(self) -> Any:
+        return self._node
+
+    def setCurrentNode(self, node: Any) -> None:
+        """Choose a node, or None."""
+        if node is not self._node:
+            self._node = node
+            self.tell()
+            self.emit("currentNodeChanged", node)
+
+    @property
+    def nodeID(self) -> str:
+        return self._node.GetID() if self._node is not None else ""
+
+    def nodes(self) -> list[Any]:
+        """Those that can be chosen."""
+        found = [] if self._scene is None else list(self._scene.GetNodes())
+        return [node for node in found if self._is_offered(node)]
+
+    def _is_offered(self, node: Any) -> bool:
+        if not any(node.IsA(name) for name in self.nodeTypes):
+            return False
+        if node.GetHideFromEditors() or node.GetID() in self._filter.hiddenNodeIDs:
+            return False
+        return all(
+            node.GetAttribute(name) == value
+            for className, name, value in self._attributes
+            if node.IsA(className)
+        )
+
+    def _scene_changed(self) -> None:
+        if self._node is not None and self._node.GetScene() is None:
+            self.setCurrentNode(None)
+        self.tell()
+
+    def state(self) -> dict[str, Any]:
+        offered = [{"id": node.GetID(), "name": node.GetName()} for node in self.nodes()]
+        return {**super().state(), "items": offered, "none": self.noneDisplay}
+
+    def edit(self, value: Any) -> None:
+        by_id = {node.GetID(): node for node in self.nodes()}
+        if value == "" or value in by_id:
+            self.setCurrentNode(by_id.get(value))
+
+
+class SegmentSelector(Widget):
+    """One of a segmentation's segments, as `qMRMLSegmentSelectorWidget` is used."""
+
+    edited = "segment"
+    segment = shown("", "currentSegmentChanged")
+
+    def __init__(self, name: str, parameter: str = "") -> None:
+        super().__init__(name, parameter)
+        self._node: Any = None
+
+    def currentNode(self) -> Any:
+        return self._node
+
+    def setCurrentNode(self, node: Any) -> None:
+        if node is not self._node:
+            self._node = node
+            self.tell()
+
+    def currentSegmentID(self) -> str:
+        return self.segment
+
+    def setCurrentSegmentID(self, segmentID: str) -> None:
+        self.segment = segmentID
+
+    def state(self) -> dict[str, Any]:
+        segments = () if self._node is None else self._node.GetSegmentation().GetSegmentIDs()
+        return {**super().state(), "items": list(segments)}
+
+    def edit(self, value: Any) -> None:
+        if isinstance(value, str) and value in self.state()["items"]:
+            self.segment = value
+
+
+class PlaceWidget(Widget):
+    """Whether the next click into the view places a handle, as `qSlicerMarkupsPlaceWidget` is used."""
+
+    edited = "isPlacing"
+    isPlacing = shown(False, "placing")
+
+    def __init__(self, name: str, parameter: str = "") -> None:
+        super().__init__(name, parameter)
+        self._node: Any = None
+
+    def setCurrentNode(self, node: Any) -> None:
+        """Place the points of this markups, or of none."""
+        if node is not self._node:
+            self._node, self.isPlacing = node, False
+        self.enabled = node is not None
+
+    def currentNode(self) -> Any:
+        return self._node
+
+    def edit(self, value: Any) -> None:
+        self.isPlacing = bool(value) and self._node is not None

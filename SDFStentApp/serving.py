@@ -1,0 +1,197 @@
+"""The server of `sdfstent app`: checks the token, starts a process for every page, and passes its frames and clicks on.
+
+A page is a process: its scene is its own, what is slow or fails in it holds up or ends no other, and when it is closed nothing of
+it is left.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import hmac
+import secrets
+import signal
+import webbrowser
+from collections.abc import Awaitable, Callable
+from typing import Any, NamedTuple
+
+import aiohttp
+from aiohttp import web
+
+from .page_process import PageProcess
+from .process import HEADER
+
+INDEX = "index.html"
+KEPT_HEADERS = {"Cache-Control": "no-store", "Referrer-Policy": "no-referrer"}
+LARGEST_MESSAGE = 64 * 2**20
+HEARTBEAT_S = 30.0
+"""So often a browser has to show that it is still there."""
+NOT_PASSED_ON = {"host", "connection", "upgrade", "cookie", HEADER.lower()}
+
+
+class Settings(NamedTuple):
+    """What the command line says. `told` is what every page begins with."""
+
+    host: str
+    port: int
+    opens_browser: bool
+    kept_s: float
+    """So long a closed page waits to be opened again."""
+    most_pages: int
+    told: dict[str, Any]
+
+
+class Server:
+    """Answers below a random token only. `say(line)` tells the user."""
+
+    def __init__(self, settings: Settings, say: Callable[[str], None]) -> None:
+        self.settings, self._say = settings, say
+        self.token = secrets.token_urlsafe(24)
+        self.pages: dict[str, PageProcess] = {}
+        self._first: PageProcess | None = None
+        self._client: aiohttp.ClientSession | None = None
+
+    async def run(self, stop: asyncio.Event) -> None:
+        """Serve until told to stop; then every page has ended."""
+        app = web.Application()
+        app.router.add_route("*", "/{path:.*}", self._answer)
+        runner = web.AppRunner(app, access_log=None, shutdown_timeout=1.0)
+        await runner.setup()
+        try:
+            async with aiohttp.ClientSession(auto_decompress=False) as self._client:
+                site = web.TCPSite(runner, self.settings.host, self.settings.port)
+                await site.start()
+                self._begin(runner.addresses[0][1])
+                await stop.wait()
+        finally:
+            await self._end_all()
+            await runner.cleanup()
+
+    def _begin(self, port: int) -> None:
+        host = f"[{self.settings.host}]" if ":" in self.settings.host else self.settings.host
+        address = f"http://{host}:{port}/{self.token}/"
+        self._say(f"Open {address}")
+        self._say("Ctrl-C ends it.")
+        self._first = self._start()  # it gets ready while the browser starts
+        if self.settings.opens_browser:
+            webbrowser.open(address)
+
+    def _start(self) -> PageProcess:
+        page = PageProcess(self.settings.told, self.settings.kept_s, self._forget)
+        self.pages[page.name] = page
+        return page
+
+    def _forget(self, page: PageProcess) -> None:
+        self.pages.pop(page.name, None)
+        if page is self._first:
+            self._first = None
+
+    async def _end_all(self) -> None:
+        await asyncio.gather(*(page.end() for page in list(self.pages.values())))
+
+    async def _answer(self, request: web.Request) -> web.StreamResponse:
+        token, slash, rest = request.match_info["path"].partition("/")
+        if not hmac.compare_digest(token.encode(errors="replace"), self.token.encode()):
+            return _sentence(
+                403, "This address is not complete: use the one that sdfstent app has printed."
+            )
+        name, _, tail = rest.partition("/")
+        page = self.pages.get(name)
+        if page is None:
+            if tail not in ("", INDEX):
+                return _sentence(404, "This page was closed.")
+            return await self._new_page("../" * rest.count("/") if slash else f"{token}/")
+        if request.headers.get("Upgrade", "").lower() == "websocket":
+            return await self._pass_messages(request, page, tail)
+        return await self._pass_answer(request, page, tail or INDEX)
+
+    async def _new_page(self, way: str) -> web.StreamResponse:
+        """Send the browser to a page of its own; `way` leads below the token, behind whatever proxy."""
+        page, self._first = self._first, None
+        if page is None and len(self.pages) >= self.settings.most_pages:
+            most = self.settings.most_pages
+            return _sentence(
+                503, f"{most} pages are open, which is as many as there may be: close one."
+            )
+        page = page or self._start()
+        try:
+            await page.port()
+        except RuntimeError as error:
+            return _sentence(500, str(error))
+        raise web.HTTPFound(f"{way}{page.name}/{INDEX}", headers=KEPT_HEADERS)
+
+    async def _pass_answer(
+        self, request: web.Request, page: PageProcess, tail: str
+    ) -> web.StreamResponse:
+        assert self._client is not None
+        if request.method not in ("GET", "HEAD"):
+            return _sentence(405, "Pages are only read.")
+        url = f"http://127.0.0.1:{await page.port()}/{tail}"
+        headers = _passed_on(request, page)
+        async with self._client.request(
+            request.method, url, headers=headers, params=request.query, allow_redirects=False
+        ) as found:
+            body = await found.read()
+            kept = ("Content-Type", "Content-Encoding")
+            answer = {key: found.headers[key] for key in kept if key in found.headers}
+            return web.Response(status=found.status, body=body, headers={**answer, **KEPT_HEADERS})
+
+    async def _pass_messages(
+        self, request: web.Request, page: PageProcess, tail: str
+    ) -> web.StreamResponse:
+        assert self._client is not None
+        browser = web.WebSocketResponse(
+            max_msg_size=LARGEST_MESSAGE, compress=False, heartbeat=HEARTBEAT_S
+        )
+        await browser.prepare(request)
+        url = f"http://127.0.0.1:{await page.port()}/{tail}"
+        with page.visited():
+            async with self._client.ws_connect(
+                url, headers={HEADER: page.secret}, max_msg_size=LARGEST_MESSAGE
+            ) as inside:
+                ways = [_pass_on(browser, inside), _pass_on(inside, browser)]
+                await _until_one_ends(ways)
+            await browser.close()
+        return browser
+
+
+def _passed_on(request: web.Request, page: PageProcess) -> dict[str, str]:
+    kept = {k: v for k, v in request.headers.items() if k.lower() not in NOT_PASSED_ON}
+    return {**kept, HEADER: page.secret}
+
+
+async def _pass_on(source: Any, target: Any) -> None:
+    """Messages from one side to the other, as long as both are open."""
+    async for message in source:
+        if message.type == aiohttp.WSMsgType.BINARY:
+            await target.send_bytes(message.data)
+        elif message.type == aiohttp.WSMsgType.TEXT:
+            await target.send_str(message.data)
+
+
+async def _until_one_ends(ways: list[Awaitable[None]]) -> None:
+    tasks = [asyncio.ensure_future(way) for way in ways]
+    try:
+        await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+    finally:
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+
+
+def _sentence(status: int, text: str) -> web.Response:
+    return web.Response(status=status, text=f"SDF Stent: {text}\n", headers=KEPT_HEADERS)
+
+
+def serve(settings: Settings, say: Callable[[str], None]) -> None:
+    """Serve until Ctrl-C or SIGTERM."""
+
+    async def until_signal() -> None:
+        stop = asyncio.Event()
+        loop = asyncio.get_running_loop()
+        for number in (signal.SIGINT, signal.SIGTERM):
+            with contextlib.suppress(NotImplementedError):  # Windows
+                loop.add_signal_handler(number, stop.set)
+        await Server(settings, say).run(stop)
+
+    asyncio.run(until_signal())

@@ -1,0 +1,61 @@
+"""How a page looks: the panel on one side, the view and the diameters on the other."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from trame.ui.html import DivLayout
+from trame.widgets import client, html, rca
+
+from . import template
+from .charts import plot_of, table_of
+from .files import CENTERLINES, SURFACES
+from .view import NAME
+
+TITLE = "SDF Stent"
+STYLE = Path(__file__).with_name("page.css")
+EVENT_EVERY_MS = 20
+"""The mouse is heard no more often."""
+
+
+def build(page: Any) -> None:
+    """Make the markup of a page and the state variables that it begins with."""
+    server = page.server
+    _begin(page)
+    for name in ("click", "edit", "ask", "choose", "open", "demo", "save"):
+        server.trigger(name)(getattr(page, name))
+    server.trigger("theme")(page.view.paint)
+    panel = template.markup(page.panel.top)
+    with DivLayout(server) as layout:
+        layout.root.classes = "page"
+        client.Style(STYLE.read_text(encoding="utf-8"))
+        client.ClientTriggers(
+            mounted="trigger('theme', [window.matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light'])"
+        )
+        html.Div(
+            f"<h1>{TITLE}</h1>{template.MESSAGE}{template.OPENING}{template.CHOOSER}{panel}"
+            f"{template.saving_row()}",
+            classes="panel",
+        )
+        with html.Div(classes="stage"):
+            with html.Div(classes=("{ screen: true, placing: isPlacing }",)):
+                rca.RemoteControlledArea(
+                    name=NAME,
+                    display="image",
+                    send_mouse_move=True,
+                    event_throttle_ms=(str(EVENT_EVERY_MS),),
+                )
+            html.Div(template.DIAMETERS)
+
+
+def _begin(page: Any) -> None:
+    state = page.server.state
+    state.trame__title = TITLE
+    state.trame__template_error = template.GONE
+    state.message, state.isPlacing, state.isSaving, state.canSave = "", False, False, False
+    state.surfacePath = state.centerlinePath = state.chosenPath = ""
+    state.chooser, state.opening__v = {}, False
+    state.surfaceFiles = page.folders.listing(SURFACES)
+    state.centerlineFiles = page.folders.listing(CENTERLINES)
+    state.plot, state.table = plot_of(None), table_of(None)

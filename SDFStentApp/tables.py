@@ -1,0 +1,134 @@
+"""A table as a value: rows of items, one of them selected."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from .widgets import Widget, shown
+
+CHECKED, UNCHECKED = 2, 0
+CAN_BE_CHECKED = 16
+
+
+class TableItem:
+    """A cell, as `QTableWidgetItem` is used."""
+
+    def __init__(self, text: str = "") -> None:
+        self._text, self._tip, self._flags, self._check = text, "", 0, UNCHECKED
+        self.table: Table | None = None
+        self.place = (-1, -1)
+
+    def text(self) -> str:
+        return self._text
+
+    def setText(self, text: str) -> None:
+        self._text = text
+        self._changed()
+
+    def toolTip(self) -> str:
+        return self._tip
+
+    def setToolTip(self, text: str) -> None:
+        self._tip = text
+        self._changed()
+
+    def setFlags(self, flags: int) -> None:
+        self._flags = flags
+
+    def checkState(self) -> int:
+        return self._check
+
+    def setCheckState(self, state: int) -> None:
+        self._check = state
+        self._changed()
+
+    def row(self) -> int:
+        return self.place[0]
+
+    def column(self) -> int:
+        return self.place[1]
+
+    def state(self) -> dict[str, Any]:
+        """What the page shows; `check` is None where there is nothing to tick."""
+        check = self._check == CHECKED if self._flags & CAN_BE_CHECKED else None
+        return {"text": self._text, "tip": self._tip, "check": check}
+
+    def _changed(self) -> None:
+        if self.table is not None:
+            self.table.tell()
+            self.table.emit("itemChanged", self)
+
+
+class Table(Widget):
+    """Rows to select, as `QTableWidget` is used."""
+
+    columns = shown(())
+
+    def __init__(self, name: str, parameter: str = "") -> None:
+        super().__init__(name, parameter)
+        self._rows: list[list[TableItem | None]] = []
+        self._selected = self._current = -1
+
+    def setRowCount(self, count: int) -> None:
+        """Drop rows at the end, or append empty ones."""
+        del self._rows[count:]
+        self._rows += [[None] * len(self.columns) for _ in range(count - len(self._rows))]
+        if self._selected >= count:
+            self.clearSelection()
+        self._current = min(self._current, count - 1)
+        self.tell()
+
+    @property
+    def rowCount(self) -> int:
+        return len(self._rows)
+
+    def setItem(self, row: int, column: int, item: TableItem) -> None:
+        self._rows[row][column] = item
+        item.table, item.place = self, (row, column)
+        self.tell()
+
+    def item(self, row: int, column: int) -> TableItem | None:
+        return self._rows[row][column]
+
+    def currentRow(self) -> int:
+        return self._current
+
+    def selectedItems(self) -> list[TableItem]:
+        row = self._rows[self._selected] if self._selected >= 0 else []
+        return [item for item in row if item is not None]
+
+    def selectRow(self, row: int) -> None:
+        self._select(row)
+
+    def clearSelection(self) -> None:
+        self._select(-1)
+
+    def _select(self, row: int) -> None:
+        if row == self._selected:
+            return
+        self._selected = row
+        if row >= 0:
+            self._current = row
+        self.tell()
+        self.emit("itemSelectionChanged")
+
+    def state(self) -> dict[str, Any]:
+        rows = [[item.state() if item else {} for item in row] for row in self._rows]
+        table = {"columns": list(self.columns), "rows": rows, "selected": self._selected}
+        return {**super().state(), **table}
+
+    def edit(self, value: Any) -> None:
+        """A click: `[row, column]`, or `[row, column, isTicked]` for one on a tick."""
+        if not isinstance(value, list) or not all(isinstance(one, int) for one in value):
+            return
+        if not (len(value) in (2, 3) and 0 <= value[0] < len(self._rows)):
+            return
+        row, column = value[:2]
+        if not 0 <= column < len(self.columns):
+            return
+        item = self._rows[row][column]
+        if len(value) == 3 and item is not None:
+            item.setCheckState(CHECKED if value[2] else UNCHECKED)
+            return
+        self._select(row)
+        self.emit("cellClicked", row, column)

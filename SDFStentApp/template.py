@@ -1,0 +1,245 @@
+"""The page's markup: made from the panel's arrangement, so that order and words are those of the panel."""
+
+from __future__ import annotations
+
+from html import escape
+
+from .selectors import NodeComboBox, PlaceWidget, SegmentSelector
+from .tables import Table
+from .ui_file import Arranged, Placed
+from .widgets import (
+    Button,
+    CheckBox,
+    ComboBox,
+    Label,
+    Line,
+    LineEdit,
+    Number,
+    ProgressBar,
+    Section,
+    Widget,
+)
+
+NOT_IN_THE_PAGE = {
+    "parameterSetSelectorLabel": "a page is one plan",
+    "parameterSetSelector": "a page is one plan",
+    "extractButton": "opens another module of Slicer",
+    "outputsCollapsibleButton": "results are saved from the page",
+    "handleSelector": "every stent has a handle of its own",
+    "showPlotButton": "the plot is shown below the view",
+    "showTableButton": "the table is shown below the view",
+}
+"""Parts of the panel that the page leaves out, and why."""
+
+ASKS_FOR_FILE = {
+    "loadPlanButton": (".json",),
+    "deviceTableButton": (".json",),
+    "loadProfileButton": (".csv",),
+}
+"""Buttons that the panel answers with a question for a file, and how these files end."""
+
+SAVES = {"savePlanButton": "plan"}
+"""Buttons whose file the browser keeps."""
+
+
+def value_of(widget: Widget) -> str:
+    """Name of the state variable that the user edits."""
+    return f"{widget.objectName}__v"
+
+
+def markup(placed: Placed) -> str:
+    """The Vue template of a widget, and of what is in it."""
+    widget, name = placed.widget, placed.widget.objectName
+    if name in NOT_IN_THE_PAGE:
+        return ""
+    inside = "" if placed.inside is None else _arranged(placed.inside)
+    if isinstance(widget, Section):
+        opened = f'@toggle="{name}__v = !$event.target.open"'
+        return (
+            f'<details v-show="{name}.visible" :open="!{name}__v" {opened} data-name="{name}">'
+            f"<summary>{{{{ {name}.text }}}}</summary>{inside}</details>"
+        )
+    if inside:
+        return f'<fieldset v-show="{name}.visible" :disabled="!{name}.enabled">{inside}</fieldset>'
+    return _of(widget)
+
+
+def _arranged(arranged: Arranged) -> str:
+    if arranged.kind != "form":
+        cells = "".join(_content(cell.content) for cell in arranged.cells)
+        return f'<div class="{arranged.kind}">{cells}</div>'
+    cells = "".join(
+        f'<div class="cell" style="grid-row: {cell.row + 1}; grid-column: '
+        f'{cell.column + 1} / span {cell.span}">{_content(cell.content)}</div>'
+        for cell in arranged.cells
+        if _content(cell.content)
+    )
+    return f'<div class="form">{cells}</div>'
+
+
+def _content(content: Placed | Arranged) -> str:
+    return _arranged(content) if isinstance(content, Arranged) else markup(content)
+
+
+def _of(widget: Widget) -> str:
+    """A widget alone."""
+    name, v = widget.objectName, value_of(widget)
+    common = f'v-show="{name}.visible" :title="{name}.tip" data-name="{name}"'
+    disabled = f':disabled="!{name}.enabled"'
+    if isinstance(widget, Button):
+        return f'<button type="button" {common} {disabled} @click="{_click(name)}">{{{{ {name}.text }}}}</button>'
+    if isinstance(widget, CheckBox):
+        return (
+            f'<label class="check" {common} :class="{{off: !{name}.enabled}}">'
+            f'<input type="checkbox" v-model="{v}" {disabled}>{{{{ {name}.text }}}}</label>'
+        )
+    if isinstance(widget, Number):
+        return _number(widget, common, disabled)
+    if isinstance(widget, LineEdit):
+        return f'<input type="text" v-model.lazy="{v}" {common} {disabled}>'
+    if isinstance(widget, Table):
+        return _table(name)
+    if isinstance(widget, ProgressBar):
+        return f'<progress {common} :value="{name}.value" :max="{name}.max"></progress>'
+    if isinstance(widget, PlaceWidget):
+        return (
+            f'<button type="button" {common} {disabled} :class="{{pressed: {v}}}" :aria-pressed="{v}" '
+            f'@click="{v} = !{v}">{{{{ {v} ? "Click on the centerline" : "Place" }}}}</button>'
+        )
+    if isinstance(widget, (ComboBox, NodeComboBox, SegmentSelector)):
+        return _choice(widget, common, disabled)
+    if isinstance(widget, Line):
+        return "<hr>"
+    if isinstance(widget, Label):
+        return f'<div class="label" {common} :class="{{off: !{name}.enabled}}">{{{{ {name}.text }}}}</div>'
+    return f"<div {common}></div>"
+
+
+def _click(name: str) -> str:
+    if name in ASKS_FOR_FILE:
+        return f"trigger('ask', ['{name}'])"
+    if name in SAVES:
+        return saving(SAVES[name])
+    return f"trigger('click', ['{name}'])"
+
+
+def saving(kind: str) -> str:
+    """Ask the server for a file, and let the browser keep it; without one the page says why."""
+    return f"trigger('save', ['{kind}']).then(f => f && utils.download(f.name, f.content, f.type))"
+
+
+def _number(widget: Number, common: str, disabled: str) -> str:
+    name, v = widget.objectName, value_of(widget)
+    slider = (
+        f'<input type="range" v-model.number="{v}" :step="{name}.step" '
+        f':min="Math.ceil({name}.min / {name}.step - 1e-9) * {name}.step" :max="{name}.max" {disabled} '
+        f':aria-label="{name}.tip">'
+        if widget.has_slider
+        else ""
+    )
+    box = (
+        f'<input type="number" :value="{v}.toFixed({name}.decimals)" :step="{name}.step" '
+        f':min="{name}.min" :max="{name}.max" {disabled} :aria-label="{name}.tip" '
+        f"""@change="trigger('edit', ['{name}', $event.target.valueAsNumber])">"""
+    )
+    special = (
+        f'<span class="special" v-if="{v} &lt;= {name}.min">{{{{ {name}.special }}}}</span>'
+        if widget.specialValueText
+        else ""
+    )
+    suffix = f'<span class="suffix">{{{{ {name}.suffix }}}}</span>' if widget.suffix else ""
+    return f'<span class="number" {common}>{slider}{box}{suffix}{special}</span>'
+
+
+def _choice(widget: Widget, common: str, disabled: str) -> str:
+    name, v = widget.objectName, value_of(widget)
+    if isinstance(widget, ComboBox):
+        options = f'<option v-for="(text, i) in {name}.items" :value="i">{{{{ text }}}}</option>'
+        return f'<select v-model.number="{v}" {common} {disabled}>{options}</select>'
+    if isinstance(widget, SegmentSelector):
+        options = f'<option v-for="one in {name}.items" :value="one">{{{{ one }}}}</option>'
+    else:
+        options = (
+            f'<option value="">{{{{ {name}.none }}}}</option>'
+            f'<option v-for="one in {name}.items" :value="one.id">{{{{ one.name }}}}</option>'
+        )
+    return f'<select v-model="{v}" {common} {disabled}>{options}</select>'
+
+
+def _table(name: str) -> str:
+    click = f"trigger('edit', ['{name}', [r, c]])"
+    tick = f"trigger('edit', ['{name}', [r, c, $event.target.checked ? 1 : 0]])"
+    return (
+        f'<div class="table" v-show="{name}.visible" data-name="{name}"><table :title="{name}.tip">'
+        f'<thead><tr><th v-for="text in {name}.columns">{{{{ text }}}}</th></tr></thead><tbody>'
+        f'<tr v-for="(row, r) in {name}.rows" :class="{{selected: r === {name}.selected}}" '
+        f':aria-selected="r === {name}.selected">'
+        f'<td v-for="(item, c) in row" :title="item.tip" @click="{click}">'
+        f'<input v-if="item.check === true || item.check === false" type="checkbox" '
+        f':checked="item.check" @click.stop @change="{tick}">{{{{ item.text }}}}</td></tr>'
+        "</tbody></table></div>"
+    )
+
+
+MESSAGE = (
+    '<div class="message" v-show="message" role="alert" data-name="message">{{ message }}</div>'
+)
+
+OPENING = """
+<details class="opening" :open="!opening__v" @toggle="opening__v = !$event.target.open" data-name="opening">
+<summary>Open</summary>
+<div class="row"><button type="button" @click="trigger('demo')" data-name="demoButton">Synthetic patient</button></div>
+<form class="form" @submit.prevent="trigger('open', [surfacePath, centerlinePath])">
+<label class="label" for="surfacePath">Surface:</label>
+<input id="surfacePath" type="text" v-model.lazy="surfacePath" list="surfaces" placeholder="path of a surface">
+<label class="label" for="centerlinePath">Centerline:</label>
+<input id="centerlinePath" type="text" v-model.lazy="centerlinePath" list="centerlines" placeholder="path of its centerline">
+<button type="submit" data-name="openButton">Open</button>
+</form>
+<datalist id="surfaces"><option v-for="path in surfaceFiles" :value="path"></option></datalist>
+<datalist id="centerlines"><option v-for="path in centerlineFiles" :value="path"></option></datalist>
+</details>
+"""
+
+CHOOSER = """
+<div class="chooser" v-if="chooser.button" role="dialog" data-name="chooser">
+<form @submit.prevent="trigger('choose', [chooser.button, chosenPath])">
+<label class="label" for="chosenPath">{{ chooser.text }}</label>
+<input id="chosenPath" type="text" v-model.lazy="chosenPath" list="choices" placeholder="path of the file">
+<datalist id="choices"><option v-for="path in chooser.files" :value="path"></option></datalist>
+<button type="submit">OK</button>
+<button type="button" @click="trigger('choose', ['', ''])">Cancel</button>
+</form></div>
+"""
+
+DIAMETERS = """
+<div class="results" v-show="plot.lines.length">
+<figure><h2>{{ plot.title }}</h2><svg :viewBox="'0 0 ' + plot.width + ' ' + plot.height" role="img" :aria-label="plot.title">
+<g class="grid"><line v-for="t in plot.up" x1="44" :x2="plot.width - 12" :y1="t.at" :y2="t.at"></line></g>
+<g class="ticks"><text v-for="t in plot.up" x="38" :y="t.at + 4" text-anchor="end">{{ t.text }}</text>
+<text v-for="t in plot.across" :x="t.at" :y="plot.height - 18" text-anchor="middle">{{ t.text }}</text>
+<text :x="plot.width / 2" :y="plot.height - 3" text-anchor="middle">{{ plot.words[0] }}</text>
+<text :transform="'translate(11 ' + plot.height / 2 + ') rotate(-90)'" text-anchor="middle">{{ plot.words[1] }}</text></g>
+<path v-for="l in plot.lines" :d="l.path" :stroke="l.color" :stroke-dasharray="l.dash ? '7 5' : null"></path>
+</svg><figcaption><span v-for="l in plot.lines"><i :class="{dash: l.dash}" :style="{background: l.color}"></i>{{ l.name }}</span></figcaption></figure>
+<details><summary>{{ table.title || 'Table' }}</summary><div class="table"><table>
+<thead><tr><th v-for="c in table.columns">{{ c }}</th></tr></thead>
+<tbody><tr v-for="row in table.rows"><td v-for="v in row">{{ v }}</td></tr></tbody></table></div></details>
+</div>
+"""
+
+GONE = """
+<div class="gone" role="alert">This page has ended, or sdfstent app itself has. Load the page again; if that does not help, start
+sdfstent app again and use the address that it prints.</div>
+"""
+
+
+def saving_row() -> str:
+    """The buttons that let the browser keep results."""
+    buttons = "".join(
+        f'<button type="button" :disabled="!canSave || isSaving" data-name="save-{kind}" @click="{escape(saving(kind))}">{text}</button>'
+        for kind, text in (("surface", "Save surface..."), ("report", "Save report..."))
+    )
+    return (
+        f'<div class="row">{buttons}<span v-show="isSaving" class="suffix">Working...</span></div>'
+    )

@@ -1,0 +1,140 @@
+"""The panel's `.ui` file: its widgets, and how they are arranged."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Callable, Iterator
+from functools import partial
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from .selectors import NodeComboBox, PlaceWidget, SegmentSelector
+from .tables import Table
+from .widgets import (
+    Area,
+    Button,
+    CheckBox,
+    ComboBox,
+    Label,
+    Line,
+    LineEdit,
+    Number,
+    ProgressBar,
+    Section,
+    Widget,
+)
+
+CLASSES: dict[str, Callable[[str, str], Widget]] = {
+    "QLabel": Label,
+    "QPushButton": Button,
+    "QToolButton": Button,
+    "QCheckBox": CheckBox,
+    "QComboBox": ComboBox,
+    "QSpinBox": Number,
+    "QDoubleSpinBox": Number,
+    "ctkSliderWidget": partial(Number, has_slider=True),
+    "QLineEdit": LineEdit,
+    "QTableWidget": Table,
+    "QProgressBar": ProgressBar,
+    "QWidget": Area,
+    "QFrame": Line,
+    "Line": Line,
+    "qMRMLWidget": Area,
+    "ctkCollapsibleButton": Section,
+    "qMRMLNodeComboBox": NodeComboBox,
+    "qMRMLSegmentSelectorWidget": SegmentSelector,
+    "qSlicerMarkupsPlaceWidget": PlaceWidget,
+}
+ARRANGEMENTS = {"QFormLayout": "form", "QHBoxLayout": "row", "QVBoxLayout": "column"}
+ENDS_FIRST = ("minimum", "maximum")
+"""A number is kept within its ends, so these are set before it."""
+
+
+class Placed(NamedTuple):
+    """A widget, and what is arranged in it, or None."""
+
+    widget: Widget
+    inside: Arranged | None
+
+
+class Arranged(NamedTuple):
+    """Widgets and arrangements in order: as a `form`, in a `row` or a `column`."""
+
+    kind: str
+    cells: tuple[Cell, ...]
+
+
+class Cell(NamedTuple):
+    """A place in an arrangement; rows and columns are those of a form."""
+
+    content: Placed | Arranged
+    row: int
+    column: int
+    span: int
+
+
+class Panel:
+    """The widgets of a `.ui` file by name, as attributes as well, and the arrangement that begins with `top`.
+
+    `connections` are those between its widgets: sender, signal, receiver and slot.
+    """
+
+    def __init__(self, path: Path) -> None:
+        root = ElementTree.parse(path).getroot()
+        self.widgets: dict[str, Widget] = {}
+        top = root.find("widget")
+        assert top is not None
+        self.top = self._placed(top)
+        self.connections = list(_connections(root))
+
+    def _placed(self, element: ElementTree.Element) -> Placed:
+        name, kind = element.get("name", ""), element.get("class", "")
+        if kind not in CLASSES:
+            raise LookupError(f"{name}: there is nothing in the page for a {kind}.")
+        values = {p.get("name", ""): _value(p) for p in element.findall("property")}
+        widget = CLASSES[kind](name, values.pop("SlicerParameterName", ""))
+        columns = [_text(column.find("property")) for column in element.findall("column")]
+        if columns:
+            values["columns"] = tuple(columns)
+        for key in sorted(values, key=lambda key: key not in ENDS_FIRST):
+            if hasattr(type(widget), key):
+                setattr(widget, key, values[key])
+        self.widgets[name] = widget
+        setattr(self, name, widget)
+        layout = element.find("layout")
+        return Placed(widget, None if layout is None else self._arranged(layout))
+
+    def _arranged(self, element: ElementTree.Element) -> Arranged:
+        cells = []
+        for item in element.findall("item"):
+            inside = next((child for child in item if child.tag in ("widget", "layout")), None)
+            if inside is None:
+                continue  # a spacer
+            content = self._placed(inside) if inside.tag == "widget" else self._arranged(inside)
+            row, column, span = (
+                int(item.get(key, default))
+                for key, default in (("row", len(cells)), ("column", 0), ("colspan", 1))
+            )
+            cells.append(Cell(content, row, column, span))
+        return Arranged(ARRANGEMENTS[element.get("class", "")], tuple(cells))
+
+
+def _connections(root: ElementTree.Element) -> Iterator[dict[str, str]]:
+    for connection in root.findall("connections/connection"):
+        yield {part.tag: part.text or "" for part in connection}
+
+
+def _value(element: ElementTree.Element) -> Any:
+    inside = element[0]
+    text = inside.text or ""
+    if inside.tag == "bool":
+        return text == "true"
+    if inside.tag in ("number", "double"):
+        return float(text) if inside.tag == "double" else int(text)
+    if inside.tag == "stringlist":
+        return tuple(part.text or "" for part in inside)
+    return text
+
+
+def _text(element: ElementTree.Element | None) -> str:
+    return "" if element is None else str(_value(element))

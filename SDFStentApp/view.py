@@ -1,0 +1,154 @@
+"""The 3D view: the scene drawn off screen by Slicer's own displayable managers, sent as frames, and clicks on the centerline."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import slicer
+import vtk
+from trame_rca.rca import VtkRemoteControlledArea
+from trame_rca.schedulers import RcaImageRenderScheduler
+from trame_rca.view_adapter import RcaViewAdapter
+
+from SDFStentLib.validation import InputError
+
+NAME = "view"
+DISPLAYABLE_MANAGERS = (
+    "vtkMRMLCameraDisplayableManager",
+    "vtkMRMLViewDisplayableManager",
+    "vtkMRMLModelDisplayableManager",
+    "vtkMRMLMarkupsDisplayableManager",
+    "vtkMRMLColorLegendDisplayableManager",
+    "vtkMRMLOrientationMarkerDisplayableManager",
+)
+FRAMES_PER_S = 25.0
+MOVING_QUALITY, STILL_QUALITY = 60, 90
+"""Of the JPEG, percent."""
+
+NEAR_PX = 24.0
+"""A click so near to the centerline is meant for it."""
+
+BACKGROUNDS = {
+    "light": ((0.97, 0.97, 0.98), (0.86, 0.89, 0.93)),
+    "dark": ((0.10, 0.11, 0.13), (0.16, 0.18, 0.22)),
+}
+
+
+class View:
+    """An off-screen view of a scene. `on_click(x, y)` gets a click instead of the scene where it returns true."""
+
+    def __init__(self, application: Any, on_click: Callable[[float, float], bool]) -> None:
+        self.node = _view_node(application.scene)
+        self.renderer = vtk.vtkRenderer()
+        self.window = vtk.vtkRenderWindow()
+        self.window.SetOffScreenRendering(True)
+        self.window.ShowWindowOff()
+        self.window.SetMultiSamples(0)
+        self.window.SetSize(800, 600)
+        self.window.AddRenderer(self.renderer)
+        interactor = vtk.vtkGenericRenderWindowInteractor()
+        interactor.SetRenderWindow(self.window)
+        factory = slicer.vtkMRMLThreeDViewDisplayableManagerFactory.GetInstance()
+        factory.SetMRMLApplicationLogic(application.applicationLogic)
+        for name in DISPLAYABLE_MANAGERS:
+            if not factory.IsDisplayableManagerRegistered(name):
+                factory.RegisterDisplayableManager(name)
+        self.group = slicer.vtkMRMLDisplayableManagerGroup()
+        self.group.Initialize(factory, self.renderer)
+        self._style = slicer.vtkMRMLThreeDViewInteractorStyle()
+        self._style.SetDisplayableManagers(self.group)
+        self._style.SetInteractor(interactor)
+        interactor.SetInteractorStyle(vtk.vtkInteractorStyle3D())
+        self.group.SetMRMLDisplayableNode(self.node)
+        self.area = _Area(self.window, on_click)
+        self._scheduler: Any = None
+
+    def serve(self) -> RcaViewAdapter:
+        """What sends the frames from now on; needs a running event loop."""
+        self._scheduler = RcaImageRenderScheduler(
+            self.area,
+            target_fps=FRAMES_PER_S,
+            interactive_quality=MOVING_QUALITY,
+            still_quality=STILL_QUALITY,
+            rca_encoder="turbo-jpeg",
+        )
+        self.group.AddObserver(vtk.vtkCommand.UpdateEvent, lambda *_: self.draw())
+        return RcaViewAdapter(
+            self.area, NAME, scheduler=self._scheduler, do_schedule_render_on_interaction=False
+        )
+
+    def draw(self) -> None:
+        """Send a frame soon."""
+        if self._scheduler is not None:
+            self._scheduler.schedule_render()
+
+    def paint(self, theme: str) -> None:
+        """The background for a `light` or a `dark` page."""
+        below, above = BACKGROUNDS["dark" if theme == "dark" else "light"]
+        self.node.SetBackgroundColor(*below)
+        self.node.SetBackgroundColor2(*above)
+
+    def look_at_all(self) -> None:
+        """Show everything from the front, as Slicer does."""
+        camera = self._camera()
+        camera.RotateTo(slicer.vtkMRMLCameraNode.Anterior)
+        self.renderer.ResetCamera()
+        camera.GetCamera().Zoom(1.15)
+        self.renderer.ResetCameraClippingRange()
+        self.draw()
+
+    def _camera(self) -> Any:
+        manager = self.group.GetDisplayableManagerByClassName("vtkMRMLCameraDisplayableManager")
+        return manager.GetCameraNode()
+
+    def nearest(self, points: np.ndarray, x: float, y: float) -> np.ndarray:
+        """Of points in space (n, 3) the one that is seen nearest to a pixel; `InputError` where none is near."""
+        seen = self.pixels(points)
+        distance = np.linalg.norm(seen - (x, y), axis=1)
+        index = int(np.argmin(distance))
+        if not distance[index] <= NEAR_PX:
+            raise InputError(
+                "Placing: expected a click on the centerline, got one beside it; click on the line in the vessel."
+            )
+        return points[index]
+
+    def pixels(self, points: np.ndarray) -> np.ndarray:
+        """Where points in space (n, 3) are seen, in pixels from the lower left corner, (n, 2)."""
+        matrix = self.renderer.GetActiveCamera().GetCompositeProjectionTransformMatrix(
+            self.renderer.GetTiledAspectRatio(), -1, 1
+        )
+        rows = np.array([[matrix.GetElement(i, j) for j in range(4)] for i in range(4)])
+        clip = np.column_stack([points, np.ones(len(points))]) @ rows.T
+        size = np.array(self.window.GetSize())
+        return (clip[:, :2] / clip[:, 3:] + 1) / 2 * size
+
+
+class _Area(VtkRemoteControlledArea):
+    """Frames out, mouse and keys in."""
+
+    def __init__(self, window: Any, on_click: Callable[[float, float], bool]) -> None:
+        super().__init__(window)
+        self._on_click, self._is_taken = on_click, False
+
+    def process_interaction_event(self, event: dict[str, Any]) -> None:
+        kind = event.get("type", "")
+        if kind == "LeftButtonPress" and self._on_click(event.get("x", 0), event.get("y", 0)):
+            self._is_taken = True
+        elif self._is_taken:  # the scene has not heard of the press, so nothing of the rest
+            self._is_taken = kind != "LeftButtonRelease"
+        else:
+            super().process_interaction_event(event)
+
+
+def _view_node(scene: Any) -> Any:
+    node = slicer.vtkMRMLViewNode()
+    node.SetName("View1")
+    node.SetLayoutName("1")
+    node.SetSingletonTag("1")  # stays when the scene is closed
+    node.SetBoxVisible(False)
+    node.SetAxisLabelsVisible(False)
+    node.SetOrientationMarkerType(slicer.vtkMRMLAbstractViewNode.OrientationMarkerTypeAxes)
+    node.SetOrientationMarkerSize(slicer.vtkMRMLAbstractViewNode.OrientationMarkerSizeSmall)
+    return scene.AddNode(node)

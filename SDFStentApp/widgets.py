@@ -1,0 +1,251 @@
+"""The panel's widgets as values: what they show is sent to the page, what the user does there comes back as their signals.
+
+They answer as the widgets of Qt, CTK and Slicer do in the few words that the panel uses, so that its code runs unchanged.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+
+def shown(default: Any, signal: str = "") -> Any:
+    """An attribute that the page shows; where `signal` is named it is emitted with every new value."""
+    return _Shown(default, signal)
+
+
+class _Shown:
+    def __init__(self, default: Any, signal: str) -> None:
+        self.default, self.signal = default, signal
+
+    def __set_name__(self, _owner: type, name: str) -> None:
+        self.name = name
+
+    def __get__(self, widget: Widget | None, _owner: type) -> Any:
+        return self if widget is None else widget.shown.get(self.name, self.default)
+
+    def __set__(self, widget: Widget, value: Any) -> None:
+        value = widget.checked_value(self.name, value)
+        if value == self.__get__(widget, type(widget)):
+            return
+        widget.shown[self.name] = value
+        widget.tell()
+        if self.signal:
+            widget.emit(self.signal, value)
+
+
+class Widget:
+    """A named widget. `on_change(widget)` is called whenever it looks different."""
+
+    edited = ""
+    """The attribute that a user changes in the page."""
+
+    visible = shown(True)
+    enabled = shown(True)
+    toolTip = shown("")
+    text = shown("")
+    wordWrap = shown(False)
+
+    def __init__(self, name: str, parameter: str = "") -> None:
+        self.objectName, self.parameter = name, parameter
+        self.shown: dict[str, Any] = {}
+        self.on_change: Callable[[Widget], None] | None = None
+        self._slots: dict[str, list[tuple[Callable[..., Any], int | None]]] = {}
+        self._is_blocked = False
+
+    def connect(self, signature: str, function: Callable[..., Any]) -> bool:
+        """Call a function with as many values as the signature names, as PythonQt does."""
+        name, _, rest = signature.partition("(")
+        arguments = rest.rstrip(")").strip()
+        count = len(arguments.split(",")) if arguments else 0
+        self._slots.setdefault(name, []).append((function, count))
+        return True
+
+    def disconnect(self, signature: str, function: Callable[..., Any]) -> bool:
+        """Call it no more."""
+        slots = self._slots.get(signature.partition("(")[0], [])
+        kept = [slot for slot in slots if slot[0] != function]
+        isThere = len(kept) < len(slots)
+        slots[:] = kept
+        return isThere
+
+    def emit(self, signal: str, *values: Any) -> None:
+        """Call what is connected."""
+        if not self._is_blocked:
+            for function, count in list(self._slots.get(signal, ())):
+                function(*values[:count])
+
+    def blockSignals(self, block: bool) -> bool:
+        """Emit nothing, or again; returns how it was."""
+        before, self._is_blocked = self._is_blocked, block
+        return before
+
+    def tell(self) -> None:
+        """Let the page know that something looks different."""
+        if self.on_change is not None:
+            self.on_change(self)
+
+    def checked_value(self, _name: str, value: Any) -> Any:
+        """A value as this widget takes it."""
+        return value
+
+    def setMRMLScene(self, _scene: Any) -> None:
+        """Only selectors look at the scene."""
+
+    def state(self) -> dict[str, Any]:
+        """What the page has to know, without `edited`."""
+        values = {"visible": self.visible, "enabled": self.enabled}
+        return {**values, "tip": self.toolTip, "text": self.text}
+
+    def edit(self, value: Any) -> None:
+        """What the user has set in the page, which may be anything."""
+
+
+class Button(Widget):
+    """A button to click."""
+
+    def click(self) -> None:
+        """As the user does; a disabled one cannot be."""
+        if self.enabled:
+            self.emit("clicked", False)
+
+
+class CheckBox(Widget):
+    """On or off."""
+
+    edited = "checked"
+    checked = shown(False, "toggled")
+
+    def checked_value(self, name: str, value: Any) -> Any:
+        return bool(value) if name == "checked" else value
+
+    def edit(self, value: Any) -> None:
+        if isinstance(value, bool) and self.enabled:
+            self.checked = value
+
+
+class Number(Widget):
+    """A number within its ends: a spin box, or with `has_slider` a slider with one."""
+
+    edited = "value"
+    minimum, maximum = shown(0.0), shown(99.99)
+    singleStep, pageStep = shown(1.0), shown(10.0)
+    decimals, suffix, specialValueText = shown(2), shown(""), shown("")
+    keyboardTracking, tracking = shown(True), shown(True)
+    value = shown(0.0, "valueChanged")
+
+    def __init__(self, name: str, parameter: str = "", has_slider: bool = False) -> None:
+        super().__init__(name, parameter)
+        self.has_slider = has_slider
+
+    def checked_value(self, name: str, value: Any) -> Any:
+        if name == "value":
+            return min(max(float(value), self.minimum), self.maximum)
+        return value
+
+    def tell(self) -> None:
+        super().tell()
+        if not self.minimum <= self.value <= self.maximum:
+            self.value = self.value  # its ends have moved
+
+    def state(self) -> dict[str, Any]:
+        ends = {"min": self.minimum, "max": self.maximum, "step": self.singleStep}
+        words = {"suffix": self.suffix, "special": self.specialValueText}
+        return {**super().state(), **ends, **words, "decimals": self.decimals}
+
+    def edit(self, value: Any) -> None:
+        isNumber = isinstance(value, (int, float)) and not isinstance(value, bool)
+        if isNumber and value == value and self.enabled:
+            self.value = value
+        self.tell()  # what was no number, or beyond the ends, is shown as it is now
+
+
+class LineEdit(Widget):
+    """A line of text."""
+
+    edited = "text"
+    text = shown("", "textChanged")
+
+    def edit(self, value: Any) -> None:
+        if isinstance(value, str) and self.enabled:
+            self.text = value
+
+
+class ComboBox(Widget):
+    """One of several texts."""
+
+    edited = "currentIndex"
+    currentIndex = shown(-1, "currentIndexChanged")
+    items = shown(())
+
+    @property
+    def count(self) -> int:
+        return len(self.items)
+
+    @property
+    def currentText(self) -> str:
+        return self.items[self.currentIndex] if 0 <= self.currentIndex < self.count else ""
+
+    def addItem(self, text: str, _data: Any = None) -> None:
+        """Append a text; the first one is chosen."""
+        self.items = (*self.items, text)
+        if self.currentIndex < 0:
+            self.currentIndex = 0
+
+    def itemText(self, index: int) -> str:
+        return self.items[index]
+
+    def findText(self, text: str) -> int:
+        """Index of a text, or -1."""
+        return self.items.index(text) if text in self.items else -1
+
+    def setItemText(self, index: int, text: str) -> None:
+        self.items = (*self.items[:index], text, *self.items[index + 1 :])
+
+    def removeItem(self, index: int) -> None:
+        self.items = (*self.items[:index], *self.items[index + 1 :])
+        self.currentIndex = min(self.currentIndex, self.count - 1)
+
+    def clear(self) -> None:
+        self.items = ()
+        self.currentIndex = -1
+
+    def state(self) -> dict[str, Any]:
+        return {**super().state(), "items": list(self.items)}
+
+    def edit(self, value: Any) -> None:
+        if isinstance(value, int) and 0 <= value < self.count and self.enabled:
+            self.currentIndex = value
+            self.emit("activated", value)
+
+
+class ProgressBar(Widget):
+    """How far something is."""
+
+    value, maximum = shown(0), shown(100)
+
+    def state(self) -> dict[str, Any]:
+        return {**super().state(), "value": self.value, "max": self.maximum}
+
+
+class Section(Widget):
+    """A part of the panel that can be closed."""
+
+    edited = "collapsed"
+    collapsed = shown(False, "contentsCollapsed")
+
+    def edit(self, value: Any) -> None:
+        if isinstance(value, bool):
+            self.collapsed = value
+
+
+class Area(Widget):
+    """Something that holds others."""
+
+
+class Label(Widget):
+    """A text to read."""
+
+
+class Line(Widget):
+    """A line between others."""

@@ -1,0 +1,81 @@
+"""The command `app`: starts the server of SDFStentApp, which lives beside the library."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import os
+from importlib.util import find_spec
+from typing import Any
+
+from ..plan import load_plan
+from ..validation import InputError
+from .console import Console
+
+NEEDED = ("slicer", "trame", "trame_rca", "aiohttp", "SDFStentApp")
+"""What the extra installs, and the package of the page itself."""
+
+
+def app_command(options: argparse.Namespace, _console: Console) -> int:
+    """Serve pages until Ctrl-C."""
+    told = _told(options)
+    missing = [name for name in NEEDED if find_spec(name) is None]
+    if missing:
+        raise InputError(
+            f"expected the packages of the extra app, {', '.join(missing)} is missing; "
+            "install them: pip install 'sdfstent[app]'."
+        )
+    serving: Any = importlib.import_module("SDFStentApp.serving")
+    settings = serving.Settings(
+        host=options.host,
+        port=options.port,
+        opens_browser=not options.no_browser,
+        kept_s=options.keep,
+        most_pages=options.pages,
+        told=told,
+    )
+    try:
+        serving.serve(settings, lambda line: print(line, flush=True))
+    except OSError as error:
+        raise InputError(
+            f"{options.host}:{options.port}: expected an address that is free, got another "
+            f"({error.strerror}); choose another --port or --host."
+        ) from error
+    return 0
+
+
+def _told(options: argparse.Namespace) -> dict[str, Any]:
+    """What every page begins with; paths are absolute, for a process elsewhere."""
+    for folder in options.folder:
+        if not os.path.isdir(folder):
+            raise InputError(f"{folder}: expected a folder, got none; correct --folder.")
+    _check_range(options)
+    given = options.input
+    is_plan = given is not None and os.fspath(given).lower().endswith(".json")
+    if options.demo and given is not None:
+        raise InputError("--demo: expected no file beside it, got one; leave one of both out.")
+    if options.centerline is not None and (given is None or is_plan):
+        raise InputError(
+            "--centerline: expected a surface beside it, got none; name the surface first."
+        )
+    for path in (given, options.centerline):
+        if path is not None and not os.path.isfile(path):
+            raise InputError(f"{path}: expected a file, got none; correct the path.")
+    if is_plan:
+        load_plan(given)
+    return {
+        "demo": options.demo,
+        "plan": os.path.abspath(given) if is_plan else None,
+        "surface": os.path.abspath(given) if given is not None and not is_plan else None,
+        "centerline": options.centerline and os.path.abspath(options.centerline),
+        "folders": [os.path.abspath(folder) for folder in options.folder],
+    }
+
+
+def _check_range(options: argparse.Namespace) -> None:
+    if not 0 <= options.port <= 65535:
+        raise InputError(f"--port: expected 0 to 65535, got {options.port}; choose another.")
+    if options.pages < 1:
+        raise InputError(f"--pages: expected at least 1, got {options.pages}; allow one.")
+    if not 0 <= options.keep <= 86400:
+        raise InputError(f"--keep: expected 0 to 86400 s, got {options.keep:g}; choose another.")

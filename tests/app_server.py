@@ -1,0 +1,62 @@
+"""`sdfstent app` as a process of its own, for tests."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import urllib.error
+import urllib.request
+from pathlib import Path
+
+import psutil
+
+PROJECT = Path(__file__).resolve().parents[1]
+
+
+class AppServer:
+    """Started with some arguments; what it writes for itself goes into `folder`."""
+
+    def __init__(self, folder: Path, *arguments: str | Path) -> None:
+        self.folder = folder
+        folder.mkdir(exist_ok=True)
+        environment = {
+            name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"
+        }
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "SDFStentLib", "app", "--no-browser", *map(str, arguments)],
+            cwd=PROJECT,
+            env={**environment, "TMPDIR": str(folder), "OMP_NUM_THREADS": "1"},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        assert self.process.stdout is not None
+        line = self.process.stdout.readline()
+        assert line.startswith("Open http://"), self.process.communicate()
+        self.address = line.split()[1]
+        self.origin, self.token = self.address.rstrip("/").rsplit("/", 1)
+
+    def pages(self) -> list[psutil.Process]:
+        """The processes behind its pages."""
+        return psutil.Process(self.process.pid).children(recursive=True)
+
+    def interrupt(self) -> str:
+        """Ctrl-C; what it said on stderr all in all."""
+        self.process.send_signal(signal.SIGINT)
+        return self.process.communicate(timeout=20)[1]
+
+    def close(self) -> None:
+        if self.process.poll() is None:
+            self.interrupt()
+
+
+def get(url: str, **headers: str) -> tuple[int, str, str]:
+    """Status, text and final address."""
+    request = urllib.request.Request(url, headers=headers)
+    try:
+        with urllib.request.urlopen(request, timeout=60) as answer:
+            return answer.status, answer.read().decode(errors="replace"), answer.url
+    except urllib.error.HTTPError as error:
+        return error.code, error.read().decode(errors="replace"), url

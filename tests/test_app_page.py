@@ -1,0 +1,216 @@
+"""The page of `sdfstent app` in a real browser: the synthetic patient treated by clicks."""
+
+from __future__ import annotations
+
+import io
+import os
+import shutil
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+for name in ("slicer", "trame", "trame_rca", "aiohttp"):
+    pytest.importorskip(name, reason="the extra app is not installed")
+
+from app_server import AppServer  # noqa: E402
+
+CHROMIUM = os.environ.get("CHROMIUM") or shutil.which("chromium")
+QUIET = (
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--no-first-run",
+)
+pytestmark = pytest.mark.skipif(
+    CHROMIUM is None, reason="no Chromium: apt-get install chromium, or name it in CHROMIUM"
+)
+
+
+@pytest.fixture(scope="module")
+def a_browser():
+    with playwright.sync_playwright() as driver:
+        browser = driver.chromium.launch(executable_path=CHROMIUM, args=list(QUIET))
+        yield browser
+        browser.close()
+
+
+@pytest.fixture(scope="module")
+def the_folder(tmp_path_factory):
+    """What the pages may open: a damaged file."""
+    folder = tmp_path_factory.mktemp("folder")
+    (folder / "damaged.vtp").write_text("<VTKFile type='PolyData'><PolyData>", encoding="utf-8")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def the_server(tmp_path_factory, the_folder):
+    workshop = tmp_path_factory.mktemp("workshop")
+    server = AppServer(workshop, "--demo", "--folder", the_folder, "--keep", "20")
+    yield server
+    said = server.interrupt()
+    assert said == ""
+    assert list(workshop.iterdir()) == []
+
+
+class Visit:
+    """A page in the browser, by the names of the panel's widgets."""
+
+    def __init__(self, browser, address):
+        self.context = browser.new_context(viewport={"width": 1280, "height": 800})
+        self.page = self.context.new_page()
+        self.asked, self.errors = [], []
+        self.page.on("request", lambda request: self.asked.append(request.url))
+        self.page.on("pageerror", lambda error: self.errors.append(str(error)))
+        self.page.goto(address)
+        self.named("deployButton").wait_for(timeout=60_000)
+
+    def named(self, name):
+        return self.page.locator(f'[data-name="{name}"]')
+
+    def text(self, name):
+        return self.named(name).inner_text()
+
+    def number(self, name):
+        return self.named(name).locator('input[type="number"]')
+
+    def slider(self, name):
+        return self.named(name).locator('input[type="range"]')
+
+    def until(self, name, words):
+        """Wait until a widget shows these words."""
+        self.named(name).filter(has_text=words).wait_for(timeout=60_000)
+
+    def until_empty(self, name):
+        """Wait until a table has no rows."""
+        rows = self.named(name).locator("tbody tr")
+        playwright.expect(rows).to_have_count(0, timeout=60_000)
+
+    def add_stent(self):
+        rows = self.named("stentTable").locator("tbody tr")
+        count = rows.count()
+        self.named("addStentButton").click()
+        rows.nth(count).wait_for()
+
+    def saved(self, name):
+        with self.page.expect_download(timeout=60_000) as download:
+            self.named(name).click()
+        return Path(download.value.path()).read_bytes()
+
+
+@pytest.fixture(scope="module")
+def the_visit(a_browser, the_server):
+    visit = Visit(a_browser, the_server.address)
+    yield visit
+    visit.context.close()
+    assert visit.errors == []
+    own = (the_server.address, "data:", "blob:")
+    assert [url for url in visit.asked if not url.startswith(own)] == []
+
+
+@pytest.fixture
+def a_visit(the_visit):
+    """The one page, with the synthetic patient opened anew."""
+    the_visit.named("opening").evaluate("one => { one.open = true; }")
+    the_visit.named("demoButton").click()
+    the_visit.until_empty("stentTable")
+    the_visit.named("lesionTable").locator("tbody tr").first.wait_for(timeout=60_000)
+    return the_visit
+
+
+def test_a_lesion_is_treated_by_two_stents_and_the_shell_repeats_the_plan(a_visit, tmp_path):
+    from SDFStentLib.files import read_surface
+    from SDFStentLib.plan import load_plan, run_plan
+
+    lesions = a_visit.named("lesionTable").locator("tbody tr")
+    lesions.first.locator("td").first.click()
+    a_visit.add_stent()
+    a_visit.add_stent()
+    a_visit.number("lengthSlider").fill("12")
+    a_visit.number("lengthSlider").press("Enter")
+    a_visit.named("deployButton").click()
+    a_visit.until("certificateLabel", "Certified")
+    assert a_visit.text("lumenLabel").count("Minimum lumen") == 2
+    assert "certificate" not in a_visit.text("statusLabel")
+    lines = a_visit.page.locator(".results svg path")
+    assert lines.count() == 3
+    assert all(path.get_attribute("d").startswith("M") for path in lines.all())
+    archive = zipfile.ZipFile(io.BytesIO(a_visit.saved("savePlanButton")))
+    archive.extractall(tmp_path)
+    (tmp_path / "page.vtp").write_bytes(a_visit.saved("save-surface"))
+    result = run_plan(load_plan(tmp_path / "plan.json"))
+    assert [stent.stent.length for stent in result.treatment.stents][1] == 12
+    by_page = read_surface(tmp_path / "page.vtp").points
+    np.testing.assert_allclose(result.treatment.points, by_page, rtol=0, atol=1e-9)
+    report = a_visit.saved("save-report").decode()
+    assert result.treatment.certificate.sentence()[:40] in report
+
+
+def test_numbers_follow_a_slider_while_it_is_dragged_and_expansion_goes_back(a_visit):
+    a_visit.add_stent()
+    a_visit.named("autoUpdateCheckBox").locator("input").check()
+    a_visit.slider("diameterSlider").focus()
+    before = float(a_visit.number("diameterSlider").input_value())
+    for _ in range(5):
+        a_visit.page.keyboard.press("ArrowRight")
+    a_visit.until("lumenLabel", "(preview)")
+    after = float(a_visit.number("diameterSlider").input_value())
+    assert after == pytest.approx(before + 0.5, abs=0.06)
+    a_visit.until("certificateLabel", "ertified")
+    assert f"{after:.1f} mm" in a_visit.text("lumenLabel")
+    assert a_visit.slider("expansionSlider").input_value() == "100"
+    a_visit.slider("expansionSlider").fill("0")
+    assert a_visit.number("expansionSlider").input_value() == "0"
+
+
+def test_a_click_on_the_centerline_places_the_handle(a_visit):
+    a_visit.add_stent()
+    place = a_visit.named("placeWidget")
+    place.click()
+    screen = a_visit.page.locator(".screen").bounding_box()
+    a_visit.page.mouse.click(screen["x"] + 5, screen["y"] + 5)
+    a_visit.until("message", "expected a click on the centerline, got one beside it")
+    assert place.get_attribute("aria-pressed") == "true"
+    middle = screen["x"] + screen["width"] / 2
+    for share in np.linspace(0.2, 0.8, 13):
+        a_visit.page.mouse.click(middle, screen["y"] + share * screen["height"])
+        a_visit.page.wait_for_timeout(150)
+        if place.get_attribute("aria-pressed") == "false":
+            break
+    assert place.get_attribute("aria-pressed") == "false"
+    assert a_visit.text("message") == ""
+
+
+def test_a_wrong_file_is_a_sentence_and_the_page_goes_on(a_visit, the_folder):
+    a_visit.named("opening").evaluate("one => { one.open = true; }")
+    for path, sentence in (
+        ("/etc/passwd", "expected a file in a folder that was named at the start"),
+        (the_folder / "damaged.vtp", "damaged.vtp"),
+        (the_folder / "none.vtp", "none.vtp"),
+    ):
+        a_visit.page.fill("#surfacePath", str(path))
+        a_visit.named("openButton").click()
+        a_visit.until("message", sentence)
+    a_visit.named("demoButton").click()
+    playwright.expect(a_visit.named("message")).to_be_hidden(timeout=60_000)
+    a_visit.named("lesionTable").locator("tbody tr").first.wait_for(timeout=60_000)
+
+
+def test_a_page_that_is_loaded_again_has_its_stents(a_visit):
+    a_visit.add_stent()
+    a_visit.page.reload()
+    a_visit.named("stentTable").locator("tbody tr").first.wait_for(timeout=30_000)
+    assert "Stent 1" in a_visit.text("stentTable")
+
+
+def test_a_page_says_that_its_server_has_ended(a_browser, tmp_path):
+    server = AppServer(tmp_path / "workshop")
+    visit = Visit(a_browser, server.address)
+    server.process.kill()
+    visit.page.locator(".gone").wait_for(timeout=20_000)
+    assert "sdfstent app" in visit.page.locator(".gone").inner_text()
+    visit.context.close()

@@ -1,0 +1,119 @@
+"""The server of `sdfstent app`: whom it answers, what it opens, and that nothing is left of it."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+import psutil
+import pytest
+
+from SDFStentLib.cli.shell import main
+from SDFStentLib.validation import InputError
+
+NEEDED = ("slicer", "trame", "trame_rca", "aiohttp")
+for name in NEEDED:
+    pytest.importorskip(name, reason="the extra app is not installed")
+
+from app_server import AppServer, get  # noqa: E402
+
+
+@pytest.fixture
+def a_server(tmp_path):
+    server = AppServer(tmp_path / "workshop", "--keep", "0.2")
+    yield server
+    server.close()
+
+
+def test_only_who_knows_the_token_is_answered_and_ctrl_c_leaves_nothing(a_server):
+    assert a_server.origin.startswith("http://127.0.0.1:")
+    for path in ("", "/", "/index.html", "/x/", f"/{a_server.token[:-1]}/", "/../", "/%2e%2e/"):
+        status, text, _ = get(a_server.origin + path)
+        assert status == 403, path
+        assert text == (
+            "SDF Stent: This address is not complete: use the one that sdfstent app has printed.\n"
+        )
+    status, _, _ = get(f"{a_server.origin}/x/ws", Upgrade="websocket", Connection="Upgrade")
+    assert status == 403
+    status, text, address = get(a_server.address)
+    assert (status, '<div id="app">' in text) == (200, True)
+    assert address.startswith(a_server.address)
+    (page,) = a_server.pages()
+    ports = [c.laddr.port for c in page.net_connections() if c.status == psutil.CONN_LISTEN]
+    for port in ports:  # the process of the page itself, without the server in front of it
+        assert get(f"http://127.0.0.1:{port}/index.html")[0] == 403
+    assert len(ports) == 1
+    assert a_server.interrupt() == ""
+    assert a_server.process.returncode == 0
+    assert not page.is_running()
+    assert list(a_server.folder.iterdir()) == []
+
+
+def test_a_server_that_is_killed_leaves_no_page(a_server):
+    get(a_server.address)
+    (page,) = a_server.pages()
+    a_server.process.kill()
+    a_server.process.wait()
+    page.wait(timeout=10)
+    assert list(a_server.folder.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["no.vtp"], "no.vtp: expected a file, got none"),
+        (["--folder", "nowhere"], "nowhere: expected a folder, got none"),
+        (["--centerline", "c.vtp"], "expected a surface beside it"),
+        (["tube.vtp", "--demo"], "expected no file beside it"),
+        (["--port", "70000"], "expected 0 to 65535, got 70000"),
+        (["--pages", "0"], "expected at least 1, got 0"),
+        (["--keep", "-1"], "expected 0 to 86400 s, got -1"),
+        (["--host", "256.1.1.1", "--no-browser"], "expected an address that is free"),
+    ],
+)
+def test_what_cannot_be_served_is_refused_in_a_sentence(a_folder, capsys, arguments, sentence):
+    assert main(["app", *arguments]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("sdfstent app: ")
+    assert sentence in line
+
+
+def test_a_plan_that_is_none_is_refused_before_anything_is_started(a_folder, capsys):
+    Path("plan.json").write_text("{}", encoding="utf-8")
+    assert main(["app", "plan.json"]) == 2
+    assert "plan.json" in capsys.readouterr().err
+
+
+def test_without_the_extra_it_says_what_to_install(capsys, monkeypatch):
+    monkeypatch.setitem(sys.modules, "trame_rca", None)
+    assert main(["app", "--demo"]) == 2
+    assert capsys.readouterr().err == (
+        "sdfstent app: expected the packages of the extra app, trame_rca is missing; "
+        "install them: pip install 'sdfstent[app]'.\n"
+    )
+
+
+def test_a_page_opens_files_of_the_named_folders_only(tmp_path):
+    from SDFStentApp.files import Folders
+
+    inside, outside = tmp_path / "in", tmp_path / "out"
+    for folder in (inside / "deep", outside):
+        folder.mkdir(parents=True)
+        (folder / "wall.vtp").touch()
+    os.symlink(outside, inside / "link")
+    folders = Folders([inside])
+    assert folders.listing((".vtp",)) == [str(inside / "deep" / "wall.vtp")]
+    assert folders.checked(inside / "deep" / "wall.vtp") == inside / "deep" / "wall.vtp"
+    for path in (
+        outside / "wall.vtp",
+        inside / ".." / "out" / "wall.vtp",
+        inside / "link" / "wall.vtp",
+        f"{inside}er/wall.vtp",
+        "wall.vtp",
+        "/etc/passwd",
+        "a\0b",
+    ):
+        with pytest.raises(InputError, match="expected a file in a folder that was named"):
+            folders.checked(path)
+    assert Folders([]).listing((".vtp",)) == []
