@@ -55,14 +55,21 @@ def _folder(hierarchy, parameterNode):
         node = getattr(parameterNode, role)
         if node is None or node.GetID() in Outputs.takenIDs(parameterNode, role):
             continue
-        item = hierarchy.GetItemByDataNode(node)
-        folder = hierarchy.GetItemParent(item) if item else 0
-        if folder and hierarchy.GetItemAttribute(folder, FOLDER_ATTRIBUTE):
+        if folder := resultsFolder(node):
             return folder
     name = _("{name} results").format(name=parameterNode.parameterNode.GetName())
     folder = hierarchy.CreateFolderItem(hierarchy.GetSceneItemID(), name)
     hierarchy.SetItemAttribute(folder, FOLDER_ATTRIBUTE, "1")
     return folder
+
+
+def resultsFolder(node):
+    """The item of the folder of results that a node is in; 0 where it is in none."""
+    hierarchy = slicer.vtkMRMLSubjectHierarchyNode.GetSubjectHierarchyNode(node.GetScene())
+    item = hierarchy.GetItemByDataNode(node)
+    folder = hierarchy.GetItemParent(item) if item else 0
+    isOurs = folder and hierarchy.GetItemAttribute(folder, FOLDER_ATTRIBUTE)
+    return folder if isOurs else 0
 
 
 def hideModel(node):
@@ -269,3 +276,16 @@ def showTable(parameterNode):
     selection = slicer.app.applicationLogic().GetSelectionNode()
     selection.SetActiveTableID(parameterNode.outputTable.GetID())
     slicer.app.applicationLogic().PropagateTableSelection()
+
+
+def followPlan(left, shown):
+    """Where plot or table of the plan that is left are in a view, show those of the other plan, as far as it has them."""
+    application = slicer.app.applicationLogic()
+    selection = application.GetSelectionNode()
+    table, chart = left.outputTable, left.outputChart
+    if None not in (table, shown.outputTable) and selection.GetActiveTableID() == table.GetID():
+        selection.SetActiveTableID(shown.outputTable.GetID())
+        application.PropagateTableSelection()
+    if None not in (chart, shown.outputChart) and selection.GetActivePlotChartID() == chart.GetID():
+        selection.SetActivePlotChartID(shown.outputChart.GetID())
+        application.PropagatePlotChartSelection()

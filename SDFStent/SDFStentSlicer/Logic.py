@@ -14,6 +14,7 @@ from SDFStentLib.treatment import placement_at
 from SDFStentLib.validation import DeploymentError, InputError
 
 from . import Dependencies, Deploying, Display, Handles, Outputs, Plans, Results
+from .Alternatives import Alternatives
 from .Fitting import Fitting
 from .Inputs import Inputs
 from .ParameterNode import STENT_FIELDS, MethodParameters, Placement, SDFStentParameterNode
@@ -24,8 +25,10 @@ from .Snapping import Snapping
 from .StentList import StentList
 from .Suggesting import Suggesting
 
+FIRST_PLAN = "Plan 1"
 
-class SDFStentLogic(Fitting, Suggesting, ScriptedLoadableModuleLogic):
+
+class SDFStentLogic(Fitting, Suggesting, Alternatives, ScriptedLoadableModuleLogic):
     """Deploys the stents of a parameter node.
 
         logic = SDFStentLogic()
@@ -42,8 +45,9 @@ class SDFStentLogic(Fitting, Suggesting, ScriptedLoadableModuleLogic):
         ScriptedLoadableModuleLogic.__init__(self)
         self.forget()
         logic = weakref.ref(self)  # the scene outlives this object and must not keep it
-        for event in (slicer.mrmlScene.EndCloseEvent, slicer.mrmlScene.EndImportEvent):
-            slicer.mrmlScene.AddObserver(event, lambda *_: logic() and logic().forget())
+        scene = slicer.mrmlScene
+        scene.AddObserver(scene.EndImportEvent, lambda *_: logic() and logic().forget())
+        scene.AddObserver(scene.EndCloseEvent, lambda *_: logic() and logic().begin())
 
     def forget(self):
         """Let go of everything that belongs to the scene, which was closed or has got other content."""
@@ -52,9 +56,22 @@ class SDFStentLogic(Fitting, Suggesting, ScriptedLoadableModuleLogic):
         self._shown, self._inputs = {}, Inputs()
         self._snapping, self._previewing = Snapping(), Previewing()
 
+    def begin(self):
+        """Start anew in a scene that was closed: its first plan is still there, without values, and called as before."""
+        self.forget()
+        node = slicer.mrmlScene.GetSingletonNode(self.moduleName, "vtkMRMLScriptedModuleNode")
+        if node is not None:
+            node.SetName(_(FIRST_PLAN))
+
     def getParameterNode(self):
         """The parameters that the panel starts with."""
         return self.parameterSet(super().getParameterNode())
+
+    def createParameterNode(self):
+        """The node of the first plan in a scene."""
+        node = super().createParameterNode()
+        node.SetName(slicer.mrmlScene.GenerateUniqueName(_(FIRST_PLAN)))
+        return node
 
     def parameterSet(self, node):
         """The parameters in a `vtkMRMLScriptedModuleNode`, always the same object for the same node."""

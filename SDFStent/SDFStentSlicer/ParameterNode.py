@@ -160,7 +160,7 @@ class SDFStentParameterNode:
     """Inputs, the plan, what is shown, and the nodes that hold the results.
 
     `stents` is the plan's ordered list; `stent` is the selected one while it is edited, kept equal to `stents[selected]` by
-    `StentList`.
+    `StentList`. `summaryRow` is the result in the few words of the table of plans, as JSON.
     """
 
     vessel: Union[vtkMRMLModelNode, vtkMRMLSegmentationNode, None]
@@ -191,6 +191,7 @@ class SDFStentParameterNode:
     lumenSummary: str = ""
     certificateSummary: str = ""
     warningSummary: str = ""
+    summaryRow: str = ""
     planDocument: str = ""
 
 

@@ -33,11 +33,11 @@ def inPortions(function):
     return outcome["value"]
 
 
-def working(portions):
-    """Yield 0.0, as a fraction done, for every portion of a calculation; returns what it returns."""
+def working(portions, fraction=float):
+    """Yield a fraction done, 0.0 or what `fraction()` gives, for every portion of a calculation; returns what it returns."""
     # Ends: with the calculation.
     while (end := _next(portions)) is None:
-        yield 0.0
+        yield fraction()
     return end.value
 
 

@@ -1,5 +1,7 @@
 """What a deployment leaves in the scene: centerline, stents, table, plot, maps and the sentences of the panel."""
 
+import json
+
 import numpy as np
 import slicer
 from slicer.i18n import tr as _
@@ -42,7 +44,7 @@ def showEnd(parameterNode, run, lines):
 def clearNumbers(parameterNode, text=""):
     """Take away what was measured; `text` stands in its place."""
     parameterNode.lumenSummary = text
-    parameterNode.certificateSummary = parameterNode.warningSummary = ""
+    parameterNode.certificateSummary = parameterNode.warningSummary = parameterNode.summaryRow = ""
 
 
 def showStents(parameterNode, stents):
@@ -94,6 +96,7 @@ def showMeasured(parameterNode, run):
         parameterNode.certificateSummary = (
             run.result.certificate.sentence() if run.result.certificate else _("Not certified.")
         )
+        parameterNode.summaryRow = json.dumps(summaryRow(run))
         parameterNode.warningSummary = "\n".join(
             _("Warning: {sentence}").format(sentence=one_line(caution.sentence()))
             for caution in (
@@ -101,6 +104,24 @@ def showMeasured(parameterNode, run):
                 *ratio_cautions(run.result.stents, run.lesions or (), run.label),
             )
         )
+
+
+def summaryRow(run):
+    """The narrowest lumen in the stents, the largest stenosis left, branches and certificate: a few words each."""
+    stents, lesions = run.result.stents, run.lesions
+    left = max((one.after.percent_diameter for one in lesions or ()), default=0.0)
+    branches = {branch.name: branch for stent in stents for branch in stent.branches}
+    covered = {branch.name for stent in stents for branch in stent.branches if not branch.is_free}
+    certificate = run.result.certificate
+    isCertified = certificate is not None and certificate.passed
+    return [
+        _("{lumen} mm").format(lumen=_number(min(stent.after.minimum for stent in stents))),
+        _("not known") if lesions is None else f"{max(left, 0.0):.0f} %",
+        _("{count} of {all} covered").format(count=len(covered), all=len(branches))
+        if branches
+        else _("none near"),
+        _("certified") if isCertified else _("not certified"),
+    ]
 
 
 def showSummary(parameterNode, run):

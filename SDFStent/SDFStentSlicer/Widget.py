@@ -16,6 +16,7 @@ from .LesionTable import LesionTable
 from .Logic import SDFStentLogic
 from .PanelState import PanelState
 from .ParameterNode import CHOICE_LABELS
+from .PlanTable import PlanTable
 from .RecoilRule import RecoilRule
 from .ShapeSection import ShapeSection
 from .StentButtons import StentButtons
@@ -31,7 +32,7 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
         ScriptedLoadableModuleWidget.__init__(self, parent)
         VTKObservationMixin.__init__(self)
         self.logic = logic
-        self.session = self.stents = self.table = self.lesions = self._state = None
+        self.session = self.stents = self.table = self.lesions = self.plans = self._state = None
         self._parameterNode = self._binding = self._lastSet = None
         self._inputs = InputWatch(self.onInputModified, self.onHandleReleased)
 
@@ -54,8 +55,10 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
         self.lesions = LesionTable(
             self.ui, self.logic.lesionSearch, self._onSelectLesion, self._prepare
         )
+        self.plans = PlanTable(self.ui, self.logic, self._attempt, self._switchTo)
         self.sections = [
-            kind(self.ui, self.logic, self._attempt) for kind in (DeviceSection, ShapeSection)
+            kind(self.ui, self.logic, self._attempt)
+            for kind in (DeviceSection, ShapeSection)
         ]
         self.recoil = RecoilRule(self.logic, self._onPrepared)
         self.preparation = SteppedRun(lambda _value: None, self._onPrepared)
@@ -64,6 +67,7 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
         self.initializeParameterNode()
 
     def cleanup(self):
+        self.plans.comparing.stop()
         self.setParameterNode(None)
         self.removeObservers()
 
@@ -96,6 +100,7 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
     def onSceneReady(self, caller=None, event=None):
         if self.parent.isEntered:
             self.initializeParameterNode()
+            self.logic.showPlan(self._parameterNode)
 
     @vtk.calldata_type(vtk.VTK_OBJECT)
     def onNodeAboutToBeRemoved(self, caller, event, node):
@@ -131,6 +136,10 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
             self.setParameterNode(None)
             self._lastSet = node
             self.initializeParameterNode()
+            self.logic.showPlan(self._parameterNode)
+
+    def _switchTo(self, parameterNode):
+        self.onParameterSetSelected(parameterNode.parameterNode)
 
     def setParameterNode(self, parameterNode):
         """Show and observe another parameter node, or none."""
@@ -150,6 +159,7 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
         self.stents = None
         self.lesions.follow(parameterNode)
         self.recoil.follow(parameterNode)
+        self.plans.show(None)
         if parameterNode is not None:
             self._lastSet = parameterNode.parameterNode
             self.ui.parameterSetSelector.setCurrentNode(self._lastSet)
@@ -182,6 +192,7 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
         self.table.show(self.stents.values(), self._parameterNode.selected)
         self._state.show(self._parameterNode)
         self._showSections()
+        self.plans.show(self._parameterNode)
         self._requestUpdate()
 
     def _showSections(self):
@@ -220,8 +231,9 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
 
     def _showError(self, error, level=logging.INFO):
         self.logic.log(error, level)
-        self._parameterNode.status = self.logic.sentence(error)
-        self._state.enable(self._parameterNode)
+        if self._parameterNode is not None:  # what was begun before may end when nothing is shown
+            self._parameterNode.status = self.logic.sentence(error)
+            self._state.enable(self._parameterNode)
 
     # Buttons
 

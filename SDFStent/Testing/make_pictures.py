@@ -24,6 +24,9 @@ PLOT_SIZE = (760, 420)
 MARGIN = 12
 NESTED = ("device", "shape")
 """Sections of the selected stent, within that of the stents."""
+SECTIONS = (
+    "inputs", "outputs", "stents", *NESTED, "deploy", "results", "plans", "advanced",
+)  # fmt: skip
 
 
 class Studio:
@@ -83,7 +86,7 @@ class Studio:
     def _open(self, sections):
         if set(sections) & set(NESTED):
             sections = ("stents", *sections)
-        for name in ("inputs", "outputs", "stents", *NESTED, "deploy", "results", "advanced"):
+        for name in SECTIONS:
             button = getattr(self.panel.ui, name + "CollapsibleButton")
             if button.collapsed != (name not in sections):
                 button.collapsed = name not in sections
@@ -199,6 +202,13 @@ def main(folder):
     settle(host, panel)
     studio.take("reference-device-shape.png", "device", "shape")
     studio.take("reference-advanced.png", "advanced")
+    ui.plansCollapsibleButton.collapsed = False
+    host.click(ui.duplicatePlanButton)
+    ui.balloonSlider.value = 6.5
+    ui.planTable.item(1, 0).setText("smaller balloon")
+    host.click(ui.deployButton)
+    settle(host, panel)
+    studio.take("reference-plans.png", "plans")
     host.closePanel(panel)
     if host.errors():
         raise RuntimeError("Something was logged while the pictures were made.")

@@ -80,7 +80,10 @@ def test_the_panel_fits_into_a_narrow_window(host, aStent):
     aStent.ui.nameEdit.text = long
     aStent.ui.diameterSlider.value = 2.0  # with a warning
     deploy(host, aStent)
-    aStent.ui.advancedCollapsibleButton.collapsed = False
+    for section in ("advanced", "plans", "segment"):
+        getattr(aStent.ui, section + "CollapsibleButton").collapsed = False
+    host.click(aStent.ui.duplicatePlanButton)
+    deploy(host, aStent)
     host.choose(aStent.ui.placementComboBox, 4)
     host.process()
     assert neededWidth(aStent) <= WIDTH_IN_THE_HOST

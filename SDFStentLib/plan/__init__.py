@@ -11,7 +11,7 @@ from ..late import late_names
 
 if TYPE_CHECKING:
     from .axis import read_axis_file
-    from .comparison import Alternative, Comparison, compare
+    from .comparison import Alternative, Comparison, compare, comparison_inputs
     from .details import (
         StentDetails,
         detailed_stent,
@@ -54,6 +54,7 @@ __all__ = [
     "StepFiles",
     "as_read",
     "compare",
+    "comparison_inputs",
     "detailed_stent",
     "details_words",
     "device_document",
@@ -90,7 +91,7 @@ __getattr__, __dir__ = late_names(
     __name__,
     {
         "axis": ["read_axis_file"],
-        "comparison": ["Alternative", "Comparison", "compare"],
+        "comparison": ["Alternative", "Comparison", "compare", "comparison_inputs"],
         "details": [
             "StentDetails",
             "detailed_stent",

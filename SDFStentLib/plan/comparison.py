@@ -54,9 +54,20 @@ class Comparison:
         return {one.name: one.result for one in self.alternatives if one.result is not None}
 
 
+def comparison_inputs(
+    plans: Mapping[str, Plan], *, accept_changed_inputs: bool = False
+) -> dict[str, InputFiles]:
+    """Read what `compare` needs; what several plans name alike is read once.
+
+    For a program that reads files elsewhere than it computes. Errors as of `compare`.
+    """
+    return _inputs(_checked(plans), accept_changed_inputs)
+
+
 def compare(
     plans: Mapping[str, Plan],
     *,
+    inputs: Mapping[str, InputFiles] | None = None,
     accept_changed_inputs: bool = False,
     progress: Callable[[float, str], None] | None = None,
 ) -> Comparison:
@@ -68,6 +79,8 @@ def compare(
     ----------
     plans : mapping of str to Plan
         Two or more, by name.
+    inputs : mapping of str to InputFiles, optional
+        As of `comparison_inputs`, where that was called before.
     accept_changed_inputs : bool
         As for `run_plan`.
     progress : callable, optional
@@ -81,7 +94,8 @@ def compare(
     DeploymentError
         None of the plans could be carried out; the message says why the first could not.
     """
-    inputs = _inputs(_checked(plans), accept_changed_inputs)
+    if inputs is None:
+        inputs = comparison_inputs(plans, accept_changed_inputs=accept_changed_inputs)
     done = []
     for place, (name, plan) in enumerate(plans.items()):
 

@@ -187,6 +187,8 @@ def install(application, files, checkout=None):
     for name, cls in qmrml_widgets.QMRML_WIDGETS.items():
         setattr(slicer, name, wrapped(cls))
     qt.QFileDialog = _fileDialog(files)
+    slicer.util.openedUrls = []
+    qt.QDesktopServices = types.SimpleNamespace(openUrl=slicer.util.openedUrls.append)
     _patchUtil()
     if checkout is None:
         _installPythonLayer()
@@ -252,6 +254,8 @@ def _fileDialog(files):
     class FileDialog:
         getOpenFileName = staticmethod(lambda *_: files.pop(0))
         getSaveFileName = staticmethod(lambda *_: files.pop(0))
+        getOpenFileNames = staticmethod(lambda *_: files.pop(0))
+        getExistingDirectory = staticmethod(lambda *_: files.pop(0))
 
     return FileDialog
 

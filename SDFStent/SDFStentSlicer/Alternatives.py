@@ -1,0 +1,258 @@
+"""Alternatives: several plans for one vessel, each a parameter set with stents, method and results of its own."""
+
+from pathlib import Path
+
+import slicer
+from slicer.i18n import tr as _
+
+from SDFStentLib.validation import InputError
+
+from . import Comparing, Conversion, Dependencies, Display, Handles, Outputs
+from .NewFolders import inNewFolder
+from .ParameterNode import MethodParameters
+from .Portions import untilDone
+from .StentList import StentList
+
+COPIED = (
+    "vessel",
+    "segmentID",
+    "centerline",
+    "deviceTable",
+    "map",
+    "flowLeast",
+    "flowMost",
+    "showStents",
+    "showDevice",
+    "planDocument",
+)
+"""What a copy of a plan takes over beside its stents and its method; its results it has to make."""
+
+SEEN_ROLES = ("outputVessel", "outputCenterline", "outputStents")
+HIDDEN_ATTRIBUTE = "SDFStent.HiddenWithPlan"
+SHOWN_ATTRIBUTE = "SDFStent.ShownWithPlan"
+
+
+class Alternatives:
+    """A part of `SDFStentLogic`: the plans for a vessel beside each other.
+
+    Which there are only the scene knows, so that it saves them, brings them back and forgets them like all else.
+    """
+
+    def alternatives(self, parameterNode):
+        """All plans for the vessel of a parameter node, itself among them, in the order in which they were made."""
+        vessel = parameterNode.vessel
+        if vessel is None:
+            return [parameterNode]
+        segment = Conversion.segmentOf(parameterNode)
+        sets = [self.parameterSet(node) for node in self.getAllParameterNodes()]
+        return [
+            one for one in sets if one.vessel is vessel and Conversion.segmentOf(one) == segment
+        ]
+
+    def duplicatePlan(self, parameterNode):
+        """Another plan with copies of the stents and their handles; returns its parameters."""
+        copy = self.addParameterSet(self._freePlanName(parameterNode))
+        with slicer.util.NodeModify(copy):
+            for name in COPIED:
+                setattr(copy, name, getattr(parameterNode, name))
+            method = parameterNode.method
+            copy.method = MethodParameters(
+                **{name: getattr(method, name) for name in MethodParameters.allParameters}
+            )
+            StentList(copy).replace(_withOwnHandles(parameterNode), parameterNode.selected)
+        return copy
+
+    def loadPlans(self, paths, parameterNode):
+        """Add a plan per plan document, called as its file; the first one takes the place of a plan without stents.
+
+        Returns the parameters of the last one. What cannot be read is refused before anything is kept of it.
+        """
+        last = parameterNode
+        for path in paths:
+            last = self._loadInto(path, parameterNode)
+        return last
+
+    def _loadInto(self, path, parameterNode):
+        isEmpty = not parameterNode.stents
+        plan = parameterNode if isEmpty else self.addParameterSet(Path(path).stem)
+        try:
+            if not isEmpty:
+                for name in ("vessel", "segmentID", "centerline"):
+                    setattr(plan, name, getattr(parameterNode, name))
+            self.loadPlan(path, plan)
+        except Exception:
+            if not isEmpty:
+                slicer.mrmlScene.RemoveNode(plan.parameterNode)
+            raise
+        plan.parameterNode.SetName(self._freePlanName(plan, Path(path).stem))
+        return plan
+
+    def renamePlan(self, parameterNode, name):
+        """Call a plan otherwise; `InputError` for no name, or that of another plan for the vessel."""
+        name = name.strip()
+        if not name:
+            raise InputError(_("Plan: expected a name, got none; type one."))
+        if name in self._namesBeside(parameterNode):
+            raise InputError(
+                _(
+                    "Plan: expected a name of its own, another plan is called {name}, too; choose another one."
+                ).format(name=name)
+            )
+        parameterNode.parameterNode.SetName(name)
+
+    def removePlan(self, parameterNode):
+        """Remove a plan with its results and the handles that were made for it; what other plans use stays."""
+        node = parameterNode.parameterNode
+        scene, own, folder = node.GetScene(), _ownNodes(parameterNode), _folderOf(parameterNode)
+        for known in (self._wrappers, self._shown):
+            known.pop(node.GetID(), None)
+        scene.RemoveNode(node)
+        kept = [
+            used
+            for other in map(self.parameterSet, self.getAllParameterNodes())
+            for used in (*_ownNodes(other), other.vessel, other.centerline)
+        ]
+        for one in own:
+            if one not in kept:
+                _removeWhole(one)
+        hierarchy = slicer.vtkMRMLSubjectHierarchyNode.GetSubjectHierarchyNode(scene)
+        if folder and not hierarchy.GetNumberOfItemChildren(folder):
+            hierarchy.RemoveItem(folder)
+
+    def showPlan(self, parameterNode):
+        """Show what belongs to a plan, and hide what belongs only to the others for the vessel.
+
+        Only what was hidden in this way is shown again: who hides a result himself finds it hidden.
+        """
+        others = [one for one in self.alternatives(parameterNode) if one is not parameterNode]
+        own = _seenNodes(parameterNode)
+        for node in (node for other in others for node in _seenNodes(other)):
+            if node not in own:
+                _changeOver(node, HIDDEN_ATTRIBUTE, False)
+        for node in own:
+            _changeBack(node, HIDDEN_ATTRIBUTE, True)
+        _showVessel(parameterNode, any(other.outputVessel is not None for other in others))
+        for other in others:
+            Display.followPlan(other, parameterNode)
+
+    def compare(self, parameterNode, folder):
+        """Carry out all plans for the vessel and write them side by side into a new folder in `folder`.
+
+        Returns the path of the page, that of `sdfstent compare`. Errors are those of a deployment.
+        """
+        return untilDone(self.comparisonSteps(parameterNode, folder))
+
+    def comparisonSteps(self, parameterNode, folder):
+        """The same in portions: an iterator over the fraction that is done, which returns the path."""
+        plans = {}
+        for one in self.alternatives(parameterNode):
+            name = one.parameterNode.GetName()
+            if missing := Dependencies.missing(one):
+                raise InputError(f"{name}: {missing}")
+            if name in plans:
+                raise InputError(
+                    _(
+                        "Compare: expected plans of different names, two are called {name}; rename one."
+                    ).format(name=name)
+                )
+            plans[name] = one
+        return inNewFolder(folder, "comparison", lambda new: Comparing.steps(plans, new))
+
+    def _namesBeside(self, parameterNode):
+        beside = [one for one in self.alternatives(parameterNode) if one is not parameterNode]
+        return {one.parameterNode.GetName() for one in beside}
+
+    def _freePlanName(self, parameterNode, wanted=""):
+        """The name that is wanted, or the plan's, with a number behind it while another plan has it."""
+        names = self._namesBeside(parameterNode)
+        if wanted and wanted not in names:
+            return wanted
+        names.add(parameterNode.parameterNode.GetName())
+        stem = wanted or _("Plan")
+        number = 2
+        # Ends: there are finitely many names.
+        while f"{stem} {number}" in names:
+            number += 1
+        return f"{stem} {number}"
+
+
+def _withOwnHandles(parameterNode):
+    """The stents of a plan as dictionaries, with copies of their handles."""
+    stents = StentList(parameterNode).values()
+    for values in stents:
+        handle = values["handle"]
+        if handle is not None:
+            values["handle"] = Handles.copyHandle(handle, handle.GetName())
+    return stents
+
+
+def _seenNodes(parameterNode):
+    """What is seen of a plan in the views: results, and handles that were made for it."""
+    results = [getattr(parameterNode, role) for role in SEEN_ROLES]
+    handles = [stent.handle for stent in parameterNode.stents]
+    made = [node for node in handles if node and node.GetAttribute(Handles.HANDLE_ATTRIBUTE)]
+    return [node for node in (*results, *made) if node is not None]
+
+
+def _ownNodes(parameterNode):
+    """All that a plan has made in the scene."""
+    chart = parameterNode.outputChart
+    count = 0 if chart is None else chart.GetNumberOfPlotSeriesNodes()
+    found = [
+        *_seenNodes(parameterNode),
+        parameterNode.outputTable,
+        *(chart.GetNthPlotSeriesNode(index) for index in range(count)),
+        chart,
+    ]
+    return [
+        node
+        for node in found
+        if node is not None
+        and not (node.IsA("vtkMRMLModelNode") and node.GetAttribute(Outputs.ATTRIBUTE) is None)
+    ]
+
+
+def _removeWhole(node):
+    """Remove a node with those that show and store it."""
+    scene, helpers = (
+        node.GetScene(),
+        [node.GetStorageNode()] if node.IsA("vtkMRMLStorableNode") else [],
+    )
+    if node.IsA("vtkMRMLDisplayableNode"):
+        helpers += [node.GetNthDisplayNode(n) for n in range(node.GetNumberOfDisplayNodes())]
+    for one in (node, *helpers):
+        if one is not None:
+            scene.RemoveNode(one)
+
+
+def _folderOf(parameterNode):
+    """The item of the folder with the plan's results; 0 without one."""
+    node = parameterNode.outputVessel
+    return 0 if node is None else Display.resultsFolder(node)
+
+
+def _changeOver(node, attribute, isVisible):
+    """Show or hide a node that was not, and remember that."""
+    display = node.GetDisplayNode()
+    if display is not None and bool(display.GetVisibility()) != isVisible:
+        display.SetVisibility(isVisible)
+        node.SetAttribute(attribute, "1")
+
+
+def _changeBack(node, attribute, isVisible):
+    """Show or hide a node again of which the opposite was remembered."""
+    if node.GetAttribute(attribute):
+        node.RemoveAttribute(attribute)
+        if node.GetDisplayNode() is not None:
+            node.GetDisplayNode().SetVisibility(isVisible)
+
+
+def _showVessel(parameterNode, othersDeployed):
+    """The vessel itself while a plan has no result in its place, as others have."""
+    vessel = parameterNode.vessel
+    if vessel is None or not vessel.IsA("vtkMRMLModelNode"):
+        return
+    if parameterNode.outputVessel is not None:
+        _changeBack(vessel, SHOWN_ATTRIBUTE, False)
+    elif othersDeployed:
+        _changeOver(vessel, SHOWN_ATTRIBUTE, True)

@@ -1,0 +1,134 @@
+"""The section Plans of the panel: the alternatives for the vessel, side by side."""
+
+import json
+
+import qt
+from slicer.i18n import tr as _
+
+from SDFStentLib.validation import one_line
+
+from .FolderButton import FolderButton
+
+
+class PlanTable:
+    """Shows the plans for the vessel in `ui.planTable`, and does what the buttons below it ask for.
+
+    `attempt(action)` does what is asked for and says why when it cannot be done; `switchTo(parameterNode)` shows another plan.
+    """
+
+    def __init__(self, ui, logic, attempt, switchTo):
+        self.ui, self._logic, self._attempt, self._switchTo = ui, logic, attempt, switchTo
+        self._parameterNode, self._plans, self._shown = None, [], None
+        self._updating = False
+        self._compared = None
+        self.comparing = FolderButton(
+            ui.comparePlansButton,
+            _("A new folder with the comparison is made in"),
+            self._stepsInto,
+            attempt,
+            self._onCompared,
+        )
+        ui.plansCollapsibleButton.connect("contentsCollapsed(bool)", self._onOpened)
+        ui.planTable.connect("itemSelectionChanged()", self._onSelected)
+        ui.planTable.connect("itemChanged(QTableWidgetItem*)", self._onChanged)
+        ui.duplicatePlanButton.connect("clicked()", self._onDuplicate)
+        ui.removePlanButton.connect("clicked()", self._onRemove)
+        ui.loadPlansButton.connect("clicked()", self._onLoad)
+
+    def show(self, parameterNode):
+        """The plans for the vessel of a parameter node, that one selected; while the section is closed nothing is done."""
+        self._parameterNode = parameterNode
+        if parameterNode is None:
+            self._plans, self._shown = [], None
+        if parameterNode is None or self.ui.plansCollapsibleButton.collapsed:
+            return
+        self._plans = self._logic.alternatives(parameterNode)
+        rows = [self._row(plan) for plan in self._plans]
+        current = self._plans.index(parameterNode)
+        self._enable()
+        if self._shown == (rows, current):
+            return
+        self._shown = (rows, current)
+        self._updating = True
+        try:
+            self.ui.planTable.setRowCount(len(rows))
+            for row, texts in enumerate(rows):
+                for column, text in enumerate(texts[:-1]):
+                    self._fill(row, column, text, texts[-1])
+            self.ui.planTable.selectRow(current)
+        finally:
+            self._updating = False
+
+    def _row(self, plan):
+        """The texts of a plan, and what to say of all of them."""
+        name = one_line(plan.parameterNode.GetName())
+        if not plan.summaryRow:
+            return (name, *4 * ("",), _("Not deployed yet."))
+        isOld = self._logic.hasChanged(plan)
+        tip = _("Changed since this deployment.") if isOld else ""
+        return (name, *json.loads(plan.summaryRow), tip)
+
+    def _fill(self, row, column, text, tip):
+        """Set a cell in place: one that is being edited goes on being edited."""
+        item = self.ui.planTable.item(row, column)
+        if item is None:
+            item = qt.QTableWidgetItem()
+            flags = qt.Qt.ItemIsEnabled | qt.Qt.ItemIsSelectable
+            item.setFlags(flags | qt.Qt.ItemIsEditable if column == 0 else flags)
+            self.ui.planTable.setItem(row, column, item)
+        item.setText(text)
+        item.setToolTip("\n".join(filter(None, (text, tip))))
+
+    def _enable(self):
+        hasVessel, isAlone = self._parameterNode.vessel is not None, len(self._plans) < 2
+        self.ui.duplicatePlanButton.enabled = self.ui.loadPlansButton.enabled = hasVessel
+        self.ui.removePlanButton.enabled = not isAlone
+        self.ui.comparePlansButton.enabled = not isAlone or self.comparing.isRunning
+
+    def _onOpened(self, isClosed):
+        if not isClosed:
+            self.show(self._parameterNode)
+
+    def _onSelected(self):
+        row = self.ui.planTable.currentRow()
+        if not self._updating and 0 <= row < len(self._plans):
+            self._switchTo(self._plans[row])
+
+    def _onChanged(self, item):
+        if self._updating or item.column() != 0:
+            return
+        plan, self._shown = self._plans[item.row()], None  # what is written there is no name yet
+        self._attempt(lambda: self._logic.renamePlan(plan, item.text()))
+        self.show(self._parameterNode)
+
+    def _onDuplicate(self):
+        self._attempt(lambda: self._switchTo(self._logic.duplicatePlan(self._parameterNode)))
+
+    def _onRemove(self):
+        plan = self._parameterNode
+        row = self._plans.index(plan)
+        beside = [*self._plans[row + 1 :], *reversed(self._plans[:row])]
+        self._switchTo(beside[0])
+        self._logic.removePlan(plan)
+        self.show(self._parameterNode)
+
+    def _onLoad(self):
+        paths = qt.QFileDialog.getOpenFileNames(
+            self.ui.planTable, _("Load plans"), "", _("Plan (*.json)")
+        )
+        if paths:
+            self._attempt(
+                lambda: self._switchTo(self._logic.loadPlans(list(paths), self._parameterNode))
+            )
+            self.show(self._parameterNode)
+
+    # Comparing
+
+    def _stepsInto(self, folder):
+        self._compared = self._parameterNode
+        return self._logic.comparisonSteps(self._parameterNode, folder)
+
+    def _onCompared(self, page):
+        if self._compared is self._parameterNode:
+            self._parameterNode.status = _("Wrote {path}.").format(path=page)
+        qt.QDesktopServices.openUrl(qt.QUrl.fromLocalFile(str(page)))

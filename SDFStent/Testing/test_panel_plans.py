@@ -1,0 +1,395 @@
+"""Alternatives in the panel: plans for one vessel beside each other, and the page that compares them."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import slicer
+from panel_helpers import deploy, saveAsFile, theThroat
+
+
+@pytest.fixture
+def aPlan(host, aStent):
+    """The panel with one stent at the throat and the section Plans open."""
+    aStent.ui.plansCollapsibleButton.collapsed = False
+    aStent.parent.resize(460, 2000)
+    host.process()
+    return aStent
+
+
+def names(panel):
+    table = panel.ui.planTable
+    return [table.item(row, 0).text() for row in range(table.rowCount)]
+
+
+def rowOf(panel, row):
+    return [panel.ui.planTable.item(row, column).text() for column in range(5)]
+
+
+def rename(panel, row, name):
+    """As the editor of the table does when it is closed."""
+    panel.ui.planTable.item(row, 0).setText(name)
+
+
+def isSeen(node):
+    return bool(node.GetDisplayNode().GetVisibility())
+
+
+def pointsOf(node):
+    return np.array(slicer.util.arrayFromModelPoints(node))
+
+
+def test_a_plan_alone_can_be_duplicated_and_nothing_else(aPlan):
+    ui = aPlan.ui
+    assert names(aPlan) == ["Plan 1"]
+    assert ui.planTable.item(0, 1).toolTip() == "Not deployed yet."
+    assert ui.duplicatePlanButton.enabled
+    assert not ui.removePlanButton.enabled
+    assert not ui.comparePlansButton.enabled
+
+
+def test_a_duplicate_is_a_whole_plan_of_its_own(host, aPlan):
+    from SDFStentSlicer.Alternatives import COPIED
+
+    ui, first = aPlan.ui, aPlan._parameterNode
+    host.click(ui.copyStentButton)
+    ui.waistSpinBox.value = 5.0
+    ui.gapSlider.value = 0.7
+    ui.flowLeastSpinBox.value = 1.5
+    first.deviceTable = "some.json"
+    host.click(ui.duplicatePlanButton)
+    second = aPlan._parameterNode
+    assert second is not first
+    assert names(aPlan) == ["Plan 1", "Plan 2"]
+    assert ui.planTable.currentRow() == 1
+    for name in COPIED:
+        assert getattr(second, name) == getattr(first, name), name
+    assert second.method.tissueGap == 0.7
+    for one, other in zip(first.stents, second.stents, strict=True):
+        assert (one.label, one.diameter, one.details) == (
+            other.label,
+            other.diameter,
+            other.details,
+        )
+        assert one.handle is not other.handle
+        places = [node.GetNthControlPointPositionWorld(0) for node in (one.handle, other.handle)]
+        np.testing.assert_array_equal(*places)
+    ui.diameterSlider.value = 6.0
+    second.stent.handle.SetNthControlPointPositionWorld(0, 0.0, 0.0, 20.0)
+    ui.planTable.selectRow(0)
+    assert aPlan._parameterNode is first
+    assert first.stents[1].diameter == ui.diameterSlider.value == 8.5
+    assert first.stent.handle.GetNthControlPointPositionWorld(0) == pytest.approx(theThroat())
+
+
+def test_a_duplicate_names_every_parameter_that_is_no_result(theModule):
+    """A parameter that is added later is copied, or named here."""
+    from SDFStentSlicer.Alternatives import COPIED
+    from SDFStentSlicer.ParameterNode import SDFStentParameterNode
+
+    own = {"stents", "method", "stent", "selected", "autoUpdate", "expansion", "status"}
+    results = {name for name in SDFStentParameterNode.allParameters if name.startswith("output")}
+    results |= {"lumenSummary", "certificateSummary", "warningSummary", "summaryRow"}
+    assert {*COPIED} | own | results == set(SDFStentParameterNode.allParameters)
+
+
+def test_switching_puts_stents_and_results_back(host, aPlan):
+    ui, first, table = aPlan.ui, aPlan._parameterNode, aPlan.ui.planTable
+    vessel = first.vessel
+    deploy(host, aPlan)
+    told, points = ui.lumenLabel.text, pointsOf(first.outputVessel)
+    assert not isSeen(vessel)
+    host.click(ui.duplicatePlanButton)
+    second = aPlan._parameterNode
+    assert isSeen(vessel)  # nothing is deployed yet in its place
+    hidden = (first.outputVessel, first.outputStents, first.stent.handle)
+    assert not any(isSeen(node) for node in hidden)
+    assert ui.lumenLabel.text == ""
+    ui.diameterSlider.value = 6.0
+    deploy(host, aPlan)
+    assert not isSeen(vessel)
+    assert second.outputVessel is not first.outputVessel
+    other = pointsOf(second.outputVessel)
+    assert np.abs(points - other).max() > 0.5
+    assert rowOf(aPlan, 0)[1] != rowOf(aPlan, 1)[1]
+
+    table.selectRow(0)
+    assert not aPlan.session.isBusy
+    assert (ui.lumenLabel.text, ui.diameterSlider.value) == (told, 8.5)
+    assert ui.lumenLabel.enabled
+    np.testing.assert_array_equal(pointsOf(first.outputVessel), points)
+    for one, isShown in ((first, True), (second, False)):
+        nodes = (one.outputVessel, one.outputStents, one.outputCenterline, one.stent.handle)
+        assert [isSeen(node) for node in nodes] == [isShown] * 4
+    ui.expansionSlider.value = 0.0  # its steps are still there
+    np.testing.assert_allclose(pointsOf(first.outputVessel), pointsOf(vessel), atol=1e-6)
+    table.selectRow(1)
+    np.testing.assert_array_equal(pointsOf(second.outputVessel), other)
+    assert isSeen(second.outputVessel)
+
+
+def test_what_the_user_hides_stays_hidden(host, aPlan):
+    first = aPlan._parameterNode
+    first.stent.handle.GetDisplayNode().SetVisibility(False)
+    host.click(aPlan.ui.duplicatePlanButton)
+    aPlan.ui.planTable.selectRow(0)
+    assert not isSeen(first.stent.handle)
+
+
+def test_plot_and_table_in_the_views_are_those_of_the_plan(host, aPlan):
+    ui, first = aPlan.ui, aPlan._parameterNode
+    deploy(host, aPlan)
+    host.click(ui.duplicatePlanButton)
+    deploy(host, aPlan)
+    second = aPlan._parameterNode
+    host.click(ui.showPlotButton)
+    host.click(ui.showTableButton)
+    selection = slicer.app.applicationLogic().GetSelectionNode()
+    for row, plan in ((0, first), (1, second)):
+        ui.planTable.selectRow(row)
+        assert selection.GetActivePlotChartID() == plan.outputChart.GetID()
+        assert selection.GetActiveTableID() == plan.outputTable.GetID()
+
+
+def test_the_table_says_what_the_results_say(host, aPlan):
+    """Against the library's result, counted here: the worst lesion left, branches covered, lumen, certificate."""
+    deploy(host, aPlan)
+    run = aPlan.logic.lastRun(aPlan._parameterNode)
+    (treated,) = run.result.stents
+    left = max(
+        100 * (1 - one.after.minimum_diameter / one.after.reference_diameter) for one in run.lesions
+    )
+    covered = sum(branch.covered_share > 0 for branch in treated.branches)
+    branches = f"{covered} of {len(treated.branches)} covered" if treated.branches else "none near"
+    assert rowOf(aPlan, 0) == [
+        "Plan 1",
+        f"{treated.after.inscribed_diameter.min():.1f} mm",
+        f"{max(left, 0):.0f} %",
+        branches,
+        "certified",
+    ]
+    aPlan.ui.diameterSlider.value = 8.0
+    assert aPlan.ui.planTable.item(0, 1).toolTip().endswith("Changed since this deployment.")
+    host.click(aPlan.ui.resetButton)
+    assert rowOf(aPlan, 0)[1:] == [""] * 4
+
+
+def test_a_plan_is_renamed_in_the_table(host, aPlan):
+    host.click(aPlan.ui.duplicatePlanButton)
+    rename(aPlan, 1, " One long stent ")
+    assert aPlan._parameterNode.parameterNode.GetName() == "One long stent"
+    assert names(aPlan) == ["Plan 1", "One long stent"]
+    for wrong, said in (
+        ("Plan 1", "Plan: expected a name of its own, another plan is called Plan 1, too"),
+        ("  ", "Plan: expected a name, got none; type one."),
+    ):
+        rename(aPlan, 1, wrong)
+        assert names(aPlan) == ["Plan 1", "One long stent"]
+        assert aPlan.ui.statusLabel.text.startswith(said)
+
+
+def test_a_removed_plan_takes_with_it_what_was_made_for_it(host, aPlan, aScene):
+    ui, first = aPlan.ui, aPlan._parameterNode
+    deploy(host, aPlan)
+    count = aScene.GetNumberOfNodes()
+    host.click(ui.duplicatePlanButton)
+    deploy(host, aPlan)
+    assert aScene.GetNumberOfNodes() > count
+    host.click(ui.removePlanButton)
+    assert aPlan._parameterNode is first
+    assert names(aPlan) == ["Plan 1"]
+    assert aScene.GetNumberOfNodes() == count
+    assert isSeen(first.outputVessel)
+    assert not ui.removePlanButton.enabled
+
+
+def test_a_result_that_is_the_vessel_of_another_plan_stays(host, aPlan, aScene):
+    ui, first, logic = aPlan.ui, aPlan._parameterNode, aPlan.logic
+    host.click(ui.duplicatePlanButton)
+    deploy(host, aPlan)
+    result = aPlan._parameterNode.outputVessel
+    following = logic.addParameterSet("Following")
+    following.vessel = result
+    assert names(aPlan) == ["Plan 1", "Plan 2"]  # that one is for another vessel
+    host.click(ui.removePlanButton)
+    assert aPlan._parameterNode is first
+    assert result.GetScene() is aScene
+
+
+def test_a_plan_that_is_deleted_elsewhere_leaves_the_table(host, aPlan, aScene):
+    first = aPlan._parameterNode
+    deploy(host, aPlan)
+    host.click(aPlan.ui.duplicatePlanButton)
+    aScene.RemoveNode(aPlan._parameterNode.parameterNode)
+    host.process()
+    assert aPlan._parameterNode is first
+    assert names(aPlan) == ["Plan 1"]
+    assert isSeen(first.outputVessel)
+
+
+def test_plan_files_become_plans(host, aPlan, tmp_path):
+    ui, first = aPlan.ui, aPlan._parameterNode
+    paths = [tmp_path / "short.json", tmp_path / "long.json"]
+    for path, length in zip(paths, (10.0, 30.0), strict=True):
+        ui.lengthSlider.value = length
+        aPlan.logic.savePlan(path, first)
+    ui.lengthSlider.value = 14.0
+    host.files.append([str(path) for path in paths])
+    host.click(ui.loadPlansButton)
+    assert names(aPlan) == ["Plan 1", "short", "long"]
+    assert aPlan._parameterNode.stent.length == 30.0
+    plans = aPlan.logic.alternatives(first)
+    assert [plan.stents[0].length for plan in plans] == [14.0, 10.0, 30.0]
+    paths[0].write_text("{}", encoding="utf-8")
+    host.files.append([str(paths[1]), str(paths[0])])
+    host.click(ui.loadPlansButton)  # the second cannot be read
+    assert names(aPlan) == ["Plan 1", "short", "long", "long 2"]
+    assert "short.json" in ui.statusLabel.text
+    host.files.append([])  # the dialog is closed
+    host.click(ui.loadPlansButton)
+    assert len(names(aPlan)) == 4
+
+
+def test_a_plan_without_stents_is_where_the_first_file_goes(host, aPlan, tmp_path):
+    path = tmp_path / "proposal.json"
+    aPlan.logic.savePlan(path, aPlan._parameterNode)
+    host.click(aPlan.ui.removeStentButton)
+    host.files.append([str(path)])
+    host.click(aPlan.ui.loadPlansButton)
+    assert names(aPlan) == ["proposal"]
+    assert len(aPlan._parameterNode.stents) == 1
+
+
+def test_plans_are_saved_with_the_scene(host, aPlan, aScene, tmp_path):
+    deploy(host, aPlan)
+    host.click(aPlan.ui.duplicatePlanButton)
+    rename(aPlan, 1, "Smaller")
+    aPlan.ui.diameterSlider.value = 6.5
+    rows = [rowOf(aPlan, 0), rowOf(aPlan, 1)]
+    path = tmp_path / "plans.mrb"
+    assert aScene.WriteToMRB(str(path))
+    host.newScene()
+    assert names(aPlan) == ["Plan 1"]
+    assert rowOf(aPlan, 0)[1:] == [""] * 4
+    assert aScene.ReadFromMRB(str(path), True)
+    host.process()
+    assert [rowOf(aPlan, 0), rowOf(aPlan, 1)] == rows
+    aPlan.ui.planTable.selectRow(0)
+    first = aPlan._parameterNode
+    assert aPlan.ui.diameterSlider.value == 8.5
+    assert isSeen(first.outputVessel)
+    aPlan.ui.planTable.selectRow(1)
+    assert aPlan.ui.diameterSlider.value == 6.5
+    assert not isSeen(first.outputVessel)
+
+
+def test_the_table_fits_into_a_narrow_panel(host, aPlan, thePictures):
+    deploy(host, aPlan)
+    host.click(aPlan.ui.duplicatePlanButton)
+    rename(aPlan, 1, "Two stents, the second one into the branch")
+    assert aPlan.ui.planTable.horizontalScrollBar().maximum() == 0
+    host.grab(aPlan.ui.plansCollapsibleButton, thePictures / "plans.png")
+
+
+# Comparing
+
+
+@pytest.fixture
+def twoPlans(host, aPlan):
+    """Two plans, a wide stent and a narrow one; neither vessel nor centerline is in a file."""
+    host.click(aPlan.ui.duplicatePlanButton)
+    rename(aPlan, 1, "narrow: 6/5 mm")
+    aPlan.ui.diameterSlider.value = 6.5
+    slicer.util.openedUrls.clear()
+    return aPlan
+
+
+def compared(host, panel, folder):
+    host.files.append(str(folder))
+    host.click(panel.ui.comparePlansButton)
+    host.processUntil(lambda: not panel.plans.comparing.isRunning, 60.0)
+
+
+def told(document):
+    """What a comparison says, without when, where and how quickly it was made."""
+    for one in document["alternatives"]:
+        report = one["report"]
+        for key in ("created", "timings", "inputs"):
+            del report[key]
+    return [(one["name"], one["certified"], one["report"]) for one in document["alternatives"]]
+
+
+def test_the_page_is_that_of_sdfstent_compare(host, twoPlans, tmp_path):
+    """The shell makes the same of the folder's plans and inputs, and the numbers are the panel's.
+
+    Meanwhile the user goes on, and even closes the scene.
+    """
+    from SDFStentLib.cli.shell import main
+
+    ui = twoPlans.ui
+    deploy(host, twoPlans)
+    (treated,) = twoPlans.logic.lastRun(twoPlans._parameterNode).result.stents
+    folder = tmp_path / "comparison"
+    host.files.append(str(tmp_path))
+    host.click(ui.comparePlansButton)
+    ui.planTable.selectRow(0)
+    host.newScene()
+    host.processUntil(lambda: not twoPlans.plans.comparing.isRunning, 60.0)
+    (url,) = slicer.util.openedUrls
+    assert Path(url.toLocalFile()) == folder / "comparison.html"
+    assert "data:image/png" in (folder / "comparison.html").read_text(encoding="utf-8")
+    ours = json.loads((folder / "comparison.json").read_text(encoding="utf-8"))
+    plans = [str(folder / f"{one['name']}.json") for one in ours["alternatives"]]
+    assert [Path(plan).name for plan in plans] == ["Plan 1.json", "narrow_ 6_5 mm.json"]
+    assert main(["compare", *plans, "-o", str(tmp_path / "again"), "--quiet"]) == 0
+    theirs = json.loads((tmp_path / "again/comparison.json").read_text(encoding="utf-8"))
+    lumen = ours["alternatives"][1]["report"]["stents"][0]["diameters"]["minimum_lumen"]
+    assert told(ours) == told(theirs)
+    assert lumen["after_mm"] == pytest.approx(treated.after.minimum, abs=1e-9)
+
+
+def test_files_that_are_there_are_named_and_not_written_again(aLogic, theParameters, tmp_path):
+    for node in (theParameters.vessel, theParameters.centerline):
+        saveAsFile(node, tmp_path / f"{node.GetName()}.vtp", "LPS")
+    aLogic.duplicatePlan(theParameters)
+    steps = aLogic.comparisonSteps(theParameters, tmp_path)
+    next(steps)  # by now the inputs are in files
+    assert list((tmp_path / "comparison").iterdir()) == []
+    steps.close()
+    assert not (tmp_path / "comparison").exists()
+
+
+def test_what_cannot_be_compared_is_a_sentence_and_leaves_no_folder(host, twoPlans, tmp_path):
+    ui, second = twoPlans.ui, twoPlans._parameterNode
+    host.files.append("")  # the dialog is closed
+    host.click(ui.comparePlansButton)
+    assert not twoPlans.plans.comparing.isRunning
+    second.stent.handle.RemoveAllControlPoints()
+    compared(host, twoPlans, tmp_path)
+    assert "\nnarrow: 6/5 mm: Stent 1: place 1 point(s)" in ui.statusLabel.text
+    second.stent.handle.AddControlPointWorld(*theThroat())
+    second.parameterNode.SetName("Plan 1")
+    compared(host, twoPlans, tmp_path)
+    assert "two are called Plan 1; rename one." in ui.statusLabel.text
+    second.parameterNode.SetName("narrow")
+    compared(host, twoPlans, tmp_path / "missing")
+    assert "missing" in ui.statusLabel.text
+    assert list(tmp_path.iterdir()) == []
+    assert slicer.util.openedUrls == []
+    assert ui.comparePlansButton.text == "Compare..."
+
+
+def test_a_comparison_that_is_stopped_leaves_nothing(host, twoPlans, tmp_path):
+    import threading
+
+    ui = twoPlans.ui
+    host.files.append(str(tmp_path))
+    host.click(ui.comparePlansButton)
+    assert ui.comparePlansButton.text.startswith("Stop (")
+    host.click(ui.comparePlansButton)
+    assert not twoPlans.plans.comparing.isRunning
+    assert ui.comparePlansButton.text == "Compare..."
+    host.processUntil(lambda: threading.active_count() == 1)
+    assert list(tmp_path.iterdir()) == []
+    assert slicer.util.openedUrls == []
