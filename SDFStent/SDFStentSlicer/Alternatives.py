@@ -23,6 +23,8 @@ COPIED = (
     "flowMost",
     "showStents",
     "showDevice",
+    "segmentEnds",
+    "closeBranches",
     "planDocument",
 )
 """What a copy of a plan takes over beside its stents and its method; its results it has to make."""

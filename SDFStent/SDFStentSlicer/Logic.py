@@ -20,6 +20,7 @@ from .Inputs import Inputs
 from .ParameterNode import STENT_FIELDS, MethodParameters, Placement, SDFStentParameterNode
 from .Portions import working
 from .Previewing import Previewing
+from .Segments import Segments
 from .Shown import Shown
 from .Snapping import Snapping
 from .StentList import StentList
@@ -28,7 +29,7 @@ from .Suggesting import Suggesting
 FIRST_PLAN = "Plan 1"
 
 
-class SDFStentLogic(Fitting, Suggesting, Alternatives, ScriptedLoadableModuleLogic):
+class SDFStentLogic(Fitting, Suggesting, Alternatives, Segments, ScriptedLoadableModuleLogic):
     """Deploys the stents of a parameter node.
 
         logic = SDFStentLogic()

@@ -7,6 +7,7 @@ from typing import Annotated, NamedTuple, Optional, Union
 from slicer import (
     vtkMRMLMarkupsCurveNode,
     vtkMRMLMarkupsFiducialNode,
+    vtkMRMLMarkupsLineNode,
     vtkMRMLModelNode,
     vtkMRMLPlotChartNode,
     vtkMRMLSegmentationNode,
@@ -180,6 +181,10 @@ class SDFStentParameterNode:
     flowMost: Annotated[float, _within("flowMost")] = 0.0
     showStents: bool = True
     showDevice: bool = False
+    segmentEnds: Union[
+        vtkMRMLMarkupsFiducialNode, vtkMRMLMarkupsLineNode, vtkMRMLMarkupsCurveNode, None
+    ]
+    closeBranches: bool = False
 
     outputVessel: Optional[vtkMRMLModelNode]
     outputCenterline: Optional[vtkMRMLModelNode]

@@ -18,6 +18,7 @@ from .PanelState import PanelState
 from .ParameterNode import CHOICE_LABELS
 from .PlanTable import PlanTable
 from .RecoilRule import RecoilRule
+from .SegmentSection import SegmentSection
 from .ShapeSection import ShapeSection
 from .StentButtons import StentButtons
 from .StentList import StentList
@@ -58,7 +59,7 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
         self.plans = PlanTable(self.ui, self.logic, self._attempt, self._switchTo)
         self.sections = [
             kind(self.ui, self.logic, self._attempt)
-            for kind in (DeviceSection, ShapeSection)
+            for kind in (DeviceSection, ShapeSection, SegmentSection)
         ]
         self.recoil = RecoilRule(self.logic, self._onPrepared)
         self.preparation = SteppedRun(lambda _value: None, self._onPrepared)
@@ -67,7 +68,8 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
         self.initializeParameterNode()
 
     def cleanup(self):
-        self.plans.comparing.stop()
+        for button in (self.plans.comparing, self.sections[-1].writing):
+            button.stop()
         self.setParameterNode(None)
         self.removeObservers()
 

@@ -25,7 +25,7 @@ MARGIN = 12
 NESTED = ("device", "shape")
 """Sections of the selected stent, within that of the stents."""
 SECTIONS = (
-    "inputs", "outputs", "stents", *NESTED, "deploy", "results", "plans", "advanced",
+    "inputs", "outputs", "stents", *NESTED, "deploy", "results", "plans", "segment", "advanced",
 )  # fmt: skip
 
 
