@@ -35,6 +35,7 @@ class DeviceSection:
         ui.deviceCollapsibleButton.connect("contentsCollapsed(bool)", self._onOpened)
         ui.deviceComboBox.connect("activated(int)", self._onDevice)
         ui.deviceTableButton.connect("clicked()", self._onTable)
+        ui.removeTableButton.connect("clicked()", self._onRemoveTable)
         ui.foreshorteningSlider.connect("valueChanged(double)", self._onForeshortening)
         ui.keptComboBox.connect("activated(int)", self._onKept)
         ui.balloonCheckBox.connect("toggled(bool)", self._onBalloonSwitched)
@@ -84,6 +85,7 @@ class DeviceSection:
         except InputError as error:  # of a table that is gone since the scene was saved
             tip, rows = str(error), device_table()
         self.ui.deviceTableButton.toolTip = tip
+        self.ui.removeTableButton.enabled = bool(table)
         return rows
 
     def _showBalloon(self, balloon, stent):
@@ -138,6 +140,9 @@ class DeviceSection:
         )
         if path:
             self._change(lambda node: self._logic.setDeviceTable(node, path))
+
+    def _onRemoveTable(self):
+        self._change(lambda node: self._logic.setDeviceTable(node, ""))
 
     def _onForeshortening(self, percent):
         if not self._updating and self._parameterNode is not None:

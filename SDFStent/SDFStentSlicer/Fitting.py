@@ -25,8 +25,8 @@ class Fitting:
         return device_table(parameterNode.deviceTable or None)
 
     def setDeviceTable(self, parameterNode, path):
-        """Take the rows of a table of the user's own, too; raises `InputError` for one that cannot be read."""
-        device_table(path)
+        """Take the rows of a table of the user's own, too, or of none any more with ""; `InputError` for one that cannot be read."""
+        device_table(path or None)
         parameterNode.deviceTable = str(path)
 
     def setDevice(self, parameterNode, device):

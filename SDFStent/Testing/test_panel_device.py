@@ -232,6 +232,23 @@ def test_an_end_is_kept_on_shortening(host, theSection, index):
     np.testing.assert_allclose(away, expected[KEPT[index]], atol=0.2)
 
 
+def test_a_table_of_ones_own_is_taken_away_again_and_stents_keep_their_device(
+    host, theSection, aTable
+):
+    ui, parameters = theSection.ui, theSection._parameterNode
+    chooseDevice(host, theSection, "bench-16")
+    before = planned(theSection)
+    assert ui.removeTableButton.enabled
+    host.click(ui.removeTableButton)
+    assert parameters.deviceTable == ""
+    assert not ui.removeTableButton.enabled
+    assert ui.deviceTableButton.toolTip.startswith("Add the devices of a table")
+    assert ui.deviceComboBox.currentText == "bench-16"
+    assert planned(theSection) == before
+    chooseDevice(host, theSection, "gore-vbx")
+    assert "bench-16" not in names(ui.deviceComboBox)
+
+
 def test_a_redilation_is_deployed_after_the_stent_itself(host, theSection):
     ui = theSection.ui
     chooseDevice(host, theSection, "bench-16")
