@@ -5,12 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+from trees import unbranched
 
+from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.files.surface_files import read_surface
-from SDFStentLib.geometry import Surface
+from SDFStentLib.geometry import Surface, arc_lengths, resampled, tangents
 from SDFStentLib.measure import closed_ends
 from SDFStentLib.measure.caps import flat_caps
-from SDFStentLib.measure.metrics import diameter_profile
+from SDFStentLib.measure.metrics import diameter_profile, profile_of
+from SDFStentLib.measure.stations import measured_at
+from SDFStentLib.stent import AtCenter, Stent
+from SDFStentLib.treatment import Treatment
 
 RADIUS, LENGTH = 4.0, 30.0
 
@@ -175,19 +180,51 @@ def test_the_inlet_of_a_patient_is_not_narrow(data_dir, surface, line):
     np.testing.assert_allclose(start, profile.inscribed_diameter[5], rtol=0.05)
 
 
-@pytest.mark.parametrize("bulge", [0.0, 2.5])
-def test_only_spheres_that_a_cap_limits_are_searched_again(bulge, monkeypatch):
-    searched = []
+@pytest.fixture
+def searched(monkeypatch):
+    """Heights of the stations whose spheres are searched again."""
+    heights = []
     search = closed_ends.inscribed_spheres
 
     def counted(points, triangles, centers, *rest):
-        searched.extend(np.round(centers[:, 2], 3).tolist())
+        heights.extend(np.round(centers[:, 2], 3).tolist())
         return search(points, triangles, centers, *rest)
 
     monkeypatch.setattr(closed_ends, "inscribed_spheres", counted)
-    surface = Surface(*a_capped_duct(a_circle(), bulge=-bulge))
+    return heights
+
+
+def test_a_profile_searches_its_spheres_once_without_the_caps_at_its_ends(searched):
+    surface = Surface(*a_capped_duct(a_circle()))
     profile = diameter_profile(surface, A_LINE)
+    assert searched == []
+    stations = resampled(A_LINE, 1.0)
+    whole = measured_at(surface, stations, tangents(stations))
+    again = profile_of(surface, arc_lengths(stations), whole)
+    np.testing.assert_allclose(profile.inscribed_diameter, again.inscribed_diameter, atol=1e-5)
+    np.testing.assert_array_equal(profile.equivalent_diameter, again.equivalent_diameter)
+
+
+@pytest.mark.parametrize("bulge", [0.0, 2.5])
+def test_only_spheres_that_a_cap_limits_are_searched_again(bulge, searched):
+    surface = Surface(*a_capped_duct(a_circle(), bulge=-bulge))
+    stations = resampled(A_LINE, 1.0)
+    measured = measured_at(surface, stations, tangents(stations))
+    profile = profile_of(surface, arc_lengths(stations), measured)
     # A cap that bulges is none: the sphere that touches it is told from the first search.
     near = [0, 1, 2, 3, 27, 28, 29, 30]
     assert sorted(searched) == ([] if bulge else pytest.approx(near))
     assert np.isfinite(profile.inscribed_diameter[4:-4]).all()
+
+
+def test_the_vessel_between_a_stent_and_a_cap_is_as_wide_as_its_wall():
+    """And not as the way to the cap is long, nor as the cap is bulged."""
+    surface, height = Surface(*a_capped_duct(a_circle())), np.linspace(0, LENGTH, 61)
+    tree = unbranched(np.column_stack([0 * height, 0 * height, height]), np.full(61, RADIUS))
+    stent = Stent(9.5, placement=AtCenter([0, 0, 9.0]), length=10.0)
+    treated = Treatment(surface, [stent], tree, DeploymentSettings(certify=False)).result.stents[0]
+    lumen = 2 * RADIUS * np.cos(np.pi / 32)
+    for neighbor in treated.neighbors:
+        assert not neighbor.by_area
+        assert neighbor.before == pytest.approx(lumen, rel=1e-6)
+        assert neighbor.after >= neighbor.before - 1e-6

@@ -25,9 +25,9 @@ def asked(monkeypatch):
     """How many stations were measured, each time."""
     counts = []
 
-    def counted(surface, points, directions):
+    def counted(surface, points, directions, wall):
         counts.append(len(points))
-        return measured_at(surface, points, directions)
+        return measured_at(surface, points, directions, wall)
 
     monkeypatch.setattr(known_lumen, "measured_at", counted)
     return counts
@@ -54,8 +54,8 @@ def test_what_another_thread_forgets_meanwhile_is_not_missed(a_tube, monkeypatch
     along = np.tile([0.0, 0.0, 1.0], (8, 1))
     plain = measured_once(a_tube.surface, points[:5], along[:5])
 
-    def forgetful(surface, points, directions):
-        measured = measured_at(surface, points, directions)
+    def forgetful(surface, points, directions, wall):
+        measured = measured_at(surface, points, directions, wall)
         known_lumen._known[surface].clear()
         return measured
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from .apposition import Apposition, FreeStretch, apposition
 from .branch_names import branch_names
 from .caps import bulged_caps, caps_across, looks_across
+from .closed_ends import open_at_ends
 from .cross_section import equivalent_diameters, winding_numbers
 from .cut_planes import CutPlane
 from .extended_axis import REACH, ExtendedAxis, extended_axis
@@ -107,6 +108,7 @@ __all__ = [
     "measured_at",
     "measured_once",
     "moved_wall",
+    "open_at_ends",
     "pressure_band",
     "profile_around",
     "rough_radii",

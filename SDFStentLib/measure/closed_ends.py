@@ -9,12 +9,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry import SurfaceIndex, arc_lengths, dot, may_meet_box
+from ..geometry import Surface, SurfaceIndex, arc_lengths, dot, may_meet_box, nearest_distances
 from ..validation import Flags, Floats, Points, Triangles
-from .caps import flat_caps
+from .caps import caps_across, flat_caps
 from .inscribed import InscribedSpheres, inscribed_spheres
 from .stations import Stations
-from .touching import IN_SURFACE, TOUCH, fills, part_near, touches
+from .touching import IN_SURFACE, TOUCH, part_near, touches
 
 AHEAD = np.cos(np.deg2rad(30.0))
 """A sphere that touches the surface so nearly along the axis, on the side of its nearer end, may
@@ -22,6 +22,25 @@ touch a cap."""
 
 SQUARELY = np.cos(np.deg2rad(15.0))
 """The same for an end that is no flat cap; between is the ridge of a flow divider, for example."""
+
+
+CAPS_WITHIN = 2.0
+"""Caps are looked for so near to the ends of an axis, in widths of the lumen from axis to wall."""
+
+_SOME = 1000
+"""Corners of the surface that tell the width."""
+
+
+def open_at_ends(surface: Surface, axis: Points) -> Triangles:
+    """The triangles (k, 3) of a surface without the flat caps across the ends of an axis (n, 3).
+
+    So that no sphere climbs along a cap, in many small steps, to be measured without it after all.
+    """
+    points, triangles = surface.points, surface.triangles
+    some = points[triangles[:: max(1, len(triangles) // _SOME), 0]]
+    reach = CAPS_WITHIN * float(nearest_distances(axis, some).max())
+    is_capped = caps_across(points, triangles, axis, reach)
+    return triangles[~is_capped] if is_capped.any() else triangles
 
 
 def past_closed_ends(points: Points, triangles: Triangles, measured: Stations) -> Stations:
@@ -36,8 +55,7 @@ def past_closed_ends(points: Points, triangles: Triangles, measured: Stations) -
     to_end = np.minimum(arc, arc[-1] - arc)
     # Within a radius of the lumen, and a tenth for the sag of a bend; sections may be NaN.
     near_end = to_end <= 1.1 * np.fmax(spheres.radii, equivalent / 2)
-    near_end &= ~fills(spheres, equivalent) & np.isfinite(spheres.radii)
-    at_end = np.flatnonzero(near_end)
+    at_end = np.flatnonzero(near_end & np.isfinite(spheres.radii))
     outward = np.where((arc < arc[-1] / 2)[:, None], -directions, directions)
     at_end = at_end[touches(points, triangles, outward[at_end], spheres.at(at_end), AHEAD)]
     if not len(at_end):
@@ -61,11 +79,15 @@ def past_closed_ends(points: Points, triangles: Triangles, measured: Stations) -
 
 
 def _are_limited(points: Points, caps: Triangles, spheres: InscribedSpheres) -> Flags:
-    """Which spheres (k,) touch caps (m, 3): only these grow when the caps are taken away."""
+    """Which spheres (k,) touch caps (m, 3): only these grow when the caps are taken away.
+
+    One that reaches through a cap was measured without it.
+    """
     if not len(caps):
         return np.zeros(len(spheres.radii), dtype=bool)
     distance = SurfaceIndex(points, caps).distances(spheres.centers).distance
-    return np.asarray(distance <= np.maximum((1 + TOUCH) * spheres.radii, IN_SURFACE))
+    apart = np.abs(distance - spheres.radii)
+    return np.asarray(apart <= np.maximum(TOUCH * spheres.radii, IN_SURFACE))
 
 
 def _in_caps(

@@ -46,6 +46,9 @@ of other vessels."""
 _SOME = 20000
 """Points of the surface among which the nearest are looked for."""
 
+_SDS = 4.0
+"""Standard deviations at which smoothing ends."""
+
 _SIDE = 30.0
 """Percentile of a section's rays that stands for its radius where an opening is on one side."""
 
@@ -131,11 +134,21 @@ def across_alone(distance: Floats) -> Floats:
 
 
 def _opened(values: Floats, size: int, axis: int) -> Floats:
-    # Late: scipy costs what a first frame should not pay.
-    from scipy.ndimage import maximum_filter1d, minimum_filter1d
+    """The morphological opening of a periodic map by an odd number of cells."""
+    across = values if axis == 0 else values.T
+    opened = -_lowest(-_lowest(across, size), size)
+    return opened if axis == 0 else opened.T
 
-    lowest = minimum_filter1d(values, size, axis=axis, mode="wrap")
-    return np.asarray(maximum_filter1d(lowest, size, axis=axis, mode="wrap"))
+
+def _lowest(values: Floats, size: int) -> Floats:
+    """The smallest (n, k) of an odd number of rows round each, the first after the last."""
+    count, half = len(values), size // 2
+    lowest, reach = values[np.arange(-half, count + half) % count], 1
+    # Ends: the reach doubles.
+    while 2 * reach <= size:
+        lowest = np.minimum(lowest[:-reach], lowest[reach:])
+        reach *= 2
+    return np.minimum(lowest[:count], lowest[size - reach :])
 
 
 def section_radius(distance: Floats) -> float:
@@ -148,11 +161,16 @@ def section_radius(distance: Floats) -> float:
 
 def _to_middle(wall: WallMap, expected: Floats, radius: float) -> Floats:
     """Steps (n, 2) in their planes to the middle of expected sections, smooth along the axis."""
-    from scipy.ndimage import gaussian_filter1d
+    return _smoothed(middles(expected), radius / 2 / wall.spacing)
 
-    step = middles(expected)
-    smooth = gaussian_filter1d(step, radius / 2 / wall.spacing, axis=0, mode="nearest")
-    return np.asarray(smooth)
+
+def _smoothed(values: Floats, sd: float) -> Floats:
+    """Columns (n, k) smoothed by a normal distribution of so many rows; the ends go on."""
+    reach = int(_SDS * sd + 0.5)
+    weights = np.exp(-0.5 * (np.arange(-reach, reach + 1) / sd) ** 2)
+    weights /= weights.sum()
+    padded = np.pad(values, ((reach, reach), (0, 0)), mode="edge")
+    return np.stack([np.convolve(column, weights, "valid") for column in padded.T], axis=1)
 
 
 def middles(expected: Floats) -> Floats:

@@ -7,7 +7,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from ..geometry import Surface
-from ..validation import Floats, Points
+from ..validation import Floats, Points, Triangles
 from .cross_section import equivalent_diameters
 from .inscribed import InscribedSpheres, inscribed_spheres
 from .moved_wall import MovedWall
@@ -23,7 +23,9 @@ _known: WeakKeyDictionary[Surface, dict[bytes, Floats]] = WeakKeyDictionary()
 """By place and direction: center and radius of the sphere, equivalent diameter."""
 
 
-def measured_once(surface: Surface, points: Points, directions: Points) -> Stations:
+def measured_once(
+    surface: Surface, points: Points, directions: Points, wall: Triangles | None = None
+) -> Stations:
     """`measured_at` of a vessel before treatment; what was measured there before is not again.
 
     A surface cannot change, and nothing about a stent but its axis matters: where another diameter
@@ -38,7 +40,7 @@ def measured_once(surface: Surface, points: Points, directions: Points) -> Stati
     found = [known.get(key) for key in keys]
     missing = np.array([values is None for values in found], dtype=bool)
     if missing.any():
-        anew = measured_at(surface, points[missing], directions[missing])
+        anew = measured_at(surface, points[missing], directions[missing], wall)
         measured = np.column_stack([anew.spheres.centers, anew.spheres.radii, anew.equivalent])
         for index, values in zip(np.flatnonzero(missing), measured, strict=True):
             known[keys[index]] = found[index] = values
@@ -47,7 +49,9 @@ def measured_once(surface: Surface, points: Points, directions: Points) -> Stati
     return Stations(points, directions, spheres, stations[:, 4].copy())
 
 
-def measured_after(before: Stations, moved: MovedWall, surface: Surface) -> Stations:
+def measured_after(
+    before: Stations, moved: MovedWall, surface: Surface, wall: Triangles | None = None
+) -> Stations:
     """`measured_at` of a vessel after treatment; what nothing has moved near is as it was.
 
     Parameters
@@ -58,13 +62,16 @@ def measured_after(before: Stations, moved: MovedWall, surface: Surface) -> Stat
         From then to now.
     surface : Surface
         After it.
+    wall : (k, 3) array, optional
+        Its triangles that spheres see.
     """
     points, directions = before.points, before.directions
     centers, radii = before.spheres.centers.copy(), before.spheres.radii.copy()
     equivalent = before.equivalent.copy()
     changed = np.flatnonzero(moved.comes_near(centers, _BESIDE * radii) | ~(radii > 0))
+    seen = surface.triangles if wall is None else wall
     centers[changed], radii[changed] = inscribed_spheres(
-        surface.points, surface.triangles, points[changed], directions[changed]
+        surface.points, seen, points[changed], directions[changed]
     )
     cut = np.flatnonzero(moved.crosses(points, directions))
     equivalent[cut] = equivalent_diameters(

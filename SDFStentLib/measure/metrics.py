@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..cautions import Caution
 from ..geometry import Surface, arc_lengths, as_surface, resampled, tangents
 from ..validation import Flags, Floats, InputError, Points, as_number, read_only
-from .closed_ends import past_closed_ends
+from .closed_ends import open_at_ends, past_closed_ends
 from .cross_section import winding_numbers
 from .cut_sections import cut_at_ostia
 from .rounded_ends import past_rounded_ends
@@ -143,7 +143,8 @@ def diameter_profile(surface: Surface, axis: ArrayLike, spacing: float = 1.0) ->
     """
     surface = as_surface(surface)
     stations = resampled(axis, as_number(spacing, "spacing", unit="mm", above=0))
-    measured = measured_at(surface, stations, tangents(stations))
+    wall = open_at_ends(surface, stations)
+    measured = measured_at(surface, stations, tangents(stations), wall)
     return profile_of(surface, arc_lengths(stations), measured)
 
 

@@ -160,15 +160,18 @@ def _shared(region: Mask, hit: Indices, parts: Indices) -> list[Mask]:
 
 
 def labels_round(mask: Mask) -> Indices:
-    """Connected regions of a map that is periodic in its second direction; 0 outside."""
-    from scipy.ndimage import label
+    """Connected regions of a map that is periodic in its second direction; 0 outside.
 
-    labels, count = label(mask, structure=np.ones((3, 3)))
-    joined = [(labels[:, -1], np.roll(labels[:, 0], shift)) for shift in (-1, 0, 1)]
-    pairs = np.unique(np.hstack(joined), axis=1)
-    pairs = pairs[:, (pairs > 0).all(axis=0)]
-    group = connected(count + 1, pairs[0], pairs[1])[1]
-    return np.where(mask, group[labels] + 1, 0)
+    Cells that meet at a corner are connected.
+    """
+    cell = np.arange(mask.size).reshape(mask.shape)
+    pairs = [np.empty((2, 0), dtype=np.int64)]
+    for down, aside in ((0, 1), (1, -1), (1, 0), (1, 1)):
+        one, other = cell[: len(cell) - down], np.roll(cell, aside, axis=1)[down:]
+        joined = mask.ravel()[one] & mask.ravel()[other]
+        pairs.append(np.stack([one[joined], other[joined]]))
+    label = connected(mask.size, *np.hstack(pairs))[1].reshape(mask.shape)
+    return np.where(mask, label + 1, 0)
 
 
 def _most(values: NDArray[np.int64]) -> int:

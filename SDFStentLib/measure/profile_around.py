@@ -8,6 +8,7 @@ import numpy as np
 
 from ..geometry import Surface, arc_lengths, cut, resampled, tangents
 from ..validation import Floats, Points
+from .closed_ends import open_at_ends
 from .extended_axis import ExtendedAxis
 from .metrics import DiameterProfile, profile_of
 from .stations import Stations, measured_at
@@ -84,5 +85,6 @@ def profile_around(
         the extended axis, not at those of the stent.
     """
     if measured is None:
-        measured = measured_at(surface, stations.points, stations.directions)
+        wall = open_at_ends(surface, stations.points)
+        measured = measured_at(surface, stations.points, stations.directions, wall)
     return profile_of(surface, stations.arc_length, measured, stations.parts)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from ..geometry import Surface
-from ..validation import Floats, Indices, Points
+from ..validation import Floats, Indices, Points, Triangles
 from .cross_section import equivalent_diameters
 from .inscribed import InscribedSpheres, inscribed_spheres
 
@@ -34,11 +34,17 @@ class Stations(NamedTuple):
         return Stations(points[which], directions[which], spheres.at(which), equivalent[which])
 
 
-def measured_at(surface: Surface, points: Points, directions: Points) -> Stations:
-    """Spheres and sections at places (n, 3) with directions (n, 3), wherever they are."""
+def measured_at(
+    surface: Surface, points: Points, directions: Points, wall: Triangles | None = None
+) -> Stations:
+    """Spheres and sections at places (n, 3) with directions (n, 3), wherever they are.
+
+    Spheres see only the triangles `wall` (k, 3) where these are given, such as `open_at_ends`.
+    """
+    seen = surface.triangles if wall is None else wall
     return Stations(
         points,
         directions,
-        inscribed_spheres(surface.points, surface.triangles, points, directions),
+        inscribed_spheres(surface.points, seen, points, directions),
         equivalent_diameters(surface.points, surface.triangles, points, directions),
     )

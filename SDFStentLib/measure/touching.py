@@ -41,7 +41,8 @@ def touches(
 ) -> Flags:
     """Which spheres (k,) touch the surface in their outward direction (k, 3), so nearly.
 
-    One that is unknown, or has climbed out of the surface, touches nothing.
+    One that reaches through it was measured without what is there, and counts. One that is unknown,
+    or has climbed out of the surface, touches nothing.
     """
     found = np.zeros(len(outward), dtype=bool)
     known = np.flatnonzero(np.isfinite(spheres.radii))
@@ -55,8 +56,9 @@ def touches(
         distance = np.linalg.norm(offset, axis=1)
         along = dot(offset, outward[known[query]])
         is_ahead = (distance <= reach[query]) & (along >= cosine * distance)
+        is_through = distance < (1 - TOUCH) * radii[query]
         # Of a center in the surface itself, rounding tells the direction.
-        found[known[query[is_ahead | (distance < IN_SURFACE)]]] = True
+        found[known[query[is_ahead | is_through | (distance < IN_SURFACE)]]] = True
     return found
 
 

@@ -28,6 +28,7 @@ from ..measure import (
     measured_after,
     measured_once,
     moved_wall,
+    open_at_ends,
     profile_around,
 )
 from ..validation import Floats
@@ -83,8 +84,10 @@ def surroundings(
     # Many stations together are measured in little more time than few.
     points = np.concatenate([along.points, beside.points])
     directions = np.concatenate([along.directions, beside.directions])
-    before = measured_once(states.native, points, directions)
-    after = measured_after(before, moved_wall(states.native, states.final), states.final)
+    # A cap that the stent has bulged is no wall either.
+    wall = open_at_ends(states.native, along.points)
+    before = measured_once(states.native, points, directions, wall)
+    after = measured_after(before, moved_wall(states.native, states.final), states.final, wall)
     own, rest = slice(len(along.points)), slice(len(along.points), None)
     return Surroundings(
         along,
