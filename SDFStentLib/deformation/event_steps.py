@@ -45,9 +45,6 @@ quarter of the largest difference of all steps was above the measured distance t
 limit in all cases of `benchmarks/step_rules.py` but for one point of a preview.
 """
 
-FIRST_SHARE = 0.125
-"""First step after contact over the longest: before contact no rate is known to predict with."""
-
 SHORTEST_STEP = 0.1
 """Adapted steps are not shorter than this, mm."""
 
@@ -69,7 +66,7 @@ def event_steps(motion: Motion, rule: StepRule, start: float, target: float) -> 
     contact = ContactSet(motion)
     touching = (motion.level - radius <= rule.contact_tolerance) & motion.touchable
     contact.added(np.flatnonzero(touching), rule.influence_distance + target - radius)
-    growth = FIRST_SHARE * rule.step
+    growth = rule.first_share * rule.step
     evaluated = radius
     has_looked_ahead = False
     # Ends: no step but the last is shorter than 0.1 mm, or the rule's own longest, and settings

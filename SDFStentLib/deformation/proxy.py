@@ -12,7 +12,6 @@ and that of the rest does by one sparse product over the vertices near the stent
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -32,6 +31,7 @@ from .proxy_sample import Near, Wall
 from .proxy_weights import Spreading, moved_rows
 from .published_steps import published_steps
 from .settings import DeploymentSettings
+from .step_rule import StepRule
 from .values import DeploymentState, DeploymentTask
 
 SAMPLED = 1500
@@ -39,6 +39,13 @@ SAMPLED = 1500
 
 LONGEST_STEP, TOLERANCE = 3.2, 0.4
 """Of the adaptive radius steps at least, mm: the proxy's own error is larger than theirs."""
+
+FIRST_SHARE = 0.5
+"""First radius step of a sample over the longest; all vertices have the rule's own.
+
+With that, an eighth, the mean distance to the full preview is 0.034 mm instead of 0.037 (36 stents
+of `benchmarks/proxy.py`), and a preview costs a quarter more.
+"""
 
 DENSITY = 0.5
 """Points of a sample in a square whose edge is its spacing."""
@@ -119,11 +126,12 @@ class Proxy:
             companions=as_points(companions, "companion points"),
         )
         wall = self._wall_with(task.capsules.nodes)
-        reach = task.target_level + task.settings.influence_distance + task.settings.tissue_gap
+        reach = _reach(task)
         level = self._level(wall, wall.near(task.capsules, reach + task.capsules.smoothing_width))
         vertices = wall.vertices[level.sample]
         start = self.surface.points[vertices] if points is None else points[vertices]
-        moved = _expanded(task, start, wall.normals[level.sample], reach)
+        rule = _rule(task.settings, is_sample=level.spreading is not None)
+        moved = _expanded(task, rule, start, wall.normals[level.sample])
         cells = wall.cells_near(task.capsules, reach + level.spacing)
         rows, displacement = _carried(wall, level, cells, moved.displacement)
         indices = wall.vertices[rows]
@@ -177,8 +185,9 @@ class _Moved(NamedTuple):
     """(k,) which points of the sample these are."""
 
 
-def _expanded(task: DeploymentTask, points: Points, normals: Points, reach: float) -> _Moved:
+def _expanded(task: DeploymentTask, rule: StepRule, points: Points, normals: Points) -> _Moved:
     """The radius steps of the method on some points of the wall."""
+    reach = _reach(task)
     wall, near_wall = within_reach(points, task.capsules, reach)
     dragged, near_dragged = within_reach(task.companions, task.capsules, reach)
     if not len(wall):
@@ -205,7 +214,8 @@ def _expanded(task: DeploymentTask, points: Points, normals: Points, reach: floa
     motion.set_offset(offset)
     start = motion.positions.copy()
     crimped = min(task.settings.crimped_radius, WALL_CLEARANCE * nearest)
-    for _ in _steps(task.settings, motion, crimped, task.target_level):
+    steps = published_steps if task.settings.rule == "published" else event_steps
+    for _ in steps(motion, rule, crimped, task.target_level):
         pass
     motion.settled(task.target_level)
     stent = Expanded(task.target_level, task.radius, task.settings.contact_tolerance)
@@ -216,15 +226,19 @@ def _expanded(task: DeploymentTask, points: Points, normals: Points, reach: floa
     return _Moved(of_wall, task.companions + of_companions, on_lumen, numbers[is_wall])
 
 
-def _steps(
-    settings: DeploymentSettings, motion: Motion, start: float, target: float
-) -> Iterator[float]:
+def _reach(task: DeploymentTask) -> float:
+    """Level, mm, from which on no wall moves."""
+    return task.target_level + task.settings.influence_distance + task.settings.tissue_gap
+
+
+def _rule(settings: DeploymentSettings, *, is_sample: bool) -> StepRule:
+    """The radius steps, longer than those of the settings."""
     rule = settings.step_rule()
     if settings.rule == "published":
-        return published_steps(motion, rule, start, target)
-    longest = max(rule.step, LONGEST_STEP)
-    rule = replace(rule, step=longest, tolerance=max(rule.tolerance, TOLERANCE))
-    return event_steps(motion, rule, start, target)
+        return rule
+    share = FIRST_SHARE if is_sample else rule.first_share
+    step, tolerance = max(rule.step, LONGEST_STEP), max(rule.tolerance, TOLERANCE)
+    return replace(rule, step=step, tolerance=tolerance, first_share=share)
 
 
 def _carried(

@@ -26,6 +26,8 @@ class StepRule:
         Largest estimated error of an adaptive step.
     falloff, blend : Profile
         Weights over the signed distance and over the distance to the nearest contact point.
+    first_share : float
+        First adaptive step over the longest: before contact no rate is known to predict with.
     """
 
     influence_distance: float
@@ -34,6 +36,7 @@ class StepRule:
     tolerance: float
     falloff: Profile
     blend: Profile
+    first_share: float = 0.125
 
     def rates(self, level_above: Floats, contact_distance: Floats) -> Floats:
         """Motion per radius growth of points that are not in contact, in [0, 1].
