@@ -6,7 +6,8 @@ from .SteppedRun import SteppedRun
 COALESCE_MS = 0
 """A change waits until the application has handled what else has arrived; a longer or restarted wait would starve a fast drag."""
 
-SETTLE_MS = 250
+SETTLE_MS = 100
+"""A hand that has rested so long has stopped, for now: the full method begins, and what is shown stays until it has ended."""
 
 
 class DeploySession:

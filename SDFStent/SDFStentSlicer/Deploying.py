@@ -1,41 +1,53 @@
-"""The full deployment of a parameter set: every step shown, then measured."""
+"""The full deployment of a parameter set: shown, then measured."""
 
 from vtk.util.numpy_support import vtk_to_numpy
 
 from . import Dependencies, Plans, Results
-from .Portions import working
+from .Portions import inPortions, working
 from .Stenting import Stenting
 
 
 def steps(shown, signature, vessel, inputs):
     """Deploy the plan in a `Vessel` and show every step; an iterator as `SDFStentLogic.steps`.
 
+    A preview of the same plan is not taken back, though: what it shows stays until the end takes its place.
     `shown` is the `Shown` of the parameter set, `inputs` the `Inputs` that the vessel is from.
     """
-    parameterNode = shown.parameterNode
+    parameterNode, isPreviewed = shown.parameterNode, shown.isPreviewOf(signature)
+    run = yield from working(_begun(parameterNode, vessel, inputs))
+    surface = shown.surface(vessel)
+    Plans.remember(parameterNode)
+    surface.hideOutline()
+    if not isPreviewed:
+        shown.run = run
+    try:
+        yield from _expand(run, surface, showsSteps=not isPreviewed)
+    finally:
+        surface.showOutline()
+    lines = yield from working(run.lines())
+    shown.run, shown.signature = run, signature
+    Results.showEnd(parameterNode, run, lines)
+    Results.showMap(parameterNode, run)
+    yield 1.0
+
+
+def _begun(parameterNode, vessel, inputs):
+    """Where the stents go; yields None until it is known, then returns the `Stenting`."""
     hasTree = parameterNode.centerline is not None
-    run = Stenting(
+    given = (
         vessel.surface,
         inputs.centerline(parameterNode) if hasTree else None,
         Plans.plannedOf(parameterNode),
         Plans.settingsOf(parameterNode),
-        straightening=parameterNode.method.straightening / 100,
-        dtype=vtk_to_numpy(vessel.polyData.GetPoints().GetData()).dtype,
-        places=Dependencies.places(parameterNode),
-        search=inputs.lesions(parameterNode) if hasTree else None,
-        faces=vessel.faces,
     )
-    surface, shown.run = shown.surface(vessel), run
-    Plans.remember(parameterNode)
-    surface.hideOutline()
-    try:
-        yield from _expand(run, surface)
-    finally:
-        surface.showOutline()
-    lines = yield from working(run.lines())
-    Results.showEnd(parameterNode, run, lines)
-    shown.signature = signature
-    Results.showMap(parameterNode, run)
+    further = {
+        "straightening": parameterNode.method.straightening / 100,
+        "dtype": vtk_to_numpy(vessel.polyData.GetPoints().GetData()).dtype,
+        "places": Dependencies.places(parameterNode),
+        "search": inputs.lesions(parameterNode) if hasTree else None,
+        "faces": vessel.faces,
+    }
+    return (yield from inPortions(lambda: Stenting(*given, **further)))
 
 
 def measured(shown):
@@ -48,13 +60,15 @@ def measured(shown):
     Results.showMeasured(shown.parameterNode, run)
 
 
-def _expand(run, surface):
-    """Run the steps and show them; yields the fraction done."""
+def _expand(run, surface, showsSteps):
+    """Run the steps and show them, or only the end; yields the fraction done."""
     fraction = 0.0
     for state in run.steps():
         if state is not None:
             fraction = state.fraction
             moved = state.deployment
-            surface.show(state.before.points, moved.indices, moved.coordinates)
+            if showsSteps:
+                surface.show(state.before.points, moved.indices, moved.coordinates)
         yield fraction
     surface.show(run.points)
+    yield fraction

@@ -8,6 +8,8 @@ WAIT_S = 0.01
 def inPortions(function):
     """Run a function on a thread of its own; a generator that yields None until it is done and returns what it returned.
 
+    It yields once more when it is done, so that what is done with it begins anew where the time of a turn is used up.
+
     The function must not touch the scene, VTK or Qt, which belong to the application's thread. Closing the generator does not
     stop the function, but nobody waits for it or hears of it any more. What it raises is raised here.
 
@@ -28,6 +30,7 @@ def inPortions(function):
     while thread.is_alive():
         yield None
         thread.join(WAIT_S)
+    yield None
     if "error" in outcome:
         raise outcome["error"]
     return outcome["value"]

@@ -49,6 +49,7 @@ class Previewing:
             raise
         self._show(shown, surface, run, signature)
         parameterNode.expansion = 100.0
+        yield 1.0
         yield from self._numbers(parameterNode, run, search)
 
     @staticmethod
@@ -66,6 +67,7 @@ class Previewing:
         self._measuredAt = time.perf_counter()
         found = () if search is None else search.found or ()
         Results.showPreviewed(parameterNode, run, lumens, found)
+        yield 1.0
 
 
 class PreviewedVessel:

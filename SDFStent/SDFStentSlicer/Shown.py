@@ -19,6 +19,10 @@ class Shown:
         self._surface = outputSurface(self.parameterNode, vessel.polyData, self._surface)
         return self._surface
 
+    def isPreviewOf(self, signature):
+        """Whether what is shown is the preview of the plan and inputs with a signature."""
+        return self.run is not None and not self.run.recorded and self.signature == signature
+
     @property
     def hasSteps(self):
         """Whether there is a deployment to go back and forth over."""

@@ -1,5 +1,6 @@
 """The stented vessel in the scene, which follows every step."""
 
+import numpy as np
 import vtk
 from slicer.i18n import tr as _
 from vtk.util.numpy_support import vtk_to_numpy
@@ -29,17 +30,19 @@ class SurfaceOutput:
         return self.node.GetScene() is not None and self.node.GetPolyData() is self._polyData
 
     def show(self, points, indices=None, coordinates=None):
-        """Set all points, then some of them, and the normals; observers hear of it once."""
-        array = vtk_to_numpy(self._polyData.GetPoints().GetData())
-        array[:] = points
+        """Set all points, then some of them; as `showChanged`."""
+        own = vtk_to_numpy(self.template.GetPoints().GetData())
+        points = np.array(points, dtype=own.dtype)
         if indices is not None:
-            array[indices] = coordinates
-        self._changed = None
-        self._normals.update()
-        self._tell()
+            points[indices] = coordinates
+        changed = np.flatnonzero((points != own).any(axis=1))
+        self.showChanged(changed, points[changed])
 
     def showChanged(self, indices, coordinates):
-        """Set some points, all others as they are in the template; touches what differs from what is shown."""
+        """Set some points, all others as they are in the template, and the normals; observers hear of it once.
+
+        Touches what is not shown already.
+        """
         own = vtk_to_numpy(self.template.GetPoints().GetData())
         array = vtk_to_numpy(self._polyData.GetPoints().GetData())
         if self._changed is None:

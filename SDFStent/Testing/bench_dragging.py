@@ -1,11 +1,12 @@
 """How well the panel follows a stent that is dragged, in the test host.
 
-usage: bench_dragging.py [SURFACE CENTERLINE] [--units cm] [--subdivisions N] [--tree] [--profile]
+usage: bench_dragging.py [SURFACE CENTERLINE] [--units cm] [--subdivisions N] [--no-tree] [--struts] [--profile]
 
 Per vessel: redeployments per second, each waited for; then a hand that does not wait, which moves 60 times a second: surface
 and number updates per second, the longest silence of the event loop from choosing the vessel to the full answer, and how long
 after the hand has stopped that comes. Undrawn. The artery that is named, or else a synthetic one, then subdivided to N times
 16 the triangles (--subdivisions, default 1 as well), and a phantom tree of about 300 branches where there is one. With
+--struts also redeployments of stents that are drawn as struts, in turn with tubes. With
 --profile also, of the first vessel, drawn and undrawn, where the time goes: the library, the scene (MRML, normals, stent
 model), the drawing, the rest (panel, timers, conversion). Drawing is off-screen and, without a GPU, in software; "drawing
 alone" redraws an unchanged scene and is the limit that the machine sets, whatever the module does.
@@ -217,10 +218,17 @@ def follow(host, panel, places, counters):
     if "prescribed" not in parameters.lumenSummary:
         raise RuntimeError(f"No answer came: {parameters.status}")
     print(
-        f"  full answer {answer:.2f} s after the hand stopped, of them 0.25 s waited; {cpu:.2f} s of CPU time"
+        f"  full answer {answer:.2f} s after the hand stopped, of them {waited():.2f} s waited; {cpu:.2f} s of CPU time"
     )
     panel.silence.report("full answer")
     parameters.autoUpdate = False
+
+
+def waited():
+    """For how long the panel looks whether the hand has stopped, s."""
+    from SDFStentSlicer.DeploySession import SETTLE_MS
+
+    return SETTLE_MS / 1000
 
 
 def redeployments(host, panel, places):
@@ -242,6 +250,14 @@ def redeployments(host, panel, places):
         f"  redeployments: {1 / np.median(wall):.1f} a second ({1e3 * np.median(cpu):.0f} ms of CPU time each; median of "
         f"{len(places)}), slowest {1e3 * max(wall):.0f} ms"
     )
+
+
+def asStrutsOrTubes(host, panel, places):
+    """Redeployments of both in turn."""
+    for isStruts in (True, False, True, False):
+        panel._parameterNode.showDevice = isStruts
+        print("  as struts" if isStruts else "  as tubes", end="")
+        redeployments(host, panel, places)
 
 
 def drag(host, panel, places, draw):
@@ -290,6 +306,7 @@ def main():
     parser.add_argument("--units", default="mm")
     parser.add_argument("--subdivisions", type=int, default=1)
     parser.add_argument("--no-tree", dest="tree", action="store_false")
+    parser.add_argument("--struts", action="store_true")
     parser.add_argument("--profile", action="store_true")
     arguments = parser.parse_args()
     host = Host.start()
@@ -309,6 +326,8 @@ def main():
         redeployments(host, panel, places)  # the first time weights are made
         redeployments(host, panel, places)
         follow(host, panel, places, counters)
+        if arguments.struts:
+            asStrutsOrTubes(host, panel, places)
         if arguments.profile:
             profile(host, panel, places)
             arguments.profile = False

@@ -71,6 +71,32 @@ def test_the_minimum_lumen_is_told_while_dragging_and_marked(host, aStent, theMo
     assert "preview" not in aStent.ui.lumenLabel.text  # the full method came after it
 
 
+def test_the_full_method_takes_no_preview_back_before_it_has_ended(host, aStent, monkeypatch):
+    from SDFStentSlicer.SurfaceOutput import SurfaceOutput
+
+    parameters = aStent._parameterNode
+    native = np.array(slicer.util.arrayFromModelPoints(parameters.vessel))
+    moved, showChanged = [], SurfaceOutput.showChanged
+
+    def recorded(self, *values):
+        showChanged(self, *values)
+        moved.append(np.abs(shown(parameters) - native).max())
+
+    monkeypatch.setattr(SurfaceOutput, "showChanged", recorded)
+    aStent.ui.autoUpdateCheckBox.checked = True
+    settle(host, aStent)
+    assert "prescribed" in aStent.ui.lumenLabel.text
+    assert len(moved) == 2  # the preview, and the end of the full method
+    assert moved[1] == pytest.approx(moved[0], abs=0.3)
+    aStent.ui.diameterSlider.value = 9.5
+    aStent.ui.autoUpdateCheckBox.checked = False
+    moved.clear()
+    aStent.session.start()  # of another plan than the one that is shown
+    settle(host, aStent)
+    assert len(moved) > 2
+    assert moved[0] < 0.5 * moved[-1]  # it is seen from the beginning
+
+
 def test_numbers_and_certificate_of_another_place_are_taken_away(host, aStent):
     aStent.session.start()
     settle(host, aStent)
