@@ -6,7 +6,7 @@ import slicer
 from slicer.i18n import tr as _
 
 from . import Conversion, Flow, Sizes
-from .ParameterNode import MethodParameters, Placement, stentsOf
+from .ParameterNode import Placement, methodOf, stentsOf
 
 
 class Standing(NamedTuple):
@@ -26,7 +26,7 @@ def standing(parameterNode):
 
 def inputNodes(parameterNode):
     """Every node that the result depends on."""
-    handles = [stent.handle for stent in parameterNode.stents]
+    handles = [stent.handle for stent in stentsOf(parameterNode)]
     nodes = [parameterNode.vessel, parameterNode.centerline, *handles]
     return [node for i, node in enumerate(nodes) if node is not None and node not in nodes[:i]]
 
@@ -107,12 +107,11 @@ def places(parameterNode):
 
 
 def _signature(parameterNode, stents):
-    method = parameterNode.method
     return (
         Conversion.changeStamp(parameterNode.vessel),
         Conversion.segmentOf(parameterNode),
         Conversion.changeStamp(parameterNode.centerline),
-        tuple(getattr(method, name) for name in MethodParameters.allParameters),
+        tuple(vars(methodOf(parameterNode)).values()),
         tuple(
             (
                 s.label,

@@ -11,6 +11,7 @@ from SDFStentLib.stent import KEPT, USUAL_RECOIL
 from SDFStentLib.validation import InputError, printable
 
 from . import Sizes
+from .ParameterNode import stentOf
 
 KEPT_LABELS = {
     "center": _("Center"),
@@ -46,7 +47,7 @@ class DeviceSection:
     def show(self, parameterNode):
         """The stent that is selected now."""
         self._parameterNode = parameterNode
-        stent = parameterNode.stent
+        stent = stentOf(parameterNode)
         if not self.ui.deviceCollapsibleButton.collapsed:
             self._tell(stent)
         values = (*Sizes.sizesOf(stent), parameterNode.deviceTable, self.ui.diameterSlider.maximum)

@@ -1,5 +1,7 @@
 """The range of flow for which pressure drops are estimated: L/min in the panel, mL/s in the library."""
 
+from functools import lru_cache
+
 from slicer.i18n import tr as _
 
 from SDFStentLib.plan import Plan
@@ -28,8 +30,13 @@ def valuesOf(plan):
 
 def refusal(parameterNode):
     """Why no plan can have this flow, as a sentence; "" when it can."""
+    return _refusal(flowOf(parameterNode))
+
+
+@lru_cache(maxsize=16)
+def _refusal(flow):
     try:
-        Plan(flow=flowOf(parameterNode))
+        Plan(flow=flow)
     except InputError as error:
         return _("Results: {sentence}").format(sentence=error)
     return ""

@@ -7,7 +7,7 @@ from slicer.i18n import tr as _
 from SDFStentLib.validation import printable
 
 from . import Sizes
-from .ParameterNode import Placement
+from .ParameterNode import Placement, methodOf, stentOf, stentsOf
 
 METHOD_SLIDERS = {
     "influenceSlider": "influenceDistance",
@@ -28,8 +28,8 @@ class PanelState:
 
     def show(self, parameterNode):
         """After parameters have changed."""
-        hasStents = len(parameterNode.stents) > 0
-        self.ui.placeWidget.setCurrentNode(parameterNode.stent.handle if hasStents else None)
+        hasStents = len(stentsOf(parameterNode)) > 0
+        self.ui.placeWidget.setCurrentNode(stentOf(parameterNode).handle if hasStents else None)
         self._showSegments(parameterNode)
         self._reach(parameterNode)
         self.enable(parameterNode)
@@ -46,7 +46,7 @@ class PanelState:
 
     def _reach(self, parameterNode):
         """Sliders reach as far as makes sense, for this vessel or as designed, and farther where the value that is set does."""
-        stent, method = parameterNode.stent, parameterNode.method
+        stent, method = stentOf(parameterNode), methodOf(parameterNode)
         diameter, length = self._logic.sizeLimits(parameterNode)
         _letReach(self.ui.diameterSlider, diameter, stent.diameter)
         _letReach(self.ui.lengthSlider, length, stent.length)
@@ -57,7 +57,7 @@ class PanelState:
         """What can be done now; `standing` is that of the parameter node, where it was just asked for."""
         if parameterNode is None:
             return
-        running, count = self._session.isRunning, len(parameterNode.stents)
+        running, count = self._session.isRunning, len(stentsOf(parameterNode))
         standing, hasSteps = (
             standing or self._logic.standing(parameterNode),
             self._logic.hasSteps(parameterNode),
@@ -71,7 +71,7 @@ class PanelState:
         self.ui.progressBar.visible = isDeploying
         self.ui.resetButton.enabled = self.ui.expansionSlider.enabled = hasSteps and not running
         self.ui.stentEditor.enabled = count > 0
-        stent = parameterNode.stent
+        stent = stentOf(parameterNode)
         isCurve = stent.placement == Placement.ALONG_CURVE
         self.ui.wholeCurveCheckBox.visible = isCurve
         device, isByDevice = Sizes.detailsOf(stent).device, stent.deviceShortening

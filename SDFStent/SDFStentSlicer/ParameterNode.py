@@ -1,6 +1,7 @@
 """The module's typed parameters: everything a user chooses, stored in the scene."""
 
 import enum
+import weakref
 from types import SimpleNamespace
 from typing import Annotated, NamedTuple, Optional, Union
 
@@ -203,9 +204,51 @@ class SDFStentParameterNode:
 STENT_FIELDS = tuple(StentParameters.allParameters)
 
 
+# The node looks up every single value in its texts when it is asked for. What follows is read once and kept until the node is
+# modified; it is free of the node, and nobody may change it.
+
+
 def stentsOf(parameterNode):
-    """The plan's stents, free of the node, which looks up every single value when it is asked for."""
-    return [SimpleNamespace(**stentValues(stent)) for stent in parameterNode.stents]
+    """The plan's stents."""
+    return _once(
+        parameterNode,
+        "stents",
+        lambda: [SimpleNamespace(**stentValues(stent)) for stent in parameterNode.stents],
+    )
+
+
+def stentOf(parameterNode):
+    """The stent that is edited."""
+    return _once(
+        parameterNode, "stent", lambda: SimpleNamespace(**stentValues(parameterNode.stent))
+    )
+
+
+def methodOf(parameterNode):
+    """How the wall follows the stent."""
+    return _once(
+        parameterNode,
+        "method",
+        lambda: SimpleNamespace(
+            **{name: getattr(parameterNode.method, name) for name in MethodParameters.allParameters}
+        ),
+    )
+
+
+_known = weakref.WeakKeyDictionary()
+"""By parameter node: its time of modification, and what was read since."""
+
+
+def _once(parameterNode, name, read):
+    node = parameterNode.parameterNode
+    if node.GetModifiedEventPending():  # its time does not tell what was set meanwhile
+        return read()
+    time, values = _known.get(parameterNode, (None, None))
+    if time != node.GetMTime():
+        time, values = _known[parameterNode] = (node.GetMTime(), {})
+    if name not in values:
+        values[name] = read()
+    return values[name]
 
 
 def stentValues(stent):

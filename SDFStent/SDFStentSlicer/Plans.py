@@ -22,7 +22,7 @@ from SDFStentLib.stent import InputFile, OfStent
 from SDFStentLib.validation import InputError
 
 from . import Conversion, Dependencies, Flow, Handles, Sizes
-from .ParameterNode import RANGES, MethodParameters, Placement, stentsOf
+from .ParameterNode import RANGES, MethodParameters, Placement, methodOf, stentsOf
 from .Sizes import BY_POINT
 from .StentList import StentList
 
@@ -43,7 +43,7 @@ def settingsOf(parameterNode, live=False):
 
     `live` ones are the library's preview: the same method with longer steps and no finish.
     """
-    method = parameterNode.method
+    method = methodOf(parameterNode)
     settings = (
         DeploymentSettings.preview() if live else _plannedSettings(parameterNode.planDocument)
     )

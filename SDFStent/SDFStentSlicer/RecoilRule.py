@@ -1,6 +1,7 @@
 """A balloon whose recoil is by the rule: measured anew when the balloon or the place of the stent has changed."""
 
 from . import Clock, Conversion, Sizes
+from .ParameterNode import stentOf, stentsOf
 from .Portions import working
 from .SteppedRun import SteppedRun
 
@@ -53,9 +54,9 @@ class RecoilRule:
 
 def _standing(parameterNode):
     """Which stent is selected, and on what the recoil of its balloon depends; None where that is no matter of the rule."""
-    if parameterNode is None or not len(parameterNode.stents):
+    if parameterNode is None or not stentsOf(parameterNode):
         return None, None
-    stent = parameterNode.stent
+    stent = stentOf(parameterNode)
     whose = (parameterNode.selected, stent.handle.GetID() if stent.handle is not None else None)
     balloon = Sizes.balloonOf(stent)
     if balloon is None or balloon.is_given:

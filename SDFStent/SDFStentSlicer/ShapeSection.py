@@ -7,6 +7,7 @@ from SDFStentLib.plan import read_profile
 from SDFStentLib.stent import Shape, StentEnd, Waist
 
 from . import Sizes
+from .ParameterNode import stentOf
 
 FLAT = 0.35
 """Height of caps that are called flat, over their radius."""
@@ -43,7 +44,7 @@ class ShapeSection:
     def show(self, parameterNode):
         """The stent that is selected now."""
         self._parameterNode = parameterNode
-        stent = parameterNode.stent
+        stent = stentOf(parameterNode)
         if (stent.details, stent.diameter) == self._shown:
             return
         self._shown = stent.details, stent.diameter

@@ -4,7 +4,7 @@ from SDFStentLib.stent import beside
 from SDFStentLib.treatment import axis_in_vessel
 
 from . import Conversion, Handles, Plans
-from .ParameterNode import Placement
+from .ParameterNode import Placement, stentsOf
 
 
 class Snapping:
@@ -32,7 +32,7 @@ class Snapping:
     def told(self, parameterNode):
         """What the user has to know about handles that were moved far, and not again since; a line each."""
         told = []
-        for stent in parameterNode.stents:
+        for stent in stentsOf(parameterNode):
             stamp, sentences = self._told.get(stent.handle and stent.handle.GetID(), (None, []))
             if sentences and stamp == Conversion.changeStamp(stent.handle):
                 told += sentences

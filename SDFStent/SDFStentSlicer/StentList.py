@@ -4,7 +4,7 @@ import slicer
 
 from SDFStentLib.validation import InputError
 
-from .ParameterNode import StentParameters, stentValues
+from .ParameterNode import StentParameters, stentOf, stentsOf, stentValues
 
 
 class StentList:
@@ -19,7 +19,7 @@ class StentList:
 
     def values(self):
         """All stents as dictionaries, in order."""
-        return [stentValues(stent) for stent in self.parameterNode.stents]
+        return [dict(vars(stent)) for stent in stentsOf(self.parameterNode)]
 
     def __len__(self):
         return len(self.parameterNode.stents)
@@ -86,7 +86,7 @@ class StentList:
         with slicer.util.NodeModify(parameterNode):
             parameterNode.stents = [StentParameters(**values) for values in stents]
             parameterNode.selected = selected
-            if 0 <= selected < len(stents):
+            if 0 <= selected < len(stents) and vars(stentOf(parameterNode)) != stents[selected]:
                 parameterNode.stent = StentParameters(**stents[selected])
             self._agreed = stents[selected] if 0 <= selected < len(stents) else None
 
@@ -97,7 +97,7 @@ class StentList:
             if stents:
                 self.replace(stents, 0)
             return bool(stents)
-        listed, edited = stents[selected], stentValues(self.parameterNode.stent)
+        listed, edited = stents[selected], dict(vars(stentOf(self.parameterNode)))
         if listed == edited:
             self._agreed = listed
             return False

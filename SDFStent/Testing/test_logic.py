@@ -289,3 +289,27 @@ def test_the_handle_snaps_to_the_centerline(aLogic, theParameters):
     aLogic.snapHandle(theParameters, handle)
     snapped = handle.GetNthControlPointPositionWorld(0)
     assert Conversion.centerlineOf(theParameters.centerline).project(snapped).distance < 1e-6
+
+
+def test_parameters_are_read_once_until_they_change(theParameters):
+    from SDFStentSlicer.ParameterNode import methodOf, stentOf, stentsOf
+
+    stents, method = stentsOf(theParameters), methodOf(theParameters)
+    assert stentsOf(theParameters) is stents
+    with slicer.util.NodeModify(theParameters):
+        theParameters.method.tissueGap = 0.7
+        assert methodOf(theParameters).tissueGap == 0.7
+        theParameters.stent.diameter = 7.25
+        assert stentOf(theParameters).diameter == 7.25
+    assert methodOf(theParameters).tissueGap == 0.7
+    assert method.tissueGap == 0.4  # what was read stays what it was
+    assert stentsOf(theParameters)[0].handle is not None
+    slicer.mrmlScene.RemoveNode(theParameters.stents[0].handle)
+    assert stentsOf(theParameters)[0].handle is None
+
+
+def test_what_follows_a_calculation_begins_a_portion_of_its_own(theModule):
+    from SDFStentSlicer.Portions import inPortions, untilDone
+
+    assert list(inPortions(lambda: 3)) == [None]  # however short it was
+    assert untilDone(inPortions(lambda: 3)) == 3
