@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import tempfile
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -18,6 +19,8 @@ from .sight import build
 from .template import ASKS_FOR_FILE, value_of
 from .view import View
 from .widgets import Button
+
+EDIT_EVERY_S = 0.03
 
 
 class Page:
@@ -34,6 +37,7 @@ class Page:
         self.panel = self.widget.ui
         self.workshop = tempfile.TemporaryDirectory(prefix="sdfstent-")
         self._dirty: dict[str, Any] = {}
+        self._edits: dict[Any, Any] = {}
         self._shown_results: tuple[Any, ...] = ()
 
     @property
@@ -58,9 +62,21 @@ class Page:
 
         def edited(**state: Any) -> None:
             if state[name] != getattr(widget, widget.edited):
-                self.attempt(lambda: widget.edit(state[name]))
+                self._edit_soon(widget, state[name])
 
         self.server.state.change(name)(edited)
+
+    def _edit_soon(self, widget: Any, value: Any) -> None:
+        """Take the value that is the last one in a moment: a mouse is faster than anybody can see."""
+        if not self._edits:
+            asyncio.get_running_loop().call_later(EDIT_EVERY_S, self._edit_now)
+        self._edits.pop(widget, None)  # in the order in which they were touched last
+        self._edits[widget] = value
+
+    def _edit_now(self) -> None:
+        edits, self._edits = self._edits, {}
+        for widget, value in edits.items():
+            self.attempt(partial(widget.edit, value))
 
     def _changed(self, widget: Any) -> None:
         """Send what a widget shows once everything that changes now has changed."""
@@ -111,13 +127,15 @@ class Page:
     # What the user does
 
     def click(self, name: str) -> None:
-        """Press a button of the panel."""
+        """Press a button of the panel, with everything set that was set before."""
+        self._edit_now()
         widget = self.panel.widgets.get(name)
         if isinstance(widget, Button):
             self.attempt(widget.click)
 
     def edit(self, name: str, value: Any) -> None:
         """Change what a widget shows by more than a state variable."""
+        self._edit_now()
         widget = self.panel.widgets.get(name)
         if widget is not None:
             self.attempt(lambda: widget.edit(value))

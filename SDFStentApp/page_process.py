@@ -16,6 +16,8 @@ from typing import Any
 READY_WITHIN_S = 90.0
 FIRST_VISIT_WITHIN_S = 120.0
 END_WITHIN_S = 3.0
+ALLOCATION = {"MALLOC_ARENA_MAX": "2", "MALLOC_TRIM_THRESHOLD_": "1000000"}
+"""Its many short threads would each keep memory that they have given back."""
 
 
 class PageProcess:
@@ -121,6 +123,6 @@ async def _started(workshop: str) -> asyncio.subprocess.Process:
         "SDFStentApp.process",
         stdin=asyncio.subprocess.PIPE,
         stdout=asyncio.subprocess.PIPE,
-        env={**os.environ, "PYTHONPATH": path, "TMPDIR": workshop},
+        env={**ALLOCATION, **os.environ, "PYTHONPATH": path, "TMPDIR": workshop},
         start_new_session=True,
     )

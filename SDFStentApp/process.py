@@ -27,9 +27,11 @@ async def run(told: dict[str, Any], ready: Callable[[int], None]) -> None:
         os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
     sys.path.append(str(MODULE))
     from trame.app import get_server
+    from vtkmodules.vtkCommonCore import vtkLogger
 
     from .page import Page
 
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)
     server = get_server("sdfstent", client_type="vue3")
     page = Page(server, {**told, "module": MODULE})
     page.build()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -26,6 +27,9 @@ DISPLAYABLE_MANAGERS = (
 FRAMES_PER_S = 25.0
 MOVING_QUALITY, STILL_QUALITY = 60, 90
 """Of the JPEG, percent."""
+
+MOVING_SCALE, STILL_AFTER_S = 0.6, 0.15
+"""Pixels across over those of the page while something moves, and until when it is still thought to."""
 
 NEAR_PX = 24.0
 """A click so near to the centerline is meant for it."""
@@ -81,6 +85,7 @@ class View:
 
     def draw(self) -> None:
         """Send a frame soon."""
+        self.area.is_moved()
         if self._scheduler is not None:
             self._scheduler.schedule_render()
 
@@ -126,11 +131,27 @@ class View:
 
 
 class _Area(VtkRemoteControlledArea):
-    """Frames out, mouse and keys in."""
+    """Frames out, mouse and keys in. What moves is drawn coarser: without a GPU pixels are what takes the time."""
 
     def __init__(self, window: Any, on_click: Callable[[float, float], bool]) -> None:
         super().__init__(window)
         self._on_click, self._is_taken = on_click, False
+        self._moved_at = 0.0
+
+    def is_moved(self) -> None:
+        """Something looks different from now on."""
+        self._moved_at = time.perf_counter()
+
+    @property
+    def img_cols_rows(self) -> tuple[np.ndarray, int, int]:
+        if time.perf_counter() - self._moved_at > STILL_AFTER_S:
+            return super().img_cols_rows
+        size = self._vtk_render_window.GetSize()
+        self._vtk_render_window.SetSize(*(max(10, round(MOVING_SCALE * side)) for side in size))
+        try:
+            return super().img_cols_rows
+        finally:
+            self._vtk_render_window.SetSize(*size)
 
     def process_interaction_event(self, event: dict[str, Any]) -> None:
         kind = event.get("type", "")
