@@ -16,6 +16,7 @@ from SDFStentLib.validation import InputError
 SURFACES = (".vtp", ".vtk", ".stl", ".ply", ".obj")
 CENTERLINES = (".vtp", ".vtk")
 PLANS = (".json",)
+LARGEST_UPLOAD = 256 * 2**20
 DEEPEST, MOST = 4, 400
 """Folders below a named one, and files, that are listed."""
 
@@ -26,6 +27,29 @@ class Opened(NamedTuple):
     vessel: Any
     centerline: Any
     plan: Path | None = None
+
+
+class Uploads:
+    """Files that a browser has sent, in a folder of the page."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        folder.mkdir()
+
+    def kept(self, name: Any, content: Any) -> Path:
+        """Keep a file under its own name. Raises `InputError` for what is none that a page can open."""
+        path = self.folder / Path(str(name)).name
+        if path.suffix.lower() not in (*SURFACES, *PLANS, ".csv"):
+            raise InputError(
+                f"{path.name}: expected a file that ends in {', '.join((*SURFACES, *PLANS))}, got another; convert it."
+            )
+        if not isinstance(content, bytes) or not 0 < len(content) <= LARGEST_UPLOAD:
+            raise InputError(
+                f"{path.name}: expected a file of at most {LARGEST_UPLOAD // 2**20} MB with something in it, got another; "
+                "name its folder with --folder instead."
+            )
+        path.write_bytes(content)
+        return path
 
 
 class Folders:
@@ -46,6 +70,13 @@ class Folders:
                 f"{path}: expected a file in a folder that was named at the start, got one elsewhere; "
                 "start sdfstent app with --folder to name its folder."
             )
+        return found
+
+    def existing(self, path: str | Path) -> Path:
+        """The same, of a file that is there."""
+        found = self.checked(path)
+        if not found.is_file():
+            raise InputError(f"{path}: expected a file, got none; check the path.")
         return found
 
     def listing(self, suffixes: tuple[str, ...]) -> list[str]:

@@ -14,9 +14,9 @@ from . import python_layer
 from .application import Application
 from .charts import plot_of, table_of
 from .exports import NAMES, exported
-from .files import Folders, Opened, open_plan, open_vessel, save_model
+from .files import PLANS, Folders, Opened, Uploads, open_plan, open_vessel, save_model
 from .sight import build
-from .template import ASKS_FOR_FILE, value_of
+from .template import ASKS_FOR_FILE, PATHS, value_of
 from .view import View
 from .widgets import Button
 
@@ -32,10 +32,11 @@ class Page:
         python_layer.install(self.application.scene)
         self._dialog = python_layer.FileDialog
         self.view = View(self.application, self._on_click)
-        self.folders = Folders(told["folders"])
+        self.workshop = tempfile.TemporaryDirectory(prefix="sdfstent-")
+        self.uploads = Uploads(Path(self.workshop.name) / "uploads")
+        self.folders = Folders([*told["folders"], self.uploads.folder])
         self.widget = _panel(told["module"])
         self.panel = self.widget.ui
-        self.workshop = tempfile.TemporaryDirectory(prefix="sdfstent-")
         self._dirty: dict[str, Any] = {}
         self._edits: dict[Any, Any] = {}
         self._shown_results: tuple[Any, ...] = ()
@@ -153,7 +154,7 @@ class Page:
         """The file that the page has asked for; without a name none was wanted."""
 
         def press() -> None:
-            with self._dialog.answering(self.folders.checked(path)):
+            with self._dialog.answering(self.folders.existing(path)):
                 self.panel.widgets[name].click()
 
         with self.server.state as state:
@@ -161,18 +162,33 @@ class Page:
         if name in ASKS_FOR_FILE:
             self.attempt(press)
 
+    def upload(self, variable: str, name: str, content: bytes) -> None:
+        """Keep a file of the browser's, and put its path where the page asks for one."""
+
+        def keep() -> None:
+            path = str(self.uploads.kept(name, content))
+            with self.server.state as state:
+                state[variable] = path
+
+        if variable in PATHS:
+            self.attempt(keep)
+
     def open(self, surface: str, centerline: str) -> None:
-        """Open a vessel from files that may be opened."""
+        """Open a vessel, or a plan in place of the surface, from files that may be opened."""
 
         def load() -> None:
-            paths = [self.folders.checked(path) if path else None for path in (surface, centerline)]
-            if paths[0] is None:
-                return self.say(
-                    "Open: expected the path of a surface, got none; type or choose one."
-                )
-            return self._opened(open_vessel(self.application.scene, *paths))
+            wall = self.folders.existing(surface)
+            line = self.folders.existing(centerline) if centerline else None
+            scene = self.application.scene
+            if wall.suffix.lower() in PLANS:
+                self._opened(open_plan(scene, wall, self.folders))
+            else:
+                self._opened(open_vessel(scene, wall, line))
 
-        self.attempt(load)
+        if surface:
+            self.attempt(load)
+        else:
+            self.say("Open: expected the path of a surface, got none; type or choose one.")
 
     def open_told(self) -> None:
         """Open what was named at the start of the server, which may be anywhere."""

@@ -123,6 +123,7 @@ async def _started(workshop: str) -> asyncio.subprocess.Process:
         "SDFStentApp.process",
         stdin=asyncio.subprocess.PIPE,
         stdout=asyncio.subprocess.PIPE,
+        cwd=workshop,  # Python looks for modules there, too
         env={**ALLOCATION, **os.environ, "PYTHONPATH": path, "TMPDIR": workshop},
         start_new_session=True,
     )

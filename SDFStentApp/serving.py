@@ -9,6 +9,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import hmac
+import ipaddress
 import secrets
 import signal
 import webbrowser
@@ -22,7 +23,13 @@ from .page_process import PageProcess
 from .process import HEADER
 
 INDEX = "index.html"
-KEPT_HEADERS = {"Cache-Control": "no-store", "Referrer-Policy": "no-referrer"}
+KEPT_HEADERS = {
+    "Cache-Control": "no-store",
+    "Referrer-Policy": "no-referrer",
+    # Vue compiles its templates; whatever a page does, it talks to nobody else.
+    "Content-Security-Policy": "default-src 'self' 'unsafe-inline' 'unsafe-eval' blob: data:; "
+    "connect-src 'self' ws: wss: blob: data:; frame-ancestors 'none'; form-action 'self'; base-uri 'self'",
+}
 LARGEST_MESSAGE = 64 * 2**20
 HEARTBEAT_S = 30.0
 """So often a browser has to show that it is still there."""
@@ -71,6 +78,10 @@ class Server:
         host = f"[{self.settings.host}]" if ":" in self.settings.host else self.settings.host
         address = f"http://{host}:{port}/{self.token}/"
         self._say(f"Open {address}")
+        if not _is_loopback(self.settings.host):
+            self._say(
+                "Other machines can reach it, and what passes can be read on the way: put a proxy with TLS in front of it."
+            )
         self._say("Ctrl-C ends it.")
         self._first = self._start()  # it gets ready while the browser starts
         if self.settings.opens_browser:
@@ -177,6 +188,13 @@ async def _until_one_ends(ways: list[Awaitable[None]]) -> None:
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
+
+
+def _is_loopback(host: str) -> bool:
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"
 
 
 def _sentence(status: int, text: str) -> web.Response:

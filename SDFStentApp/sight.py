@@ -10,7 +10,7 @@ from trame.widgets import client, html, rca
 
 from . import template
 from .charts import plot_of, table_of
-from .files import CENTERLINES, SURFACES
+from .files import CENTERLINES, PLANS, SURFACES
 from .view import NAME
 
 TITLE = "SDF Stent"
@@ -23,7 +23,7 @@ def build(page: Any) -> None:
     """Make the markup of a page and the state variables that it begins with."""
     server = page.server
     _begin(page)
-    for name in ("click", "edit", "ask", "choose", "open", "demo", "save"):
+    for name in ("click", "edit", "ask", "choose", "open", "upload", "demo", "save"):
         server.trigger(name)(getattr(page, name))
     server.trigger("theme")(page.view.paint)
     panel = template.markup(page.panel.top)
@@ -56,6 +56,6 @@ def _begin(page: Any) -> None:
     state.message, state.isPlacing, state.isSaving, state.canSave = "", False, False, False
     state.surfacePath = state.centerlinePath = state.chosenPath = ""
     state.chooser, state.opening__v = {}, False
-    state.surfaceFiles = page.folders.listing(SURFACES)
+    state.surfaceFiles = page.folders.listing((*SURFACES, *PLANS))
     state.centerlineFiles = page.folders.listing(CENTERLINES)
     state.plot, state.table = plot_of(None), table_of(None)

@@ -185,15 +185,28 @@ MESSAGE = (
     '<div class="message" v-show="message" role="alert" data-name="message">{{ message }}</div>'
 )
 
-OPENING = """
+PATHS = ("surfacePath", "centerlinePath", "chosenPath")
+"""State variables that hold the path of a file."""
+
+
+def _upload(variable: str) -> str:
+    """A file of the browser's own machine, beside the field for a path."""
+    send = f"f.arrayBuffer().then(c => trigger('upload', ['{variable}', f.name, c]))"
+    return f"""<input type="file" data-name="{variable}-upload" title="A file of this computer" \
+@change="Array.from($event.target.files).forEach(f => {send})">"""
+
+
+OPENING = f"""
 <details class="opening" :open="!opening__v" @toggle="opening__v = !$event.target.open" data-name="opening">
 <summary>Open</summary>
 <div class="row"><button type="button" @click="trigger('demo')" data-name="demoButton">Synthetic patient</button></div>
 <form class="form" @submit.prevent="trigger('open', [surfacePath, centerlinePath])">
 <label class="label" for="surfacePath">Surface:</label>
-<input id="surfacePath" type="text" v-model.lazy="surfacePath" list="surfaces" placeholder="path of a surface">
+<input id="surfacePath" type="text" v-model.lazy="surfacePath" list="surfaces" placeholder="path of a surface, or of a plan">
+<span></span>{_upload("surfacePath")}
 <label class="label" for="centerlinePath">Centerline:</label>
 <input id="centerlinePath" type="text" v-model.lazy="centerlinePath" list="centerlines" placeholder="path of its centerline">
+<span></span>{_upload("centerlinePath")}
 <button type="submit" data-name="openButton">Open</button>
 </form>
 <datalist id="surfaces"><option v-for="path in surfaceFiles" :value="path"></option></datalist>
@@ -201,11 +214,12 @@ OPENING = """
 </details>
 """
 
-CHOOSER = """
+CHOOSER = f"""
 <div class="chooser" v-if="chooser.button" role="dialog" data-name="chooser">
 <form @submit.prevent="trigger('choose', [chooser.button, chosenPath])">
-<label class="label" for="chosenPath">{{ chooser.text }}</label>
+<label class="label" for="chosenPath">{{{{ chooser.text }}}}</label>
 <input id="chosenPath" type="text" v-model.lazy="chosenPath" list="choices" placeholder="path of the file">
+{_upload("chosenPath")}
 <datalist id="choices"><option v-for="path in chooser.files" :value="path"></option></datalist>
 <button type="submit">OK</button>
 <button type="button" @click="trigger('choose', ['', ''])">Cancel</button>

@@ -28,6 +28,9 @@ FRAMES_PER_S = 25.0
 MOVING_QUALITY, STILL_QUALITY = 60, 90
 """Of the JPEG, percent."""
 
+MOST_PIXELS = 2_500_000
+"""Of a frame, however large and fine the screen is."""
+
 MOVING_SCALE, STILL_AFTER_S = 0.6, 0.15
 """Pixels across over those of the page while something moves, and until when it is still thought to."""
 
@@ -79,9 +82,11 @@ class View:
             rca_encoder="turbo-jpeg",
         )
         self.group.AddObserver(vtk.vtkCommand.UpdateEvent, lambda *_: self.draw())
-        return RcaViewAdapter(
+        adapter = RcaViewAdapter(
             self.area, NAME, scheduler=self._scheduler, do_schedule_render_on_interaction=False
         )
+        adapter.max_pixel_count = MOST_PIXELS
+        return adapter
 
     def draw(self) -> None:
         """Send a frame soon."""

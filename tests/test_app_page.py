@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import io
+import json
 import os
+import re
 import shutil
 import zipfile
 from pathlib import Path
@@ -16,6 +18,7 @@ for name in ("slicer", "trame", "trame_rca", "aiohttp"):
     pytest.importorskip(name, reason="the extra app is not installed")
 
 from app_server import AppServer  # noqa: E402
+from PIL import Image  # noqa: E402
 
 CHROMIUM = os.environ.get("CHROMIUM") or shutil.which("chromium")
 QUIET = (
@@ -96,6 +99,21 @@ class Visit:
         self.named("addStentButton").click()
         rows.nth(count).wait_for()
 
+    def handle(self):
+        """Where the handle is seen, the only thing that is blue before a deployment."""
+        frame = self.page.locator(".screen").bounding_box()
+        picture = Image.open(io.BytesIO(self.page.screenshot(clip=frame))).convert("RGB")
+        red, green, blue = np.moveaxis(np.array(picture, dtype=int)[:, :-120], 2, 0)
+        rows, columns = np.nonzero((blue > red + 80) & (blue > green + 30))
+        return frame["x"] + columns.mean(), frame["y"] + rows.mean()
+
+    def center(self):
+        """Where the one stent of the plan is, in RAS."""
+        archive = zipfile.ZipFile(io.BytesIO(self.saved("savePlanButton")))
+        plan = json.loads(archive.read("plan.json"))
+        turn = (-1, -1, 1) if plan["inputs"]["frame"] == "LPS" else (1, 1, 1)
+        return np.array(plan["stents"][0]["placement"]["center"]) * turn
+
     def saved(self, name):
         with self.page.expect_download(timeout=60_000) as download:
             self.named(name).click()
@@ -167,7 +185,9 @@ def test_numbers_follow_a_slider_while_it_is_dragged_and_expansion_goes_back(a_v
     assert a_visit.number("expansionSlider").input_value() == "0"
 
 
-def test_a_click_on_the_centerline_places_the_handle(a_visit):
+def test_a_click_on_the_centerline_places_the_handle_and_the_mouse_drags_it(a_visit):
+    from SDFStentLib.phantoms import branching_pulmonary_artery
+
     a_visit.add_stent()
     place = a_visit.named("placeWidget")
     place.click()
@@ -183,6 +203,21 @@ def test_a_click_on_the_centerline_places_the_handle(a_visit):
             break
     assert place.get_attribute("aria-pressed") == "false"
     assert a_visit.text("message") == ""
+    before = a_visit.center()
+    a_visit.named("autoUpdateCheckBox").locator("input").check()
+    mouse, (x, y) = a_visit.page.mouse, a_visit.handle()
+    mouse.move(x, y)
+    a_visit.page.wait_for_timeout(300)  # a hand rests before it presses
+    mouse.down()
+    for step in range(1, 7):
+        mouse.move(x, y + 10 * step)
+        a_visit.page.wait_for_timeout(30)
+    mouse.up()
+    a_visit.until("certificateLabel", "ertified")
+    moved = a_visit.center()
+    assert np.linalg.norm(moved - before) > 2
+    line = branching_pulmonary_artery().centerline
+    assert np.linalg.norm(line.project(moved).point - moved) < 1e-4  # let go, it is on the line
 
 
 def test_a_wrong_file_is_a_sentence_and_the_page_goes_on(a_visit, the_folder):
@@ -190,14 +225,34 @@ def test_a_wrong_file_is_a_sentence_and_the_page_goes_on(a_visit, the_folder):
     for path, sentence in (
         ("/etc/passwd", "expected a file in a folder that was named at the start"),
         (the_folder / "damaged.vtp", "damaged.vtp"),
-        (the_folder / "none.vtp", "none.vtp"),
+        (the_folder / "none.vtp", "none.vtp: expected a file, got none"),
     ):
         a_visit.page.fill("#surfacePath", str(path))
         a_visit.named("openButton").click()
         a_visit.until("message", sentence)
-    a_visit.named("demoButton").click()
-    playwright.expect(a_visit.named("message")).to_be_hidden(timeout=60_000)
-    a_visit.named("lesionTable").locator("tbody tr").first.wait_for(timeout=60_000)
+    upload = a_visit.named("surfacePath-upload")
+    upload.set_input_files({"name": "notes.txt", "mimeType": "text/plain", "buffer": b"no"})
+    a_visit.until("message", "notes.txt: expected a file that ends in .vtp")
+
+
+def test_a_plan_that_was_saved_is_opened_again_from_the_browsers_own_files(a_visit):
+    a_visit.add_stent()
+    archive = zipfile.ZipFile(io.BytesIO(a_visit.saved("savePlanButton")))
+    a_visit.named("opening").evaluate("one => { one.open = true; }")
+    upload, path = a_visit.named("surfacePath-upload"), a_visit.page.locator("#surfacePath")
+    for name in ("surface.vtp", "centerline.vtp", "plan.json"):
+        content = archive.read(name)
+        upload.set_input_files({"name": name, "mimeType": "", "buffer": content})
+        playwright.expect(path).to_have_value(re.compile(rf"uploads/{name}$"), timeout=30_000)
+    a_visit.named("removeStentButton").click()
+    a_visit.until_empty("stentTable")
+    a_visit.named("openButton").click()
+    a_visit.until("stentTable", "Stent 1")
+    assert a_visit.text("message") == ""
+    again = zipfile.ZipFile(io.BytesIO(a_visit.saved("savePlanButton")))
+    assert again.read("surface.vtp") == archive.read("surface.vtp")
+    placed = [json.loads(one.read("plan.json"))["stents"] for one in (archive, again)]
+    assert placed[0] == placed[1]
 
 
 def test_a_page_that_is_loaded_again_has_its_stents(a_visit):
@@ -207,10 +262,15 @@ def test_a_page_that_is_loaded_again_has_its_stents(a_visit):
     assert "Stent 1" in a_visit.text("stentTable")
 
 
-def test_a_page_says_that_its_server_has_ended(a_browser, tmp_path):
+def test_a_page_that_has_failed_says_so_and_is_there_again_when_it_is_loaded(a_browser, tmp_path):
     server = AppServer(tmp_path / "workshop")
     visit = Visit(a_browser, server.address)
+    (page,) = server.pages()
+    page.kill()
+    visit.page.locator(".gone").wait_for(timeout=20_000)
+    assert "Load the page again" in visit.page.locator(".gone").inner_text()
+    visit.page.reload()
+    visit.named("deployButton").wait_for(timeout=60_000)
     server.process.kill()
     visit.page.locator(".gone").wait_for(timeout=20_000)
-    assert "sdfstent app" in visit.page.locator(".gone").inner_text()
     visit.context.close()

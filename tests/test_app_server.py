@@ -57,6 +57,10 @@ def test_a_server_that_is_killed_leaves_no_page(a_server):
     a_server.process.wait()
     page.wait(timeout=10)
     assert list(a_server.folder.iterdir()) == []
+    again = AppServer(a_server.folder, "--port", a_server.origin.rsplit(":", 1)[1])
+    assert again.origin == a_server.origin
+    assert get(a_server.address)[0] == 403  # the token of before
+    again.close()
 
 
 @pytest.mark.parametrize(
