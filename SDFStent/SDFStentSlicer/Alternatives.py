@@ -180,11 +180,12 @@ class Alternatives:
 
 def _withOwnHandles(parameterNode):
     """The stents of a plan as dictionaries, with copies of their handles."""
-    stents = StentList(parameterNode).values()
+    stents, copies = StentList(parameterNode).values(), {None: None}
     for values in stents:
         handle = values["handle"]
-        if handle is not None:
-            values["handle"] = Handles.copyHandle(handle, handle.GetName())
+        if handle not in copies:  # one that dilates another again has the same
+            copies[handle] = Handles.copyHandle(handle, handle.GetName())
+        values["handle"] = copies[handle]
     return stents
 
 

@@ -37,7 +37,7 @@ def missing(parameterNode):
 
 
 def _missing(parameterNode, stents):
-    needsCenterline = any(stent.placement != Placement.ALONG_CURVE for stent in stents)
+    needsCenterline = any(stent.placement.needsCenterline for stent in stents)
     if parameterNode.vessel is None:
         return _("Select a vessel: a surface model or a segmentation.")
     if parameterNode.centerline is None and (needsCenterline or not stents):
@@ -48,8 +48,18 @@ def _missing(parameterNode, stents):
         )
     if not stents:
         return _("Add a stent, or switch one on.")
-    missing = next(filter(None, map(missingOf, stents)), "")
+    missing = next(filter(None, map(missingOf, stents)), "") or _missingAgain(stents)
     return missing or _refusal(stents) or Flow.refusal(parameterNode)
+
+
+def _missingAgain(stents):
+    """The first stent of those that are switched on that has none above it to dilate again, as a sentence."""
+    for stent, number in zip(stents, Sizes.numbersAgain(stents), strict=True):
+        if stent.placement == Placement.AGAIN and number is None:
+            return _(
+                "{label}: choose the handle of the stent that it dilates again, which has to be above it and switched on."
+            ).format(label=stent.label)
+    return ""
 
 
 def _refusal(stents):

@@ -11,7 +11,7 @@ from SDFStentLib.stent import KEPT, USUAL_RECOIL
 from SDFStentLib.validation import InputError, printable
 
 from . import Sizes
-from .ParameterNode import stentOf
+from .ParameterNode import Placement, stentOf
 
 KEPT_LABELS = {
     "center": _("Center"),
@@ -76,7 +76,8 @@ class DeviceSection:
             for name in names:
                 box.addItem(name)
         box.currentIndex = 0 if device is None else names.index(device.name)
-        self.ui.deviceShorteningCheckBox.enabled = device is not None
+        isAgain = self._parameterNode.stent.placement == Placement.AGAIN
+        self.ui.deviceShorteningCheckBox.enabled = isAgain or device is not None
 
     def _read(self, table):
         """The rows of the device table, and in the button's tooltip where those of the user's own are from."""

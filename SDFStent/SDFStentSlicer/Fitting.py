@@ -6,7 +6,8 @@ from SDFStentLib.plan import device_named, device_table, stent_details
 from SDFStentLib.stent import DEFAULT_FORESHORTENING, Balloon, Shape, balloon_by_rule
 from SDFStentLib.validation import InputError
 
-from . import Plans, Sizes
+from . import Handles, Plans, Sizes
+from .ParameterNode import Placement, stentsOf
 from .Portions import untilDone
 from .StentList import StentList
 
@@ -83,6 +84,9 @@ class Fitting:
         if balloon is None or balloon.is_given:
             return
         try:
+            if (first := Sizes.dilatedBy(parameterNode)) is not None:
+                self._inflateIn(parameterNode, balloon, first.diameter)
+                return
             planned = Plans.plannedStent(parameterNode.stent)
             usual = balloon_by_rule(balloon.diameter, NOT_KNOWN)
             # As the shell measures it: where it lies with the usual recoil.
@@ -90,7 +94,11 @@ class Fitting:
             native = yield from self._inputs.nativeLumenInPortions(parameterNode, placed)
         except InputError:
             return  # a deployment says why
-        found = balloon_by_rule(balloon.diameter, native)
+        self._inflateIn(parameterNode, balloon, native)
+
+    def _inflateIn(self, parameterNode, balloon, lumen):
+        """Let a balloon recoil by the rule in a lumen, mm."""
+        found = balloon_by_rule(balloon.diameter, lumen)
         if found != balloon:
             self.inflate(parameterNode, found)
 
@@ -108,6 +116,26 @@ class Fitting:
         """Set parts of the stent's `Shape`; without any that make it another it is a cylinder."""
         shape = replace(Sizes.shapeOf(parameterNode.stent) or Shape(), **parts)
         self.setShape(parameterNode, None if shape == Shape() else shape)
+
+    @staticmethod
+    def shareHandle(parameterNode):
+        """Let a stent that dilates another again have the handle of the one above it, and any other one of its own.
+
+        True where it dilates one again.
+        """
+        stent, stents = parameterNode.stent, StentList(parameterNode)
+        above = stentsOf(parameterNode)[: parameterNode.selected]
+        originals = [one.handle for one in above if one.placement != Placement.AGAIN]
+        if stent.placement != Placement.AGAIN:
+            if stent.handle is not None and stent.handle in originals:
+                stents.change(handle=Handles.copyHandle(stent.handle, stent.label))
+            return False
+        former = stent.handle
+        if originals and former not in originals:
+            stents.change(handle=originals[-1], foreshortening=0.0, deviceShortening=True)
+            if former not in [one.handle for one in parameterNode.stents]:
+                Handles.removeHandle(former)
+        return True
 
     @staticmethod
     def setDetails(parameterNode, **changes):

@@ -84,7 +84,7 @@ def isOwn(node):
 
 def fitHandle(node, placement, centerline, length):
     """Give a point list of ours the points that a placement needs; the user's own markups stay as they are."""
-    if not isOwn(node):
+    if not isOwn(node) or placement == Placement.AGAIN:
         return
     placed, points = Conversion.placedIndices(node), Conversion.placedPoints(node)
     with slicer.util.NodeModify(node):

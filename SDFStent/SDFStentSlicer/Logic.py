@@ -124,8 +124,11 @@ class SDFStentLogic(Fitting, Suggesting, Alternatives, Segments, ScriptedLoadabl
 
     def copyStent(self, parameterNode):
         """Append a copy of the selected stent with a handle of its own."""
-        stents = StentList(parameterNode)
-        stents.copy(Handles.copyHandle(parameterNode.stent.handle, stents.freeLabel()))
+        stents, stent = StentList(parameterNode), parameterNode.stent
+        isAgain = stent.placement == Placement.AGAIN
+        stents.copy(
+            stent.handle if isAgain else Handles.copyHandle(stent.handle, stents.freeLabel())
+        )
 
     def removeStent(self, parameterNode):
         """Remove the selected stent, and its handle if this module made it."""
@@ -135,8 +138,10 @@ class SDFStentLogic(Fitting, Suggesting, Alternatives, Segments, ScriptedLoadabl
             Handles.removeHandle(handle)
 
     def fitHandle(self, parameterNode):
-        """Give the selected stent's handle the points that its placement needs."""
+        """Give the selected stent's handle the points that its placement needs; one that dilates another again takes that one's."""
         stent = parameterNode.stent
+        if self.shareHandle(parameterNode):
+            return
         stent.foreshortening = 0.0 if stent.placement.usesHandleLength else 10.0
         if stent.handle is not None and parameterNode.centerline is not None:
             Handles.fitHandle(

@@ -79,7 +79,8 @@ class PanelState:
         isOwn = device is not None and device.nominal_length is not None
         self.ui.lengthSlider.enabled = hasLength and not isOwn
         self.ui.diameterSlider.enabled = Sizes.detailsOf(stent).balloon is None
-        self.ui.foreshorteningSlider.enabled = device is None or not isByDevice
+        isKnown = device is not None or stent.placement == Placement.AGAIN
+        self.ui.foreshorteningSlider.enabled = not (isKnown and isByDevice)
         self.ui.addStentButton.enabled = (
             parameterNode.vessel is not None or parameterNode.centerline is not None
         )

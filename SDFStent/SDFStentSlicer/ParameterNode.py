@@ -29,6 +29,7 @@ class Placement(enum.Enum):
     PROXIMAL_END = "proximal"
     BETWEEN_POINTS = "between"
     ALONG_CURVE = "axis"
+    AGAIN = "again"
 
     def label(self):
         """The text in the panel."""
@@ -38,17 +39,23 @@ class Placement(enum.Enum):
             Placement.PROXIMAL_END: _("Proximal end at a point"),
             Placement.BETWEEN_POINTS: _("Between two points"),
             Placement.ALONG_CURVE: _("Along a curve"),
+            Placement.AGAIN: _("Dilates a stent again"),
         }[self]
 
     @property
     def usesHandleLength(self):
         """Whether the handle alone says how long the stent is."""
-        return self in (Placement.BETWEEN_POINTS, Placement.ALONG_CURVE)
+        return self in (Placement.BETWEEN_POINTS, Placement.ALONG_CURVE, Placement.AGAIN)
+
+    @property
+    def needsCenterline(self):
+        """Whether the axis is that of the centerline."""
+        return self not in (Placement.ALONG_CURVE, Placement.AGAIN)
 
     @property
     def pointCount(self):
         """How many placed points the handle needs."""
-        return 1 if self in (Placement.CENTER, Placement.DISTAL_END, Placement.PROXIMAL_END) else 2
+        return 2 if self in (Placement.BETWEEN_POINTS, Placement.ALONG_CURVE) else 1
 
 
 class SurfaceMap(enum.Enum):
@@ -125,7 +132,8 @@ class StentParameters:
 
     `details` is what there is beyond them (device, balloon, kept end, shape), as the library's `StentDetails` keeps it.
     With `deviceShortening` the device says how much shorter it becomes. `redilation` is the diameter to which the same stent is
-    dilated afterwards, of the second balloon where it has a balloon; 0 for none.
+    dilated at once after it, of the second balloon where it has a balloon; 0 for none. With the placement `AGAIN` it is no stent of its
+    own: it dilates the one above it that has the same handle.
     """
 
     label: str = "Stent"

@@ -3,6 +3,7 @@
 import json
 from dataclasses import replace
 from functools import lru_cache
+from typing import Any, NamedTuple
 
 import slicer
 from slicer.i18n import tr as _
@@ -35,7 +36,9 @@ def plannedOf(parameterNode):
 def _allPlanned(stents):
     """The library's stents of some parameters, with those that are dilated again."""
     redilations = [stent.redilation for stent in stents]
-    return Sizes.withRedilations([plannedStent(stent) for stent in stents], redilations)
+    again = Sizes.numbersAgain(stents)
+    planned = [plannedStent(stent, number) for stent, number in zip(stents, again, strict=True)]
+    return Sizes.withRedilations(planned, redilations)
 
 
 def settingsOf(parameterNode, live=False):
@@ -104,19 +107,24 @@ def load(path, parameterNode):
     """
     plan = load_plan(path)
     frame = plan.frame or Conversion.fileFrame(parameterNode.vessel) or "RAS"
-    firsts, redilations = _redilated(path, plan.stents)
-    planned = [_inFrame(stent, frame) for stent in firsts]
+    rows = _rows(path, plan.stents)
+    planned = [_inFrame(row.stent, frame) for row in rows]
     stents = [
-        {**valuesOf(stent), "redilation": diameter}
-        for stent, diameter in zip(planned, redilations, strict=True)
+        {**valuesOf(stent), "redilation": row.redilation}
+        for stent, row in zip(planned, rows, strict=True)
     ]
     method, flow = _methodOf(plan), Flow.valuesOf(plan)
     for number, values in enumerate(stents, start=1):
         _checkRanges(values, f"{path}: {values['label'] or f'stent {number}'}")
     _checkRanges(method, f"{path}: settings")
     _checkRanges(flow, f"{path}: flow")
-    for values, stent in zip(stents, planned, strict=True):  # nothing is refused from here on
-        values["handle"] = _handleOf(stent, values["label"])
+    for values, stent, row in zip(
+        stents, planned, rows, strict=True
+    ):  # nothing is refused from here on
+        isAgain = row.original is not None
+        values["handle"] = (
+            stents[row.original]["handle"] if isAgain else _handleOf(stent, values["label"])
+        )
     with slicer.util.NodeModify(parameterNode):
         parameterNode.method = MethodParameters(**method)
         for name, value in flow.items():
@@ -130,32 +138,51 @@ def load(path, parameterNode):
     )
 
 
-def _redilated(path, stents):
-    """The stents of a plan without those that dilate one before them again, and to what these do it, mm; else 0.
+class _Row(NamedTuple):
+    """A stent of a plan in the list of the panel."""
 
-    Raises `InputError` for a redilation that the panel cannot have.
+    stent: Any
+    redilation: float = 0.0
+    """To which it is dilated again at once, as the panel does it, mm."""
+    original: int | None = None
+    """Of one that dilates another again: the row of that one."""
+
+
+def _rows(path, stents):
+    """The stents of a plan as rows of the list.
+
+    Raises `InputError` for one that dilates again what is no stent itself, or comes later.
     """
-    firsts, redilations = [], []
+    rows, rowOf = [], {}
     for number, stent in enumerate(stents, start=1):
         if not isinstance(stent.placement, OfStent):
-            firsts.append(stent)
-            redilations.append(0.0)
-            continue
-        diameter = stent.diameter if stent.balloon is None else stent.balloon.diameter
-        first = number - 1  # only that one, only once, and as the panel would
-        if stent.placement.number != first or stents[first - 1] is not firsts[-1]:
-            raise _unknownRedilation(path, number, stent)
-        if replace(library.dilated_again(firsts[-1], first, diameter), name=stent.name) != stent:
-            raise _unknownRedilation(path, number, stent)
-        redilations[-1] = diameter
-    return firsts, redilations
+            rowOf[number] = len(rows)
+            rows.append(_Row(stent))
+        elif _isAtOnce(stent, number, stents, rows):
+            diameter = stent.diameter if stent.balloon is None else stent.balloon.diameter
+            rows[-1] = rows[-1]._replace(redilation=diameter)
+        elif stent.placement.number in rowOf:
+            rows.append(_Row(stent, original=rowOf[stent.placement.number]))
+        else:
+            raise InputError(
+                f"{path}: stent {number}: expected a stent above it to dilate again that is none of these itself, got stent "
+                f"{stent.placement.number}; name the first one of them, or run the plan with sdfstent run."
+            )
+    return rows
 
 
-def _unknownRedilation(path, number, stent):
-    return InputError(
-        f"{path}: stent {number} dilates stent {stent.placement.number} again in a way that the panel does not have: expected it "
-        "right behind that one and with its balloon and recoil; leave it out of the plan, or run it with sdfstent run."
-    )
+def _isAtOnce(stent, number, stents, rows):
+    """Whether a stent is what the panel makes of the last row's second diameter."""
+    first = number - 1
+    if stent.placement.number != first or stents[first - 1] is not rows[-1].stent:
+        return False
+    diameter = stent.diameter if stent.balloon is None else stent.balloon.diameter
+    try:
+        again = library.dilated_again(rows[-1].stent, first, diameter)
+    except InputError:
+        return False
+    named = (stent.name, Sizes.nameAgain(rows[-1].stent.name), "")
+    return stent.name in named[1:] and replace(again, name=stent.name) == stent
 
 
 def _inFrame(planned, frame):
@@ -194,13 +221,19 @@ def _plannedSettings(document):
     return plan_from_document(json.loads(document)).settings if document else DeploymentSettings()
 
 
-def plannedStent(stent):
-    """The library's stent."""
-    planned = Sizes.stentAt(stent, _placementOf(stent), stent.label)
+def plannedStent(stent, number=None):
+    """The library's stent; `number` is that of the one which it dilates again."""
+    planned = Sizes.stentAt(stent, _placementOf(stent, number), stent.label)
     return planned if stent.enabled else replace(planned, enabled=False)
 
 
-def _placementOf(stent):
+def _placementOf(stent, number):
+    if stent.placement == Placement.AGAIN:
+        if number is None:
+            raise InputError(
+                f"{stent.label}: expected a stent above it with the same handle, which it dilates again, got none; choose its handle."
+            )
+        return OfStent(number)
     if stent.placement == Placement.ALONG_CURVE:
         return library.AlongAxis(Conversion.curvePoints(stent.handle))
     points = Conversion.handlePoints(stent.handle, stent.placement.pointCount, stent.label)
@@ -218,7 +251,8 @@ def valuesOf(stent):
         "enabled": stent.enabled,
         "diameter": stent.diameter,
         "foreshortening": 100 * stent.foreshortening,
-        "deviceShortening": stent.device is not None and stent.foreshortening_fraction is None,
+        "deviceShortening": stent.foreshortening_fraction is None
+        and (stent.device is not None or kind == Placement.AGAIN),
         "placement": kind,
         "wholeCurve": stent.length is None,
     }
@@ -237,6 +271,8 @@ def _kindAndPoints(placement):
             return kind, [placement.point]
     if isinstance(placement, library.BetweenPoints):
         return Placement.BETWEEN_POINTS, [placement.start, placement.end]
+    if isinstance(placement, OfStent):
+        return Placement.AGAIN, []
     return Placement.ALONG_CURVE, placement.points
 
 
@@ -257,7 +293,7 @@ def _fileOf(node):
 def _withoutFiles(parameterNode):
     """A sentence about inputs of the plan that are in no file, and how to change that; "" when all are."""
     nodes = [parameterNode.vessel]
-    if any(stent.placement != Placement.ALONG_CURVE for stent in parameterNode.stents):
+    if any(stent.placement.needsCenterline for stent in parameterNode.stents):
         nodes.append(parameterNode.centerline)
     homeless = [node for node in nodes if node is not None and _fileOf(node) is None]
     if not homeless:

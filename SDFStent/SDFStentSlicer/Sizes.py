@@ -11,7 +11,7 @@ from SDFStentLib.plan import detailed_stent, read_details
 from SDFStentLib.stent import dilated_again
 from SDFStentLib.validation import InputError
 
-from .ParameterNode import Placement
+from .ParameterNode import Placement, stentsOf
 
 BY_POINT = {
     Placement.CENTER: library.AtCenter,
@@ -65,7 +65,8 @@ def stentAt(stent, placement, label=""):
     hasLength = not stent.placement.usesHandleLength or (
         stent.placement == Placement.ALONG_CURVE and not stent.wholeCurve
     )
-    isByDevice = stent.deviceShortening and detailsOf(stent).device is not None
+    isAgain = stent.placement == Placement.AGAIN
+    isByDevice = stent.deviceShortening and (isAgain or detailsOf(stent).device is not None)
     return detailed_stent(
         stent.details,
         stent.diameter,
@@ -81,9 +82,39 @@ def somewhere(stent):
     places = {
         Placement.BETWEEN_POINTS: lambda: library.BetweenPoints(np.zeros(3), np.ones(3)),
         Placement.ALONG_CURVE: lambda: library.AlongAxis([[0, 0, 0], [1, 1, 1]]),
+        Placement.AGAIN: lambda: library.OfStent(1),
     }
     place = places.get(stent.placement, lambda: BY_POINT[stent.placement](np.zeros(3)))
     return stentAt(stent, place())
+
+
+def numbersAgain(stents):
+    """For every stent of a list the number, from 1, of the planned one that it dilates again; None where there is none.
+
+    A stent that has a second diameter of its own counts twice.
+    """
+    numbers, latest, count = [], {}, 0
+    for stent in stents:
+        count += 1
+        place = stent.handle.GetID() if stent.handle is not None else None
+        if stent.placement == Placement.AGAIN:
+            numbers.append(latest.get(place))
+        else:
+            numbers.append(None)
+            latest[place] = count
+        count += stent.redilation > 0
+    return numbers
+
+
+def dilatedBy(parameterNode):
+    """The stent that the selected one dilates again, as its parameters; None where it dilates none."""
+    stent, stents = parameterNode.stent, stentsOf(parameterNode)[: max(parameterNode.selected, 0)]
+    if stent.placement != Placement.AGAIN:
+        return None
+    same = [
+        one for one in stents if one.handle is stent.handle and one.placement != Placement.AGAIN
+    ]
+    return same[-1] if same else None
 
 
 def withRedilations(planned, redilations):

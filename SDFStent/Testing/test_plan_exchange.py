@@ -1,6 +1,7 @@
 """The plan document between panel, command line and Python."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -381,20 +382,57 @@ def test_a_redilation_comes_back_from_a_plan(aLogic, theParameters, aDetailedPla
         {"balloon": {"diameter": 9.5, "recoil_fraction": 0.05263157894736842}},
         {"balloon": None},
         {"enabled": False},
+        {"name": "once more"},
+        {"foreshortening_fraction": 0.2},
     ],
 )
-def test_a_redilation_that_the_panel_cannot_have_is_refused_in_a_sentence(
+def test_a_redilation_that_is_another_than_at_once_is_a_row_of_its_own(
     aLogic, theParameters, aDetailedPlan, change
 ):
+    from SDFStentSlicer import Plans
+    from SDFStentSlicer.ParameterNode import Placement
+
+    from SDFStentLib.plan import load_plan
+
     withStent(aDetailedPlan, **{**AGAIN, **change})
-    before = aLogic.stentList(theParameters).values()
-    with pytest.raises(ValueError, match="stent 2 dilates stent 1 again in a way that the panel"):
-        aLogic.loadPlan(aDetailedPlan, theParameters)
-    assert aLogic.stentList(theParameters).values() == before
+    aLogic.loadPlan(aDetailedPlan, theParameters)
+    first, second = theParameters.stents
+    assert (first.redilation, second.placement) == (0.0, Placement.AGAIN)
+    assert second.handle is first.handle
+    _first, expected = load_plan(aDetailedPlan).stents
+    _first, found = Plans.planOf(theParameters).stents
+    assert replace(found, name=expected.name) == expected
+    assert found.name == (expected.name or "Stent")
 
 
-def test_a_second_redilation_is_refused(aLogic, theParameters, aDetailedPlan):
+def test_two_redilations_of_one_stent_and_one_between_others_come_back(
+    aLogic, theParameters, aDetailedPlan
+):
+    from SDFStentSlicer import Plans
+
+    from SDFStentLib.plan import load_plan
+
     withStent(aDetailedPlan, **AGAIN)
     withStent(aDetailedPlan, **{**AGAIN, "diameter": 9.9, "balloon": None})
-    with pytest.raises(ValueError, match="stent 3 dilates stent 1 again in a way that the panel"):
+    document = json.loads(aDetailedPlan.read_text(encoding="utf-8"))
+    other = {**document["stents"][0], "name": "other"}
+    document["stents"].insert(2, other)  # the last one still dilates the first
+    aDetailedPlan.write_text(json.dumps(document), encoding="utf-8")
+    aLogic.loadPlan(aDetailedPlan, theParameters)
+    assert [stent.redilation for stent in theParameters.stents] == [10.0, 0.0, 0.0]
+    expected, found = load_plan(aDetailedPlan).stents, Plans.planOf(theParameters).stents
+    assert [one.placement for one in found[1::2]] == [one.placement for one in expected[1::2]]
+    assert [one.diameter for one in found] == [one.diameter for one in expected]
+
+
+def test_a_redilation_of_a_redilation_is_refused_in_a_sentence(
+    aLogic, theParameters, aDetailedPlan
+):
+    withStent(aDetailedPlan, **AGAIN)
+    withStent(
+        aDetailedPlan, **{**AGAIN, "diameter": 9.9, "balloon": None, "placement": {"stent": 2}}
+    )
+    before = aLogic.stentList(theParameters).values()
+    with pytest.raises(ValueError, match="stent 3: expected a stent above it to dilate again that"):
         aLogic.loadPlan(aDetailedPlan, theParameters)
+    assert aLogic.stentList(theParameters).values() == before

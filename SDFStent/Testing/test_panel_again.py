@@ -1,0 +1,137 @@
+"""Stents that dilate another one again, wherever they come in the plan."""
+
+import numpy as np
+import pytest
+from panel_helpers import deploy, expanded, theThroat
+
+
+@pytest.fixture
+def twoStents(host, aStent):
+    """The panel with two overlapping stents of 6 mm; the second is selected."""
+    aStent.ui.diameterSlider.value = 6.0
+    host.click(aStent.ui.copyStentButton)
+    return aStent
+
+
+def again(host, panel, diameter):
+    """A third stent that dilates another one, as the user adds it."""
+    host.click(panel.ui.copyStentButton)
+    host.choose(panel.ui.placementComboBox, 5)
+    panel.ui.diameterSlider.value = diameter
+    host.process()
+
+
+def planned(panel):
+    from SDFStentSlicer import Plans
+
+    return Plans.plannedOf(panel._parameterNode)
+
+
+def test_a_stent_that_dilates_again_takes_the_handle_above_it_and_leaves_none(
+    host, twoStents, aScene
+):
+    ui, parameters = twoStents.ui, twoStents._parameterNode
+    count = aScene.GetNumberOfNodesByClass("vtkMRMLMarkupsFiducialNode")
+    again(host, twoStents, 8.0)
+    first, second, third = parameters.stents
+    assert third.handle is second.handle
+    assert aScene.GetNumberOfNodesByClass("vtkMRMLMarkupsFiducialNode") == count
+    assert [getattr(one.placement, "number", None) for one in planned(twoStents)] == [None, None, 2]
+    assert not ui.lengthSlider.enabled
+    assert ui.stentTable.item(2, 2).text() == "as placed"
+    ui.handleSelector.setCurrentNode(first.handle)
+    assert planned(twoStents)[2].placement.number == 1
+    host.choose(ui.placementComboBox, 0)  # a stent of its own once more
+    third = parameters.stents[2]
+    assert third.handle not in (first.handle, second.handle)
+    np.testing.assert_allclose(third.handle.GetNthControlPointPositionWorld(0), theThroat())
+
+
+def test_a_stent_is_dilated_again_after_another_one(host, twoStents):
+    """Against the library's treatment of the same stents."""
+    from SDFStentLib.stent import AtCenter, OfStent, Stent
+    from SDFStentLib.treatment import Treatment
+
+    parameters, logic = twoStents._parameterNode, twoStents.logic
+    tree = logic.centerlineOf(parameters)
+    beyond = tree.path_around(theThroat(), 10.0).points[-1]
+    parameters.stent.handle.SetNthControlPointPositionWorld(0, *beyond)
+    again(host, twoStents, 8.0)
+    twoStents.ui.handleSelector.setCurrentNode(parameters.stents[0].handle)
+    places = [stent.handle.GetNthControlPointPositionWorld(0) for stent in parameters.stents]
+    deploy(host, twoStents)
+    run = logic.lastRun(parameters)
+    stents = [
+        Stent(6.0, placement=AtCenter(np.array(places[0])), length=14.0),
+        Stent(6.0, placement=AtCenter(np.array(places[1])), length=14.0),
+        Stent(8.0, placement=OfStent(1)),
+    ]
+    expected = Treatment(logic._inputs.vessel(parameters).surface, stents, tree).result
+    np.testing.assert_allclose(run.points, expected.points, atol=1e-9)
+    assert run.result.certificate.passed
+    assert run.result.stents[2].after.minimum == pytest.approx(8.0, abs=0.15)
+    assert twoStents.ui.lumenLabel.text.count("Minimum lumen") == 3
+
+
+def test_without_a_stent_above_it_nothing_is_dilated_again_and_that_is_said(host, twoStents):
+    ui = twoStents.ui
+    again(host, twoStents, 8.0)
+    name = twoStents._parameterNode.stent.label
+    missing = f"{name}: choose the handle of the stent that it dilates again, which has to be above"
+    for _ in range(2):
+        host.click(ui.moveUpButton)
+    assert ui.statusLabel.text.startswith(missing)
+    assert not ui.deployButton.enabled
+    for _ in range(2):
+        host.click(ui.moveDownButton)
+    assert ui.deployButton.enabled
+    twoStents.stents.enable(1, False)
+    assert ui.statusLabel.text.startswith(missing)
+    twoStents.stents.enable(1, True)
+    ui.stentTable.selectRow(1)
+    host.click(ui.removeStentButton)
+    assert ui.statusLabel.text.startswith(missing)
+    handle = twoStents._parameterNode.stents[1].handle
+    assert handle.GetScene() is not None  # still in use
+
+
+def test_a_diameter_that_is_not_larger_is_the_librarys_sentence(host, twoStents):
+    again(host, twoStents, 5.0)
+    deploy(host, twoStents)
+    assert "redilation: expected more than the 6 mm of stent 2, got 5 mm" in (
+        twoStents.ui.statusLabel.text
+    )
+
+
+def test_a_second_balloon_recoils_by_the_rule_in_the_lumen_of_the_first(host, twoStents):
+    from SDFStentLib.stent import balloon_by_rule
+
+    ui = twoStents.ui
+    again(host, twoStents, 8.0)
+    ui.balloonCheckBox.checked = True
+    ui.balloonSlider.value = 20.0  # more than three times the lumen of 6 mm
+    host.processUntil(lambda: not twoStents.recoil.isBusy, 60.0)
+    assert planned(twoStents)[2].balloon == balloon_by_rule(20.0, 6.0)
+    assert planned(twoStents)[2].balloon != balloon_by_rule(20.0, 10.0)
+
+
+def test_a_copied_plan_dilates_its_own_stent(host, twoStents):
+    again(host, twoStents, 8.0)
+    parameters, logic = twoStents._parameterNode, twoStents.logic
+    copy = logic.duplicatePlan(parameters)
+    _first, second, third = copy.stents
+    assert third.handle is second.handle
+    assert second.handle is not parameters.stents[1].handle
+    assert planned(twoStents)[2].diameter == 8.0
+
+
+def test_a_preview_dilates_again_too(host, twoStents):
+    """The preview's wall is near that of the full method; tells are those of three stents."""
+    again(host, twoStents, 8.0)
+    parameters, logic = twoStents._parameterNode, twoStents.logic
+    for _fraction in logic.steps(parameters, live=True):
+        pass
+    seen = logic.lastRun(parameters).points
+    full = expanded(logic, parameters)
+    moved = np.linalg.norm(full - logic._inputs.vessel(parameters).surface.points, axis=1)
+    assert np.abs(seen - full).max() < 0.25 * moved.max()
