@@ -139,9 +139,9 @@ class SDFStentLogic(Fitting, Suggesting, Alternatives, Segments, ScriptedLoadabl
 
     def fitHandle(self, parameterNode):
         """Give the selected stent's handle the points that its placement needs; one that dilates another again takes that one's."""
-        stent = parameterNode.stent
         if self.shareHandle(parameterNode):
             return
+        stent = parameterNode.stent
         stent.foreshortening = 0.0 if stent.placement.usesHandleLength else 10.0
         if stent.handle is not None and parameterNode.centerline is not None:
             Handles.fitHandle(
