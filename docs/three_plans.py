@@ -30,7 +30,7 @@ def patient(folder: Path, is_phantom: bool) -> tuple[Path, Path, str]:
     """Surface, centerline and their unit."""
     if not is_phantom and (DATA / SURFACE).is_file():
         return DATA / SURFACE, DATA / CENTERLINE, "cm"
-    tree = vascular_tree(4, 0.8, NARROWED)
+    tree = vascular_tree(4, 1.0, NARROWED)
     surface, centerline = folder / "surface.vtp", folder / "centerline.vtp"
     surface.write_bytes(encode_vtp(polydata_from_arrays(tree.points, tree.triangles)))
     axis = tree.centerline

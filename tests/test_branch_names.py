@@ -49,7 +49,7 @@ def a_model(names):
     return MODEL.format(faces="\n".join(rows))
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def artery():
     return phantoms.branching_pulmonary_artery()
 

@@ -8,6 +8,7 @@ import sys
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
+from tube_files import write_tube
 
 from SDFStentLib.files import (
     check_vmtk,
@@ -155,12 +156,16 @@ def pretended_vmtk(folder, body):
     return {"PYTHONPATH": os.pathsep.join([str(folder), os.environ.get("PYTHONPATH", "")])}
 
 
+@pytest.fixture
+def tube(tmp_path):
+    write_tube(tmp_path)
+    return tmp_path / "tube.vtp"
+
+
 @pytest.mark.parametrize("body", ["import os; os.abort()", "raise SystemExit(0)", "1 / 0"])
-def test_a_vmtk_that_ends_its_process_costs_a_sentence(tmp_path, body):
-    demo = tmp_path / "demo"
-    assert command("demo", "-o", demo).returncode == 0
+def test_a_vmtk_that_ends_its_process_costs_a_sentence(tmp_path, tube, body):
     out = tmp_path / "lines.vtp"
-    run = command("centerline", demo / "surface.vtp", "-o", out, **pretended_vmtk(tmp_path, body))
+    run = command("centerline", tube, "--units", "cm", "-o", out, **pretended_vmtk(tmp_path, body))
     assert run.returncode == 2
     assert run.stderr.startswith("sdfstent centerline: no centerline found (VMTK ended with code")
     assert run.stderr.count("\n") == 1
@@ -177,11 +182,10 @@ def test_without_vmtk_the_sentence_says_how_to_install_it(tmp_path):
 
 
 @pytest.mark.parametrize("option", ["--inlet", "--outlet"])
-def test_an_end_that_is_not_finite_is_a_sentence(tmp_path, option):
-    demo, out = tmp_path / "demo", tmp_path / "lines.vtp"
-    assert command("demo", "-o", demo).returncode == 0
+def test_an_end_that_is_not_finite_is_a_sentence(tmp_path, tube, option):
+    out = tmp_path / "lines.vtp"
     run = command(
-        "centerline", demo / "surface.vtp", "-o", out, option, "nan", "0", "0",
+        "centerline", tube, "-o", out, option, "nan", "0", "0",
         **pretended_vmtk(tmp_path, ""),
     )  # fmt: skip
     assert run.returncode == 2

@@ -267,10 +267,10 @@ def test_what_a_stent_leaves_within_itself_is_not_said_to_lie_beyond(tube, tmp_p
 
 
 def test_one_lesion_reads_the_same_for_stents_of_8_to_40_mm(pulmonary, tmp_path, capsys):
-    """Against the mean of the stents' two ends it read 9, 17, 28, 40, 47 %."""
+    """Against the mean of the stents' two ends it read 9, 28, 47 %."""
     surface = read_surface(pulmonary[0], units="cm")
     told = []
-    for length in LENGTHS:
+    for length in LENGTHS[::2]:
         place = ["--at-lesion", 1, "--length", length, "--diameter", 8]
         _, report = deployed([*pulmonary, *place], tmp_path, capsys)
         (number,) = report["stents"][0]["lesions"]

@@ -56,16 +56,16 @@ def test_where_nothing_is_near_there_are_no_pairs():
 
 
 def test_dense_points_of_a_wide_vessel_in_two_pieces_are_joined_in_little_memory():
-    """2 x 3,000 points every 0.02 mm, 10 mm wide: 3 million pairs, all but few of one piece."""
-    height = 0.02 * np.arange(3000)
+    """2 x 1,200 points every 0.02 mm, 10 mm wide: a million pairs, all but few of one piece."""
+    height = 0.02 * np.arange(1200)
     ends = height, height + height[-1] + 3.0
     points = np.concatenate([np.column_stack([0 * z, 0 * z, z]) for z in ends])
-    lines = [np.arange(3000), 3000 + np.arange(3000)]
+    lines = [np.arange(1200), 1200 + np.arange(1200)]
     tracemalloc.start()
-    line = Centerline.from_lines(points, lines, np.full(6000, 10.0))
+    line = Centerline.from_lines(points, lines, np.full(2400, 10.0))
     peak = tracemalloc.get_traced_memory()[1] / 1e6
     tracemalloc.stop()
-    assert len(line.points) == 6000
+    assert len(line.points) == 2400
     assert len(line.leaves) == 1
     # 1,366 MB with all pairs at once.
     assert peak < 100
@@ -110,7 +110,7 @@ def test_pairs_that_are_looked_at_grow_with_the_lines_not_with_their_square(monk
 
     monkeypatch.setattr(line_graph, "_within", counted)
     totals = []
-    for count in (100, 400):
+    for count in (50, 200):
         looked_at.clear()
         Centerline.from_lines(*lines_beside_each_other(count, outlets=1))
         totals.append(sum(looked_at))

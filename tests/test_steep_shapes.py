@@ -61,8 +61,9 @@ def treated(vessel, shape, ends=(12.0, 28.0), diameter=8.0):
     return Treatment(vessel.surface, [stent], vessel.centerline)
 
 
-@pytest.mark.parametrize("edge_length", [0.5, 1.0])
-@pytest.mark.parametrize("phantom_name", ["stenosed_tube", "bent_tube"])
+@pytest.mark.parametrize(
+    ("phantom_name", "edge_length"), [("stenosed_tube", 0.5), ("bent_tube", 1.0)]
+)
 @pytest.mark.parametrize("name", STEPS)
 def test_no_wall_lies_inside_of_a_steep_stent(name, phantom_name, edge_length):
     vessel = phantom(phantom_name, edge_length=edge_length)

@@ -55,6 +55,7 @@ def png(drawing: Drawing, panels: tuple[Panel, ...]) -> bytes:
     grab = vtkWindowToImageFilter()
     grab.SetInput(window)
     grab.ReadFrontBufferOff()
+    grab.ShouldRerenderOff()  # it is rendered
     shrink = vtkImageShrink3D()
     shrink.SetInputConnection(grab.GetOutputPort())
     shrink.SetShrinkFactors(*((OVERSAMPLING, OVERSAMPLING, 1) if panels else (1, 1, 1)))
