@@ -9,6 +9,7 @@ import enum
 import types
 import typing
 from dataclasses import dataclass
+from functools import cached_property
 
 import slicer
 import vtk
@@ -56,6 +57,9 @@ class Field:
         self.type, *annotations = (
             typing.get_args(hint) if typing.get_origin(hint) is typing.Annotated else (hint,)
         )
+        # Asked for at every access, and slow to find out.
+        self.isPack, self.isNode = isPack(self.type), _isNodeType(self.type)
+        self.isList = typing.get_origin(self.type) is list
         self.validators = [a for a in annotations if hasattr(a, "check")]
         given = [a for a in annotations if isinstance(a, Default)]
         missing = given[0].value if given else _emptyValue(self.type)
@@ -67,42 +71,42 @@ class Field:
         if self.type is float and isinstance(value, int):
             return float(value)
         if (
-            not isPack(self.type)
+            not self.isPack
             and isinstance(self.type, type)
             and typing.get_origin(self.type) is None  # list[str] is a type to Python 3.10
             and not isinstance(value, self.type)
-            and not _isNodeType(self.type)
+            and not self.isNode
         ):
             raise TypeError(f"{self.name} must be {self.type.__name__}, got {value!r}")
         return value
 
     def write(self, node, key, value):
         value = self.check(value)
-        if isPack(self.type):
+        if self.isPack:
             for field in self.type.allParameters.values():
                 field.write(node, f"{key}.{field.name}", getattr(value, field.name))
-        elif typing.get_origin(self.type) is list:
-            values, element = list(value), self.element()
+        elif self.isList:
+            values, element = list(value), self.element
             for index in range(len(values), int(node.GetParameter(f"{key}.len") or 0)):
                 element.remove(node, f"{key}.{index}")
             for index, item in enumerate(values):
                 element.write(node, f"{key}.{index}", item)
             node.SetParameter(f"{key}.len", str(len(values)))
-        elif _isNodeType(self.type):
+        elif self.isNode:
             node.SetParameter(key, "")
             node.SetNodeReferenceID(key, value.GetID() if value is not None else None)
         else:
             node.SetParameter(key, value.name if isinstance(value, enum.Enum) else str(value))
 
     def read(self, node, key):
-        if isPack(self.type):
+        if self.isPack:
             return self.type._view(node, key)
-        if typing.get_origin(self.type) is list:
+        if self.isList:
             return [
-                self.element().read(node, f"{key}.{i}")
+                self.element.read(node, f"{key}.{i}")
                 for i in range(int(node.GetParameter(f"{key}.len") or 0))
             ]
-        if _isNodeType(self.type):
+        if self.isNode:
             return node.GetNodeReference(key)
         if not node.HasParameter(key):
             return self.default
@@ -112,24 +116,25 @@ class Field:
         return self.type[text] if issubclass(self.type, enum.Enum) else self.type(text)
 
     def remove(self, node, key):
-        if isPack(self.type):
+        if self.isPack:
             for field in self.type.allParameters.values():
                 field.remove(node, f"{key}.{field.name}")
         node.UnsetParameter(key)
-        if _isNodeType(self.type):
+        if self.isNode:
             node.RemoveNodeReferenceIDs(key)
 
     def isIn(self, node, key):
-        if isPack(self.type):
+        if self.isPack:
             field = next(iter(self.type.allParameters.values()))
             return field.isIn(node, f"{key}.{field.name}")
-        return node.HasParameter(f"{key}.len" if typing.get_origin(self.type) is list else key)
+        return node.HasParameter(f"{key}.len" if self.isList else key)
 
+    @cached_property
     def element(self):
         return Field(type("Element", (), {}), self.name, typing.get_args(self.type)[0])
 
     def startValue(self):
-        if isPack(self.type) and self.default is None:
+        if self.isPack and self.default is None:
             return self.type()
         return list(self.default) if isinstance(self.default, list) else self.default
 

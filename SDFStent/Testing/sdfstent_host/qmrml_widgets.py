@@ -74,6 +74,8 @@ class qMRMLNodeComboBox(SceneSelector):
 
     def setCurrentNodeID(self, nodeID):
         """Show a node that is offered; any other one is the same as none."""
+        if nodeID is not None and nodeID == self._currentID and nodeID in self._ids:
+            return
         self._refresh()
         nodeID = nodeID if nodeID in self._ids else None
         changed = nodeID != self._currentID
