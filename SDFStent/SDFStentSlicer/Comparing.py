@@ -51,19 +51,17 @@ def steps(plans, folder):
     def progress(fraction, _name):
         if done is None:
             raise NotWanted
-        done[0] = 0.9 * fraction
+        done[0] = 0.8 * fraction
 
     def carriedOut():
         comparison = compare(named, inputs=inputs, progress=progress)
-        return comparison, comparison_document(comparison)
+        # The pictures are painted by a process of their own, which is only waited for.
+        return comparison, comparison_document(comparison), comparison_pictures(comparison)
 
     try:
-        comparison, document = yield from working(inPortions(carriedOut), lambda: done[0])
+        comparison, document, pictures = yield from working(inPortions(carriedOut), lambda: done[0])
     finally:
         done = None
-    yield 0.95
-    pictures = comparison_pictures(comparison)
-    yield 0.99
     for one in comparison.alternatives:
         save_plan(one.plan, folder / f"{one.name}.json")
     texts = {DOCUMENT: comparison_json(document), PAGE: comparison_page(document, pictures)}

@@ -321,11 +321,12 @@ def told(document):
 
 
 def test_the_page_is_that_of_sdfstent_compare(host, twoPlans, tmp_path):
-    """The shell makes the same of the folder's plans and inputs, and the numbers are the panel's.
+    """What the shell makes of the folder's plans and inputs is the same, and the numbers are the panel's.
 
     Meanwhile the user goes on, and even closes the scene.
     """
-    from SDFStentLib.cli.shell import main
+    from SDFStentLib.plan import compare, load_plan
+    from SDFStentLib.report import comparison_document
 
     ui = twoPlans.ui
     deploy(host, twoPlans)
@@ -340,10 +341,10 @@ def test_the_page_is_that_of_sdfstent_compare(host, twoPlans, tmp_path):
     assert Path(url.toLocalFile()) == folder / "comparison.html"
     assert "data:image/png" in (folder / "comparison.html").read_text(encoding="utf-8")
     ours = json.loads((folder / "comparison.json").read_text(encoding="utf-8"))
-    plans = [str(folder / f"{one['name']}.json") for one in ours["alternatives"]]
-    assert [Path(plan).name for plan in plans] == ["Plan 1.json", "narrow_ 6_5 mm.json"]
-    assert main(["compare", *plans, "-o", str(tmp_path / "again"), "--quiet"]) == 0
-    theirs = json.loads((tmp_path / "again/comparison.json").read_text(encoding="utf-8"))
+    names = [one["name"] for one in ours["alternatives"]]
+    assert names == ["Plan 1", "narrow_ 6_5 mm"]
+    plans = {name: load_plan(folder / f"{name}.json") for name in names}
+    theirs = json.loads(json.dumps(comparison_document(compare(plans))))
     lumen = ours["alternatives"][1]["report"]["stents"][0]["diameters"]["minimum_lumen"]
     assert told(ours) == told(theirs)
     assert lumen["after_mm"] == pytest.approx(treated.after.minimum, abs=1e-9)
