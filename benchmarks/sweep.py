@@ -446,6 +446,7 @@ def main(arguments: list[str] | None = None) -> int:
         tuple(options.ratio),
         anatomies=(options.anatomy,) if options.anatomy else tuple(ANATOMIES),
         only=options.only,
+        hard=options.hard,
         with_tetgen=options.tetgen,
         settings=DeploymentSettings.published() if options.published else None,
     ):
