@@ -71,12 +71,12 @@ def planOf(parameterNode, stents=None):
     Its points are in the frame of the vessel's file, which may not say so itself; in RAS where there is no file.
     """
     chosen = stentsOf(parameterNode) if stents is None else stents
-    surface = _fileOf(parameterNode.vessel)
+    surface = fileOf(parameterNode.vessel)
     frame = "RAS" if surface is None else Conversion.fileFrame(parameterNode.vessel)
     return Plan(
         stents=tuple(_inFrame(stent, frame) for stent in _allPlanned(chosen)),
         surface=surface,
-        centerline=_fileOf(parameterNode.centerline),
+        centerline=fileOf(parameterNode.centerline),
         frame=frame,
         settings=settingsOf(parameterNode),
         straightening_fraction=parameterNode.method.straightening / 100,
@@ -276,7 +276,7 @@ def _kindAndPoints(placement):
     return Placement.ALONG_CURVE, placement.points
 
 
-def _fileOf(node):
+def fileOf(node):
     """The file that a model came from, when the plan can be replayed with it; else None."""
     if (
         node is None
@@ -295,7 +295,7 @@ def _withoutFiles(parameterNode):
     nodes = [parameterNode.vessel]
     if any(stent.placement.needsCenterline for stent in parameterNode.stents):
         nodes.append(parameterNode.centerline)
-    homeless = [node for node in nodes if node is not None and _fileOf(node) is None]
+    homeless = [node for node in nodes if node is not None and fileOf(node) is None]
     if not homeless:
         return ""
     advice = dict.fromkeys(_towardsFile(node) for node in homeless)  # each once, in order

@@ -7,7 +7,7 @@ from SDFStentLib import treatment
 from SDFStentLib.report import segment_sentences, write_segment
 from SDFStentLib.validation import InputError
 
-from . import Conversion, Results
+from . import Conversion, Plans, Results
 from .NewFolders import inNewFolder
 from .Portions import inPortions, untilDone, working
 
@@ -85,10 +85,9 @@ def _ends(parameterNode, run):
 
 
 def _named(node):
-    """What a document of the segment says of an input in the scene."""
-    storage = node.GetStorageNode()
-    file = storage.GetFullNameFromFileName() if storage is not None else None
-    return {"file": file or node.GetName(), "sha256": None}
+    """What a document of the segment says of an input: its file, when it is still as it was read, else its name in the scene."""
+    file = Plans.fileOf(node)
+    return {"file": node.GetName() if file is None else file.path, "sha256": None}
 
 
 def _sentences(found, folder):

@@ -68,6 +68,8 @@ def test_the_segment_is_that_of_sdfstent_extract(host, aSegment, tmp_path):
     assert ours.faces.names == theirs.faces.names
     assert ours.frame == "RAS"
     document = json.loads((folder / "segment.json").read_text(encoding="utf-8"))
+    named = [document["inputs"][role]["file"] for role in ("surface", "centerline")]
+    assert named == files
     expected = json.loads((out / "segment.json").read_text(encoding="utf-8"))
     for mine, other in zip(document["planes"], expected["planes"], strict=True):
         assert mine["branch"] == other["branch"]
@@ -98,6 +100,7 @@ def test_what_is_not_deployed_is_said_and_branches_are_closed_when_asked_for(
         written(host, aSegment, tmp_path)
         document = json.loads((tmp_path / name / "segment.json").read_text(encoding="utf-8"))
         assert document["after"] is None
+        assert document["inputs"]["surface"]["file"] == "Artery"  # which is in no file
         assert "Before treatment only: deploy" in ui.statusLabel.text
         assert sorted(path.name for path in (tmp_path / name).iterdir()) == [
             "before",
