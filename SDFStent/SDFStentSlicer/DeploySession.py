@@ -23,7 +23,7 @@ class DeploySession:
         self._logic, self._onStart, self._onDone = logic, onStart, onDone
         self._parameterNode = self._signature = None
         self._run = SteppedRun(onProgress, self._finished)
-        self._live = False
+        self._live = self._isLetGo = False
         self._timer = Clock.timer(self._update, COALESCE_MS)
         self._settleTimer = Clock.timer(self._settle, SETTLE_MS)
 
@@ -61,6 +61,11 @@ class DeploySession:
         """Deploy soon if something that matters has changed since the last deployment began."""
         if not self._timer.isActive():
             self._timer.start()
+
+    def letGo(self):
+        """The hand has let go of what it dragged: the full method need not wait whether it goes on."""
+        self._isLetGo = True
+        self._settleAtOnce()
 
     def cancel(self):
         """Stop at once; what is shown stays."""
@@ -102,11 +107,17 @@ class DeploySession:
             self._begin(False, standing)
         self._rest()
 
+    def _settleAtOnce(self):
+        if self._isLetGo and self._settleTimer.isActive():
+            self._settleTimer.stop()
+            self._settle()
+
     def _begin(self, live, standing=None):
         standing = standing or self._standing()
         isNext = live and self._live  # nothing else can be done than before
         self._settleTimer.stop()
         self._signature, self._live = standing.signature, live
+        self._isLetGo = self._isLetGo and live
         self._run.start(self._logic.steps(self._parameterNode, live=live, standing=standing))
         if not isNext:
             self._onStart()
@@ -119,4 +130,5 @@ class DeploySession:
             elif self._live and error is None:
                 self._settleTimer.start()
         self._onDone(error, standing)
+        self._settleAtOnce()
         self._rest()

@@ -230,7 +230,7 @@ class SDFStentLogic(Fitting, Suggesting, Alternatives, Segments, ScriptedLoadabl
         """Deploy step by step: an iterator over the fraction done that shows every step in the output.
 
         `live` is for dragging: the end of the library's preview, neither finished nor certified, with about the minimum lumen.
-        `standing` is that of the parameter node, where it was just asked for. The iterator also stops every 10 ms during longer calculations, so that whoever runs it can react.
+        `standing` is that of the parameter node, where it was just asked for. The iterator also stops every 5 ms during longer calculations, so that whoever runs it can react.
         """
         missing, signature = standing or self.standing(parameterNode)
         if missing:

@@ -2,7 +2,8 @@
 
 import threading
 
-WAIT_S = 0.01
+WAIT_S = 0.005
+"""What a turn of the event loop may be late by."""
 
 
 def inPortions(function):

@@ -63,7 +63,7 @@ class Stenting:
     def steps(self):
         """Deploy; yields a `TreatmentState` after every radius step.
 
-        And None about every 10 ms while a step is being computed: the last one of a stent also finishes and certifies the
+        And None about every 5 ms while a step is being computed: the last one of a stent also finishes and certifies the
         lumen, which may take a second.
         """
         states = iter(self._treatment)

@@ -14,25 +14,20 @@ class SteppedRun:
     One object serves one run after another, as a `Clock` timer does.
     """
 
-    def __init__(self, onProgress, onDone, budget=0.015):
+    def __init__(self, onProgress, onDone, budget=0.01):
         self._onProgress, self._onDone, self._budget = onProgress, onDone, budget
-        self._iterator, self._startTime = None, 0.0
+        self._iterator = None
         self._timer = Clock.timer(self._tick, 0, isRepeated=True)
 
     def start(self, iterator):
         """Begin a run; another one must not be under way."""
-        self._iterator, self._startTime = iterator, time.perf_counter()
+        self._iterator = iterator
         self._timer.start()
 
     @property
     def isRunning(self):
         """Whether a run is under way."""
         return self._iterator is not None
-
-    @property
-    def age(self):
-        """Seconds since the start."""
-        return time.perf_counter() - self._startTime
 
     def cancel(self):
         """Stop; the iterator's `finally` blocks run now."""

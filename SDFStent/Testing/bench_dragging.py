@@ -197,7 +197,7 @@ class Counter:
 
 def follow(host, panel, places, counters):
     """A hand that moves 60 times a second and does not wait, back and forth; then it stops."""
-    session, parameters = panel.session, panel._parameterNode
+    parameters = panel._parameterNode
     parameters.autoUpdate = True
     way = np.concatenate([places, places[::-1]])
     before = {name: counter.count for name, counter in counters.items()}
@@ -212,16 +212,22 @@ def follow(host, panel, places, counters):
     for name, counter in counters.items():
         print(f"  dragged: {(counter.count - before[name]) / seconds:.1f} {name} a second")
     panel.silence.report("dragged")
-    stopped, worked = time.perf_counter(), time.process_time()
-    host.processUntil(lambda: not session.isBusy, LONG)
-    answer, cpu = time.perf_counter() - stopped, time.process_time() - worked
-    if "prescribed" not in parameters.lumenSummary:
-        raise RuntimeError(f"No answer came: {parameters.status}")
-    print(
-        f"  full answer {answer:.2f} s after the hand stopped, of them {waited():.2f} s waited; {cpu:.2f} s of CPU time"
-    )
-    panel.silence.report("full answer")
+    fullAnswer(host, panel, f"the hand stopped, of them {waited():.2f} s waited")
+    parameters.stent.handle.SetNthControlPointPositionWorld(0, *places[len(places) // 10])
+    parameters.stent.handle.InvokeEvent(parameters.stent.handle.PointEndInteractionEvent)
+    fullAnswer(host, panel, "a handle was let go")
     parameters.autoUpdate = False
+
+
+def fullAnswer(host, panel, since):
+    """Wait for everything: surface, certificate, numbers, lesions, table and plot."""
+    start, worked = time.perf_counter(), time.process_time()
+    host.processUntil(lambda: not panel.session.isBusy, LONG)
+    answer, cpu = time.perf_counter() - start, time.process_time() - worked
+    if "prescribed" not in panel._parameterNode.lumenSummary:
+        raise RuntimeError(f"No answer came: {panel._parameterNode.status}")
+    print(f"  full answer {answer:.2f} s after {since}; {cpu:.2f} s of CPU time")
+    panel.silence.report("full answer")
 
 
 def waited():

@@ -117,7 +117,7 @@ def test_lesions_are_found_once_per_vessel_and_again_for_another(host, theInputs
 
 
 def test_the_search_never_holds_the_application_for_long(host, aPanel, aVessel, knownLesions):
-    from SDFStentSlicer import SteppedRun
+    from SDFStentSlicer import Clock, SteppedRun
 
     knownLesions.clear()
     ticks = []
@@ -129,8 +129,7 @@ def test_the_search_never_holds_the_application_for_long(host, aPanel, aVessel, 
         ticks.append(time.perf_counter() - start)
 
     run = aPanel.lesions._run
-    run._timer.timeout.disconnect()
-    run._timer.connect("timeout()", lambda: timed(run))
+    run._timer = Clock.timer(lambda: timed(run), 0, isRepeated=True)
     vessel, centerline = aVessel
     aPanel.ui.vesselSelector.setCurrentNode(vessel)
     aPanel.ui.centerlineSelector.setCurrentNode(centerline)
