@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -88,3 +89,22 @@ def test_what_is_known_goes_with_its_surface(a_tube):
     del surface
     gc.collect()
     assert len(known_lumen._known) == before
+
+
+def test_what_is_measured_beside_the_deployment_is_what_the_result_measures(a_tube):
+    def treatment():
+        stent = Stent(6.0, placement=AtCenter([0, 0, 20.0]), length=12.0)
+        surface = a_tube.surface.with_points(a_tube.points)
+        return Treatment(surface, [stent], a_tube.centerline, DeploymentSettings(certify=False))
+
+    plain, beside = treatment().result.stents[0], treatment()
+    with ThreadPoolExecutor(max_workers=1) as pool:
+        survey = pool.submit(getattr, beside, "survey")
+        for _ in beside:
+            pass
+        before = survey.result().before
+    told = beside.result.stents[0]
+    assert told.around_before is before
+    for one, other in ((told.around_before, plain.around_before), (told.after, plain.after)):
+        np.testing.assert_array_equal(one.inscribed_diameter, other.inscribed_diameter)
+        np.testing.assert_array_equal(one.equivalent_diameter, other.equivalent_diameter)

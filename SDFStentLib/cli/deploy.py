@@ -6,6 +6,7 @@ import argparse
 import json
 import os
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
@@ -161,12 +162,20 @@ class _Job:
             self.mesh = read_surface(self.options.device_mesh, inputs.surface.units)
             self.console.warn(self.mesh.warnings)
         treatment = treatment_of(self.plan, inputs)
+        # What no state takes part in is measured beside the deployment.
+        beside = ThreadPoolExecutor(max_workers=1)
+        survey = beside.submit(getattr, treatment, "survey")
+        lesions = beside.submit(getattr, inputs.vessel, "lesions")
+        beside.shutdown(wait=False)
         with self.console.progress("Deploying") as show:
             for state in treatment:
                 show(state.fraction, f"diameter {2 * state.deployment.radius:.1f} mm")
                 if self.steps is not None:
                     self.steps.take(inputs.surface, state)
+        # Each is worked out once; what is wrong with it is raised where it is asked for.
+        wait([survey])
         self.result = PlanResult(self.plan, inputs, treatment.result)
+        wait([lesions])
         self.write_start = perf_counter()
         lost = self.outputs.write()
         units = self.result.inputs.surface.units

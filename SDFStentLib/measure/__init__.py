@@ -37,7 +37,7 @@ from .profile_around import AxisStations, axis_stations, profile_around
 from .segment import Segment, cut_segment
 from .segment_faces import HOLE, SegmentFace
 from .segment_planes import segment_planes
-from .stations import measured_at
+from .stations import Stations, measured_at
 from .stretch import FaceStretch, displacements, face_stretches
 from .tree_lumen import closed_surface
 from .triangle_sizes import TriangleSizes, triangle_sizes
@@ -75,6 +75,7 @@ __all__ = [
     "PressureBand",
     "Segment",
     "SegmentFace",
+    "Stations",
     "TriangleSizes",
     "Until",
     "VesselBlock",

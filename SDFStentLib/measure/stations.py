@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
+
 from ..geometry import Surface
 from ..validation import Floats, Indices, Points, Triangles
 from .cross_section import equivalent_diameters
@@ -32,6 +34,16 @@ class Stations(NamedTuple):
         """Some of them."""
         points, directions, spheres, equivalent = self
         return Stations(points[which], directions[which], spheres.at(which), equivalent[which])
+
+    def followed_by(self, others: Stations) -> Stations:
+        """These and then some others of the same surface."""
+        spheres = zip(self.spheres, others.spheres, strict=True)
+        return Stations(
+            np.concatenate([self.points, others.points]),
+            np.concatenate([self.directions, others.directions]),
+            InscribedSpheres(*(np.concatenate(column) for column in spheres)),
+            np.concatenate([self.equivalent, others.equivalent]),
+        )
 
 
 def measured_at(

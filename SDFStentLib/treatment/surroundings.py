@@ -6,10 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
-import numpy as np
-
 from ..centerline import Centerline
-from ..geometry import NamedFaces
+from ..geometry import NamedFaces, Surface
 from ..measure import (
     Apposition,
     AxisStations,
@@ -20,10 +18,12 @@ from ..measure import (
     NeighborStations,
     NeighborWay,
     Ostium,
+    Stations,
     VesselStates,
     apposition,
     axis_stations,
     end_ways,
+    extended_axis,
     find_ostia,
     measured_after,
     measured_once,
@@ -31,10 +31,29 @@ from ..measure import (
     open_at_ends,
     profile_around,
 )
-from ..validation import Floats
+from ..validation import Floats, Points, Triangles
 
 PROFILE_SPACING = 1.0
 """Distance of the stations at which diameters are measured, mm."""
+
+
+class Survey(NamedTuple):
+    """The surroundings of one stent as it finds them, and the lumen before any."""
+
+    axis: ExtendedAxis
+    """In the vessel as the stent finds it."""
+    branches: tuple[Ostium, ...]
+    """Proximal to distal."""
+    ways: tuple[NeighborWay, ...]
+    """Beyond both ends, then into branches."""
+    stations: AxisStations
+    """Along the stent and beyond its ends; measured"""
+    measured: Stations
+    """before any stent,"""
+    before: DiameterProfile
+    """with what that says of the diameters there."""
+    wall: Triangles
+    """The triangles that spheres see."""
 
 
 class Surroundings(NamedTuple):
@@ -54,48 +73,64 @@ class Surroundings(NamedTuple):
     """Contact with the wall after treatment."""
 
 
-def surroundings(
-    states: VesselStates,
-    axis: ExtendedAxis,
-    radius: Callable[[Floats], Floats],
+def surveyed(
+    native: Surface,
+    found: Surface,
+    axis: Points,
     centerline: Centerline | None,
     faces: NamedFaces | None,
+) -> Survey:
+    """What is known of a stent's surroundings before it is deployed.
+
+    Parameters
+    ----------
+    native, found : Surface
+        The vessel before any stent, and as this one finds it; the same triangles.
+    axis : (n, 3) array
+        Of the stent, mm.
+    centerline : Centerline or None
+        As the stent finds it. Without it branches are found, and followed through their lumen.
+    faces : NamedFaces or None
+        By which branches are named.
+    """
+    extended = extended_axis(found, axis, centerline)
+    ostia = find_ostia(found, extended, faces)
+    branches, into = _named_as_in_tree(ostia, BranchWays(found, extended, centerline))
+    along = axis_stations(extended, PROFILE_SPACING)
+    wall = open_at_ends(native, along.points)
+    measured = measured_once(native, along.points, along.directions, wall)
+    before = profile_around(native, along, measured)
+    return Survey(extended, branches, (*end_ways(extended), *into), along, measured, before, wall)
+
+
+def surroundings(
+    survey: Survey, states: VesselStates, radius: Callable[[Floats], Floats]
 ) -> Surroundings:
     """The lumen along a stent, and what it did to its surroundings.
 
     Parameters
     ----------
+    survey : Survey
+        Of this stent.
     states : VesselStates
-    axis : ExtendedAxis
-        Of the stent, in the vessel as it found it.
     radius : callable
         Gives its radius, mm, at arc lengths (n,) of its axis.
-    centerline : Centerline or None
-        As the stent found it. Without it branches are found, and followed through their lumen.
-    faces : NamedFaces or None
-        By which branches are named.
     """
-    ostia = find_ostia(states.found, axis, faces)
-    branches, into = _named_as_in_tree(ostia, BranchWays(states.found, axis, centerline))
-    along, beside = (
-        axis_stations(axis, PROFILE_SPACING),
-        NeighborStations(states, [*end_ways(axis), *into]),
-    )
+    along, wall = survey.stations, survey.wall
+    beside = NeighborStations(states, survey.ways)
+    known = measured_once(states.native, beside.points, beside.directions, wall)
     # Many stations together are measured in little more time than few.
-    points = np.concatenate([along.points, beside.points])
-    directions = np.concatenate([along.directions, beside.directions])
+    before = survey.measured.followed_by(known)
     # A cap that the stent has bulged is no wall either.
-    wall = open_at_ends(states.native, along.points)
-    before = measured_once(states.native, points, directions, wall)
     after = measured_after(before, moved_wall(states.native, states.final), states.final, wall)
     own, rest = slice(len(along.points)), slice(len(along.points), None)
     return Surroundings(
         along,
-        profile_around(states.native, along, before.at(own)),
+        survey.before,
         profile_around(states.final, along, after.at(own)),
-        branches,
+        survey.branches,
         beside.lumens(before.at(rest), after.at(rest)),
-        apposition(states.final, axis.of_stent, radius),
+        apposition(states.final, survey.axis.of_stent, radius),
     )
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field, replace
+from functools import cached_property
 from time import perf_counter
 
 import numpy as np
@@ -25,13 +26,12 @@ from ..measure import (
     VesselStates,
     bulged_caps,
     diameter_profile,
-    extended_axis,
 )
-from ..stent import Stent
+from ..stent import Stent, StentAxis
 from ..validation import Points, as_number, as_points, read_only
 from .stage import Stage, named_states
 from .straightening import AxisChange, axis_in_vessel
-from .surroundings import PROFILE_SPACING, surroundings
+from .surroundings import PROFILE_SPACING, Survey, surroundings, surveyed
 from .value import (
     PlacedStent,
     TreatedStent,
@@ -207,9 +207,10 @@ class Treatment:
 
     def _treated(self, stage: Stage, after: Surface) -> TreatedStent:
         found, left = stage.deployment.surface, stage.result.surface
-        axis = extended_axis(found, stage.axis.points, stage.centerline)
+        is_first = stage is self._stages[0]
+        survey = self.survey if is_first else self._surveyed(found, stage.axis, stage.centerline)
         states = VesselStates(self.surface, found, left, after)
-        seen = surroundings(states, axis, stage.radius_at, stage.centerline, self.faces)
+        seen = surroundings(survey, states, stage.radius_at)
         return TreatedStent(
             number=stage.number,
             stent=stage.stent,
@@ -223,6 +224,18 @@ class Treatment:
             apposition=seen.apposition,
             result=stage.result,
         )
+
+    @cached_property
+    def survey(self) -> Survey:
+        """What is measured before the first stent; `result` needs it.
+
+        No state takes part in it: who has a thread to spare may ask for it there, once, while this
+        one iterates.
+        """
+        return self._surveyed(self.surface, self._first.axis, self.centerline)
+
+    def _surveyed(self, found: Surface, axis: StentAxis, centerline: Centerline | None) -> Survey:
+        return surveyed(self.surface, found, axis.points, centerline, self.faces)
 
     def _narrowed(self, stage: Stage, treated: TreatedStent) -> Iterator[Caution]:
         """Whether later stents pushed tissue into this one; measured only if it may be."""
