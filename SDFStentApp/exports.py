@@ -41,6 +41,16 @@ def _zipped(plan: Plan) -> bytes:
     return content.getvalue()
 
 
+def zipped_folder(folder: Path) -> bytes | None:
+    """All files of a folder; None where there are none."""
+    files = sorted(path for path in folder.rglob("*") if path.is_file())
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
+        for path in files:
+            archive.write(path, path.relative_to(folder).as_posix())
+    return content.getvalue() if files else None
+
+
 def _surface(plan: Plan) -> bytes:
     with tempfile.TemporaryDirectory(prefix="sdfstent-") as folder:
         path = Path(folder) / NAMES["surface"][0]

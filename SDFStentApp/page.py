@@ -13,10 +13,10 @@ from typing import Any
 from . import python_layer
 from .application import Application
 from .charts import plot_of, table_of
-from .exports import NAMES, exported
+from .exports import NAMES, exported, zipped_folder
 from .files import PLANS, Folders, Opened, Uploads, open_plan, open_vessel, save_model
 from .sight import build
-from .template import ASKS_FOR_FILE, PATHS, value_of
+from .template import ASKS_FOR_FILE, PATHS, WRITES_FOLDER, value_of
 from .view import View
 from .widgets import Button
 
@@ -29,7 +29,7 @@ class Page:
     def __init__(self, server: Any, told: dict[str, Any]) -> None:
         self.server, self.told = server, told
         self.application = Application()
-        python_layer.install(self.application.scene)
+        python_layer.install(self.application)
         self._dialog = python_layer.FileDialog
         self.view = View(self.application, self._on_click)
         self.workshop = tempfile.TemporaryDirectory(prefix="sdfstent-")
@@ -95,14 +95,14 @@ class Page:
     def _show(self, widget: Any) -> None:
         state = self.server.state
         state[widget.objectName] = widget.state()
-        if widget.edited:
+        if widget.edited and widget not in self._edits:  # the browser knows better
             state[value_of(widget)] = getattr(widget, widget.edited)
 
     def _show_results(self) -> None:
         """Table and plot, where they have changed, and whether there is something to save."""
         parameters = self.parameters
         chart, table = parameters.outputChart, parameters.outputTable
-        stamp = (chart and chart.GetTitle(), table and table.GetTable().GetMTime())
+        stamp = (chart and (chart.GetID(), chart.GetTitle()), table and table.GetTable().GetMTime())
         state = self.server.state
         state.canSave = not self.widget.logic.missing(parameters)
         if stamp != self._shown_results:
@@ -234,6 +234,9 @@ class Page:
 
         parameters, logic = self.parameters, self.widget.logic
         self.widget.onCancel()
+        for other in logic.alternatives(parameters):
+            if other is not parameters:
+                logic.removePlan(other)
         if parameters.outputVessel is not None:
             logic.reset(parameters)
         # Ends: every turn takes one away.
@@ -265,6 +268,25 @@ class Page:
                 state.isSaving = False
         name, media_type = NAMES[kind]
         return {"name": name, "type": media_type, "content": content}
+
+    async def gather(self, name: str) -> dict[str, Any] | None:
+        """What a button of the panel writes into a folder, for the browser to keep; a second click stops it."""
+        if name not in WRITES_FOLDER or not self.panel.widgets[name].enabled:
+            return None
+        writer = {"comparePlansButton": self.widget.plans.comparing}.get(name)
+        writer = writer or self.widget.sections[-1].writing
+        wasRunning = writer.isRunning
+        with tempfile.TemporaryDirectory(prefix="sdfstent-") as folder:
+            with self._dialog.answering(Path(folder)):
+                self.click(name)
+            # Ends: with what the click has begun, or with a second one.
+            while writer.isRunning and not wasRunning:
+                await asyncio.sleep(0.1)
+            content = None if wasRunning else await asyncio.to_thread(zipped_folder, Path(folder))
+        if content is None:
+            return None
+        self.parameters.status = ""  # it names a folder that nobody sees
+        return {"name": WRITES_FOLDER[name], "type": "application/zip", "content": content}
 
     def _on_placing(self, isPlacing: bool) -> None:
         with self.server.state as state:

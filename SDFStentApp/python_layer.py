@@ -53,7 +53,7 @@ class FileDialog:
     @classmethod
     @contextlib.contextmanager
     def answering(cls, path: Path) -> Iterator[None]:
-        """Within the block every question for a file is answered so."""
+        """Within the block every question for a file or a folder is answered so."""
         cls._answer = str(path)
         try:
             yield
@@ -64,7 +64,11 @@ class FileDialog:
     def getOpenFileName(cls, *_question: Any) -> str:
         return cls._answer
 
-    getSaveFileName = getOpenFileName
+    @classmethod
+    def getOpenFileNames(cls, *_question: Any) -> list[str]:
+        return [cls._answer] if cls._answer else []
+
+    getSaveFileName = getExistingDirectory = getOpenFileName
 
 
 class Shortcut:
@@ -77,9 +81,11 @@ class Shortcut:
     def connect(self, _signature: str, _function: Callable[[], Any]) -> None: ...
 
 
-def install(scene: Any) -> None:
+def install(application: Any) -> None:
     """Put everything where the module looks for it. Call it once, before the module is imported."""
-    slicer.mrmlScene = scene
+    slicer.mrmlScene = application.scene
+    slicer.app = types.SimpleNamespace(applicationLogic=lambda: application.applicationLogic)
+    slicer.modules = types.SimpleNamespace()
     slicer.util.loadUI = _loaded
     slicer.util.childWidgetVariables = lambda top: top.panel
     parameter_node.bindWith(lambda widget: getattr(widget, "parameter", ""), connectors.connector)
@@ -92,11 +98,14 @@ def install(scene: Any) -> None:
         QTableWidgetItem=tables.TableItem,
         QFileDialog=FileDialog,
         QShortcut=Shortcut,
+        QUrl=types.SimpleNamespace(fromLocalFile=lambda path: path),
+        QDesktopServices=types.SimpleNamespace(openUrl=lambda _path: None),  # the browser's
         QKeySequence=lambda key: key,
         Qt=types.SimpleNamespace(
             Checked=tables.CHECKED,
             Unchecked=tables.UNCHECKED,
             ItemIsSelectable=1,
+            ItemIsEditable=tables.CAN_BE_EDITED,
             ItemIsUserCheckable=tables.CAN_BE_CHECKED,
             ItemIsEnabled=32,
             Key_Delete=0,

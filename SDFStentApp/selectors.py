@@ -12,7 +12,8 @@ class NodeComboBox(Widget):
     """One of the scene's nodes, as `qMRMLNodeComboBox` is used."""
 
     edited = "nodeID"
-    nodeTypes, noneEnabled, noneDisplay = shown(()), shown(False), shown("")
+    nodeTypes, noneEnabled, noneDisplay = shown(()), shown(True), shown("")
+    showHidden = shown(False)
 
     def __init__(self, name: str, parameter: str = "") -> None:
         super().__init__(name, parameter)
@@ -56,7 +57,8 @@ class NodeComboBox(Widget):
     def _is_offered(self, node: Any) -> bool:
         if not any(node.IsA(name) for name in self.nodeTypes):
             return False
-        if node.GetHideFromEditors() or node.GetID() in self._filter.hiddenNodeIDs:
+        isHidden = node.GetHideFromEditors() and not self.showHidden
+        if isHidden or node.GetID() in self._filter.hiddenNodeIDs:
             return False
         return all(
             node.GetAttribute(name) == value
@@ -71,11 +73,12 @@ class NodeComboBox(Widget):
 
     def state(self) -> dict[str, Any]:
         offered = [{"id": node.GetID(), "name": node.GetName()} for node in self.nodes()]
-        return {**super().state(), "items": offered, "none": self.noneDisplay}
+        none = self.noneDisplay if self.noneEnabled else None
+        return {**super().state(), "items": offered, "none": none}
 
     def edit(self, value: Any) -> None:
         by_id = {node.GetID(): node for node in self.nodes()}
-        if value == "" or value in by_id:
+        if value in by_id or (value == "" and self.noneEnabled):
             self.setCurrentNode(by_id.get(value))
 
 

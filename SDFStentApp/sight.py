@@ -23,7 +23,7 @@ def build(page: Any) -> None:
     """Make the markup of a page and the state variables that it begins with."""
     server = page.server
     _begin(page)
-    for name in ("click", "edit", "ask", "choose", "open", "upload", "demo", "save"):
+    for name in ("click", "edit", "ask", "choose", "open", "upload", "demo", "save", "gather"):
         server.trigger(name)(getattr(page, name))
     server.trigger("theme")(page.view.paint)
     panel = template.markup(page.panel.top)

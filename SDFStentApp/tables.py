@@ -7,7 +7,9 @@ from typing import Any
 from .widgets import Widget, shown
 
 CHECKED, UNCHECKED = 2, 0
-CAN_BE_CHECKED = 16
+CAN_BE_EDITED, CAN_BE_CHECKED = 2, 16
+LONGEST = 200
+"""Characters of a text that is typed into a cell."""
 
 
 class TableItem:
@@ -51,7 +53,12 @@ class TableItem:
     def state(self) -> dict[str, Any]:
         """What the page shows; `check` is None where there is nothing to tick."""
         check = self._check == CHECKED if self._flags & CAN_BE_CHECKED else None
-        return {"text": self._text, "tip": self._tip, "check": check}
+        words = {"text": self._text, "tip": self._tip}
+        return {**words, "check": check, "edit": self.canBeEdited}
+
+    @property
+    def canBeEdited(self) -> bool:
+        return bool(self._flags & CAN_BE_EDITED)
 
     def _changed(self) -> None:
         if self.table is not None:
@@ -118,17 +125,26 @@ class Table(Widget):
         return {**super().state(), **table}
 
     def edit(self, value: Any) -> None:
-        """A click: `[row, column]`, or `[row, column, isTicked]` for one on a tick."""
-        if not isinstance(value, list) or not all(isinstance(one, int) for one in value):
+        """A click: `[row, column]`; with `true` or `false` behind them one on a tick, with a text what was typed."""
+        place = self._place(value)
+        if place is None:
             return
-        if not (len(value) in (2, 3) and 0 <= value[0] < len(self._rows)):
-            return
-        row, column = value[:2]
-        if not 0 <= column < len(self.columns):
-            return
+        row, column = place
         item = self._rows[row][column]
-        if len(value) == 3 and item is not None:
+        if len(value) == 2:
+            self._select(row)
+            self.emit("cellClicked", row, column)
+        elif item is not None and isinstance(value[2], bool):
             item.setCheckState(CHECKED if value[2] else UNCHECKED)
-            return
-        self._select(row)
-        self.emit("cellClicked", row, column)
+        elif item is not None and isinstance(value[2], str) and item.canBeEdited:
+            item.setText(value[2][:LONGEST])
+
+    def _place(self, value: Any) -> tuple[int, int] | None:
+        """Row and column of what came from the page, if it has such a cell."""
+        if not isinstance(value, list) or len(value) not in (2, 3):
+            return None
+        row, column = value[:2]
+        if type(row) is not int or type(column) is not int:
+            return None
+        isThere = 0 <= row < len(self._rows) and 0 <= column < len(self.columns)
+        return (row, column) if isThere else None

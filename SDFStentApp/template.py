@@ -21,11 +21,12 @@ from .widgets import (
 )
 
 NOT_IN_THE_PAGE = {
-    "parameterSetSelectorLabel": "a page is one plan",
-    "parameterSetSelector": "a page is one plan",
     "extractButton": "opens another module of Slicer",
     "outputsCollapsibleButton": "results are saved from the page",
     "handleSelector": "every stent has a handle of its own",
+    "segmentEndsSelectorLabel": "the ends are those of the selected stent",
+    "segmentEndsSelector": "the ends are those of the selected stent",
+    "segmentPlaceWidget": "the ends are those of the selected stent",
     "showPlotButton": "the plot is shown below the view",
     "showTableButton": "the table is shown below the view",
 }
@@ -33,6 +34,7 @@ NOT_IN_THE_PAGE = {
 
 ASKS_FOR_FILE = {
     "loadPlanButton": (".json",),
+    "loadPlansButton": (".json",),
     "deviceTableButton": (".json",),
     "loadProfileButton": (".csv",),
 }
@@ -40,6 +42,9 @@ ASKS_FOR_FILE = {
 
 SAVES = {"savePlanButton": "plan"}
 """Buttons whose file the browser keeps."""
+
+WRITES_FOLDER = {"comparePlansButton": "comparison.zip", "writeSegmentButton": "segment.zip"}
+"""Buttons that the panel answers with a question for a folder, which the browser keeps as a file of this name."""
 
 
 def value_of(widget: Widget) -> str:
@@ -120,12 +125,19 @@ def _click(name: str) -> str:
         return f"trigger('ask', ['{name}'])"
     if name in SAVES:
         return saving(SAVES[name])
+    if name in WRITES_FOLDER:
+        return keeping(f"trigger('gather', ['{name}'])")
     return f"trigger('click', ['{name}'])"
 
 
 def saving(kind: str) -> str:
     """Ask the server for a file, and let the browser keep it; without one the page says why."""
-    return f"trigger('save', ['{kind}']).then(f => f && utils.download(f.name, f.content, f.type))"
+    return keeping(f"trigger('save', ['{kind}'])")
+
+
+def keeping(asked: str) -> str:
+    """What lets the browser keep a file that it has asked for."""
+    return f"{asked}.then(f => f && utils.download(f.name, f.content, f.type))"
 
 
 def _number(widget: Number, common: str, disabled: str) -> str:
@@ -160,7 +172,7 @@ def _choice(widget: Widget, common: str, disabled: str) -> str:
         options = f'<option v-for="one in {name}.items" :value="one">{{{{ one }}}}</option>'
     else:
         options = (
-            f'<option value="">{{{{ {name}.none }}}}</option>'
+            f'<option v-if="{name}.none !== null" value="">{{{{ {name}.none }}}}</option>'
             f'<option v-for="one in {name}.items" :value="one.id">{{{{ one.name }}}}</option>'
         )
     return f'<select v-model="{v}" {common} {disabled}>{options}</select>'
@@ -168,13 +180,15 @@ def _choice(widget: Widget, common: str, disabled: str) -> str:
 
 def _table(name: str) -> str:
     click = f"trigger('edit', ['{name}', [r, c]])"
-    tick = f"trigger('edit', ['{name}', [r, c, $event.target.checked ? 1 : 0]])"
+    tick = f"trigger('edit', ['{name}', [r, c, $event.target.checked]])"
+    typed = f"name !== null && trigger('edit', ['{name}', [r, c, name]])"
+    rename = f"item.edit && (name => {typed})(window.prompt({name}.columns[c], item.text))"
     return (
         f'<div class="table" v-show="{name}.visible" data-name="{name}"><table :title="{name}.tip">'
         f'<thead><tr><th v-for="text in {name}.columns">{{{{ text }}}}</th></tr></thead><tbody>'
         f'<tr v-for="(row, r) in {name}.rows" :class="{{selected: r === {name}.selected}}" '
         f':aria-selected="r === {name}.selected">'
-        f'<td v-for="(item, c) in row" :title="item.tip" @click="{click}">'
+        f'<td v-for="(item, c) in row" :title="item.tip" @click="{click}" @dblclick="{rename}">'
         f'<input v-if="item.check === true || item.check === false" type="checkbox" '
         f':checked="item.check" @click.stop @change="{tick}">{{{{ item.text }}}}</td></tr>'
         "</tbody></table></div>"

@@ -34,6 +34,9 @@ MOST_PIXELS = 2_500_000
 MOVING_SCALE, STILL_AFTER_S = 0.6, 0.15
 """Pixels across over those of the page while something moves, and until when it is still thought to."""
 
+FILLED = 0.92
+"""Of the view, by what there is to see."""
+
 NEAR_PX = 24.0
 """A click so near to the centerline is meant for it."""
 
@@ -69,7 +72,7 @@ class View:
         self._style.SetInteractor(interactor)
         interactor.SetInteractorStyle(vtk.vtkInteractorStyle3D())
         self.group.SetMRMLDisplayableNode(self.node)
-        self.area = _Area(self.window, on_click)
+        self.area = _Area(self.window, on_click, self.look_at_all)
         self._scheduler: Any = None
 
     def serve(self) -> RcaViewAdapter:
@@ -105,7 +108,7 @@ class View:
         camera = self._camera()
         camera.RotateTo(slicer.vtkMRMLCameraNode.Anterior)
         self.renderer.ResetCamera()
-        camera.GetCamera().Zoom(1.15)
+        self.renderer.ResetCameraScreenSpace(FILLED)
         self.renderer.ResetCameraClippingRange()
         self.draw()
 
@@ -138,9 +141,15 @@ class View:
 class _Area(VtkRemoteControlledArea):
     """Frames out, mouse and keys in. What moves is drawn coarser: without a GPU pixels are what takes the time."""
 
-    def __init__(self, window: Any, on_click: Callable[[float, float], bool]) -> None:
+    def __init__(
+        self,
+        window: Any,
+        on_click: Callable[[float, float], bool],
+        on_new_size: Callable[[], None],
+    ) -> None:
         super().__init__(window)
         self._on_click, self._is_taken = on_click, False
+        self._on_new_size, self._is_touched = on_new_size, False
         self._moved_at = 0.0
 
     def is_moved(self) -> None:
@@ -158,8 +167,14 @@ class _Area(VtkRemoteControlledArea):
         finally:
             self._vtk_render_window.SetSize(*size)
 
+    def process_resize_event(self, width: int, height: int) -> None:
+        super().process_resize_event(width, height)
+        if not self._is_touched:  # nobody has chosen what to look at
+            self._on_new_size()
+
     def process_interaction_event(self, event: dict[str, Any]) -> None:
         kind = event.get("type", "")
+        self._is_touched |= kind.endswith(("Press", "Wheel", "Pinch"))
         if kind == "LeftButtonPress" and self._on_click(event.get("x", 0), event.get("y", 0)):
             self._is_taken = True
         elif self._is_taken:  # the scene has not heard of the press, so nothing of the rest

@@ -102,10 +102,15 @@ class Visit:
     def handle(self):
         """Where the handle is seen, the only thing that is blue before a deployment."""
         frame = self.page.locator(".screen").bounding_box()
-        picture = Image.open(io.BytesIO(self.page.screenshot(clip=frame))).convert("RGB")
-        red, green, blue = np.moveaxis(np.array(picture, dtype=int)[:, :-120], 2, 0)
-        rows, columns = np.nonzero((blue > red + 80) & (blue > green + 30))
-        return frame["x"] + columns.mean(), frame["y"] + rows.mean()
+        for _attempt in range(50):
+            picture = self.page.screenshot(clip=frame)
+            colors = np.array(Image.open(io.BytesIO(picture)).convert("RGB"), dtype=int)
+            red, green, blue = np.moveaxis(colors[:, :-120], 2, 0)  # without the axes
+            rows, columns = np.nonzero((blue > red + 80) & (blue > green + 30))
+            if len(rows) > 20:
+                return frame["x"] + columns.mean(), frame["y"] + rows.mean()
+            self.page.wait_for_timeout(200)
+        raise AssertionError("the handle is not seen")
 
     def center(self):
         """Where the one stent of the plan is, in RAS."""
@@ -253,6 +258,28 @@ def test_a_plan_that_was_saved_is_opened_again_from_the_browsers_own_files(a_vis
     assert again.read("surface.vtp") == archive.read("surface.vtp")
     placed = [json.loads(one.read("plan.json"))["stents"] for one in (archive, again)]
     assert placed[0] == placed[1]
+
+
+def test_alternatives_are_made_renamed_and_compared_and_a_segment_is_cut(a_visit):
+    a_visit.named("lesionTable").locator("td").first.click()
+    a_visit.add_stent()
+    a_visit.named("plansCollapsibleButton").evaluate("one => { one.open = true; }")
+    a_visit.named("duplicatePlanButton").click()
+    plans = a_visit.named("planTable").locator("tbody tr")
+    playwright.expect(plans).to_have_count(2)
+    a_visit.page.once("dialog", lambda dialog: dialog.accept("Wider"))
+    plans.nth(1).locator("td").first.dblclick()
+    a_visit.until("planTable", "Wider")
+    a_visit.number("diameterSlider").fill("7.5")
+    a_visit.number("diameterSlider").press("Enter")
+    comparison = zipfile.ZipFile(io.BytesIO(a_visit.saved("comparePlansButton")))
+    (page,) = (name for name in comparison.namelist() if name.endswith(".html"))
+    assert b"Wider" in comparison.read(page)
+    a_visit.named("segmentCollapsibleButton").evaluate("one => { one.open = true; }")
+    a_visit.named("deployButton").click()
+    a_visit.until("certificateLabel", "ertified")
+    segment = zipfile.ZipFile(io.BytesIO(a_visit.saved("writeSegmentButton")))
+    assert any(name.endswith(".vtp") for name in segment.namelist())
 
 
 def test_a_page_that_is_loaded_again_has_its_stents(a_visit):
