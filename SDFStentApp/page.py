@@ -294,6 +294,7 @@ class Page:
 
     def _on_click(self, x: float, y: float) -> bool:
         """Put the handle where the centerline is seen, while the user is placing."""
+        self._edit_now()
         place = self.panel.placeWidget
         if not place.isPlacing:
             return False
