@@ -4,10 +4,16 @@ import os
 import sys
 
 from .cli import INTERRUPTED, end_at_once
+from .late import postpone
 
 ONE_THREAD = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 """Libraries of linear algebra read how many threads they start. Products here are thin: more
 threads than one double the processor's work, and gain nothing."""
+
+
+UNUSED = ("numpy.f2py", "numpy.testing")
+"""SciPy takes everything from NumPy when it is imported. These take as long as the rest of it, and
+nobody here needs them."""
 
 
 def main() -> int:
@@ -15,6 +21,8 @@ def main() -> int:
     end_at_once()
     for name in ONE_THREAD:
         os.environ.setdefault(name, "1")
+    for name in UNUSED:
+        postpone(name)
     from .cli import main as command
 
     code = command()

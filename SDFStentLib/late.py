@@ -1,8 +1,9 @@
-"""Tables of contents whose names are imported when they are first asked for."""
+"""Names and modules that are imported when they are first asked for."""
 
 from __future__ import annotations
 
 import importlib
+import importlib.util
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -31,3 +32,20 @@ def late_names(
         return sorted(sys.modules[package].__all__)
 
     return late, table
+
+
+def postpone(name: str) -> None:
+    """Let a module of a package be executed when something in it is first asked for.
+
+    For a module that another package imports with all that its parent has, and that nobody uses.
+    One that is imported already, or is not there, stays as it is.
+    """
+    parent, _, own = name.rpartition(".")
+    spec = None if name in sys.modules else importlib.util.find_spec(name)
+    if spec is None or spec.loader is None:
+        return
+    spec.loader = importlib.util.LazyLoader(spec.loader)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    spec.loader.exec_module(module)
+    setattr(sys.modules[parent], own, module)
