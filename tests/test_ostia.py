@@ -83,6 +83,15 @@ def test_the_ostium_of_a_straight_branch_is_where_the_two_cylinders_meet(angle_d
         assert ostium.is_fully_covered
 
 
+def test_no_ostium_is_covered_by_more_than_all_of_it():
+    made = phantoms.branching_pulmonary_artery()
+    tree = made.centerline
+    path = tree.path(tree.points[tree.roots[0]], tree.points[tree.leaves[0]])
+    for start in (10.0, 14.0, 18.0):
+        (ostium,) = ostia_of(made.surface, cut(path.points, start, start + 24.0), tree)
+        assert 0.99 < ostium.covered_share <= 1
+
+
 def test_half_of_an_ostium_is_half_covered():
     patch = a_tee()
     (ostium,) = ostia_of(Surface(patch.points, patch.triangles), [[0, 0, 30.0], [0, 0, 45.0]])

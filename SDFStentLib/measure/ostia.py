@@ -126,6 +126,7 @@ def _ostium(tube: Tube, axis: ExtendedAxis, opening: Opening, face_ids: tuple[in
     area *= 2 * np.pi / RAYS * 2 * half
     rows = np.flatnonzero(region.any(axis=1))
     total = float(area.sum())
+    covered = float(area.sum(axis=1) @ (inside / (2 * half)) / total)
     places = _places(tube)
     return Ostium(
         "",
@@ -133,7 +134,7 @@ def _ostium(tube: Tube, axis: ExtendedAxis, opening: Opening, face_ids: tuple[in
         float(low[rows[0]]),
         float(high[rows[-1]]),
         total,
-        float(area.sum(axis=1) @ (inside / (2 * half)) / total),
+        min(covered, 1.0),  # rounding
         face_ids,
         opening.outlets,
         places[region & ~_inner(region)],
