@@ -11,7 +11,7 @@ ONE_THREAD = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS
 threads than one double the processor's work, and gain nothing."""
 
 
-UNUSED = ("numpy.f2py", "numpy.testing")
+UNUSED = ("numpy.f2py", "numpy.testing", "numpy.polynomial")
 """SciPy takes everything from NumPy when it is imported. These take as long as the rest of it, and
 nobody here needs them."""
 
