@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import os
 import tempfile
 from collections.abc import Callable
 from functools import partial
@@ -110,7 +111,8 @@ class Page:
             state.plot, state.table = plot_of(chart), table_of(table)
 
     def say(self, sentence: str) -> None:
-        """A sentence above the panel; "" takes it away."""
+        """A sentence above the panel; "" takes it away. What the browser has sent is called as it was there."""
+        sentence = sentence.replace(f"{self.uploads.folder}{os.sep}", "")
         with self.server.state:
             self.server.state.message = sentence
 

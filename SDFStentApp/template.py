@@ -149,10 +149,11 @@ def _number(widget: Number, common: str, disabled: str) -> str:
         if widget.has_slider
         else ""
     )
+    again = f"$event.target.value = {v}.toFixed({name}.decimals)"  # what was taken of it
     box = (
         f'<input type="number" :value="{v}.toFixed({name}.decimals)" :step="{name}.step" '
         f':min="{name}.min" :max="{name}.max" {disabled} :aria-label="{name}.tip" '
-        f"""@change="trigger('edit', ['{name}', $event.target.valueAsNumber])">"""
+        f"""@change="trigger('edit', ['{name}', $event.target.valueAsNumber]).then(() => {again})">"""
     )
     special = (
         f'<span class="special" v-if="{v} &lt;= {name}.min">{{{{ {name}.special }}}}</span>'
