@@ -78,6 +78,8 @@ class NodeComboBox(Widget):
 
     def edit(self, value: Any) -> None:
         by_id = {node.GetID(): node for node in self.nodes()}
+        if not isinstance(value, str):
+            return
         if value in by_id or (value == "" and self.noneEnabled):
             self.setCurrentNode(by_id.get(value))
 
@@ -135,4 +137,4 @@ class PlaceWidget(Widget):
         return self._node
 
     def edit(self, value: Any) -> None:
-        self.isPlacing = bool(value) and self._node is not None
+        self.isPlacing = value is True and self._node is not None

@@ -52,9 +52,13 @@ class TableItem:
 
     def state(self) -> dict[str, Any]:
         """What the page shows; `check` is None where there is nothing to tick."""
-        check = self._check == CHECKED if self._flags & CAN_BE_CHECKED else None
+        check = self._check == CHECKED if self.canBeChecked else None
         words = {"text": self._text, "tip": self._tip}
         return {**words, "check": check, "edit": self.canBeEdited}
+
+    @property
+    def canBeChecked(self) -> bool:
+        return bool(self._flags & CAN_BE_CHECKED)
 
     @property
     def canBeEdited(self) -> bool:
@@ -134,7 +138,7 @@ class Table(Widget):
         if len(value) == 2:
             self._select(row)
             self.emit("cellClicked", row, column)
-        elif item is not None and isinstance(value[2], bool):
+        elif item is not None and isinstance(value[2], bool) and item.canBeChecked:
             item.setCheckState(CHECKED if value[2] else UNCHECKED)
         elif item is not None and isinstance(value[2], str) and item.canBeEdited:
             item.setText(value[2][:LONGEST])

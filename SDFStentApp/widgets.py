@@ -214,7 +214,7 @@ class ComboBox(Widget):
         return {**super().state(), "items": list(self.items)}
 
     def edit(self, value: Any) -> None:
-        if isinstance(value, int) and 0 <= value < self.count and self.enabled:
+        if type(value) is int and 0 <= value < self.count and self.enabled:
             self.currentIndex = value
             self.emit("activated", value)
 

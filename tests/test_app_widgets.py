@@ -1,0 +1,107 @@
+"""The panel's `.ui` file as values: its ends, words and order, and junk from a browser."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from SDFStentApp import template
+from SDFStentApp.tables import CAN_BE_CHECKED, CAN_BE_EDITED, CHECKED, TableItem
+from SDFStentApp.ui_file import Panel
+from SDFStentApp.widgets import Number
+
+UI = Path(__file__).resolve().parents[1] / "SDFStent" / "Resources" / "UI" / "SDFStent.ui"
+JUNK = [None, "x", [], {}, float("nan"), [1, 2, 3, 4], [-1, 0], ["a", "b"], {"a": 1}, 10**9, True]
+
+
+@pytest.fixture
+def a_panel():
+    return Panel(UI)
+
+
+def test_every_widget_of_the_panel_is_in_the_page_in_its_order_or_left_out_on_purpose(a_panel):
+    page = template.markup(a_panel.top)
+    shown = re.findall(r'data-name="(\w+)"', page)
+    known = re.findall(r'<widget class="\w+" name="(\w+)"', UI.read_text(encoding="utf-8"))
+    order = [name for name in known if name in shown]
+    assert list(dict.fromkeys(shown)) == order
+    holds_others = {name for name in known if name in ("SDFStent", "stentEditor")}
+    missing = {name for name in known if name not in shown and f"{name}.visible" not in page}
+    inside = {"outputSelectorLabel", "outputSelector"}  # of a section that is left out
+    assert missing - holds_others - inside == set(template.NOT_IN_THE_PAGE)
+    for names in (template.ASKS_FOR_FILE, template.SAVES, template.WRITES_FOLDER):
+        assert set(names) <= set(shown)
+
+
+def test_ends_words_and_values_are_those_of_the_file(a_panel):
+    slider = a_panel.diameterSlider
+    assert isinstance(slider, Number)
+    assert (slider.minimum, slider.maximum, slider.decimals, slider.has_slider) == (
+        0.1,
+        40,
+        2,
+        True,
+    )
+    assert slider.suffix.strip() == "mm"
+    assert a_panel.addStentButton.text == "Add"
+    assert a_panel.deployButton.enabled is False
+    assert a_panel.advancedCollapsibleButton.collapsed is True
+    assert a_panel.lesionTable.columns == ("Lesion", "Stenosis", "Minimum", "Length")
+    assert a_panel.waistPositionSpinBox.value == -1
+
+
+def test_a_number_stays_within_its_ends_and_tells_what_it_is():
+    number, heard = Number("n"), []
+    number.minimum, number.maximum = 1.0, 5.0
+    number.connect("valueChanged(double)", heard.append)
+    for value in (3, 99, -99, *JUNK):
+        if value != 10**9:
+            number.edit(value)
+    assert (number.value, heard) == (1.0, [3.0, 5.0, 1.0])
+    number.maximum = 0.5 + number.minimum
+    number.value = 5
+    assert heard[-1] == 1.5
+    number.enabled = False
+    number.edit(1.2)
+    assert number.value == 1.5
+    wasBlocked = number.blockSignals(True)
+    number.value = 1.0
+    assert (wasBlocked, heard[-1]) == (False, 1.5)
+
+
+def test_junk_from_a_browser_changes_nothing(a_panel):
+    table = a_panel.stentTable
+    table.setRowCount(1)
+    table.setItem(0, 0, TableItem("Stent 1"))
+    a_panel.placementComboBox.addItem("Middle at a point")
+    before = {name: widget.state() for name, widget in a_panel.widgets.items()}
+    for widget in a_panel.widgets.values():
+        for value in JUNK:
+            isText = isinstance(value, str) and widget.edited == "text"
+            isNumber = value == 10**9 and isinstance(widget, Number)
+            if not (isText or isNumber or isinstance(value, bool)):
+                widget.edit(value)
+    assert {name: widget.state() for name, widget in a_panel.widgets.items()} == before
+
+
+def test_cells_are_ticked_and_typed_into_only_where_that_is_offered(a_panel):
+    table, heard = a_panel.planTable, []
+    table.setRowCount(2)
+    for row, flags in enumerate((0, CAN_BE_EDITED | CAN_BE_CHECKED)):
+        item = TableItem("plan")
+        item.setFlags(flags)
+        table.setItem(row, 0, item)
+    table.connect("itemChanged(QTableWidgetItem*)", lambda item: heard.append(item.row()))
+    for row in (0, 1):
+        table.edit([row, 0, "name"])
+    assert [table.item(row, 0).text() for row in (0, 1)] == ["plan", "name"]
+    assert heard == [1]
+    table.edit([1, 0, True])
+    table.edit([0, 0, True])
+    assert [table.item(row, 0).checkState() == CHECKED for row in (0, 1)] == [False, True]
+    table.edit([1, 0])
+    assert (table.currentRow(), table.selectedItems()[0].text()) == (1, "name")
+    table.setRowCount(1)
+    assert table.selectedItems() == []
