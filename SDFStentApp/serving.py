@@ -10,8 +10,10 @@ import asyncio
 import contextlib
 import hmac
 import ipaddress
+import os
 import secrets
 import signal
+import sys
 import webbrowser
 from collections.abc import Awaitable, Callable
 from typing import Any, NamedTuple
@@ -84,8 +86,8 @@ class Server:
             )
         self._say("Ctrl-C ends it.")
         self._first = self._start()  # it gets ready while the browser starts
-        if self.settings.opens_browser:
-            webbrowser.open(address)
+        if self.settings.opens_browser and _has_screen():
+            asyncio.get_running_loop().run_in_executor(None, webbrowser.open, address)
 
     def _start(self) -> PageProcess:
         page = PageProcess(self.settings.told, self.settings.kept_s, self._forget)
@@ -188,6 +190,13 @@ async def _until_one_ends(ways: list[Awaitable[None]]) -> None:
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
+
+
+def _has_screen() -> bool:
+    """Whether a browser could show something: one of the terminal would take that over."""
+    if not sys.platform.startswith("linux"):
+        return True
+    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
 def _is_loopback(host: str) -> bool:
