@@ -31,8 +31,11 @@ MOVING_QUALITY, STILL_QUALITY = 60, 90
 MOST_PIXELS = 2_500_000
 """Of a frame, however large and fine the screen is."""
 
-MOVING_SCALE, STILL_AFTER_S = 0.6, 0.15
+MOVING_SCALE, STILL_AFTER_S = 0.6, 0.3
 """Pixels across over those of the page while something moves, and until when it is still thought to."""
+
+STILL_AFTER_FRAMES = 12
+"""A sharp frame is drawn when for so many nothing has moved: sooner, a slow machine would draw them in between."""
 
 FILLED = 0.92
 """Of the view, by what there is to see."""
@@ -84,6 +87,7 @@ class View:
             still_quality=STILL_QUALITY,
             rca_encoder="turbo-jpeg",
         )
+        self._scheduler._n_period_until_still_render = STILL_AFTER_FRAMES
         self.group.AddObserver(vtk.vtkCommand.UpdateEvent, lambda *_: self.draw())
         adapter = RcaViewAdapter(
             self.area, NAME, scheduler=self._scheduler, do_schedule_render_on_interaction=False
