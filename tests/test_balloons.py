@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from test_device_file import read as device_file
 from test_devices import ROW, a_device, a_table
 from test_plan import SCHEMA, a_document
 from trees import unbranched
@@ -20,6 +21,7 @@ from SDFStentLib.plan.document import plan_text
 from SDFStentLib.plan.plan import Plan
 from SDFStentLib.plan.reader import load_plan, plan_from_document
 from SDFStentLib.plan.run import run_plan
+from SDFStentLib.report import stent_branch_sentences
 from SDFStentLib.stent import (
     AlongAxis,
     AtCenter,
@@ -187,6 +189,20 @@ def test_the_same_stent_at_a_larger_diameter_has_the_length_of_that_and_keeps_it
     assert inner == pytest.approx(9.0, rel=0.01)
 
 
+def test_a_stent_that_is_dilated_again_lies_in_the_vessel_once():
+    result = a_redilation("distal", a_short_device()).result
+    first, second = result.stents
+    assert (first.again, second.again) == (2, None)
+    assert result.final_stents == (second,)
+    # Its first size, 3 mm narrower than the lumen by now, is told as free nowhere.
+    assert first.apposition is None
+    assert second.apposition.free_length == 0
+    assert np.isnan(first.to_dict()["free_length_mm"])
+    assert stent_branch_sentences(first)[-1] == (
+        "It is dilated again as stent 2, and lies in the vessel as that."
+    )
+
+
 def test_without_a_table_the_same_stent_shortens_no_further():
     for first, expected in (({}, 14.4), ({"foreshortening_fraction": 0.25}, 12.0)):
         one, other = a_redilation(**first).result.stents
@@ -350,6 +366,19 @@ def test_redilate_deploys_the_same_stent_again_with_its_new_length(a_folder, cap
     )
     starts = [stent["axis"]["start_mm"][2] for stent in middle]
     assert starts == pytest.approx([12.0, 12.0])
+
+
+def test_files_and_page_show_a_stent_that_is_dilated_again_once(a_folder, capsys):
+    files = ["--export-device", "d.vtp", "--export-0d", "z.json", "--report", "r.html"]
+    first, second = reported("--redilate", "8", *files)
+    assert (first["dilated_again_as"], second["redilates"]) == (2, 1)
+    assert set(device_file("d.vtp")[2]["Stent"]) == {2}
+    vessels = json.loads(Path("z.json").read_text(encoding="utf-8"))["vessels"]
+    assert [one["vessel_name"] for one in vessels] == ["stent 2, before", "stent 2, after"]
+    page = Path("r.html").read_text(encoding="utf-8")
+    assert "dilated again as stent 2." in page
+    assert "Not in contact all round" not in page
+    assert "Stent 1: The stent does not touch" not in capsys.readouterr().out
 
 
 def test_the_page_tells_balloon_recoil_and_redilation(a_folder):

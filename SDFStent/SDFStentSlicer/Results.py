@@ -195,11 +195,11 @@ def branchLines(treated):
         )
         for branch in treated.branches
     ]
-    free = treated.apposition.free_length
-    if free > 0:
+    # None of one that is dilated again: it lies there as that.
+    if treated.apposition is not None and treated.apposition.free_length > 0:
         lines.append(
             _("Not in contact with the wall all round: {free:.1f} of {length:.1f} mm").format(
-                free=free, length=treated.apposition.length
+                free=treated.apposition.free_length, length=treated.apposition.length
             )
         )
     return lines

@@ -40,7 +40,8 @@ def write_device(
     """Write the deployed stents of a plan as VTP, in unit and frame of its surface.
 
     Lines with the cell arrays `Stent` (number in the plan), `Ring` and `IsLink`. With a straight
-    stent mesh, along z and its middle at z = 0, that mesh once for every stent, with `Stent`.
+    stent mesh, along z and its middle at z = 0, that mesh once for every stent, with `Stent`. One
+    that is dilated again is there once, as it lies in the end.
 
     Parameters
     ----------
@@ -54,7 +55,7 @@ def write_device(
         The file cannot be written.
     """
     check_is_a(result, PlanResult, "result")
-    surface, stents = result.inputs.surface, result.treatment.stents
+    surface, stents = result.inputs.surface, result.treatment.final_stents
     per_unit = MILLIMETERS[surface.units]
     if mesh is None:
         struts = _struts(stents)

@@ -6,7 +6,14 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
-from .branches import NONE_NEAR, branch_lumen_words, ostium_words, stretch_sentence, stretches_of
+from .branches import (
+    NONE_NEAR,
+    again_words,
+    branch_lumen_words,
+    ostium_words,
+    stretch_sentence,
+    stretches_of,
+)
 from .changes import stretch_words
 from .html import BEYOND, MINIMUM, certificate_sentence
 from .lesions import LEFT_BEYOND, NO_LESION, NOT_LOOKED_FOR
@@ -195,6 +202,8 @@ def _beside(name: str) -> Callable[[Section], Lines]:
 
 
 def _contact(document: Section, stent: Section) -> str:
+    if "dilated_again_as" in stent:
+        return again_words(stent["dilated_again_as"])
     free = stretches_of(document, stent)
     return "; ".join(map(stretch_sentence, free)) or "all round"
 

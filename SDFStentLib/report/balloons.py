@@ -29,10 +29,11 @@ def diameters_section(stent: Stent, covered: Covered) -> dict[str, Any]:
     }
 
 
-def redilation_section(stent: Stent) -> dict[str, Any]:
-    """Which stent it is once more, where it is one."""
+def redilation_section(stent: Stent, again: int | None) -> dict[str, Any]:
+    """Which stent it is once more, and which later one is this once more, where there are."""
     placement = stent.placement
-    return {"redilates": placement.number} if isinstance(placement, OfStent) else {}
+    earlier = {"redilates": placement.number} if isinstance(placement, OfStent) else {}
+    return earlier if again is None else {**earlier, "dilated_again_as": again}
 
 
 def stent_balloon_sentences(treated: TreatedStent, lesions: Covered) -> list[str]:

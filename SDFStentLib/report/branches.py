@@ -17,8 +17,15 @@ NONE_NEAR = f"No side branch was found within {LISTED:.0f} mm of the stent."
 def stent_branch_sentences(stent: TreatedStent) -> list[str]:
     """What a stent does to every branch near it, and where it touches no wall."""
     branches = [branch.sentence() for branch in stent.branches] or [NONE_NEAR]
+    if stent.apposition is None:
+        return [*branches, f"It is {again_words(stent.again)}, and lies in the vessel as that."]
     free = stent.apposition.sentence()
     return [*branches, free] if free else branches
+
+
+def again_words(number: int | None) -> str:
+    """What became of a stent that a later one of the plan is once more."""
+    return f"dilated again as stent {number}"
 
 
 def branch_section(

@@ -100,7 +100,7 @@ def _description(
         "number": stent.number,
         **name,
         "device": device_section(chosen.device),
-        **redilation_section(chosen),
+        **redilation_section(chosen, stent.again),
         **diameters_section(chosen, covered),
         "shape": shape_section(stent),
         "nominal_length_mm": axis.nominal_length,

@@ -37,7 +37,7 @@ _INPUT_WORDS = {
     "root_mm": "Root, its proximal end (x, y, z)",
 }
 
-_TOLD_ELSEWHERE = ("pressure", "number", "name", "diameters", "lesions")
+_TOLD_ELSEWHERE = ("pressure", "number", "name", "diameters", "lesions", "dilated_again_as")
 """Of a stent: in its heading, and in the tables before."""
 
 
@@ -67,6 +67,8 @@ def stent_words(stent: Mapping[str, Any]) -> str:
     size = " x ".join(millimeters(value, 1) for value in sizes if value is not None)
     way = str(stent.get("placement", ""))
     said = [size and f"Stent of {size}", way and f"placed {_PLACEMENTS.get(way, way)}"]
+    if "dilated_again_as" in stent:
+        said.append(f"dilated again as stent {stent['dilated_again_as']}")
     words = ", ".join(part for part in said if part)
     return words and f"{words[0].upper()}{words[1:]}."
 

@@ -28,7 +28,7 @@ def zero_d_document(result: PlanResult) -> dict[str, Any]:
         "viscosity_poise": ADULT.viscosity * 10,
         "vessels": [
             {"vessel_name": f"stent {stent.number}, {name}", **_block(_measured(profile))}
-            for stent in result.treatment.stents
+            for stent in result.treatment.final_stents
             for name, profile in (("before", stent.before), ("after", stent.after))
         ],
     }

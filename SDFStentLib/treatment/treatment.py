@@ -211,6 +211,7 @@ class Treatment:
         survey = self.survey if is_first else self._surveyed(found, stage.axis, stage.centerline)
         states = VesselStates(self.surface, found, left, after)
         seen = surroundings(survey, states, stage.radius_at)
+        again = next((s.number for s in self._stages if is_redilation(s.stent, stage.number)), None)
         return TreatedStent(
             number=stage.number,
             stent=stage.stent,
@@ -221,7 +222,8 @@ class Treatment:
             around_after=seen.after,
             branches=seen.branches,
             neighbors=seen.neighbors,
-            apposition=seen.apposition,
+            apposition=None if again else seen.apposition,
+            again=again,
             result=stage.result,
         )
 

@@ -90,8 +90,11 @@ class TreatedStent(PlacedStent):
         Side branches near it, found on the surface that it was put into.
     neighbors : tuple of NeighborLumen
         Lumens beside it whose wall has moved; branches by the names of their ostia.
-    apposition : Apposition
-        Its contact with the wall after treatment.
+    apposition : Apposition or None
+        Its contact with the wall after treatment; None for one that is dilated again, which then
+        has neither this size nor this place.
+    again : int or None
+        Number of the later stent that is this one, dilated again.
     result : DeploymentResult
         What came of it, before the stents after it.
     """
@@ -102,7 +105,8 @@ class TreatedStent(PlacedStent):
     around_after: DiameterProfile
     branches: tuple[Ostium, ...]
     neighbors: tuple[NeighborLumen, ...]
-    apposition: Apposition
+    apposition: Apposition | None
+    again: int | None
     result: DeploymentResult
 
     @property
@@ -115,7 +119,7 @@ class TreatedStent(PlacedStent):
 
         Of its branches the one that is covered most counts, and the one that lost most.
         """
-        stent, axis = self.stent, self.axis
+        stent, axis, touching = self.stent, self.axis, self.apposition
         names = [branch.name for branch in self.branches]
         losses = [100 * one.loss for one in self.neighbors if one.name in names]
         return {
@@ -133,7 +137,7 @@ class TreatedStent(PlacedStent):
             "lumen_after_mm": self.after.minimum,
             "mean_lumen_before_mm": self.before.mean,
             "mean_lumen_after_mm": self.after.mean,
-            "free_length_mm": self.apposition.free_length,
+            "free_length_mm": math.nan if touching is None else touching.free_length,
             "branches": "; ".join(names),
             "branch_covered_percent": _largest(100 * one.covered_share for one in self.branches),
             "branch_loss_percent": _largest(losses),
@@ -183,6 +187,11 @@ class TreatmentResult:
     def coordinates(self) -> Points:
         """(k, 3) where the moved points are, mm."""
         return self.points[self.indices]
+
+    @property
+    def final_stents(self) -> tuple[TreatedStent, ...]:
+        """Those that lie in the vessel in the end: one that is dilated again once, as the last."""
+        return tuple(stent for stent in self.stents if stent.again is None)
 
     def to_dict(self) -> list[dict[str, Any]]:
         """One flat row per stent, for a table: plain texts, numbers and truth values.

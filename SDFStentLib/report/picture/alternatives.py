@@ -38,7 +38,7 @@ def alternatives_picture(results: Mapping[str, PlanResult], *, hides_device: boo
     drawing, panels = alternatives_scene(results)
     if not hides_device:
         for column, result in enumerate(results.values(), start=1):
-            stents = result.treatment.stents
+            stents = result.treatment.final_stents
             panels[column] = panels[column]._replace(struts=strut_curves(stents))
     return painted(drawing, panels)
 
@@ -50,7 +50,7 @@ def alternatives_scene(results: Mapping[str, PlanResult]) -> tuple[Drawing, list
     for name, result in results.items():
         check_is_a(result, PlanResult, name)
     native = next(iter(results.values())).inputs.surface
-    groups = [result.treatment.stents for result in results.values()]
+    groups = [result.treatment.final_stents for result in results.values()]
     stents = [stent for group in groups for stent in group]
     walls = [native.surface, *(result.treatment.surface for result in results.values())]
     cloud = np.concatenate([wall.points for wall in walls])
@@ -109,7 +109,7 @@ def _headings(results: Mapping[str, PlanResult]) -> Iterator[Mark]:
 
 def _note(result: PlanResult) -> str:
     """The narrowest place within the stents of a plan, and how many they are."""
-    stents = result.treatment.stents
+    stents = result.treatment.final_stents
     least = np.fmin.reduce([stent.after.minimum for stent in stents])
     number = "1 stent" if len(stents) == 1 else f"{len(stents)} stents"
     lumen = millimeters(float(least), 1) if np.isfinite(least) else millimeters(None)

@@ -43,13 +43,13 @@ def before_after_picture(
     check_is_a(result, PlanResult, "result")
     drawing, panels = before_after_scene(result, title)
     if not hides_device:
-        panels[1] = panels[1]._replace(struts=strut_curves(result.treatment.stents))
+        panels[1] = panels[1]._replace(struts=strut_curves(result.treatment.final_stents))
     return painted(drawing, panels)
 
 
 def before_after_scene(result: PlanResult, title: str) -> tuple[Drawing, list[Panel]]:
     """What `before_after_picture` paints: all that is flat, and the walls under it."""
-    surface, stents = result.inputs.surface, result.treatment.stents
+    surface, stents = result.inputs.surface, result.treatment.final_stents
     moments = surface.surface, result.treatment.surface
     cloud, axes = np.concatenate([one.points for one in moments]), [s.axis.points for s in stents]
     radii = [stent.stent.widest_diameter / 2 for stent in stents]
