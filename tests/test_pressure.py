@@ -156,6 +156,7 @@ def test_the_blocks_for_a_solver_are_those_of_the_lumen_in_cgs(a_folder):
     assert values["stenosis_coefficient"] < 1e-2
     assert before["zero_d_element_values"]["stenosis_coefficient"] > 1.0
     assert "K_t = 1.52" in document["stenosis_coefficient"]
+    assert document["not_one_vessel"] == {}
 
 
 def test_no_flow_no_word_of_pressure(a_folder, capsys):
@@ -171,10 +172,15 @@ def test_where_a_branch_opens_within_the_stent_nothing_is_estimated(tmp_path, ca
     document["flow"] = [5, 20]
     plan = tmp_path / "demo" / "flow.json"
     plan.write_text(json.dumps(document), encoding="utf-8")
-    assert main(["run", str(plan), "-o", str(tmp_path / "out")]) == 0
+    blocks = tmp_path / "zero.json"
+    assert main(["run", str(plan), "-o", str(tmp_path / "out"), "--export-0d", str(blocks)]) == 0
     assert "Pressure drop: not estimated; flow leaves through right" in capsys.readouterr().out
     pressure = read(tmp_path / "out" / "report.json")["stents"][0]["pressure"]
     assert pressure["before_mmhg"] is pressure["after_mmhg"] is None
+    # Who takes the blocks for a solver reads no report.
+    assert read(blocks)["not_one_vessel"] == {
+        "stent 1": "flow leaves through right pulmonary artery within the stent"
+    }
 
 
 @pytest.mark.parametrize(

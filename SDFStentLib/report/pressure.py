@@ -69,12 +69,17 @@ def pressure_part(stents: Sequence[Mapping[str, Any]]) -> list[str]:
     return [f"<h2>Pressure</h2>{lines}<p class='small'>{escape(NOTE)}</p>"]
 
 
-def _why_not(stent: TreatedStent) -> str | None:
-    """What flow leaves by, or where the lumen is not known."""
+def flow_leaves(stent: TreatedStent) -> str | None:
+    """By which side branches flow leaves within a stent, which no form for one tube knows."""
     length = float(stent.before.arc_length[-1])
     within = [one.name for one in stent.branches if one.start < length and one.end > 0]
-    if within:
-        return f"flow leaves through {' and '.join(within)} within the stent"
+    return f"flow leaves through {' and '.join(within)} within the stent" if within else None
+
+
+def _why_not(stent: TreatedStent) -> str | None:
+    """What flow leaves by, or where the lumen is not known."""
+    if leaves := flow_leaves(stent):
+        return leaves
     try:
         for profile in (stent.before, stent.after):
             pressure_band(profile, 1.0)

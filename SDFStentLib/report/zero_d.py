@@ -6,6 +6,7 @@ from typing import Any
 
 from ..measure import ADULT, TURBULENCE, DiameterProfile, VesselBlock, vessel_block
 from ..plan import PlanResult
+from .pressure import flow_leaves
 from .report import RESEARCH_USE
 
 
@@ -24,6 +25,12 @@ def zero_d_document(result: PlanResult) -> dict[str, Any]:
         "stenosis_coefficient": "K_t density / (2 A_0^2) (A_0/A_s - 1)^2, "
         f"K_t = {TURBULENCE:g}; A_0 mean of the ends, A_s the narrowest; inscribed diameters",
         "capacitance": "C is 0: the wall is rigid",
+        # One block has one flow: where this is not empty, its values alone mislead.
+        "not_one_vessel": {
+            f"stent {stent.number}": leaves
+            for stent in result.treatment.final_stents
+            if (leaves := flow_leaves(stent))
+        },
         "density_g_cm3": ADULT.density / 1000,
         "viscosity_poise": ADULT.viscosity * 10,
         "vessels": [
