@@ -15,6 +15,7 @@ from test_plan import SCHEMA, a_document
 from trees import unbranched
 from tube_files import deploy
 
+from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.geometry import arc_lengths, length, resampled
 from SDFStentLib.phantoms.phantoms import branching_pulmonary_artery, stenosed_tube
 from SDFStentLib.plan.document import plan_text
@@ -201,6 +202,28 @@ def test_a_stent_that_is_dilated_again_lies_in_the_vessel_once():
     assert stent_branch_sentences(first)[-1] == (
         "It is dilated again as stent 2, and lies in the vessel as that."
     )
+
+
+def test_only_a_length_that_the_second_dilatation_loses_is_warned_of():
+    # Smoothing draws a bend inwards, and the axis of both is shorter than 0.9 of 20 mm.
+    vessel = branching_pulmonary_artery(edge_length=1.1)
+    middle = AtCenter(vessel.axis_at([28.0])[0])
+    for again, expected in (({}, []), ({"foreshortening_fraction": 0.0}, ["shortened"])):
+        stents = [
+            Stent(7.0, placement=middle, length=20.0),
+            Stent(8.0, placement=OfStent(1), **again),
+        ]
+        treatment = Treatment(
+            vessel.surface,
+            stents,
+            vessel.centerline,
+            DeploymentSettings(axis_smoothing=3.0, certify=False),
+        )
+        first, second = treatment.result.stents
+        assert first.axis.deployed_length < first.axis.prescribed_length - 0.02
+        assert second.axis.deployed_length == first.axis.deployed_length
+        kinds = [w.kind for w in treatment.result.warnings if w.stent == 2]
+        assert [kind for kind in kinds if kind == "shortened"] == expected
 
 
 def test_without_a_table_the_same_stent_shortens_no_further():

@@ -125,7 +125,7 @@ def stent_axis(
         found = _kept(found, prescribed, stent.keeps)
     _require_length(found)
     axis = StentAxis(found.points, found.inscribed_radius, nominal, prescribed)
-    warnings = [*_shortened(axis), *(_choice(choice) for choice in found.choices)]
+    warnings = [*_shortened(axis, lies_on), *(_choice(choice) for choice in found.choices)]
     if stent.device is not None:
         warnings += stent.device.cautions(stent.diameter, stent.length)
     if centerline is not None:
@@ -222,7 +222,12 @@ def _require_length(path: CenterlinePath) -> None:
         )
 
 
-def _shortened(axis: StentAxis) -> Iterator[Caution]:
+def _shortened(axis: StentAxis, lies_on: StentAxis | None) -> Iterator[Caution]:
+    if (
+        lies_on is not None
+        and axis.prescribed_length < lies_on.prescribed_length + LENGTH_TOLERANCE
+    ):
+        return  # No loss of its own: said of the earlier stent, or that one's axis was smoothed.
     if axis.deployed_length < axis.prescribed_length - LENGTH_TOLERANCE:
         lengths = {"prescribed_mm": axis.prescribed_length, "available_mm": axis.deployed_length}
         yield Caution("shortened", lengths)
