@@ -10,7 +10,7 @@ import pytest
 
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.geometry import Surface
-from SDFStentLib.measure import known_lumen, measured_at, measured_once
+from SDFStentLib.measure import known_lumen, measured_at, measured_once, open_at_ends
 from SDFStentLib.phantoms import stenosed_tube
 from SDFStentLib.stent import AtCenter, Stent
 from SDFStentLib.treatment import Treatment
@@ -48,6 +48,18 @@ def test_only_stations_that_are_new_are_measured(a_tube, asked):
     along[0] = [0.0, 0.1, 0.995]
     measured_once(a_tube.surface, points, along)
     assert asked == [5, 3, 1]
+
+
+def test_what_was_measured_with_a_cap_is_not_taken_for_what_has_none(a_tube):
+    points = np.array([[0.0, 0.0, z] for z in (0.5, 1.0, 1.5)])
+    along = np.tile([0.0, 0.0, 1.0], (3, 1))
+    without = open_at_ends(a_tube.surface, points)
+    assert len(without) < len(a_tube.surface.triangles)
+    capped = measured_once(a_tube.surface, points, along)
+    opened = measured_once(a_tube.surface, points, along, without)
+    plain = measured_at(a_tube.surface, points, along, without)
+    np.testing.assert_array_equal(opened.spheres.radii, plain.spheres.radii)
+    assert (opened.spheres.radii != capped.spheres.radii).any()
 
 
 def test_what_another_thread_forgets_meanwhile_is_not_missed(a_tube, monkeypatch):

@@ -112,9 +112,7 @@ def write_failure(store: Store, task: Task, reason: str) -> Outcome:
 
 
 def _carried_out(task: Task, inputs: InputFiles) -> PlanResult:
-    vessel = inputs.vessel.unmeasured()
-    surface = replace(inputs.surface, surface=vessel.surface)
-    inputs = replace(inputs, surface=surface, vessel=vessel)
+    inputs = inputs.unmeasured()
     plan = plan_of_case(task.plan, task.stent, task.case.parameters, task.constraints, inputs)
     return PlanResult(plan, inputs, treatment_of(plan, inputs).result)
 

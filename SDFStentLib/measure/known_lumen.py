@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from hashlib import blake2b
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -20,7 +21,7 @@ MOST = 20_000
 """Stations that are kept of one surface, about 100 bytes each; then all are forgotten."""
 
 _known: WeakKeyDictionary[Surface, dict[bytes, Floats]] = WeakKeyDictionary()
-"""By place and direction: center and radius of the sphere, equivalent diameter."""
+"""By place, direction and wall: center and radius of the sphere, equivalent diameter."""
 
 
 def measured_once(
@@ -32,8 +33,10 @@ def measured_once(
     is tried, or another stent moved, all is known.
     """
     known = _known.setdefault(surface, {})
+    # Two stents may leave out different caps.
+    seen = b"" if wall is None else blake2b(wall.tobytes(), digest_size=16).digest()
     rows = np.column_stack([points, directions])
-    keys = [row.tobytes() for row in rows]
+    keys = [row.tobytes() + seen for row in rows]
     if len(known) > MOST:
         known.clear()
     # Read once: another thread may forget everything meanwhile.

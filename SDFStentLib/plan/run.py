@@ -61,6 +61,11 @@ class InputFiles:
     warnings: tuple[Caution, ...]
     seconds: float
 
+    def unmeasured(self) -> InputFiles:
+        """The same with `Vessel.unmeasured`, for results that no earlier one changes by a bit."""
+        vessel = self.vessel.unmeasured()
+        return replace(self, surface=replace(self.surface, surface=vessel.surface), vessel=vessel)
+
 
 @dataclass(frozen=True)
 class PlanResult:
