@@ -89,10 +89,12 @@ class Vessel:
 
         What is measured along an axis is remembered with the surface. Stations that are measured
         together differ from those that are measured apart by about 1e-8 mm: results that shall
-        not depend on earlier ones by a single bit begin with this.
+        not depend on earlier ones by a single bit begin with this. Errors as of `lesions`.
         """
+        surface = self.surface.with_points(self.surface.points)
         vessel = copy(self)
-        vars(vessel)["surface"] = self.surface.with_points(self.surface.points)
+        # Lesions are looked for here, once for all that are made of this one.
+        vars(vessel).update(surface=surface, lesions=self.lesions)
         return vessel
 
     def seeds(self, inlet: Points | None = None, outlets: Sequence[Points] = ()) -> LineSeeds:
