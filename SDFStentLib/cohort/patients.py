@@ -50,6 +50,26 @@ def patients_of(
     stent: int,
     folders: tuple[str, str],
 ) -> tuple[Patient, ...]:
+    """Everyone that a document lists, with a whole plan; the base plan's own vessel without a list.
+
+    Parameters
+    ----------
+    value : Any
+        As the document has it; None where it lists nobody.
+    template : mapping
+        The document of the base plan.
+    axes : tuple of Axis
+        What they give may be left out of that.
+    stent : int
+        The one that they change, by number from 1.
+    folders : tuple of two str
+        Those that paths start at: of the patients, and of the base plan.
+
+    Raises
+    ------
+    InputError
+        What is no patient, or one without a name of its own or a surface; a plan that is none.
+    """
     filled = _filled(template, axes, stent)
     if value is None:
         plan = _plan(filled, folders[1], stent)

@@ -130,6 +130,7 @@ class InsideTest:
         return float((self._high - self._low).max())
 
     def is_inside(self, queries: Points) -> NDArray[np.bool_]:
+        """Which points (n, 3) are inside of the surface."""
         inside = ((queries >= self._low) & (queries <= self._high)).all(axis=1)
         for index in np.flatnonzero(inside):
             inside[index] = self._is_inside(queries[index])
