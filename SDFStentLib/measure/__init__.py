@@ -5,7 +5,7 @@ from __future__ import annotations
 from .apposition import Apposition, FreeStretch, apposition
 from .branch_names import branch_names
 from .caps import bulged_caps, caps_across, looks_across
-from .closed_ends import open_at_ends
+from .closed_ends import OpenWall, open_at_ends
 from .cross_section import equivalent_diameters, winding_numbers
 from .cut_planes import CutPlane
 from .extended_axis import REACH, ExtendedAxis, extended_axis

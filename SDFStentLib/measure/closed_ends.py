@@ -6,11 +6,13 @@ the cap first, and the vessel would seem to narrow to nothing towards every in- 
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry import Surface, SurfaceIndex, arc_lengths, dot, may_meet_box, nearest_distances
-from ..validation import Flags, Floats, Points, Triangles
+from ..validation import Flags, Floats, Indices, Points, Triangles
 from .caps import caps_across, flat_caps
 from .inscribed import InscribedSpheres, inscribed_spheres
 from .stations import Stations
@@ -23,7 +25,6 @@ touch a cap."""
 SQUARELY = np.cos(np.deg2rad(15.0))
 """The same for an end that is no flat cap; between is the ridge of a flow divider, for example."""
 
-
 CAPS_WITHIN = 2.0
 """Caps are looked for so near to the ends of an axis, in widths of the lumen from axis to wall."""
 
@@ -31,8 +32,17 @@ _SOME = 1000
 """Corners of the surface that tell the width."""
 
 
-def open_at_ends(surface: Surface, axis: Points) -> Triangles:
-    """The triangles (k, 3) of a surface without the flat caps across the ends of an axis (n, 3).
+class OpenWall(NamedTuple):
+    """A surface without some of its caps."""
+
+    triangles: Triangles
+    """(k, 3) those that are left."""
+    caps: Indices
+    """(m,) the numbers of the others in the surface."""
+
+
+def open_at_ends(surface: Surface, axis: Points) -> OpenWall:
+    """A surface without the flat caps across the ends of an axis (n, 3).
 
     So that no sphere climbs along a cap, in many small steps, to be measured without it after all.
     """
@@ -40,7 +50,8 @@ def open_at_ends(surface: Surface, axis: Points) -> Triangles:
     some = points[triangles[:: max(1, len(triangles) // _SOME), 0]]
     reach = CAPS_WITHIN * float(nearest_distances(axis, some).max())
     is_capped = caps_across(points, triangles, axis, reach)
-    return triangles[~is_capped] if is_capped.any() else triangles
+    caps = np.flatnonzero(is_capped)
+    return OpenWall(triangles[~is_capped] if len(caps) else triangles, caps)
 
 
 def past_closed_ends(points: Points, triangles: Triangles, measured: Stations) -> Stations:

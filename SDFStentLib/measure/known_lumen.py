@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from hashlib import blake2b
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from ..geometry import Surface
 from ..validation import Floats, Points, Triangles
+from .closed_ends import OpenWall
 from .cross_section import equivalent_diameters
 from .inscribed import InscribedSpheres, inscribed_spheres
 from .moved_wall import MovedWall
@@ -20,12 +20,12 @@ _BESIDE = 1.02
 MOST = 20_000
 """Stations that are kept of one surface, about 100 bytes each; then all are forgotten."""
 
-_known: WeakKeyDictionary[Surface, dict[bytes, Floats]] = WeakKeyDictionary()
-"""By place, direction and wall: center and radius of the sphere, equivalent diameter."""
+_known: WeakKeyDictionary[Surface, dict[tuple[bytes, bytes], Floats]] = WeakKeyDictionary()
+"""By place and direction, and the caps left out: center and radius of the sphere, equivalent diameter."""
 
 
 def measured_once(
-    surface: Surface, points: Points, directions: Points, wall: Triangles | None = None
+    surface: Surface, points: Points, directions: Points, wall: OpenWall | None = None
 ) -> Stations:
     """`measured_at` of a vessel before treatment; what was measured there before is not again.
 
@@ -34,16 +34,16 @@ def measured_once(
     """
     known = _known.setdefault(surface, {})
     # Two stents may leave out different caps.
-    seen = b"" if wall is None else blake2b(wall.tobytes(), digest_size=16).digest()
+    seen, caps = (None, b"") if wall is None else (wall.triangles, wall.caps.tobytes())
     rows = np.column_stack([points, directions])
-    keys = [row.tobytes() + seen for row in rows]
+    keys = [(row.tobytes(), caps) for row in rows]
     if len(known) > MOST:
         known.clear()
     # Read once: another thread may forget everything meanwhile.
     found = [known.get(key) for key in keys]
     missing = np.array([values is None for values in found], dtype=bool)
     if missing.any():
-        anew = measured_at(surface, points[missing], directions[missing], wall)
+        anew = measured_at(surface, points[missing], directions[missing], seen)
         measured = np.column_stack([anew.spheres.centers, anew.spheres.radii, anew.equivalent])
         for index, values in zip(np.flatnonzero(missing), measured, strict=True):
             known[keys[index]] = found[index] = values

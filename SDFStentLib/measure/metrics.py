@@ -143,7 +143,7 @@ def diameter_profile(surface: Surface, axis: ArrayLike, spacing: float = 1.0) ->
     """
     surface = as_surface(surface)
     stations = resampled(axis, as_number(spacing, "spacing", unit="mm", above=0))
-    wall = open_at_ends(surface, stations)
+    wall = open_at_ends(surface, stations).triangles
     measured = measured_at(surface, stations, tangents(stations), wall)
     return profile_of(surface, arc_lengths(stations), measured)
 

@@ -85,6 +85,6 @@ def profile_around(
         the extended axis, not at those of the stent.
     """
     if measured is None:
-        wall = open_at_ends(surface, stations.points)
+        wall = open_at_ends(surface, stations.points).triangles
         measured = measured_at(surface, stations.points, stations.directions, wall)
     return profile_of(surface, stations.arc_length, measured, stations.parts)

@@ -17,6 +17,7 @@ from ..measure import (
     NeighborLumen,
     NeighborStations,
     NeighborWay,
+    OpenWall,
     Ostium,
     Stations,
     VesselStates,
@@ -31,7 +32,7 @@ from ..measure import (
     open_at_ends,
     profile_around,
 )
-from ..validation import Floats, Points, Triangles
+from ..validation import Floats, Points
 
 PROFILE_SPACING = 1.0
 """Distance of the stations at which diameters are measured, mm."""
@@ -52,8 +53,8 @@ class Survey(NamedTuple):
     """before any stent,"""
     before: DiameterProfile
     """with what that says of the diameters there."""
-    wall: Triangles
-    """The triangles that spheres see."""
+    wall: OpenWall
+    """What spheres see of it."""
 
 
 class Surroundings(NamedTuple):
@@ -122,7 +123,8 @@ def surroundings(
     # Many stations together are measured in little more time than few.
     before = survey.measured.followed_by(known)
     # A cap that the stent has bulged is no wall either.
-    after = measured_after(before, moved_wall(states.native, states.final), states.final, wall)
+    moved = moved_wall(states.native, states.final)
+    after = measured_after(before, moved, states.final, wall.triangles)
     own, rest = slice(len(along.points)), slice(len(along.points), None)
     return Surroundings(
         along,
