@@ -116,7 +116,7 @@ class Alternatives:
         ]
         for one in own:
             if one not in kept:
-                _removeWhole(one)
+                Handles.removeWhole(one)
         hierarchy = slicer.vtkMRMLSubjectHierarchyNode.GetSubjectHierarchyNode(scene)
         if folder and not hierarchy.GetNumberOfItemChildren(folder):
             hierarchy.RemoveItem(folder)
@@ -213,19 +213,6 @@ def _ownNodes(parameterNode):
         if node is not None
         and not (node.IsA("vtkMRMLModelNode") and node.GetAttribute(Outputs.ATTRIBUTE) is None)
     ]
-
-
-def _removeWhole(node):
-    """Remove a node with those that show and store it."""
-    scene, helpers = (
-        node.GetScene(),
-        [node.GetStorageNode()] if node.IsA("vtkMRMLStorableNode") else [],
-    )
-    if node.IsA("vtkMRMLDisplayableNode"):
-        helpers += [node.GetNthDisplayNode(n) for n in range(node.GetNumberOfDisplayNodes())]
-    for one in (node, *helpers):
-        if one is not None:
-            scene.RemoveNode(one)
 
 
 def _folderOf(parameterNode):

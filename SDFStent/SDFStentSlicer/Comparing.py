@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from pathlib import Path
 
 from slicer.i18n import tr as _
 
@@ -22,6 +23,7 @@ from SDFStentLib.stent import InputFile
 from SDFStentLib.validation import InputError
 
 from . import Conversion, Plans
+from .NewFolders import freePath
 from .Portions import inPortions, working
 
 PAGE, DOCUMENT = "comparison.html", "comparison.json"
@@ -39,12 +41,7 @@ def steps(plans, folder):
     """
     files = _Files(folder)
     named = {_safe(name): files.complete(name, plan) for name, plan in plans.items()}
-    if len(named) < len(plans):
-        raise InputError(
-            _("Compare: expected plans of different names, got {names}; rename one.").format(
-                names=", ".join(plans)
-            )
-        )
+    _checkNames(named, plans)
     yield 0.0
     inputs, done = comparison_inputs(named), [0.0]  # files are read on this thread, as VTK wants it
 
@@ -68,6 +65,17 @@ def steps(plans, folder):
     for name, text in texts.items():
         (folder / name).write_text(text, encoding="utf-8", errors="backslashreplace")
     return folder / PAGE
+
+
+def _checkNames(named, plans):
+    """Whether every plan gets a file of its own, beside the document, where upper and lower case are the same, too."""
+    taken = {DOCUMENT, *(f"{name.casefold()}.json" for name in named)}
+    if len(taken) <= len(plans):
+        raise InputError(
+            _(
+                "Compare: expected plans of different names, and none called {document}, got {names}; rename one."
+            ).format(document=Path(DOCUMENT).stem, names=", ".join(plans))
+        )
 
 
 class _Files:
@@ -98,7 +106,7 @@ class _Files:
         if node.GetID() not in self._written:
             polyData = polyDataOf()
             set_frame_of_polydata(polyData, "RAS")
-            path = self._folder / f"{_safe(node.GetName())} ({role}).vtp"
+            path = freePath(self._folder / f"{_safe(node.GetName())} ({role}).vtp")
             path.write_bytes(encode_vtp(polyData))
             self._written[node.GetID()] = InputFile(str(path))
         return self._written[node.GetID()]

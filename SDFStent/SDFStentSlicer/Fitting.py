@@ -131,10 +131,10 @@ class Fitting:
                 stents.change(handle=Handles.copyHandle(stent.handle, stent.label))
             return False
         former = stent.handle
-        if originals and former not in originals:
-            stents.change(handle=originals[-1], foreshortening=0.0, deviceShortening=True)
-            if former not in [one.handle for one in parameterNode.stents]:
-                Handles.removeHandle(former)
+        handle = former if former in originals or not originals else originals[-1]
+        stents.change(handle=handle, foreshortening=0.0, deviceShortening=True)
+        if former not in [one.handle for one in parameterNode.stents]:
+            Handles.removeHandle(former)
         return True
 
     @staticmethod

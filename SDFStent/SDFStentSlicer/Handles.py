@@ -57,10 +57,19 @@ def copyHandle(node, label):
 def removeHandle(node):
     """Take a handle out of the scene if this module made it; a user's own markups stays."""
     if node is not None and node.GetAttribute(HANDLE_ATTRIBUTE):
-        display = node.GetDisplayNode()
-        if display is not None:
-            node.GetScene().RemoveNode(display)
-        node.GetScene().RemoveNode(node)
+        removeWhole(node)
+
+
+def removeWhole(node):
+    """Remove a node with those that show and store it."""
+    scene, helpers = node.GetScene(), []
+    if node.IsA("vtkMRMLStorableNode"):
+        helpers.append(node.GetStorageNode())
+    if node.IsA("vtkMRMLDisplayableNode"):
+        helpers += [node.GetNthDisplayNode(n) for n in range(node.GetNumberOfDisplayNodes())]
+    for one in (node, *helpers):
+        if one is not None:
+            scene.RemoveNode(one)
 
 
 def middlePoint(centerline):

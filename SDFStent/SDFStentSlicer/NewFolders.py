@@ -8,16 +8,23 @@ from SDFStentLib.files import cannot_write
 
 def newFolder(parent, name):
     """A folder in another one that was not there before; nothing is overwritten."""
-    folder, number = Path(parent) / name, 1
+    folder = Path(parent) / name
     try:
-        # Ends: there are finitely many files.
-        while folder.exists():
-            number += 1
-            folder = Path(parent) / f"{name} {number}"
+        folder = freePath(folder)
         folder.mkdir()
     except OSError as error:
         raise cannot_write(folder, error) from error
     return folder
+
+
+def freePath(path):
+    """The path, with a number behind its name while there is something already."""
+    free, number = path, 1
+    # Ends: there are finitely many files.
+    while free.exists():
+        number += 1
+        free = path.with_stem(f"{path.stem} {number}")
+    return free
 
 
 def inNewFolder(parent, name, stepsInto):

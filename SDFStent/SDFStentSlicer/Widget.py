@@ -194,11 +194,10 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
         self.table.show(self.stents.values(), self._parameterNode.selected)
         self._state.show(self._parameterNode)
         self._showSections()
-        self.plans.show(self._parameterNode)
         self._requestUpdate()
 
     def _showSections(self):
-        for section in self.sections:
+        for section in (*self.sections, self.plans):
             section.show(self._parameterNode)
 
     def onInputModified(self):

@@ -313,3 +313,11 @@ def test_what_follows_a_calculation_begins_a_portion_of_its_own(theModule):
 
     assert list(inPortions(lambda: 3)) == [None]  # however short it was
     assert untilDone(inPortions(lambda: 3)) == 3
+
+
+def test_a_handle_that_was_saved_goes_with_its_storage(aLogic, theParameters, aScene):
+    count = aScene.GetNumberOfNodes()
+    aLogic.addStent(theParameters).AddDefaultStorageNode()
+    assert aScene.GetNumberOfNodes() > count
+    aLogic.removeStent(theParameters)
+    assert aScene.GetNumberOfNodes() == count

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import slicer
+import vtk
 from panel_helpers import deploy, saveAsFile, theThroat
 
 
@@ -173,6 +174,13 @@ def test_the_table_says_what_the_results_say(host, aPlan):
     assert aPlan.ui.planTable.item(0, 1).toolTip().endswith("Changed since this deployment.")
     host.click(aPlan.ui.resetButton)
     assert rowOf(aPlan, 0)[1:] == [""] * 4
+
+
+def test_a_handle_that_is_moved_makes_the_row_an_old_one(host, aPlan):
+    deploy(host, aPlan)
+    assert "Changed" not in aPlan.ui.planTable.item(0, 1).toolTip()
+    aPlan._parameterNode.stent.handle.SetNthControlPointPositionWorld(0, 0.0, 0.0, 20.0)
+    assert aPlan.ui.planTable.item(0, 1).toolTip().endswith("Changed since this deployment.")
 
 
 def test_a_plan_is_renamed_in_the_table(host, aPlan):
@@ -359,6 +367,33 @@ def test_files_that_are_there_are_named_and_not_written_again(aLogic, theParamet
     assert list((tmp_path / "comparison").iterdir()) == []
     steps.close()
     assert not (tmp_path / "comparison").exists()
+
+
+def test_two_centerlines_of_one_name_are_two_files(aLogic, theParameters, aScene, tmp_path):
+    from SDFStentLib.files import read_centerline
+    from SDFStentLib.plan import load_plan
+
+    line = theParameters.centerline
+    other = aScene.AddNewNodeByClass("vtkMRMLModelNode", line.GetName())
+    moved = vtk.vtkPolyData()
+    moved.DeepCopy(line.GetPolyData())
+    other.SetAndObservePolyData(moved)
+    slicer.util.arrayFromModelPoints(other)[:, 0] += 0.25
+    aLogic.duplicatePlan(theParameters).centerline = other
+    aLogic.compare(theParameters, tmp_path)
+    plans = [load_plan(tmp_path / "comparison" / f"Plan {number}.json") for number in (1, 2)]
+    points = [read_centerline(plan.centerline.path).points for plan in plans]
+    np.testing.assert_allclose(points[1] - points[0], [[0.25, 0.0, 0.0]] * len(points[0]), atol=1e-4)
+
+
+@pytest.mark.parametrize("name", ["comparison", "Comparison", "plan 1"])
+def test_names_of_which_one_file_would_overwrite_another_are_refused(
+    aLogic, theParameters, tmp_path, name
+):
+    aLogic.duplicatePlan(theParameters).parameterNode.SetName(name)
+    with pytest.raises(ValueError, match="expected plans of different names"):
+        next(aLogic.comparisonSteps(theParameters, tmp_path))
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_what_cannot_be_compared_is_a_sentence_and_leaves_no_folder(host, twoPlans, tmp_path):
