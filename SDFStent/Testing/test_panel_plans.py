@@ -383,7 +383,9 @@ def test_two_centerlines_of_one_name_are_two_files(aLogic, theParameters, aScene
     aLogic.compare(theParameters, tmp_path)
     plans = [load_plan(tmp_path / "comparison" / f"Plan {number}.json") for number in (1, 2)]
     points = [read_centerline(plan.centerline.path).points for plan in plans]
-    np.testing.assert_allclose(points[1] - points[0], [[0.25, 0.0, 0.0]] * len(points[0]), atol=1e-4)
+    np.testing.assert_allclose(
+        points[1] - points[0], [[0.25, 0.0, 0.0]] * len(points[0]), atol=1e-4
+    )
 
 
 @pytest.mark.parametrize("name", ["comparison", "Comparison", "plan 1"])

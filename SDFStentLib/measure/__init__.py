@@ -71,6 +71,7 @@ __all__ = [
     "NeighborLumen",
     "NeighborStations",
     "NeighborWay",
+    "OpenWall",
     "Ostium",
     "PressureBand",
     "Segment",

@@ -21,7 +21,7 @@ MOST = 20_000
 """Stations that are kept of one surface, about 100 bytes each; then all are forgotten."""
 
 _known: WeakKeyDictionary[Surface, dict[tuple[bytes, bytes], Floats]] = WeakKeyDictionary()
-"""By place and direction, and the caps left out: center and radius of the sphere, equivalent diameter."""
+"""By place and direction, and caps left out: center and radius of sphere, equivalent diameter."""
 
 
 def measured_once(
