@@ -133,6 +133,21 @@ def test_a_family_that_keeps_its_length_needs_a_shorter_stent(a_vessel):
     assert plain.stent.length == math.ceil(keeps.lesion.length / 0.7)
 
 
+def test_the_rule_names_what_is_rounded_and_what_is_wanted(a_vessel):
+    """The numbers that it speaks of are those of the proposal."""
+    wished = a_vessel.suggestion(1, SizingWishes(ratio=0.9, margin=2.5))
+    recoil = wished.stent.balloon.recoil_fraction
+    wanted = 0.9 * wished.ratios.adjacent_diameter / (1 - recoil)
+    assert wished.stent.balloon.diameter == round(wanted, 1) != wanted
+    nominal = (wished.lesion.length + 5) / (1 - wished.stent.foreshortening)
+    assert wished.stent.length == math.ceil(nominal) != nominal
+    assert wished.rule == (
+        "lumen 0.9 times as wide as the smaller healthy vessel beside the lesion, balloon wider by "
+        "its recoil, rounded to the nearest 0.1 mm, length that of the lesion and 2.5 mm beyond "
+        "both of its ends, longer by what shortening takes, rounded up to whole mm"
+    )
+
+
 @pytest.mark.parametrize(
     ("wish", "words"),
     [
@@ -171,7 +186,9 @@ def test_suggest_tells_the_rule_and_writes_a_plan_that_runs(a_folder, capsys):
     for words in (
         "Lesion 1: 40 % by diameter, minimum 3.5",
         "Proposed: balloon 6.4 mm, lumen 5.95 mm, nominal length ",
-        "Rule: lumen as wide as the smaller healthy vessel beside the lesion, balloon wider by its",
+        "Rule: lumen as wide as the smaller healthy vessel beside the lesion, balloon wider by its "
+        "recoil, rounded to the nearest 0.1 mm, length that of the lesion, longer by what "
+        "shortening takes, rounded up to whole mm. ",
         "Recoil 7 %: the mean in great vessels",
         "Stent : adjacent vessel 1.00 (sources 0.66 to 1.02); balloon : stenosis 1.8",
         "Wrote tube_plan.json; to carry it out: sdfstent run tube_plan.json -o DIR",

@@ -18,6 +18,8 @@ COPIED = (
     "segmentID",
     "centerline",
     "deviceTable",
+    "suggestRatio",
+    "suggestMargin",
     "map",
     "flowLeast",
     "flowMost",

@@ -10,7 +10,7 @@ from slicer.i18n import tr as _
 from slicer.ScriptedLoadableModule import ScriptedLoadableModuleLogic
 
 from SDFStentLib.stent import DEFAULT_FORESHORTENING, AtCenter
-from SDFStentLib.treatment import placement_at
+from SDFStentLib.treatment import SizingWishes, placement_at
 from SDFStentLib.validation import DeploymentError, InputError
 
 from . import Dependencies, Deploying, Display, Handles, Outputs, Plans, Results
@@ -160,9 +160,13 @@ class SDFStentLogic(Fitting, Suggesting, Alternatives, Segments, ScriptedLoadabl
             parameterNode.status = self._snapping.told(parameterNode)
 
     def restoreMethod(self, parameterNode):
-        """Set the method back to its defaults."""
-        parameterNode.planDocument = ""
-        parameterNode.method = MethodParameters()
+        """Set the method, and what a suggestion goes by, back to the defaults."""
+        wishes = SizingWishes()
+        with slicer.util.NodeModify(parameterNode):
+            parameterNode.planDocument = ""
+            parameterNode.method = MethodParameters()
+            parameterNode.suggestRatio = wishes.ratio
+            parameterNode.suggestMargin = wishes.margin
 
     def loadPlan(self, path, parameterNode):
         """Replace stents and method by those of a plan document; what to know about it is in `status` afterwards."""

@@ -19,6 +19,7 @@ from slicer.parameterNodeWrapper import Choice, WithinRange, parameterNodeWrappe
 
 from SDFStentLib.deformation import SHORTEST_AND_LONGEST, WIDEST
 from SDFStentLib.stent import MAXIMUM_DIAMETER, MAXIMUM_LENGTH
+from SDFStentLib.treatment import LONGEST_MARGIN, RATIOS, SizingWishes
 
 
 class Placement(enum.Enum):
@@ -99,6 +100,8 @@ RANGES = {
     "straightening": Range(0.0, 100.0, "a straightening", " %"),
     "flowLeast": Range(0.0, 60.0, "a flow", " L/min"),
     "flowMost": Range(0.0, 60.0, "a flow at most", " L/min"),
+    "suggestRatio": Range(*RATIOS, "a ratio to the adjacent vessel", ""),
+    "suggestMargin": Range(0.0, LONGEST_MARGIN, "a margin"),
 }
 
 
@@ -181,6 +184,8 @@ class SDFStentParameterNode:
     selected: int = -1
     stent: StentParameters
     deviceTable: str = ""
+    suggestRatio: Annotated[float, _within("suggestRatio")] = SizingWishes().ratio
+    suggestMargin: Annotated[float, _within("suggestMargin")] = SizingWishes().margin
     method: MethodParameters
 
     autoUpdate: bool = False

@@ -27,7 +27,7 @@ class Suggesting:
         isThere = self.lesionOf(parameterNode) is lesion and Handles.isOwn(
             parameterNode.stent.handle
         )
-        wishes = _wishesOf(parameterNode.stent) if isThere else SizingWishes()
+        wishes = _wishesOf(parameterNode, parameterNode.stent if isThere else None)
         number = self._numberOf(parameterNode, lesion)
         centerline = self._inputs.centerline(parameterNode)
         suggestion = suggested(lesion, number, centerline, wishes)
@@ -88,8 +88,12 @@ class Suggesting:
         return None
 
 
-def _wishesOf(stent):
+def _wishesOf(parameterNode, stent):
+    """What the parameters say of a suggestion, with the device of a stent, where there is one."""
+    wishes = SizingWishes(parameterNode.suggestRatio, parameterNode.suggestMargin)
+    if stent is None:
+        return wishes
     device = Sizes.detailsOf(stent).device
     isOwn = device is not None and not stent.deviceShortening
     own = stent.foreshortening / 100 if isOwn else None
-    return SizingWishes(device=device, foreshortening_fraction=own)
+    return replace(wishes, device=device, foreshortening_fraction=own)

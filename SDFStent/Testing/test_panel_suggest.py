@@ -175,3 +175,38 @@ def test_a_lesion_of_another_vessel_is_refused(aLogic, theParameters):
     with pytest.raises(ValueError, match="lesion: expected one that was found in this vessel"):
         aLogic.suggestStent(theParameters, replace(search.found[0]))
     assert theParameters.status == ""
+
+
+def test_a_suggestion_goes_by_the_ratio_and_the_margin_that_are_set(host, aLesion, tmp_path):
+    """In the words of the library and the shell; kept by copies of the plan, and set back with the method."""
+    from SDFStentLib.report import suggestion_sentences
+    from SDFStentLib.treatment import SizingWishes
+
+    panel, _lesion = aLesion
+    ui, parameters = panel.ui, panel._parameterNode
+    usual = SizingWishes()
+    boxes = (ui.suggestRatioSpinBox, ui.suggestMarginSpinBox)
+    assert [box.value for box in boxes] == [usual.ratio, usual.margin]
+    ui.suggestRatioSpinBox.value, ui.suggestMarginSpinBox.value = 0.9, 2.0
+    host.click(ui.suggestButton)
+    expected = suggestion(panel, ratio=0.9, margin=2.0)
+    (stent,) = planned(panel)
+    assert (stent.diameter, stent.length) == (expected.stent.diameter, expected.stent.length)
+    assert ui.statusLabel.text.splitlines()[:4] == suggestion_sentences(expected)
+    assert "lumen 0.9 times as wide" in ui.statusLabel.text
+    copy = panel.logic.duplicatePlan(parameters)
+    assert (copy.suggestRatio, copy.suggestMargin) == (0.9, 2.0)
+    ui.suggestMarginSpinBox.value = 3.0
+    host.click(ui.suggestButton)  # sizes the stent that is there
+    (stent,) = planned(panel)
+    assert stent.length == suggestion(panel, ratio=0.9, margin=3.0).stent.length
+    host.click(ui.defaultsButton)
+    assert [box.value for box in boxes] == [usual.ratio, usual.margin]
+
+
+def test_the_panel_lets_be_asked_for_what_the_library_proposes(theModule, aPanel):
+    from SDFStentLib.treatment import LONGEST_MARGIN, RATIOS
+
+    ui = aPanel.ui
+    ratio, margin = ui.suggestRatioSpinBox, ui.suggestMarginSpinBox
+    assert ((ratio.minimum, ratio.maximum), margin.maximum) == (RATIOS, LONGEST_MARGIN)

@@ -7,6 +7,8 @@ from .preview import Preview, PreviewedStent, PreviewState
 from .profile import prescribed_diameters
 from .segments import ExtractedSegment, extract_segment
 from .sizing import (
+    LONGEST_MARGIN,
+    RATIOS,
     SEEN_RATIO,
     SizeRatios,
     SizingWishes,
@@ -22,6 +24,8 @@ from .value import TreatedStent, TreatmentResult, TreatmentState, label_of
 from .vessel import Vessel
 
 __all__ = [
+    "LONGEST_MARGIN",
+    "RATIOS",
     "SEEN_RATIO",
     "AxisChange",
     "ExtractedSegment",

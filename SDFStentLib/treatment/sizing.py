@@ -40,6 +40,12 @@ after redilation (Heart 2003;89:905); coarctation over descending aorta 0.84 +- 
 (COAST, Catheter Cardiovasc Interv 2013;82:503), and 0.92 (J Am Coll Cardiol 2001;38:1518).
 """
 
+RATIOS = (0.2, 2.0)
+"""The least and the most that may be asked for, lumen over the vessel beside the lesion."""
+
+LONGEST_MARGIN = 100.0
+"""The most that may be asked for beyond each end of a lesion, mm."""
+
 WHOLE = 1e-9
 """Share of a millimeter by which a length may be above a whole one."""
 
@@ -66,8 +72,9 @@ class SizingWishes:
     foreshortening_fraction: float | None = None
 
     def __post_init__(self) -> None:
-        as_number(self.ratio, "ratio to the adjacent vessel", minimum=0.2, maximum=2)
-        as_number(self.margin, "margin", unit="mm", minimum=0, maximum=100)
+        low, high = RATIOS
+        as_number(self.ratio, "ratio to the adjacent vessel", minimum=low, maximum=high)
+        as_number(self.margin, "margin", unit="mm", minimum=0, maximum=LONGEST_MARGIN)
 
     @property
     def own_length(self) -> float | None:
@@ -78,14 +85,14 @@ class SizingWishes:
     def rule(self) -> str:
         """By which the sizes are chosen, in words."""
         times = "" if self.ratio == 1 else f"{self.ratio:g} times "
-        length = "that of the lesion"
-        if self.own_length is not None:
-            length = "that of the device"
-        elif self.margin:
-            length += f" and {self.margin:g} mm beyond both of its ends"
+        length = "that of the device"
+        if self.own_length is None:
+            beyond = f" and {self.margin:g} mm beyond both of its ends" if self.margin else ""
+            lost = "longer by what shortening takes, rounded up to whole mm"
+            length = f"that of the lesion{beyond}, {lost}"
         return (
             f"lumen {times}as wide as the smaller healthy vessel beside the lesion, balloon wider "
-            f"by its recoil, length {length}"
+            f"by its recoil, rounded to the nearest 0.1 mm, length {length}"
         )
 
 
