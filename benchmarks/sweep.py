@@ -52,6 +52,7 @@ from SDFStentLib.geometry import (  # noqa: E402
 from SDFStentLib.measure import (  # noqa: E402
     InscribedSpheres,
     inscribed_spheres,
+    open_at_ends,
 )
 from SDFStentLib.stent import (  # noqa: E402
     AlongAxis,
@@ -288,9 +289,11 @@ def judged(
 
     nodes = deployment.chain.nodes
     stations = nodes[:: max(1, round(STATION_SPACING / settings.capsule_length))]
-    spheres = inscribed_spheres(result.points, where.triangles, stations)
+    # A cap that counts as open, and that no stent pushes aside, is no wall of the lumen.
+    wall = open_at_ends(where.surface, stations).triangles
+    spheres = inscribed_spheres(result.points, wall, stations)
     after = spheres.radii / stent.radius
-    before = inscribed_spheres(where.points, where.triangles, stations).radii / stent.radius
+    before = inscribed_spheres(where.points, wall, stations).radii / stent.radius
     narrow = before < 1 / 1.05
     certificate = result.certificate
     assert certificate is not None
