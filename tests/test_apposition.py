@@ -38,6 +38,13 @@ def test_a_stent_in_a_wider_vessel_hangs_free_over_its_whole_length():
     assert "20.0 of its 20.0 mm" in found.sentence()
 
 
+def test_a_short_thin_stent_from_which_all_wall_is_far_hangs_free():
+    tube = phantoms.straight_tube(radius=9.0, length=60, edge_length=1.5)
+    (stretch,) = apposition(tube.surface, [[0, 0, 29.0], [0, 0, 31.0]], 2.0).stretches
+    assert (stretch.start, stretch.end, stretch.share) == pytest.approx((0, 2, 1.0))
+    assert stretch.largest_gap == pytest.approx(7.0, abs=0.1)
+
+
 def test_the_wide_half_of_a_vessel_is_the_free_half():
     """Free where the vessel is wider than stent and gap; contact where the stent widens it."""
     vessel = phantoms.stenosed_tube(radius=4.0, throat_radius=2.0, length=60, edge_length=0.7)

@@ -17,7 +17,11 @@ from tube_files import deploy
 
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.geometry import arc_lengths, length, resampled
-from SDFStentLib.phantoms.phantoms import branching_pulmonary_artery, stenosed_tube
+from SDFStentLib.phantoms.phantoms import (
+    branching_pulmonary_artery,
+    stenosed_tube,
+    straight_tube,
+)
 from SDFStentLib.plan.document import plan_text
 from SDFStentLib.plan.plan import Plan
 from SDFStentLib.plan.reader import load_plan, plan_from_document
@@ -204,6 +208,24 @@ def test_a_stent_that_is_dilated_again_lies_in_the_vessel_once():
     )
 
 
+@pytest.mark.parametrize("third", [1, 2])
+def test_a_stent_that_is_dilated_twice_more_lies_in_the_vessel_once_too(third):
+    # By the number of the first dilatation or of the second, the third is of the same stent.
+    vessel = straight_tube(edge_length=1.2)
+    stents = [
+        Stent(6.5, placement=AtCenter([0.0, 0, 20]), length=10.0),
+        Stent(7.0, placement=OfStent(1)),
+        Stent(8.0, placement=OfStent(third)),
+    ]
+    result = Treatment(vessel.surface, stents, vessel.centerline).result
+    assert [stent.again for stent in result.stents] == [3, 3, None]
+    assert result.final_stents == result.stents[2:]
+    assert [warning.kind for warning in result.warnings] == []
+    stents[2] = Stent(6.8, placement=OfStent(third))
+    with pytest.raises(InputError, match=r"more than the 7 mm of stent 2, got 6\.8 mm"):
+        Treatment(vessel.surface, stents, vessel.centerline)
+
+
 def test_only_a_length_that_the_second_dilatation_loses_is_warned_of():
     # Smoothing draws a bend inwards, and the axis of both is shorter than 0.9 of 20 mm.
     vessel = branching_pulmonary_artery(edge_length=1.1)
@@ -272,8 +294,8 @@ def test_a_preview_dilates_the_same_stent_again():
     ("second", "words"),
     [
         ({"diameter": 6.2}, "Stent 2: redilation: expected more than the 6.2 mm of stent 1, got 6"),
-        ({"number": 2}, "expected an earlier stent that is switched on, got number 2; put this"),
-        ({"number": 3}, "expected an earlier stent that is switched on, got number 3; put this"),
+        ({"number": 2}, "expected an earlier stent that is switched on, got number 2; switch that"),
+        ({"number": 3}, "expected an earlier stent that is switched on, got number 3; switch that"),
         ({"length": 20}, "redilation: expected no length of its own, for it is stent 1, got one"),
         ({"device": a_short_device()}, "redilation: expected no (length|device) of its own"),
         ({"diameter": 11}, "its length is known from 6 to 10 mm of diameter, not at 11 mm"),

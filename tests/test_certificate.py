@@ -251,6 +251,20 @@ def test_slivers_and_faces_without_area():
     assert degenerate_triangles(points, np.array([[0, 1, 1], [0, 1, 2]])).tolist() == [0]
 
 
+def test_a_face_whose_corners_fell_on_one_place_but_for_rounding_has_no_area():
+    # As points of a cap do that a stent pushes out along one ray: (8.4 u + r u) and (5 u + s u).
+    one, other = (
+        np.array([-4.192692243, -7.261955981, 0.0]),
+        np.array([-6.376095713, -5.446106536, 0]),
+    )
+    points = np.array([one, np.nextafter(one, 0.0), other, one + 1e-9])
+    triangles = np.array([[0, 1, 2], [0, 3, 2]])
+    corners = points[triangles]
+    sides = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    assert np.linalg.norm(np.cross(*sides), axis=1).all()
+    assert degenerate_triangles(points, triangles).tolist() == [0]
+
+
 def test_places_gather_faces_by_corner_and_by_pair():
     points = np.arange(27, dtype=float).reshape(9, 3)
     triangles = np.arange(9).reshape(3, 3)

@@ -25,10 +25,15 @@ stent, which intersect nothing, came out just below 0 on the pulmonary artery.
 def degenerate_triangles(
     points: Points, triangles: Triangles, among: Indices | None = None
 ) -> Indices:
-    """Triangles without area: a corner named twice, or corners in a line but for rounding."""
+    """Triangles without area: a corner named twice, or corners in a line but for rounding.
+
+    Rounding is that of the coordinates, too: two corners at one place, or a corner on the opposite
+    side, differ by the last bit of what they were computed from.
+    """
     judged = np.arange(len(triangles)) if among is None else among
     lengths, areas = _sides_and_areas(points, triangles[judged])
-    return judged[areas <= _ROUNDING * lengths[1] * lengths[2]]
+    largest = np.abs(points[triangles[judged]]).max(axis=(1, 2), initial=0.0)
+    return judged[areas <= _ROUNDING * np.maximum(lengths[1], largest) * lengths[2]]
 
 
 def sliver_triangles(points: Points, triangles: Triangles, angle_deg: float = 1.0) -> Indices:

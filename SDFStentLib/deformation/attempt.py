@@ -258,7 +258,8 @@ def away_from_wall(task: DeploymentTask) -> DeploymentError:
     return DeploymentError(
         "stent: expected the vessel's wall within "
         f"{task.radius + task.settings.influence_distance:.1f} mm of the stent "
-        "axis, got none; check that surface and axis are in the same unit and frame."
+        "axis, got none; check that surface and axis are in the same unit and frame, and that the "
+        "stent is not far too thin for the lumen."
     )
 
 

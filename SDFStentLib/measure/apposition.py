@@ -112,6 +112,9 @@ def apposition(
         widest = as_number(radius, "stent radius", unit="mm", above=0)
         radius_at = partial(np.full_like, fill_value=widest)
     near = near_wall(surface, line, max(total, 2 * (widest + gap)))
+    if not len(near.triangles):
+        # Short and thin in a wide lumen: all of the wall is farther away than that.
+        near = near_wall(surface, line, np.inf)
     wall = wall_map(near, line, spacing=SPACING, window=widest)
     edges = wall.arc_length
     # A piece between two stations has the mean of both.

@@ -64,8 +64,19 @@ class FlatCap(NamedTuple):
     """(3,) unit vector."""
 
 
+class _FlatSpot(NamedTuple):
+    cap: FlatCap
+    has_rim: bool
+    """Whether it meets the faces around it, those that are known, at steep angles."""
+
+
 def flat_caps(points: Points, faces: Triangles) -> list[FlatCap]:
     """Flat spots with a steep rim among some faces (m, 3)."""
+    return [spot.cap for spot in _flat_spots(points, faces) if spot.has_rim]
+
+
+def _flat_spots(points: Points, faces: Triangles, *, rimless: bool = False) -> list[_FlatSpot]:
+    """Flat spots among some faces, those without a rim only where they are asked for."""
     if len(faces) < FEWEST_FACES:
         return []
     normals = face_normals(points, faces)
@@ -78,15 +89,16 @@ def flat_caps(points: Points, faces: Triangles) -> list[FlatCap]:
     sides, angles = label[pairs[border]], np.repeat(cosine[border, None], 2, axis=1)
     count = np.bincount(sides.ravel(), minlength=label.max() + 1)
     steep = np.bincount(sides.ravel(), weights=(angles < RIM).ravel(), minlength=len(count))
-    is_cap = (np.bincount(label) >= FEWEST_FACES) & (steep > 0.8 * count)
+    has_rim = steep > 0.8 * count
+    is_spot = (np.bincount(label) >= FEWEST_FACES) & (has_rim | rimless)
     found = []
-    capped = np.flatnonzero(is_cap[label])
-    capped = capped[np.argsort(label[capped], kind="stable")]
-    for own in np.split(capped, np.flatnonzero(np.diff(label[capped])) + 1) if len(capped) else []:
+    chosen = np.flatnonzero(is_spot[label])
+    chosen = chosen[np.argsort(label[chosen], kind="stable")]
+    for own in np.split(chosen, np.flatnonzero(np.diff(label[chosen])) + 1) if len(chosen) else []:
         mean = normals[own].mean(axis=0)
         length = np.linalg.norm(mean)
         if length >= ONE_WAY:
-            found.append(FlatCap(own, mean / length))
+            found.append(_FlatSpot(FlatCap(own, mean / length), bool(has_rim[label[own[0]]])))
     return found
 
 
@@ -135,12 +147,21 @@ def bulged_caps(before: Surface, after: Surface, moved: NDArray[np.int64]) -> tu
     has_moved = np.zeros(len(before.points), dtype=bool)
     has_moved[moved] = True
     faces = before.triangles[faces_at(has_moved, before.triangles)]
-    found = []
-    for cap in flat_caps(before.points, faces):
-        corners = np.unique(faces[cap.faces])
-        start, end = before.points[corners], after.points[corners]
-        height = float(np.abs((end - start) @ cap.normal).max())
-        if height > NOTICEABLE:
-            x, y, z = start.mean(axis=0).tolist()
-            found.append(BulgedCap((x, y, z), height))
-    return tuple(found)
+    spots = _flat_spots(before.points, faces, rimless=True)
+    if any(not spot.has_rim and _bulged(before, after, faces, spot.cap) for spot in spots):
+        # A stent narrower than the vessel pushes the middle of a cap only, away from its rim.
+        faces = before.triangles
+        spots = _flat_spots(before.points, faces)
+    pushed = (_bulged(before, after, faces, spot.cap) for spot in spots if spot.has_rim)
+    return tuple(bulge for bulge in pushed if bulge is not None)
+
+
+def _bulged(before: Surface, after: Surface, faces: Triangles, cap: FlatCap) -> BulgedCap | None:
+    """A flat spot of some faces (m, 3) as it is now; None where it is flat as before."""
+    corners = np.unique(faces[cap.faces])
+    start, end = before.points[corners], after.points[corners]
+    height = float(np.abs((end - start) @ cap.normal).max())
+    if height <= NOTICEABLE:
+        return None
+    x, y, z = start.mean(axis=0).tolist()
+    return BulgedCap((x, y, z), height)

@@ -148,8 +148,8 @@ class WallCuts:
         for rows, cuts in zip(self._blocks, self._cuts, strict=True):
             found = _first_hits(cuts, shift[rows])
             distance[rows] = found[0]
-            triangle[rows] = self.wall.triangle_ids[found[1]]
-        triangle[np.isinf(distance)] = -1
+            is_met = np.isfinite(found[0])
+            triangle[rows][is_met] = self.wall.triangle_ids[found[1][is_met]]
         centers = self.centers + np.einsum("ij,ijk->ik", shift, self.along[:, 1:])
         return WallMap(self.arc_length, centers, self.along, distance, triangle)
 

@@ -37,9 +37,9 @@ from .value import (
     TreatedStent,
     TreatmentResult,
     TreatmentState,
-    is_redilation,
     label_of,
     labeled,
+    latest_of,
     resolved,
     switched_on,
 )
@@ -211,7 +211,7 @@ class Treatment:
         survey = self.survey if is_first else self._surveyed(found, stage.axis, stage.centerline)
         states = VesselStates(self.surface, found, left, after)
         seen = surroundings(survey, states, stage.radius_at)
-        again = next((s.number for s in self._stages if is_redilation(s.stent, stage.number)), None)
+        again = latest_of(stage.number, {one.number: one.stent for one in self._stages})
         return TreatedStent(
             number=stage.number,
             stent=stage.stent,
@@ -222,8 +222,8 @@ class Treatment:
             around_after=seen.after,
             branches=seen.branches,
             neighbors=seen.neighbors,
-            apposition=None if again else seen.apposition,
-            again=again,
+            apposition=seen.apposition if again == stage.number else None,
+            again=None if again == stage.number else again,
             result=stage.result,
         )
 
@@ -274,7 +274,7 @@ class Treatment:
                 yield replace(caution, stent=done.number).labeled(label)
         for index, second in enumerate(treated):
             for first in treated[:index]:
-                if not is_redilation(second.stent, first.number):
+                if (first.again or first.number) != (second.again or second.number):
                     yield from overlap(first, second)
         yield from narrowed_neighbors(treated, self.label)
         for cap in bulged_caps(self.surface, after, moved):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -94,7 +94,7 @@ class TreatedStent(PlacedStent):
         Its contact with the wall after treatment; None for one that is dilated again, which then
         has neither this size nor this place.
     again : int or None
-        Number of the later stent that is this one, dilated again.
+        Number of the last of the later stents that are this one, dilated again.
     result : DeploymentResult
         What came of it, before the stents after it.
     """
@@ -241,14 +241,27 @@ def is_redilation(stent: Stent, number: int) -> bool:
     return isinstance(stent.placement, OfStent) and stent.placement.number == number
 
 
+def latest_of(number: int, stents: Mapping[int, Stent]) -> int:
+    """The number as which a stent lies in the vessel: its own, or that of its last redilation.
+
+    The stents are in order and resolved, so that each follows the state before it.
+    """
+    for later, stent in stents.items():
+        if is_redilation(stent, number):
+            number = later
+    return number
+
+
 def resolved(stent: Stent, placed: Mapping[int, PlacedStent]) -> tuple[Stent, StentAxis | None]:
     """A stent with the sizes of the earlier one that it dilates again, and that one's axis.
+
+    One that has been dilated again in between is dilated as it lies by then.
 
     Parameters
     ----------
     stent : Stent
     placed : mapping of int to PlacedStent
-        The earlier stents by number.
+        The earlier stents by number, in order.
 
     Raises
     ------
@@ -261,10 +274,11 @@ def resolved(stent: Stent, placed: Mapping[int, PlacedStent]) -> tuple[Stent, St
     if placement.number not in placed:
         raise InputError(
             f"redilation: expected an earlier stent that is switched on, got number "
-            f"{placement.number}; put this stent behind it."
+            f"{placement.number}; switch that one on, or put this stent behind it."
         )
-    first = placed[placement.number]
-    return redilated(stent, first.stent, first.axis), first.axis
+    number = latest_of(placement.number, {one.number: one.stent for one in placed.values()})
+    again, first = replace(stent, placement=OfStent(number)), placed[number]
+    return redilated(again, first.stent, first.axis), first.axis
 
 
 def label_of(stents: Sequence[Stent], number: int) -> str:
