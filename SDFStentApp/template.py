@@ -27,6 +27,11 @@ NOT_IN_THE_PAGE = {
     "segmentEndsSelectorLabel": "the ends are those of the selected stent",
     "segmentEndsSelector": "the ends are those of the selected stent",
     "segmentPlaceWidget": "the ends are those of the selected stent",
+    "deviceMeshSelectorLabel": "sdfstent run writes the device of the saved plan",
+    "deviceMeshSelector": "sdfstent run writes the device of the saved plan",
+    "loadMeshButton": "sdfstent run writes the device of the saved plan",
+    "saveDeviceButton": "sdfstent run writes the device of the saved plan",
+    "write0DButton": "sdfstent run writes the values of the saved plan",
     "showPlotButton": "the plot is shown below the view",
     "showTableButton": "the table is shown below the view",
 }

@@ -39,7 +39,7 @@ USES = {
     "phantoms": "geometry centerline",
     "deformation": "geometry field certificate measure",
     "treatment": "geometry centerline certificate measure stent deformation",
-    "plan": "files stent deformation treatment",
+    "plan": "geometry files stent deformation treatment",
     "report": "geometry measure stent files treatment plan",
     "cohort": "geometry centerline measure stent files treatment plan report",
     "cli": "files stent phantoms treatment plan report cohort",
@@ -279,8 +279,8 @@ def test_only_what_draws_the_panel_knows_qt():
         if isinstance(node, ast.Import) and node.names[0].name == "qt"
     ]
     assert at_the_top == [
-        "DeviceSection", "FolderButton", "LesionTable", "PlanTable", "ShapeSection",
-        "StentButtons", "StentTable",
+        "DeviceSection", "ExportSection", "FolderButton", "LesionTable", "PlanTable",
+        "ShapeSection", "StentButtons", "StentTable",
     ]  # fmt: skip
     with_qt = [path.stem for path in files if outside_of(path) & {"qt", "ctk"}]
     assert sorted({*with_qt} - {*at_the_top}) == ["Clock"]

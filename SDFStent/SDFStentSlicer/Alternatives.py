@@ -25,6 +25,7 @@ COPIED = (
     "flowMost",
     "showStents",
     "showDevice",
+    "deviceMesh",
     "segmentEnds",
     "closeBranches",
     "planDocument",

@@ -11,8 +11,15 @@ import vtk
 from vtk.util.numpy_support import vtk_to_numpy
 
 from SDFStentLib.centerline import Centerline
-from SDFStentLib.files import inscribed_radius_from_polydata, lines_from_polydata
+from SDFStentLib.files import (
+    inscribed_radius_from_polydata,
+    lines_from_polydata,
+    surface_from_polydata,
+    triangulated_polydata,
+)
 from SDFStentLib.validation import InputError
+
+from . import Outputs
 
 
 def vesselPolyData(node, segmentID=""):
@@ -36,6 +43,22 @@ def vesselPolyData(node, segmentID=""):
     copy = vtk.vtkPolyData()
     copy.DeepCopy(surface)
     return copy
+
+
+def stentMesh(node):
+    """A straight stent mesh of the user's as the library's `Surface`, in world coordinates; `InputError` with a sentence."""
+    name = f"Stent mesh {node.GetName()}"
+    polyData = node.GetPolyData()
+    count = 0 if polyData is None else polyData.GetNumberOfPolys() + polyData.GetNumberOfStrips()
+    if count == 0 or node.GetAttribute(Outputs.ATTRIBUTE) is not None:
+        got = "a result of this module" if count else "none"
+        raise InputError(
+            f"{name}: expected a surface of your own, got {got}; select another model."
+        )
+    _checkTransform(node)
+    return surface_from_polydata(
+        triangulated_polydata(_toWorld(node, polyData), name).polydata, name
+    )
 
 
 def segmentOf(parameterNode):

@@ -86,7 +86,7 @@ def missingOf(stent):
 def leave(parameterNode, node):
     """Let go of a node that is about to be deleted, before a selector takes its neighbor in the list for the user's choice."""
     with slicer.util.NodeModify(parameterNode):
-        for role in ("vessel", "centerline", "outputVessel"):
+        for role in ("vessel", "centerline", "outputVessel", "deviceMesh"):
             if getattr(parameterNode, role) is node:
                 setattr(parameterNode, role, None)
         if parameterNode.stent.handle is node:

@@ -1,14 +1,16 @@
 """Library to scene: output nodes, made once and updated in place, and how they look."""
 
+from pathlib import Path
+
 import numpy as np
 import slicer
 import vtk
 from slicer.i18n import tr as _
 from vtk.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 
-from SDFStentLib.files import polydata_from_lines
+from SDFStentLib.files import polydata_from_arrays, polydata_from_lines
 from SDFStentLib.geometry import resampled
-from SDFStentLib.stent import design_of, stent_lattice
+from SDFStentLib.stent import design_of, laid_along, stent_lattice
 
 from . import Outputs
 
@@ -21,7 +23,7 @@ TUBE_SPACING = 1.5
 TUBE_SHRINK = 0.97
 """Stents are drawn a little inside the wall that they touch, so that both can be seen."""
 
-STRUTS_ATTRIBUTE = "SDFStent.Struts"
+DRAWN_ATTRIBUTE = "SDFStent.DrawnAs"
 STRUT_WIDTH = 3
 """Pixels."""
 
@@ -109,7 +111,6 @@ def showTubes(node, axes):
     display.SetRepresentation(slicer.vtkMRMLDisplayNode.SurfaceRepresentation)
     display.SetEdgeVisibility(True)
     display.SetEdgeColor(0.25, 0.3, 0.35)
-    node.RemoveAttribute(STRUTS_ATTRIBUTE)
 
 
 def showStruts(node, stents):
@@ -125,16 +126,43 @@ def showStruts(node, stents):
     _replaceContent(
         node, polydata_from_lines(np.concatenate(points), lines) if stents else vtk.vtkPolyData()
     )
+    node.GetDisplayNode().SetLineWidth(STRUT_WIDTH)
+    _hideEdges(node)
+
+
+def showMeshes(node, stents, mesh):
+    """Put a straight mesh of the user's own into a model node, once for every `DrawnStent`, where it lies."""
+    points = [laid_along(mesh.points, one.stent, one.axis) for one in stents]
+    triangles = [mesh.triangles + number * len(mesh.points) for number in range(len(stents))]
+    _replaceContent(node, polydata_from_arrays(np.concatenate(points), np.concatenate(triangles)))
+    _hideEdges(node)
+
+
+def _hideEdges(node):
     display = node.GetDisplayNode()
     display.SetRepresentation(slicer.vtkMRMLDisplayNode.SurfaceRepresentation)
     display.SetEdgeVisibility(False)
-    display.SetLineWidth(STRUT_WIDTH)
-    node.SetAttribute(STRUTS_ATTRIBUTE, "1")
 
 
-def showsStruts(node):
-    """Whether a model of stents has struts, no tubes."""
-    return node.GetAttribute(STRUTS_ATTRIBUTE) is not None
+def addMesh(parameterNode, path, surface):
+    """A new model node of a surface that was read from a file, hidden: it lies where no vessel is."""
+    scene = parameterNode.parameterNode.GetScene()
+    name = scene.GenerateUniqueName(Path(path).stem)
+    node = scene.AddNewNodeByClass("vtkMRMLModelNode", name)
+    node.SetAndObservePolyData(polydata_from_arrays(surface.points, surface.triangles))
+    node.CreateDefaultDisplayNodes()
+    node.GetDisplayNode().SetVisibility(False)
+    return node
+
+
+def drawnAs(node):
+    """What a model of stents was asked to show them as."""
+    return node.GetAttribute(DRAWN_ATTRIBUTE) or ""
+
+
+def setDrawnAs(node, asked):
+    """Remember that."""
+    node.SetAttribute(DRAWN_ATTRIBUTE, asked)
 
 
 def _replaceContent(node, polyData):

@@ -15,6 +15,7 @@ from SDFStentLib.validation import DeploymentError, InputError
 
 from . import Dependencies, Deploying, Display, Handles, Outputs, Plans, Results
 from .Alternatives import Alternatives
+from .Exporting import Exporting
 from .Fitting import Fitting
 from .Inputs import Inputs
 from .ParameterNode import STENT_FIELDS, MethodParameters, Placement, SDFStentParameterNode
@@ -29,7 +30,9 @@ from .Suggesting import Suggesting
 FIRST_PLAN = "Plan 1"
 
 
-class SDFStentLogic(Fitting, Suggesting, Alternatives, Segments, ScriptedLoadableModuleLogic):
+class SDFStentLogic(
+    Fitting, Suggesting, Alternatives, Segments, Exporting, ScriptedLoadableModuleLogic
+):
     """Deploys the stents of a parameter node.
 
         logic = SDFStentLogic()

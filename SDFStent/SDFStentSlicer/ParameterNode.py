@@ -195,6 +195,7 @@ class SDFStentParameterNode:
     flowMost: Annotated[float, _within("flowMost")] = 0.0
     showStents: bool = True
     showDevice: bool = False
+    deviceMesh: Optional[vtkMRMLModelNode]
     segmentEnds: Union[
         vtkMRMLMarkupsFiducialNode, vtkMRMLMarkupsLineNode, vtkMRMLMarkupsCurveNode, None
     ]

@@ -13,7 +13,7 @@ from SDFStentLib.validation import DeploymentError, InputError
 
 from . import Dependencies, Plans, Results
 from .Portions import inPortions, working
-from .Stenting import DrawnStent
+from .Stenting import DrawnStent, lying
 
 NUMBERS_EVERY_S = 0.15
 """Previews are measured no more often: a number that changes faster is not read."""
@@ -136,10 +136,12 @@ class PreviewRun:
 
     def tubes(self):
         """Every stent as a `DrawnStent`."""
-        return [
-            DrawnStent(one.stent, one.axis, one.stent.widest_diameter / 2)
-            for one in self.state.stents
-        ]
+        return lying(
+            [
+                DrawnStent(one.stent, one.axis, one.stent.widest_diameter / 2)
+                for one in self.state.stents
+            ]
+        )
 
     def at(self, percent):
         """The points before or after the stents, and the stents that are there."""

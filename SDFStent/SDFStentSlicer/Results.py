@@ -15,9 +15,9 @@ from SDFStentLib.report import (
     stent_ratio_sentences,
 )
 from SDFStentLib.treatment import prescribed_diameters, ratio_cautions, stent_ratios
-from SDFStentLib.validation import one_line
+from SDFStentLib.validation import InputError, one_line
 
-from . import Display, Flow
+from . import Conversion, Display, Flow
 from .ParameterNode import SurfaceMap
 
 SERIES = {
@@ -30,7 +30,7 @@ POSITION = "Position (mm)"
 
 def showEnd(parameterNode, run, lines):
     """After the last step: the stents and the moved centerline, by its `lines`."""
-    showStents(parameterNode, run.end()[1])
+    showStents(parameterNode, run.end()[1], isWhole=True)
     if run.centerline is not None:
         node = Display.outputModel(
             parameterNode, "outputCenterline", _("Stented centerline"), Display.CENTERLINE_COLOR
@@ -47,22 +47,43 @@ def clearNumbers(parameterNode, text=""):
     parameterNode.certificateSummary = parameterNode.warningSummary = parameterNode.summaryRow = ""
 
 
-def showStents(parameterNode, stents):
-    """Every `DrawnStent` in one model, as struts or as a tube."""
+def showStents(parameterNode, stents, isWhole=False):
+    """Every `DrawnStent` in one model, as struts or as a tube; once they are deployed, `isWhole`, as the user's own mesh."""
     node = Display.outputModel(parameterNode, "outputStents", _("Stents"), Display.STENT_COLOR)
-    if parameterNode.showDevice:
+    mesh = _ownMesh(parameterNode) if isWhole else None
+    Display.setDrawnAs(node, _wantedAs(parameterNode))
+    if mesh is not None:
+        Display.showMeshes(node, stents, mesh)
+    elif parameterNode.showDevice:
         Display.showStruts(node, stents)
     else:
         Display.showTubes(node, [(one.axis, one.radius) for one in stents])
     node.GetDisplayNode().SetVisibility(parameterNode.showStents)
 
 
+def _ownMesh(parameterNode):
+    """The straight mesh of the user's own; None without one, or, with a sentence in `status`, for one that cannot be used."""
+    if parameterNode.deviceMesh is None:
+        return None
+    try:
+        return Conversion.stentMesh(parameterNode.deviceMesh)
+    except InputError as error:
+        parameterNode.status = str(error)
+        return None
+
+
+def _wantedAs(parameterNode):
+    """A text that differs whenever the stents are to be drawn as something else."""
+    return repr((parameterNode.showDevice, Conversion.changeStamp(parameterNode.deviceMesh)))
+
+
 def followDevice(parameterNode, run):
-    """Draw the stents anew, as they are shown, when struts are wanted in place of tubes or the other way round."""
+    """Draw the stents anew, as they are shown, when they are wanted as something else: tubes, struts, or another mesh."""
     node = parameterNode.outputStents
-    if node is not None and Display.showsStruts(node) != parameterNode.showDevice:
+    if node is not None and Display.drawnAs(node) != _wantedAs(parameterNode):
         _points, stents = run.at(parameterNode.expansion)
-        showStents(parameterNode, stents)
+        isWhole = bool(run.recorded) and parameterNode.expansion >= 100
+        showStents(parameterNode, stents, isWhole)
 
 
 def showPreviewed(parameterNode, run, lumens, lesions):

@@ -35,7 +35,7 @@ class Shown:
             return
         points, tubes = self.run.end() if percent >= 100 else self.run.at(percent)
         self._surface.show(points)
-        Results.showStents(self.parameterNode, tubes)
+        Results.showStents(self.parameterNode, tubes, percent >= 100 and bool(self.run.recorded))
 
     def outline(self):
         """Show the outline in the slice views again: nothing more is coming for now."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from SDFStentLib.geometry import Precision
 from SDFStentLib.measure import displacements, face_stretches
-from SDFStentLib.stent import Stent, StentAxis
+from SDFStentLib.stent import OfStent, Stent, StentAxis, redilated
 from SDFStentLib.treatment import Treatment, treated_lesions
 
 from .Portions import inPortions
@@ -18,6 +18,17 @@ class DrawnStent(NamedTuple):
     stent: Stent
     axis: StentAxis
     radius: float
+
+
+def lying(drawn):
+    """Stents, from the first one on, without those that a later one has dilated again: it is as wide by now."""
+    outgrown = {
+        one.stent.placement.number - 1
+        for one in drawn
+        if isinstance(one.stent.placement, OfStent)
+        and one.radius >= drawn[one.stent.placement.number - 1].radius
+    }
+    return [one for place, one in enumerate(drawn) if place not in outgrown]
 
 
 class Stenting:
@@ -74,11 +85,18 @@ class Stenting:
                 break
             if state.number not in self._axes:
                 self._follow()
-                stent = self._treatment.stents[state.number - 1]
-                self._axes[state.number] = DrawnStent(stent, state.axis, stent.widest_diameter / 2)
+                self._axes[state.number] = self._drawn(state)
             self.recorded.append(state)
             yield state
         self._follow()
+
+    def _drawn(self, state):
+        """The stent of a state with all of its sizes, as wide as it becomes."""
+        stent = self._treatment.stents[state.number - 1]
+        if isinstance(stent.placement, OfStent):
+            earlier = self._axes[stent.placement.number]
+            stent = redilated(stent, earlier.stent, earlier.axis)
+        return DrawnStent(stent, state.axis, stent.widest_diameter / 2)
 
     def label(self, number):
         """How a message names a stent of the plan."""
@@ -117,11 +135,11 @@ class Stenting:
             points = points + share * (following.points() - points)
             radius += share * (following.deployment.radius - radius)
         done = [tube for number, tube in self._axes.items() if number < state.number]
-        return points, [*done, self._axes[state.number]._replace(radius=radius)]
+        return points, lying([*done, self._axes[state.number]._replace(radius=radius)])
 
     def end(self):
         """The final points, and every stent as a `DrawnStent`."""
-        return self.points, list(self._axes.values())
+        return self.points, lying(list(self._axes.values()))
 
     def map(self, name):
         """Values of a surface map and whether they belong to the cells."""

@@ -10,6 +10,7 @@ from slicer.util import VTKObservationMixin
 from . import Conversion, ExtractCenterline, Outputs
 from .DeploySession import DeploySession
 from .DeviceSection import DeviceSection
+from .ExportSection import ExportSection
 from .GuiBinding import GuiBinding
 from .InputWatch import InputWatch
 from .LesionTable import LesionTable
@@ -59,7 +60,7 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
         self.plans = PlanTable(self.ui, self.logic, self._attempt, self._switchTo)
         self.sections = [
             kind(self.ui, self.logic, self._attempt)
-            for kind in (DeviceSection, ShapeSection, SegmentSection)
+            for kind in (DeviceSection, ShapeSection, ExportSection, SegmentSection)
         ]
         self.recoil = RecoilRule(self.logic, self._onPrepared)
         self.preparation = SteppedRun(lambda _value: None, self._onPrepared)

@@ -7,6 +7,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
+from ..files import check_suffix
 from ..plan import Alternative, Comparison, Plan, compare, load_plan
 from ..report import (
     alternatives_picture,
@@ -20,7 +21,7 @@ from ..report import (
 )
 from ..validation import InputError
 from .console import Console
-from .outputs import Outputs, check_suffix
+from .outputs import Outputs
 
 NOT_CERTIFIED = 3
 PAGES = (".html", ".htm")

@@ -12,7 +12,7 @@ from pathlib import Path
 from time import perf_counter
 
 from ..cautions import Caution
-from ..files import SurfaceFile, check_line_output, check_surface_output, read_surface
+from ..files import SurfaceFile, check_line_output, check_suffix, check_surface_output, read_surface
 from ..plan import (
     InputFiles,
     Plan,
@@ -44,7 +44,7 @@ from ..report import (
 )
 from ..validation import DeploymentError, InputError, as_number
 from .console import Console
-from .outputs import Outputs, check_suffix
+from .outputs import Outputs
 from .place import check_place, inputs_of, plan_of
 from .stents import check_sizes, device_of, stents_of
 
@@ -223,7 +223,7 @@ class _Job:
 
     def write_0d(self, path: Path) -> None:
         """Vessel blocks before and after."""
-        text = json.dumps(zero_d_document(self._result), indent=2, allow_nan=False)
+        text = json.dumps(zero_d_document(self._result.treatment), indent=2, allow_nan=False)
         path.write_text(text + "\n", encoding="utf-8")
 
     def write_picture(self, path: Path) -> None:

@@ -155,15 +155,6 @@ class Outputs:
             raise
 
 
-def check_suffix(path: str, what: str, suffixes: Sequence[str]) -> None:
-    """`InputError` for a file whose name does not end as that of its kind."""
-    if Path(path).suffix.lower() not in suffixes:
-        raise InputError(
-            f"{path}: expected {what} that ends in {', '.join(suffixes)}, got "
-            f"{Path(path).suffix or 'no suffix'!r}; rename it."
-        )
-
-
 def _check_folder(path: str | os.PathLike[str], may_come: Path | None = None) -> Path:
     """The folder, which exists and may be written, or can be made; one in `may_come` can."""
     target = Path(os.path.realpath(path))

@@ -10,7 +10,14 @@ from typing import TYPE_CHECKING
 from ..late import late_names
 
 if TYPE_CHECKING:
-    from .atomic import atomic_path, cannot_write, check_writable, flush_to_disk, write_bytes
+    from .atomic import (
+        atomic_path,
+        cannot_write,
+        check_suffix,
+        check_writable,
+        flush_to_disk,
+        write_bytes,
+    )
     from .centerline_files import (
         VTK_LINE_SUFFIXES,
         LineFile,
@@ -56,6 +63,7 @@ __all__ = [
     "cannot_write",
     "check_line_output",
     "check_same_space",
+    "check_suffix",
     "check_surface_output",
     "check_vmtk",
     "check_writable",
@@ -89,7 +97,14 @@ __all__ = [
 __getattr__, __dir__ = late_names(
     __name__,
     {
-        "atomic": ["atomic_path", "cannot_write", "check_writable", "flush_to_disk", "write_bytes"],
+        "atomic": [
+            "atomic_path",
+            "cannot_write",
+            "check_suffix",
+            "check_writable",
+            "flush_to_disk",
+            "write_bytes",
+        ],
         "centerline_files": [
             "VTK_LINE_SUFFIXES",
             "LineFile",

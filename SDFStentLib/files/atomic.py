@@ -5,11 +5,21 @@ from __future__ import annotations
 import os
 import secrets
 import stat
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from ..validation import InputError, as_path
+
+
+def check_suffix(path: str | os.PathLike[str], what: str, suffixes: Sequence[str]) -> None:
+    """`InputError` for a file whose name does not end as that of its kind."""
+    suffix = Path(path).suffix
+    if suffix.lower() not in suffixes:
+        raise InputError(
+            f"{path}: expected {what} that ends in {', '.join(suffixes)}, got "
+            f"{suffix or 'no suffix'!r}; rename it."
+        )
 
 
 @contextmanager

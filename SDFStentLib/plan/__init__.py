@@ -19,7 +19,7 @@ if TYPE_CHECKING:
         read_details,
         stent_details,
     )
-    from .device_file import write_device
+    from .device_file import device_vtp, write_device
     from .devices import (
         device_document,
         device_from_document,
@@ -61,6 +61,7 @@ __all__ = [
     "device_from_document",
     "device_named",
     "device_table",
+    "device_vtp",
     "in_words",
     "input_file",
     "load_plan",
@@ -99,7 +100,7 @@ __getattr__, __dir__ = late_names(
             "read_details",
             "stent_details",
         ],
-        "device_file": ["write_device"],
+        "device_file": ["device_vtp", "write_device"],
         "devices": ["device_document", "device_from_document", "device_named", "device_table"],
         "document": ["POINT_PLACEMENTS", "plan_text", "save_plan"],
         "json_document": [

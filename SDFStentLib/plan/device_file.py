@@ -17,9 +17,10 @@ from ..files import (
     set_frame_of_polydata,
     write_bytes,
 )
+from ..geometry import Surface
 from ..stent import laid_along, stent_lattice
-from ..treatment import TreatedStent
-from ..units import MILLIMETERS
+from ..treatment import TreatedStent, TreatmentResult
+from ..units import MILLIMETERS, Frame
 from ..validation import Flags, Floats, Indices, Points, check_is_a
 from .run import PlanResult
 
@@ -39,15 +40,12 @@ def write_device(
 ) -> None:
     """Write the deployed stents of a plan as VTP, in unit and frame of its surface.
 
-    Lines with the cell arrays `Stent` (number in the plan), `Ring` and `IsLink`. With a straight
-    stent mesh, along z and its middle at z = 0, that mesh once for every stent, with `Stent`. One
-    that is dilated again is there once, as it lies in the end.
-
     Parameters
     ----------
     path : path
     result : PlanResult
     mesh : SurfaceFile, optional
+        As for `device_vtp`.
 
     Raises
     ------
@@ -55,22 +53,48 @@ def write_device(
         The file cannot be written.
     """
     check_is_a(result, PlanResult, "result")
-    surface, stents = result.inputs.surface, result.treatment.final_stents
-    per_unit = MILLIMETERS[surface.units]
+    surface = result.inputs.surface
+    body = None if mesh is None else mesh.surface
+    content = device_vtp(result.treatment, body, MILLIMETERS[surface.units], surface.frame)
+    write_bytes(check_writable(path), content)
+
+
+def device_vtp(
+    result: TreatmentResult,
+    mesh: Surface | None = None,
+    unit: float = 1.0,
+    frame: Frame | None = None,
+) -> bytes:
+    """The deployed stents of a treatment, to look at, as the content of a VTP file.
+
+    Lines with the cell arrays `Stent` (number in the plan), `Ring` and `IsLink`. With a straight
+    stent mesh that mesh once for every stent, with `Stent`. One that is dilated again is there
+    once, as it lies in the end.
+
+    Parameters
+    ----------
+    result : TreatmentResult
+    mesh : Surface, optional
+        Of the user's own, mm: along z, its middle at z = 0.
+    unit : float
+        Of the points, mm.
+    frame : str, optional
+        What the file says of their frame: RAS or LPS.
+    """
+    stents = result.final_stents
     if mesh is None:
         struts = _struts(stents)
-        polydata = polydata_from_lines(struts.points / per_unit, [*struts.lines])
+        polydata = polydata_from_lines(struts.points / unit, [*struts.lines])
         arrays = {"Stent": struts.stent, "Ring": struts.ring, "IsLink": struts.is_link}
     else:
-        body = mesh.surface
-        points: Floats = np.concatenate([laid_along(body.points, s.stent, s.axis) for s in stents])
-        starts = len(body.points) * np.arange(len(stents))
-        triangles = (body.triangles + starts[:, None, None]).reshape(-1, 3)
-        polydata = polydata_from_arrays(points / per_unit, triangles)
-        arrays = {"Stent": np.repeat([one.number for one in stents], len(body.triangles))}
+        points: Floats = np.concatenate([laid_along(mesh.points, s.stent, s.axis) for s in stents])
+        starts = len(mesh.points) * np.arange(len(stents))
+        triangles = (mesh.triangles + starts[:, None, None]).reshape(-1, 3)
+        polydata = polydata_from_arrays(points / unit, triangles)
+        arrays = {"Stent": np.repeat([one.number for one in stents], len(mesh.triangles))}
     add_arrays(polydata, {}, arrays)
-    set_frame_of_polydata(polydata, surface.frame)
-    write_bytes(check_writable(path), encode_vtp(polydata))
+    set_frame_of_polydata(polydata, frame)
+    return encode_vtp(polydata)
 
 
 def _struts(stents: tuple[TreatedStent, ...]) -> _Struts:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 from ..measure import ADULT, TURBULENCE, DiameterProfile, VesselBlock, vessel_block
-from ..plan import PlanResult
+from ..treatment import TreatmentResult
 from .pressure import flow_leaves
 from .report import RESEARCH_USE
 
 
-def zero_d_document(result: PlanResult) -> dict[str, Any]:
+def zero_d_document(result: TreatmentResult) -> dict[str, Any]:
     """Values for the vessel blocks of a lumped (0D) solver, of every stent, before and after.
 
     Raises
@@ -28,14 +28,14 @@ def zero_d_document(result: PlanResult) -> dict[str, Any]:
         # One block has one flow: where this is not empty, its values alone mislead.
         "not_one_vessel": {
             f"stent {stent.number}": leaves
-            for stent in result.treatment.final_stents
+            for stent in result.final_stents
             if (leaves := flow_leaves(stent))
         },
         "density_g_cm3": ADULT.density / 1000,
         "viscosity_poise": ADULT.viscosity * 10,
         "vessels": [
             {"vessel_name": f"stent {stent.number}, {name}", **_block(_measured(profile))}
-            for stent in result.treatment.final_stents
+            for stent in result.final_stents
             for name, profile in (("before", stent.before), ("after", stent.after))
         ],
     }
