@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,12 +11,20 @@ import pytest
 from scipy.interpolate import CubicSpline
 from tube_files import deploy
 
+from SDFStentLib.centerline import Centerline
 from SDFStentLib.cli.shell import main
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.geometry import arc_lengths, length, smoothed_line, tightest_bend
 from SDFStentLib.phantoms import hairpin_tube, straight_tube
 from SDFStentLib.plan import Plan, load_plan, plan_text
-from SDFStentLib.stent import AlongAxis, AtCenter, Stent, stent_axis
+from SDFStentLib.stent import (
+    AlongAxis,
+    AtCenter,
+    AtDistalEnd,
+    AtProximalEnd,
+    Stent,
+    stent_axis,
+)
 from SDFStentLib.treatment import AxisChange, Preview, Treatment, axis_in_vessel
 from SDFStentLib.validation import InputError
 
@@ -105,6 +114,52 @@ def test_a_shaky_axis_is_smoothed_in_a_treatment_and_its_preview_alike():
     assert result.certificate.passed
     plain = Treatment(tube.surface, [stent]).result.stents[0].axis.points
     np.testing.assert_array_equal(plain, rough)
+
+
+@pytest.mark.parametrize("place", [AtCenter, AtDistalEnd, AtProximalEnd])
+def test_a_stent_that_has_a_length_keeps_it_and_its_place(place):
+    """On a centerline that shakes, 18 mm after shortening, and what it is placed by."""
+    tube = straight_tube(radius=3.0, length=60.0)
+    rough = shaky(tube.axis_at(np.linspace(0, 60, 150)), 0.15)
+    line = Centerline.from_lines(rough, [np.arange(150)])
+    stent = Stent(7.0, placement=place(tube.axis_at([30.0])[0]), length=20.0)
+    plain = stent_axis(stent, line).points
+    lengths, calm = [length(plain)], []
+    for width in (0.5, 3.0, 30.0):
+        points = axis_in_vessel(
+            stent, line, tube.surface, AxisChange(smoothing_length=width)
+        ).points
+        lengths.append(length(points))
+        ends = {"AtDistalEnd": [-1], "AtProximalEnd": [0]}.get(place.__name__, [0, -1])
+        np.testing.assert_allclose(points[ends].mean(axis=0), plain[ends].mean(axis=0), atol=1e-12)
+        calm.append(np.std(points[:, 1]))
+    np.testing.assert_allclose(lengths, 18.0, atol=1e-9)
+    assert calm[1] < 0.5 * np.std(plain[:, 1])
+
+
+def test_a_stent_with_a_length_keeps_it_where_the_wall_stops_its_smoothing():
+    made = hairpin_tube()
+    axis = made.axis_at(np.linspace(5, 45, 120))
+    stent = Stent(5.0, placement=AlongAxis(axis), length=30.0, foreshortening_fraction=0.0)
+    found = axis_in_vessel(stent, None, made.surface, AxisChange(smoothing_length=15.0))
+    assert "smoothed-less" in {one.kind for one in found.warnings}
+    assert length(found.points) == pytest.approx(30.0, abs=1e-9)
+    assert np.abs(found.points - stent_axis(stent).points).max() > 0.1
+
+
+def test_its_pieces_point_as_those_of_the_smooth_line():
+    rough = shaky(arc(), 0.02)
+    stent = Stent(5.0, placement=AlongAxis(rough), length=30.0)
+    tube = straight_tube(radius=60.0, length=200.0, edge_length=20.0)  # the wall is far away
+    shift = [0, 0, 100]
+    moved = replace(stent, placement=AlongAxis(rough + shift))
+    found = axis_in_vessel(moved, None, tube.surface, AxisChange(smoothing_length=2.0)).points
+    goal = smoothed_line(stent_axis(moved).points, 2.0)
+    ours, theirs = (np.diff(one, axis=0) for one in (found, goal))
+    turn = (ours * theirs).sum(axis=1) / np.prod(
+        [np.linalg.norm(one, axis=1) for one in (ours, theirs)], axis=0
+    )
+    np.testing.assert_allclose(turn, 1.0, atol=1e-12)
 
 
 def test_smoothing_keeps_the_axis_off_the_wall_and_says_where_it_stopped():

@@ -28,7 +28,7 @@ from .redilation import dilated_again, redilated
 from .shape import DiametersAlong, Shape, StentEnd, Waist
 from .stent import DEFAULT_FORESHORTENING, KEPT, Stent
 from .stent_axis import StentAxis, moved_axis, stent_axis
-from .straightened import StraightWay, straight_way, straightened
+from .straightened import TurnedWay, straight_way, straightened, turned_way
 
 __all__ = [
     "CELLS",
@@ -58,7 +58,7 @@ __all__ = [
     "Stent",
     "StentAxis",
     "StentEnd",
-    "StraightWay",
+    "TurnedWay",
     "Waist",
     "balloon_by_rule",
     "beside",
@@ -73,6 +73,7 @@ __all__ = [
     "straight_lattice",
     "straight_way",
     "straightened",
+    "turned_way",
 ]
 
 

@@ -1,8 +1,8 @@
-"""A bent axis made straighter without a change of its length.
+"""A bent axis made straighter or smoother without a change of its length.
 
-Every piece of the axis keeps its length and turns towards the chord, by a share of the angle
-between them. So bends lose that share of their curvature, the two ends move apart along the chord,
-and a stent that is straightened is as long as one that is not.
+Every piece of the axis keeps its length and turns by a share of the angle between it and its goal:
+the chord, or the same piece of a smoother line. So bends lose that share of their curvature, the
+two ends move apart, and a stent that is straightened or smoothed is as long as one that is not.
 """
 
 from __future__ import annotations
@@ -12,13 +12,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..geometry import arc_lengths
+from ..geometry import arc_lengths, dot, norm
 from ..validation import Floats, InputError, Points, as_number, as_points
 from .stent import KEPT
 
 
-class StraightWay(NamedTuple):
-    """How the points of an axis go when it is straightened."""
+class TurnedWay(NamedTuple):
+    """How the points of an axis go when its pieces turn."""
 
     points: Points
     """(n, 3) as they are, mm."""
@@ -29,7 +29,7 @@ class StraightWay(NamedTuple):
     across: Points
     """(n - 1, 3) perpendicular to these, in the plane in which the piece turns."""
     angles: Floats
-    """(n - 1,) to the chord, rad."""
+    """(n - 1,) to the goals, rad."""
     keeps: str
     """As of `Stent`: the end that stays, or the middle between both."""
 
@@ -54,7 +54,7 @@ class StraightWay(NamedTuple):
         }[self.keeps]
 
 
-def straight_way(points: ArrayLike, keeps: str = "center") -> StraightWay:
+def straight_way(points: ArrayLike, keeps: str = "center") -> TurnedWay:
     """How a polyline becomes straight.
 
     Parameters
@@ -70,23 +70,52 @@ def straight_way(points: ArrayLike, keeps: str = "center") -> StraightWay:
         The polyline has no length, its ends are at one place, or `keeps` is another word.
     """
     polyline = as_points(points, "polyline", minimum=2)
-    if keeps not in KEPT:
-        raise InputError(f"keeps: expected one of {', '.join(KEPT)}, got {keeps!r}.")
-    at, chord = arc_lengths(polyline), polyline[-1] - polyline[0]
-    if at[-1] <= 0:
-        raise InputError("stent axis: expected two different points, got one place only.")
+    chord = polyline[-1] - polyline[0]
+    if not arc_lengths(polyline)[-1] > 0:
+        raise InputError(
+            "stent axis: expected two different points, got one place only; draw it longer."
+        )
     if not chord.any():
-        raise InputError("stent axis: expected two ends apart to straighten it, got a closed line.")
-    lengths = np.diff(at)
-    steps, goal = np.diff(polyline, axis=0), chord / np.linalg.norm(chord)
-    along = np.where(lengths[:, None] > 0, steps, goal)
-    along = along / np.linalg.norm(along, axis=1)[:, None]
-    across = goal - (along @ goal)[:, None] * along
-    sines = np.linalg.norm(across, axis=1)
+        raise InputError(
+            "stent axis: expected two ends apart to straighten it, got a closed line; leave "
+            "straightening out, or draw it open."
+        )
+    return turned_way(polyline, np.broadcast_to(chord, (len(polyline) - 1, 3)), keeps)
+
+
+def turned_way(points: ArrayLike, goals: ArrayLike, keeps: str = "center") -> TurnedWay:
+    """How a polyline goes when every piece of it turns towards a goal.
+
+    Parameters
+    ----------
+    points, keeps
+        As for `straight_way`.
+    goals : array_like, shape (n - 1, 3)
+        Of the pieces: directions of any length; a piece with a zero keeps its own.
+
+    Raises
+    ------
+    InputError
+        `keeps` is another word, or there is not one goal for each piece.
+    """
+    polyline, wanted = as_points(points, "polyline", minimum=2), as_points(goals, "goals")
+    if keeps not in KEPT:
+        raise InputError(f"keeps: expected one of {', '.join(KEPT)}, got {keeps!r}; choose one.")
+    if len(wanted) != len(polyline) - 1:
+        raise InputError(
+            f"goals: expected one for each of {len(polyline) - 1} pieces, got {len(wanted)}; give "
+            "as many."
+        )
+    steps = np.diff(polyline, axis=0)
+    lengths = norm(steps)
+    along = _unit(np.where(lengths[:, None] > 0, steps, wanted))
+    goal = _unit(np.where(norm(wanted)[:, None] > 0, wanted, along))
+    cosines = dot(along, goal)
+    across = goal - cosines[:, None] * along
+    sines = norm(across)
     # A piece that points back turns in any plane.
-    across = np.where(sines[:, None] > 0, across, _perpendicular(along))
-    across /= np.linalg.norm(across, axis=1)[:, None]
-    return StraightWay(polyline, lengths, along, across, np.arctan2(sines, along @ goal), keeps)
+    across = _unit(np.where(sines[:, None] > 0, across, _perpendicular(along)))
+    return TurnedWay(polyline, lengths, along, across, np.arctan2(sines, cosines), keeps)
 
 
 def straightened(points: ArrayLike, fraction: float, keeps: str = "center") -> Points:
@@ -112,6 +141,12 @@ def straightened(points: ArrayLike, fraction: float, keeps: str = "center") -> P
 def _kept_place(line: Points, keeps: str) -> Floats:
     ends = {"proximal": line[[0]], "distal": line[[-1]], "center": line[[0, -1]]}[keeps]
     return np.asarray(ends.mean(axis=0))
+
+
+def _unit(vectors: Floats) -> Floats:
+    """(n, 3) of length 1; zeros become any direction."""
+    lengths = norm(vectors)[:, None]
+    return np.where(lengths > 0, vectors / np.where(lengths > 0, lengths, 1.0), (0.0, 0.0, 1.0))
 
 
 def _perpendicular(directions: Points) -> Points:

@@ -8,6 +8,7 @@ wall and, where its ends move apart as it becomes straight, from the ends of the
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple, Protocol
 
@@ -17,7 +18,7 @@ from ..cautions import Caution
 from ..centerline import Centerline
 from ..geometry import Surface, arc_lengths, resampled, smoothed_line
 from ..measure import LocalSurface
-from ..stent import Stent, StentAxis, moved_axis, stent_axis, straight_way
+from ..stent import Stent, StentAxis, moved_axis, stent_axis, straight_way, turned_way
 from ..validation import Floats, Points
 from .in_lumen import Lumen
 from .profile import with_profile
@@ -67,16 +68,14 @@ def axis_in_vessel(
         lumen.check(stent.placement, centerline)
     # An earlier stent's has been moved already.
     if change.smoothing_length and lies_on is None:
-        way = StraightLines(axis.points, smoothed_line(axis.points, change.smoothing_length))
-        found = permitted(way, stent.radius, lumen.surface, 1.0)
-        axis = _moved(axis, way, found, _Told("smoothed-less", 1.0, stent.radius))
+        axis = _smoothed(axis, stent, lumen, change.smoothing_length)
     if change.straightening_fraction and lies_on is None:
         axis = _straightened(axis, stent, lumen, change.straightening_fraction)
     return with_profile(axis, stent, lumen.surface)
 
 
 class Way(Protocol):
-    """How the points of an axis go somewhere; `StraightWay` is one."""
+    """How the points of an axis go somewhere; `TurnedWay` is one."""
 
     @property
     def points(self) -> Points:
@@ -128,8 +127,31 @@ class _Told(NamedTuple):
     stent_radius: float
 
 
+def _smoothed(axis: StentAxis, stent: Stent, lumen: Lumen, smoothing_length: float) -> StentAxis:
+    """An axis made smooth as far as possible.
+
+    A stent that has a length keeps it, as one that is straightened. One that goes from end to end,
+    of a curve or between two places, goes from end to end of the smooth line.
+    """
+    goal = smoothed_line(axis.points, smoothing_length)
+    told = _Told("smoothed-less", 1.0, stent.radius)
+    if stent.length is None:
+        way = StraightLines(axis.points, goal)
+        return _moved(axis, way, permitted(way, stent.radius, lumen.surface, 1.0), told)
+    steps = np.diff(goal, axis=0)
+    return _turned(axis, stent, lumen, told, lambda keeps: turned_way(axis.points, steps, keeps))
+
+
 def _straightened(axis: StentAxis, stent: Stent, lumen: Lumen, fraction: float) -> StentAxis:
-    """An axis made straight as far as possible.
+    """An axis made straight as far as possible."""
+    told = _Told("straightened-less", fraction, stent.radius)
+    return _turned(axis, stent, lumen, told, lambda keeps: straight_way(axis.points, keeps))
+
+
+def _turned(
+    axis: StentAxis, stent: Stent, lumen: Lumen, told: _Told, way_keeping: Callable[[str], Way]
+) -> StentAxis:
+    """An axis whose pieces have turned as far as possible.
 
     One that keeps its middle keeps an end instead where the other way round it would soon run into
     an end of the vessel.
@@ -137,14 +159,14 @@ def _straightened(axis: StentAxis, stent: Stent, lumen: Lumen, fraction: float) 
     kept = [stent.kept, *(("proximal", "distal") if stent.kept == "center" else ())]
     best: tuple[Way, Permitted] | None = None
     for keeps in kept:
-        way = straight_way(axis.points, keeps)
-        found = permitted(way, stent.radius, lumen.closed, fraction)
+        way = way_keeping(keeps)
+        found = permitted(way, stent.radius, lumen.closed, told.fraction)
         if best is None or found.fraction > best[1].fraction + NOTICEABLE:
             best = (way, found)
-        if found.fraction > fraction - NOTICEABLE:
+        if found.fraction > told.fraction - NOTICEABLE:
             break
     assert best is not None
-    return _moved(axis, *best, _Told("straightened-less", fraction, stent.radius))
+    return _moved(axis, *best, told)
 
 
 def _moved(native: StentAxis, way: Way, found: Permitted, told: _Told) -> StentAxis:
