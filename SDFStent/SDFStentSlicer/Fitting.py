@@ -85,7 +85,7 @@ class Fitting:
             return
         try:
             if (first := Sizes.dilatedBy(parameterNode)) is not None:
-                self._inflateIn(parameterNode, balloon, first.diameter)
+                self._inflateIn(parameterNode, balloon, Sizes.lumenLeft(first))
                 return
             planned = Plans.plannedStent(parameterNode.stent)
             usual = balloon_by_rule(balloon.diameter, NOT_KNOWN)

@@ -136,7 +136,7 @@ class StentParameters:
     `details` is what there is beyond them (device, balloon, kept end, shape), as the library's `StentDetails` keeps it.
     With `deviceShortening` the device says how much shorter it becomes. `redilation` is the diameter to which the same stent is
     dilated at once after it, of the second balloon where it has a balloon; 0 for none. With the placement `AGAIN` it is no stent of its
-    own: it dilates the one above it that has the same handle.
+    own: it dilates the one above it that has the same handle, as that lies by then.
     """
 
     label: str = "Stent"

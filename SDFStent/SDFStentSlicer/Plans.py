@@ -149,25 +149,24 @@ class _Row(NamedTuple):
 
 
 def _rows(path, stents):
-    """The stents of a plan as rows of the list.
-
-    Raises `InputError` for one that dilates again what is no stent itself, or comes later.
-    """
+    """The stents of a plan as rows of the list; `InputError` for one that dilates again what is not above it."""
     rows, rowOf = [], {}
     for number, stent in enumerate(stents, start=1):
         if not isinstance(stent.placement, OfStent):
             rowOf[number] = len(rows)
             rows.append(_Row(stent))
-        elif _isAtOnce(stent, number, stents, rows):
+            continue
+        if stent.placement.number not in rowOf:
+            raise InputError(
+                f"{path}: stent {number}: expected a stent above it to dilate again, got stent "
+                f"{stent.placement.number}; name one above it."
+            )
+        rowOf[number] = original = rowOf[stent.placement.number]
+        if _isAtOnce(stent, number, stents, rows):
             diameter = stent.diameter if stent.balloon is None else stent.balloon.diameter
             rows[-1] = rows[-1]._replace(redilation=diameter)
-        elif stent.placement.number in rowOf:
-            rows.append(_Row(stent, original=rowOf[stent.placement.number]))
         else:
-            raise InputError(
-                f"{path}: stent {number}: expected a stent above it to dilate again that is none of these itself, got stent "
-                f"{stent.placement.number}; name the first one of them, or run the plan with sdfstent run."
-            )
+            rows.append(_Row(stent, original=original))
     return rows
 
 

@@ -91,30 +91,34 @@ def somewhere(stent):
 def numbersAgain(stents):
     """For every stent of a list the number, from 1, of the planned one that it dilates again; None where there is none.
 
-    A stent that has a second diameter of its own counts twice.
+    That is the stent as it lies by then: where it was dilated again before, as that. A stent that has a second diameter of its own
+    counts twice.
     """
     numbers, latest, count = [], {}, 0
     for stent in stents:
         count += 1
         place = stent.handle.GetID() if stent.handle is not None else None
-        if stent.placement == Placement.AGAIN:
-            numbers.append(latest.get(place))
-        else:
-            numbers.append(None)
-            latest[place] = count
+        isAgain = stent.placement == Placement.AGAIN
+        numbers.append(latest.get(place) if isAgain else None)
         count += stent.redilation > 0
+        if not isAgain or (stent.enabled and place in latest):
+            latest[place] = count
     return numbers
 
 
 def dilatedBy(parameterNode):
-    """The stent that the selected one dilates again, as its parameters; None where it dilates none."""
+    """The stent that the selected one dilates again, as its parameters, as it lies by then; None where it dilates none."""
     stent, stents = parameterNode.stent, stentsOf(parameterNode)[: max(parameterNode.selected, 0)]
     if stent.placement != Placement.AGAIN:
         return None
-    same = [
-        one for one in stents if one.handle is stent.handle and one.placement != Placement.AGAIN
-    ]
-    return same[-1] if same else None
+    same = [one for one in stents if one.handle is stent.handle]
+    isOn = [one for one in same if one.enabled or one.placement != Placement.AGAIN]
+    return isOn[-1] if isOn else None
+
+
+def lumenLeft(stent):
+    """The lumen that a stent leaves, dilated again where it is at once, mm; `InputError` where its sizes do not fit together."""
+    return withRedilations([somewhere(stent)], [stent.redilation])[-1].diameter
 
 
 def withRedilations(planned, redilations):

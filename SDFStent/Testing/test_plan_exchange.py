@@ -8,6 +8,8 @@ import pytest
 import slicer
 from panel_helpers import deploy, expanded, saveAsFile
 
+from SDFStentLib.stent import OfStent
+
 
 def test_a_saved_plan_gives_the_same_points_after_loading(aLogic, theParameters, tmp_path):
     theParameters.method.influenceDistance = 5.5
@@ -421,18 +423,43 @@ def test_two_redilations_of_one_stent_and_one_between_others_come_back(
     aLogic.loadPlan(aDetailedPlan, theParameters)
     assert [stent.redilation for stent in theParameters.stents] == [10.0, 0.0, 0.0]
     expected, found = load_plan(aDetailedPlan).stents, Plans.planOf(theParameters).stents
-    assert [one.placement for one in found[1::2]] == [one.placement for one in expected[1::2]]
+    assert [one.placement for one in expected[1::2]] == [OfStent(1), OfStent(1)]
+    assert [one.placement for one in found[1::2]] == [OfStent(1), OfStent(2)]  # as it lies by then
     assert [one.diameter for one in found] == [one.diameter for one in expected]
 
 
-def test_a_redilation_of_a_redilation_is_refused_in_a_sentence(
-    aLogic, theParameters, aDetailedPlan
-):
+def test_a_redilation_of_a_redilation_comes_back(aLogic, theParameters, aDetailedPlan, tmp_path):
+    """As the library has it, at once or later, saved as a plan and with the scene."""
+    from SDFStentSlicer import Plans
+
+    from SDFStentLib.plan import load_plan
+
     withStent(aDetailedPlan, **AGAIN)
     withStent(
         aDetailedPlan, **{**AGAIN, "diameter": 9.9, "balloon": None, "placement": {"stent": 2}}
     )
+    last = {"diameter": 10.4, "balloon": None, "placement": {"stent": 3}, "name": "last"}
+    withStent(aDetailedPlan, **{**AGAIN, **last})
+    expected = load_plan(aDetailedPlan).stents
+    aLogic.loadPlan(aDetailedPlan, theParameters)
+    saved = tmp_path / "saved.json"
+    aLogic.savePlan(saved, theParameters)
+    inScene = aLogic.parameterSet(theParameters.parameterNode)
+    for found in (Plans.planOf(inScene).stents, load_plan(saved).stents):
+        assert [one.placement for one in found[1:]] == [OfStent(1), OfStent(2), OfStent(3)]
+        assert [one.diameter for one in found] == [one.diameter for one in expected]
+        assert [one.balloon for one in found] == [one.balloon for one in expected]
+    handles = {stent.handle.GetID() for stent in theParameters.stents}
+    assert len(handles) == 1
+    stents = aLogic.stentList(theParameters)
+    stents.enable(1, False)  # which then is passed over
+    numbers = [getattr(one.placement, "number", None) for one in Plans.planOf(theParameters).stents]
+    assert numbers == [None, 1, 2, 2]
+
+
+def test_a_stent_that_dilates_one_below_it_is_refused(aLogic, theParameters, aDetailedPlan):
+    withStent(aDetailedPlan, **{**AGAIN, "placement": {"stent": 3}})
     before = aLogic.stentList(theParameters).values()
-    with pytest.raises(ValueError, match="stent 3: expected a stent above it to dilate again that"):
+    with pytest.raises(ValueError, match="stent 2: expected a stent above it to dilate again, got"):
         aLogic.loadPlan(aDetailedPlan, theParameters)
     assert aLogic.stentList(theParameters).values() == before

@@ -227,7 +227,7 @@ def _shortened(axis: StentAxis, lies_on: StentAxis | None) -> Iterator[Caution]:
         lies_on is not None
         and axis.prescribed_length < lies_on.prescribed_length + LENGTH_TOLERANCE
     ):
-        return  # No loss of its own: said of the earlier stent, or that one's axis was smoothed.
+        return  # No loss of its own: said of the earlier stent.
     if axis.deployed_length < axis.prescribed_length - LENGTH_TOLERANCE:
         lengths = {"prescribed_mm": axis.prescribed_length, "available_mm": axis.deployed_length}
         yield Caution("shortened", lengths)
