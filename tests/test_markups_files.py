@@ -16,6 +16,10 @@ def markup(points=CONTROL, **changes):
     return base | changes
 
 
+def positions(*places):
+    return [{"position": place} for place in places]
+
+
 def content(*markups, text=None):
     text = text if text is not None else json.dumps({"markups": list(markups)})
     return FileContent("c.mrk.json", text.encode(), "")
@@ -83,7 +87,13 @@ def test_a_new_file_can_be_read():
         (content(markup(CONTROL[:1])), "at least two control points, got 1"),
         (content(markup(CONTROL[[0, 0]])), "got one place only"),
         (content(markup([[0, 0, float("nan")], [1, 0, 0]])), "got NaN or infinity"),
-        (content(markup(controlPoints=[{"position": "abc"}])), "expected numbers"),
+        (
+            content(markup(controlPoints=[{"position": "abc"}])),
+            "three numbers, the one of number 1",
+        ),
+        (content(markup(controlPoints=[{"position": [0, 0, 1]}, True])), "the one of number 2 is"),
+        (content(markup(controlPoints=positions([0, 0, 1], [1, 0]))), "number 2 is none; save"),
+        (content(markup(controlPoints=positions([0, 0, 1], [1, 0, True]))), "number 2 is none"),
         (content(markup(coordinateSystem="IJK")), "expected one coordinate system"),
         (content(markup(), markup(coordinateSystem="RAS")), "expected one coordinate system"),
     ],

@@ -90,7 +90,8 @@ def sweep_from_document(document: Any, folder: str | None = None) -> Sweep:
 
 def _axes(value: Any) -> tuple[Axis, ...]:
     if not isinstance(value, Mapping) or not value:
-        raise InputError(f"axes: expected an object with at least one, got {in_words(value)}.")
+        got = "an empty object" if isinstance(value, Mapping) else in_words(value)
+        raise InputError(f"axes: expected an object with at least one axis, got {got}; add one.")
     axes = tuple(axis_from_document(name, value[name], f"axes.{name}") for name in value)
     names = [axis.name for axis in axes]
     if sum(name in DIAMETERS for name in names) > 1:

@@ -106,7 +106,13 @@ def _control_points(markup: dict[str, Any], name: str) -> Points:
     points = markup.get("controlPoints")
     if not isinstance(points, list):
         raise InputError(f"{name}: expected control points in its curve, got none.")
-    positions = [point.get("position") for point in points if _is_placed(point)]
+    for number, point in enumerate(points, start=1):
+        if not isinstance(point, dict) or (_is_placed(point) and not _is_place(point)):
+            raise InputError(
+                f"{name}: expected control points with a position of three numbers, the one of "
+                f"number {number} is none; save the curve again."
+            )
+    positions = [point["position"] for point in points if _is_placed(point)]
     control_points = as_patient_points(positions, name)
     if len(control_points) < 2:
         raise InputError(
@@ -114,6 +120,17 @@ def _control_points(markup: dict[str, Any], name: str) -> Points:
             "place more."
         )
     return control_points
+
+
+def _is_place(point: dict[str, Any]) -> bool:
+    position = point.get("position")
+    return (
+        isinstance(position, list)
+        and len(position) == 3
+        and all(
+            isinstance(value, int | float) and not isinstance(value, bool) for value in position
+        )
+    )
 
 
 def _is_placed(point: Any) -> bool:
