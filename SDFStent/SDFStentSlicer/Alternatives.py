@@ -1,6 +1,7 @@
 """Alternatives: several plans for one vessel, each a parameter set with stents, method and results of its own."""
 
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import slicer
 from slicer.i18n import tr as _
@@ -35,6 +36,16 @@ COPIED = (
 SEEN_ROLES = ("outputVessel", "outputCenterline", "outputStents")
 HIDDEN_ATTRIBUTE = "SDFStent.HiddenWithPlan"
 SHOWN_ATTRIBUTE = "SDFStent.ShownWithPlan"
+LAST_ATTRIBUTE = "SDFStent.ShownLast"
+
+
+class Leavings(NamedTuple):
+    """What a plan has made in a scene: nodes, and the item of their folder, 0 without; and the vessel that it was for."""
+
+    scene: Any
+    nodes: list
+    folder: int
+    vessel: Any
 
 
 class Alternatives:
@@ -107,22 +118,45 @@ class Alternatives:
 
     def removePlan(self, parameterNode):
         """Remove a plan with its results and the handles that were made for it; what other plans use stays."""
-        node = parameterNode.parameterNode
-        scene, own, folder = node.GetScene(), _ownNodes(parameterNode), _folderOf(parameterNode)
-        for known in (self._wrappers, self._shown):
-            known.pop(node.GetID(), None)
-        scene.RemoveNode(node)
-        kept = [
-            used
-            for other in map(self.parameterSet, self.getAllParameterNodes())
-            for used in (*_ownNodes(other), other.vessel, other.centerline)
-        ]
-        for one in own:
-            if one not in kept:
+        leavings = self.leavings(parameterNode)
+        parameterNode.parameterNode.GetScene().RemoveNode(parameterNode.parameterNode)
+        self.removeLeavings(leavings)
+
+    def leavings(self, parameterNode):
+        """What a plan leaves in the scene when its parameters are removed, for `removeLeavings` then."""
+        scene = parameterNode.parameterNode.GetScene()
+        folder = _folderOf(parameterNode)
+        return Leavings(scene, _ownNodes(parameterNode), folder, parameterNode.vessel)
+
+    def removeLeavings(self, leavings):
+        """Remove what a plan has left that no other one uses; the vessel is seen again where it has no plan any more."""
+        plans = [self.parameterSet(node) for node in self.getAllParameterNodes()]
+        kept = [used for plan in plans for used in (*_ownNodes(plan), plan.vessel, plan.centerline)]
+        for one in leavings.nodes:
+            if one not in kept and one.GetScene() is not None:
                 Handles.removeWhole(one)
-        hierarchy = slicer.vtkMRMLSubjectHierarchyNode.GetSubjectHierarchyNode(scene)
-        if folder and not hierarchy.GetNumberOfItemChildren(folder):
-            hierarchy.RemoveItem(folder)
+        hierarchy = slicer.vtkMRMLSubjectHierarchyNode.GetSubjectHierarchyNode(leavings.scene)
+        if leavings.folder and not hierarchy.GetNumberOfItemChildren(leavings.folder):
+            hierarchy.RemoveItem(leavings.folder)
+        vessel = leavings.vessel
+        if vessel is not None and vessel not in kept and vessel.GetDisplayNode() is not None:
+            vessel.GetDisplayNode().SetVisibility(True)
+
+    def markShown(self, parameterNode):
+        """Let the scene remember which plan is shown; none with None."""
+        shown = None if parameterNode is None else parameterNode.parameterNode
+        for node in self.getAllParameterNodes():
+            if (node is shown) != (node.GetAttribute(LAST_ATTRIBUTE) is not None):
+                node.SetAttribute(LAST_ATTRIBUTE, "1" if node is shown else None)
+
+    def vesselOf(self, node):
+        """The vessel of a plan by its node; None for no node, or one that is in no scene."""
+        return None if node is None or node.GetScene() is None else self.parameterSet(node).vessel
+
+    def markedPlan(self):
+        """The node of the plan that was shown last, as the scene remembers it; None where it does not."""
+        nodes = self.getAllParameterNodes()
+        return next((node for node in nodes if node.GetAttribute(LAST_ATTRIBUTE)), None)
 
     def showPlan(self, parameterNode):
         """Show what belongs to a plan, and hide what belongs only to the others for the vessel.

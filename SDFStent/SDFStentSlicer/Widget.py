@@ -35,7 +35,8 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
         VTKObservationMixin.__init__(self)
         self.logic = logic
         self.session = self.stents = self.table = self.lesions = self.plans = self._state = None
-        self._parameterNode = self._binding = self._lastSet = None
+        self._parameterNode = self._binding = self._lastSet = self._leavings = None
+        self._hadVessel = False
         self._inputs = InputWatch(self.onInputModified, self.onHandleReleased)
 
     # Life cycle
@@ -85,7 +86,7 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
             (scene.StartCloseEvent, self.onSceneStartClose),
             (scene.EndCloseEvent, self.onSceneReady),
             (scene.StartImportEvent, self.onSceneStartImport),
-            (scene.EndImportEvent, self.onSceneReady),
+            (scene.EndImportEvent, self.onSceneEndImport),
             (scene.NodeAboutToBeRemovedEvent, self.onNodeAboutToBeRemoved),
             (scene.NodeRemovedEvent, self.onNodeRemoved),
         ):
@@ -99,6 +100,14 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
     def onSceneStartImport(self, caller=None, event=None):
         # Selectors are emptied by an import, and references are not resolved while it lasts.
         self.setParameterNode(None)
+        self._hadVessel = self.logic.vesselOf(self._lastSet) is not None
+        self.logic.markShown(None)  # so that what is marked afterwards was saved so
+
+    def onSceneEndImport(self, caller=None, event=None):
+        marked = self.logic.markedPlan()
+        if not self._hadVessel and self.logic.vesselOf(marked) is not None:
+            self._lastSet = marked  # the plan that was shown when the scene was saved
+        self.onSceneReady()
 
     def onSceneReady(self, caller=None, event=None):
         if self.parent.isEntered:
@@ -110,13 +119,17 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
         if self._parameterNode is None:
             return
         if node is self._parameterNode.parameterNode:
+            self._leavings = self.logic.leavings(self._parameterNode)
             self.setParameterNode(None)
         else:
             self.logic.leave(self._parameterNode, node)
 
     @vtk.calldata_type(vtk.VTK_OBJECT)
     def onNodeRemoved(self, caller, event, node):
+        leavings, self._leavings = self._leavings, None
         if node is self._lastSet and not (caller.IsClosing() or caller.IsImporting()):
+            if leavings is not None:
+                self.logic.removeLeavings(leavings)
             self.onSceneReady()
 
     def onReload(self):
@@ -128,7 +141,8 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
     def initializeParameterNode(self):
         """Show the parameter set that was shown last, or the one that is selected, or the module's first."""
         isThere = self._lastSet is not None and self._lastSet.GetScene() is slicer.mrmlScene
-        node = self._lastSet if isThere else self.ui.parameterSetSelector.currentNode()
+        node = self._lastSet if isThere else self.logic.markedPlan()
+        node = node or self.ui.parameterSetSelector.currentNode()
         self.setParameterNode(
             self.logic.getParameterNode() if node is None else self.logic.parameterSet(node)
         )
@@ -165,6 +179,7 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
         self.plans.show(None)
         if parameterNode is not None:
             self._lastSet = parameterNode.parameterNode
+            self.logic.markShown(parameterNode)
             self.ui.parameterSetSelector.setCurrentNode(self._lastSet)
             taken = self.logic.takenIDs(parameterNode, "outputVessel")
             self.ui.outputSelector.sortFilterProxyModel().hiddenNodeIDs = taken

@@ -226,14 +226,32 @@ def test_a_result_that_is_the_vessel_of_another_plan_stays(host, aPlan, aScene):
 
 
 def test_a_plan_that_is_deleted_elsewhere_leaves_the_table(host, aPlan, aScene):
+    """As by the selector on top of the panel, and takes its results and handles with it."""
     first = aPlan._parameterNode
     deploy(host, aPlan)
+    count = aScene.GetNumberOfNodes()
     host.click(aPlan.ui.duplicatePlanButton)
+    deploy(host, aPlan)
     aScene.RemoveNode(aPlan._parameterNode.parameterNode)
     host.process()
     assert aPlan._parameterNode is first
     assert names(aPlan) == ["Plan 1"]
     assert isSeen(first.outputVessel)
+    assert aScene.GetNumberOfNodes() == count
+
+
+def test_the_last_plan_of_a_vessel_that_is_deleted_leaves_the_vessel_to_be_seen(
+    host, aPlan, aScene
+):
+    vessel = aPlan._parameterNode.vessel
+    deploy(host, aPlan)
+    output = aPlan._parameterNode.outputVessel
+    assert not isSeen(vessel)
+    aScene.RemoveNode(aPlan._parameterNode.parameterNode)
+    host.process()
+    assert output.GetScene() is None
+    assert isSeen(vessel)
+    assert len(aPlan._parameterNode.stents) == 0
 
 
 def test_plan_files_become_plans(host, aPlan, tmp_path):
@@ -283,6 +301,8 @@ def test_plans_are_saved_with_the_scene(host, aPlan, aScene, tmp_path):
     assert aScene.ReadFromMRB(str(path), True)
     host.process()
     assert [rowOf(aPlan, 0), rowOf(aPlan, 1)] == rows
+    assert aPlan._parameterNode.parameterNode.GetName() == "Smaller"  # which was shown last
+    assert aPlan.ui.planTable.currentRow() == 1
     aPlan.ui.planTable.selectRow(0)
     first = aPlan._parameterNode
     assert aPlan.ui.diameterSlider.value == 8.5
