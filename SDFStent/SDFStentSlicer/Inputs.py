@@ -10,12 +10,13 @@ from SDFStentLib.files import faces_of_polydata, surface_from_polydata, triangul
 
 from . import Conversion
 from .Lesions import LesionSearch
+from .PointNormals import cornersOf
 from .Portions import inPortions, untilDone
 from .Previewing import PreviewedVessel
 
 
 class Vessel(NamedTuple):
-    """A vessel's wall in world coordinates, as the library's `Surface` and as polydata, and its named faces or None.
+    """A vessel's wall in world coordinates: the library's `Surface`, polydata, its named faces or None, its `Corners` where it is large.
 
     The polydata is shared: copy it before changing it.
     """
@@ -23,6 +24,7 @@ class Vessel(NamedTuple):
     surface: Any
     polyData: Any
     faces: Any
+    corners: Any
 
 
 class Inputs:
@@ -45,7 +47,8 @@ class Inputs:
             yield None
             polyData = yield from inPortions(lambda: triangulated_polydata(given, name).polydata)
             surface = yield from inPortions(lambda: surface_from_polydata(polyData, name))
-            self._vessel = (stamp, Vessel(surface, polyData, faces_of_polydata(polyData)))
+            corners = yield from inPortions(lambda: cornersOf(polyData))
+            self._vessel = (stamp, Vessel(surface, polyData, faces_of_polydata(polyData), corners))
         return self._vessel[1]
 
     def centerline(self, parameterNode):

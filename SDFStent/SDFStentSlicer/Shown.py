@@ -16,7 +16,7 @@ class Shown:
 
     def surface(self, vessel):
         """The output that shows the mesh of a `Vessel`."""
-        self._surface = outputSurface(self.parameterNode, vessel.polyData, self._surface)
+        self._surface = outputSurface(self.parameterNode, vessel, self._surface)
         return self._surface
 
     def isPreviewOf(self, signature):

@@ -15,12 +15,12 @@ VESSEL_OPACITY = 0.55
 class SurfaceOutput:
     """A model node whose points follow the deployment: same polydata, same point array, one `Modified` per change."""
 
-    def __init__(self, node, polyData):
+    def __init__(self, node, polyData, corners=None):
         """Show `polyData` (which becomes the node's own) unless the node already shows the same mesh."""
         self.node, self.template = node, None
         withNormals(polyData)
         node.SetAndObservePolyData(polyData)
-        self._polyData, self._normals = polyData, PointNormals(polyData)
+        self._polyData, self._normals = polyData, PointNormals(polyData, corners)
         self._changed = None
         self._hidesOutline = False
 
@@ -73,9 +73,9 @@ class SurfaceOutput:
         self._hidesOutline = False
 
 
-def outputSurface(parameterNode, template, former):
-    """The output of a parameter node, showing the template's mesh; the `former` one while the mesh stays the same."""
-    shown = parameterNode.outputVessel
+def outputSurface(parameterNode, vessel, former):
+    """The output of a parameter node, showing the mesh of a `Vessel`; the `former` one while the mesh stays the same."""
+    shown, template = parameterNode.outputVessel, vessel.polyData
     node = Display.outputModel(parameterNode, "outputVessel", _("Stented vessel"), VESSEL_COLOR)
     if node is not shown:
         node.GetDisplayNode().SetOpacity(VESSEL_OPACITY)
@@ -87,6 +87,6 @@ def outputSurface(parameterNode, template, former):
         former.showOutline()
     copy = vtk.vtkPolyData()
     copy.DeepCopy(template)
-    surface = SurfaceOutput(node, copy)
+    surface = SurfaceOutput(node, copy, vessel.corners)
     surface.template = template
     return surface
