@@ -128,14 +128,13 @@ class Proxy:
         wall = self._wall_with(task.capsules.nodes)
         reach = _reach(task)
         level = self._level(wall, wall.near(task.capsules, reach + task.capsules.smoothing_width))
-        vertices = wall.vertices[level.sample]
-        start = self.surface.points[vertices] if points is None else points[vertices]
+        start = _taken(wall, level.sample, points)
         rule = _rule(task.settings, is_sample=level.spreading is not None)
         moved = _expanded(task, rule, start, wall.normals[level.sample])
         cells = wall.cells_near(task.capsules, reach + level.spacing)
         rows, displacement = _carried(wall, level, cells, moved.displacement)
         indices = wall.vertices[rows]
-        before = self.surface.points[indices] if points is None else points[indices]
+        before = _taken(wall, rows, points)
         state = DeploymentState(
             radius=task.radius,
             fraction=1.0,
@@ -164,6 +163,12 @@ class Proxy:
         if key not in self._levels:
             self._levels[key] = _made(wall, key)
         return self._levels[key]
+
+
+def _taken(wall: Wall, rows: Indices, points: Points | None) -> Points:
+    """Rows of a wall, mm: as it was, or where all points of its surface are now."""
+    # Those of the wall lie side by side in memory where they do in space.
+    return wall.points[rows] if points is None else points[wall.vertices[rows]]
 
 
 def _made(wall: Wall, key: int | None) -> _Level:

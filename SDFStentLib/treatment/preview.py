@@ -118,19 +118,24 @@ class Preview:
                         settings.chain(axis.points, axis.profile),
                         stent.widest_diameter / 2,
                         settings,
-                        points=self._points,
+                        points=self._points if previewed else None,
                         companions=() if tree is None else tree.points,
                     )
                 previewed.append(PreviewedStent(number, stent, axis, state))
-                self._points[state.state.indices] = state.state.coordinates
+                if len(enabled) > 1:
+                    self._points[state.state.indices] = state.state.coordinates
                 centerline = tree and tree.with_points(state.state.companions)
-            moved = _united([one.state.state.indices for one in previewed])
-            return PreviewState(read_only(moved), read_only(self._points[moved]), tuple(previewed))
+            moved, coordinates = self._moved(previewed)
+            return PreviewState(read_only(moved), read_only(coordinates), tuple(previewed))
         finally:
-            for one in previewed:
-                indices = one.state.state.indices
-                self._points[indices] = self.surface.points[indices]
+            if len(enabled) > 1:
+                for one in previewed:
+                    indices = one.state.state.indices
+                    self._points[indices] = self.surface.points[indices]
 
-
-def _united(parts: Sequence[Indices]) -> Indices:
-    return parts[0] if len(parts) == 1 else np.unique(np.concatenate(parts))
+    def _moved(self, previewed: Sequence[PreviewedStent]) -> tuple[Indices, Points]:
+        """Points that some stents have moved, and where they are, mm."""
+        if len(previewed) == 1:
+            return previewed[0].state.state.indices, previewed[0].state.state.coordinates
+        moved = np.unique(np.concatenate([one.state.state.indices for one in previewed]))
+        return moved, self._points[moved]
