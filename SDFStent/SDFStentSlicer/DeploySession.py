@@ -1,13 +1,19 @@
 """When to deploy: on request, and again while something changes."""
 
-from . import Clock
+from . import Clock, Portions
 from .SteppedRun import SteppedRun
 
 COALESCE_MS = 0
 """A change waits until the application has handled what else has arrived; a longer or restarted wait would starve a fast drag."""
 
+REST_MS = 20
+"""A hand that has rested so long, a frame, may have stopped: the full method begins. Nothing is seen of it yet."""
+
 SETTLE_MS = 100
-"""A hand that has rested so long has stopped, for now: the full method begins, and what is shown stays until it has ended."""
+"""A hand that rests so long from then on has stopped, for now: the panel says that it deploys."""
+
+MOST_LEFT = 1
+"""Calculations that nobody waits for any more and that still run; while there are more no full method begins by itself."""
 
 
 class DeploySession:
@@ -15,16 +21,17 @@ class DeploySession:
 
     A change that arrives while a deployment runs is remembered: a preview is finished first, so that something is seen while
     the user drags; the full method is dropped. After the end the inputs are compared with those of the run, so the final state is
-    never lost. While the user drags the library's preview runs; once nothing has changed for a moment, the full method with
-    measurements and certificate takes its place.
+    never lost. While the user drags the library's preview runs; once nothing has changed for a frame, the full method with
+    measurements and certificate begins, unseen; once nothing has changed for a moment, it takes the preview's place.
     """
 
     def __init__(self, logic, onStart, onProgress, onDone):
         self._logic, self._onStart, self._onDone = logic, onStart, onDone
         self._parameterNode = self._signature = None
         self._run = SteppedRun(onProgress, self._finished)
-        self._live = self._isLetGo = False
+        self._live = self._isQuiet = False
         self._timer = Clock.timer(self._update, COALESCE_MS)
+        self._restTimer = Clock.timer(self._rested, REST_MS)
         self._settleTimer = Clock.timer(self._settle, SETTLE_MS)
 
     @property
@@ -33,17 +40,17 @@ class DeploySession:
 
     @property
     def isPreview(self):
-        """Whether what runs, or ran last, is the quick method."""
-        return self._live
+        """Whether what runs, or ran last, is the quick method, or the full one for a hand that may go on."""
+        return self._isQuiet
 
     @property
     def isBusy(self):
         """Whether something runs or is about to."""
-        return self.isRunning or self._timer.isActive() or self._settleTimer.isActive()
+        return self.isRunning or self._timer.isActive() or self._restTimer.isActive()
 
     def isRenewing(self, standing):
         """Whether the results are being renewed, or will be without a click; `standing` is that of the parameter node."""
-        if self.isRunning or self._settleTimer.isActive():
+        if self.isRunning or self._restTimer.isActive():
             return True
         return self._isNew(standing) and self._parameterNode.autoUpdate
 
@@ -62,19 +69,14 @@ class DeploySession:
         if not self._timer.isActive():
             self._timer.start()
 
-    def letGo(self):
-        """The hand has let go of what it dragged: the full method need not wait whether it goes on."""
-        self._isLetGo = True
-        self._settleAtOnce()
-
     def cancel(self):
         """Stop at once; what is shown stays."""
         self._stop()
         self._rest()
 
     def _stop(self):
-        self._timer.stop()
-        self._settleTimer.stop()
+        for timer in (self._timer, self._restTimer, self._settleTimer):
+            timer.stop()
         self._run.cancel()
 
     def _rest(self):
@@ -102,24 +104,28 @@ class DeploySession:
             self._stop()
         self._begin(True, standing)
 
-    def _settle(self):
-        if not self.isRunning and not self._isNew(standing := self._standing()):
+    def _rested(self):
+        if Portions.countLeft() > MOST_LEFT:
+            self._restTimer.start()
+        elif not self.isRunning and not self._isNew(standing := self._standing()):
+            self._settleTimer.start()
             self._begin(False, standing)
         self._rest()
 
-    def _settleAtOnce(self):
-        if self._isLetGo and self._settleTimer.isActive():
-            self._settleTimer.stop()
-            self._settle()
+    def _settle(self):
+        self._isQuiet = False
+        self._onStart()
 
     def _begin(self, live, standing=None):
         standing = standing or self._standing()
-        isNext = live and self._live  # nothing else can be done than before
-        self._settleTimer.stop()
+        self._restTimer.stop()
+        mayGoOn = self._settleTimer.isActive
+        wasQuiet, self._isQuiet = self._isQuiet, live or mayGoOn()
         self._signature, self._live = standing.signature, live
-        self._isLetGo = self._isLetGo and live
-        self._run.start(self._logic.steps(self._parameterNode, live=live, standing=standing))
-        if not isNext:
+        self._run.start(
+            self._logic.steps(self._parameterNode, live=live, standing=standing, mayGoOn=mayGoOn)
+        )
+        if not (wasQuiet and self._isQuiet):  # else nothing else can be done than before
             self._onStart()
 
     def _finished(self, error):
@@ -128,7 +134,8 @@ class DeploySession:
             if self._isNew(standing):
                 self._timer.start()
             elif self._live and error is None:
-                self._settleTimer.start()
+                self._restTimer.start()
+        self._settleTimer.stop()
+        self._isQuiet = self._live
         self._onDone(error, standing)
-        self._settleAtOnce()
         self._rest()

@@ -7,23 +7,30 @@ from .Portions import inPortions, working
 from .Stenting import Stenting
 
 
-def steps(shown, signature, vessel, inputs):
+def steps(shown, signature, vessel, inputs, mayGoOn=lambda: False):
     """Deploy the plan in a `Vessel` and show every step; an iterator as `SDFStentLogic.steps`.
 
-    A preview of the same plan is not taken back, though: what it shows stays until the end takes its place.
+    A preview of the same plan is not taken back, though: what it shows stays until the end takes its place. While `mayGoOn()`,
+    what can be measured before the end is shown comes first.
     `shown` is the `Shown` of the parameter set, `inputs` the `Inputs` that the vessel is from.
     """
     parameterNode, isPreviewed = shown.parameterNode, shown.isPreviewOf(signature)
     run = yield from working(_begun(parameterNode, vessel, inputs))
     surface = shown.surface(vessel)
-    Plans.remember(parameterNode)
-    surface.hideOutline()
-    if not isPreviewed:
+    if isPreviewed:
+        yield from _expand(run)
+        if mayGoOn():
+            yield from working(run.survey(), fraction=lambda: 1.0)
+        surface.show(run.points)
+    else:
         shown.run = run
-    try:
-        yield from _expand(run, surface, showsSteps=not isPreviewed)
-    finally:
-        surface.showOutline()
+        surface.hideOutline()
+        try:
+            yield from _expand(run, surface)
+        finally:
+            surface.showOutline()
+    Plans.remember(parameterNode)
+    surface.showOutline()
     lines = yield from working(run.lines())
     shown.run, shown.signature = run, signature
     Results.showEnd(parameterNode, run, lines)
@@ -60,15 +67,16 @@ def measured(shown):
     Results.showMeasured(shown.parameterNode, run)
 
 
-def _expand(run, surface, showsSteps):
-    """Run the steps and show them, or only the end; yields the fraction done."""
+def _expand(run, surface=None):
+    """Run the steps and show them in a surface, where one is given; yields the fraction done."""
     fraction = 0.0
     for state in run.steps():
         if state is not None:
             fraction = state.fraction
             moved = state.deployment
-            if showsSteps:
+            if surface is not None:
                 surface.show(state.before.points, moved.indices, moved.coordinates)
         yield fraction
-    surface.show(run.points)
-    yield fraction
+    if surface is not None:
+        surface.show(run.points)
+        yield fraction

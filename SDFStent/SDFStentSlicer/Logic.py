@@ -233,11 +233,12 @@ class SDFStentLogic(
             pass
         return self.lastRun(parameterNode).result
 
-    def steps(self, parameterNode, live=False, standing=None):
+    def steps(self, parameterNode, live=False, standing=None, mayGoOn=lambda: False):
         """Deploy step by step: an iterator over the fraction done that shows every step in the output.
 
         `live` is for dragging: the end of the library's preview, neither finished nor certified, with about the minimum lumen.
-        `standing` is that of the parameter node, where it was just asked for. The iterator also stops every 5 ms during longer calculations, so that whoever runs it can react.
+        `standing` is that of the parameter node, where it was just asked for. While `mayGoOn()`, the end of a full run that
+        takes a preview's place is not shown before what can be measured without it. The iterator also stops every 5 ms during longer calculations, so that whoever runs it can react.
         """
         missing, signature = standing or self.standing(parameterNode)
         if missing:
@@ -250,7 +251,7 @@ class SDFStentLogic(
             search = self.lesionSearch(parameterNode)
             yield from self._previewing.steps(shown, signature, vessel, previewed, search)
         else:
-            yield from Deploying.steps(shown, signature, vessel, self._inputs)
+            yield from Deploying.steps(shown, signature, vessel, self._inputs, mayGoOn)
             yield from Deploying.measured(shown)
 
     def prepared(self, parameterNode):

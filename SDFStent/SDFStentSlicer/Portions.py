@@ -5,6 +5,9 @@ import threading
 WAIT_S = 0.005
 """What a turn of the event loop may be late by."""
 
+_left = []
+"""Threads that nobody waits for any more."""
+
 
 def inPortions(function):
     """Run a function on a thread of its own; a generator that yields None until it is done and returns what it returned.
@@ -27,14 +30,24 @@ def inPortions(function):
     thread = threading.Thread(target=run, daemon=True)
     thread.start()
     thread.join(WAIT_S)
-    # Ends: with the function; who does not want to wait closes the generator.
-    while thread.is_alive():
+    try:
+        # Ends: with the function; who does not want to wait closes the generator.
+        while thread.is_alive():
+            yield None
+            thread.join(WAIT_S)
         yield None
-        thread.join(WAIT_S)
-    yield None
+    finally:
+        if thread.is_alive():
+            _left.append(thread)
     if "error" in outcome:
         raise outcome["error"]
     return outcome["value"]
+
+
+def countLeft():
+    """How many functions still run though nobody waits for them."""
+    _left[:] = [thread for thread in _left if thread.is_alive()]
+    return len(_left)
 
 
 def working(portions, fraction=float):

@@ -109,8 +109,13 @@ class Stenting:
             return []
         return (yield from inPortions(lambda: [tree.ancestry(leaf) for leaf in tree.leaves]))
 
+    def survey(self):
+        """Measure what does not depend on the steps; yields None until it is done."""
+        yield from inPortions(lambda: self._treatment.survey)
+
     def measure(self):
         """Diameters, certificate and lesions of the finished treatment; yields None until it is done."""
+        yield from self.survey()
         self.result = result = yield from inPortions(lambda: self._treatment.result)
         if self.search is not None:
             yield from self.search.portions()

@@ -226,7 +226,6 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
     def onHandleReleased(self, handle):
         if self._parameterNode is not None:
             self._attempt(lambda: self.logic.snapHandle(self._parameterNode, handle))
-            self.session.letGo()
 
     def _requestUpdate(self):
         if self._parameterNode is not None and self._parameterNode.autoUpdate:

@@ -212,7 +212,7 @@ def follow(host, panel, places, counters):
     for name, counter in counters.items():
         print(f"  dragged: {(counter.count - before[name]) / seconds:.1f} {name} a second")
     panel.silence.report("dragged")
-    fullAnswer(host, panel, f"the hand stopped, of them {waited():.2f} s waited")
+    fullAnswer(host, panel, "the hand stopped")
     parameters.stent.handle.SetNthControlPointPositionWorld(0, *places[len(places) // 10])
     parameters.stent.handle.InvokeEvent(parameters.stent.handle.PointEndInteractionEvent)
     fullAnswer(host, panel, "a handle was let go")
@@ -228,13 +228,6 @@ def fullAnswer(host, panel, since):
         raise RuntimeError(f"No answer came: {panel._parameterNode.status}")
     print(f"  full answer {answer:.2f} s after {since}; {cpu:.2f} s of CPU time")
     panel.silence.report("full answer")
-
-
-def waited():
-    """For how long the panel looks whether the hand has stopped, s."""
-    from SDFStentSlicer.DeploySession import SETTLE_MS
-
-    return SETTLE_MS / 1000
 
 
 def redeployments(host, panel, places):

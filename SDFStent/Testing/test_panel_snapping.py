@@ -52,21 +52,6 @@ def test_a_handle_let_go_near_the_centerline_is_not_worth_a_word(host, aStent, b
     assert aStent.ui.statusLabel.text == ""
 
 
-def test_the_full_method_does_not_wait_for_a_hand_that_has_let_go(host, aStent, besideThroat):
-    from SDFStentSlicer import Clock
-
-    aStent.ui.autoUpdateCheckBox.checked = True
-    settle(host, aStent)
-    session, hour = aStent.session, 3_600_000
-    session._settleTimer = Clock.timer(session._settle, hour)
-    letGo(host, aStent, besideThroat(0.4)[0])
-    settle(host, aStent)
-    assert "prescribed" in aStent.ui.lumenLabel.text
-    aStent.ui.diameterSlider.value = 9.0  # of this nobody says that it was the last change
-    host.processUntil(lambda: session._settleTimer.isActive())
-    assert "(preview)" in aStent.ui.lumenLabel.text
-
-
 def test_the_sentence_outlives_the_deployments_that_follow_but_not_the_next_move(
     host, aStent, besideThroat
 ):

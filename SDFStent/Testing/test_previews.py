@@ -1,6 +1,7 @@
 """What is seen while something is dragged."""
 
 import re
+import threading
 
 import numpy as np
 import pytest
@@ -95,6 +96,49 @@ def test_the_full_method_takes_no_preview_back_before_it_has_ended(host, aStent,
     settle(host, aStent)
     assert len(moved) > 2
     assert moved[0] < 0.5 * moved[-1]  # it is seen from the beginning
+
+
+def test_the_full_method_begins_unseen_before_a_hand_is_taken_to_have_stopped(host, aStent):
+    from SDFStentSlicer import Clock
+
+    ui, session = aStent.ui, aStent.session
+    ui.autoUpdateCheckBox.checked = True
+    settle(host, aStent)
+    told, onStart = [], session._onStart
+    session._onStart = lambda: (onStart(), told.append(session.isPreview))
+    session._settleTimer = Clock.timer(session._settle, 3_600_000)
+    for diameter in (9.0, 9.5):
+        ui.diameterSlider.value = diameter
+        host.processUntil(lambda: session._settleTimer.isActive())
+        assert session.isRunning
+        assert session.isPreview
+        assert "(preview)" in ui.lumenLabel.text
+        assert ui.deployButton.enabled
+        assert not ui.progressBar.visible
+    settle(host, aStent)
+    assert told == [True]  # from the full method to the first preview: nothing flickers in between
+    assert "(9.5 prescribed)" in ui.lumenLabel.text
+    assert not session.isPreview
+
+
+def test_no_full_method_begins_by_itself_while_abandoned_ones_still_run(host, aStent):
+    from SDFStentSlicer.Portions import inPortions
+
+    session, end = aStent.session, threading.Event()
+    aStent.ui.autoUpdateCheckBox.checked = True
+    settle(host, aStent)
+    for _ in range(2):
+        abandoned = inPortions(end.wait)
+        next(abandoned)
+        abandoned.close()
+    aStent.ui.diameterSlider.value = 9.0
+    host.processUntil(lambda: not session._timer.isActive() and not session.isRunning)
+    host.process(0.1)
+    assert session.isBusy
+    assert not session.isRunning
+    end.set()
+    settle(host, aStent)
+    assert "(9.0 prescribed)" in aStent.ui.lumenLabel.text
 
 
 def test_numbers_and_certificate_of_another_place_are_taken_away(host, aStent):
