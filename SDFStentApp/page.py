@@ -21,7 +21,12 @@ from .template import ASKS_FOR_FILE, PATHS, WRITES_FOLDER, value_of
 from .view import View
 from .widgets import Button
 
-EDIT_EVERY_S = 0.03
+EDIT_EVERY_S, LOOK_AGAIN_S = 0.03, 0.005
+SHOW_EVERY_S = 0.05
+"""A browser is sent what widgets show no more often, but at once what comes of a click."""
+
+LATEST_EDIT_S = 0.5
+"""A value that is dragged is taken so late at most, however slowly what it changes is drawn."""
 
 
 class Page:
@@ -39,6 +44,7 @@ class Page:
         self.widget = _panel(told["module"])
         self.panel = self.widget.ui
         self._dirty: dict[str, Any] = {}
+        self._flushed_at = 0.0
         self._edits: dict[Any, Any] = {}
         self._shown_results: tuple[Any, ...] = ()
 
@@ -69,11 +75,20 @@ class Page:
         self.server.state.change(name)(edited)
 
     def _edit_soon(self, widget: Any, value: Any) -> None:
-        """Take the value that is the last one in a moment: a mouse is faster than anybody can see."""
+        """Take the value that is the last one when what came of the one before is seen: a mouse is faster than that."""
         if not self._edits:
-            asyncio.get_running_loop().call_later(EDIT_EVERY_S, self._edit_now)
+            loop = asyncio.get_running_loop()
+            loop.call_later(EDIT_EVERY_S, self._edit_when_seen, loop.time() + LATEST_EDIT_S)
         self._edits.pop(widget, None)  # in the order in which they were touched last
         self._edits[widget] = value
+
+    def _edit_when_seen(self, latest: float) -> None:
+        session, loop = self.widget.session, asyncio.get_running_loop()
+        isBehind = self.view.isBehind or (session.isRunning and session.isPreview)
+        if isBehind and self._edits and loop.time() < latest:
+            loop.call_later(LOOK_AGAIN_S, self._edit_when_seen, latest)
+        else:
+            self._edit_now()
 
     def _edit_now(self) -> None:
         edits, self._edits = self._edits, {}
@@ -81,13 +96,15 @@ class Page:
             self.attempt(partial(widget.edit, value))
 
     def _changed(self, widget: Any) -> None:
-        """Send what a widget shows once everything that changes now has changed."""
+        """Send what a widget shows once everything that changes now has changed, but not too often."""
         if not self._dirty:
-            asyncio.get_running_loop().call_soon(self._flush)
+            loop = asyncio.get_running_loop()
+            loop.call_at(max(self._flushed_at + SHOW_EVERY_S, loop.time()), self._flush)
         self._dirty[widget.objectName] = widget
 
     def _flush(self) -> None:
         changed, self._dirty = self._dirty, {}
+        self._flushed_at = asyncio.get_running_loop().time()
         with self.server.state:
             for widget in changed.values():
                 self._show(widget)
@@ -135,6 +152,7 @@ class Page:
         widget = self.panel.widgets.get(name)
         if isinstance(widget, Button):
             self.attempt(widget.click)
+            self._flush()
 
     def edit(self, name: str, value: Any) -> None:
         """Change what a widget shows by more than a state variable."""
@@ -142,6 +160,7 @@ class Page:
         widget = self.panel.widgets.get(name)
         if widget is not None:
             self.attempt(lambda: widget.edit(value))
+            self._flush()
 
     def ask(self, name: str) -> None:
         """A button of the panel that asks for a file: the page asks first."""

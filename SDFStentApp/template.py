@@ -94,7 +94,8 @@ def _content(content: Placed | Arranged) -> str:
 def _of(widget: Widget) -> str:
     """A widget alone."""
     name, v = widget.objectName, value_of(widget)
-    common = f'v-show="{name}.visible" :title="{name}.tip" data-name="{name}"'
+    memo = f"{name}, {v}" if widget.edited else name  # made anew only when one of these is
+    common = f'v-show="{name}.visible" v-memo="[{memo}]" :title="{name}.tip" data-name="{name}"'
     disabled = f':disabled="!{name}.enabled"'
     if isinstance(widget, Button):
         return f'<button type="button" {common} {disabled} @click="{_click(name)}">{{{{ {name}.text }}}}</button>'
@@ -190,7 +191,7 @@ def _table(name: str) -> str:
     typed = f"name !== null && trigger('edit', ['{name}', [r, c, name]])"
     rename = f"item.edit && (name => {typed})(window.prompt({name}.columns[c], item.text))"
     return (
-        f'<div class="table" v-show="{name}.visible" data-name="{name}"><table :title="{name}.tip">'
+        f'<div class="table" v-show="{name}.visible" v-memo="[{name}]" data-name="{name}"><table :title="{name}.tip">'
         f'<thead><tr><th v-for="text in {name}.columns">{{{{ text }}}}</th></tr></thead><tbody>'
         f'<tr v-for="(row, r) in {name}.rows" :class="{{selected: r === {name}.selected}}" '
         f':aria-selected="r === {name}.selected">'
@@ -247,7 +248,7 @@ CHOOSER = f"""
 """
 
 DIAMETERS = """
-<div class="results" v-show="plot.lines.length">
+<div class="results" v-show="plot.lines.length" v-memo="[plot, table]">
 <figure><h2>{{ plot.title }}</h2><svg :viewBox="'0 0 ' + plot.width + ' ' + plot.height" role="img" :aria-label="plot.title">
 <g class="grid"><line v-for="t in plot.up" x1="44" :x2="plot.width - 12" :y1="t.at" :y2="t.at"></line></g>
 <g class="ticks"><text v-for="t in plot.up" x="38" :y="t.at + 4" text-anchor="end">{{ t.text }}</text>

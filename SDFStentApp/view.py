@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from typing import Any
 
@@ -10,10 +9,11 @@ import numpy as np
 import slicer
 import vtk
 from trame_rca.rca import VtkRemoteControlledArea
-from trame_rca.schedulers import RcaImageRenderScheduler
 from trame_rca.view_adapter import RcaViewAdapter
 
 from SDFStentLib.validation import InputError
+
+from .frames import Frames
 
 NAME = "view"
 DISPLAYABLE_MANAGERS = (
@@ -24,18 +24,11 @@ DISPLAYABLE_MANAGERS = (
     "vtkMRMLColorLegendDisplayableManager",
     "vtkMRMLOrientationMarkerDisplayableManager",
 )
-FRAMES_PER_S = 25.0
-MOVING_QUALITY, STILL_QUALITY = 60, 90
-"""Of the JPEG, percent."""
-
 MOST_PIXELS = 2_500_000
 """Of a frame, however large and fine the screen is."""
 
-MOVING_SCALE, STILL_AFTER_S = 0.6, 0.3
-"""Pixels across over those of the page while something moves, and until when it is still thought to."""
-
-STILL_AFTER_FRAMES = 12
-"""A sharp frame is drawn when for so many nothing has moved: sooner, a slow machine would draw them in between."""
+MOVING_SCALE = 0.6
+"""Pixels across over those of the page while something moves."""
 
 FILLED = 0.92
 """Of the view, by what there is to see."""
@@ -76,30 +69,27 @@ class View:
         interactor.SetInteractorStyle(vtk.vtkInteractorStyle3D())
         self.group.SetMRMLDisplayableNode(self.node)
         self.area = _Area(self.window, on_click, self.look_at_all)
-        self._scheduler: Any = None
+        self._frames: Frames | None = None
 
     def serve(self) -> RcaViewAdapter:
         """What sends the frames from now on; needs a running event loop."""
-        self._scheduler = RcaImageRenderScheduler(
-            self.area,
-            target_fps=FRAMES_PER_S,
-            interactive_quality=MOVING_QUALITY,
-            still_quality=STILL_QUALITY,
-            rca_encoder="turbo-jpeg",
-        )
-        self._scheduler._n_period_until_still_render = STILL_AFTER_FRAMES
+        self._frames = Frames(self.area)
         self.group.AddObserver(vtk.vtkCommand.UpdateEvent, lambda *_: self.draw())
         adapter = RcaViewAdapter(
-            self.area, NAME, scheduler=self._scheduler, do_schedule_render_on_interaction=False
+            self.area, NAME, scheduler=self._frames, do_schedule_render_on_interaction=False
         )
         adapter.max_pixel_count = MOST_PIXELS
         return adapter
 
     def draw(self) -> None:
         """Send a frame soon."""
-        self.area.is_moved()
-        if self._scheduler is not None:
-            self._scheduler.schedule_render()
+        if self._frames is not None:
+            self._frames.schedule_render()
+
+    @property
+    def isBehind(self) -> bool:
+        """Whether the browser has not been sent what there is to see."""
+        return self._frames is not None and self._frames.isBehind
 
     def paint(self, theme: str) -> None:
         """The background for a `light` or a `dark` page."""
@@ -152,24 +142,20 @@ class _Area(VtkRemoteControlledArea):
         on_new_size: Callable[[], None],
     ) -> None:
         super().__init__(window)
+        self._window = window
         self._on_click, self._is_taken = on_click, False
         self._on_new_size, self._is_touched = on_new_size, False
-        self._moved_at = 0.0
 
-    def is_moved(self) -> None:
-        """Something looks different from now on."""
-        self._moved_at = time.perf_counter()
-
-    @property
-    def img_cols_rows(self) -> tuple[np.ndarray, int, int]:
-        if time.perf_counter() - self._moved_at > STILL_AFTER_S:
-            return super().img_cols_rows
-        size = self._vtk_render_window.GetSize()
-        self._vtk_render_window.SetSize(*(max(10, round(MOVING_SCALE * side)) for side in size))
+    def picture(self, isCoarse: bool) -> tuple[np.ndarray, int, int]:
+        """Colors (rows, columns, 3), columns and rows of a frame."""
+        if not isCoarse:
+            return self.img_cols_rows
+        size = self._window.GetSize()
+        self._window.SetSize(*(max(10, round(MOVING_SCALE * side)) for side in size))
         try:
-            return super().img_cols_rows
+            return self.img_cols_rows
         finally:
-            self._vtk_render_window.SetSize(*size)
+            self._window.SetSize(*size)
 
     def process_resize_event(self, width: int, height: int) -> None:
         super().process_resize_event(width, height)

@@ -225,7 +225,8 @@ class ProgressBar(Widget):
     value, maximum = shown(0), shown(100)
 
     def state(self) -> dict[str, Any]:
-        return {**super().state(), "value": self.value, "max": self.maximum}
+        value = self.value if self.visible else 0  # nobody sees it: nothing to send
+        return {**super().state(), "value": value, "max": self.maximum}
 
 
 class Section(Widget):

@@ -1,0 +1,92 @@
+"""When frames are drawn: one at a time, coarse while something moves, a sharp one when it rests."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+from collections.abc import Callable
+from typing import Any, Protocol
+
+from trame_rca.encoders import RcaImageEncoder
+
+MOST_FRAMES_PER_S = 30.0
+MOVING_QUALITY, STILL_QUALITY = 60, 90
+"""Of the JPEG, percent."""
+
+STILL_AFTER_S = 0.4
+"""What has not moved for so long rests: sooner, a slow machine would draw sharp frames in between."""
+
+
+class Drawn(Protocol):
+    """What frames are drawn of."""
+
+    def picture(self, isCoarse: bool) -> tuple[Any, int, int]:
+        """Colors (rows, columns, 3), columns and rows."""
+        ...
+
+
+class Frames:
+    """A render scheduler of trame-rca, made with a running event loop.
+
+    A frame is drawn by the event loop, encoded beside it, and sent before the next one is drawn: who waits for `isBehind` to
+    end before the next change never makes pictures that nobody sees.
+    """
+
+    target_fps = MOST_FRAMES_PER_S
+
+    def __init__(self, rca: Drawn) -> None:
+        self.rca = rca
+        self._push: Callable[[bytes, dict[str, Any]], None] | None = None
+        self._wanted, self._isDrawing = asyncio.Event(), False
+        self._task = asyncio.ensure_future(self._run())
+
+    @property
+    def isBehind(self) -> bool:
+        """Whether something has been changed that is still to be sent."""
+        return self._wanted.is_set() or self._isDrawing
+
+    def set_push_callback(self, callback: Callable[[bytes, dict[str, Any]], None]) -> None:
+        """Send frames with this."""
+        self._push = callback
+
+    def schedule_render(self) -> None:
+        """Something looks different: draw it soon."""
+        self._wanted.set()
+
+    def reset(self) -> None:
+        """A picture needs none before it."""
+
+    async def close(self) -> None:
+        """Draw no more."""
+        self._task.cancel()
+        await asyncio.gather(self._task, return_exceptions=True)
+
+    async def _run(self) -> None:
+        loop = asyncio.get_running_loop()
+        # Ends: with `close`.
+        while True:
+            await self._wanted.wait()
+            # Ends: when nothing has moved for a while.
+            while self._wanted.is_set():
+                begun = loop.time()
+                await self._frame(isCoarse=True)
+                await asyncio.sleep(max(0.0, begun + 1 / self.target_fps - loop.time()))
+                with contextlib.suppress(asyncio.TimeoutError):
+                    await asyncio.wait_for(self._wanted.wait(), STILL_AFTER_S)
+            await self._frame(isCoarse=False)
+
+    async def _frame(self, isCoarse: bool) -> None:
+        self._wanted.clear()
+        self._isDrawing = True
+        quality = MOVING_QUALITY if isCoarse else STILL_QUALITY
+        try:
+            picture = self.rca.picture(isCoarse)
+            encode = RcaImageEncoder.TURBO_JPEG.encode
+            content, about, _ = await asyncio.to_thread(encode, *picture, quality)
+            if self._push is not None:
+                self._push(content, about)
+        except Exception:
+            logging.exception("A frame could not be drawn.")  # the next one may be
+        finally:
+            self._isDrawing = False
