@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import slicer
-import vtk
+from vtkmodules.util.misc import calldata_type
+from vtkmodules.util.vtkConstants import VTK_OBJECT
 
 LOGIC_CLASSES = {
     "Units": "vtkSlicerUnitsLogic",
@@ -55,14 +56,14 @@ class Application:
         self.applicationLogic.SetModuleLogic(name, logic)
         return logic
 
-    @vtk.calldata_type(vtk.VTK_OBJECT)
+    @calldata_type(VTK_OBJECT)
     def _add_to_subject_hierarchy(self, _scene: Any, _event: str, node: Any) -> None:
         # The application's plugins do this for every node that a user may see.
         if isinstance(node, IN_SUBJECT_HIERARCHY) and not self.scene.IsImporting():
             hierarchy = slicer.vtkMRMLSubjectHierarchyNode.GetSubjectHierarchyNode(self.scene)
             hierarchy.CreateItem(hierarchy.GetSceneItemID(), node)
 
-    @vtk.calldata_type(vtk.VTK_OBJECT)
+    @calldata_type(VTK_OBJECT)
     def _remove_from_subject_hierarchy(self, _scene: Any, _event: str, node: Any) -> None:
         if isinstance(node, IN_SUBJECT_HIERARCHY) and not self.scene.IsClosing():
             hierarchy = slicer.vtkMRMLSubjectHierarchyNode.GetSubjectHierarchyNode(self.scene)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import slicer
-import vtk
+from vtkmodules.vtkCommonCore import vtkPoints
 
 from SDFStentLib.plan import load_plan, read_input_files
 from SDFStentLib.validation import InputError
@@ -22,11 +22,12 @@ DEEPEST, MOST = 4, 400
 
 
 class Opened(NamedTuple):
-    """The nodes of a vessel and its centerline, and a plan to load, where there is one."""
+    """The nodes of a vessel and its centerline, a plan to load, where there is one, and what is odd about the files."""
 
     vessel: Any
     centerline: Any
     plan: Path | None = None
+    warnings: str = ""
 
 
 class Uploads:
@@ -104,17 +105,18 @@ def _files(folder: Path, depth: int) -> Iterator[Path]:
             yield Path(entry.path)
 
 
-def open_vessel(scene: Any, surface: Path, centerline: Path | None) -> Opened:
-    """Read both into the scene. Raises the library's `InputError` for files that it cannot use."""
-    read_input_files(surface, centerline)
-    vessel = _model(scene, surface)
+def open_vessel(scene: Any, surface: Path, centerline: Path | None, units: str = "mm") -> Opened:
+    """Read both into the scene, in mm. Raises the library's `InputError` for files that it cannot use."""
+    cautions = read_input_files(surface, centerline, units).warnings
+    warnings = "\n".join(caution.sentence() for caution in cautions)
+    vessel = _model(scene, surface, units)
     vessel.GetDisplayNode().SetOpacity(0.5)
     vessel.GetDisplayNode().SetColor(0.85, 0.45, 0.4)
     if centerline is None:
-        return Opened(vessel, None)
-    lines = _model(scene, centerline)
+        return Opened(vessel, None, warnings=warnings)
+    lines = _model(scene, centerline, units)
     lines.GetDisplayNode().SetLineWidth(3)
-    return Opened(vessel, lines)
+    return Opened(vessel, lines, warnings=warnings)
 
 
 def open_plan(scene: Any, path: Path, folders: Folders | None) -> Opened:
@@ -127,11 +129,11 @@ def open_plan(scene: Any, path: Path, folders: Folders | None) -> Opened:
     files = [file and Path(file.path) for file in (plan.surface, plan.centerline)]
     if folders is not None:
         files = [file and folders.checked(file) for file in files]
-    opened = open_vessel(scene, files[0], files[1])
+    opened = open_vessel(scene, files[0], files[1], plan.units)
     return opened._replace(plan=path)
 
 
-def _model(scene: Any, path: Path) -> Any:
+def _model(scene: Any, path: Path, units: str) -> Any:
     node = scene.AddNewNodeByClass("vtkMRMLModelNode", scene.GenerateUniqueName(path.stem))
     storage = scene.AddNewNodeByClass("vtkMRMLModelStorageNode")
     node.SetAndObserveStorageNodeID(storage.GetID())
@@ -142,12 +144,16 @@ def _model(scene: Any, path: Path) -> Any:
             f"{path}: expected a model that Slicer can read, got another; export it as VTP."
         )
     node.CreateDefaultDisplayNodes()
+    if units != "mm":
+        from SDFStentSlicer import Conversion
+
+        Conversion.bringToMillimeters(node, units)
     return node
 
 
 def save_model(node: Any, path: Path) -> None:
     """Write a model to a file, in double precision, and let the node know where it is kept."""
-    points = vtk.vtkPoints()
+    points = vtkPoints()
     points.SetDataTypeToDouble()
     points.DeepCopy(node.GetPolyData().GetPoints())
     node.GetPolyData().SetPoints(points)

@@ -194,8 +194,8 @@ class Page:
         if variable in PATHS:
             self.attempt(keep)
 
-    def open(self, surface: str, centerline: str) -> None:
-        """Open a vessel, or a plan in place of the surface, from files that may be opened."""
+    def open(self, surface: str, centerline: str, units: str) -> None:
+        """Open a vessel, or a plan in place of the surface, from files that may be opened; a plan names its own unit."""
 
         def load() -> None:
             wall = self.folders.existing(surface)
@@ -204,7 +204,7 @@ class Page:
             if wall.suffix.lower() in PLANS:
                 self._opened(open_plan(scene, wall, self.folders))
             else:
-                self._opened(open_vessel(scene, wall, line))
+                self._opened(open_vessel(scene, wall, line, units))
 
         if surface:
             self.attempt(load)
@@ -220,7 +220,8 @@ class Page:
                 self._opened(open_plan(scene, Path(told["plan"]), None))
             elif told.get("surface"):
                 line = told.get("centerline")
-                self._opened(open_vessel(scene, Path(told["surface"]), line and Path(line)))
+                files = Path(told["surface"]), line and Path(line)
+                self._opened(open_vessel(scene, *files, told["units"]))
 
         self.attempt(load)
         if self.told.get("demo"):
@@ -246,6 +247,7 @@ class Page:
         if opened.plan is not None:
             self.widget.logic.loadPlan(opened.plan, parameters)
         self.view.look_at_all()
+        self.say(opened.warnings)
         with self.server.state as state:
             state.opening__v = True
 

@@ -16,8 +16,12 @@ from typing import Any
 READY_WITHIN_S = 90.0
 FIRST_VISIT_WITHIN_S = 120.0
 END_WITHIN_S = 3.0
-ALLOCATION = {"MALLOC_ARENA_MAX": "2", "MALLOC_TRIM_THRESHOLD_": "1000000"}
-"""Its many short threads would each keep memory that they have given back."""
+ALLOCATION = {
+    "MALLOC_ARENA_MAX": "2",
+    "MALLOC_TRIM_THRESHOLD_": "1000000",
+    "OMP_NUM_THREADS": "1",
+}
+"""Its many short threads would each keep memory that they have given back; and pages share the processors already."""
 
 
 class PageProcess:

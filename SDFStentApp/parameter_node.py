@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import slicer
-import vtk
+from vtkmodules.vtkCommonCore import vtkCommand, vtkObject
 
 
 @dataclass(frozen=True)
@@ -260,7 +260,7 @@ class WrapperMembers:
         for name, connector in bound.items():
             connector.write(self.getValue(name))
             connector.onChanged(self._callback(name, connector))
-        tag = self.AddObserver(vtk.vtkCommand.ModifiedEvent, lambda *_: self._updateGui(bound))
+        tag = self.AddObserver(vtkCommand.ModifiedEvent, lambda *_: self._updateGui(bound))
         self._bindings[tag] = bound
         return tag
 
@@ -327,7 +327,7 @@ def _isNodeType(type_):
     options = (
         [t for t in typing.get_args(type_) if t is not type(None)] if _isUnion(type_) else [type_]
     )
-    return all(isinstance(t, type) and issubclass(t, vtk.vtkObject) for t in options)
+    return all(isinstance(t, type) and issubclass(t, vtkObject) for t in options)
 
 
 def _isUnion(type_):

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import slicer
+from vtkmodules.util import numpy_support
 
 from . import connectors, module_base, parameter_node, tables
 from .ui_file import Panel
@@ -81,6 +82,16 @@ class Shortcut:
     def connect(self, _signature: str, _function: Callable[[], Any]) -> None: ...
 
 
+class Vtk(types.ModuleType):
+    """VTK under its old name, which functions of `slicer.util` import: all of it is 50 MB more than what is loaded anyway."""
+
+    def __getattr__(self, name: str) -> Any:
+        for key, module in list(sys.modules.items()):
+            if key.startswith("vtkmodules.vtk") and hasattr(module, name):
+                return getattr(module, name)
+        raise AttributeError(f"VTK has no {name} in the modules that are loaded.")
+
+
 def install(application: Any) -> None:
     """Put everything where the module looks for it. Call it once, before the module is imported."""
     slicer.mrmlScene = application.scene
@@ -89,6 +100,10 @@ def install(application: Any) -> None:
     slicer.util.loadUI = _loaded
     slicer.util.childWidgetVariables = lambda top: top.panel
     parameter_node.bindWith(lambda widget: getattr(widget, "parameter", ""), connectors.connector)
+    if "vtk" not in sys.modules:
+        sys.modules["vtk"] = sys.modules["vtk.util"] = vtk = Vtk("vtk")
+        vtk.util, vtk.numpy_support = vtk, numpy_support
+        sys.modules["vtk.util.numpy_support"] = numpy_support
     _add("slicer.i18n", tr=lambda text: text, translate=lambda _context, text: text)
     _add("slicer.ScriptedLoadableModule", **_classes(module_base, "Scripted"))
     names = ("parameterNodeWrapper", "parameterPack", "WithinRange", "Minimum", "Choice", "Default")

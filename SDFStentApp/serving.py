@@ -25,6 +25,9 @@ from .page_process import PageProcess
 from .process import HEADER
 
 INDEX = "index.html"
+LAUNCHER = "paraview/"
+"""What trame's client asks first for a process of its own; with nothing for an answer it takes the one that it is from."""
+
 KEPT_HEADERS = {
     "Cache-Control": "no-store",
     "Referrer-Policy": "no-referrer",
@@ -137,6 +140,8 @@ class Server:
         self, request: web.Request, page: PageProcess, tail: str
     ) -> web.StreamResponse:
         assert self._client is not None
+        if (request.method, tail) == ("POST", LAUNCHER):
+            return web.json_response(None, headers=KEPT_HEADERS)
         if request.method not in ("GET", "HEAD"):
             return _sentence(405, "Pages are only read.")
         url = f"http://127.0.0.1:{await page.port()}/{tail}"

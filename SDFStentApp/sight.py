@@ -55,6 +55,7 @@ def _begin(page: Any) -> None:
     state.trame__template_error = template.GONE
     state.message, state.isPlacing, state.isSaving, state.canSave = "", False, False, False
     state.surfacePath = state.centerlinePath = state.chosenPath = ""
+    state.fileUnits = page.told.get("units", "mm")
     state.chooser, state.opening__v = {}, False
     state.surfaceFiles = page.folders.listing((*SURFACES, *PLANS))
     state.centerlineFiles = page.folders.listing(CENTERLINES)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from html import escape
 
+from SDFStentLib.units import MILLIMETERS
+
 from .selectors import NodeComboBox, PlaceWidget, SegmentSelector
 from .tables import Table
 from .ui_file import Arranged, Placed
@@ -217,18 +219,24 @@ def _upload(variable: str) -> str:
 @change="Array.from($event.target.files).forEach(f => {send})">"""
 
 
+def _units() -> str:
+    return "".join(f"<option>{name}</option>" for name in MILLIMETERS)
+
+
 OPENING = f"""
 <details class="opening" :open="!opening__v" @toggle="opening__v = !$event.target.open" data-name="opening">
 <summary>Open</summary>
 <div class="row"><button type="button" @click="trigger('demo')" data-name="demoButton">Synthetic patient</button></div>
-<form class="form" @submit.prevent="trigger('open', [surfacePath, centerlinePath])">
+<form class="form" @submit.prevent="trigger('open', [surfacePath, centerlinePath, fileUnits])">
 <label class="label" for="surfacePath">Surface:</label>
 <input id="surfacePath" type="text" v-model.lazy="surfacePath" list="surfaces" placeholder="path of a surface, or of a plan">
 <span></span>{_upload("surfacePath")}
 <label class="label" for="centerlinePath">Centerline:</label>
 <input id="centerlinePath" type="text" v-model.lazy="centerlinePath" list="centerlines" placeholder="path of its centerline">
 <span></span>{_upload("centerlinePath")}
-<button type="submit" data-name="openButton">Open</button>
+<label class="label" for="fileUnits">Unit:</label>
+<select id="fileUnits" v-model="fileUnits" title="Of both files; a plan names its own.">{_units()}</select>
+<span></span><button type="submit" data-name="openButton">Open</button>
 </form>
 <datalist id="surfaces"><option v-for="path in surfaceFiles" :value="path"></option></datalist>
 <datalist id="centerlines"><option v-for="path in centerlineFiles" :value="path"></option></datalist>
@@ -248,8 +256,9 @@ CHOOSER = f"""
 """
 
 DIAMETERS = """
-<div class="results" v-show="plot.lines.length" v-memo="[plot, table]">
-<figure><h2>{{ plot.title }}</h2><svg :viewBox="'0 0 ' + plot.width + ' ' + plot.height" role="img" :aria-label="plot.title">
+<div class="results" v-memo="[plot, table]">
+<p class="suffix" v-show="!plot.lines.length">Diameters along the stent, once it is deployed.</p>
+<figure v-show="plot.lines.length"><h2>{{ plot.title }}</h2><svg :viewBox="'0 0 ' + plot.width + ' ' + plot.height" role="img" :aria-label="plot.title">
 <g class="grid"><line v-for="t in plot.up" x1="44" :x2="plot.width - 12" :y1="t.at" :y2="t.at"></line></g>
 <g class="ticks"><text v-for="t in plot.up" x="38" :y="t.at + 4" text-anchor="end">{{ t.text }}</text>
 <text v-for="t in plot.across" :x="t.at" :y="plot.height - 18" text-anchor="middle">{{ t.text }}</text>
@@ -257,7 +266,7 @@ DIAMETERS = """
 <text :transform="'translate(11 ' + plot.height / 2 + ') rotate(-90)'" text-anchor="middle">{{ plot.words[1] }}</text></g>
 <path v-for="l in plot.lines" :d="l.path" :stroke="l.color" :stroke-dasharray="l.dash ? '7 5' : null"></path>
 </svg><figcaption><span v-for="l in plot.lines"><i :class="{dash: l.dash}" :style="{background: l.color}"></i>{{ l.name }}</span></figcaption></figure>
-<details><summary>{{ table.title || 'Table' }}</summary><div class="table"><table>
+<details v-show="plot.lines.length"><summary>{{ table.title || 'Table' }}</summary><div class="table"><table>
 <thead><tr><th v-for="c in table.columns">{{ c }}</th></tr></thead>
 <tbody><tr v-for="row in table.rows"><td v-for="v in row">{{ v }}</td></tr></tbody></table></div></details>
 </div>

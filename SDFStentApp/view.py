@@ -7,9 +7,11 @@ from typing import Any
 
 import numpy as np
 import slicer
-import vtk
 from trame_rca.rca import VtkRemoteControlledArea
 from trame_rca.view_adapter import RcaViewAdapter
+from vtkmodules.vtkCommonCore import vtkCommand
+from vtkmodules.vtkRenderingCore import vtkInteractorStyle3D, vtkRenderer, vtkRenderWindow
+from vtkmodules.vtkRenderingUI import vtkGenericRenderWindowInteractor
 
 from SDFStentLib.validation import InputError
 
@@ -24,8 +26,8 @@ DISPLAYABLE_MANAGERS = (
     "vtkMRMLColorLegendDisplayableManager",
     "vtkMRMLOrientationMarkerDisplayableManager",
 )
-MOST_PIXELS = 2_500_000
-"""Of a frame, however large and fine the screen is."""
+MOST_PIXELS = 1_500_000
+"""Of a frame, however large and fine the screen is: each takes 60 bytes of the window's buffers."""
 
 MOVING_SCALE = 0.6
 """Pixels across over those of the page while something moves."""
@@ -47,14 +49,14 @@ class View:
 
     def __init__(self, application: Any, on_click: Callable[[float, float], bool]) -> None:
         self.node = _view_node(application.scene)
-        self.renderer = vtk.vtkRenderer()
-        self.window = vtk.vtkRenderWindow()
+        self.renderer = vtkRenderer()
+        self.window = vtkRenderWindow()
         self.window.SetOffScreenRendering(True)
         self.window.ShowWindowOff()
         self.window.SetMultiSamples(0)
         self.window.SetSize(800, 600)
         self.window.AddRenderer(self.renderer)
-        interactor = vtk.vtkGenericRenderWindowInteractor()
+        interactor = vtkGenericRenderWindowInteractor()
         interactor.SetRenderWindow(self.window)
         factory = slicer.vtkMRMLThreeDViewDisplayableManagerFactory.GetInstance()
         factory.SetMRMLApplicationLogic(application.applicationLogic)
@@ -66,7 +68,7 @@ class View:
         self._style = slicer.vtkMRMLThreeDViewInteractorStyle()
         self._style.SetDisplayableManagers(self.group)
         self._style.SetInteractor(interactor)
-        interactor.SetInteractorStyle(vtk.vtkInteractorStyle3D())
+        interactor.SetInteractorStyle(vtkInteractorStyle3D())
         self.group.SetMRMLDisplayableNode(self.node)
         self.area = _Area(self.window, on_click, self.look_at_all)
         self._frames: Frames | None = None
@@ -74,7 +76,7 @@ class View:
     def serve(self) -> RcaViewAdapter:
         """What sends the frames from now on; needs a running event loop."""
         self._frames = Frames(self.area)
-        self.group.AddObserver(vtk.vtkCommand.UpdateEvent, lambda *_: self.draw())
+        self.group.AddObserver(vtkCommand.UpdateEvent, lambda *_: self.draw())
         adapter = RcaViewAdapter(
             self.area, NAME, scheduler=self._frames, do_schedule_render_on_interaction=False
         )

@@ -1,4 +1,4 @@
-"""When frames of the page are drawn: coarse while something moves, one at a time, then a sharp one."""
+"""When frames are drawn: coarse while something moves, one at a time, then a sharp one."""
 
 from __future__ import annotations
 

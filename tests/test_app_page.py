@@ -8,6 +8,7 @@ import os
 import re
 import shutil
 import zipfile
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -17,8 +18,16 @@ playwright = pytest.importorskip("playwright.sync_api", reason="playwright is no
 for name in ("slicer", "trame", "trame_rca", "aiohttp"):
     pytest.importorskip(name, reason="the extra app is not installed")
 
-from app_server import AppServer  # noqa: E402
+from app_server import AppServer, get  # noqa: E402
 from PIL import Image  # noqa: E402
+
+from SDFStentLib.files import (  # noqa: E402
+    add_arrays,
+    encode_vtp,
+    polydata_from_arrays,
+    polydata_from_lines,
+)
+from SDFStentLib.phantoms import branching_pulmonary_artery  # noqa: E402
 
 CHROMIUM = os.environ.get("CHROMIUM") or shutil.which("chromium")
 QUIET = (
@@ -49,8 +58,17 @@ def a_browser():
 
 @pytest.fixture(scope="module")
 def the_folder(tmp_path_factory):
-    """What the pages may open: a damaged file."""
+    """What the pages may open: a damaged file, and the synthetic patient in cm."""
     folder = tmp_path_factory.mktemp("folder")
+    (folder / "cm").mkdir()
+    artery = branching_pulmonary_artery()
+    wall = polydata_from_arrays(artery.points / 10, artery.triangles)
+    (folder / "cm" / "wall.vtp").write_bytes(encode_vtp(wall))
+    line = artery.centerline
+    paths = [line.ancestry(leaf) for leaf in line.leaves]
+    lines = polydata_from_lines(line.points / 10, paths)
+    add_arrays(lines, {"Radius": line.inscribed_radius / 10}, None)
+    (folder / "cm" / "lines.vtp").write_bytes(encode_vtp(lines))
     (folder / "damaged.vtp").write_text("<VTKFile type='PolyData'><PolyData>", encoding="utf-8")
     return folder
 
@@ -74,8 +92,13 @@ class Visit:
         self.asked, self.errors = [], []
         self.page.on("request", lambda request: self.asked.append(request.url))
         self.page.on("pageerror", lambda error: self.errors.append(str(error)))
+        self.page.on("console", self._on_console)
         self.page.goto(address)
         self.named("deployButton").wait_for(timeout=60_000)
+
+    def _on_console(self, message):
+        if message.type in ("error", "warning"):
+            self.errors.append(message.text)
 
     def named(self, name):
         return self.page.locator(f'[data-name="{name}"]')
@@ -154,6 +177,7 @@ def a_visit(the_visit):
     the_visit.named("opening").evaluate("one => { one.open = true; }")
     the_visit.named("autoUpdateCheckBox").locator("input").uncheck()
     the_visit.named("demoButton").click()
+    playwright.expect(the_visit.named("opening")).not_to_have_attribute("open", "", timeout=30_000)
     the_visit.until_empty("stentTable")
     the_visit.named("lesionTable").locator("tbody tr").first.wait_for(timeout=60_000)
     return the_visit
@@ -164,6 +188,7 @@ def test_a_lesion_is_treated_by_two_stents_and_the_shell_repeats_the_plan(a_visi
     from SDFStentLib.plan import load_plan, run_plan
 
     lesions = a_visit.named("lesionTable").locator("tbody tr")
+    screen = a_visit.page.locator(".screen").bounding_box()
     lesions.first.locator("td").first.click()
     a_visit.add_stent()
     a_visit.add_stent()
@@ -173,6 +198,7 @@ def test_a_lesion_is_treated_by_two_stents_and_the_shell_repeats_the_plan(a_visi
     a_visit.until("certificateLabel", "Certified")
     assert a_visit.text("lumenLabel").count("Minimum lumen") == 2
     assert "certificate" not in a_visit.text("statusLabel")
+    assert a_visit.page.locator(".screen").bounding_box() == screen  # the view stays as it was
     lines = a_visit.page.locator(".results svg path")
     assert lines.count() == 3
     assert all(path.get_attribute("d").startswith("M") for path in lines.all())
@@ -185,6 +211,13 @@ def test_a_lesion_is_treated_by_two_stents_and_the_shell_repeats_the_plan(a_visi
     np.testing.assert_allclose(result.treatment.points, by_page, rtol=0, atol=1e-9)
     report = a_visit.saved("save-report").decode()
     assert result.treatment.certificate.sentence()[:40] in report
+
+
+def test_a_page_has_loaded_what_it_uses_of_vtk_and_no_more(the_visit, the_server):
+    paths = {Path(one.path).name for page in the_server.pages() for one in page.memory_maps()}
+    loaded = {name.partition(".")[0] for name in paths}
+    assert "vtkRenderingOpenGL2" in loaded
+    assert not {"vtkRenderingLICOpenGL2", "vtkIOOggTheora", "vtkInfovisLayout"} & loaded
 
 
 def test_numbers_follow_a_slider_while_it_is_dragged_and_expansion_goes_back(a_visit):
@@ -208,8 +241,6 @@ def test_numbers_follow_a_slider_while_it_is_dragged_and_expansion_goes_back(a_v
 
 
 def test_a_click_on_the_centerline_places_the_handle_and_the_mouse_drags_it(a_visit):
-    from SDFStentLib.phantoms import branching_pulmonary_artery
-
     a_visit.add_stent()
     place = a_visit.named("placeWidget")
     place.click()
@@ -294,6 +325,36 @@ def test_alternatives_are_made_renamed_and_compared(a_visit):
     assert b"Wider" in comparison.read(page)
 
 
+def test_a_page_that_hangs_holds_up_no_other(a_visit, the_server):
+    known = {page.pid for page in the_server.pages()}
+    address = get(the_server.address)[2]
+    (other,) = (page for page in the_server.pages() if page.pid not in known)
+    other.suspend()
+    try:
+        with ThreadPoolExecutor() as pool:
+            asked = pool.submit(get, address)
+            a_visit.named("lesionTable").locator("td").first.click()
+            a_visit.add_stent()
+            a_visit.named("deployButton").click()
+            a_visit.until("certificateLabel", "Certified")
+            assert not asked.done()
+            other.resume()
+            assert asked.result()[0] == 200
+    finally:
+        other.kill()
+
+
+def test_a_segment_for_a_flow_solver_is_kept_by_the_browser(a_visit):
+    a_visit.named("lesionTable").locator("td").first.click()
+    a_visit.add_stent()
+    a_visit.named("deployButton").click()
+    a_visit.until("certificateLabel", "Certified")
+    a_visit.page.evaluate("document.querySelectorAll('details').forEach(d => { d.open = true; })")
+    segment = zipfile.ZipFile(io.BytesIO(a_visit.saved("writeSegmentButton")))
+    assert {name.split("/")[0] for name in segment.namelist()} >= {"segment"}
+    assert a_visit.text("statusLabel") == ""
+
+
 def test_a_page_that_is_loaded_again_has_its_stents(a_visit):
     a_visit.add_stent()
     a_visit.page.reload()
@@ -313,3 +374,33 @@ def test_a_page_that_has_failed_says_so_and_is_there_again_when_it_is_loaded(a_b
     server.process.kill()
     visit.page.locator(".gone").wait_for(timeout=20_000)
     visit.context.close()
+
+
+def test_files_in_cm_are_shown_in_mm_and_saved_as_they_are(a_visit, the_folder, tmp_path):
+    from SDFStentLib.files import read_surface
+    from SDFStentLib.plan import load_plan, run_plan
+
+    a_visit.named("opening").evaluate("one => { one.open = true; }")
+    a_visit.page.fill("#surfacePath", str(the_folder / "cm" / "wall.vtp"))
+    a_visit.page.fill("#centerlinePath", str(the_folder / "cm" / "lines.vtp"))
+    a_visit.named("openButton").click()
+    a_visit.until("message", "name the unit of the file")
+    a_visit.named("opening").evaluate("one => { one.open = true; }")
+    a_visit.page.select_option("#fileUnits", "cm")
+    a_visit.named("openButton").click()
+    a_visit.named("lesionTable").locator("td").first.click(timeout=60_000)
+    a_visit.add_stent()
+    a_visit.named("deployButton").click()
+    a_visit.until("certificateLabel", "ertified")
+    zipfile.ZipFile(io.BytesIO(a_visit.saved("savePlanButton"))).extractall(tmp_path)
+    given = (the_folder / "cm" / "wall.vtp").read_bytes()
+    assert (tmp_path / "surface.vtp").read_bytes() == given
+    plan = load_plan(tmp_path / "plan.json")
+    assert plan.units == "cm"
+    (tmp_path / "page.vtp").write_bytes(a_visit.saved("save-surface"))
+    result = run_plan(plan)
+    by_page = read_surface(tmp_path / "page.vtp", "cm").surface.points
+    np.testing.assert_allclose(result.treatment.points, by_page, rtol=0, atol=1e-9)
+    stent = plan.stents[0]
+    assert f"{stent.diameter:.1f} prescribed" in a_visit.text("lumenLabel")
+    assert float(a_visit.number("diameterSlider").input_value()) == pytest.approx(stent.diameter)

@@ -69,6 +69,7 @@ def test_a_server_that_is_killed_leaves_no_page(a_server):
         (["no.vtp"], "no.vtp: expected a file, got none"),
         (["--folder", "nowhere"], "nowhere: expected a folder, got none"),
         (["--centerline", "c.vtp"], "expected a surface beside it"),
+        (["--units", "cm"], "--units: expected a surface beside it, got none"),
         (["tube.vtp", "--demo"], "expected no file beside it"),
         (["--port", "70000"], "expected 0 to 65535, got 70000"),
         (["--pages", "0"], "expected at least 1, got 0"),

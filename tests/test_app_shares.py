@@ -43,7 +43,7 @@ def test_the_page_takes_from_the_library_what_reads_plans_and_writes_results_onl
         for alias in node.names
     }
     assert {module.partition(".")[2] for module, _ in used} == {
-        "plan", "report", "stent", "validation"
+        "plan", "report", "stent", "units", "validation"
     }  # fmt: skip
     assert not {name for _, name in used} & {"Treatment", "Preview", "Deployment", "find_lesions"}
 
@@ -57,3 +57,14 @@ def test_no_word_of_the_panel_and_no_range_is_in_the_page_once_more():
     known = set(re.findall(r'name="(\w+)">', ui)) - {"text"}
     ranges = re.findall(r"\.(\w+Slider|\w+SpinBox)\.(?:minimum|maximum|value) = ", sources)
     assert [name for name in ranges if name in known] == []
+
+
+def test_neither_page_nor_panel_imports_all_of_vtk():
+    panel = (PROJECT / "SDFStent" / "SDFStentSlicer").glob("*.py")
+    lines = [
+        (path.name, line)
+        for path in [*APP, *panel]
+        for line in path.read_text(encoding="utf-8").splitlines()
+        if re.match(r"\s*(import|from) vtk\b", line)
+    ]
+    assert lines == []

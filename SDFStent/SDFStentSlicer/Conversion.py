@@ -3,23 +3,34 @@
 Everything handed to the library is in world coordinates (RAS, mm), whatever transforms the nodes are under.
 """
 
+import tempfile
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import slicer
-import vtk
-from vtk.util.numpy_support import vtk_to_numpy
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkIdList, vtkPoints
+from vtkmodules.vtkCommonDataModel import vtkPolyData
+from vtkmodules.vtkCommonMath import vtkMatrix4x4
+from vtkmodules.vtkCommonTransforms import vtkGeneralTransform
+from vtkmodules.vtkFiltersGeneral import vtkTransformPolyDataFilter
 
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.files import (
+    add_arrays,
     inscribed_radius_from_polydata,
     lines_from_polydata,
     surface_from_polydata,
     triangulated_polydata,
 )
+from SDFStentLib.units import MILLIMETERS
 from SDFStentLib.validation import InputError
 
 from . import Outputs
+
+FILE_UNITS = "SDFStent.FileUnits"
+"""Attribute of a model in mm whose file is in another unit."""
 
 
 def vesselPolyData(node, segmentID=""):
@@ -40,7 +51,7 @@ def vesselPolyData(node, segmentID=""):
         raise InputError(
             f"Vessel {node.GetName()}: expected a surface of triangles, got none; select another node."
         )
-    copy = vtk.vtkPolyData()
+    copy = vtkPolyData()
     copy.DeepCopy(surface)
     return copy
 
@@ -153,6 +164,33 @@ def fileFrame(node):
     return storage.GetCoordinateSystemTypeAsString(storage.GetCoordinateSystem())
 
 
+def fileUnits(node):
+    """The unit of the file that a model is kept in; mm, as Slicer reads and writes, unless something else is said of it."""
+    return node.GetAttribute(FILE_UNITS) or "mm"
+
+
+def bringToMillimeters(node, units):
+    """Scale a model that was read from a file in another unit; it stays one that is as in its file."""
+    polyData, scale = vtkPolyData(), MILLIMETERS[units]
+    polyData.ShallowCopy(node.GetPolyData())
+    points = vtkPoints()
+    stored = vtk_to_numpy(polyData.GetPoints().GetData()).astype(np.float64)
+    points.SetData(numpy_to_vtk(scale * stored, deep=True))
+    polyData.SetPoints(points)
+    radius = inscribed_radius_from_polydata(polyData)
+    if radius is not None:
+        # The name that is looked for first.
+        add_arrays(polyData, {"MaximumInscribedSphereRadius": scale * radius}, None)
+    node.SetAndObservePolyData(polyData)
+    node.SetAttribute(FILE_UNITS, units)
+    storage = node.GetStorageNode()
+    path = storage.GetFileName()
+    with tempfile.TemporaryDirectory(prefix="sdfstent-") as folder:
+        storage.SetFileName(str(Path(folder) / "model.vtp"))
+        storage.WriteData(node)  # from now on it counts as unchanged
+    storage.SetFileName(path)
+
+
 def changeStamp(node):
     """A value that changes whenever the node's content or its transform does; None for no node."""
     if node is None:
@@ -188,7 +226,7 @@ def _checkTransform(node):
     transform = node.GetParentTransformNode()
     if transform is None or not transform.IsTransformToWorldLinear():
         return
-    matrix = vtk.vtkMatrix4x4()
+    matrix = vtkMatrix4x4()
     transform.GetMatrixTransformToWorld(matrix)
     if abs(matrix.Determinant()) < 1e-9:
         raise InputError(
@@ -216,7 +254,7 @@ def _segmentSurface(node, segmentID):
         raise InputError(
             f"Vessel {node.GetName()}: expected a segment, got none; select one in Inputs."
         )
-    surface = vtk.vtkPolyData()
+    surface = vtkPolyData()
     # The logic converts a copy of the segment where it has no surface yet, and applies the node's transform.
     slicer.vtkSlicerSegmentationsModuleLogic.GetSegmentClosedSurfaceRepresentation(
         node, segmentID, surface
@@ -228,9 +266,9 @@ def _toWorld(node, polyData):
     transform = node.GetParentTransformNode()
     if transform is None:
         return polyData
-    toWorld = vtk.vtkGeneralTransform()
+    toWorld = vtkGeneralTransform()
     slicer.vtkMRMLTransformNode.GetTransformBetweenNodes(transform, None, toWorld)
-    mover = vtk.vtkTransformPolyDataFilter()
+    mover = vtkTransformPolyDataFilter()
     mover.SetTransform(toWorld)
     mover.SetInputData(polyData)
     mover.Update()
@@ -254,7 +292,7 @@ def _branchCurves(node):
     item = hierarchy.GetItemByDataNode(node)
     if not item:
         return []
-    children = vtk.vtkIdList()
+    children = vtkIdList()
     hierarchy.GetItemChildren(item, children, True)
     nodes = [hierarchy.GetItemDataNode(children.GetId(i)) for i in range(children.GetNumberOfIds())]
     return [n for n in nodes if n is not None and n.IsA("vtkMRMLMarkupsCurveNode")]

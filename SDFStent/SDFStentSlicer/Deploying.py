@@ -1,6 +1,6 @@
 """The full deployment of a parameter set: shown, then measured."""
 
-from vtk.util.numpy_support import vtk_to_numpy
+from vtkmodules.util.numpy_support import vtk_to_numpy
 
 from . import Dependencies, Plans, Results
 from .Portions import inPortions, working

@@ -4,9 +4,10 @@ from pathlib import Path
 
 import numpy as np
 import slicer
-import vtk
 from slicer.i18n import tr as _
-from vtk.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import vtkPolyData
+from vtkmodules.vtkFiltersCore import vtkAppendPolyData, vtkAssignAttribute, vtkTubeFilter
 
 from SDFStentLib.files import polydata_from_arrays, polydata_from_lines
 from SDFStentLib.geometry import resampled
@@ -88,11 +89,11 @@ def showLines(node, points, lines):
 
 def showTubes(node, axes):
     """Put one open tube per (stent axis, largest radius) into a model node, in place."""
-    appended = vtk.vtkAppendPolyData()
+    appended = vtkAppendPolyData()
     for axis, radius in axes:
         spine = resampled(axis.points, TUBE_SPACING)
         line = polydata_from_lines(spine, [np.arange(len(spine))])
-        tube = vtk.vtkTubeFilter()
+        tube = vtkTubeFilter()
         if axis.profile is not None:
             widths = axis.profile.at(np.linspace(0, 1, len(spine))) / axis.profile.widest
             shares = numpy_to_vtk(TUBE_SHRINK * radius * widths, deep=True)
@@ -106,7 +107,7 @@ def showTubes(node, axes):
         appended.AddInputConnection(tube.GetOutputPort())
     if axes:
         appended.Update()
-    _replaceContent(node, appended.GetOutput() if axes else vtk.vtkPolyData())
+    _replaceContent(node, appended.GetOutput() if axes else vtkPolyData())
     display = node.GetDisplayNode()
     display.SetRepresentation(slicer.vtkMRMLDisplayNode.SurfaceRepresentation)
     display.SetEdgeVisibility(True)
@@ -124,7 +125,7 @@ def showStruts(node, stents):
         lines += list(lattice.lines + first)
         first += len(lattice.points)
     _replaceContent(
-        node, polydata_from_lines(np.concatenate(points), lines) if stents else vtk.vtkPolyData()
+        node, polydata_from_lines(np.concatenate(points), lines) if stents else vtkPolyData()
     )
     node.GetDisplayNode().SetLineWidth(STRUT_WIDTH)
     _hideEdges(node)
@@ -183,7 +184,7 @@ def showMap(node, name, values, onCells, title):
             legend.SetVisibility(False)
         return
     setArray(node, name, values, onCells)
-    place = vtk.vtkAssignAttribute.CELL_DATA if onCells else vtk.vtkAssignAttribute.POINT_DATA
+    place = vtkAssignAttribute.CELL_DATA if onCells else vtkAssignAttribute.POINT_DATA
     display.SetActiveScalar(name, place)
     display.SetAndObserveColorNodeID(_mapColors(node.GetScene()).GetID())
     display.SetScalarRangeFlag(slicer.vtkMRMLDisplayNode.UseManualScalarRange)

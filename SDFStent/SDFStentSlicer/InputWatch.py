@@ -1,8 +1,8 @@
 """Follows the nodes that a result depends on."""
 
 import slicer
-import vtk
 from slicer.util import VTKObservationMixin
+from vtkmodules.vtkCommonCore import vtkCommand
 
 
 class InputWatch(VTKObservationMixin):
@@ -39,5 +39,5 @@ def _eventsOf(node):
     elif node.IsA("vtkMRMLModelNode"):
         events.append(slicer.vtkMRMLModelNode.MeshModifiedEvent)
     else:
-        events.append(vtk.vtkCommand.ModifiedEvent)
+        events.append(vtkCommand.ModifiedEvent)
     return events

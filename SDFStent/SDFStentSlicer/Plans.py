@@ -77,6 +77,7 @@ def planOf(parameterNode, stents=None):
         stents=tuple(_inFrame(stent, frame) for stent in _allPlanned(chosen)),
         surface=surface,
         centerline=fileOf(parameterNode.centerline),
+        units="mm" if surface is None else Conversion.fileUnits(parameterNode.vessel),
         frame=frame,
         settings=settingsOf(parameterNode),
         straightening_fraction=parameterNode.method.straightening / 100,

@@ -3,8 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
-import vtk
-from vtk.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
+from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
+from vtkmodules.vtkFiltersCore import vtkTriangleMeshPointNormals
 
 from SDFStentLib.geometry import ranges
 
@@ -50,8 +51,8 @@ class PointNormals:
     def __init__(self, polyData, corners=None):
         """`corners` are its `Corners`; without them all normals are computed every time."""
         self._polyData, self._corners = polyData, corners
-        self._skeleton = vtk.vtkPolyData()
-        self._filter = vtk.vtkTriangleMeshPointNormals()
+        self._skeleton = vtkPolyData()
+        self._filter = vtkTriangleMeshPointNormals()
         self._filter.SetInputData(self._skeleton)
 
     def update(self, changed=None):
@@ -105,6 +106,6 @@ def withNormals(polyData):
 
 def _cells(triangles):
     """A cell array of triangles (m, 3)."""
-    cells = vtk.vtkCellArray()
+    cells = vtkCellArray()
     cells.SetData(3, numpy_to_vtkIdTypeArray(np.ascontiguousarray(triangles).ravel(), deep=True))
     return cells

@@ -1,9 +1,9 @@
 """The stented vessel in the scene, which follows every step."""
 
 import numpy as np
-import vtk
 from slicer.i18n import tr as _
-from vtk.util.numpy_support import vtk_to_numpy
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import vtkPolyData
 
 from . import Display
 from .PointNormals import PointNormals, withNormals
@@ -85,7 +85,7 @@ def outputSurface(parameterNode, vessel, former):
         if former.node is node and former.template is template and former.isValid:
             return former
         former.showOutline()
-    copy = vtk.vtkPolyData()
+    copy = vtkPolyData()
     copy.DeepCopy(template)
     surface = SurfaceOutput(node, copy, vessel.corners)
     surface.template = template

@@ -3,9 +3,11 @@
 import logging
 
 import slicer
-import vtk
 from slicer.ScriptedLoadableModule import ScriptedLoadableModuleWidget
 from slicer.util import VTKObservationMixin
+from vtkmodules.util.misc import calldata_type
+from vtkmodules.util.vtkConstants import VTK_OBJECT
+from vtkmodules.vtkCommonCore import vtkCommand
 
 from . import Conversion, ExtractCenterline, Outputs
 from .DeploySession import DeploySession
@@ -114,7 +116,7 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
             self.initializeParameterNode()
             self.logic.showPlan(self._parameterNode)
 
-    @vtk.calldata_type(vtk.VTK_OBJECT)
+    @calldata_type(VTK_OBJECT)
     def onNodeAboutToBeRemoved(self, caller, event, node):
         if self._parameterNode is None:
             return
@@ -124,7 +126,7 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
         else:
             self.logic.leave(self._parameterNode, node)
 
-    @vtk.calldata_type(vtk.VTK_OBJECT)
+    @calldata_type(VTK_OBJECT)
     def onNodeRemoved(self, caller, event, node):
         leavings, self._leavings = self._leavings, None
         if node is self._lastSet and not (caller.IsClosing() or caller.IsImporting()):
@@ -166,7 +168,7 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
             self._binding.release()
             self.removeObserver(
                 self._parameterNode.parameterNode,
-                vtk.vtkCommand.ModifiedEvent,
+                vtkCommand.ModifiedEvent,
                 self.onParameterNodeModified,
             )
             self._inputs.watch([])
@@ -188,7 +190,7 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
             self._nameChoices()
             self.addObserver(
                 parameterNode.parameterNode,
-                vtk.vtkCommand.ModifiedEvent,
+                vtkCommand.ModifiedEvent,
                 self.onParameterNodeModified,
             )
             self.onParameterNodeModified()

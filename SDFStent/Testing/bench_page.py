@@ -30,6 +30,9 @@ ARGUMENTS = ("--no-sandbox", "--disable-gpu", "--disable-sync", "--no-first-run"
 SMALLEST_FRAME = 3000
 """Bytes: messages that are larger are pictures."""
 
+DEPLOY_AGAIN = """() => {
+setInterval(() => document.querySelector('[data-name="deployButton"]').click(), 100); }"""
+
 COUNT_NUMBERS = """() => { window.numbers = 0;
 const label = document.querySelector('[data-name="lumenLabel"]');
 new MutationObserver(() => { window.numbers += 1; }).observe(label, {childList: true, characterData: true, subtree: true}); }"""
@@ -97,7 +100,12 @@ class Dragged:
         x, y = box["x"] + box["width"] * 0.3, box["y"] + box["height"] / 2
         self.page.mouse.move(x, y)
         self.page.mouse.down()
-        sides = {"pages": server.pages(), "browser": browsers()}
+        sides = {
+            "pages": server.pages(),
+            "server": [psutil.Process(server.process.pid)],
+            "browser": browsers(),
+            "its driver, which is not there otherwise": drivers(),
+        }
         before = {name: cpu(processes) for name, processes in sides.items()}
         start, self.frames[:] = time.perf_counter(), []
         while (now := time.perf_counter() - start) < seconds:
@@ -126,6 +134,12 @@ def browsers():
     """Everything that this process has started and that is no Python."""
     found = psutil.Process().children(recursive=True)
     return [process for process in found if "chrom" in process.name()]
+
+
+def drivers():
+    """This process, and what it drives the browser with."""
+    found = psutil.Process().children(recursive=True)
+    return [psutil.Process(), *(process for process in found if "node" in process.name())]
 
 
 def cpu(processes):
@@ -182,7 +196,7 @@ def main():
                 other = Dragged(browser, server.address) if arguments.other else None
                 dragged = Dragged(browser, server.address)
                 if other is not None:
-                    other.named("deployButton").click()
+                    other.page.evaluate(DEPLOY_AGAIN)
                 dragged.drag(arguments.seconds, server)
                 tellMemory(server)
             browser.close()

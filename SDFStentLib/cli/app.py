@@ -58,6 +58,10 @@ def _told(options: argparse.Namespace) -> dict[str, Any]:
         raise InputError(
             "--centerline: expected a surface beside it, got none; name the surface first."
         )
+    if options.units != "mm" and (given is None or is_plan):
+        raise InputError(
+            "--units: expected a surface beside it, got none; a plan names its own unit."
+        )
     for path in (given, options.centerline):
         if path is not None and not os.path.isfile(path):
             raise InputError(f"{path}: expected a file, got none; correct the path.")
@@ -68,6 +72,7 @@ def _told(options: argparse.Namespace) -> dict[str, Any]:
         "plan": os.path.abspath(given) if is_plan else None,
         "surface": os.path.abspath(given) if given is not None and not is_plan else None,
         "centerline": options.centerline and os.path.abspath(options.centerline),
+        "units": options.units,
         "folders": [os.path.abspath(folder) for folder in options.folder],
     }
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from .argument_types import number, path, whole
-from .common_options import add_talk
+from .common_options import add_talk, add_units
 
 
 def add_app(command: argparse.ArgumentParser) -> None:
@@ -18,6 +18,7 @@ def add_app(command: argparse.ArgumentParser) -> None:
         "input", type=path, metavar="SURFACE|PLAN.json", nargs="?", help="what a page begins with"
     )
     command.add_argument("--centerline", type=path, metavar="F", help="of the surface")
+    add_units(command)
     command.add_argument(
         "--demo", action="store_true", help="begin with a synthetic patient instead"
     )
