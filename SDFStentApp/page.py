@@ -16,12 +16,16 @@ from .application import Application
 from .charts import plot_of, table_of
 from .exports import NAMES, exported, zipped_folder
 from .files import PLANS, Folders, Opened, Uploads, open_plan, open_vessel, save_model
+from .selectors import PlaceWidget
 from .sight import build
-from .template import ASKS_FOR_FILE, PATHS, WRITES_FOLDER, value_of
+from .template import ASKS_FOR_FILE, PATHS, WRITES_FILE, WRITES_FOLDER, value_of
 from .view import View
 from .widgets import Button
 
 EDIT_EVERY_S, LOOK_AGAIN_S = 0.03, 0.005
+SEGMENT_ENDS = 2
+"""Points that are placed for a segment; a stent's handle has as many as its placement needs."""
+
 SHOW_EVERY_S = 0.05
 """A browser is sent what widgets show no more often, but at once what comes of a click."""
 
@@ -47,6 +51,7 @@ class Page:
         self._flushed_at = 0.0
         self._edits: dict[Any, Any] = {}
         self._shown_results: tuple[Any, ...] = ()
+        self._placed = 0
 
     @property
     def parameters(self) -> Any:
@@ -63,7 +68,8 @@ class Page:
             widget.on_change = self._changed
             if widget.edited:
                 self._follow(widget)
-        self.panel.placeWidget.connect("placing(bool)", self._on_placing)
+        for place in self._places():
+            place.connect("placing(bool)", self._on_placing)
 
     def _follow(self, widget: Any) -> None:
         name = value_of(widget)
@@ -293,7 +299,9 @@ class Page:
         return {"name": name, "type": media_type, "content": content}
 
     async def gather(self, name: str) -> dict[str, Any] | None:
-        """What a button of the panel writes into a folder, for the browser to keep; a second click stops it."""
+        """What a button of the panel writes, for the browser to keep; where that is a folder, a second click stops it."""
+        if name in WRITES_FILE and self.panel.widgets[name].enabled:
+            return self._written(name)
         if name not in WRITES_FOLDER or not self.panel.widgets[name].enabled:
             return None
         writer = {"comparePlansButton": self.widget.plans.comparing}.get(name)
@@ -311,29 +319,51 @@ class Page:
         self.parameters.status = ""  # it names a folder that nobody sees
         return {"name": WRITES_FOLDER[name], "type": "application/zip", "content": content}
 
+    def _written(self, name: str) -> dict[str, Any] | None:
+        file, media_type = WRITES_FILE[name]
+        with tempfile.TemporaryDirectory(prefix="sdfstent-") as folder:
+            path = Path(folder) / file
+            with self._dialog.answering(path):
+                self.click(name)
+            if not path.exists():
+                return None  # the panel says why
+            content = path.read_bytes()
+        self.parameters.status = ""  # it names a folder that nobody sees
+        return {"name": file, "type": media_type, "content": content}
+
+    def _places(self) -> list[PlaceWidget]:
+        widgets = self.panel.widgets.values()
+        return [one for one in widgets if isinstance(one, PlaceWidget)]
+
     def _on_placing(self, isPlacing: bool) -> None:
+        self._placed = 0
         with self.server.state as state:
             state.isPlacing = isPlacing
 
     def _on_click(self, x: float, y: float) -> bool:
-        """Put the handle where the centerline is seen, while the user is placing."""
+        """Put the next point where the centerline is seen, while the user is placing."""
         self._edit_now()
-        place = self.panel.placeWidget
-        if not place.isPlacing:
-            return False
+        place = next((one for one in self._places() if one.isPlacing), None)
+        if place is not None:
+            self.attempt(lambda: self._put(place, x, y))
+        return place is not None
 
-        def put() -> None:
-            from SDFStentSlicer import Conversion
+    def _put(self, place: PlaceWidget, x: float, y: float) -> None:
+        from SDFStentSlicer import Conversion
 
-            points, _lines, _radii = Conversion.centerlineLines(self.parameters.centerline)
-            point = self.view.nearest(points, x, y)
-            handle = place.currentNode()
-            handle.SetNthControlPointPositionWorld(0, *point)
-            self.widget.logic.snapHandle(self.parameters, handle)
+        points, _lines, _radii = Conversion.centerlineLines(self.parameters.centerline)
+        point, node = self.view.nearest(points, x, y), place.currentNode()
+        isOfStent = place is self.panel.placeWidget
+        if self._placed == 0 and not isOfStent:
+            node.RemoveAllControlPoints()
+        self._placed += 1
+        if isOfStent:
+            node.SetNthControlPointPositionWorld(self._placed - 1, *point)
+            self.widget.logic.snapHandle(self.parameters, node)
+        else:
+            node.AddControlPointWorld(*point)
+        if self._placed >= (node.GetNumberOfControlPoints() if isOfStent else SEGMENT_ENDS):
             place.isPlacing = False
-
-        self.attempt(put)
-        return True
 
 
 def _panel(folder: Path) -> Any:

@@ -7,13 +7,16 @@ from typing import Any
 
 from .widgets import Widget, shown
 
+NEW = "+"
+"""Chosen in place of a node's ID: one that is made now."""
+
 
 class NodeComboBox(Widget):
     """One of the scene's nodes, as `qMRMLNodeComboBox` is used."""
 
     edited = "nodeID"
     nodeTypes, noneEnabled, noneDisplay = shown(()), shown(True), shown("")
-    showHidden = shown(False)
+    showHidden, addEnabled, baseName = shown(False), shown(False), shown("")
 
     def __init__(self, name: str, parameter: str = "") -> None:
         super().__init__(name, parameter)
@@ -66,6 +69,12 @@ class NodeComboBox(Widget):
             if node.IsA(className)
         )
 
+    def _new(self) -> Any:
+        name = self._scene.GenerateUniqueName(self.baseName)
+        node = self._scene.AddNewNodeByClass(self.nodeTypes[0], name)
+        node.CreateDefaultDisplayNodes()
+        return node
+
     def _scene_changed(self) -> None:
         if self._node is not None and self._node.GetScene() is None:
             self.setCurrentNode(None)
@@ -74,13 +83,15 @@ class NodeComboBox(Widget):
     def state(self) -> dict[str, Any]:
         offered = [{"id": node.GetID(), "name": node.GetName()} for node in self.nodes()]
         none = self.noneDisplay if self.noneEnabled else None
-        return {**super().state(), "items": offered, "none": none}
+        return {**super().state(), "items": offered, "none": none, "add": self.addEnabled}
 
     def edit(self, value: Any) -> None:
         by_id = {node.GetID(): node for node in self.nodes()}
         if not isinstance(value, str):
             return
-        if value in by_id or (value == "" and self.noneEnabled):
+        if value == NEW and self.addEnabled:
+            self.setCurrentNode(self._new())
+        elif value in by_id or (value == "" and self.noneEnabled):
             self.setCurrentNode(by_id.get(value))
 
 

@@ -6,7 +6,8 @@ from html import escape
 
 from SDFStentLib.units import MILLIMETERS
 
-from .selectors import NodeComboBox, PlaceWidget, SegmentSelector
+from .files import SURFACES
+from .selectors import NEW, NodeComboBox, PlaceWidget, SegmentSelector
 from .tables import Table
 from .ui_file import Arranged, Placed
 from .widgets import (
@@ -26,14 +27,6 @@ NOT_IN_THE_PAGE = {
     "extractButton": "opens another module of Slicer",
     "outputsCollapsibleButton": "results are saved from the page",
     "handleSelector": "every stent has a handle of its own",
-    "segmentEndsSelectorLabel": "the ends are those of the selected stent",
-    "segmentEndsSelector": "the ends are those of the selected stent",
-    "segmentPlaceWidget": "the ends are those of the selected stent",
-    "deviceMeshSelectorLabel": "sdfstent run writes the device of the saved plan",
-    "deviceMeshSelector": "sdfstent run writes the device of the saved plan",
-    "loadMeshButton": "sdfstent run writes the device of the saved plan",
-    "saveDeviceButton": "sdfstent run writes the device of the saved plan",
-    "write0DButton": "sdfstent run writes the values of the saved plan",
     "showPlotButton": "the plot is shown below the view",
     "showTableButton": "the table is shown below the view",
 }
@@ -44,11 +37,18 @@ ASKS_FOR_FILE = {
     "loadPlansButton": (".json",),
     "deviceTableButton": (".json",),
     "loadProfileButton": (".csv",),
+    "loadMeshButton": SURFACES,
 }
 """Buttons that the panel answers with a question for a file, and how these files end."""
 
 SAVES = {"savePlanButton": "plan"}
 """Buttons whose file the browser keeps."""
+
+WRITES_FILE = {
+    "saveDeviceButton": ("stents.vtp", "application/xml"),
+    "write0DButton": ("0d.json", "application/json"),
+}
+"""Buttons that the panel answers with a question where to save, which the browser keeps under this name; and its type."""
 
 WRITES_FOLDER = {"comparePlansButton": "comparison.zip", "writeSegmentButton": "segment.zip"}
 """Buttons that the panel answers with a question for a folder, which the browser keeps as a file of this name."""
@@ -133,7 +133,7 @@ def _click(name: str) -> str:
         return f"trigger('ask', ['{name}'])"
     if name in SAVES:
         return saving(SAVES[name])
-    if name in WRITES_FOLDER:
+    if name in (*WRITES_FILE, *WRITES_FOLDER):
         return keeping(f"trigger('gather', ['{name}'])")
     return f"trigger('click', ['{name}'])"
 
@@ -183,6 +183,7 @@ def _choice(widget: Widget, common: str, disabled: str) -> str:
         options = (
             f'<option v-if="{name}.none !== null" value="">{{{{ {name}.none }}}}</option>'
             f'<option v-for="one in {name}.items" :value="one.id">{{{{ one.name }}}}</option>'
+            f'<option v-if="{name}.add" value="{NEW}">New points</option>'
         )
     return f'<select v-model="{v}" {common} {disabled}>{options}</select>'
 

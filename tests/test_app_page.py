@@ -83,6 +83,10 @@ def the_server(tmp_path_factory, the_folder):
     assert list(workshop.iterdir()) == []
 
 
+def is_centerline(red, green, blue):
+    return (red > blue + 90) & (green > blue + 50)
+
+
 class Visit:
     """A page in the browser, by the names of the panel's widgets."""
 
@@ -131,15 +135,15 @@ class Visit:
         self.named("addStentButton").click()
         rows.nth(count).wait_for()
 
-    def seen(self, is_of_it):
-        """A pixel of the view that has the color of something, far down."""
+    def seen(self, is_of_it, share=0.9):
+        """A pixel of the view that has the color of something, so far down."""
         frame = self.page.locator(".screen").bounding_box()
         for _attempt in range(50):
             picture = self.page.screenshot(clip=frame)
             colors = np.array(Image.open(io.BytesIO(picture)).convert("RGB"), dtype=int)
             rows, columns = np.nonzero(is_of_it(*np.moveaxis(colors[:, :-120], 2, 0)))
             if len(rows) > 20:  # the axes in the corner were left out
-                at = int(0.9 * len(rows))
+                at = int(share * len(rows))
                 return frame["x"] + float(columns[at]), frame["y"] + float(rows[at])
             self.page.wait_for_timeout(200)
         raise AssertionError("there is nothing of that color")
@@ -248,7 +252,7 @@ def test_a_click_on_the_centerline_places_the_handle_and_the_mouse_drags_it(a_vi
     a_visit.page.mouse.click(screen["x"] + 5, screen["y"] + 5)
     a_visit.until("message", "expected a click on the centerline, got one beside it")
     assert place.get_attribute("aria-pressed") == "true"
-    x, y = a_visit.seen(lambda red, green, blue: (red > blue + 90) & (green > blue + 50))
+    x, y = a_visit.seen(is_centerline)
     a_visit.page.mouse.click(x, y)
     playwright.expect(place).to_have_attribute("aria-pressed", "false", timeout=20_000)
     assert a_visit.text("message") == ""
@@ -344,16 +348,26 @@ def test_a_page_that_hangs_holds_up_no_other(a_visit, the_server):
         other.kill()
 
 
-def test_a_segment_for_a_flow_solver_is_kept_by_the_browser(a_visit):
+def test_a_segment_between_two_clicks_is_kept_by_the_browser(a_visit):
+    a_visit.page.evaluate("document.querySelectorAll('details').forEach(d => { d.open = true; })")
+    a_visit.named("segmentEndsSelector").select_option("New points")
+    place = a_visit.named("segmentPlaceWidget")
+    playwright.expect(place).to_be_enabled()
+    place.click()
+    for share in (0.95, 0.02):
+        playwright.expect(place).to_have_attribute("aria-pressed", "true")
+        a_visit.page.mouse.click(*a_visit.seen(is_centerline, share))
+    playwright.expect(place).to_have_attribute("aria-pressed", "false")
     a_visit.named("lesionTable").locator("td").first.click()
     a_visit.add_stent()
     a_visit.named("deployButton").click()
     a_visit.until("certificateLabel", "Certified")
-    a_visit.page.evaluate("document.querySelectorAll('details').forEach(d => { d.open = true; })")
     segment = zipfile.ZipFile(io.BytesIO(a_visit.saved("writeSegmentButton")))
     walls = [name for name in segment.namelist() if name.endswith("mesh-surfaces/wall.vtp")]
     assert [name.split("/")[-3] for name in sorted(walls)] == ["after", "before"]
     assert all(b"<PolyData>" in segment.read(name) for name in walls)
+    assert b"<PolyData>" in a_visit.saved("saveDeviceButton")
+    assert json.loads(a_visit.saved("write0DButton"))
     assert a_visit.text("statusLabel") == ""
 
 

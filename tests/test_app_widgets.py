@@ -31,7 +31,12 @@ def test_every_widget_of_the_panel_is_in_the_page_in_its_order_or_left_out_on_pu
     missing = {name for name in known if name not in shown and f"{name}.visible" not in page}
     inside = {"outputSelectorLabel", "outputSelector"}  # of a section that is left out
     assert missing - holds_others - inside == set(template.NOT_IN_THE_PAGE)
-    for names in (template.ASKS_FOR_FILE, template.SAVES, template.WRITES_FOLDER):
+    for names in (
+        template.ASKS_FOR_FILE,
+        template.SAVES,
+        template.WRITES_FILE,
+        template.WRITES_FOLDER,
+    ):
         assert set(names) <= set(shown)
 
 
