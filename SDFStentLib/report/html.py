@@ -132,7 +132,8 @@ def _count(value: Any) -> int | None:
 def _lumen(document: Mapping[str, Any], title: str, stent: Mapping[str, Any]) -> str:
     """A stent in one line, its numbers, and its plot: they stay on one sheet."""
     heading = "Lumen" if title == "Stent" else f"{title}, lumen"
-    plot = diameter_plot(stent["diameters"], stretches_of(document, stent))
+    again = stent.get("dilated_again_as")
+    plot = diameter_plot(stent["diameters"], stretches_of(document, stent), again)
     return (
         f"<section><h2>{escape(heading)} before and after</h2><p>{escape(stent_words(stent))}</p>"
         f"{_first_numbers(stent['diameters'], stent_lesions(document, stent))}"

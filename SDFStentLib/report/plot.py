@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from .branches import stretches_of
+from .branches import again_words, stretches_of
 from .drawing import GRAY, INK, Box, Disc, Drawing, Line, Mark, Words, shifted
 from .words import stent_titles
 
@@ -32,12 +32,15 @@ _CURVES = (
 
 
 def diameter_plot(
-    diameters: Mapping[str, Any], stretches: Sequence[Mapping[str, Any]] = ()
+    diameters: Mapping[str, Any],
+    stretches: Sequence[Mapping[str, Any]] = (),
+    again: int | None = None,
 ) -> Drawing | None:
     """The plot of the section `diameters` of a report document; None where nothing is known.
 
     A curve is interrupted where a diameter is not known. The narrowest places of the stent are
-    marked. On the floor lies the stent, with the `stretches` where it touches no wall.
+    marked. On the floor lies the stent, with the `stretches` where it touches no wall; one that is
+    dilated `again`, as the stent of that number, lies there no more, and words say so.
     """
     along = diameters["along"]
     positions: list[float] = along["arc_length_mm"]
@@ -48,7 +51,8 @@ def diameter_plot(
     # From zero, so that heights compare as diameters do.
     up = _Scale(0.0, _round_up(max(known)), _HEIGHT - _BOTTOM, _TOP)
     first, last = (across(end) for end in diameters["stent_ends_mm"])
-    marks = [*_beyond(first, last), *_grid(across, up), *_strip(first, last, across, stretches)]
+    marks = [*_beyond(first, last), *_grid(across, up)]
+    marks += _strip(first, last, across, stretches) if again is None else _gone(first, last, again)
     curves = [
         Line([(across(position), up(value)) for position, value in piece], color, width, dashes)
         for key, _, color, dashes, width in (*_CURVES[1:4:2], *_CURVES[0:3:2], *_CURVES[4:])
@@ -65,7 +69,8 @@ def figure(document: Mapping[str, Any]) -> Drawing:
     stents, height = document["stents"], 0
     marks: list[Mark] = []
     for title, stent in zip(stent_titles(stents), stents, strict=True):
-        plot = diameter_plot(stent["diameters"], stretches_of(document, stent))
+        stretches, again = stretches_of(document, stent), stent.get("dilated_again_as")
+        plot = diameter_plot(stent["diameters"], stretches, again)
         words = title if plot else f"{title}: no diameter could be measured"
         marks.append(Words(words, _LEFT, height + 20, 16, anchor="start", is_bold=True))
         height += _HEADING
@@ -142,6 +147,12 @@ def _strip(
     free = sum(one["end_mm"] - one["start_mm"] for one in stretches)
     words = f"the stent; yellow: not in contact all round, {free:.1f} mm" if free else "the stent"
     yield Words(words, (first + last) / 2, floor - _STRIP - 5, 12, GRAY)
+
+
+def _gone(first: float, last: float, again: int) -> Iterator[Mark]:
+    """In place of a stent that does not lie so in the end."""
+    y = _HEIGHT - _BOTTOM - _STRIP - 5
+    yield Words(f"the stent, {again_words(again)}", (first + last) / 2, y, 12, GRAY)
 
 
 def _pieces(
