@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
+import shlex
 from dataclasses import replace
 from pathlib import Path
 
@@ -178,6 +179,13 @@ def test_in_anatomies_the_proposed_stent_covers_its_lesion(data_dir, name):
 
 
 # ---- the shell
+
+
+def test_the_command_that_suggest_tells_can_be_typed_whatever_the_plan_is_called(a_folder, capsys):
+    assert main([*SUGGEST, "-o", "its own plan.json"]) == 0
+    said = capsys.readouterr().out
+    command = shlex.split(said.split("to carry it out: ")[1])
+    assert command == ["sdfstent", "run", "its own plan.json", "-o", "DIR"]
 
 
 def test_suggest_tells_the_rule_and_writes_a_plan_that_runs(a_folder, capsys):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import shlex
 from pathlib import Path
 
 from ..plan import InputFiles, Plan, save_plan
@@ -39,7 +40,7 @@ def suggest_command(options: argparse.Namespace, console: Console) -> int:
         for sentence in suggestion_sentences(one):
             console.say(sentence)
         console.warn(caution.labeled(f"Lesion {one.number}: ") for caution in one.cautions())
-    console.say(f"Wrote {name}; to carry it out: sdfstent run {name} -o DIR")
+    console.say(f"Wrote {name}; to carry it out: sdfstent run {shlex.quote(name)} -o DIR")
     return 0
 
 

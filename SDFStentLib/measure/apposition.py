@@ -67,7 +67,8 @@ class Apposition:
         )
         return (
             f"The stent does not touch the wall all round over {self.free_length:.1f} of its "
-            f"{self.length:.1f} mm; from its proximal end: {where}. Across an ostium there is none."
+            f"{self.length:.1f} mm; from its proximal end: {where}. Across an ostium there is no "
+            "wall to touch."
         )
 
 

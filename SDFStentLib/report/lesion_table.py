@@ -60,7 +60,7 @@ def lesion_table(lesions: Sequence[Section] | None) -> list[str]:
         f"<td class='n'>{millimeters(one['minimum']['diameter_mm'])}</td>"
         f"<td class='n'>{millimeters(one['reference']['diameter_mm'])}</td>"
         f"<td class='n'>{degree_text(one['percent_diameter'])}</td>"
-        f"<td class='n'>{degree_text(one['after']['percent_diameter'])}</td>"
+        f"<td class='n degree'>{degree_text(one['after']['percent_diameter'])}</td>"
         f"<td>{', '.join(map(str, one['stents'])) or 'none'}</td></tr>"
         for one in lesions
     )
