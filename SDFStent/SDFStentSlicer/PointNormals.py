@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
 from vtkmodules.vtkFiltersCore import vtkTriangleMeshPointNormals
 
@@ -78,7 +79,7 @@ class PointNormals:
         near = np.flatnonzero(isNear)
         number = np.empty(len(isNear), dtype=np.int64)
         number[near] = np.arange(len(near))
-        points = vtk.vtkPoints()
+        points = vtkPoints()
         own = vtk_to_numpy(self._polyData.GetPoints().GetData())
         points.SetData(numpy_to_vtk(own[near], deep=True))
         return self._computed(points, _cells(number[triangles]))[number[touched]]
