@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import gc
+import weakref
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -91,6 +93,27 @@ def test_another_diameter_is_tried_without_measuring_the_vessel_again(a_tube, as
     before = first.around_before, second.around_before
     np.testing.assert_array_equal(before[0].inscribed_diameter, before[1].inscribed_diameter)
     assert second.after.minimum > first.after.minimum
+
+
+def test_the_surroundings_of_a_place_are_surveyed_once_for_all_diameters(a_tube):
+    def survey(surface, height=20.0, diameter=6.0, line=a_tube.centerline):
+        stent = Stent(diameter, placement=AtCenter([0, 0, height]), length=12.0)
+        return Treatment(surface, [stent], line).survey
+
+    surface = Surface(a_tube.points, a_tube.triangles)
+    first = survey(surface)
+    assert survey(surface, diameter=6.5) is first
+    assert survey(surface, height=21.0) is not first
+    again = survey(surface)  # the last one only is kept
+    assert again is not first
+    np.testing.assert_array_equal(again.axis.points, first.axis.points)
+    np.testing.assert_array_equal(again.before.inscribed_diameter, first.before.inscribed_diameter)
+    same_line = replace(a_tube.centerline)
+    assert survey(surface, line=same_line) is not again
+    gone = weakref.ref(surface)
+    del surface
+    gc.collect()
+    assert gone() is None
 
 
 def test_what_is_known_goes_with_its_surface(a_tube):

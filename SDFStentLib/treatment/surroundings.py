@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
+from weakref import WeakKeyDictionary
 
 from ..centerline import Centerline
 from ..geometry import NamedFaces, Surface
@@ -57,6 +58,18 @@ class Survey(NamedTuple):
     """What spheres see of it."""
 
 
+class _Known(NamedTuple):
+    """The last survey of a vessel without stents, and what it is of."""
+
+    axis: bytes
+    centerline: Centerline | None
+    faces: NamedFaces | None
+    survey: Survey
+
+
+_known: WeakKeyDictionary[Surface, _Known] = WeakKeyDictionary()
+
+
 class Surroundings(NamedTuple):
     """Of one stent."""
 
@@ -72,6 +85,26 @@ class Surroundings(NamedTuple):
     """Those whose wall has moved: beyond both ends, then branches by the names of their ostia."""
     apposition: Apposition
     """Contact with the wall after treatment."""
+
+
+def surveyed_once(
+    native: Surface, axis: Points, centerline: Centerline | None, faces: NamedFaces | None
+) -> Survey:
+    """`surveyed` of a first stent; not again where the last one of the vessel had the same axis.
+
+    So it is where another diameter is tried: nothing about a stent but its axis matters.
+    """
+    last, rows = _known.get(native), axis.tobytes()
+    if (
+        last is not None
+        and last.axis == rows
+        and last.centerline is centerline
+        and last.faces is faces
+    ):
+        return last.survey
+    survey = surveyed(native, native, axis, centerline, faces)
+    _known[native] = _Known(rows, centerline, faces, survey)
+    return survey
 
 
 def surveyed(

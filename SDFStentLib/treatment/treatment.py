@@ -27,11 +27,11 @@ from ..measure import (
     bulged_caps,
     diameter_profile,
 )
-from ..stent import Stent, StentAxis
+from ..stent import Stent
 from ..validation import Points, as_number, as_points, read_only
 from .stage import Stage, named_states
 from .straightening import AxisChange, axis_in_vessel
-from .surroundings import PROFILE_SPACING, Survey, surroundings, surveyed
+from .surroundings import PROFILE_SPACING, Survey, surroundings, surveyed, surveyed_once
 from .value import (
     PlacedStent,
     TreatedStent,
@@ -208,7 +208,7 @@ class Treatment:
     def _treated(self, stage: Stage, after: Surface) -> TreatedStent:
         found, left = stage.deployment.surface, stage.result.surface
         is_first = stage is self._stages[0]
-        survey = self.survey if is_first else self._surveyed(found, stage.axis, stage.centerline)
+        survey = self.survey if is_first else self._surveyed(stage)
         states = VesselStates(self.surface, found, left, after)
         seen = surroundings(survey, states, stage.radius_at)
         again = latest_of(stage.number, {one.number: one.stent for one in self._stages})
@@ -234,10 +234,11 @@ class Treatment:
         No state takes part in it: who has a thread to spare may ask for it there, once, while this
         one iterates.
         """
-        return self._surveyed(self.surface, self._first.axis, self.centerline)
+        return surveyed_once(self.surface, self._first.axis.points, self.centerline, self.faces)
 
-    def _surveyed(self, found: Surface, axis: StentAxis, centerline: Centerline | None) -> Survey:
-        return surveyed(self.surface, found, axis.points, centerline, self.faces)
+    def _surveyed(self, stage: Stage) -> Survey:
+        found, axis = stage.deployment.surface, stage.axis.points
+        return surveyed(self.surface, found, axis, stage.centerline, self.faces)
 
     def _narrowed(self, stage: Stage, treated: TreatedStent) -> Iterator[Caution]:
         """Whether later stents pushed tissue into this one; measured only if it may be."""
