@@ -4,13 +4,15 @@
 
 Per anatomy, as it is and with four times the triangles: the distance, mm, of vertices to where the
 full preview puts them, faces that look the other way than there, what the minimum lumen among the
-proxy's points is off that of the finished deployment, and CPU times.
+proxy's points is off that of the finished deployment, and CPU times. Then what one of 60 places
+down the aorto-iliac model costs, undrawn, at up to 1.2 million triangles.
 """
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from itertools import cycle
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,6 +20,8 @@ import numpy as np
 from SDFStentLib.deformation import DeploymentSettings, Proxy, deploy
 from SDFStentLib.geometry import Surface, dot, face_normals, resampled
 from SDFStentLib.measure import diameter_profile, rough_radii
+from SDFStentLib.stent import AtCenter, Stent
+from SDFStentLib.treatment import Preview
 
 from . import sweep
 from .bench_certificate import subdivided
@@ -26,6 +30,9 @@ from .common import Found, markdown, progress, run_alone
 SEED = 77
 RATIOS = ((1.05, 1.6), (1.6, 2.2))
 ROUNDS = 3
+PLACES = 60
+LENGTHS = (6.0, 10.0, 14.0, 20.0)
+AORTA = "aorta_iliac"
 
 
 class Row(NamedTuple):
@@ -81,6 +88,35 @@ def _best(function: Callable[[], Any]) -> tuple[Any, float]:
     return value, min(times)
 
 
+def redeployments(subdivisions: int, count: int) -> Found:
+    """What one costs along the longest branch, ms of CPU; the first round makes weights."""
+    made = sweep.vessel(AORTA)
+    surface, line = made.surface, made.centerline
+    for _ in range(subdivisions):
+        surface = Surface(*subdivided(surface.points, surface.triangles))
+    chain = line.ancestry(line.leaves[np.argmax(line.arc_length[line.leaves])])
+    way = chain[np.linspace(0.2 * len(chain), 0.8 * len(chain), count).astype(int)]
+    diameter = round(2.4 * float(np.nanmedian(line.inscribed_radius[way])), 1)
+    preview, rounds = Preview(surface, line), []
+    preview.prepare()  # as the panel does when the vessel is chosen
+    for _ in range(2):
+        spent = []
+        for place, length in zip(line.points[way], cycle(LENGTHS)):
+            stent = Stent(diameter, placement=AtCenter(place), length=length)
+            start = time.process_time()
+            seen = preview.of([stent])
+            spent.append(1e3 * (time.process_time() - start))
+        rounds.append(spent)
+    return {
+        "triangles": len(surface.triangles),
+        "points": len(seen.stents[0].state.points),
+        "moved": len(seen.indices),
+        "first": float(max(rounds[0])),
+        "median": float(np.median(rounds[1])),
+        "slowest": float(max(rounds[1])),
+    }
+
+
 def measured(quick: bool, largest: int | None = None) -> Found:
     found: Found = {}
     for name in sweep.ANATOMIES:
@@ -98,7 +134,12 @@ def measured(quick: bool, largest: int | None = None) -> Found:
                 rows = [compared(surface, proxy, one, with_lumen=is_given) for one in stents]
                 key = f"{name}, {len(surface.triangles):,}, {ratios[0]:g} to {ratios[1]:g} x"
                 found[key] = [row._asdict() for row in rows]
-    return {"stents": found}
+    finer = (0, 1) if quick else (0, 2, 3)
+    sizes = []
+    for subdivisions in finer:
+        progress(f"{AORTA}, {PLACES} places, {subdivisions} subdivisions")
+        sizes.append(redeployments(subdivisions, 4 if quick else PLACES))
+    return {"stents": found, "sizes": sizes}
 
 
 def table(found: Found) -> str:
@@ -132,7 +173,29 @@ def table(found: Found) -> str:
         "ms of CPU",
         "in full",
     )
-    return markdown(header, lines)
+    return f"{markdown(header, lines)}\n\n{sizes_table(found)}"
+
+
+def sizes_table(found: Found) -> str:
+    """What one redeployment costs at any size of mesh."""
+    header = (
+        "triangles, places down the aorto-iliac model in turn",
+        "points deployed, last place",
+        "points moved, last place",
+        "ms of CPU, median",
+        "slowest",
+        "slowest of the first round",
+    )
+    rows = [
+        [
+            f"{one['triangles']:,}",
+            f"{one['points']:,}",
+            f"{one['moved']:,}",
+            *(f"{one[key]:.0f}" for key in ("median", "slowest", "first")),
+        ]
+        for one in found["sizes"]
+    ]
+    return markdown(header, rows)
 
 
 if __name__ == "__main__":

@@ -1,11 +1,11 @@
 """How well the panel follows a stent that is dragged, in the test host.
 
-usage: bench_dragging.py [SURFACE CENTERLINE] [--units cm] [--subdivisions N] [--no-tree] [--struts] [--profile]
+usage: bench_dragging.py [SURFACE CENTERLINE] [--units cm] [--subdivisions N ...] [--no-tree] [--struts] [--profile]
 
 Per vessel: redeployments per second, each waited for; then a hand that does not wait, which moves 60 times a second: surface
 and number updates per second, the longest silence of the event loop from choosing the vessel to the full answer, and how long
-after the hand has stopped that comes. Undrawn. The artery that is named, or else a synthetic one, then subdivided to N times
-16 the triangles (--subdivisions, default 1 as well), and a phantom tree of about 300 branches where there is one. With
+after the hand has stopped that comes. Undrawn. The artery that is named, or else a synthetic one, then each of its
+triangles cut into four N times (--subdivisions, default 2; 0: not at all), and a phantom tree of about 300 branches where there is one. With
 --struts also redeployments of stents that are drawn as struts, in turn with tubes. With
 --profile also, of the first vessel, drawn and undrawn, where the time goes: the library, the scene (MRML, normals, stent
 model), the drawing, the rest (panel, timers, conversion). Drawing is off-screen and, without a GPU, in software; "drawing
@@ -114,11 +114,11 @@ def theVessels(arguments):
     from SDFStentLib import phantoms
 
     yield "artery", lambda: theArtery(arguments)
-    if arguments.subdivisions:
+    for times in filter(None, arguments.subdivisions):
 
-        def fine():
+        def fine(times=times):
             vessel, centerline = theArtery(arguments)
-            return subdivided(vessel, 2 * arguments.subdivisions), centerline
+            return subdivided(vessel, times), centerline
 
         yield "artery, subdivided", fine
     if arguments.tree and hasattr(phantoms, TREE):
@@ -216,6 +216,8 @@ def follow(host, panel, places, counters):
     parameters.stent.handle.SetNthControlPointPositionWorld(0, *places[len(places) // 10])
     parameters.stent.handle.InvokeEvent(parameters.stent.handle.PointEndInteractionEvent)
     fullAnswer(host, panel, "a handle was let go")
+    parameters.stent.diameter += 0.2
+    fullAnswer(host, panel, "another diameter was set there")
     parameters.autoUpdate = False
 
 
@@ -303,7 +305,7 @@ def main():
     parser.add_argument("surface", nargs="?")
     parser.add_argument("centerline", nargs="?")
     parser.add_argument("--units", default="mm")
-    parser.add_argument("--subdivisions", type=int, default=1)
+    parser.add_argument("--subdivisions", type=int, nargs="+", default=[2])
     parser.add_argument("--no-tree", dest="tree", action="store_false")
     parser.add_argument("--struts", action="store_true")
     parser.add_argument("--profile", action="store_true")
