@@ -95,13 +95,19 @@ def as_points(values: ArrayLike, name: str = "points", *, minimum: int = 0) -> P
     try:
         points = np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError, OverflowError) as error:
-        raise InputError(f"{name}: expected numbers of shape (n, 3), got {error}.") from error
+        raise InputError(
+            f"{name}: expected numbers of shape (n, 3), got {error}; give three for each point."
+        ) from error
     if points.size == 0:
         points = points.reshape(0, 3)
     if points.ndim != 2 or points.shape[1] != 3:
-        raise InputError(f"{name}: expected shape (n, 3), got {points.shape}.")
+        raise InputError(
+            f"{name}: expected shape (n, 3), got {points.shape}; give three numbers for each point."
+        )
     if len(points) < minimum:
-        raise InputError(f"{name}: expected at least {minimum} points, got {len(points)}.")
+        raise InputError(
+            f"{name}: expected at least {minimum} points, got {len(points)}; add what is missing."
+        )
     if not np.isfinite(points).all():
         bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
         raise InputError(
@@ -139,14 +145,15 @@ def as_triangles(values: ArrayLike, point_count: int, name: str = "triangles") -
     triangles = np.asarray(values)
     if triangles.ndim != 2 or triangles.shape[1] != 3 or triangles.dtype.kind not in "iu":
         raise InputError(
-            f"{name}: expected integers of shape (m, 3), got {triangles.dtype} {triangles.shape}."
+            f"{name}: expected integers of shape (m, 3), got {triangles.dtype} {triangles.shape}; "
+            "give three point indices for each triangle."
         )
     if len(triangles) == 0:
-        raise InputError(f"{name}: expected at least one triangle, got none.")
+        raise InputError(f"{name}: expected at least one triangle, got none; add one.")
     if triangles.min() < 0 or triangles.max() >= point_count:
         raise InputError(
             f"{name}: expected point indices from 0 to {point_count - 1}, got "
-            f"{triangles.min()} to {triangles.max()}."
+            f"{triangles.min()} to {triangles.max()}; repair the file."
         )
     return triangles.astype(np.int64, copy=False)
 
@@ -159,8 +166,11 @@ def as_number(
     above: float | None = None,
     minimum: float | None = None,
     maximum: float | None = None,
+    remedy: str = "choose such a number",
 ) -> float:
     """A finite float inside its range; the bounds `minimum`, `maximum` belong to the range.
+
+    `remedy` is what the message says to do.
 
     Raises
     ------
@@ -171,7 +181,7 @@ def as_number(
     try:
         number = math.nan if isinstance(value, str | bytes) else float(value)
     except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{name}: expected {wanted}, got {in_short(value)}.") from None
+        raise InputError(f"{name}: expected {wanted}, got {in_short(value)}; {remedy}.") from None
     outside = (
         not np.isfinite(number)
         or (above is not None and number <= above)
@@ -179,21 +189,21 @@ def as_number(
         or (maximum is not None and number > maximum)
     )
     if isinstance(value, bool) or outside:
-        raise InputError(f"{name}: expected {wanted}, got {in_short(value)}.")
+        raise InputError(f"{name}: expected {wanted}, got {in_short(value)}; {remedy}.")
     return number
 
 
 def as_path(value: Any, name: str = "path") -> Path:
     """A path from text or a path; `InputError` for anything else."""
     if not isinstance(value, str | os.PathLike) or not isinstance(os.fspath(value), str):
-        raise InputError(f"{name}: expected the path of a file, got {in_short(value)}.")
+        raise InputError(f"{name}: expected the path of a file, got {in_short(value)}; name one.")
     return Path(value)
 
 
 def check_is_a(value: Any, kind: type, name: str) -> None:
     """`InputError` unless a value is of the kind that a function takes."""
     if not isinstance(value, kind):
-        raise InputError(f"{name}: expected a {kind.__name__}, got {in_short(value)}.")
+        raise InputError(f"{name}: expected a {kind.__name__}, got {in_short(value)}; pass one.")
 
 
 def as_length(value: Any, name: str, shortest: float, longest: float) -> float:

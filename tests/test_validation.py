@@ -9,10 +9,16 @@ from SDFStentLib.validation import InputError, as_number, as_point, as_points
 @pytest.mark.parametrize(
     ("value", "said"),
     [
-        (10**400, r"got 1000000000000000000000000000000000000000\.\.\. \(401 characters\)\."),
-        (-(10**400), r"got -100000000000000000000000000000000000000\.\.\. \(402 characters\)\."),
+        (
+            10**400,
+            r"got 1000000000000000000000000000000000000000\.\.\. \(401 characters\); choose such",
+        ),
+        (
+            -(10**400),
+            r"got -100000000000000000000000000000000000000\.\.\. \(402 characters\); choose such",
+        ),
         (10**5000, "got (a number of thousands of digits|1000)"),  # older Pythons write it
-        ("x" * 1000, r"got 'x+\.\.\. \(1002 characters\)\."),
+        ("x" * 1000, r"got 'x+\.\.\. \(1002 characters\); choose such"),
     ],
     ids=["large", "negative", "huge", "text"],
 )

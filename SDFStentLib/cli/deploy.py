@@ -65,7 +65,9 @@ def deploy_command(options: argparse.Namespace, console: Console) -> int:
     outputs.add(options.output, job.write_surface)
     if options.output_centerline:
         if not options.centerline:
-            raise InputError("expected --centerline FILE with --output-centerline, got none.")
+            raise InputError(
+                "expected --centerline FILE with --output-centerline, got none; add it."
+            )
         check_line_output(options.output_centerline)
         outputs.add(options.output_centerline, job.write_centerline)
     for path in options.report:
@@ -144,7 +146,7 @@ class _Job:
             self.steps = StepFiles(every or 0.0)
             self.outputs.add_folder(self.options.steps, self.steps.write, StepFiles.is_own)
         elif self.options.every is not None:
-            raise InputError("expected --steps DIR with --every, got none.")
+            raise InputError("expected --steps DIR with --every, got none; add it.")
 
     def add_device(self) -> None:
         """The struts of the stents, or the user's mesh in their place."""
@@ -153,7 +155,7 @@ class _Job:
             check_suffix(path, "a device", (".vtp",))
             self.outputs.add(path, lambda made: write_device(made, self._result, self.mesh))
         elif self.options.device_mesh:
-            raise InputError("expected --export-device F with --device-mesh, got none.")
+            raise InputError("expected --export-device F with --device-mesh, got none; add it.")
 
     def done(self, inputs: InputFiles, start: float) -> int:
         """Deploy, write, and say what came of it; the exit code."""

@@ -37,7 +37,9 @@ def measure_command(options: argparse.Namespace, console: Console) -> int:
     if way is None and options.centerline is None:
         raise InputError("expected --axis FILE or --centerline FILE, got neither; give one.")
     if way is None and options.length is not None:
-        raise InputError("expected a place with --length, such as --center X Y Z, got none.")
+        raise InputError(
+            "expected a place with --length, such as --center X Y Z, got none; add it."
+        )
     if options.centerline is None and options.csv is not None:
         raise InputError("expected --centerline FILE with --csv, got none; give one.")
     outputs = Outputs([options.surface, options.centerline, options.axis])

@@ -189,5 +189,5 @@ def in_mm(point: Sequence[float], units: str, option: str) -> NDArray[np.float64
     """A point of an option; `InputError` where it is not finite."""
     for value in point:
         if not abs(value) < 1e300:
-            raise InputError(f"{option}: expected three finite numbers, got {value}.")
+            raise InputError(f"{option}: expected three finite numbers, got {value}; correct it.")
     return np.array([scaled(value, MILLIMETERS[units]) for value in point])

@@ -47,7 +47,7 @@ def sweep_command(options: argparse.Namespace, console: Console) -> int:
     if options.dry_run:
         return _dry_run(sweep, options, console)
     if options.output is None:
-        raise InputError("expected -o DIR, the folder of the cohort, got none.")
+        raise InputError("expected -o DIR, the folder of the cohort, got none; add it.")
     return _run(sweep, options, console)
 
 

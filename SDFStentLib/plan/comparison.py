@@ -129,7 +129,10 @@ def _carried_out(
 
 def _checked(plans: Mapping[str, Plan]) -> Mapping[str, Plan]:
     if not isinstance(plans, Mapping):
-        raise InputError(f"plans: expected a mapping of names to plans, got {in_short(plans)}.")
+        raise InputError(
+            f"plans: expected a mapping of names to plans, got {in_short(plans)}; "
+            "name each of them."
+        )
     if len(plans) < 2:
         raise InputError(
             f"plans: expected two or more to compare, got {len(plans)}; name another one."

@@ -112,7 +112,7 @@ def _table_of(path: Path) -> tuple[Device, ...]:
         text = read_content(path, "a device table in JSON").data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise InputError(
-            f"{path}: expected a device table in JSON, got no text in UTF-8."
+            f"{path}: expected a device table in JSON, got no text in UTF-8; save it as that."
         ) from error
     document = parsed(text, str(path))
     try:
@@ -124,16 +124,20 @@ def _table_of(path: Path) -> tuple[Device, ...]:
 def _rows_of(document: Any) -> tuple[Device, ...]:
     table = section(document, "device table", ("schema", "version", "devices"))
     if table["schema"] != SCHEMA:
-        raise InputError(f"schema: expected {SCHEMA!r}, got {in_words(table['schema'])}.")
+        raise InputError(
+            f"schema: expected {SCHEMA!r}, got {in_words(table['schema'])}; correct it."
+        )
     if table["version"] != SCHEMA_VERSION or table["version"] is True:
-        raise InputError(f"version: expected {SCHEMA_VERSION}, got {in_words(table['version'])}.")
+        raise InputError(
+            f"version: expected {SCHEMA_VERSION}, got {in_words(table['version'])}; correct it."
+        )
     rows: dict[str, Device] = {}
     for index, value in enumerate(sequence(table["devices"], "devices")):
         device = device_from_document(value, f"devices[{index}]")
         if device is None or device.name.casefold() in rows:
             raise InputError(
                 f"devices[{index}]: expected a device of another name than those before, got "
-                f"{in_words(None if device is None else device.name)}."
+                f"{in_words(None if device is None else device.name)}; rename it."
             )
         rows[device.name.casefold()] = device
     return tuple(rows.values())

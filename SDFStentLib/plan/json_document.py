@@ -36,7 +36,9 @@ def parsed(text: str, name: str) -> Any:
         )
     except (ValueError, RecursionError) as error:
         reason = "it is nested too deeply" if isinstance(error, RecursionError) else error
-        raise InputError(f"{name}: expected a JSON document, got an error: {reason}.") from error
+        raise InputError(
+            f"{name}: expected a JSON document, got an error: {reason}; correct it."
+        ) from error
 
 
 def section(
@@ -51,27 +53,31 @@ def section(
     """
     known = ", ".join((*required, *optional))
     if not isinstance(value, Mapping):
-        raise InputError(f"{where}: expected an object with {known}; got {in_words(value)}.")
+        raise InputError(
+            f"{where}: expected an object with {known}; got {in_words(value)}; correct it."
+        )
     for key in value:
         if key not in required and key not in optional:
-            raise InputError(f"{where}: unknown key {key!r}; expected {known}.")
+            raise InputError(
+                f"{where}: unknown key {key!r}; expected {known}; rename it, or take it out."
+            )
     for key in required:
         if key not in value:
-            raise InputError(f"{where}: expected the key {key!r}, got none.")
+            raise InputError(f"{where}: expected the key {key!r}, got none; add it.")
     return value
 
 
 def sequence(value: Any, where: str) -> Sequence[Any]:
     """The value if it is a list."""
     if not isinstance(value, Sequence) or isinstance(value, str):
-        raise InputError(f"{where}: expected a list, got {in_words(value)}.")
+        raise InputError(f"{where}: expected a list, got {in_words(value)}; correct it.")
     return value
 
 
 def text_value(value: Any, where: str) -> str:
     """The value if it is a text of whole characters, which files and screens can hold."""
     if not isinstance(value, str):
-        raise InputError(f"{where}: expected a text, got {in_words(value)}.")
+        raise InputError(f"{where}: expected a text, got {in_words(value)}; correct it.")
     if not _is_unicode(value):
         raise InputError(
             f"{where}: expected a text, got half of a character in {in_words(value)}; correct it."
@@ -82,16 +88,18 @@ def text_value(value: Any, where: str) -> str:
 def truth(value: Any, where: str) -> bool:
     """The value if it is true or false."""
     if not isinstance(value, bool):
-        raise InputError(f"{where}: expected true or false, got {in_words(value)}.")
+        raise InputError(f"{where}: expected true or false, got {in_words(value)}; correct it.")
     return value
 
 
 def number(value: Any, where: str) -> Number:
     """The value if it is a number, and no larger than a float can be."""
     if not isinstance(value, Number) or isinstance(value, bool):
-        raise InputError(f"{where}: expected a number, got {in_words(value)}.")
+        raise InputError(f"{where}: expected a number, got {in_words(value)}; correct it.")
     if not (isinstance(value, float) or _fits_float(value)):
-        raise InputError(f"{where}: expected a number up to 1.8e308, got {in_words(value)}.")
+        raise InputError(
+            f"{where}: expected a number up to 1.8e308, got {in_words(value)}; correct it."
+        )
     return value
 
 

@@ -63,14 +63,15 @@ class Plan(ByValue):
         object.__setattr__(self, "stents", tuple(self.stents))
         millimeters_per(self.units)
         if self.frame not in (None, "RAS", "LPS"):
-            raise InputError(f"frame: expected RAS, LPS or none, got {self.frame!r}.")
+            raise InputError(f"frame: expected RAS, LPS or none, got {self.frame!r}; choose one.")
         as_number(self.straightening_fraction, "straightening fraction", minimum=0, maximum=1)
         if self.flow is not None:
             object.__setattr__(self, "flow", _as_range(self.flow))
         for number, stent in enumerate(self.stents, start=1):
             if not isinstance(stent, Stent):
                 raise InputError(
-                    f"stent {number} of the plan: expected a Stent, got {type(stent).__name__}."
+                    f"stent {number} of the plan: expected a Stent, got {type(stent).__name__}; "
+                    "pass one."
                 )
 
 
@@ -79,10 +80,12 @@ def _as_range(flow: Any) -> tuple[float, float]:
         least, most = flow
     except (TypeError, ValueError):
         raise InputError(
-            f"flow: expected two numbers in mL/s, the least and the most, got {in_short(flow)}."
+            f"flow: expected two numbers in mL/s, the least and the most, got {in_short(flow)}; "
+            "give both, or none."
         ) from None
-    least = as_number(least, "flow", unit="mL/s", above=0)
-    return least, as_number(most, "flow at most", unit="mL/s", minimum=least)
+    remedy = "give the least and the most that flows there, or no flow at all"
+    least = as_number(least, "flow", unit="mL/s", above=0, remedy=remedy)
+    return least, as_number(most, "flow at most", unit="mL/s", minimum=least, remedy=remedy)
 
 
 def turned(stent: Stent) -> Stent:

@@ -61,13 +61,15 @@ def load_plan(path: str | os.PathLike[str], *, accept_changed_inputs: bool = Fal
 
     path = as_path(path)
     if os.path.isfile(path) and os.path.getsize(path) == 0:
-        raise InputError(f"{path}: expected a plan in JSON, got an empty file.")
+        raise InputError(f"{path}: expected a plan in JSON, got an empty file; name another one.")
     content = read_content(path)
     folder = os.path.dirname(os.path.abspath(path))
     try:
         text = content.data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise InputError(f"{path}: expected a plan in JSON, got no text in UTF-8.") from error
+        raise InputError(
+            f"{path}: expected a plan in JSON, got no text in UTF-8; save it as that."
+        ) from error
     document = parsed(text, str(path))
 
     def read(file: InputFile, units: str, frame: Frame | None) -> AlongAxis:
@@ -126,9 +128,11 @@ def _space(inputs: Mapping[str, Any]) -> tuple[str, Frame | None]:
     """Unit and frame of the points."""
     units, frame = inputs.get("units", "mm"), inputs.get("frame")
     if not isinstance(units, str) or units not in MILLIMETERS:
-        raise InputError(f"inputs.units: expected mm, cm or m, got {in_words(units)}.")
+        raise InputError(f"inputs.units: expected mm, cm or m, got {in_words(units)}; choose one.")
     if frame not in (None, "RAS", "LPS"):
-        raise InputError(f"inputs.frame: expected RAS, LPS or null, got {in_words(frame)}.")
+        raise InputError(
+            f"inputs.frame: expected RAS, LPS or null, got {in_words(frame)}; choose one."
+        )
     return units, frame
 
 
@@ -191,7 +195,7 @@ class _StentReader:
         others = "axis, or stent" if "stent" in self.place_keys else "or axis"
         raise InputError(
             f"{where}: expected one of center, distal, proximal, from with to, {others}, "
-            f"got {', '.join(given) or 'nothing'}."
+            f"got {', '.join(given) or 'nothing'}; name one."
         )
 
     def _axis(self, value: Any, where: str) -> AlongAxis:
@@ -200,7 +204,9 @@ class _StentReader:
             points = _each(given["points"], f"{where}.points", self._point)
             return _named(where, lambda: AlongAxis(np.array(points)))
         if "file" not in given or "points" in given:
-            raise InputError(f"{where}: expected either points or a file.")
+            raise InputError(
+                f"{where}: expected either points or a file, got both or none; keep one."
+            )
         file = _file(given, where, self.folder)
         assert file is not None
         if self.axis_reader is None:
@@ -213,7 +219,7 @@ class _StentReader:
     def _point(self, value: Any, where: str) -> NDArray[np.float64]:
         coordinates = sequence(value, where)
         if len(coordinates) != 3:
-            raise InputError(f"{where}: expected three numbers, got {in_words(value)}.")
+            raise InputError(f"{where}: expected three numbers, got {in_words(value)}; correct it.")
         factor = MILLIMETERS[self.units]
         return np.array([scaled(item, factor) for item in _each(coordinates, where, number)])
 

@@ -37,16 +37,19 @@ def read_profile(path: str | os.PathLike[str]) -> tuple[tuple[float, float], ...
     try:
         text = read_content(path, "rows of fraction,diameter").data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise InputError(f"{path}: expected rows of fraction,diameter, got no text.") from error
+        raise InputError(
+            f"{path}: expected rows of fraction,diameter, got no text; save it as text."
+        ) from error
     rows = [row for row in csv.reader(io.StringIO(text)) if any(cell.strip() for cell in row)]
     if not rows or tuple(cell.strip().lower() for cell in rows[0]) != HEADER:
         found = in_short(",".join(rows[0])) if rows else "nothing"
         raise InputError(
-            f"{path}: expected the header fraction,diameter in its first row, got {found}."
+            f"{path}: expected the header fraction,diameter in its first row, got {found}; add it."
         )
     if len(rows) < 3:
         raise InputError(
-            f"{path}: expected two rows of fraction,diameter at least, got {len(rows) - 1}."
+            f"{path}: expected two rows of fraction,diameter at least, got {len(rows) - 1}; "
+            "add some."
         )
     return tuple(_row(path, at, row) for at, row in enumerate(rows[1:], start=1))
 
@@ -103,7 +106,7 @@ def _row(path: Any, at: int, row: list[str]) -> tuple[float, float]:
     except ValueError:
         raise InputError(
             f"{path}, row {at}: expected two numbers, fraction,diameter, got "
-            f"{in_short(','.join(row))}."
+            f"{in_short(','.join(row))}; correct it."
         ) from None
     return fraction, diameter
 

@@ -29,7 +29,7 @@ FIGURE_SUFFIXES = (".png", ".svg")
 
 DEFINITIONS = {
     "inscribed diameter": (
-        "diameter of the largest sphere that fits into the lumen, its centre free in the plane "
+        "diameter of the largest sphere that fits into the lumen, its center free in the plane "
         "across the stent axis (maximum inscribed sphere, MIS); flat caps of in- and outlets count "
         "as open"
     ),
@@ -38,7 +38,10 @@ DEFINITIONS = {
         "2 sqrt(area / pi); at an ostium the section is cut at the wall that would be there"
     ),
     "prescribed diameter": "lumen diameter that the stent was set to reach at that place",
-    "minimum lumen diameter": "smallest inscribed diameter over the stented length (MLD)",
+    "minimum lumen diameter": (
+        "smallest inscribed diameter over the stented length (MLD), at stations at most 1 mm "
+        "apart; that of a lesion is looked for between stations, too"
+    ),
     "beyond the ends": (
         f"of the stent: up to {REACH:.0f} mm along the vessel on either side, as far as it goes"
     ),

@@ -233,7 +233,7 @@ class Device:
 
     def _error(self, name: str, wanted: str, got: str) -> InputError:
         return InputError(
-            f"device {printable(self.name)}, {name}: expected {wanted}, got {got}."
+            f"device {printable(self.name)}, {name}: expected {wanted}, got {got}; correct it."
         )  # fmt: skip
 
 

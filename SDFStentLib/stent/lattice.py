@@ -63,12 +63,13 @@ class LatticeDesign:
     def __post_init__(self) -> None:
         if self.cells not in LATTICE_CELLS:
             raise InputError(
-                f"cells: expected one of {', '.join(LATTICE_CELLS)}, got {self.cells!r}."
+                f"cells: expected one of {', '.join(LATTICE_CELLS)}, got {self.cells!r}; "
+                "choose one."
             )
         for name, least, most in (("crowns", 3, 60), ("rings", 1, 500), ("link_every", 1, 60)):
             value = getattr(self, name)
             if value is not None and as_number(value, name, minimum=least, maximum=most) % 1:
-                raise InputError(f"{name}: expected a whole number, got {value:g}.")
+                raise InputError(f"{name}: expected a whole number, got {value:g}; round it.")
         if self.crowns % self.link_every:
             raise InputError(
                 f"link_every: expected a divisor of the {self.crowns} crowns, got "

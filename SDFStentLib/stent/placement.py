@@ -21,7 +21,7 @@ class InputFile:
 
     def __post_init__(self) -> None:
         if not isinstance(self.path, str | os.PathLike) or not os.fspath(self.path):
-            raise InputError(f"input file: expected a path, got {self.path!r}.")
+            raise InputError(f"input file: expected a path, got {self.path!r}; name a file.")
         object.__setattr__(self, "path", os.path.abspath(self.path))
 
 
@@ -109,7 +109,8 @@ class OfStent(ByValue):
     def __post_init__(self) -> None:
         if isinstance(self.number, bool) or not isinstance(self.number, int) or self.number < 1:
             raise InputError(
-                f"redilation: expected the number of an earlier stent, from 1, got {self.number!r}."
+                "redilation: expected the number of an earlier stent, from 1, got "
+                f"{self.number!r}; name one above it."
             )
 
 

@@ -124,7 +124,8 @@ class Shape:
         for row in self.table:
             if len(row) != 2:
                 raise InputError(
-                    f"profile: expected rows of a fraction and a diameter, got {len(row)} numbers."
+                    f"profile: expected rows of a fraction and a diameter, got {len(row)} numbers; "
+                    "give both."
                 )
             as_number(row[0], "profile fraction", minimum=0, maximum=1)
             as_number(row[1], "profile diameter", unit="mm", above=0, maximum=MAXIMUM_DIAMETER)

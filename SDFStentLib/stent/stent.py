@@ -110,7 +110,7 @@ class Stent(ByValue):
         if not isinstance(self.placement, Placement):
             raise InputError(
                 f"stent placement: expected one of {', '.join(PLACEMENT_NAMES)}, "
-                f"got {type(self.placement).__name__}."
+                f"got {type(self.placement).__name__}; choose one."
             )
         if self.length is not None and isinstance(self.placement, BetweenPoints):
             raise InputError(
@@ -160,7 +160,8 @@ class Stent(ByValue):
     def _check_kept(self) -> None:
         if self.keeps not in KEPT:
             raise InputError(
-                f"stent: expected what it keeps as one of {', '.join(KEPT)}, got {self.keeps!r}."
+                f"stent: expected what it keeps as one of {', '.join(KEPT)}, got {self.keeps!r}; "
+                "choose one."
             )
         by_end = _KEPT_BY_PLACE.get(type(self.placement))
         if by_end is not None and self.keeps not in ("center", by_end):
