@@ -133,7 +133,7 @@ TEMPLATES = {
     ),
     "neighbor-narrowed": (
         "The lumen of {name} is narrowed from {before_mm:.2f} to {after_mm:.2f} mm ({diameter} "
-        "diameter, {percent:.0f} %), {distance_mm:.0f} mm beyond its origin."
+        "diameter, {percent:.0f} %), {distance_mm:.0f} mm beyond {start}."
     ),
     "cap-bulged": (
         "The flat cap near ({x:.1f}, {y:.1f}, {z:.1f}) mm{filed} is pushed up to {height_mm:.2f} "

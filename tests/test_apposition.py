@@ -153,9 +153,9 @@ def test_a_branch_is_the_same_where_the_ways_run_in_one_lumen_whatever_its_name(
 
 
 def test_of_two_branches_with_one_name_both_are_told_and_of_one_branch_the_worst():
-    def treated(number, *lumens):
+    def treated(number, *lumens, again=None):
         names = [SimpleNamespace(name=one.name) for one in lumens]
-        return SimpleNamespace(number=number, branches=names, neighbors=lumens)
+        return SimpleNamespace(number=number, branches=names, neighbors=lumens, again=again)
 
     first = lumen_along([[0, 0, 0], [20, 0, 0]])
     worse = replace(lumen_along([[0, 1, 0], [20, 1, 0]]), after=2.0)
@@ -163,11 +163,17 @@ def test_of_two_branches_with_one_name_both_are_told_and_of_one_branch_the_worst
     wide = replace(lumen_along([[0, 9, 0], [20, 9, 0]]), after=4.0)
     end = lumen_along([[0, 0, 0], [0, 0, 20]], "the vessel distal of the stent")
     stents = [treated(1, first, other), treated(2, worse, wide), treated(3, end)]
-    stents[2].branches = []
+    # Stent 4 is dilated again as stent 5: the vessel beyond is one, too.
+    stents += [treated(4, end, again=5), treated(5, replace(end, after=2.5))]
+    for stent in stents[2:]:
+        stent.branches = []
     told = list(narrowed_neighbors(stents, lambda number: f"Stent {number}: "))
-    assert [one.label for one in told] == ["Stents 1 and 2: ", "Stent 1: ", "Stent 3: "]
-    assert [one.numbers["after_mm"] for one in told] == [2.0, 3.0, 3.0]
-    assert [one.stent for one in told] == [None, 1, 3]
+    labels = ["Stents 1 and 2: ", "Stent 1: ", "Stent 3: ", "Stents 4 and 5: "]
+    assert [one.label for one in told] == labels
+    assert [one.numbers["after_mm"] for one in told] == [2.0, 3.0, 3.0, 2.5]
+    assert [one.stent for one in told] == [None, 1, 3, None]
+    assert str(told[0]).endswith("5 mm beyond its origin.")
+    assert str(told[2]).endswith("5 mm beyond the end of the stent.")
 
 
 def test_diameters_go_on_beyond_both_ends_and_stop_with_the_vessel():

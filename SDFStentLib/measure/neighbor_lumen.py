@@ -13,7 +13,7 @@ from ..geometry import Surface, arc_lengths, cut, frames, length, resampled, tan
 from ..validation import Floats, Indices, Points, read_only
 from .cut_sections import SUSPECT
 from .expected_wall import FARTHEST, across_alone
-from .neighbor_ways import SHORTEST, NeighborWay
+from .neighbor_ways import DISTAL, PROXIMAL, SHORTEST, NeighborWay
 from .stations import Stations
 from .wall_map import RAYS, near_wall, rays_from
 
@@ -63,6 +63,7 @@ class NeighborLumen:
 
     def caution(self) -> Caution:
         """What to know of a lumen that is narrowed."""
+        is_end = self.name in (PROXIMAL, DISTAL)
         return Caution(
             "neighbor-narrowed",
             {
@@ -72,6 +73,7 @@ class NeighborLumen:
                 "diameter": "equivalent" if self.by_area else "inscribed",
                 "percent": 100 * self.loss,
                 "distance_mm": self.distance,
+                "start": "the end of the stent" if is_end else "its origin",
             },
         )
 

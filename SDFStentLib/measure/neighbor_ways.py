@@ -38,6 +38,10 @@ _LEAVES = 0.5
 """A way that is farther from the axis than so many radii of an ostium leaves the vessel there."""
 
 
+PROXIMAL, DISTAL = "the vessel proximal of the stent", "the vessel distal of the stent"
+"""Names of what goes on beyond its ends."""
+
+
 class NeighborWay(NamedTuple):
     """A way into a vessel beside a stent."""
 
@@ -51,10 +55,10 @@ def end_ways(axis: ExtendedAxis) -> tuple[NeighborWay, ...]:
     first, ways = axis.before + axis.stent_length, []
     if axis.before > SHORTEST:
         start = cut(axis.points, 0.0, axis.before)[::-1]
-        ways.append(NeighborWay("the vessel proximal of the stent", start))
+        ways.append(NeighborWay(PROXIMAL, start))
     if axis.after > SHORTEST:
         end = cut(axis.points, first, np.inf)
-        ways.append(NeighborWay("the vessel distal of the stent", end))
+        ways.append(NeighborWay(DISTAL, end))
     return tuple(ways)
 
 

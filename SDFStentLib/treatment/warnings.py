@@ -173,15 +173,22 @@ def narrowed_neighbors(
 ) -> Iterator[Caution]:
     """Lumens beside the stents that are narrowed; a branch beside several stents only once.
 
+    So is the vessel beyond the end of a stent that is dilated again.
+
     Each is measured before any stent and after all of them, wherever that stent moved its wall:
     of a branch the place counts that lost most. `label` names a stent by its number.
     """
-    ends: list[tuple[int, NeighborLumen]] = []
     branches: list[tuple[int, NeighborLumen]] = []
+    ends: dict[tuple[int, str], list[tuple[int, NeighborLumen]]] = {}
     for done in treated:
         names = {branch.name for branch in done.branches}
         for lumen in filter(lambda one: one.is_narrowed, done.neighbors):
-            (branches if lumen.name in names else ends).append((done.number, lumen))
+            if lumen.name in names:
+                branches.append((done.number, lumen))
+                continue
+            ends.setdefault((done.again or done.number, lumen.name), []).append(
+                (done.number, lumen)
+            )
     groups: list[list[tuple[int, NeighborLumen]]] = []
     for number, lumen in branches:
         known = [group for group in groups if is_same_branch(group[0][1], lumen)]
@@ -189,7 +196,7 @@ def narrowed_neighbors(
             known[0].append((number, lumen))
         else:
             groups.append([(number, lumen)])
-    for group in sorted([*groups, *([end] for end in ends)], key=lambda group: group[0][0]):
+    for group in sorted([*groups, *ends.values()], key=lambda group: group[0][0]):
         worst = max((lumen for _, lumen in group), key=lambda lumen: lumen.loss)
         numbers = [number for number, _ in group]
         if len(numbers) == 1:
