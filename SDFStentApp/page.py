@@ -253,9 +253,9 @@ class Page:
         if opened.plan is not None:
             self.widget.logic.loadPlan(opened.plan, parameters)
         self.view.look_at_all()
-        self.say(opened.warnings)
         with self.server.state as state:
             state.opening__v = True
+        self.say(opened.warnings)
 
     def _close(self) -> None:
         """Take the former vessel out of the scene, with its stents and results."""

@@ -6,7 +6,7 @@ from html import escape
 
 from SDFStentLib.units import MILLIMETERS
 
-from .files import SURFACES
+from .files import LARGEST_UPLOAD, SURFACES
 from .selectors import NEW, NodeComboBox, PlaceWidget, SegmentSelector
 from .tables import Table
 from .ui_file import Arranged, Placed
@@ -214,10 +214,13 @@ PATHS = ("surfacePath", "centerlinePath", "chosenPath")
 
 
 def _upload(variable: str) -> str:
-    """A file of the browser's own machine, beside the field for a path."""
-    send = f"f.arrayBuffer().then(c => trigger('upload', ['{variable}', f.name, c]))"
+    """A file of the browser's own machine, beside the field for a path; one that is too large is not sent, only told."""
+    sent = f"trigger('upload', ['{variable}', f.name, %s])"
+    read = f"f.arrayBuffer().then(c => {sent % 'c'})"
+    send = f"f.size > {LARGEST_UPLOAD} ? {sent % 'null'} : {read}"
+    told = "message = 'Sending ' + f.name + '...'"
     return f"""<input type="file" data-name="{variable}-upload" title="A file of this computer" \
-@change="Array.from($event.target.files).forEach(f => {send})">"""
+@change="Array.from($event.target.files).forEach(f => {{ {told}; {send} }})">"""
 
 
 def _units() -> str:

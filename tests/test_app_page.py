@@ -290,6 +290,10 @@ def test_a_wrong_file_is_a_sentence_and_the_page_goes_on(a_visit, the_folder):
     upload = a_visit.named("surfacePath-upload")
     upload.set_input_files({"name": "notes.txt", "mimeType": "text/plain", "buffer": b"no"})
     a_visit.until("message", "notes.txt: expected a file that ends in .vtp")
+    with (the_folder / "large.vtp").open("wb") as large:
+        large.truncate(257 * 2**20)  # of nothing, on no disk
+    upload.set_input_files(the_folder / "large.vtp")
+    a_visit.until("message", "large.vtp: expected a file of at most 256 MB")
 
 
 def test_a_plan_that_was_saved_is_opened_again_from_the_browsers_own_files(a_visit):
@@ -401,6 +405,7 @@ def test_files_in_cm_are_shown_in_mm_and_saved_as_they_are(a_visit, the_folder, 
     a_visit.page.fill("#centerlinePath", str(the_folder / "cm" / "lines.vtp"))
     a_visit.named("openButton").click()
     a_visit.until("message", "name the unit of the file")
+    playwright.expect(a_visit.named("opening")).not_to_have_attribute("open", "")
     a_visit.named("opening").evaluate("one => { one.open = true; }")
     a_visit.page.select_option("#fileUnits", "cm")
     a_visit.named("openButton").click()

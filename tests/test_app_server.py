@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import http.client
 import os
+import re
 import sys
 from pathlib import Path
 
@@ -17,6 +19,15 @@ for name in NEEDED:
     pytest.importorskip(name, reason="the extra app is not installed")
 
 from app_server import AppServer, get  # noqa: E402
+
+
+def way_from(server):
+    """Where the server sends a browser for a page of its own."""
+    connection = http.client.HTTPConnection(server.origin.removeprefix("http://"))
+    connection.request("GET", f"/{server.token}/")
+    way = connection.getresponse().headers["Location"]
+    connection.close()
+    return way
 
 
 @pytest.fixture
@@ -36,10 +47,12 @@ def test_only_who_knows_the_token_is_answered_and_ctrl_c_leaves_nothing(a_server
         )
     status, _, _ = get(f"{a_server.origin}/x/ws", Upgrade="websocket", Connection="Upgrade")
     assert status == 403
+    assert re.fullmatch(r"[\w-]+/index.html", way_from(a_server))  # relative, behind any proxy
     status, text, address = get(a_server.address)
+    assert re.findall(r'(?:src|href)="(?:/|\w+:)', text) == []
     assert (status, '<div id="app">' in text) == (200, True)
     assert address.startswith(a_server.address)
-    (page,) = a_server.pages()
+    page = a_server.pages()[0]
     ports = [c.laddr.port for c in page.net_connections() if c.status == psutil.CONN_LISTEN]
     for port in ports:  # the process of the page itself, without the server in front of it
         assert get(f"http://127.0.0.1:{port}/index.html")[0] == 403
