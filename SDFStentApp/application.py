@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -70,6 +71,18 @@ class Application:
             item = hierarchy.GetItemByDataNode(node)
             if item:
                 hierarchy.RemoveItem(item, False, False)
+
+    def shown_in(self, renderer: Any, view: Any, names: Iterable[str]) -> Any:
+        """The group of displayable managers of such names that shows the scene in a renderer with an interactor, as a view node says."""
+        factory = slicer.vtkMRMLThreeDViewDisplayableManagerFactory.GetInstance()
+        factory.SetMRMLApplicationLogic(self.applicationLogic)
+        for name in names:
+            if not factory.IsDisplayableManagerRegistered(name):
+                factory.RegisterDisplayableManager(name)
+        group = slicer.vtkMRMLDisplayableManagerGroup()
+        group.Initialize(factory, renderer)
+        group.SetMRMLDisplayableNode(view)
+        return group
 
     def _make_color_folder(self) -> None:
         # The color logic logs an error unless this folder exists; slicer-core ships no color files.

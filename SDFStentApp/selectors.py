@@ -11,7 +11,18 @@ NEW = "+"
 """Chosen in place of a node's ID: one that is made now."""
 
 
-class NodeComboBox(Widget):
+class OfNode(Widget):
+    """Knows a node of the scene, or None."""
+
+    def __init__(self, name: str, parameter: str = "") -> None:
+        super().__init__(name, parameter)
+        self._node: Any = None
+
+    def currentNode(self) -> Any:
+        return self._node
+
+
+class NodeComboBox(OfNode):
     """One of the scene's nodes, as `qMRMLNodeComboBox` is used."""
 
     edited = "nodeID"
@@ -21,7 +32,6 @@ class NodeComboBox(Widget):
     def __init__(self, name: str, parameter: str = "") -> None:
         super().__init__(name, parameter)
         self._scene: Any = None
-        self._node: Any = None
         self._attributes: list[tuple[str, str, str]] = []
         self._filter = SimpleNamespace(hiddenNodeIDs=())
 
@@ -37,9 +47,6 @@ class NodeComboBox(Widget):
 
     def sortFilterProxyModel(self) -> SimpleNamespace:
         return self._filter
-
-    def currentNode(self) -> Any:
-        return self._node
 
     def setCurrentNode(self, node: Any) -> None:
         """Choose a node, or None."""
@@ -95,18 +102,11 @@ class NodeComboBox(Widget):
             self.setCurrentNode(by_id.get(value))
 
 
-class SegmentSelector(Widget):
+class SegmentSelector(OfNode):
     """One of a segmentation's segments, as `qMRMLSegmentSelectorWidget` is used."""
 
     edited = "segment"
     segment = shown("", "currentSegmentChanged")
-
-    def __init__(self, name: str, parameter: str = "") -> None:
-        super().__init__(name, parameter)
-        self._node: Any = None
-
-    def currentNode(self) -> Any:
-        return self._node
 
     def setCurrentNode(self, node: Any) -> None:
         if node is not self._node:
@@ -128,24 +128,17 @@ class SegmentSelector(Widget):
             self.segment = value
 
 
-class PlaceWidget(Widget):
+class PlaceWidget(OfNode):
     """Whether the next click into the view places a handle, as `qSlicerMarkupsPlaceWidget` is used."""
 
     edited = "isPlacing"
     isPlacing = shown(False, "placing")
-
-    def __init__(self, name: str, parameter: str = "") -> None:
-        super().__init__(name, parameter)
-        self._node: Any = None
 
     def setCurrentNode(self, node: Any) -> None:
         """Place the points of this markups, or of none."""
         if node is not self._node:
             self._node, self.isPlacing = node, False
         self.enabled = node is not None
-
-    def currentNode(self) -> Any:
-        return self._node
 
     def edit(self, value: Any) -> None:
         self.isPlacing = value is True and self._node is not None

@@ -8,39 +8,28 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from . import widgets
 from .selectors import NodeComboBox, PlaceWidget, SegmentSelector
 from .tables import Table
-from .widgets import (
-    Area,
-    Button,
-    CheckBox,
-    ComboBox,
-    Label,
-    Line,
-    LineEdit,
-    Number,
-    ProgressBar,
-    Section,
-    Widget,
-)
+from .widgets import Widget
 
 CLASSES: dict[str, Callable[[str, str], Widget]] = {
-    "QLabel": Label,
-    "QPushButton": Button,
-    "QToolButton": Button,
-    "QCheckBox": CheckBox,
-    "QComboBox": ComboBox,
-    "QSpinBox": Number,
-    "QDoubleSpinBox": Number,
-    "ctkSliderWidget": partial(Number, has_slider=True),
-    "QLineEdit": LineEdit,
+    "QLabel": widgets.Label,
+    "QPushButton": widgets.Button,
+    "QToolButton": widgets.Button,
+    "QCheckBox": widgets.CheckBox,
+    "QComboBox": widgets.ComboBox,
+    "QSpinBox": widgets.Number,
+    "QDoubleSpinBox": widgets.Number,
+    "ctkSliderWidget": partial(widgets.Number, has_slider=True),
+    "QLineEdit": widgets.LineEdit,
     "QTableWidget": Table,
-    "QProgressBar": ProgressBar,
-    "QWidget": Area,
-    "QFrame": Line,
-    "Line": Line,
-    "qMRMLWidget": Area,
-    "ctkCollapsibleButton": Section,
+    "QProgressBar": widgets.ProgressBar,
+    "QWidget": widgets.Area,
+    "QFrame": widgets.Line,
+    "Line": widgets.Line,
+    "qMRMLWidget": widgets.Area,
+    "ctkCollapsibleButton": widgets.Section,
     "qMRMLNodeComboBox": NodeComboBox,
     "qMRMLSegmentSelectorWidget": SegmentSelector,
     "qSlicerMarkupsPlaceWidget": PlaceWidget,

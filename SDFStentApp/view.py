@@ -58,18 +58,11 @@ class View:
         self.window.AddRenderer(self.renderer)
         interactor = vtkGenericRenderWindowInteractor()
         interactor.SetRenderWindow(self.window)
-        factory = slicer.vtkMRMLThreeDViewDisplayableManagerFactory.GetInstance()
-        factory.SetMRMLApplicationLogic(application.applicationLogic)
-        for name in DISPLAYABLE_MANAGERS:
-            if not factory.IsDisplayableManagerRegistered(name):
-                factory.RegisterDisplayableManager(name)
-        self.group = slicer.vtkMRMLDisplayableManagerGroup()
-        self.group.Initialize(factory, self.renderer)
+        self.group = application.shown_in(self.renderer, self.node, DISPLAYABLE_MANAGERS)
         self._style = slicer.vtkMRMLThreeDViewInteractorStyle()
         self._style.SetDisplayableManagers(self.group)
         self._style.SetInteractor(interactor)
         interactor.SetInteractorStyle(vtkInteractorStyle3D())
-        self.group.SetMRMLDisplayableNode(self.node)
         self.area = _Area(self.window, on_click, self.look_at_all)
         self._frames: Frames | None = None
 

@@ -84,15 +84,8 @@ class View:
         self.window.AddRenderer(self.renderer)
         interactor = vtk.vtkRenderWindowInteractor()
         interactor.SetRenderWindow(self.window)
-        factory = slicer.vtkMRMLThreeDViewDisplayableManagerFactory.GetInstance()
-        factory.SetMRMLApplicationLogic(application.applicationLogic)
-        for name in DISPLAYABLE_MANAGERS:
-            if not factory.IsDisplayableManagerRegistered(name):
-                factory.RegisterDisplayableManager(name)
         self._interactor = interactor
-        self.group = slicer.vtkMRMLDisplayableManagerGroup()
-        self.group.Initialize(factory, self.renderer)
-        self.group.SetMRMLDisplayableNode(self.node)
+        self.group = application.shown_in(self.renderer, self.node, DISPLAYABLE_MANAGERS)
 
     def look(self, bounds, direction=(0.0, -1.0, 0.15), up=(0.0, 0.0, 1.0), zoom=1.4):
         """Point the camera at a box, along `direction`."""
