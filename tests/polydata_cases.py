@@ -5,7 +5,17 @@ from __future__ import annotations
 import numpy as np
 from vtkmodules import vtkCommonCore
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
-from vtkmodules.vtkCommonCore import VTK_CHAR, VTK_ID_TYPE, VTK_SIGNED_CHAR, vtkPoints
+from vtkmodules.vtkCommonCore import (
+    VTK_CHAR,
+    VTK_ID_TYPE,
+    VTK_LONG,
+    VTK_LONG_LONG,
+    VTK_SIGNED_CHAR,
+    VTK_UNSIGNED_LONG,
+    VTK_UNSIGNED_LONG_LONG,
+    vtkLongArray,
+    vtkPoints,
+)
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
 from vtkmodules.vtkIOLegacy import vtkPolyDataReader, vtkPolyDataWriter
 from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLPolyDataWriter
@@ -149,6 +159,13 @@ def everything_of(polydata):
     return found
 
 
+_SAME = {VTK_CHAR: VTK_SIGNED_CHAR}
+"""Types of which VTK's readers take one for the other."""
+if vtkLongArray().GetDataTypeSize() == 8:
+    # VTK 9.7 makes the first of 64-bit integers of NumPy, VTK before it, and readers, the second.
+    _SAME |= {VTK_LONG: VTK_LONG_LONG, VTK_UNSIGNED_LONG: VTK_UNSIGNED_LONG_LONG}
+
+
 def array_values(array):
     count = array.GetNumberOfComponents()
     kind = array.GetDataType()
@@ -158,7 +175,7 @@ def array_values(array):
         values = vtk_to_numpy(array).tobytes()
     return (
         array.GetName(),
-        VTK_SIGNED_CHAR if kind == VTK_CHAR else kind,  # VTK's readers take one for the other
+        _SAME.get(kind, kind),
         count,
         array.GetNumberOfTuples(),
         [array.GetComponentName(number) for number in range(count)],
