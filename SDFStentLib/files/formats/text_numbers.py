@@ -7,6 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
+_LONGEST = 100
+"""Bytes at the end of a text in which its last word is looked for."""
+
 
 def numbers_in(text: bytes, kind: DTypeLike) -> NDArray[Any]:
     """The numbers of a text, separated by blanks and line ends.
@@ -65,9 +68,23 @@ def _parsed(text: bytes, kind: DTypeLike) -> NDArray[Any]:
         numbers = np.fromstring(text, dtype=kind, sep=" ")
     except DeprecationWarning as error:  # an older NumPy that is told to raise its warnings
         raise ValueError(str(error)) from error
-    if not _is_whole(text, len(numbers)):  # an older NumPy stops silently
+    # A NumPy before 2.3 stops silently, also within a word.
+    if not _is_whole(text, len(numbers)) or not _is_number(_last_word(text), numbers.dtype.kind):
         raise ValueError("a word is no number")
     return numbers
+
+
+def _last_word(text: bytes) -> bytes:
+    end = text[-_LONGEST:].split() or text.split()
+    return end[-1]
+
+
+def _is_number(word: bytes, kind: str) -> bool:
+    try:
+        float(word) if kind == "f" else int(word)
+    except ValueError:
+        return False
+    return b"_" not in word
 
 
 def _is_whole(text: bytes, count: int) -> bool:
