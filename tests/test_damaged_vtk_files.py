@@ -14,7 +14,7 @@ from SDFStentLib.validation import InputError
 
 def surface():
     points, triangles = octahedron(rounds=1)
-    arrays = {"label": np.arange(len(points)), "vector": np.ones((len(points), 3))}
+    arrays = {"label": np.arange(len(points), dtype=np.int32), "vector": np.ones((len(points), 3))}
     polydata = polydata_from_arrays(points, triangles, arrays)
     set_frame_of_polydata(polydata, "RAS")
     return polydata
@@ -54,9 +54,9 @@ def replaced(data, old, new, count=1):
         (b'NumberOfPoints="18"', b'NumberOfPoints="8589934592"', "expected 25769803776 values"),
         (b'NumberOfPoints="18"', b'NumberOfPoints="%s"' % (b"9" * 5000), "from 0 as NumberOfP"),
         (b'NumberOfPolys="32"', b'NumberOfPolys="33"', "array offsets: expected 33 values, got 32"),
-        (b'type="Int64" Name="label"', b'type="String" Name="label"', "array label: expected"),
-        (b'type="Int64" Name="label"', b'type="Bit" Name="label"', "expected bits 0 and 1, got 17"),
-        (b'type="Int64" Name="label"', b'type="Int7" Name="label"', "expected Int8.*as type"),
+        (b'type="Int32" Name="label"', b'type="String" Name="label"', "array label: expected"),
+        (b'type="Int32" Name="label"', b'type="Bit" Name="label"', "expected bits 0 and 1, got 17"),
+        (b'type="Int32" Name="label"', b'type="Int7" Name="label"', "expected Int8.*as type"),
         (b'type="Float64" Name="Points"', b'type="String" Name="Points"', "array Points: expected"),
         (b'type="Float64" Name="Points"', b'type="Bit" Name="Points"', "expected"),
         (
@@ -154,9 +154,9 @@ def test_little_data_cannot_fill_the_memory(tmp_path):
         ),
         (b"FIELD FieldData 1\nSPACE", b"FIELD FieldData 9\nSPACE", "expected a number from 0"),
         (b"label 1 18", b"label 1 17", "expected"),
-        (b"label 1 18 vtktypeint64", b"label 1 18 string", "expected"),
-        (b"label 1 18 vtktypeint64", b"label 1 18 bit", "expected"),
-        (b"label 1 18 vtktypeint64", b"label 0 18 vtktypeint64", "1 to 10000 components, got 0"),
+        (b"label 1 18 int", b"label 1 18 string", "expected"),
+        (b"label 1 18 int", b"label 1 18 bit", "expected"),
+        (b"label 1 18 int", b"label 0 18 int", "1 to 10000 components, got 0"),
         (b"POINT_DATA 18", b"POINT_DATA 17", "expected"),
         (b"DATASET POLYDATA", b"DATASET POLYDATA\nLINES 1 2 3", "expected"),
     ],
