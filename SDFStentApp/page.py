@@ -89,9 +89,9 @@ class Page:
         self._edits[widget] = value
 
     def _edit_when_seen(self, latest: float) -> None:
-        session, loop = self.widget.session, asyncio.get_running_loop()
-        isBehind = self.view.isBehind or (session.isRunning and session.isPreview)
-        if isBehind and self._edits and loop.time() < latest:
+        """A value that comes while a preview runs is taken: the session goes on with it, and does not think that the hand rests."""
+        loop = asyncio.get_running_loop()
+        if self.view.isBehind and self._edits and loop.time() < latest:
             loop.call_later(LOOK_AGAIN_S, self._edit_when_seen, latest)
         else:
             self._edit_now()
