@@ -9,7 +9,10 @@ from SDFStentLib import phantoms
 from SDFStentLib.deformation.deployment import Deployment, deploy
 from SDFStentLib.field import CapsuleChain
 from SDFStentLib.geometry import Surface
+from SDFStentLib.measure import inscribed_spheres
 from SDFStentLib.measure.caps import bulged_caps
+from SDFStentLib.stent import AlongAxis, Stent
+from SDFStentLib.treatment import Treatment
 
 
 @pytest.fixture(scope="module")
@@ -95,3 +98,24 @@ def test_flat_spots_of_a_subdivided_wall_are_not_caps():
         bulged_caps(Surface(rings, triangles), Surface(after, triangles), np.arange(len(rings)))
         == ()
     )
+
+
+@pytest.mark.parametrize(
+    ("start", "end", "radius", "widens"),
+    [((-0.35, -0.02, 32.71), (1.18, -0.23, 39.18), 1.55, False),
+     ((-0.09, 0.05, 33.52), (-1.42, 0.76, 39.08), 2.16, True)],
+)  # fmt: skip
+def test_the_lumen_at_a_cap_that_a_leaning_stent_bulged_is_that_between_the_walls(
+    a_tube, start, end, radius, widens
+):
+    """It was unknown, or that of a sphere which the bulged cap held back."""
+    stent = Stent(2 * radius, placement=AlongAxis([start, end]))
+    result = Treatment(a_tube.surface, [stent]).result
+    assert [warning.kind for warning in result.warnings].count("cap-bulged") == 1
+    (treated,) = result.stents
+    last, direction = treated.axis.points[-1:], np.subtract(end, start)[None]
+    walls = a_tube.triangles[(np.abs(a_tube.points[a_tube.triangles][:, :, 2] - 40) > 1e-6).any(1)]
+    expected = 2 * inscribed_spheres(result.points, walls, last, direction).radii[0]
+    before, after = treated.before.inscribed_diameter[-1], treated.after.inscribed_diameter[-1]
+    assert after == pytest.approx(expected, abs=1e-4)
+    assert (after > before + 0.1) == widens

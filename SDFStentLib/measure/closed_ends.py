@@ -31,6 +31,8 @@ CAPS_WITHIN = 2.0
 _SOME = 1000
 """Corners of the surface that tell the width."""
 
+NO_CAPS: Indices = np.empty(0, dtype=np.int64)
+
 
 class OpenWall(NamedTuple):
     """A surface without some of its caps."""
@@ -54,12 +56,15 @@ def open_at_ends(surface: Surface, axis: Points) -> OpenWall:
     return OpenWall(triangles[~is_capped] if len(caps) else triangles, caps)
 
 
-def past_closed_ends(points: Points, triangles: Triangles, measured: Stations) -> Stations:
+def past_closed_ends(
+    points: Points, triangles: Triangles, measured: Stations, caps: Indices = NO_CAPS
+) -> Stations:
     """The stations, spheres that touch a closed end of the vessel measured anew without its cap.
 
-    A sphere is NaN where it touches an end that is no flat cap, such as one that a stent bulged,
-    and where it climbs out through one that the axis meets askew; an equivalent diameter is NaN
-    where a cap, a little askew, cuts the section off.
+    A sphere is NaN where it touches an end that is no flat cap, but for `caps`, triangles by number
+    that counted as open already, such as a cap that a stent has bulged since; and where it climbs
+    out through one that the axis meets askew. An equivalent diameter is NaN where a cap, a little
+    askew, cuts the section off.
     """
     stations, directions, spheres, equivalent = measured
     arc = arc_lengths(stations)
@@ -72,8 +77,9 @@ def past_closed_ends(points: Points, triangles: Triangles, measured: Stations) -
     if not len(at_end):
         return measured
     width = float(np.nanmax(np.concatenate([equivalent[at_end], 2 * spheres.radii])))
-    points, triangles = part_near(points, triangles, stations[at_end], width)
+    points, triangles, numbers = part_near(points, triangles, stations[at_end], width)
     is_capped = _in_caps(points, triangles, stations[at_end], directions[at_end], width)
+    is_capped |= np.isin(numbers, caps)
     kept, centers, radii = triangles[~is_capped], spheres.centers.copy(), spheres.radii.copy()
     limited = at_end[_are_limited(points, triangles[is_capped], spheres.at(at_end))]
     if len(limited):
@@ -82,8 +88,8 @@ def past_closed_ends(points: Points, triangles: Triangles, measured: Stations) -
     present = InscribedSpheres(centers[at_end], radii[at_end])
     closed = at_end[touches(points, kept, outward[at_end], present, SQUARELY)]
     centers[closed], radii[closed] = np.nan, np.nan
-    caps = points[triangles[is_capped].ravel()]
-    cut = [i for i in at_end if _is_crossed(caps, stations[i], directions[i], width)]
+    corners = points[triangles[is_capped].ravel()]
+    cut = [i for i in at_end if _is_crossed(corners, stations[i], directions[i], width)]
     equivalent = equivalent.copy()
     equivalent[cut] = np.nan
     return measured._replace(spheres=InscribedSpheres(centers, radii), equivalent=equivalent)

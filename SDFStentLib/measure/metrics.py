@@ -16,8 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..cautions import Caution
 from ..geometry import Surface, arc_lengths, as_surface, resampled, tangents
-from ..validation import Flags, Floats, InputError, Points, as_number, read_only
-from .closed_ends import open_at_ends, past_closed_ends
+from ..validation import Flags, Floats, Indices, InputError, Points, as_number, read_only
+from .closed_ends import NO_CAPS, open_at_ends, past_closed_ends
 from .cross_section import winding_numbers
 from .cut_sections import cut_at_ostia
 from .rounded_ends import past_rounded_ends
@@ -143,9 +143,9 @@ def diameter_profile(surface: Surface, axis: ArrayLike, spacing: float = 1.0) ->
     """
     surface = as_surface(surface)
     stations = resampled(axis, as_number(spacing, "spacing", unit="mm", above=0))
-    wall = open_at_ends(surface, stations).triangles
-    measured = measured_at(surface, stations, tangents(stations), wall)
-    return profile_of(surface, arc_lengths(stations), measured)
+    wall = open_at_ends(surface, stations)
+    measured = measured_at(surface, stations, tangents(stations), wall.triangles)
+    return profile_of(surface, arc_lengths(stations), measured, caps=wall.caps)
 
 
 def profile_of(
@@ -153,6 +153,7 @@ def profile_of(
     arc_length: Floats,
     measured: Stations,
     parts: Sequence[slice] = (slice(None),),
+    caps: Indices = NO_CAPS,
 ) -> DiameterProfile:
     """`diameter_profile` of stations along an axis that are measured, in their order.
 
@@ -166,9 +167,11 @@ def profile_of(
         About equally far apart. The vessel may end at the first and the last one only.
     parts : sequence of slice
         Stations among which openings are looked for together; what the last one says counts.
+    caps : (m,) array of int, optional
+        Triangles that spheres did not see, whatever a stent has made of them since.
     """
     points, triangles = surface.points, surface.triangles
-    measured = past_closed_ends(points, triangles, measured)
+    measured = past_closed_ends(points, triangles, measured, caps)
     stations, equivalent = measured.points, measured.equivalent.copy()
     is_cut = np.zeros(len(stations), dtype=bool)
     for part in parts:
@@ -177,7 +180,7 @@ def profile_of(
             surface, stations[part], centers, 2 * radii, measured.equivalent[part]
         )
     measured = measured._replace(equivalent=equivalent)
-    spheres = past_rounded_ends(points, triangles, measured)
+    spheres = past_rounded_ends(points, np.delete(triangles, caps, axis=0), measured)
 
     # A closed section round the station proves that it is inside; the few others are looked at.
     outside = np.flatnonzero(np.isnan(equivalent))

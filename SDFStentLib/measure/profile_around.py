@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..geometry import Surface, arc_lengths, cut, resampled, tangents
-from ..validation import Floats, Points
-from .closed_ends import open_at_ends
+from ..validation import Floats, Indices, Points
+from .closed_ends import NO_CAPS, open_at_ends
 from .extended_axis import ExtendedAxis
 from .metrics import DiameterProfile, profile_of
 from .stations import Stations, measured_at
@@ -65,7 +65,10 @@ def _part(line: Points, spacing: float, start: float) -> tuple[Floats, ...]:
 
 
 def profile_around(
-    surface: Surface, stations: AxisStations, measured: Stations | None = None
+    surface: Surface,
+    stations: AxisStations,
+    measured: Stations | None = None,
+    caps: Indices = NO_CAPS,
 ) -> DiameterProfile:
     """The profile of a stent and of its surroundings; that of the stent alone is a part of it.
 
@@ -77,6 +80,8 @@ def profile_around(
         Along the extended axis of the stent.
     measured : Stations, optional
         What is known there; measured now without.
+    caps : (m,) array of int, optional
+        Triangles that the spheres of `measured` did not see.
 
     Returns
     -------
@@ -85,6 +90,6 @@ def profile_around(
         the extended axis, not at those of the stent.
     """
     if measured is None:
-        wall = open_at_ends(surface, stations.points).triangles
+        wall, caps = open_at_ends(surface, stations.points)
         measured = measured_at(surface, stations.points, stations.directions, wall)
-    return profile_of(surface, stations.arc_length, measured, stations.parts)
+    return profile_of(surface, stations.arc_length, measured, stations.parts, caps)

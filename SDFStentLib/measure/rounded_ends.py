@@ -61,8 +61,10 @@ def past_rounded_ends(points: Points, triangles: Triangles, measured: Stations) 
         if not _is_closed(points, triangles, stations[end], outward[end], widest):
             continue
         part = part_near(points, triangles, stations[touching], widest)
-        own = [part[1][_is_wall(*part, stations[i], outward[i], lumen[i])] for i in touching]
-        anew = _each_in_its_wall(part[0], own, stations[touching], directions[touching])
+        own = [
+            part.triangles[_is_wall(*part[:2], stations[i], outward[i], lumen[i])] for i in touching
+        ]
+        anew = _each_in_its_wall(part.points, own, stations[touching], directions[touching])
         # One that is wider than the section has climbed out through the open end.
         climbed = ~(2 * anew.radii <= equivalent[touching])
         anew.centers[climbed], anew.radii[climbed] = np.nan, np.nan

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ..geometry import compacted, dot, may_meet_box
-from ..validation import Flags, Floats, Points, Triangles
+from ..validation import Flags, Floats, Indices, Points, Triangles
 from .inscribed import InscribedSpheres
 from .local_surface import LocalSurface
 
@@ -23,17 +25,27 @@ BESIDE = 4.0
 """Of the radius of the lumen: no farther from its station is a sphere, or what it touches."""
 
 
-def part_near(
-    points: Points, triangles: Triangles, stations: Points, radius: float
-) -> tuple[Points, Triangles]:
+class SurfacePart(NamedTuple):
+    """Some triangles of a surface."""
+
+    points: Points
+    """Their corners, and others."""
+    triangles: Triangles
+    """(k, 3) by the numbers of these points."""
+    numbers: Indices
+    """(k,) in the whole surface."""
+
+
+def part_near(points: Points, triangles: Triangles, stations: Points, radius: float) -> SurfacePart:
     """The part of a surface that may touch spheres near some stations of a lumen, so wide.
 
     Two points of no triangle, corners of the whole surface's box, keep it as large: a sphere that
     leaves it is outside.
     """
     low, high = stations.min(axis=0) - BESIDE * radius, stations.max(axis=0) + BESIDE * radius
-    near, kept = compacted(points, triangles[may_meet_box(points, triangles, low, high)])
-    return np.vstack([near, points.min(axis=0), points.max(axis=0)]), kept
+    numbers = np.flatnonzero(may_meet_box(points, triangles, low, high))
+    near, kept = compacted(points, triangles[numbers])
+    return SurfacePart(np.vstack([near, points.min(axis=0), points.max(axis=0)]), kept, numbers)
 
 
 def touches(

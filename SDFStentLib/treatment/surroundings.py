@@ -133,7 +133,7 @@ def surveyed(
     along = axis_stations(extended, PROFILE_SPACING)
     wall = open_at_ends(native, along.points)
     measured = measured_once(native, along.points, along.directions, wall)
-    before = profile_around(native, along, measured)
+    before = profile_around(native, along, measured, wall.caps)
     return Survey(extended, branches, (*end_ways(extended), *into), along, measured, before, wall)
 
 
@@ -162,7 +162,7 @@ def surroundings(
     return Surroundings(
         along,
         survey.before,
-        profile_around(states.final, along, after.at(own)),
+        profile_around(states.final, along, after.at(own), wall.caps),
         survey.branches,
         beside.lumens(before.at(rest), after.at(rest)),
         apposition(states.final, survey.axis.of_stent, radius),
