@@ -317,6 +317,7 @@ class Page:
         if content is None:
             return None
         self.parameters.status = ""  # it names a folder that nobody sees
+        self._flush()
         return {"name": WRITES_FOLDER[name], "type": "application/zip", "content": content}
 
     def _written(self, name: str) -> dict[str, Any] | None:
@@ -329,6 +330,7 @@ class Page:
                 return None  # the panel says why
             content = path.read_bytes()
         self.parameters.status = ""  # it names a folder that nobody sees
+        self._flush()
         return {"name": file, "type": media_type, "content": content}
 
     def _places(self) -> list[PlaceWidget]:
