@@ -190,7 +190,7 @@ def test_an_end_that_is_not_finite_is_a_sentence(tmp_path, tube, option):
     )  # fmt: skip
     assert run.returncode == 2
     assert run.stderr == (
-        f"sdfstent centerline: {option}: expected three finite numbers, got nan.\n"
+        f"sdfstent centerline: {option}: expected three finite numbers, got nan; correct it.\n"
     )
 
 
