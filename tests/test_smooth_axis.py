@@ -22,6 +22,7 @@ from SDFStentLib.stent import (
     AtCenter,
     AtDistalEnd,
     AtProximalEnd,
+    BetweenPoints,
     Stent,
     stent_axis,
 )
@@ -145,6 +146,25 @@ def test_a_stent_with_a_length_keeps_it_where_the_wall_stops_its_smoothing():
     assert "smoothed-less" in {one.kind for one in found.warnings}
     assert length(found.points) == pytest.approx(30.0, abs=1e-9)
     assert np.abs(found.points - stent_axis(stent).points).max() > 0.1
+
+
+@pytest.mark.parametrize("width", [0.5, 3.0, 20.0])
+@pytest.mark.parametrize("foreshortening", [0.0, 0.2])
+@pytest.mark.parametrize("is_curve", [True, False])
+def test_a_stent_from_end_to_end_is_as_long_as_its_smooth_axis(is_curve, foreshortening, width):
+    """No length was prescribed, so none is missing: not in numbers, nor in words."""
+    tube = straight_tube(radius=3.0, length=60.0)
+    rough = shaky(tube.axis_at(np.linspace(10, 50, 100)), 0.15)
+    line = Centerline.from_lines(rough, [np.arange(100)])
+    place = AlongAxis(rough) if is_curve else BetweenPoints(rough[5], rough[-5])
+    stent = Stent(7.0, placement=place, foreshortening_fraction=foreshortening)
+    plain = stent_axis(stent, line)
+    found = axis_in_vessel(stent, line, tube.surface, AxisChange(smoothing_length=width))
+    assert length(found.points) < length(plain.points) - 1.0
+    assert found.prescribed_length == pytest.approx(length(found.points), abs=1e-12)
+    kept = plain.prescribed_length / plain.nominal_length
+    assert found.prescribed_length / found.nominal_length == pytest.approx(kept, abs=1e-12)
+    assert "shortened" not in {one.kind for one in found.warnings}
 
 
 def test_its_pieces_point_as_those_of_the_smooth_line():

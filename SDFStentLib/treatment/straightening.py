@@ -131,15 +131,22 @@ def _smoothed(axis: StentAxis, stent: Stent, lumen: Lumen, smoothing_length: flo
     """An axis made smooth as far as possible.
 
     A stent that has a length keeps it, as one that is straightened. One that goes from end to end,
-    of a curve or between two places, goes from end to end of the smooth line.
+    of a curve or between two places, goes from end to end of the smooth line and is as long as it.
     """
     goal = smoothed_line(axis.points, smoothing_length)
     told = _Told("smoothed-less", 1.0, stent.radius)
     if stent.length is None:
         way = StraightLines(axis.points, goal)
-        return _moved(axis, way, permitted(way, stent.radius, lumen.surface, 1.0), told)
+        found = permitted(way, stent.radius, lumen.surface, 1.0)
+        return _as_long_as_it_lies(_moved(axis, way, found, told))
     steps = np.diff(goal, axis=0)
     return _turned(axis, stent, lumen, told, lambda keeps: turned_way(axis.points, steps, keeps))
+
+
+def _as_long_as_it_lies(axis: StentAxis) -> StentAxis:
+    foreshortened = axis.prescribed_length / axis.nominal_length
+    lies = axis.deployed_length
+    return replace(axis, nominal_length=lies / foreshortened, prescribed_length=lies)
 
 
 def _straightened(axis: StentAxis, stent: Stent, lumen: Lumen, fraction: float) -> StentAxis:
