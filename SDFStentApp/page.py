@@ -52,6 +52,7 @@ class Page:
         self._edits: dict[Any, Any] = {}
         self._shown_results: tuple[Any, ...] = ()
         self._placed = 0
+        self._written_to = ""
 
     @property
     def parameters(self) -> Any:
@@ -118,7 +119,8 @@ class Page:
 
     def _show(self, widget: Any) -> None:
         state = self.server.state
-        state[widget.objectName] = widget.state()
+        shown = widget.state()
+        state[widget.objectName] = {**shown, "text": self._seen(shown["text"])}
         if widget.edited and widget not in self._edits:  # the browser knows better
             state[value_of(widget)] = getattr(widget, widget.edited)
 
@@ -134,10 +136,15 @@ class Page:
             state.plot, state.table = plot_of(chart), table_of(table)
 
     def say(self, sentence: str) -> None:
-        """A sentence above the panel; "" takes it away. What the browser has sent is called as it was there."""
-        sentence = sentence.replace(f"{self.uploads.folder}{os.sep}", "")
+        """A sentence above the panel; "" takes it away."""
         with self.server.state:
-            self.server.state.message = sentence
+            self.server.state.message = self._seen(sentence)
+
+    def _seen(self, text: str) -> str:
+        """What the browser has sent, and what it is given to keep, is called as it is there: nobody sees our folders."""
+        for folder in filter(None, (str(self.uploads.folder), self._written_to)):
+            text = text.replace(f"{folder}{os.sep}", "")
+        return text
 
     def attempt(self, action: Callable[[], Any]) -> Any:
         """Do what the user asks for; where it cannot be done, say why in the page."""
@@ -306,31 +313,30 @@ class Page:
             return None
         writer = {"comparePlansButton": self.widget.plans.comparing}.get(name)
         writer = writer or self.widget.sections[-1].writing
-        wasRunning = writer.isRunning
-        with tempfile.TemporaryDirectory(prefix="sdfstent-") as folder:
-            with self._dialog.answering(Path(folder)):
+        if writer.isRunning:
+            self.click(name)
+            return None
+        with tempfile.TemporaryDirectory(prefix="sdfstent-") as self._written_to:
+            folder = Path(self._written_to)
+            with self._dialog.answering(folder):
                 self.click(name)
             # Ends: with what the click has begun, or with a second one.
-            while writer.isRunning and not wasRunning:
+            while writer.isRunning:
                 await asyncio.sleep(0.1)
-            content = None if wasRunning else await asyncio.to_thread(zipped_folder, Path(folder))
+            content = await asyncio.to_thread(zipped_folder, folder)
         if content is None:
             return None
-        self.parameters.status = ""  # it names a folder that nobody sees
-        self._flush()
         return {"name": WRITES_FOLDER[name], "type": "application/zip", "content": content}
 
     def _written(self, name: str) -> dict[str, Any] | None:
         file, media_type = WRITES_FILE[name]
-        with tempfile.TemporaryDirectory(prefix="sdfstent-") as folder:
-            path = Path(folder) / file
+        with tempfile.TemporaryDirectory(prefix="sdfstent-") as self._written_to:
+            path = Path(self._written_to) / file
             with self._dialog.answering(path):
                 self.click(name)
             if not path.exists():
                 return None  # the panel says why
             content = path.read_bytes()
-        self.parameters.status = ""  # it names a folder that nobody sees
-        self._flush()
         return {"name": file, "type": media_type, "content": content}
 
     def _places(self) -> list[PlaceWidget]:

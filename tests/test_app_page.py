@@ -366,13 +366,17 @@ def test_a_segment_between_two_clicks_is_kept_by_the_browser(a_visit):
     a_visit.add_stent()
     a_visit.named("deployButton").click()
     a_visit.until("certificateLabel", "Certified")
+    a_visit.named("statusLabel").evaluate(REMEMBERED, timeout=30_000)
     segment = zipfile.ZipFile(io.BytesIO(a_visit.saved("writeSegmentButton")))
+    a_visit.until("statusLabel", "Wrote segment, in cm.")
     walls = [name for name in segment.namelist() if name.endswith("mesh-surfaces/wall.vtp")]
     assert [name.split("/")[-3] for name in sorted(walls)] == ["after", "before"]
     assert all(b"<PolyData>" in segment.read(name) for name in walls)
     assert b"<PolyData>" in a_visit.saved("saveDeviceButton")
+    a_visit.until("statusLabel", "Wrote stents.vtp.")
     assert json.loads(a_visit.saved("write0DButton"))
-    assert a_visit.text("statusLabel") == ""
+    a_visit.until("statusLabel", "Wrote 0d.json.")
+    assert [text for text in a_visit.page.evaluate("window.texts") if "sdfstent-" in text] == []
 
 
 def test_a_page_that_is_loaded_again_has_its_stents(a_visit):
