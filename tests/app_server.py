@@ -11,6 +11,7 @@ import urllib.request
 from pathlib import Path
 
 import psutil
+from child_processes import INTERRUPTIBLE, PATIENCE
 
 PROJECT = Path(__file__).resolve().parents[1]
 
@@ -31,6 +32,7 @@ class AppServer:
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
+            **INTERRUPTIBLE,
         )
         assert self.process.stdout is not None
         line = self.process.stdout.readline()
@@ -45,7 +47,7 @@ class AppServer:
     def interrupt(self) -> str:
         """Ctrl-C; what it said on stderr all in all."""
         self.process.send_signal(signal.SIGINT)
-        return self.process.communicate(timeout=20)[1]
+        return self.process.communicate(timeout=PATIENCE)[1]
 
     def close(self) -> None:
         if self.process.poll() is None:
@@ -56,7 +58,7 @@ def get(url: str, **headers: str) -> tuple[int, str, str]:
     """Status, text and final address."""
     request = urllib.request.Request(url, headers=headers)
     try:
-        with urllib.request.urlopen(request, timeout=60) as answer:
+        with urllib.request.urlopen(request, timeout=PATIENCE) as answer:
             return answer.status, answer.read().decode(errors="replace"), answer.url
     except urllib.error.HTTPError as error:
         return error.code, error.read().decode(errors="replace"), url

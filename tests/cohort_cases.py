@@ -9,6 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from child_processes import PATIENCE
 from mesh_files import PROJECT
 from tube_files import write_tube
 
@@ -96,7 +97,7 @@ def whole_cases(folder: Path) -> list[Path]:
     return list((folder / "out").glob("cases/*/[!.]*/case.json"))
 
 
-def wait_for(condition: Callable[[], Any], seconds: float = 400) -> None:
+def wait_for(condition: Callable[[], Any], seconds: float = PATIENCE) -> None:
     """Until something is true; a machine may be busy."""
     end = time.monotonic() + seconds
     # Ends: at the latest after those seconds.

@@ -8,10 +8,15 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
+from hypothesis import HealthCheck, settings
 from mesh_files import PROJECT
 from tube_files import write_tube
 
 from SDFStentLib.deformation import deployment as engine
+
+# How long an example takes says more about the machine than about the code.
+settings.register_profile("patient", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("patient")
 
 DATA_FOLDER = Path(
     os.environ.get("SDFSTENT_DATA", Path(__file__).resolve().parents[2] / "shared" / "data")

@@ -19,6 +19,7 @@ for name in NEEDED:
     pytest.importorskip(name, reason="the extra app is not installed")
 
 from app_server import AppServer, get  # noqa: E402
+from child_processes import PATIENCE  # noqa: E402
 
 
 def way_from(server):
@@ -68,7 +69,7 @@ def test_a_server_that_is_killed_leaves_no_page(a_server):
     (page,) = a_server.pages()
     a_server.process.kill()
     a_server.process.wait()
-    page.wait(timeout=10)
+    page.wait(timeout=PATIENCE)
     assert list(a_server.folder.iterdir()) == []
     again = AppServer(a_server.folder, "--port", a_server.origin.rsplit(":", 1)[1])
     assert again.origin == a_server.origin

@@ -13,11 +13,11 @@ import sys
 import time
 from base64 import b64encode
 from dataclasses import fields
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
+from child_processes import INTERRUPTIBLE, PATIENCE
 from tube_files import PLACE, deploy
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
@@ -646,7 +646,7 @@ def test_processes_end_with_the_code_and_one_sentence(a_folder):
         (["measure", "tube.vtp", "--axis", "axis.vtp"], 0, "Part: 1.6 mm"),
     ):
         process = a_process(arguments, a_folder)
-        out, err = process.communicate(timeout=60)
+        out, err = process.communicate(timeout=PATIENCE)
         assert process.returncode == code
         assert words in out + err
         assert "Traceback" not in err
@@ -659,14 +659,13 @@ def test_control_c_leaves_nothing_half_written(a_folder):
          "--diameter", "6", "-o", "out.vtp", "--step", "0.0005", "--rule", "published"],
         a_folder,
         {"PYTHONPROFILEIMPORTTIME": "1"},
-        # A test run in the background of a shell ignores the signal, and so would its children.
-        preexec_fn=partial(signal.signal, signal.SIGINT, signal.SIG_DFL),
+        **INTERRUPTIBLE,
     )  # fmt: skip
     # Python tells of every import on stderr: with this one the command has begun.
     assert any("published_steps" in line for line in process.stderr)
-    time.sleep(2.0)  # files are read, and the first of thousands of steps are done
+    time.sleep(1.0)  # files are read, and the first of thousands of steps are done
     process.send_signal(signal.SIGINT)
-    _, err = process.communicate(timeout=60)
+    _, err = process.communicate(timeout=PATIENCE)
     assert process.returncode == 130
     assert "interrupted; nothing was written" in err
     assert left_over(a_folder) == set()
@@ -675,7 +674,7 @@ def test_control_c_leaves_nothing_half_written(a_folder):
 def test_a_reader_that_has_seen_enough_is_no_error(a_folder):
     process = a_process(["measure", "tube.vtp", "--units", "cm", "--axis", "axis.vtp"], a_folder)
     process.stdout.close()
-    process.wait(timeout=60)
+    process.wait(timeout=PATIENCE)
     assert process.returncode == 0
     assert "Traceback" not in process.stderr.read()
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from child_processes import PATIENCE
 from trees import unbranched
 
 from SDFStentLib.cli.demo import _written_patient
@@ -20,8 +21,6 @@ from SDFStentLib.phantoms.phantoms import branching_pulmonary_artery, stenosed_t
 from SDFStentLib.validation import InputError
 
 PROJECT = Path(__file__).resolve().parents[1]
-PATIENCE = 300
-"""Seconds after which a process hangs; each takes some, and a loaded machine ten times that."""
 
 
 def ended(*arguments, folder=PROJECT):

@@ -12,6 +12,7 @@ import sys
 from concurrent.futures import Future, ThreadPoolExecutor
 
 import pytest
+from child_processes import PATIENCE
 from cohort_cases import (
     bytes_of,
     hold_at,
@@ -68,8 +69,15 @@ class Cluster:
         return self.start("scheduler", *address, "--no-dashboard", "--no-show")
 
     def start_worker(self):
-        small = ["--nthreads", "1", "--no-dashboard", "--death-timeout", "400", "--no-nanny"]
-        return self.start("worker", self.address, *small)
+        small = [
+            "--nthreads",
+            "1",
+            "--no-dashboard",
+            "--death-timeout",
+            str(PATIENCE),
+            "--no-nanny",
+        ]
+        return self.start("worker", self.address, "--death-timeout", str(PATIENCE), *small)
 
     def close(self):
         for process in self.processes:
@@ -133,7 +141,7 @@ def test_a_cluster_gives_the_same_bytes_also_when_a_worker_and_the_scheduler_are
     cluster.start_scheduler()
     cluster.start_worker()  # those of the old one have ended with it
     let_go(tmp_path)
-    out, error = sweep.communicate(timeout=500)
+    out, error = sweep.communicate(timeout=PATIENCE)
     assert sweep.returncode == 0, error
     assert "10 of 10 cases: 10 certified." in out
     assert bytes_of(tmp_path / "out") == wanted

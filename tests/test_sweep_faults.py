@@ -11,6 +11,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
+from child_processes import INTERRUPTIBLE, PATIENCE
 from cohort_cases import (
     bytes_of,
     hold_at,
@@ -60,6 +61,7 @@ def started(folder, *more, environment=None):
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
+        **INTERRUPTIBLE,
     )
 
 
@@ -88,7 +90,7 @@ def is_alive(pid):
 
 
 def ended(process):
-    out, error = process.communicate(timeout=500)
+    out, error = process.communicate(timeout=PATIENCE)
     return process.returncode, out, error
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from child_processes import PATIENCE
 from mesh_files import PROJECT, RUN_PYTHON, octahedron
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonCore import VTK_ID_TYPE, vtkLogger, vtkObject, vtkOutputWindow
@@ -122,7 +123,7 @@ def test_cut_files_and_noise_never_crash_never_print_and_never_pass_for_another_
         cwd=PROJECT,
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=PATIENCE,
     )
     assert run.stderr == ""
     assert run.stdout == "done\n"

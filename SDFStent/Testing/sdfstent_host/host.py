@@ -132,7 +132,7 @@ class Host:
             if time.perf_counter() >= end:
                 return
 
-    def processUntil(self, condition, seconds=20.0):
+    def processUntil(self, condition, seconds=300.0):
         """Let Qt run until the condition holds; fails after `seconds`."""
         end = time.perf_counter() + seconds
         while not condition():
