@@ -6,6 +6,7 @@ the definition is common. Slow on purpose.
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -47,8 +48,9 @@ class RayCaster:
         )
         if not found or not self.hits.GetNumberOfPoints():
             return np.inf
-        hits = [self.hits.GetPoint(i) for i in range(self.hits.GetNumberOfPoints())]
-        return min(np.linalg.norm(hits - start, axis=1))
+        origin = start.tolist()
+        count = self.hits.GetNumberOfPoints()
+        return min(math.dist(self.hits.GetPoint(i), origin) for i in range(count))
 
 
 def stations_of(axis, window):

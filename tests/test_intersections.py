@@ -59,9 +59,9 @@ def _part_inside(start, end, triangle):
     for direction, corner in half_spaces:
         value, rate = _dot(direction, _minus(start, corner)), _dot(direction, along)
         if rate > 0:
-            first = max(first, -value / rate)
+            first = max(first, Fraction(-value, rate))
         elif rate < 0:
-            last = min(last, -value / rate)
+            last = min(last, Fraction(-value, rate))
         elif value < 0:
             return []
     if first > last:
@@ -100,8 +100,13 @@ def _joined(exact, triangles):
     return group
 
 
+def _exact(x):
+    """A fraction, or where that says the same a whole number, with which it is quicker."""
+    return int(x) if x == int(x) else Fraction(float(x))
+
+
 def _plain_pairs(points, triangles):
-    exact = [[Fraction(float(x)) for x in point] for point in points]
+    exact = [[_exact(x) for x in point] for point in points]
     triangles = np.asarray(triangles).tolist()
     joined = _joined(exact, triangles)
     found = []

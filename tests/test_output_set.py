@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
@@ -44,6 +45,19 @@ outputs.add_folder(folder / "b" / "steps", steps, lambda name: name.startswith("
 outputs.write()
 print(calls)
 """
+FORKING = """
+import json, os, sys
+from SDFStentLib.cli.outputs import Outputs
+program = sys.argv[1]
+for line in sys.stdin:
+    child = os.fork()
+    if child == 0:
+        sys.argv[1:] = json.loads(line)
+        exec(program, {})
+        os._exit(0)
+    print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)
+"""
+"""The exit code of the program that is the first argument, for every line of its arguments."""
 OLD = {"a/one.vtp": "old", "b/two.vtp": "old", "b/gone.png": "old", "b/steps/step_0000.vtp": "old"}
 NEW = {"a/one.vtp": "new", "b/two.vtp": "new", "b/steps/step_0000.vtp": "new"}
 
@@ -69,6 +83,22 @@ def run(folder, at, program=WRITER):
     )  # fmt: skip
 
 
+@pytest.fixture
+def forked():
+    """Runs `WRITER` as `run` does, but for the exit code alone, in forks of one process."""
+    with subprocess.Popen(
+        [sys.executable, "-c", FORKING, WRITER],
+        cwd=PROJECT, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+    ) as process:  # fmt: skip
+
+        def run(folder, at):
+            print(json.dumps([str(folder), str(at)]), file=process.stdin, flush=True)
+            return int(process.stdout.readline())
+
+        yield run
+        process.stdin.close()
+
+
 def next_run(folder):
     outputs = Outputs()
     for name in ("a", "b"):
@@ -81,7 +111,7 @@ def next_run(folder):
         (folder / name / "other.txt").unlink()
 
 
-def test_a_kill_at_any_call_leaves_all_old_or_all_new_after_the_next_run(tmp_path):
+def test_a_kill_at_any_call_leaves_all_old_or_all_new_after_the_next_run(tmp_path, forked):
     prepare(tmp_path / "whole")
     done = run(tmp_path / "whole", -1)
     assert everything_in(tmp_path / "whole") == NEW, done.stderr
@@ -89,7 +119,7 @@ def test_a_kill_at_any_call_leaves_all_old_or_all_new_after_the_next_run(tmp_pat
     for at in range(1, int(done.stdout) + 1):
         folder = tmp_path / str(at)
         prepare(folder)
-        assert run(folder, at).returncode == -signal.SIGKILL
+        assert forked(folder, at) == -signal.SIGKILL
         next_run(folder)
         found = everything_in(folder)
         assert found in (OLD, NEW), at

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import cache
 
 import numpy as np
 import pytest
@@ -45,6 +46,7 @@ def vessel_of(phantom):
     return Vessel(phantom.surface, phantom.centerline, faces=NamedFaces(phantom.face_ids))
 
 
+@cache
 def vessel_at(folder, name):
     found = anatomy(folder, name)
     file, _, units = ANATOMIES[name]
@@ -112,7 +114,7 @@ def test_segments_of_anatomies_are_sound(data_dir, case, close):
 @pytest.mark.parametrize("close", [False, True], ids=["branches kept", "branches closed"])
 @pytest.mark.parametrize(
     "make", [stenosed_tube, hairpin_tube, tube_with_neighbor, branching_pulmonary_artery,
-             arch_with_coarctation, lambda: vascular_tree(4)],
+             arch_with_coarctation, lambda: vascular_tree(4, 1.0)],
 )  # fmt: skip
 def test_segments_of_phantoms_are_sound(make, close):
     found = segment_of(vessel_of(make()), 0.12, 0.88, close_branches=close)

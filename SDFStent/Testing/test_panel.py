@@ -267,9 +267,10 @@ def test_two_parameter_sets_keep_their_own_plans_and_results(host, aStent):
     assert aStent._parameterNode.parameterNode.GetScene() is slicer.mrmlScene
 
 
-def test_cancel_acts_while_measuring_and_nobody_waits(host, aStent):
+def test_cancel_acts_while_measuring_and_nobody_waits(host, aStent, knownResults):
     import threading
 
+    knownResults.clear()
     host.click(aStent.ui.deployButton)
     host.processUntil(lambda: aStent.ui.lumenLabel.text == "Not measured yet.")
     assert aStent.session.isRunning
@@ -281,8 +282,9 @@ def test_cancel_acts_while_measuring_and_nobody_waits(host, aStent):
     assert "(8.5 prescribed)" in aStent.ui.lumenLabel.text
 
 
-def test_the_event_loop_gets_its_turn_all_through_a_full_deployment(host, aStent):
+def test_the_event_loop_gets_its_turn_all_through_a_full_deployment(host, aStent, knownResults):
     """How long a tick takes is for `bench_dragging.py` to say; that there are many is held here."""
+    knownResults.clear()
     ticks = []
     run = aStent.session._run
     run._budget = 0.0  # a portion per tick: a quick machine does several in one
