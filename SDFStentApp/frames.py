@@ -14,6 +14,9 @@ MOST_FRAMES_PER_S = 30.0
 MOVING_QUALITY, STILL_QUALITY = 60, 90
 """Of the JPEG, percent."""
 
+TURNS_TO_BEGIN = 3
+"""Of the event loop, for two timers without delay: the session hears of a change by one, and begins by another."""
+
 STILL_AFTER_S = 0.4
 """What has not moved for so long rests: sooner, a slow machine would draw sharp frames in between."""
 
@@ -30,13 +33,14 @@ class Frames:
     """A render scheduler of trame-rca, made with a running event loop.
 
     A frame is drawn by the event loop, encoded beside it, and sent before the next one is drawn: who waits for `isBehind` to
-    end before the next change never makes pictures that nobody sees.
+    end before the next change never makes pictures that nobody sees. `on_frame()` is called before one is drawn, and what it
+    begins in the next two turns of the event loop goes on beside the drawing; `count` tells how often that was.
     """
 
     target_fps = MOST_FRAMES_PER_S
 
-    def __init__(self, rca: Drawn) -> None:
-        self.rca = rca
+    def __init__(self, rca: Drawn, on_frame: Callable[[], None] = lambda: None) -> None:
+        self.rca, self.count, self._on_frame = rca, 0, on_frame
         self._push: Callable[[bytes, dict[str, Any]], None] | None = None
         self._wanted, self._isDrawing = asyncio.Event(), False
         self._task = asyncio.ensure_future(self._run())
@@ -70,11 +74,18 @@ class Frames:
             # Ends: when nothing has moved for a while.
             while self._wanted.is_set():
                 begun = loop.time()
+                await self._begin()
                 await self._frame(isCoarse=True)
                 await asyncio.sleep(max(0.0, begun + 1 / self.target_fps - loop.time()))
                 with contextlib.suppress(asyncio.TimeoutError):
                     await asyncio.wait_for(self._wanted.wait(), STILL_AFTER_S)
             await self._frame(isCoarse=False)
+
+    async def _begin(self) -> None:
+        self.count += 1
+        self._on_frame()
+        for _turn in range(TURNS_TO_BEGIN):
+            await asyncio.sleep(0)
 
     async def _frame(self, isCoarse: bool) -> None:
         self._wanted.clear()

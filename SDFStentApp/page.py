@@ -11,6 +11,8 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+from trame_server.utils.namespace import Translator
+
 from . import python_layer
 from .application import Application
 from .charts import plot_of, table_of
@@ -33,6 +35,13 @@ LATEST_EDIT_S = 0.5
 """A value that is dragged is taken so late at most, however slowly what it changes is drawn."""
 
 
+class Plain(Translator):
+    """State variables are called the same here and there. Trame's own would look at all of them at every value that is set."""
+
+    def reverse_translate_dict(self, key_dict: dict[str, Any]) -> dict[str, Any]:
+        return key_dict
+
+
 class Page:
     """What the browser shows and does. `told` is what the server was started with."""
 
@@ -50,6 +59,7 @@ class Page:
         self._dirty: dict[str, Any] = {}
         self._flushed_at = 0.0
         self._edits: dict[Any, Any] = {}
+        self._edited_at = -1
         self._shown_results: tuple[Any, ...] = ()
         self._placed = 0
         self._written_to = ""
@@ -90,14 +100,21 @@ class Page:
         self._edits[widget] = value
 
     def _edit_when_seen(self, latest: float) -> None:
-        """A value that comes while a preview runs is taken: the session goes on with it, and does not think that the hand rests."""
         loop = asyncio.get_running_loop()
-        if self.view.isBehind and self._edits and loop.time() < latest:
+        if self._edits and self._isAhead and loop.time() < latest:
             loop.call_later(LOOK_AGAIN_S, self._edit_when_seen, latest)
         else:
-            self._edit_now()
+            self.take_edits()
 
-    def _edit_now(self) -> None:
+    @property
+    def _isAhead(self) -> bool:
+        """Whether the value that was taken last is still to be seen."""
+        session, isSeen = self.widget.session, self.view.frames != self._edited_at
+        return self.view.isBehind or (session.isRunning and session.isPreview and not isSeen)
+
+    def take_edits(self) -> None:
+        """Take what was set in the page until now: once a frame, before it is drawn, for the next preview to run beside that."""
+        self._edited_at = self.view.frames
         edits, self._edits = self._edits, {}
         for widget, value in edits.items():
             self.attempt(partial(widget.edit, value))
@@ -130,7 +147,7 @@ class Page:
         chart, table = parameters.outputChart, parameters.outputTable
         stamp = (chart and (chart.GetID(), chart.GetTitle()), table and table.GetTable().GetMTime())
         state = self.server.state
-        state.canSave = not self.widget.logic.missing(parameters)
+        state.canSave = self.panel.savePlanButton.enabled
         if stamp != self._shown_results:
             self._shown_results = stamp
             state.plot, state.table = plot_of(chart), table_of(table)
@@ -161,7 +178,7 @@ class Page:
 
     def click(self, name: str) -> None:
         """Press a button of the panel, with everything set that was set before."""
-        self._edit_now()
+        self.take_edits()
         widget = self.panel.widgets.get(name)
         if isinstance(widget, Button):
             self.attempt(widget.click)
@@ -169,7 +186,7 @@ class Page:
 
     def edit(self, name: str, value: Any) -> None:
         """Change what a widget shows by more than a state variable."""
-        self._edit_now()
+        self.take_edits()
         widget = self.panel.widgets.get(name)
         if widget is not None:
             self.attempt(lambda: widget.edit(value))
@@ -350,7 +367,7 @@ class Page:
 
     def _on_click(self, x: float, y: float) -> bool:
         """Put the next point where the centerline is seen, while the user is placing."""
-        self._edit_now()
+        self.take_edits()
         place = next((one for one in self._places() if one.isPlacing), None)
         if place is not None:
             self.attempt(lambda: self._put(place, x, y))

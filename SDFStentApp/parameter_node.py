@@ -260,7 +260,8 @@ class WrapperMembers:
         for name, connector in bound.items():
             connector.write(self.getValue(name))
             connector.onChanged(self._callback(name, connector))
-        tag = self.AddObserver(vtkCommand.ModifiedEvent, lambda *_: self._updateGui(bound))
+        fields = [(name, self._field(name), connector) for name, connector in bound.items()]
+        tag = self.AddObserver(vtkCommand.ModifiedEvent, lambda *_: self._updateGui(fields))
         self._bindings[tag] = bound
         return tag
 
@@ -285,14 +286,14 @@ class WrapperMembers:
 
         return changed
 
-    def _updateGui(self, bound):
+    def _updateGui(self, fields):
         if self._updating:
             return
         self._updating = True
         try:
             with slicer.util.NodeModify(self.parameterNode):
-                for name, connector in bound.items():
-                    connector.write(self.getValue(name))
+                for name, field, connector in fields:
+                    connector.write(field.read(self.parameterNode, name))
         finally:
             self._updating = False
 

@@ -29,10 +29,10 @@ async def run(told: dict[str, Any], ready: Callable[[int], None]) -> None:
     from trame.app import get_server
     from vtkmodules.vtkCommonCore import vtkLogger
 
-    from .page import Page
+    from .page import Page, Plain
 
     vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)
-    server = get_server("sdfstent", client_type="vue3")
+    server = get_server("sdfstent", client_type="vue3", translator=Plain())
     page = Page(server, {**told, "module": MODULE})
     page.build()
     server.controller.on_server_bind.add(lambda bound: _guard(bound.app, told["secret"]))
@@ -50,7 +50,7 @@ async def run(told: dict[str, Any], ready: Callable[[int], None]) -> None:
 
 
 def _begin(page: Any, ready: Callable[[int], None]) -> None:
-    page.server.controller.rc_area_register(page.view.serve())
+    page.server.controller.rc_area_register(page.view.serve(page.take_edits))
     page.open_told()
     ready(page.server.port)
 

@@ -66,9 +66,9 @@ class View:
         self.area = _Area(self.window, on_click, self.look_at_all)
         self._frames: Frames | None = None
 
-    def serve(self) -> RcaViewAdapter:
-        """What sends the frames from now on; needs a running event loop."""
-        self._frames = Frames(self.area)
+    def serve(self, on_frame: Callable[[], None]) -> RcaViewAdapter:
+        """What sends the frames from now on; needs a running event loop. `on_frame()` is called before each that moves."""
+        self._frames = Frames(self.area, on_frame)
         self.group.AddObserver(vtkCommand.UpdateEvent, lambda *_: self.draw())
         adapter = RcaViewAdapter(
             self.area, NAME, scheduler=self._frames, do_schedule_render_on_interaction=False
@@ -80,6 +80,11 @@ class View:
         """Send a frame soon."""
         if self._frames is not None:
             self._frames.schedule_render()
+
+    @property
+    def frames(self) -> int:
+        """How many were begun while something moved."""
+        return 0 if self._frames is None else self._frames.count
 
     @property
     def isBehind(self) -> bool:

@@ -77,6 +77,30 @@ def test_a_frame_that_cannot_be_drawn_is_not_the_last_one(caplog):
     assert "no window" in caplog.text
 
 
+def test_what_is_begun_before_a_frame_goes_on_beside_it():
+    async def watch():
+        loop, order, isOver = asyncio.get_running_loop(), [], asyncio.Event()
+        painted = Painted()
+        painted.picture = lambda isCoarse: (
+            order.append("drawn"),
+            Painted.picture(painted, isCoarse),
+        )[1]
+
+        def begin():
+            order.append("value taken")
+            loop.call_later(0, lambda: loop.call_later(0, order.append, "preview begun"))
+
+        frames = Frames(painted, begin)
+        frames.set_push_callback(lambda *_: isOver.set())
+        frames.schedule_render()
+        await asyncio.wait_for(isOver.wait(), 20)
+        assert frames.count == 1
+        await frames.close()
+        return order
+
+    assert asyncio.run(watch()) == ["value taken", "preview begun", "drawn"]
+
+
 def test_it_is_a_scheduler_as_trame_rca_defines_them():
     from trame_rca.schedulers import RcaRenderSchedulerProtocol
 

@@ -27,15 +27,18 @@ sys.path[:0] = [str(PROJECT), str(PROJECT / "tests")]
 from app_server import AppServer, get  # noqa: E402
 
 ARGUMENTS = ("--no-sandbox", "--disable-gpu", "--disable-sync", "--no-first-run")
-SMALLEST_FRAME = 3000
-"""Bytes: messages that are larger are pictures."""
+EVENTS_PER_S = 40
+"""Of the mouse: a hand's come 30 to 60 times a second, and each costs the driver time that a user would not need."""
 
 DEPLOY_AGAIN = """() => {
 setInterval(() => document.querySelector('[data-name="deployButton"]').click(), 100); }"""
 
-COUNT_NUMBERS = """() => { window.numbers = 0;
-const label = document.querySelector('[data-name="lumenLabel"]');
-new MutationObserver(() => { window.numbers += 1; }).observe(label, {childList: true, characterData: true, subtree: true}); }"""
+COUNT = """() => { window.numbers = 0; window.frameTimes = [];
+const label = document.querySelector('[data-name="lumenLabel"]'), screen = document.querySelector('.screen');
+new MutationObserver(() => { window.numbers += 1; }).observe(label, {childList: true, characterData: true, subtree: true});
+new MutationObserver(() => { window.frameTimes.push(performance.now() / 1000); }).observe(
+  screen, {attributeFilter: ['src'], subtree: true}); }"""
+"""Counts what the browser is given to show."""
 
 
 def inMillimeters(path, units, folder):
@@ -65,8 +68,6 @@ class Dragged:
 
     def __init__(self, browser, address):
         self.page = browser.new_page(viewport={"width": 1280, "height": 800})
-        self.frames = []
-        self.page.on("websocket", self._listen)
         start = time.perf_counter()
         self.page.goto(address)
         self.named("deployButton").wait_for(timeout=120_000)
@@ -79,13 +80,6 @@ class Dragged:
     def named(self, name):
         return self.page.locator(f'[data-name="{name}"]')
 
-    def _listen(self, socket):
-        socket.on("framereceived", self._count)
-
-    def _count(self, payload):
-        if len(payload) > SMALLEST_FRAME:
-            self.frames.append((time.perf_counter(), len(payload)))
-
     def deploy(self):
         self.named("deployButton").click()
         self.named("certificateLabel").filter(has_text="ertified").wait_for(timeout=120_000)
@@ -96,7 +90,6 @@ class Dragged:
         slider = self.named("diameterSlider").locator('input[type="range"]')
         slider.scroll_into_view_if_needed()
         box = slider.bounding_box()
-        self.page.evaluate(COUNT_NUMBERS)
         x, y = box["x"] + box["width"] * 0.3, box["y"] + box["height"] / 2
         self.page.mouse.move(x, y)
         self.page.mouse.down()
@@ -106,27 +99,29 @@ class Dragged:
             "browser": browsers(),
             "its driver, which is not there otherwise": drivers(),
         }
+        self.page.evaluate(COUNT)
         before = {name: cpu(processes) for name, processes in sides.items()}
-        start, self.frames[:] = time.perf_counter(), []
+        start, events = time.perf_counter(), 0
         while (now := time.perf_counter() - start) < seconds:
             share = 0.35 + 0.1 * math.sin(2 * now)
             self.page.mouse.move(box["x"] + box["width"] * share, y)
-            self.page.wait_for_timeout(16)
-        took, numbers = time.perf_counter() - start, self.page.evaluate("window.numbers")
-        found = list(self.frames)
+            events += 1
+            time.sleep(max(0.0, start + now + 1 / EVENTS_PER_S - time.perf_counter()))
+        numbers, found = self.page.evaluate("[window.numbers, window.frameTimes]")
+        took = time.perf_counter() - start
         spent = {name: cpu(processes) - before[name] for name, processes in sides.items()}
         self.page.mouse.up()
         stopped = time.perf_counter()
         self.named("certificateLabel").filter(has_text="ertified").wait_for(timeout=120_000)
-        gaps = np.diff([at for at, _ in found]) if len(found) > 1 else np.array([np.inf])
+        answered = time.perf_counter()
+        gaps = np.diff(found) if len(found) > 1 else np.array([np.inf])
         for name, value in spent.items():
             print(
                 f"CPU of {name}: {value / took:.2f} cores, {1000 * value / max(len(found), 1):.0f} ms a frame"
             )
-        size = np.mean([size for _, size in found]) / 1000 if found else 0
         print(
-            f"{len(found) / took:.1f} frames/s of {size:.0f} kB (longest gap {gaps.max():.2f} s), "
-            f"{numbers / took:.1f} number updates/s, full answer after {time.perf_counter() - stopped:.2f} s"
+            f"{events / took:.0f} events/s: {len(found) / took:.1f} frames/s (longest gap {gaps.max():.2f} s), "
+            f"{numbers / took:.1f} number updates/s, full answer after {answered - stopped:.2f} s"
         )
 
 
