@@ -9,10 +9,11 @@ from SDFStentLib import phantoms
 from SDFStentLib.deformation.deployment import Deployment, deploy
 from SDFStentLib.field import CapsuleChain
 from SDFStentLib.geometry import Surface
-from SDFStentLib.measure import inscribed_spheres
+from SDFStentLib.measure import caps_across, inscribed_spheres
 from SDFStentLib.measure.caps import bulged_caps
-from SDFStentLib.stent import AlongAxis, Stent
-from SDFStentLib.treatment import Treatment
+from SDFStentLib.stent import AlongAxis, Shape, Stent, Waist
+from SDFStentLib.treatment import Preview, Treatment, axis_in_vessel
+from SDFStentLib.validation import InputError
 
 
 @pytest.fixture(scope="module")
@@ -119,3 +120,39 @@ def test_the_lumen_at_a_cap_that_a_leaning_stent_bulged_is_that_between_the_wall
     before, after = treated.before.inscribed_diameter[-1], treated.after.inscribed_diameter[-1]
     assert after == pytest.approx(expected, abs=1e-4)
     assert (after > before + 0.1) == widens
+
+
+def test_a_thin_stent_at_a_cap_is_as_wide_as_the_walls_are_apart(a_tube):
+    """Without known radii the nearest wall tells the lumen, and a cap is none."""
+    axis = np.array([[0, 0, 39.5], [0, 0, 39.9]])
+    thin = Stent(5.0, placement=AlongAxis(axis))
+    assert Treatment(a_tube.surface, [thin]).stents == (thin,)
+    Preview(a_tube.surface).of([thin])
+    wide = Stent(26.0, placement=AlongAxis(axis))
+    for refusing in (lambda: Treatment(a_tube.surface, [wide]),
+                     lambda: Preview(a_tube.surface).of([wide])):  # fmt: skip
+        with pytest.raises(
+            InputError, match=r"4 times the lumen of 6\.01 mm where it lies, got 26 mm"
+        ):
+            refusing()
+
+
+def test_a_waist_beside_a_cap_is_where_the_walls_are_nearest():
+    """Where the radii are not known, and the last place of the axis is nearest to the cap."""
+    made = phantoms.stenosed_tube(radius=3.0, throat_radius=2.0, length=40.0)
+    axis = made.axis_at(np.linspace(14.0, 39.0, 101))
+    stent = Stent(6.5, placement=AlongAxis(axis), shape=Shape(waist=Waist(5.0)))
+    profile = axis_in_vessel(stent, None, made.surface).profile
+    narrowest = profile.fractions[profile.diameters.argmin()]
+    assert 14.0 + 25.0 * narrowest == pytest.approx(20.0, abs=0.5)
+
+
+@pytest.mark.parametrize("diameter", [0.3, 1.0, 2.5])
+def test_a_cap_far_wider_than_the_stent_counts_as_open(a_tube, diameter):
+    """Of which no rim is within two radii of the stent's end, or not even a whole face."""
+    axis = a_tube.axis_at(np.linspace(30.0, 40.0, 20))
+    result = Treatment(a_tube.surface, [Stent(diameter, placement=AlongAxis(axis))]).result
+    assert result.certificate.passed, result.certificate.sentence()
+    capped = caps_across(a_tube.points, a_tube.triangles, axis, diameter)
+    outlet = (np.abs(a_tube.points[a_tube.triangles][:, :, 2] - 40.0) < 1e-6).all(axis=1)
+    np.testing.assert_array_equal(capped, outlet)

@@ -209,6 +209,14 @@ def test_a_stent_longer_than_the_centerline_is_shortened_and_said():
     )
 
 
+@pytest.mark.parametrize("lost", [0.01, 0.09, 0.11, 0.3])
+def test_a_loss_of_length_is_told_where_the_lengths_told_show_it(lost):
+    stent = Stent(6.0, placement=AlongAxis([[0, 0, 0], [9, 0, 0]]), length=(9 + lost) / 0.9)
+    told = [str(one) for one in stent_axis(stent).warnings]
+    assert bool(told) == (lost > 0.1)
+    assert all(f"{9 + lost:.1f} mm were prescribed, 9.0 mm" in text for text in told)
+
+
 def test_an_axis_shorter_than_the_stent_is_used_whole_and_said():
     axis = stent_axis(Stent(6.0, placement=AlongAxis([[0, 0, 0], [9, 0, 0]]), length=20))
     assert axis.deployed_length == 9

@@ -62,30 +62,31 @@ class MotionCheck:
 
 @dataclass(frozen=True)
 class WallCheck:
-    """The wall along a stent that is no cylinder, where it lies deepest inside of the stent.
+    """The wall along a stent, where it lies deepest inside of the stent.
 
     Attributes
     ----------
-    prescribed, distance : float
-        Radius of the stent there, and how far from its axis the wall is, mm; not more than the
-        former.
+    prescribed : float
+        Radius of the stent there, mm.
+    depth : float
+        The shortest way out of the stent, mm; 0 where none lies clearly inside.
     at : (x, y, z)
         Place of the wall, mm.
     """
 
     prescribed: float
-    distance: float
+    depth: float
     at: Place
 
     @property
     def passed(self) -> bool:
         """Not inside by more than `NARROWER`."""
-        return self.distance >= (1 - NARROWER) * self.prescribed
+        return self.depth <= NARROWER * self.prescribed
 
     def fault(self) -> str:
         """What is wrong and where, as a part of a sentence."""
         return (
-            f"wall {self.prescribed - self.distance:.2f} mm inside of the stent, whose radius is "
+            f"wall {self.depth:.2f} mm inside of the stent, whose radius is "
             f"{self.prescribed:.2f} mm there, near {_in_words(self.at)}"
         )
 
@@ -93,7 +94,7 @@ class WallCheck:
         """As it stands in a report."""
         return {
             "prescribed_radius_mm": self.prescribed,
-            "distance_mm": self.distance,
+            "inside_mm": self.depth,
             "at_mm": list(self.at),
         }
 
@@ -114,8 +115,8 @@ class LumenCheck:
         What was as wide before at the widest station, mm: lumen or stent.
     narrowest_at, widest_at : (x, y, z)
         Stations of the axis, mm.
-    wall : WallCheck, optional
-        Of a stent whose radius changes along its axis: spheres do not see all of its wall.
+    wall : WallCheck
+        Spheres do not see all of it: they are where there is room, not where the stent is.
     """
 
     prescribed: float
@@ -124,7 +125,7 @@ class LumenCheck:
     widest: float
     widest_at: Place
     native: float
-    wall: WallCheck | None = None
+    wall: WallCheck
 
     @property
     def is_narrow(self) -> bool:
@@ -139,7 +140,7 @@ class LumenCheck:
     @property
     def passed(self) -> bool:
         """The prescribed lumen, wider only where it was."""
-        return not (self.is_narrow or self.is_wide) and (self.wall is None or self.wall.passed)
+        return not (self.is_narrow or self.is_wide) and self.wall.passed
 
     def fault(self) -> str:
         """What is wrong and where, as a part of a sentence."""
@@ -150,7 +151,6 @@ class LumenCheck:
         elif self.is_wide:
             found, wanted, place = self.widest, self.native, self.widest_at
         else:
-            assert self.wall is not None
             return self.wall.fault()
         return f"a lumen of {found:.2f} mm instead of {wanted:.2f} mm near {_in_words(place)}"
 
@@ -165,7 +165,7 @@ class LumenCheck:
             "widest_mm": self.widest,
             "widest_at_mm": list(self.widest_at),
             "wider_tolerance": WIDER,
-            **({} if self.wall is None else {"wall": self.wall.as_dict()}),
+            "wall": self.wall.as_dict(),
         }
 
 

@@ -15,7 +15,7 @@ from ..measure import caps_across
 from ..validation import DeploymentError, Points, Triangles
 from .draped import draped
 from .event_steps import event_steps
-from .lumen import Expanded, OwnWall, drawn_in, facets_compensated, finished
+from .lumen import COARSEST_REACH, Expanded, OwnWall, drawn_in, facets_compensated, finished
 from .motion import Motion
 from .own_wall import own_share
 from .patch import Patch, twins
@@ -162,7 +162,11 @@ class Attempt:
     def _active(self, gap: float) -> tuple[Motion, NDArray[np.int64]]:
         """The points that can move, and their numbers among points and companions."""
         task, points = self.task, self.task.surface.points
-        reach = task.target_level + task.settings.influence_distance + gap
+        reach = task.settings.influence_distance + gap
+        if task.settings.finish and task.settings.facet_compensation:
+            # Corners that nothing drags along may have to make way for the edge between them.
+            reach = max(reach, (COARSEST_REACH - 1) * task.radius)
+        reach += task.target_level
         wall, near_wall = within_reach(points, task.capsules, reach)
         # A point that no triangle uses is no wall; nobody would see it touched.
         is_used = task.is_used[wall]

@@ -44,6 +44,9 @@ Pushing both ends of a chord out brings its middle out by the cosine of half its
 degrees by 0.7 of it, at 120 by half, at 180 by nothing.
 """
 
+COARSEST_REACH = np.sqrt(2.0)
+"""Distance from the axis, in radii, of the ends of such a chord whose middle is at the radius."""
+
 BEND_SLACK = 1.5
 """How far vertices may be pushed over what a chord round a straight axis needs.
 
@@ -160,9 +163,11 @@ def facets_compensated(
     by the largest deficit of its edges, back again where all of them are too far out, but never
     further in than it was, nor further out than its longest edge can need: see `largest_push`.
     Facets that are too coarse for their stent stay inside. Vertices beside the stent take part,
-    because an edge from one of them to the stent can cut into the lumen as well. What remains is
-    measured: see `metrics.py`.
+    because an edge from one of them to the stent can cut into the lumen as well, and so can one
+    between two of them. What remains is measured: see `metrics.py`.
     """
+    cutting = _cutting_edges(motion, positions, triangles, radius)
+    on_stent = np.union1d(on_stent, cutting.ravel())
     ends = edges_on_stent(triangles, on_stent, len(positions))
     sides = positions[ends[:, 0]] - positions[ends[:, 1]]
     longest = dot(sides, sides).max(initial=0)
@@ -203,6 +208,24 @@ def facets_compensated(
     positions = positions.copy()
     positions[group] = start + pushed[:, None] * direction
     return positions
+
+
+def _cutting_edges(
+    motion: Motion, positions: Points, triangles: Triangles, radius: float
+) -> NDArray[np.int64]:
+    """Edges (e, 2) between vertices that lie beside the stent, and that cut into it."""
+    distance = (motion.distance_at(motion.level) + motion.offset)[: len(positions)]
+    near = np.flatnonzero(distance < COARSEST_REACH * radius)
+    ends = edges_on_stent(triangles, near, len(positions))
+    sides = positions[ends[:, 0]] - positions[ends[:, 1]]
+    # At a straight axis no place of an edge is nearer than this.
+    nearest = distance[ends].min(axis=1) ** 2 - dot(sides, sides) / 4
+    wanted = radius + motion.offset[ends].min(axis=1)
+    ends, wanted = ends[nearest < wanted**2], wanted[nearest < wanted**2]
+    at_ends = [stent_distance(motion, one, positions[one], radius) for one in ends.T]
+    middle = stent_distance(motion, ends[:, 0], _middles(positions, ends), radius)
+    inside = _edge_distance(np.stack(at_ends, axis=1), middle) < (1 - NEGLIGIBLE) * wanted
+    return ends[inside]
 
 
 def largest_push(length: ArrayLike, radius: ArrayLike) -> NDArray[np.float64]:

@@ -91,8 +91,8 @@ def lumen_check(
     """Whether the lumen along a stent is the prescribed one.
 
     The wall's distance from the axis is a lower bound of the inscribed sphere; only where that is
-    too little, the sphere itself is looked for. Flat caps of in- and outlets count as open. Of a
-    stent that is no cylinder the wall itself is looked at, too.
+    too little, the sphere itself is looked for. Flat caps of in- and outlets count as open. A
+    sphere climbs to where there is room, so the wall itself is looked at, too.
 
     Parameters
     ----------
@@ -105,10 +105,8 @@ def lumen_check(
     chain, radius, _ = stent
     narrow = _narrowest(before, after, chain, radius)
     widest, native, widest_at = _widest(*(own or (before, after)), stent)
-    wall = None
-    if chain.shares is not None:
-        near = _open_and_near(before, after.points, chain, radius)
-        wall = wall_check(after.points, near, chain, radius)
+    near = _open_and_near(before, after.points, chain, radius)
+    wall = wall_check(after.points, near, chain, radius)
     return LumenCheck(
         2 * narrow.wanted, 2 * narrow.width, narrow.at, 2 * widest, widest_at, 2 * native, wall
     )

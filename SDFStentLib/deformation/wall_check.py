@@ -1,24 +1,32 @@
-"""Whether the wall lies inside of a stent whose radius changes along its axis.
+"""Whether the wall lies inside of a stent.
 
-A sphere in a steep place touches the stent where that is narrower beside it, and does not see wall
-that lies inside of the wide part. So the wall itself is looked at: its distance from the axis
-against the radius of the stent at its foot.
+A sphere climbs to where there is room: beside a stent that lies off the middle of a wide lumen, or
+where the stent is narrower beside it. So the wall itself is looked at: its distance from the axis
+as it was given, which the nodes follow as well as the capsules are short, against the stent.
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
+from numpy.typing import NDArray
 
 from ..certificate import NARROWER, WallCheck
 from ..field import CapsuleChain, fractions_of
-from ..geometry import norm
+from ..geometry import closest_points, length, norm
 from ..validation import Floats, Points, Triangles
 
 PLACES = 5
 """Looked at along every side of a triangle, its corners among them."""
 
-CLEARLY = 0.01
-"""Triangles that for certain lie less than this share of the radius inside are not looked at."""
+FINE_PLACES = 13
+"""The same where a triangle crosses the plane at an end of the stent, or may be too far inside."""
+
+CLEARLY = 0.02
+"""Share of the radius; what lies less than that inside is not looked at."""
+
+ROUNDING = 1e-9
 
 
 def wall_check(
@@ -31,45 +39,108 @@ def wall_check(
     points, triangles : (n, 3) and (m, 3) arrays
         Of the wall, without the caps of in- and outlets.
     chain : CapsuleChain
-        With shares of its radius.
     radius : float
         The largest of the stent, mm.
     """
-    assert chain.shares is not None
+    corners = points[_doubtful(points, triangles, chain, radius)]
+    seen = _depths(corners, PLACES, chain, radius)
+    again = seen.crosses_end | (seen.share.max(axis=1, initial=0) > NARROWER / 2)
+    fine = _depths(corners[again], FINE_PLACES, chain, radius)
+    found = max((seen, fine), key=lambda one: one.share.max(initial=0))
+    if not found.share.max(initial=0):
+        return WallCheck(radius, 0.0, _place(chain.nodes[0]))
+    worst = np.unravel_index(found.share.argmax(), found.share.shape)
+    wanted = float(found.wanted[worst])
+    return WallCheck(wanted, wanted * float(found.share[worst]), _place(found.places[worst]))
+
+
+def _doubtful(
+    points: Points, triangles: Triangles, chain: CapsuleChain, radius: float
+) -> Triangles:
+    """The triangles that may lie inside."""
+    assert chain.axis is not None
     used, local = np.unique(triangles, return_inverse=True)
     corners, local = points[used], local.reshape(-1, 3)
-    at, distance = fractions_of(corners, chain.nodes), chain.axis_distance(corners)
-    weights = _weights()
-    share = chain.shares.along(at[local] @ weights.T)
+    # The nodes may be as far beside the axis; so may a distance from them.
+    beside = float(closest_points(chain.nodes, chain.axis).distances.max())
+    distance = chain.axis_distance(corners) - beside
+    widest = np.full(len(local), radius)
+    if chain.shares is not None:
+        at = np.stack(
+            [fractions_of(corners, chain.nodes), fractions_of(corners, chain.axis)], axis=1
+        )[local].reshape(len(local), -1)
+        share = at.min(axis=1, keepdims=True) + np.ptp(at, axis=1)[:, None] * np.linspace(0, 1, 9)
+        widest = radius * chain.shares.along(share).max(axis=1)
     longest = norm((corners[local] - corners[np.roll(local, 1, axis=1)]).reshape(-1, 3))
     longest = longest.reshape(-1, 3).max(axis=1)
     # Round a straight axis no place of a triangle is nearer than this; bends hardly change it.
     nearest = np.sqrt(np.maximum(distance[local].min(axis=1) ** 2 - longest**2 / 3, 0))
-    doubtful = np.flatnonzero(nearest < (1 - CLEARLY) * radius * share.max(axis=1))
-    places = np.einsum("pc,tcx->tpx", weights, corners[local[doubtful]]).reshape(-1, 3)
-    return _deepest(places, chain, radius)
+    return triangles[nearest < (1 - CLEARLY) * widest]
 
 
-def _deepest(places: Points, chain: CapsuleChain, radius: float) -> WallCheck:
+class _Depths(NamedTuple):
+    """Of places all over some triangles."""
+
+    places: Points
+    """(t, p, 3) mm."""
+    wanted: Floats
+    """(t, p) radius of the stent there, mm."""
+    share: Floats
+    """(t, p) of that radius by which they lie inside."""
+    crosses_end: NDArray[np.bool_]
+    """(t,) whether some lie beside the stent and others beyond an end."""
+
+
+def _depths(corners: Points, along: int, chain: CapsuleChain, radius: float) -> _Depths:
+    """How far places of triangles (t, 3, 3) lie inside, `along` of them on every side."""
+    assert chain.axis is not None
+    places = np.einsum("pc,tcx->tpx", _weights(along), corners)
+    shape, flat = places.shape[:2], places.reshape(-1, 3)
+    axis_length = length(chain.axis)
+    nearest = closest_points(chain.axis, flat)
+    # Which place of a bent axis a place of the wall is beside is a matter of the method where the
+    # profile changes; it must not be inside by either.
+    feet = [nearest.arc_lengths / axis_length]
+    if chain.shares is not None:
+        feet.append(fractions_of(flat, chain.nodes))
+    wanted, share = np.full(len(flat), radius), np.zeros(len(flat))
+    for foot in feet:
+        own = np.full(len(flat), radius) if chain.shares is None else _radii(chain, radius, foot)
+        inside = np.flatnonzero((foot > 0) & (foot < 1 - ROUNDING))
+        inside = inside[nearest.distances[inside] < (1 - CLEARLY) * own[inside]]
+        across = np.stack([foot[inside] * axis_length, nearest.distances[inside]], axis=1)
+        deep = _way_out(across, chain, radius, axis_length) / own[inside]
+        deeper = deep > share[inside]
+        share[inside[deeper]], wanted[inside[deeper]] = deep[deeper], own[inside[deeper]]
+    is_beside = ((feet[0] > 0) & (feet[0] < 1 - ROUNDING)).reshape(shape)
+    near = (nearest.distances < (1 - CLEARLY) * own).reshape(shape)
+    crosses = is_beside.any(axis=1) & ~is_beside.all(axis=1) & near.any(axis=1)
+    return _Depths(places, wanted.reshape(shape), share.reshape(shape), crosses)
+
+
+def _way_out(across: Floats, chain: CapsuleChain, radius: float, axis_length: float) -> Floats:
+    """Shortest way (n,) out of a stent, mm, from places along and across its axis (n, 2), mm.
+
+    Where its radius changes steeply that is along the axis, as it is at an end.
+    """
+    at, own = np.array([0.0, 1.0]), np.array([radius, radius])
+    if chain.shares is not None:
+        at, own = chain.shares.fractions, radius * chain.shares.shares
+    rim = np.stack([at * axis_length, own], axis=1)
+    outline = np.concatenate([[[0.0, 0.0]], rim, [[axis_length, 0.0]]])
+    flat = ((0, 0), (0, 1))
+    return closest_points(np.pad(outline, flat), np.pad(across, flat)).distances
+
+
+def _radii(chain: CapsuleChain, radius: float, foot: Floats) -> Floats:
     assert chain.shares is not None
-    at = fractions_of(places, chain.nodes)
-    # Beyond the ends there is no stent, but for what it pushes out of its way; an end may be
-    # missed along the axis by as much as the wall across it.
-    first, last = NARROWER * radius * chain.shares.shares[[0, -1]] / chain.length
-    beside = (at > first) & (at < 1 - last)
-    places, at = places[beside], at[beside]
-    wanted, distance = radius * chain.shares.along(at), chain.axis_distance(places)
-    if not len(places):
-        return WallCheck(radius, radius, _place(chain.nodes[0]))
-    worst = int((distance / wanted).argmin())
-    found = min(float(distance[worst]), float(wanted[worst]))
-    return WallCheck(float(wanted[worst]), found, _place(places[worst]))
+    return radius * chain.shares.along(foot)
 
 
-def _weights() -> Floats:
+def _weights(along: int) -> Floats:
     """Barycentric weights (p, 3) of places spread evenly over a triangle."""
-    last = PLACES - 1
-    grid = [(i, j, last - i - j) for i in range(PLACES) for j in range(PLACES - i)]
+    last = along - 1
+    grid = [(i, j, last - i - j) for i in range(along) for j in range(along - i)]
     return np.array(grid, dtype=np.float64) / last
 
 

@@ -41,12 +41,16 @@ class CapsuleChain:
         of the axis the other way round as well; published is the order from the distal end.
     shares : RadiusShares, optional
         Of its radius along the axis, where that is not the same everywhere; the field is.
+    axis : (n, 3) array, optional
+        The line that the nodes were taken from, mm; the nodes where left out. Nothing is deployed
+        by it; a result is judged by it.
     """
 
     nodes: Points
     smoothing_width: float = 0.4
     fold: str = "both"
     shares: RadiusShares | None = None
+    axis: Points | None = None
 
     def __post_init__(self) -> None:
         nodes = as_points(self.nodes, "capsule chain nodes", minimum=2)
@@ -56,6 +60,8 @@ class CapsuleChain:
                 "chain with CapsuleChain.along, which removes repeats."
             )
         object.__setattr__(self, "nodes", read_only(nodes))
+        axis = nodes if self.axis is None else as_points(self.axis, "stent axis", minimum=2)
+        object.__setattr__(self, "axis", read_only(axis))
         width = as_number(self.smoothing_width, "smoothing width", unit="mm", minimum=0)
         object.__setattr__(self, "smoothing_width", width)
         if self.fold not in FOLDS:
@@ -92,7 +98,7 @@ class CapsuleChain:
         # Lengths are summed in one direction, so that the nodes do not depend on it by a last bit.
         direction = 1 if runs_forward(points) else -1
         nodes = resampled(points[::direction], spacing)[::direction]
-        return cls(nodes, smoothing_width, fold, shares)
+        return cls(nodes, smoothing_width, fold, shares, points)
 
     @property
     def length(self) -> float:
@@ -131,7 +137,8 @@ class CapsuleChain:
         if self.fold == "distal" or runs_forward(self.nodes):
             return self
         shares = None if self.shares is None else self.shares.reversed
-        return CapsuleChain(self.nodes[::-1], self.smoothing_width, self.fold, shares)
+        axis = None if self.axis is None else self.axis[::-1]
+        return CapsuleChain(self.nodes[::-1], self.smoothing_width, self.fold, shares, axis)
 
     def shortfall(self, points: Points, radius: float) -> NDArray[np.float64] | float:
         """By how much the stent's radius near points (n, 3) is below its largest one, mm."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from .apposition import Apposition, FreeStretch, apposition
 from .branch_names import branch_names
-from .caps import bulged_caps, caps_across, looks_across
+from .caps import bulged_caps, caps_across, looks_across, off_caps
 from .closed_ends import OpenWall, open_at_ends
 from .cross_section import equivalent_diameters, winding_numbers
 from .cut_planes import CutPlane
@@ -110,6 +110,7 @@ __all__ = [
     "measured_at",
     "measured_once",
     "moved_wall",
+    "off_caps",
     "open_at_ends",
     "pressure_band",
     "profile_around",

@@ -22,7 +22,7 @@ from ..geometry import (
     may_meet_box,
     product,
 )
-from ..validation import Points, Triangles
+from ..validation import Floats, Indices, Points, Triangles
 
 FLAT = np.cos(np.deg2rad(1.0))
 """Faces whose normals differ by less lie in one plane."""
@@ -38,6 +38,10 @@ ACROSS = np.cos(np.deg2rad(30.0))
 """Cosine between an axis and the normal of a cap that counts as across it."""
 
 FEWEST_FACES = 6
+WIDENINGS = 6
+"""How often a cap that goes on beyond where it was looked for is looked for twice as far around."""
+
+NOTHING = np.empty(0, dtype=np.int64)
 NOTICEABLE = 0.05
 """Motion out of the plane, mm, that is worth a word."""
 
@@ -103,21 +107,54 @@ def _flat_spots(points: Points, faces: Triangles, *, rimless: bool = False) -> l
 
 
 def caps_across(points: Points, faces: Triangles, axis: Points, reach: float) -> NDArray[np.bool_]:
-    """Which faces (m,) belong to flat caps across an axis (n, 3), within some mm of its ends."""
+    """Which faces (m,) belong to flat caps across an axis (n, 3), of which a part is near its ends.
+
+    Parameters
+    ----------
+    points, faces : (n, 3) and (m, 3) arrays
+    axis : (k, 3) array
+        mm.
+    reach : float
+        Distance from the ends, mm, within which caps are looked for; the whole of one counts.
+    """
     is_capped = np.zeros(len(faces), dtype=bool)
     for end, inner in (axis[:2], axis[:-3:-1]):
         direction = (end - inner) / np.linalg.norm(end - inner)
-        near = np.flatnonzero(may_meet_box(points, faces, end - reach, end + reach))
-        if len(near) < FEWEST_FACES:
-            continue
-        # Most ends have few faces across the axis, which is quickly told.
-        across = np.abs(product(face_normals(points, faces[near]), direction)) > ACROSS
-        if np.count_nonzero(across) < FEWEST_FACES:
-            continue
-        for cap in flat_caps(points, faces[near]):
-            if abs(cap.normal @ direction) > ACROSS:
-                is_capped[near[cap.faces]] = True
+        is_capped[_caps_at(points, faces, end, direction, reach)] = True
     return is_capped
+
+
+def _caps_at(
+    points: Points, faces: Triangles, end: Floats, direction: Floats, reach: float
+) -> Indices:
+    """Faces of the caps at one end; looked for farther around where one goes on beyond that."""
+    found = NOTHING
+    for _ in range(WIDENINGS):
+        near = np.flatnonzero(may_meet_box(points, faces, end - reach, end + reach))
+        if len(near) >= FEWEST_FACES:
+            # Most ends have few faces across the axis, which is quickly told.
+            across = np.abs(product(face_normals(points, faces[near]), direction)) > ACROSS
+            if np.count_nonzero(across) < FEWEST_FACES:
+                break
+            spots = [
+                (near[spot.cap.faces], spot.has_rim)
+                for spot in _flat_spots(points, faces[near], rimless=True)
+                if abs(spot.cap.normal @ direction) > ACROSS
+            ]
+            found = np.concatenate([NOTHING, *(own for own, has_rim in spots if has_rim)])
+            if all(np.abs(points[faces[own]] - end).max() < reach for own, _ in spots):
+                break
+        reach *= 2
+    return found
+
+
+def off_caps(surface: Surface) -> Points:
+    """Points (n, 3) of the triangles that belong to no flat cap, mm; all where all do."""
+    is_wall = np.ones(len(surface.triangles), dtype=bool)
+    for cap in flat_caps(surface.points, surface.triangles):
+        is_wall[cap.faces] = False
+    used = np.unique(surface.triangles[is_wall])
+    return surface.points[used] if len(used) else surface.points
 
 
 def looks_across(points: Points, normals: Points, axis: Points, reach: float) -> NDArray[np.bool_]:

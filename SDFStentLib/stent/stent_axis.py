@@ -31,7 +31,11 @@ FARTHEST_PLACEMENT_UNKNOWN = 20.0
 """The same where the radius is unknown, mm."""
 
 LENGTH_TOLERANCE = 1e-6
-"""An axis shorter than prescribed by less than this is not worth a warning, mm."""
+"""Lengths that differ by less than this are the same, mm."""
+
+NOTICEABLE = 0.1
+"""An axis shorter than prescribed by less than this is not worth a warning, mm: lengths are told
+to a tenth, so that whatever is lost beyond it can be read from them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -228,7 +232,7 @@ def _shortened(axis: StentAxis, lies_on: StentAxis | None) -> Iterator[Caution]:
         and axis.prescribed_length < lies_on.prescribed_length + LENGTH_TOLERANCE
     ):
         return  # No loss of its own: said of the earlier stent.
-    if axis.deployed_length < axis.prescribed_length - LENGTH_TOLERANCE:
+    if axis.deployed_length < axis.prescribed_length - NOTICEABLE:
         lengths = {"prescribed_mm": axis.prescribed_length, "available_mm": axis.deployed_length}
         yield Caution("shortened", lengths)
 

@@ -113,7 +113,8 @@ class Preview:
                     stent, lies_on = resolved(planned, {one.number: one for one in previewed})
                     change = AxisChange(fraction, settings.axis_smoothing)
                     axis = axis_in_vessel(stent, centerline, self._lumen, change, lies_on=lies_on)
-                    check_width(stent.widest_diameter, axis, self._proxy.probes(axis.points))
+                    probes = self._proxy.probes(axis.points)
+                    check_width(stent.widest_diameter, axis, self.surface, probes)
                     state = self._proxy.deployed(
                         settings.chain(axis.points, axis.profile),
                         stent.widest_diameter / 2,

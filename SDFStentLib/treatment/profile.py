@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..geometry import Surface, arc_lengths
+from ..measure import off_caps
 from ..stent import Stent, StentAxis
 from ..validation import Floats
 
@@ -30,14 +31,14 @@ def with_profile(axis: StentAxis, stent: Stent, surface: Surface) -> StentAxis:
 def narrowest_fraction(axis: StentAxis, surface: Surface) -> float:
     """Part of its length at which the vessel round an axis is narrowest.
 
-    By its inscribed radius; where that is not known, by the nearest vertex.
+    By its inscribed radius; where that is not known, by the nearest vertex of the wall.
     """
     radius = axis.inscribed_radius
     if not np.isfinite(radius).any():
         # Late: scipy.spatial costs more to import than the rest of the library together.
         from scipy.spatial import KDTree
 
-        radius = KDTree(surface.points).query(axis.points)[0]
+        radius = KDTree(off_caps(surface)).query(axis.points)[0]
     along = arc_lengths(axis.points)
     return float(along[np.nanargmin(radius)] / along[-1])
 

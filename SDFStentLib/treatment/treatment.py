@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field, replace
 from functools import cached_property
+from itertools import combinations
 from time import perf_counter
 
 import numpy as np
@@ -179,7 +180,7 @@ class Treatment:
         with labeled(self.label(number)):
             stent, lies_on = resolved(planned, placed)
             axis = axis_in_vessel(stent, centerline, surface, change, lies_on=lies_on)
-            check_width(stent.widest_diameter, axis, self.surface.points)
+            check_width(stent.widest_diameter, axis, self.surface)
             return PlacedStent(number, stent, axis)
 
     def _measured(self) -> TreatmentResult:
@@ -273,10 +274,9 @@ class Treatment:
             label = self.label(done.number)
             for caution in self._warnings_of(stage, done):
                 yield replace(caution, stent=done.number).labeled(label)
-        for index, second in enumerate(treated):
-            for first in treated[:index]:
-                if (first.again or first.number) != (second.again or second.number):
-                    yield from overlap(first, second)
+        # One that is dilated again lies in the vessel as it is by then.
+        for first, second in combinations([done for done in treated if done.again is None], 2):
+            yield from overlap(first, second)
         yield from narrowed_neighbors(treated, self.label)
         for cap in bulged_caps(self.surface, after, moved):
             yield cap.caution()
