@@ -11,8 +11,13 @@ from test_plan import SCHEMA, a_document
 from tube_files import deploy
 
 from SDFStentLib.cli.shell import main
+from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.measure import Blood, DiameterProfile, pressure_band, vessel_block
+from SDFStentLib.phantoms import straight_tube
 from SDFStentLib.plan import load_plan, plan_from_document
+from SDFStentLib.report import zero_d_cautions, zero_d_document
+from SDFStentLib.stent import AlongAxis, OfStent, Stent
+from SDFStentLib.treatment import Treatment
 from SDFStentLib.validation import InputError
 
 MMHG = 133.322
@@ -159,6 +164,25 @@ def test_the_blocks_for_a_solver_are_those_of_the_lumen_in_cgs(a_folder):
     assert document["not_one_vessel"] == {}
 
 
+def test_blocks_of_overlapping_stents_say_what_both_of_them_have():
+    """In series they are longer than the vessel, by that; one dilated again counts as it lies."""
+    tube = straight_tube(radius=3.0, edge_length=1.2)
+    ends = ((10.0, 22.0), (18.0, 30.0), (29.5, 34.0))
+    stents = [Stent(6.6, placement=AlongAxis(tube.axis_at(np.array(end)))) for end in ends]
+    stents.append(Stent(7.0, placement=OfStent(2)))
+    result = Treatment(tube.surface, stents, settings=DeploymentSettings(certify=False)).result
+    document = zero_d_document(result)
+    after = {one["vessel_name"]: one["vessel_length"] for one in document["vessels"]}
+    both = document["length_in_both_cm"]
+    assert sorted(both) == ["stents 1 and 4", "stents 3 and 4"]
+    in_series = sum(after[f"stent {number}, after"] for number in (1, 3, 4))
+    assert in_series - sum(both.values()) == pytest.approx(2.4, abs=0.03)
+    assert next(str(one) for one in zero_d_cautions(result)) == (
+        "The 0D blocks of stents 1 and 4 both have the 4.0 mm of vessel over which these overlap; "
+        "in series, leave it out of one of them."
+    )
+
+
 def test_no_flow_no_word_of_pressure(a_folder, capsys):
     assert deploy("--report", "r.json", "--report", "r.html") == 0
     assert "ressure" not in capsys.readouterr().out
@@ -174,7 +198,10 @@ def test_where_a_branch_opens_within_the_stent_nothing_is_estimated(tmp_path, ca
     plan.write_text(json.dumps(document), encoding="utf-8")
     blocks = tmp_path / "zero.json"
     assert main(["run", str(plan), "-o", str(tmp_path / "out"), "--export-0d", str(blocks)]) == 0
-    assert "Pressure drop: not estimated; flow leaves through right" in capsys.readouterr().out
+    said = capsys.readouterr()
+    assert "Pressure drop: not estimated; flow leaves through right" in said.out
+    split = "The 0D block of stent 1 is not one vessel: flow leaves through right"
+    assert split in " ".join(said.err.split())
     pressure = read(tmp_path / "out" / "report.json")["stents"][0]["pressure"]
     assert pressure["before_mmhg"] is pressure["after_mmhg"] is None
     # Who takes the blocks for a solver reads no report.

@@ -11,7 +11,7 @@ from SDFStentLib.files import (
     write_bytes,
 )
 from SDFStentLib.plan import device_vtp
-from SDFStentLib.report import zero_d_document
+from SDFStentLib.report import zero_d_cautions, zero_d_document
 from SDFStentLib.validation import InputError
 
 from . import Conversion, Display
@@ -34,9 +34,11 @@ class Exporting:
     def write0D(self, path, parameterNode):
         """Write values for the vessel blocks of a 0D solver, before and after, as `--export-0d` does; errors as above."""
         check_suffix(path, _("values for a 0D solver"), (".json",))
-        document = zero_d_document(self._deployed(parameterNode))
-        text = json.dumps(document, indent=2, allow_nan=False) + "\n"
+        result = self._deployed(parameterNode)
+        text = json.dumps(zero_d_document(result), indent=2, allow_nan=False) + "\n"
         _write(path, text.encode(), parameterNode)
+        for caution in zero_d_cautions(result):
+            parameterNode.status += " " + caution.sentence()
 
     def loadDeviceMesh(self, path, parameterNode):
         """Add a straight stent mesh from a file to the scene as it is in there, mm, and choose it; returns its node."""

@@ -40,6 +40,7 @@ from ..report import (
     stent_ratio_sentences,
     write_report,
     write_report_figure,
+    zero_d_cautions,
     zero_d_document,
 )
 from ..validation import DeploymentError, InputError, as_number
@@ -223,10 +224,11 @@ class _Job:
         """The diameters along the stents."""
         write_report_figure(self._report(), path)
 
-    def write_0d(self, path: Path) -> None:
-        """Vessel blocks before and after."""
+    def write_0d(self, path: Path) -> list[Caution]:
+        """Vessel blocks before and after; what has to be known of them."""
         text = json.dumps(zero_d_document(self._result.treatment), indent=2, allow_nan=False)
         path.write_text(text + "\n", encoding="utf-8")
+        return list(zero_d_cautions(self._result.treatment))
 
     def write_picture(self, path: Path) -> None:
         """The vessel before and after."""

@@ -51,7 +51,7 @@ if TYPE_CHECKING:
         suggestion_section,
         suggestion_sentences,
     )
-    from .zero_d import zero_d_document
+    from .zero_d import zero_d_cautions, zero_d_document
 
 __all__ = [
     "FIGURE_SUFFIXES",
@@ -93,6 +93,7 @@ __all__ = [
     "write_report",
     "write_report_figure",
     "write_segment",
+    "zero_d_cautions",
     "zero_d_document",
 ]
 
@@ -145,6 +146,6 @@ __getattr__, __dir__ = late_names(
             "suggestion_sentences",
         ],
         "report": ["FIGURE_SUFFIXES", "Report", "write_report", "write_report_figure"],
-        "zero_d": ["zero_d_document"],
+        "zero_d": ["zero_d_cautions", "zero_d_document"],
     },
 )

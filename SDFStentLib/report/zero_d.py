@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from ..cautions import Caution
 from ..measure import ADULT, TURBULENCE, DiameterProfile, VesselBlock, vessel_block
 from ..treatment import TreatmentResult
 from .pressure import flow_leaves
@@ -18,6 +19,7 @@ def zero_d_document(result: TreatmentResult) -> dict[str, Any]:
     InputError
         A diameter along a stent could not be measured.
     """
+    twice = [one.numbers for one in zero_d_cautions(result) if one.kind == "blocks-overlap"]
     return {
         "notice": RESEARCH_USE,
         "units": "cgs: R in dyn s/cm^5, L in dyn s^2/cm^5, S in dyn s^2/cm^8, length in cm",
@@ -31,6 +33,11 @@ def zero_d_document(result: TreatmentResult) -> dict[str, Any]:
             for stent in result.final_stents
             if (leaves := flow_leaves(stent))
         },
+        # Nor may blocks that have a stretch of vessel in common be put in series as they are.
+        "length_in_both_cm": {
+            f"stents {one['first']} and {one['second']}": 0.1 * float(one["length_mm"])
+            for one in twice
+        },
         "density_g_cm3": ADULT.density / 1000,
         "viscosity_poise": ADULT.viscosity * 10,
         "vessels": [
@@ -39,6 +46,16 @@ def zero_d_document(result: TreatmentResult) -> dict[str, Any]:
             for name, profile in (("before", stent.before), ("after", stent.after))
         ],
     }
+
+
+def zero_d_cautions(result: TreatmentResult) -> tuple[Caution, ...]:
+    """What has to be known before the blocks are put into a network."""
+    found = []
+    for stent in result.final_stents:
+        if leaves := flow_leaves(stent):
+            found.append(Caution("block-divides", {"number": stent.number, "leaves": leaves}))
+    overlaps = (one.numbers for one in result.warnings if one.kind == "overlap")
+    return (*found, *(Caution("blocks-overlap", numbers) for numbers in overlaps))
 
 
 def _measured(profile: DiameterProfile) -> VesselBlock:
