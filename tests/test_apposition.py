@@ -7,7 +7,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from deployment_cases import anatomy
 from ostium_truth import RayCaster, openings_at
+from vtkmodules.vtkFiltersCore import vtkImplicitPolyDataDistance
 
 from SDFStentLib import phantoms
 from SDFStentLib.deformation import DeploymentSettings
@@ -36,6 +38,52 @@ def test_a_stent_in_a_wider_vessel_hangs_free_over_its_whole_length():
     assert stretch.largest_gap == pytest.approx(2.0, abs=0.1)
     assert found.free_length == pytest.approx(20)
     assert "20.0 of its 20.0 mm" in found.sentence()
+
+
+def free_by_vtk(surface, axis, radius):
+    """Share of places on a stent that are farther than the gap from any wall, along its axis."""
+    distance = vtkImplicitPolyDataDistance()
+    distance.SetInput(RayCaster(surface.points, surface.triangles).polydata)
+    at = np.r_[0, np.cumsum(np.linalg.norm(np.diff(axis, axis=0), axis=1))]
+    along, half = np.linspace(0, at[-1], 41), radius / 2
+    middle, ahead, behind = (
+        np.column_stack([np.interp(np.clip(along + by, 0, at[-1]), at, one) for one in axis.T])
+        for by in (0, half, -half)
+    )
+    first = np.cross(ahead - behind, [0.3, 0.5, 0.8])
+    second = np.cross(ahead - behind, first)
+    first, second = (v / np.linalg.norm(v, axis=1)[:, None] for v in (first, second))
+    angles = np.linspace(0, 2 * np.pi, 48, endpoint=False)[:, None, None]
+    places = middle + radius * (np.cos(angles) * first + np.sin(angles) * second)
+    away = [abs(distance.EvaluateFunction(place)) > GAP for place in places.reshape(-1, 3)]
+    return along, np.reshape(away, (48, 41)).mean(axis=0)
+
+
+@pytest.mark.parametrize("name", ["off the middle", "stenosis", "pulmonary", "vmtk_aorta"])
+def test_contact_is_that_of_distances_to_the_surface_by_vtk(data_dir, name):
+    if name in ("pulmonary", "vmtk_aorta"):
+        vessel = anatomy(data_dir, name)
+        tree = vessel.centerline
+        path = tree.path(tree.points[tree.roots[0]], tree.points[np.sort(tree.leaves)[0]])
+        center = tree.project(path.points[3 * len(path.points) // 10])
+        width = 2.1 * float(center.inscribed_radius)
+        stent = Stent(width, placement=AtCenter(center.point), length=20.0)
+    else:
+        is_narrowed, tree = name == "stenosis", None
+        vessel = phantoms.stenosed_tube() if is_narrowed else phantoms.straight_tube()
+        beside = np.array([0.0 if is_narrowed else 0.6, 0, 0])
+        axis = vessel.axis_at(np.linspace(8, 32, 40)) + beside
+        stent = Stent(5.0, placement=AlongAxis(axis))
+    settings = DeploymentSettings(certify=False)
+    result = Treatment(vessel.surface, [stent], tree, settings).result
+    (done,) = result.stents
+    along, expected = free_by_vtk(result.surface, done.axis.points, stent.radius)
+    found = done.apposition
+    share = np.interp(along, found.arc_length, found.free_share)
+    assert 0.1 < expected.mean() < 0.7
+    assert share.mean() == pytest.approx(expected.mean(), abs=0.02)
+    assert np.abs(share - expected).mean() < 0.03
+    assert found.free_length == pytest.approx((expected > 0.1).mean() * along[-1], abs=1.0)
 
 
 def test_a_short_thin_stent_from_which_all_wall_is_far_hangs_free():
