@@ -59,6 +59,10 @@ def test_device_and_0d_values_are_those_of_the_shell(host, theFiles, tmp_path):
     ours = content(written(host, theFiles, ui.saveDeviceButton, tmp_path / "ours.vtp"))
     assert ui.statusLabel.text == f"Wrote {tmp_path / 'ours.vtp'}."
     written(host, theFiles, ui.write0DButton, tmp_path / "ours.json")
+    assert ui.statusLabel.text == (
+        f"Wrote {tmp_path / 'ours.json'}. The 0D block of stent 1 is not one vessel: flow leaves "
+        "through right pulmonary artery within the stent; split it there."
+    )
     options = ("--export-device", tmp_path / "d.vtp", "--export-0d", tmp_path / "0d.json")
     ofShell(theFiles, tmp_path, *options)
     theirs = content(tmp_path / "d.vtp")
