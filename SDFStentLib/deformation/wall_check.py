@@ -99,19 +99,20 @@ def _depths(corners: Points, along: int, chain: CapsuleChain, radius: float) -> 
     axis_length = length(chain.axis)
     nearest = closest_points(chain.axis, flat)
     # Which place of a bent axis a place of the wall is beside is a matter of the method where the
-    # profile changes; it must not be inside by either.
+    # profile changes; it is inside where it is by both.
     feet = [nearest.arc_lengths / axis_length]
     if chain.shares is not None:
         feet.append(fractions_of(flat, chain.nodes))
-    wanted, share = np.full(len(flat), radius), np.zeros(len(flat))
+    wanted, share = np.full(len(flat), radius), np.full(len(flat), np.inf)
     for foot in feet:
         own = np.full(len(flat), radius) if chain.shares is None else _radii(chain, radius, foot)
         inside = np.flatnonzero((foot > 0) & (foot < 1 - ROUNDING))
         inside = inside[nearest.distances[inside] < (1 - CLEARLY) * own[inside]]
         across = np.stack([foot[inside] * axis_length, nearest.distances[inside]], axis=1)
-        deep = _way_out(across, chain, radius, axis_length) / own[inside]
-        deeper = deep > share[inside]
-        share[inside[deeper]], wanted[inside[deeper]] = deep[deeper], own[inside[deeper]]
+        deep = np.zeros(len(flat))
+        deep[inside] = _way_out(across, chain, radius, axis_length) / own[inside]
+        less = deep < share
+        share[less], wanted[less] = deep[less], own[less]
     is_beside = ((feet[0] > 0) & (feet[0] < 1 - ROUNDING)).reshape(shape)
     near = (nearest.distances < (1 - CLEARLY) * own).reshape(shape)
     crosses = is_beside.any(axis=1) & ~is_beside.all(axis=1) & near.any(axis=1)

@@ -22,6 +22,10 @@ from .radius_shares import RadiusShares
 FOLDS = ("both", "distal")
 """Ends from which the capsules are folded, one after the other."""
 
+FOLLOWED = 1.0
+"""Capsules no longer than this, mm, are what is meant, for a centerline has kinks that no stent
+follows. Source: the capsules of the paper. Longer ones are judged by these."""
+
 STRAIGHT = 1e-6
 """Change of direction over two capsules below which they have no side towards the bend."""
 
@@ -42,8 +46,8 @@ class CapsuleChain:
     shares : RadiusShares, optional
         Of its radius along the axis, where that is not the same everywhere; the field is.
     axis : (n, 3) array, optional
-        The line that the nodes were taken from, mm; the nodes where left out. Nothing is deployed
-        by it; a result is judged by it.
+        What the stent is meant to follow, mm; the nodes where left out. Nothing is deployed by it;
+        a result is judged by it.
     """
 
     nodes: Points
@@ -97,8 +101,10 @@ class CapsuleChain:
             raise InputError("stent axis: expected a line with length, got a single place.")
         # Lengths are summed in one direction, so that the nodes do not depend on it by a last bit.
         direction = 1 if runs_forward(points) else -1
-        nodes = resampled(points[::direction], spacing)[::direction]
-        return cls(nodes, smoothing_width, fold, shares, points)
+        forward = points[::direction]
+        nodes = resampled(forward, spacing)[::direction]
+        axis = nodes if spacing <= FOLLOWED else resampled(forward, FOLLOWED)[::direction]
+        return cls(nodes, smoothing_width, fold, shares, axis)
 
     @property
     def length(self) -> float:
