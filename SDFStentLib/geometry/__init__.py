@@ -49,6 +49,7 @@ from .topology import (
     consistently_wound,
     edges,
     is_manifold,
+    paired_sides,
     surface_topology,
     vertex_neighbors,
 )
@@ -100,6 +101,7 @@ __all__ = [
     "nearest_distances",
     "norm",
     "oriented_triangles",
+    "paired_sides",
     "plane_section",
     "point_at",
     "product",

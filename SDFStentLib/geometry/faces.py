@@ -107,7 +107,7 @@ def compacted(points: Points, triangles: Triangles) -> tuple[Points, Triangles]:
     used = np.flatnonzero(is_used)
     number = np.empty(len(points), dtype=np.int64)
     number[used] = np.arange(len(used))
-    return points[used], number[triangles]
+    return points.take(used, axis=0), number.take(triangles)
 
 
 # Vectors stand in columns, (3, m): sums along a last axis of three take NumPy several times longer.

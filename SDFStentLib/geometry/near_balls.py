@@ -41,10 +41,12 @@ def near_balls(
     # Ends: every part is half of another, and parts of a few are not halved.
     while todo:
         ours, theirs = todo.pop()
-        theirs = _in_box(places[ours], reach[ours], columns, radii, theirs)
+        theirs = _in_box(places.take(ours, axis=0), reach[ours], columns, radii, theirs)
         if len(ours) <= _TOGETHER or len(theirs) <= _FEW:
-            one, other = _near_all(places[ours], reach[ours], middles[theirs], radii[theirs])
-            found.append((ours[one], theirs[other]))
+            one, other = _near_all(
+                places.take(ours, axis=0), reach[ours], middles.take(theirs, axis=0), radii[theirs]
+            )
+            found.append((ours.take(one), theirs.take(other)))
             continue
         half = len(ours) // 2
         widest = int(np.ptp(places[ours], axis=0).argmax())
@@ -52,7 +54,7 @@ def near_balls(
         todo += [(np.sort(ours[part]), theirs) for part in (order[:half], order[half:])]
     place, ball = (np.concatenate(column) for column in zip(*found, strict=True))
     order = np.argsort(place, kind="stable")
-    return place[order], ball[order]
+    return place.take(order), ball.take(order)
 
 
 def nearest_distances(places: Points, points: Points) -> Floats:
@@ -74,8 +76,8 @@ def _in_box(
         high = (coordinates + reach).max(initial=-np.inf)
         slack = _SLACK * (abs(low) + abs(high)) if len(coordinates) else 0.0
         low, high = low - slack, high + slack
-        middle, radius = column[which], radii[which]
-        which = which[(middle + radius >= low) & (middle - radius <= high)]
+        middle, radius = column.take(which), radii.take(which)
+        which = which.compress((middle + radius >= low) & (middle - radius <= high))
     return which
 
 

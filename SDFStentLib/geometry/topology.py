@@ -125,6 +125,14 @@ def edges(triangles: Triangles) -> Edges:
     return Edges(vertices, face_edges.reshape(-1, 3), offsets, sides.astype(np.int64))
 
 
+def paired_sides(triangles: Triangles) -> Indices:
+    """`Edges.paired_sides`, without the rest."""
+    _, sides, is_first = _sorted_sides(triangles)
+    starts = np.flatnonzero(is_first)
+    first = starts[np.diff(starts, append=len(sides)) == 2]
+    return np.stack([sides[first], sides[first + 1]], axis=1).astype(np.int64)
+
+
 def boundary_edges(triangles: Triangles) -> Indices:
     """Edges (b, 2) at which there is only one face, in the direction of that face."""
     found = edges(triangles)
@@ -203,7 +211,7 @@ def consistently_wound(triangles: Triangles) -> tuple[Triangles, Indices]:
     """
     result = triangles.copy()
     count = len(result)
-    sides = edges(triangles).paired_sides
+    sides = paired_sides(triangles)
     left, right = sides[:, 0] // 3, sides[:, 1] // 3
     disagree = result.ravel()[sides[:, 0]] == result.ravel()[sides[:, 1]]
     # Every face stands twice in the graph, as it is (f) and turned (f + count). Faces that agree
@@ -239,8 +247,18 @@ def _sorted_sides(
     keys *= int(triangles.max()) + 1
     keys += np.maximum(first, second)
     del second
-    sides = np.argsort(keys, kind="stable")
-    keys = keys[sides]
+    count = len(keys)
+    if (int(keys.max()) + 1) * count < 2**63:
+        # Numbers are sorted several times quicker than what they are the numbers of.
+        keys *= count
+        keys += np.arange(count)
+        keys.sort()
+        sides = keys.copy()
+        keys //= count
+        sides -= keys * count
+    else:
+        sides = np.argsort(keys, kind="stable")
+        keys = keys[sides]
     is_first = np.ones(len(keys), dtype=bool)
     np.not_equal(keys[1:], keys[:-1], out=is_first[1:])
     return keys, sides.astype(np.int32 if len(keys) < 2**31 else np.int64), is_first

@@ -16,10 +16,10 @@ from ..geometry import (
     Surface,
     component_labels,
     dot,
-    edges,
     face_normals,
     faces_at,
     may_meet_box,
+    paired_sides,
     product,
 )
 from ..validation import Floats, Indices, Points, Triangles
@@ -84,7 +84,7 @@ def _flat_spots(points: Points, faces: Triangles, *, rimless: bool = False) -> l
     if len(faces) < FEWEST_FACES:
         return []
     normals = face_normals(points, faces)
-    pairs = edges(faces).paired_sides // 3
+    pairs = paired_sides(faces) // 3
     cosine = dot(normals[pairs[:, 0]], normals[pairs[:, 1]])
     flat = pairs[cosine > FLAT]
     label = component_labels(len(faces), flat[:, 0], flat[:, 1])

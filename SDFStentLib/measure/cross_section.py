@@ -100,22 +100,28 @@ def winding_numbers(queries: Points, points: Points, triangles: Triangles) -> Fl
     Sum of solid angles over 4 pi: van Oosterom and Strackee 1983, doi 10.1109/TBME.1983.325207.
     """
     result = np.empty(len(queries))
+    if not len(queries):
+        return result
     # Coordinates in rows of their own: NumPy takes several times longer over rows of three.
     columns, corners = np.ascontiguousarray(points.T), np.ascontiguousarray(triangles.T)
+    a, b, c = (columns[:, corner] for corner in corners)
+    sides = [((one - other) ** 2).sum(axis=0) for one, other in ((a, b), (b, c), (c, a))]
+    u, v = b - a, c - a
+    normal = np.stack(
+        [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+    )
+    height = (normal * a).sum(axis=0)
     for number, query in enumerate(queries):
-        offset = columns - query[:, None]
-        distance = np.sqrt((offset**2).sum(axis=0))
-        a, b, c = (offset[:, corner] for corner in corners)
+        volume = height - (normal[0] * query[0] + normal[1] * query[1] + normal[2] * query[2])
+        squared = ((columns - query[:, None]) ** 2).sum(axis=0)
+        distance = np.sqrt(squared)
         la, lb, lc = (distance[corner] for corner in corners)
-        volume = (
-            a[0] * (b[1] * c[2] - b[2] * c[1])
-            + a[1] * (b[2] * c[0] - b[0] * c[2])
-            + a[2] * (b[0] * c[1] - b[1] * c[0])
-        )
-        dots = [(one * other).sum(axis=0) for one, other in ((a, b), (b, c), (c, a))]
+        aa, bb, cc = (squared[corner] for corner in corners)
+        # Scalar products by the law of cosines.
+        ab, bc, ca = aa + bb - sides[0], bb + cc - sides[1], cc + aa - sides[2]
         # Of a triangle in whose plane the query lies, rounding would tell the side.
         volume[np.abs(volume) <= _IN_PLANE * (la * lb + lb * lc + lc * la)] = 0.0
-        angle = np.arctan2(volume, la * lb * lc + dots[0] * lc + dots[1] * la + dots[2] * lb)
+        angle = np.arctan2(volume, la * lb * lc + (ab * lc + bc * la + ca * lb) / 2)
         angle[volume == 0] = 0.0
         result[number] = abs(angle.sum()) / (2 * np.pi)
     return result

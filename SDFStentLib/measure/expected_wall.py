@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry import Surface, nearest_distances, resampled
+from ..geometry import Surface, resampled
 from ..validation import Floats, Points, read_only
 from .wall_map import (
     RAYS,
@@ -45,6 +47,9 @@ of other vessels."""
 
 _SOME = 20000
 """Points of the surface among which the nearest are looked for."""
+
+_trees: WeakKeyDictionary[Surface, Any] = WeakKeyDictionary()
+"""Of these points: they are asked for at every stent, before and after."""
 
 _SDS = 4.0
 """Standard deviations at which smoothing ends."""
@@ -107,8 +112,13 @@ def expected_tube(surface: Surface, axis: Points) -> Tube:
 
 def far_reach(surface: Surface, stations: Points) -> float:
     """How far from some points (n, 3) the wall of their vessel is looked for, mm."""
-    some = surface.points[:: max(1, len(surface.points) // _SOME)]
-    return FARTHEST * float(nearest_distances(stations, some).max())
+    if (tree := _trees.get(surface)) is None:
+        # Late: scipy costs what a first frame should not pay.
+        from scipy.spatial import cKDTree
+
+        some = surface.points[:: max(1, len(surface.points) // _SOME)]
+        tree = _trees[surface] = cKDTree(some, balanced_tree=False, compact_nodes=False)
+    return FARTHEST * float(tree.query(stations)[0].max())
 
 
 def _interpolated(at: Floats, known: Floats, values: Points) -> Points:

@@ -102,7 +102,9 @@ class LocalSurface:
         self._kept: slice | Flags = slice(None)
         if not self._is_whole():
             self._kept = may_meet_box(self._points, self._triangles, self._low, self._high)
-        kept = self._triangles[self._kept]
+        kept = self._triangles
+        if not isinstance(self._kept, slice):
+            kept = kept.compress(self._kept, axis=0)
         self._index = SurfaceIndex(self._points, kept) if len(kept) else None
 
     def _is_whole(self) -> bool:

@@ -73,7 +73,8 @@ def largest_steps(rows: LinearRows, box: Floats) -> tuple[Floats, Floats]:
             break
         if 2 * np.count_nonzero(is_open) <= len(active):
             is_kept = np.repeat(is_open, counts)
-            slope, distance, counts = slope[:, is_kept], distance[is_kept], counts[is_open]
+            slope, distance = slope.compress(is_kept, axis=1), distance.compress(is_kept)
+            counts = counts[is_open]
             starts = np.cumsum(counts) - counts
             active, box, leaving, limit = (a[is_open] for a in (active, box, leaving, limit))
             inverse, bound, weight = (a[..., is_open] for a in (inverse, bound, weight))

@@ -55,9 +55,11 @@ class Neighborhood:
         radius = np.minimum.reduceat(distance, starts)
         limit = np.empty(len(centers))
         limit[active] = radius + reach
-        matters = np.flatnonzero(distance <= limit[query])
-        query, offset, distance = query[matters], offset[matters], distance[matters]
-        slope = np.einsum("nij,nj->ni", axes[query], offset) / np.maximum(distance, 1e-300)[:, None]
+        matters = np.flatnonzero(distance <= limit.take(query))
+        query, distance = query.take(matters), distance.take(matters)
+        offset = offset.take(matters, axis=0)
+        slope = np.einsum("nij,nj->ni", axes.take(query, axis=0), offset)
+        slope /= np.maximum(distance, 1e-300)[:, None]
         return LinearRows(distance, slope, np.searchsorted(query, active), radius)
 
     def _find(self, centers: Points, active: Indices, which: Indices, wanted: Floats) -> None:
@@ -65,19 +67,21 @@ class Neighborhood:
         found = self._surface.near(centers[which], wanted)
         self._covered[which] = wanted
         kept = self._pairs_of(len(centers), np.setdiff1d(active, which, assume_unique=True))
-        query = np.r_[kept.query, which[found.query]]
+        anew = which.take(found.query)
+        query = np.concatenate([kept.query, anew])
         order = np.argsort(query, kind="stable")
-        triangle = np.r_[kept.triangle, found.triangle]
-        bound = np.r_[kept.bound, found.bound + self._moved[which[found.query]]]
-        self._hold(NearPairs(query[order], triangle[order], bound[order]), len(active))
+        triangle = np.concatenate([kept.triangle, found.triangle])
+        bound = np.concatenate([kept.bound, found.bound + self._moved.take(anew)])
+        pairs = NearPairs(query.take(order), triangle.take(order), bound.take(order))
+        self._hold(pairs, len(active))
 
     def _pairs_of(self, count: int, some: Indices) -> NearPairs:
         """What is known of some of so many centres."""
         is_one = np.zeros(count, dtype=bool)
         is_one[some] = True
         query, triangle, bound = self._pairs
-        kept = np.flatnonzero(is_one[query])
-        return NearPairs(query[kept], triangle[kept], bound[kept])
+        kept = np.flatnonzero(is_one.take(query))
+        return NearPairs(query.take(kept), triangle.take(kept), bound.take(kept))
 
     def _hold(self, pairs: NearPairs, count: int) -> None:
         self._pairs, self._held = pairs, count
@@ -101,9 +105,10 @@ class Neighborhood:
         query, triangle, bound = self._pairs
         limit = np.full(len(centers), -np.inf)
         limit[active] = radii + self._moved[active]
-        inner = np.flatnonzero(bound <= limit[query])
-        query, triangle = query[inner], triangle[inner]
-        offset = centers[query] - self._surface.closest_points(centers[query], triangle)
+        inner = np.flatnonzero(bound <= limit.take(query))
+        query, triangle = query.take(inner), triangle.take(inner)
+        places = centers.take(query, axis=0)
+        offset = places - self._surface.closest_points(places, triangle)
         distance = norm(offset)
-        bound[inner] = distance + self._moved[query]
+        bound[inner] = distance + self._moved.take(query)
         return query, offset, distance

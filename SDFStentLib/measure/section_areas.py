@@ -81,7 +81,7 @@ def _near(points: Points, triangles: Triangles, centers: Points) -> tuple[Points
     squared = dot(centers, centers)[:, None] - 2 * product(centers, some.T) + dot(some, some)
     margin = _MARGIN * np.sqrt(max(float(squared.min(axis=1, initial=np.inf).max()), 0.0))
     low, high = centers.min(axis=0) - margin, centers.max(axis=0) + margin
-    return compacted(points, triangles[may_meet_box(points, triangles, low, high)])
+    return compacted(points, triangles.compress(may_meet_box(points, triangles, low, high), axis=0))
 
 
 def _areas(points: Points, triangles: Triangles, centers: Points, normals: Points) -> SectionAreas:
@@ -94,7 +94,7 @@ def _areas(points: Points, triangles: Triangles, centers: Points, normals: Point
     loops, label = connected(nodes, cuts.start, cuts.end)
     is_closed = np.ones(loops, dtype=bool)
     is_closed[label[starts != ends]] = False
-    (x, y), (next_x, next_y) = cuts.flat[cuts.start].T, cuts.flat[cuts.end].T
+    (x, y), (next_x, next_y) = (cuts.flat.take(ends, axis=0).T for ends in cuts[2:])
     of_loop = label[cuts.start]
     area = np.abs(np.bincount(of_loop, x * next_y - y * next_x, loops)) / 2
     crosses = np.flatnonzero((y > 0) != (next_y > 0))
@@ -113,14 +113,17 @@ def _cuts(points: Points, triangles: Triangles, centers: Points, normals: Points
     """As `plane_section`: a point in a plane counts as above it, so that nothing is cut twice."""
     heights = product(normals, points.T) - dot(normals, centers)[:, None]
     is_above = heights >= 0
-    corners = [is_above[:, corner].view(np.uint8) for corner in triangles.T]
-    above = corners[0] + corners[1] + corners[2]
-    station, face = np.divmod(np.flatnonzero((above == 1) | (above == 2)), len(triangles))
+    # A bit for each station: eight are compared at once.
+    above = np.packbits(is_above, axis=0)
+    one, other, third = (above[:, corner] for corner in triangles.T)
+    is_cut = (one ^ other) | (other ^ third)
+    cut = np.flatnonzero(is_cut.any(axis=0))
+    station, row = np.nonzero(np.unpackbits(is_cut[:, cut], axis=0, count=len(centers)))
+    rows = triangles.take(cut.take(row), axis=0)
     # Every cut triangle has one side that goes down through its plane and one that goes up.
-    bits = np.stack([corner[station, face] for corner in corners], axis=1)
+    bits = is_above[station[:, None], rows]
     following = bits[:, [1, 2, 0]]
     down, up = np.argmax(bits > following, axis=1), np.argmax(bits < following, axis=1)
-    rows = triangles[face]
     sides = np.r_[_sides(rows, down)[:, ::-1], _sides(rows, up)]
     crossing = (np.r_[station, station] * len(points) + sides[:, 0]) * len(points) + sides[:, 1]
     crossed, node = np.unique(crossing, return_inverse=True)
@@ -128,8 +131,10 @@ def _cuts(points: Points, triangles: Triangles, centers: Points, normals: Points
     at, low = np.divmod(crossed, len(points))
     below = heights[at, low]
     fraction = below / (below - heights[at, high])
-    offset = points[low] + fraction[:, None] * (points[high] - points[low]) - centers[at]
-    flat = np.einsum("nij,nj->ni", across(normals)[at], offset)
+    from_low = points.take(low, axis=0)
+    offset = from_low + fraction[:, None] * (points.take(high, axis=0) - from_low)
+    offset -= centers.take(at, axis=0)
+    flat = np.einsum("nij,nj->ni", across(normals).take(at, axis=0), offset)
     start, end = node.reshape(2, -1)
     return _Cuts(flat, at, start, end)
 

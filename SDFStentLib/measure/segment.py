@@ -16,8 +16,8 @@ from ..geometry import (
     compacted,
     component_labels,
     cut_along,
-    edges,
     flat_fill,
+    paired_sides,
     section_around,
     signed_volume,
 )
@@ -127,7 +127,7 @@ def _between(
     count = len(mesh.points)
     keys, rim_keys = sides[:, 0] * count + sides[:, 1], start * count + end
     is_cut = np.isin(keys, rim_keys) | np.isin(sides[:, 1] * count + sides[:, 0], rim_keys)
-    pairs = edges(mesh.triangles).paired_sides
+    pairs = paired_sides(mesh.triangles)
     pairs = pairs[~is_cut[pairs[:, 0]]] // 3
     label = component_labels(len(mesh.triangles), pairs[:, 0], pairs[:, 1])
     order = np.argsort(keys)

@@ -12,18 +12,22 @@ from ..geometry import (
     arc_lengths,
     frames,
     may_meet_box,
+    nearest_distances,
     point_at,
     product,
     ranges,
     resampled,
 )
-from ..validation import Floats, Indices, Points, Triangles, read_only
+from ..validation import Flags, Floats, Indices, Points, Triangles, read_only
 
 RAYS = 144
 """Rays at each station, 2.5 degrees apart."""
 
 _BLOCK = 1 << 21
 """Pairs of station and triangle that are looked at together; some 10 MB of temporaries."""
+
+_DECIDE, _SLACK = 6, 1e-9
+"""Places of an axis that are looked at first, and what rounding may do to a distance from them."""
 
 _FEW = 2000
 """A surface with fewer triangles is coarse: they are taken by their boxes."""
@@ -72,16 +76,12 @@ class NearWall(NamedTuple):
 
 def near_wall(surface: Surface, axis: Points, reach: float) -> NearWall:
     """The triangles with a corner within `reach` mm of some points (n, 3)."""
-    # Late: scipy costs what a first frame should not pay.
-    from scipy.spatial import cKDTree
-
     low, high = axis.min(axis=0) - reach, axis.max(axis=0) + reach
     # By column: reductions over rows of three are slow.
     columns = zip(surface.points.T, low, high, strict=True)
     in_box = np.flatnonzero(np.logical_and.reduce([(x >= a) & (x <= b) for x, a, b in columns]))
     is_near = np.zeros(len(surface.points), dtype=bool)
-    distance, _ = cKDTree(axis).query(surface.points[in_box], distance_upper_bound=reach)
-    is_near[in_box[np.isfinite(distance)]] = True
+    is_near[in_box[_within(surface.points.take(in_box, axis=0), axis, reach)]] = True
     triangles = np.asfortranarray(surface.triangles)
     # By column, as above. A long triangle may have all corners far.
     kept = is_near[triangles[:, 0]] | is_near[triangles[:, 1]] | is_near[triangles[:, 2]]
@@ -89,10 +89,32 @@ def near_wall(surface: Surface, axis: Points, reach: float) -> NearWall:
         kept |= may_meet_box(surface.points, surface.triangles, low, high)
     ids = np.flatnonzero(kept)
     used = np.zeros(len(surface.points), dtype=bool)
-    used[triangles[ids]] = True
+    corners = surface.triangles.take(ids, axis=0)
+    used[corners] = True
     number = np.cumsum(used) - 1
     point_ids = np.flatnonzero(used)
-    return NearWall(surface.points[point_ids], number[triangles[ids]], point_ids, ids)
+    points = surface.points.take(point_ids, axis=0)
+    return NearWall(points, number.take(corners), point_ids, ids)
+
+
+def _within(points: Points, axis: Points, reach: float) -> Flags:
+    """Which points (k,) are nearer than `reach` mm to some of an axis (n, 3)."""
+    # Late: scipy costs what a first frame should not pay.
+    from scipy.spatial import cKDTree
+
+    # A few places of the axis decide on most points.
+    few = axis[np.linspace(0, len(axis) - 1, min(len(axis), _DECIDE)).astype(np.int64)]
+    gap = float(nearest_distances(axis, few).max())
+    columns = np.ascontiguousarray(points.T)
+    squared = np.full(len(points), np.inf)
+    for place in few:
+        x, y, z = columns - place[:, None]
+        squared = np.minimum(squared, x * x + y * y + z * z)
+    is_near = squared < (reach * (1 - _SLACK)) ** 2
+    doubtful = np.flatnonzero(~is_near & (squared < ((reach + gap) * (1 + _SLACK)) ** 2))
+    distance, _ = cKDTree(axis).query(points[doubtful], distance_upper_bound=reach)
+    is_near[doubtful] = np.isfinite(distance)
+    return is_near
 
 
 def wall_map(wall: NearWall, axis: Points, *, spacing: float, window: float) -> WallMap:
@@ -186,7 +208,7 @@ def _first_hits(cuts: _Segments, shift: Floats) -> tuple[Floats, Indices]:
     Triangles by their number in the wall; any one where nothing is met.
     """
     station, start, end, owner = cuts
-    here = shift.T[:, station]
+    here = shift.take(station, axis=0).T
     start, end = start - here, end - here
     first = np.arctan2(start[1], start[0])
     turn = np.arctan2(end[1], end[0]) - first
@@ -217,24 +239,29 @@ def _cut_segments(wall: NearWall, centers: Points, along: Floats) -> _Segments:
     heights = product(wall.points, normals.T) - np.einsum("ij,ij->i", normals, centers)
     # A bit for each station: eight are compared at once.
     above = np.packbits(heights >= 0, axis=1)
-    sides = [above[wall.triangles[:, k]] for k in range(3)]
+    sides = [above.take(wall.triangles[:, k], axis=0) for k in range(3)]
     is_cut = (sides[0] ^ sides[1]) | (sides[1] ^ sides[2])
     cut = np.flatnonzero(is_cut.any(axis=1))
-    station, row = np.nonzero(np.unpackbits(is_cut[cut], axis=1, count=len(centers)).T)
-    owner = cut[row]
-    first, second, third = (heights[wall.triangles[owner, k], station] >= 0 for k in range(3))
+    station, row = np.nonzero(np.unpackbits(is_cut.take(cut, axis=0), axis=1, count=len(centers)).T)
+    owner = cut.take(row)
+    rows = wall.triangles.take(owner, axis=0)
+    # What is at a corner's height over a plane, by one number for both.
+    columns, flat = len(centers), heights.ravel()
+    first, second, third = (flat.take(rows[:, k] * columns + station) >= 0 for k in range(3))
     # The corner that is alone on its side, then the two others.
     alone = np.where(second == third, 0, np.where(first == third, 1, 2))
-    apex = wall.triangles[owner, alone]
-    plane, origin = along[station, 1:], centers[station]
+    each = np.arange(len(rows))
+    apex = rows[each, alone]
+    plane, origin = along[:, 1:].take(station, axis=0), centers.take(station, axis=0)
     ends = []
     for shift in (1, 2):
-        other = wall.triangles[owner, (alone + shift) % 3]
+        other = rows[each, (alone + shift) % 3]
         # In the order of their numbers, so that both triangles of an edge find the same point.
         low, high = np.minimum(apex, other), np.maximum(apex, other)
-        below, over = heights[low, station], heights[high, station]
+        below = flat.take(low * columns + station)
+        over = flat.take(high * columns + station)
         share = below / (below - over)
-        from_low = wall.points[low]
-        place = from_low + share[:, None] * (wall.points[high] - from_low)
+        from_low = wall.points.take(low, axis=0)
+        place = from_low + share[:, None] * (wall.points.take(high, axis=0) - from_low)
         ends.append(np.einsum("nkj,nj->kn", plane, place - origin))
     return _Segments(station, ends[0], ends[1], owner)

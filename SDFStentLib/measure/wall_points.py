@@ -36,7 +36,7 @@ class WallPoints:
         self._surface.cover(centers, radii)
         points = self._known()
         query, one = near_balls(centers, radii, points, np.zeros(len(points)))
-        return NearPairs(query, one, norm(centers[query] - points[one]))
+        return NearPairs(query, one, norm(centers.take(query, axis=0) - points.take(one, axis=0)))
 
     def distances(self, centers: Points) -> Floats:
         """Distance (n,) to the nearest of the points that have been asked for."""
@@ -44,7 +44,7 @@ class WallPoints:
 
     def closest_points(self, _queries: Points, which: Indices) -> Points:
         """The points (p, 3) themselves."""
-        return np.asarray(self._points[which])
+        return np.asarray(self._points.take(which, axis=0))
 
     def _known(self) -> Points:
         index = self._surface.index
