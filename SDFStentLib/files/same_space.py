@@ -11,7 +11,7 @@ from vtkmodules.vtkCommonCore import vtkIdList
 from vtkmodules.vtkCommonDataModel import vtkStaticCellLocator
 
 from ..cautions import Caution
-from ..geometry import Surface, as_surface, face_areas, signed_volume
+from ..geometry import ClosedSurface, Surface, as_surface, face_areas, signed_volume
 from ..units import flipped
 from ..validation import InputError, Points, as_points
 from .polydata import polydata_from_polygons
@@ -45,7 +45,8 @@ def check_same_space(
     """Check that a centerline or an axis lies inside a surface, open or closed.
 
     A point is inside when most of nine rays from it cross the surface an odd number of times,
-    which needs neither a closed nor an oriented surface. Ends that stick out of a cut-open
+    which needs neither a closed nor an oriented surface; of one that is known to be closed one ray
+    tells. Ends that stick out of a cut-open
     inlet are tolerated: half of the points must be inside. When fewer are, other units and the
     other patient frame (x and y negated) are tried, to say what is wrong.
 
@@ -93,7 +94,7 @@ def size_warnings(surface: Surface, name: str, units: str = "mm") -> tuple[Cauti
     points, triangles = surface.points, surface.triangles
     is_used = np.zeros(len(points), dtype=bool)
     is_used[triangles] = True
-    extent = float(np.ptp(points[is_used], axis=0).max())
+    extent = float(np.ptp(points.compress(is_used, axis=0), axis=0).max())
     lumen = None
     if surface.topology.is_closed:
         area = float(face_areas(points, triangles).sum())
@@ -114,12 +115,17 @@ class InsideTest:
 
     def __init__(self, surface: Surface) -> None:
         points = surface.points
+        self._low, self._high = points.min(axis=0), points.max(axis=0)
+        known = surface.known_topology
+        self._closed: ClosedSurface | None = None
+        if known is not None and known.is_closed:
+            self._closed = ClosedSurface(points, surface.triangles)
+            return
         offsets = 3 * np.arange(len(surface.triangles) + 1)
         self._polydata = polydata_from_polygons(points, offsets, surface.triangles.ravel())
         self._locator = vtkStaticCellLocator()
         self._locator.SetDataSet(self._polydata)
         self._locator.BuildLocator()
-        self._low, self._high = points.min(axis=0), points.max(axis=0)
         directions = np.random.default_rng(1).normal(size=(_RAYS, 3))
         reach = 1.01 * float(np.linalg.norm(self._high - self._low)) + 1e-9
         self._rays = reach * directions / np.linalg.norm(directions, axis=1, keepdims=True)
@@ -131,6 +137,8 @@ class InsideTest:
 
     def is_inside(self, queries: Points) -> NDArray[np.bool_]:
         """Which points (n, 3) are inside of the surface."""
+        if self._closed is not None:
+            return self._closed.contains(queries)
         inside = ((queries >= self._low) & (queries <= self._high)).all(axis=1)
         for index in np.flatnonzero(inside):
             inside[index] = self._is_inside(queries[index])

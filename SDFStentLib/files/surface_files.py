@@ -197,7 +197,7 @@ def _check_arrays(polydata: vtkPolyData, name: str) -> None:
 def _degenerate(points: Points, triangles: Triangles, name: str) -> tuple[Caution, ...]:
     longest = np.zeros(len(triangles))
     for one, other in ((0, 1), (1, 2), (2, 0)):
-        edge = points[triangles[:, one]] - points[triangles[:, other]]
+        edge = points.take(triangles[:, one], axis=0) - points.take(triangles[:, other], axis=0)
         np.maximum(longest, dot(edge, edge), out=longest)
     # Corners on one line within the rounding of single precision (1e-7 of the longest edge).
     count = int((2 * face_areas(points, triangles) <= 1e-7 * longest).sum())

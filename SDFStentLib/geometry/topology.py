@@ -121,7 +121,9 @@ def edges(triangles: Triangles) -> Edges:
     offsets = np.r_[np.flatnonzero(is_first), len(keys)]
     face_edges = np.empty(len(keys), dtype=np.int64)
     face_edges[sides] = np.cumsum(is_first) - 1
-    vertices = np.stack(np.divmod(keys[is_first], int(triangles.max()) + 1), axis=1)
+    firsts, base = keys[is_first], int(triangles.max()) + 1
+    lower = firsts // base
+    vertices = np.stack([lower, firsts - lower * base], axis=1)
     return Edges(vertices, face_edges.reshape(-1, 3), offsets, sides.astype(np.int64))
 
 

@@ -33,6 +33,9 @@ from .vtk_legacy import decode_legacy, title_of
 from .vtk_quiet import vtk_messages
 from .vtp import decode_vtp
 
+_LEVEL = 1
+"""Of compression: half of the time that VTK's own 5 takes, for 3 % more bytes."""
+
 
 def read_vtk_polydata(content: FileContent) -> tuple[vtkPolyData, Frame | None]:
     """Polydata of a VTP or legacy VTK file, and the frame that its tag names.
@@ -62,6 +65,7 @@ def encode_vtp(polydata: vtkPolyData) -> bytes:
     writer.SetDataModeToAppended()
     writer.EncodeAppendedDataOff()
     writer.SetCompressorTypeToZLib()
+    writer.SetCompressionLevel(_LEVEL)
     return b'<?xml version="1.0"?>\n' + _written(writer, polydata, "GetOutputString")
 
 
@@ -80,6 +84,7 @@ def encode_vtu(
     writer.SetDataModeToAppended()
     writer.EncodeAppendedDataOff()
     writer.SetCompressorTypeToZLib()
+    writer.SetCompressionLevel(_LEVEL)
     return b'<?xml version="1.0"?>\n' + _written(writer, grid, "GetOutputString")
 
 
