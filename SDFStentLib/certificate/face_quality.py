@@ -31,8 +31,9 @@ def degenerate_triangles(
     side, differ by the last bit of what they were computed from.
     """
     judged = np.arange(len(triangles)) if among is None else among
-    lengths, areas = _sides_and_areas(points, triangles[judged])
-    largest = np.abs(points[triangles[judged]]).max(axis=(1, 2), initial=0.0)
+    corners = triangles.take(judged, axis=0)
+    lengths, areas = _sides_and_areas(points, corners)
+    largest = np.abs(points.take(corners.ravel(), axis=0)).reshape(-1, 9).max(axis=1, initial=0.0)
     return judged[areas <= _ROUNDING * np.maximum(lengths[1], largest) * lengths[2]]
 
 
@@ -66,9 +67,9 @@ def inverted_triangles(
     if not len(judged):
         return judged
     at_judged = np.zeros(len(points), dtype=bool)
-    at_judged[triangles[judged]] = True
+    at_judged[triangles.take(judged, axis=0)] = True
     near = np.flatnonzero(faces_at(at_judged, triangles))
-    used, local = compacted(points, triangles[near])
+    used, local = compacted(points, triangles.take(near, axis=0))
     normals = face_normals(used, local)
     first, second, third = local.T
 

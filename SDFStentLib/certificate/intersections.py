@@ -65,7 +65,7 @@ def intersecting_pairs(
     if is_moved.any():
         near = _near(points, triangles, is_moved)
         seams = Seams(points, triangles, near)
-        points, triangles = compacted(points, triangles[near])
+        points, triangles = compacted(points, triangles.take(near, axis=0))
         boxes = face_boxes(points, triangles, is_moved[near])
         near = near[boxes.faces]
         corners = np.ascontiguousarray(triangles[boxes.faces].T)
@@ -108,8 +108,8 @@ def _near(points: Points, triangles: Triangles, is_moved: Flags) -> Indices:
     if is_moved.all():
         return np.arange(len(triangles))
     moved = np.zeros(len(points), dtype=bool)
-    moved[triangles[is_moved]] = True
-    ends = points[moved]
+    moved[triangles.compress(is_moved, axis=0)] = True
+    ends = points.compress(moved, axis=0)
     return np.flatnonzero(may_meet_box(points, triangles, ends.min(axis=0), ends.max(axis=0)))
 
 
@@ -147,7 +147,7 @@ def _is_in_flat_fans(columns: NDArray[np.float64], corners: Indices) -> Flags:
 
 def _axis_areas(columns: NDArray[np.float64], corners: Indices) -> tuple[NDArray, NDArray]:
     """Twice the areas (3, b) seen along each axis, and the bound on their rounding."""
-    first, second, third = columns[:, corners[0]], columns[:, corners[1]], columns[:, corners[2]]
+    first, second, third = (columns.take(corner, axis=1) for corner in corners)
     one, other = second - first, third - first
     areas = np.stack(
         [

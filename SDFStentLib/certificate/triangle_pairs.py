@@ -44,7 +44,7 @@ class Boxes(NamedTuple):
 def face_boxes(points: Points, triangles: Triangles, is_moved: NDArray[np.bool_]) -> Boxes:
     """Boxes of the moved faces and of those that reach into the box around all moved faces."""
     corners = np.ascontiguousarray(triangles.T)
-    moved_points = points[triangles[is_moved].ravel()]
+    moved_points = points.take(triangles.compress(is_moved, axis=0).ravel(), axis=0)
     low, high = moved_points.min(axis=0), moved_points.max(axis=0)
     axes = np.argsort(low - high, kind="stable")
     scale = (_LAST - 2) / max(float((high - low).max()), 1e-290)

@@ -47,10 +47,10 @@ class ContactSet:
         self.rate[numbers] = 1
         numbers = numbers[self._motion.drags[numbers]]
         if len(numbers):
-            search = ContactSearch(self._motion.positions[numbers])
+            search = ContactSearch(self._motion.positions.take(numbers, axis=0))
             self._motion.resting.wake(search, reach)
             waiting = self.waiting()
-            positions = self._motion.positions[waiting]
+            positions = self._motion.positions.take(waiting, axis=0)
             distance, nearest = search.nearest(positions, reach)
             closer = distance < np.minimum(self.distance(waiting, positions, 0), reach)
             self.nearest[waiting[closer]] = numbers[nearest[closer]]
@@ -60,8 +60,9 @@ class ContactSet:
         held = np.flatnonzero(self.is_held & self._motion.drags)
         if len(held):
             waiting = self.waiting()
-            search = ContactSearch(self._motion.positions[held])
-            distance, nearest = search.nearest(self._motion.positions[waiting], reach)
+            search = ContactSearch(self._motion.positions.take(held, axis=0))
+            positions = self._motion.positions.take(waiting, axis=0)
+            distance, nearest = search.nearest(positions, reach)
             near = distance < reach
             self.nearest[waiting[near]] = held[nearest[near]]
 
@@ -96,8 +97,10 @@ class ContactSet:
     def _distance(
         self, nearest: NDArray[np.int64], positions: Points, growth: float
     ) -> NDArray[np.float64]:
-        offset = self._motion.positions[nearest]
-        offset += growth * self._motion.direction[nearest]
+        # `take` copies rows several times quicker than an index in brackets does.
+        offset = self._motion.positions.take(nearest, axis=0)
+        if growth:
+            offset += growth * self._motion.direction.take(nearest, axis=0)
         offset -= positions
         distance = norm(offset)
         distance[nearest < 0] = np.inf

@@ -155,7 +155,8 @@ def _dragged(
     others = np.flatnonzero(asking)
 
     ahead = growth / 2 * contact.rate[others]
-    position = motion.positions[others] + ahead[:, None] * motion.direction[others]
+    position = ahead[:, None] * motion.direction.take(others, axis=0)
+    position += motion.positions.take(others, axis=0)
     before = np.minimum(contact.compared(others, position, growth / 2), reach)
     end = before
     if new.search is not None:
@@ -192,4 +193,5 @@ def _follow(
     for part in range(parts):
         inside = step.radius + step.growth * part / parts - motion.level[where]
         push = amount / parts + np.where(is_held, np.maximum(inside, 0), 0)
-        motion.moved_to(where, motion.positions[where] + push[:, None] * motion.direction[where])
+        ahead = push[:, None] * motion.direction.take(where, axis=0)
+        motion.moved_to(where, motion.positions.take(where, axis=0) + ahead)

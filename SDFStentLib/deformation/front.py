@@ -54,7 +54,7 @@ class Front:
         step: Step,
     ) -> None:
         self.members = members
-        self.positions = motion.positions[members]
+        self.positions = motion.positions.take(members, axis=0)
         self.amount = np.zeros(len(members))
         self.rate = contact.rate[members]
         self.contact_radius = np.full(len(members), np.inf)
@@ -63,11 +63,12 @@ class Front:
         self._rule = rule
         self._step = step
         self._level = motion.level[members]
-        self._direction, self._slope = motion.direction[members], motion.slope[members]
+        self._direction = motion.direction.take(members, axis=0)
+        self._slope = motion.slope[members]
         # The nearest contact point of each: its place at the start of the step and its velocity.
-        self._anchor = motion.positions[self.nearest]
+        self._anchor = motion.positions.take(self.nearest, axis=0)
         self._anchor[self.nearest < 0] = np.inf
-        self._velocity = motion.direction[self.nearest]
+        self._velocity = motion.direction.take(self.nearest, axis=0)
         self._touching = np.zeros(len(members), dtype=bool)
         self._late = np.zeros(len(members))
 
@@ -130,10 +131,12 @@ class Front:
     ) -> None:
         """Tie waiting points to new contact points that are nearer than their old one."""
         waiting = np.flatnonzero(~self._touching)
-        search = ContactSearch(self.positions[sources])
-        old = self.positions[waiting] - self._anchor[waiting] - elapsed * self._velocity[waiting]
+        search = ContactSearch(self.positions.take(sources, axis=0))
+        positions = self.positions.take(waiting, axis=0)
+        old = positions - self._anchor.take(waiting, axis=0)
+        old -= elapsed * self._velocity.take(waiting, axis=0)
         old = np.minimum(norm(old), self._step.reach)
-        gap, nearest = search.nearest(self.positions[waiting], old.max(initial=0))
+        gap, nearest = search.nearest(positions, old.max(initial=0))
         closer = gap < old
         waiting, nearest = waiting[closer], nearest[closer]
         self._late[waiting] = since[nearest]

@@ -169,7 +169,7 @@ def facets_compensated(
     cutting = _cutting_edges(motion, positions, triangles, radius)
     on_stent = np.union1d(on_stent, cutting.ravel())
     ends = edges_on_stent(triangles, on_stent, len(positions))
-    sides = positions[ends[:, 0]] - positions[ends[:, 1]]
+    sides = positions.take(ends[:, 0], axis=0) - positions.take(ends[:, 1], axis=0)
     longest = dot(sides, sides).max(initial=0)
     # An edge between two points of a circle lies inside it by its length squared over 8 radii.
     if longest < 8 * NEGLIGIBLE * motion.chain.least_radius(radius) ** 2:

@@ -88,7 +88,7 @@ class Motion:
         order, self.cell = _spatial_order(local @ self._frame, touchable, place)
         self.chain = chain
         self.indices = order
-        self.positions = points[order]
+        self.positions = points.take(order, axis=0)
         self._near = near[order]
         field = chain.folding.at(self.positions, self._near)
         shares = chain.shares
@@ -177,7 +177,7 @@ class Motion:
     def refreshed(self) -> None:
         """Evaluate the field of all points whose level was extrapolated."""
         where = np.flatnonzero(self._extrapolated)
-        self.moved_to(where, self.positions[where])
+        self.moved_to(where, self.positions.take(where, axis=0))
 
     def settled(self, level: float) -> None:
         """Evaluate all fields, and bring points that are still inside the stent onto its level."""

@@ -85,7 +85,7 @@ def _flat_spots(points: Points, faces: Triangles, *, rimless: bool = False) -> l
         return []
     normals = face_normals(points, faces)
     pairs = paired_sides(faces) // 3
-    cosine = dot(normals[pairs[:, 0]], normals[pairs[:, 1]])
+    cosine = dot(normals.take(pairs[:, 0], axis=0), normals.take(pairs[:, 1], axis=0))
     flat = pairs[cosine > FLAT]
     label = component_labels(len(faces), flat[:, 0], flat[:, 1])
 
@@ -183,7 +183,7 @@ def bulged_caps(before: Surface, after: Surface, moved: NDArray[np.int64]) -> tu
     """
     has_moved = np.zeros(len(before.points), dtype=bool)
     has_moved[moved] = True
-    faces = before.triangles[faces_at(has_moved, before.triangles)]
+    faces = before.triangles.compress(faces_at(has_moved, before.triangles), axis=0)
     spots = _flat_spots(before.points, faces, rimless=True)
     if any(not spot.has_rim and _bulged(before, after, faces, spot.cap) for spot in spots):
         # A stent narrower than the vessel pushes the middle of a cap only, away from its rim.

@@ -29,7 +29,7 @@ class MovedWall(NamedTuple):
         low, high = points.min(axis=0) - reach, points.max(axis=0) + reach
         columns = zip(self.places.T, low, high, strict=True)
         kept = np.logical_and.reduce([(x >= first) & (x <= last) for x, first, last in columns])
-        return MovedWall(self.places[kept], self.apart)
+        return MovedWall(self.places.compress(kept, axis=0), self.apart)
 
     def comes_near(self, centers: Points, radii: Floats) -> Flags:
         """Which balls (n,) it may reach; one whose radius is not known in any case."""
@@ -62,14 +62,14 @@ def moved_wall(before: Surface, after: Surface) -> MovedWall:
     is_moved = np.logical_or.reduce([one != other for one, other in columns])
     corners = np.asfortranarray(before.triangles)
     has_moved = is_moved[corners[:, 0]] | is_moved[corners[:, 1]] | is_moved[corners[:, 2]]
-    triangles = before.triangles[has_moved]
+    triangles = before.triangles.compress(has_moved, axis=0)
     is_corner = np.zeros(len(is_moved), dtype=bool)
     is_corner[triangles] = True
     points = before.points, after.points
     apart = _APART * max(_longest_side(state, triangles) for state in points)
-    return MovedWall(np.concatenate([state[is_corner] for state in points]), apart)
+    return MovedWall(np.concatenate([state.compress(is_corner, axis=0) for state in points]), apart)
 
 
 def _longest_side(points: Points, triangles: Triangles) -> float:
-    corners = [points[column] for column in triangles.T]
+    corners = [points.take(column, axis=0) for column in triangles.T]
     return max(float(norm(corners[k] - corners[k - 1]).max(initial=0.0)) for k in range(3))

@@ -44,7 +44,7 @@ def part_near(points: Points, triangles: Triangles, stations: Points, radius: fl
     """
     low, high = stations.min(axis=0) - BESIDE * radius, stations.max(axis=0) + BESIDE * radius
     numbers = np.flatnonzero(may_meet_box(points, triangles, low, high))
-    near, kept = compacted(points, triangles[numbers])
+    near, kept = compacted(points, triangles.take(numbers, axis=0))
     return SurfacePart(np.vstack([near, points.min(axis=0), points.max(axis=0)]), kept, numbers)
 
 
@@ -64,7 +64,8 @@ def touches(
         reach = np.maximum((1 + TOUCH) * radii, IN_SURFACE)
         surface = LocalSurface(points, triangles, centers)
         query, triangle, _ = surface.near(centers, reach)
-        offset = surface.index.closest_points(centers[query], triangle) - centers[query]
+        offset = surface.index.closest_points(centers.take(query, axis=0), triangle)
+        offset -= centers.take(query, axis=0)
         distance = np.linalg.norm(offset, axis=1)
         along = dot(offset, outward[known[query]])
         is_ahead = (distance <= reach[query]) & (along >= cosine * distance)
