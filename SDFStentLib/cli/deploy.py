@@ -28,8 +28,6 @@ from ..plan import (
 from ..report import (
     FIGURE_SUFFIXES,
     Report,
-    before_after_picture,
-    check_rendering,
     lumen_sentence,
     plan_report,
     stent_balloon_sentences,
@@ -40,8 +38,6 @@ from ..report import (
     stent_ratio_sentences,
     write_report,
     write_report_figure,
-    zero_d_cautions,
-    zero_d_document,
 )
 from ..validation import DeploymentError, InputError, as_number
 from .console import Console
@@ -139,6 +135,9 @@ class _Job:
             self.outputs.add(self.options.export_0d, self.write_0d)
         self.add_device()
         if picture or (figure and figure.lower().endswith(".png")):
+            # Late, as below: most deployments draw nothing.
+            from ..report import check_rendering
+
             check_rendering()
         if self.options.steps:
             every = self.options.every
@@ -226,6 +225,8 @@ class _Job:
 
     def write_0d(self, path: Path) -> list[Caution]:
         """Vessel blocks before and after; what has to be known of them."""
+        from ..report import zero_d_cautions, zero_d_document
+
         text = json.dumps(zero_d_document(self._result.treatment), indent=2, allow_nan=False)
         path.write_text(text + "\n", encoding="utf-8")
         return list(zero_d_cautions(self._result.treatment))
@@ -240,6 +241,8 @@ class _Job:
     def picture(self) -> bytes | str:
         """The vessel before and after, drawn once, or why it could not be."""
         if not self._picture:
+            from ..report import before_after_picture
+
             try:
                 self._picture = before_after_picture(
                     self._result, hides_device=self.options.hide_device

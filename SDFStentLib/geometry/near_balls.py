@@ -71,13 +71,15 @@ def _in_box(
     places: Points, reach: Floats, columns: Floats, radii: Floats, which: Indices
 ) -> Indices:
     """Those of the balls that come into the box round all that is within reach."""
+    radius = radii if len(which) == len(radii) else radii.take(which)
     for column, coordinates in zip(columns, places.T, strict=True):
         low = (coordinates - reach).min(initial=np.inf)
         high = (coordinates + reach).max(initial=-np.inf)
         slack = _SLACK * (abs(low) + abs(high)) if len(coordinates) else 0.0
         low, high = low - slack, high + slack
-        middle, radius = column.take(which), radii.take(which)
-        which = which.compress((middle + radius >= low) & (middle - radius <= high))
+        middle = column.take(which)
+        meets = (middle + radius >= low) & (middle - radius <= high)
+        which, radius = which.compress(meets), radius.compress(meets)
     return which
 
 

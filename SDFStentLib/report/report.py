@@ -16,10 +16,6 @@ from ..files import atomic_path, write_bytes
 from ..measure import REACH, SMALLEST_DEGREE
 from ..validation import InputError, as_path, check_is_a
 from .branches import branch_section, free_stretches
-from .drawing import svg
-from .html import html_page
-from .painting import painted
-from .plot import figure
 from .stent_result import StentResult, stent_section
 
 SCHEMA = "sdfstent-report"
@@ -149,6 +145,9 @@ def write_report(report: Report, path: str | os.PathLike[str]) -> None:
     if suffix == ".json":
         text = report_json(report)
     elif suffix in (".html", ".htm"):
+        # Late, as below: a document needs neither the page nor the drawing.
+        from .html import html_page
+
         text = html_page(report.as_dict(), report.picture)
     else:
         raise InputError(
@@ -178,6 +177,10 @@ def write_report_figure(report: Report, path: str | os.PathLike[str]) -> None:
         )
     if not report.stents:
         raise InputError("figure: expected a report with at least one stent, got none.")
+    from .drawing import svg
+    from .painting import painted
+    from .plot import figure
+
     drawing = figure(report.as_dict())
     write_bytes(path, svg(drawing).encode() if suffix == ".svg" else painted(drawing))
 
