@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from itertools import product
 from typing import NamedTuple
 
@@ -46,7 +47,7 @@ def check_same_space(
 
     A point is inside when most of nine rays from it cross the surface an odd number of times,
     which needs neither a closed nor an oriented surface; of one that is known to be closed one ray
-    tells. Ends that stick out of a cut-open
+    is enough to tell that it is inside. Ends that stick out of a cut-open
     inlet are tolerated: half of the points must be inside. When fewer are, other units and the
     other patient frame (x and y negated) are tried, to say what is wrong.
 
@@ -114,18 +115,8 @@ class InsideTest:
     """Counts crossings of rays; the same rays for every query, so that results repeat."""
 
     def __init__(self, surface: Surface) -> None:
-        points = surface.points
+        self._surface, points = surface, surface.points
         self._low, self._high = points.min(axis=0), points.max(axis=0)
-        known = surface.known_topology
-        self._closed: ClosedSurface | None = None
-        if known is not None and known.is_closed:
-            self._closed = ClosedSurface(points, surface.triangles)
-            return
-        offsets = 3 * np.arange(len(surface.triangles) + 1)
-        self._polydata = polydata_from_polygons(points, offsets, surface.triangles.ravel())
-        self._locator = vtkStaticCellLocator()
-        self._locator.SetDataSet(self._polydata)
-        self._locator.BuildLocator()
         directions = np.random.default_rng(1).normal(size=(_RAYS, 3))
         reach = 1.01 * float(np.linalg.norm(self._high - self._low)) + 1e-9
         self._rays = reach * directions / np.linalg.norm(directions, axis=1, keepdims=True)
@@ -135,12 +126,26 @@ class InsideTest:
         """The longest side of the surface's box, mm."""
         return float((self._high - self._low).max())
 
+    @cached_property
+    def _locator(self) -> vtkStaticCellLocator:
+        surface = self._surface
+        offsets = 3 * np.arange(len(surface.triangles) + 1)
+        locator = vtkStaticCellLocator()
+        locator.SetDataSet(
+            polydata_from_polygons(surface.points, offsets, surface.triangles.ravel())
+        )
+        locator.BuildLocator()
+        return locator
+
     def is_inside(self, queries: Points) -> NDArray[np.bool_]:
         """Which points (n, 3) are inside of the surface."""
-        if self._closed is not None:
-            return self._closed.contains(queries)
         inside = ((queries >= self._low) & (queries <= self._high)).all(axis=1)
-        for index in np.flatnonzero(inside):
+        doubtful, known = np.flatnonzero(inside), self._surface.known_topology
+        if known is not None and known.is_closed:
+            # Quickly told. A point on the surface may come out either way: the rays decide.
+            closed = ClosedSurface(self._surface.points, self._surface.triangles)
+            doubtful = doubtful[~closed.contains(queries[doubtful])]
+        for index in doubtful:
             inside[index] = self._is_inside(queries[index])
         return inside
 
