@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import subprocess
 from collections.abc import Callable, Sequence
 from functools import lru_cache, wraps
@@ -42,6 +43,14 @@ def painted_once() -> Callable[..., subprocess.CompletedProcess]:
     return run
 
 
+def pytest_collection_finish() -> None:
+    """Tests and modules stay to the end: who looks for garbage need not look at them each time."""
+    gc.enable()
+    gc.collect()
+    gc.freeze()
+
+
+gc.disable()  # nothing is thrown away while test files are collected
 # Before the test files import them.
 for name in set(phantoms.__all__) - {"Opening", "Phantom", "Throat", "Vessel"}:
     once = made_once(getattr(phantoms, name))

@@ -86,8 +86,11 @@ def tube_case(seed: int, count: int) -> Case:
     return Case(Surface(points, patch.triangles), made.centerline, known)
 
 
-def bifurcation_case(seed: int, where: str | None) -> Case:
-    """A trunk that divides; a lesion in the trunk, at an ostium, farther on, or none."""
+def bifurcation_case(seed: int, where: str | None, fineness: float = 0.3) -> Case:
+    """A trunk that divides; a lesion in the trunk, at an ostium, farther on, or none.
+
+    Edges are as long as so much of the smallest radius.
+    """
     random = np.random.default_rng(seed)
     trunk = random.uniform(4.0, 6.0)
     share = random.uniform(0.65, 0.85)
@@ -119,7 +122,7 @@ def bifurcation_case(seed: int, where: str | None) -> Case:
         Vessel("main", main, narrowed(healthy, lesions)),
         Vessel("side", side, lambda at: np.full(np.shape(at), right), before),
     )
-    edge = 0.3 * min(right, (1 - depth) * left)
+    edge = fineness * min(right, (1 - depth) * left)
     union = TubeUnion([Tube(v.axis, v.radius) for v in vessels], 0.3 * right, 4 * edge)
     patch = branching_tube(union, edge)
     made = assembled("bifurcation", patch, vessels, [])

@@ -10,14 +10,13 @@ from deployment_cases import anatomy_case
 from scipy.spatial import KDTree
 
 from SDFStentLib import phantoms
-from SDFStentLib.geometry import Surface
 from SDFStentLib.stent import AlongAxis, Stent
 from SDFStentLib.treatment import Treatment
 
 
 def treated(made, axis, radius):
     stent = Stent(2 * radius, placement=AlongAxis(axis))
-    return Treatment(Surface(made.points, made.triangles), [stent]).result
+    return Treatment(made.surface, [stent]).result
 
 
 def coarse_of(result):
