@@ -42,6 +42,9 @@ REMEMBERED = """label => { window.texts = [];
 new MutationObserver(() => window.texts.push(label.innerText)).observe(
   label, {childList: true, characterData: true, subtree: true}); }"""
 """All texts that a label shows from now on, however shortly."""
+PATIENCE_MS = 300_000
+"""Nothing is waited for longer, and so long only for what fails: a busy machine takes its time."""
+playwright.expect.set_options(timeout=PATIENCE_MS)
 
 pytestmark = pytest.mark.skipif(
     CHROMIUM is None, reason="no Chromium: apt-get install chromium, or name it in CHROMIUM"
@@ -76,7 +79,7 @@ def the_folder(tmp_path_factory):
 @pytest.fixture(scope="module")
 def the_server(tmp_path_factory, the_folder):
     workshop = tmp_path_factory.mktemp("workshop")
-    server = AppServer(workshop, "--demo", "--folder", the_folder, "--keep", "20")
+    server = AppServer(workshop, "--demo", "--folder", the_folder, "--keep", "300")
     yield server
     said = server.interrupt()
     assert said == ""
@@ -92,13 +95,14 @@ class Visit:
 
     def __init__(self, browser, address):
         self.context = browser.new_context(viewport={"width": 1280, "height": 800})
+        self.context.set_default_timeout(PATIENCE_MS)
         self.page = self.context.new_page()
         self.asked, self.errors = [], []
         self.page.on("request", lambda request: self.asked.append(request.url))
         self.page.on("pageerror", lambda error: self.errors.append(str(error)))
         self.page.on("console", self._on_console)
         self.page.goto(address)
-        self.named("deployButton").wait_for(timeout=60_000)
+        self.named("deployButton").wait_for()
 
     def _on_console(self, message):
         if message.type in ("error", "warning"):
@@ -119,7 +123,7 @@ class Visit:
     def until(self, name, words):
         """Wait until a widget shows these words."""
         try:
-            self.named(name).filter(has_text=words).wait_for(timeout=30_000)
+            self.named(name).filter(has_text=words).wait_for()
         except playwright.TimeoutError as error:
             said = [self.text(one) for one in ("message", "statusLabel", "lumenLabel", name)]
             raise AssertionError(f"{name} does not say {words}: {said}") from error
@@ -127,7 +131,7 @@ class Visit:
     def until_empty(self, name):
         """Wait until a table has no rows."""
         rows = self.named(name).locator("tbody tr")
-        playwright.expect(rows).to_have_count(0, timeout=60_000)
+        playwright.expect(rows).to_have_count(0)
 
     def add_stent(self):
         rows = self.named("stentTable").locator("tbody tr")
@@ -138,7 +142,7 @@ class Visit:
     def seen(self, is_of_it, share=0.9):
         """A pixel of the view that has the color of something, so far down."""
         frame = self.page.locator(".screen").bounding_box()
-        for _attempt in range(50):
+        for _attempt in range(1000):
             picture = self.page.screenshot(clip=frame)
             colors = np.array(Image.open(io.BytesIO(picture)).convert("RGB"), dtype=int)
             rows, columns = np.nonzero(is_of_it(*np.moveaxis(colors[:, :-120], 2, 0)))
@@ -157,7 +161,7 @@ class Visit:
 
     def saved(self, name):
         try:
-            with self.page.expect_download(timeout=30_000) as download:
+            with self.page.expect_download() as download:
                 self.named(name).click()
         except playwright.TimeoutError as error:
             said = [self.text(one) for one in ("message", "statusLabel", name)]
@@ -181,9 +185,9 @@ def a_visit(the_visit):
     the_visit.named("opening").evaluate("one => { one.open = true; }")
     the_visit.named("autoUpdateCheckBox").locator("input").uncheck()
     the_visit.named("demoButton").click()
-    playwright.expect(the_visit.named("opening")).not_to_have_attribute("open", "", timeout=30_000)
+    playwright.expect(the_visit.named("opening")).not_to_have_attribute("open", "")
     the_visit.until_empty("stentTable")
-    the_visit.named("lesionTable").locator("tbody tr").first.wait_for(timeout=60_000)
+    the_visit.named("lesionTable").locator("tbody tr").first.wait_for()
     return the_visit
 
 
@@ -200,11 +204,13 @@ def test_a_lesion_is_treated_by_two_stents_and_the_shell_repeats_the_plan(a_visi
     a_visit.number("lengthSlider").press("Enter")
     a_visit.named("deployButton").click()
     a_visit.until("certificateLabel", "Certified")
+    twice = re.compile("Minimum lumen.*Minimum lumen", re.DOTALL)
+    playwright.expect(a_visit.named("lumenLabel")).to_have_text(twice)
     assert a_visit.text("lumenLabel").count("Minimum lumen") == 2
     assert "certificate" not in a_visit.text("statusLabel")
     assert a_visit.page.locator(".screen").bounding_box() == screen  # the view stays as it was
     lines = a_visit.page.locator(".results svg path")
-    assert lines.count() == 3
+    playwright.expect(lines).to_have_count(3)
     assert all(path.get_attribute("d").startswith("M") for path in lines.all())
     archive = zipfile.ZipFile(io.BytesIO(a_visit.saved("savePlanButton")))
     archive.extractall(tmp_path)
@@ -238,10 +244,10 @@ def test_numbers_follow_a_slider_while_it_is_dragged_and_expansion_goes_back(a_v
     after = float(a_visit.number("diameterSlider").input_value())
     assert after == pytest.approx(before + 0.5, abs=0.06)
     a_visit.until("lumenLabel", f"{after:.1f} prescribed")
-    assert f"{after:.1f} mm" in a_visit.text("lumenLabel")
-    assert a_visit.slider("expansionSlider").input_value() == "100"
+    a_visit.until("lumenLabel", f"{after:.1f} mm")
+    playwright.expect(a_visit.slider("expansionSlider")).to_have_value("100")
     a_visit.slider("expansionSlider").fill("0")
-    assert a_visit.number("expansionSlider").input_value() == "0"
+    playwright.expect(a_visit.number("expansionSlider")).to_have_value("0")
 
 
 def test_a_click_on_the_centerline_places_the_handle_and_the_mouse_drags_it(a_visit):
@@ -251,11 +257,11 @@ def test_a_click_on_the_centerline_places_the_handle_and_the_mouse_drags_it(a_vi
     screen = a_visit.page.locator(".screen").bounding_box()
     a_visit.page.mouse.click(screen["x"] + 5, screen["y"] + 5)
     a_visit.until("message", "expected a click on the centerline, got one beside it")
-    assert place.get_attribute("aria-pressed") == "true"
+    playwright.expect(place).to_have_attribute("aria-pressed", "true")
     x, y = a_visit.seen(is_centerline)
     a_visit.page.mouse.click(x, y)
-    playwright.expect(place).to_have_attribute("aria-pressed", "false", timeout=20_000)
-    assert a_visit.text("message") == ""
+    playwright.expect(place).to_have_attribute("aria-pressed", "false")
+    playwright.expect(a_visit.named("message")).to_have_text("")
     before = a_visit.center()
     x, y = a_visit.seen(lambda red, green, blue: (blue > red + 80) & (blue > green + 30))
     mouse = a_visit.page.mouse
@@ -267,7 +273,7 @@ def test_a_click_on_the_centerline_places_the_handle_and_the_mouse_drags_it(a_vi
         a_visit.page.wait_for_timeout(30)
     mouse.up()
     line, moved = branching_pulmonary_artery().centerline, before
-    for _attempt in range(40):  # let go, it is moved onto the line
+    for _attempt in range(600):  # let go, it is moved onto the line
         moved = a_visit.center()
         beside = np.linalg.norm(line.project(moved).point - moved)
         if beside < 1e-4 and np.linalg.norm(moved - before) > 2:
@@ -304,12 +310,12 @@ def test_a_plan_that_was_saved_is_opened_again_from_the_browsers_own_files(a_vis
     for name in ("surface.vtp", "centerline.vtp", "plan.json"):
         content = archive.read(name)
         upload.set_input_files({"name": name, "mimeType": "", "buffer": content})
-        playwright.expect(path).to_have_value(re.compile(rf"uploads/{name}$"), timeout=30_000)
+        playwright.expect(path).to_have_value(re.compile(rf"uploads/{name}$"))
     a_visit.named("removeStentButton").click()
     a_visit.until_empty("stentTable")
     a_visit.named("openButton").click()
     a_visit.until("stentTable", "Stent 1")
-    assert a_visit.text("message") == ""
+    playwright.expect(a_visit.named("message")).to_have_text("")
     again = zipfile.ZipFile(io.BytesIO(a_visit.saved("savePlanButton")))
     assert again.read("surface.vtp") == archive.read("surface.vtp")
     placed = [json.loads(one.read("plan.json"))["stents"] for one in (archive, again)]
@@ -366,7 +372,7 @@ def test_a_segment_between_two_clicks_is_kept_by_the_browser(a_visit):
     a_visit.add_stent()
     a_visit.named("deployButton").click()
     a_visit.until("certificateLabel", "Certified")
-    a_visit.named("statusLabel").evaluate(REMEMBERED, timeout=30_000)
+    a_visit.named("statusLabel").evaluate(REMEMBERED)
     segment = zipfile.ZipFile(io.BytesIO(a_visit.saved("writeSegmentButton")))
     a_visit.until("statusLabel", "Wrote segment, in cm.")
     walls = [name for name in segment.namelist() if name.endswith("mesh-surfaces/wall.vtp")]
@@ -382,8 +388,8 @@ def test_a_segment_between_two_clicks_is_kept_by_the_browser(a_visit):
 def test_a_page_that_is_loaded_again_has_its_stents(a_visit):
     a_visit.add_stent()
     a_visit.page.reload()
-    a_visit.named("stentTable").locator("tbody tr").first.wait_for(timeout=30_000)
-    assert "Stent 1" in a_visit.text("stentTable")
+    a_visit.named("stentTable").locator("tbody tr").first.wait_for()
+    a_visit.until("stentTable", "Stent 1")
 
 
 def test_a_page_that_has_failed_says_so_and_is_there_again_when_it_is_loaded(a_browser, tmp_path):
@@ -391,12 +397,12 @@ def test_a_page_that_has_failed_says_so_and_is_there_again_when_it_is_loaded(a_b
     visit = Visit(a_browser, server.address)
     (page,) = server.pages()
     page.kill()
-    visit.page.locator(".gone").wait_for(timeout=20_000)
+    visit.page.locator(".gone").wait_for()
     assert "Load the page again" in visit.page.locator(".gone").inner_text()
     visit.page.reload()
-    visit.named("deployButton").wait_for(timeout=60_000)
+    visit.named("deployButton").wait_for()
     server.process.kill()
-    visit.page.locator(".gone").wait_for(timeout=20_000)
+    visit.page.locator(".gone").wait_for()
     visit.context.close()
 
 
@@ -413,7 +419,7 @@ def test_files_in_cm_are_shown_in_mm_and_saved_as_they_are(a_visit, the_folder, 
     a_visit.named("opening").evaluate("one => { one.open = true; }")
     a_visit.page.select_option("#fileUnits", "cm")
     a_visit.named("openButton").click()
-    a_visit.named("lesionTable").locator("td").first.click(timeout=60_000)
+    a_visit.named("lesionTable").locator("td").first.click()
     a_visit.add_stent()
     a_visit.named("deployButton").click()
     a_visit.until("certificateLabel", "ertified")
@@ -427,5 +433,5 @@ def test_files_in_cm_are_shown_in_mm_and_saved_as_they_are(a_visit, the_folder, 
     by_page = read_surface(tmp_path / "page.vtp", "cm").surface.points
     np.testing.assert_allclose(result.treatment.points, by_page, rtol=0, atol=1e-9)
     stent = plan.stents[0]
-    assert f"{stent.diameter:.1f} prescribed" in a_visit.text("lumenLabel")
+    a_visit.until("lumenLabel", f"{stent.diameter:.1f} prescribed")
     assert float(a_visit.number("diameterSlider").input_value()) == pytest.approx(stent.diameter)

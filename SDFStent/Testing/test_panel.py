@@ -1,5 +1,7 @@
 """The panel, driven as a user does: clicks, sliders, points that move."""
 
+import itertools
+
 import numpy as np
 import pytest
 import slicer
@@ -323,11 +325,15 @@ def test_warnings_stand_with_the_numbers(host, aStent):
 def test_a_fast_drag_is_followed_while_it_lasts(host, aStent):
     aStent.ui.autoUpdateCheckBox.checked = True
     settle(host, aStent)
-    begun = recorded_begins(aStent)
-    for value in np.linspace(6.0, 9.0, 60):
-        aStent.ui.diameterSlider.value = value
+    begun, values = recorded_begins(aStent), itertools.cycle(np.linspace(6.0, 9.0, 60))
+
+    def dragged():
+        aStent.ui.diameterSlider.value = next(values)
         host.process(0.004)
-    assert len(begun) >= 3  # a wait that every change restarts would leave none
+        return len(begun) >= 3
+
+    host.processUntil(dragged)  # a wait that every change restarts would leave none
     assert all(begun)  # previews only
+    aStent.ui.diameterSlider.value = 9.0
     settle(host, aStent)
     assert "(9.0 prescribed)" in aStent.ui.lumenLabel.text

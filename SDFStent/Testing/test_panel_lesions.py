@@ -124,9 +124,9 @@ def test_the_search_never_holds_the_application_for_long(host, aPanel, aVessel, 
     tick = SteppedRun.SteppedRun._tick
 
     def timed(run):
-        start = time.perf_counter()
+        start = time.thread_time()  # a busy machine makes no tick longer by this clock
         tick(run)
-        ticks.append(time.perf_counter() - start)
+        ticks.append(time.thread_time() - start)
 
     run = aPanel.lesions._run
     run._timer = Clock.timer(lambda: timed(run), 0, isRepeated=True)
