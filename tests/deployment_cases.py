@@ -42,14 +42,9 @@ class Case(NamedTuple):
     triangles: np.ndarray
     axis: np.ndarray
     radius: float
-    given: Surface | None = None
-    """Which these points and triangles are from; what is known of it is known to all its cases."""
 
     @property
     def surface(self):
-        given = self.given
-        if given and given.points is self.points and given.triangles is self.triangles:
-            return given
         return Surface(self.points, self.triangles)
 
 
@@ -76,8 +71,7 @@ def anatomy_case(folder, name, start, length, ratio=1.25, radius=None, leaf=0) -
     covered = (at >= start) & (at <= start + length)
     if radius is None:
         radius = ratio * float(np.nanmax(path.inscribed_radius[covered]))
-    axis = cut(path.points, start, start + length)
-    return Case(vessel.points, vessel.triangles, axis, radius, vessel.surface)
+    return Case(vessel.points, vessel.triangles, cut(path.points, start, start + length), radius)
 
 
 PHANTOM_STENTS = {
@@ -105,7 +99,7 @@ def phantom_case(name: str, **sizes) -> Case:
     made = phantom(name, **{"edge_length": COARSE.get(name, 1.0), **sizes})
     start, length, radius = PHANTOM_STENTS[name]
     axis = made.axis_at(np.linspace(start, start + length, 200))
-    return Case(made.points, made.triangles, axis, radius, made.surface)
+    return Case(made.points, made.triangles, axis, radius)
 
 
 def hairpin(apart=8.0, leg=20.0, count=60):
