@@ -164,7 +164,7 @@ def _number(widget: Number, common: str, disabled: str) -> str:
         f"""@change="trigger('edit', ['{name}', $event.target.valueAsNumber]).then(() => {again})">"""
     )
     special = (
-        f'<span class="special" v-if="{v} &lt;= {name}.min">{{{{ {name}.special }}}}</span>'
+        f'<span class="special" v-if="{v} &lt;= {name}.min">({{{{ {name}.special }}}})</span>'
         if widget.specialValueText
         else ""
     )
@@ -262,7 +262,7 @@ CHOOSER = f"""
 DIAMETERS = """
 <div class="results" v-memo="[plot, table]">
 <p class="suffix" v-show="!plot.lines.length">Diameters along the stent, once it is deployed.</p>
-<figure v-show="plot.lines.length"><h2>{{ plot.title }}</h2><svg :viewBox="'0 0 ' + plot.width + ' ' + plot.height" role="img" :aria-label="plot.title">
+<figure v-show="plot.lines.length"><h2>{{ plot.title }}</h2><svg :viewBox="'0 0 ' + plot.width + ' ' + plot.height" preserveAspectRatio="xMinYMid" role="img" :aria-label="plot.title">
 <g class="grid"><line v-for="t in plot.up" x1="44" :x2="plot.width - 12" :y1="t.at" :y2="t.at"></line></g>
 <g class="ticks"><text v-for="t in plot.up" x="38" :y="t.at + 4" text-anchor="end">{{ t.text }}</text>
 <text v-for="t in plot.across" :x="t.at" :y="plot.height - 18" text-anchor="middle">{{ t.text }}</text>

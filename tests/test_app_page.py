@@ -27,7 +27,7 @@ from SDFStentLib.files import (  # noqa: E402
     polydata_from_arrays,
     polydata_from_lines,
 )
-from SDFStentLib.phantoms import branching_pulmonary_artery  # noqa: E402
+from SDFStentLib.phantoms import branching_pulmonary_artery, straight_tube  # noqa: E402
 
 CHROMIUM = os.environ.get("CHROMIUM") or shutil.which("chromium")
 QUIET = (
@@ -38,6 +38,19 @@ QUIET = (
     "--disable-sync",
     "--no-first-run",
 )
+DAMAGED = {
+    "cut.stl": (
+        b"solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0\n",
+        "cut short, write it again",
+    ),
+    "boasting.stl": (bytes(83) + b"\x80" + bytes(200), "got 284; it is cut short"),
+    "beyond.obj": (b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 99\n", "expected point indices from 0 to 2"),
+    "cut.ply": (b"ply\nformat ascii 1.0\nelement vertex 9\n", "expected a header that ends"),
+    "cut.json": (b"{", "cut.json: expected a JSON document"),
+    "other.json": (b"[]", "this is no plan"),
+}
+"""Contents that a browser sends, and what is said of them."""
+
 REMEMBERED = """label => { window.texts = [];
 new MutationObserver(() => window.texts.push(label.innerText)).observe(
   label, {childList: true, characterData: true, subtree: true}); }"""
@@ -51,6 +64,17 @@ pytestmark = pytest.mark.skipif(
 )
 
 
+def polydata_from_vtp(content, folder):
+    """What is in such a file."""
+    from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
+
+    (folder / "kept.vtp").write_bytes(content)
+    reader = vtkXMLPolyDataReader()
+    reader.SetFileName(str(folder / "kept.vtp"))
+    reader.Update()
+    return reader.GetOutput()
+
+
 @pytest.fixture(scope="module")
 def a_browser():
     with playwright.sync_playwright() as driver:
@@ -61,7 +85,7 @@ def a_browser():
 
 @pytest.fixture(scope="module")
 def the_folder(tmp_path_factory):
-    """What the pages may open: a damaged file, and the synthetic patient in cm."""
+    """What the pages may open: a damaged file, a mesh, the synthetic patient in cm and a plan."""
     folder = tmp_path_factory.mktemp("folder")
     (folder / "cm").mkdir()
     artery = branching_pulmonary_artery()
@@ -72,6 +96,19 @@ def the_folder(tmp_path_factory):
     lines = polydata_from_lines(line.points / 10, paths)
     add_arrays(lines, {"Radius": line.inscribed_radius / 10}, None)
     (folder / "cm" / "lines.vtp").write_bytes(encode_vtp(lines))
+    files = {"surface": {"file": "cm/wall.vtp"}, "centerline": {"file": "cm/lines.vtp"}}
+    center = (line.points[line.ancestry(line.leaves[0])[40]] / 10).tolist()
+    stent = {"name": "Planned", "diameter": 9, "length": 12, "placement": {"center": center}}
+    plan = {
+        "schema": "sdfstent-plan",
+        "version": 2,
+        "inputs": {**files, "units": "cm", "frame": None},
+    }
+    plan = {**plan, "stents": [stent], "settings": {}}
+    (folder / "plan.json").write_text(json.dumps(plan), encoding="utf-8")
+    tube = straight_tube(radius=4.0, length=12.0, edge_length=2.0)
+    mesh = polydata_from_arrays(tube.points - [0, 0, 6], tube.triangles)
+    (folder / "mesh.vtp").write_bytes(encode_vtp(mesh))
     (folder / "damaged.vtp").write_text("<VTKFile type='PolyData'><PolyData>", encoding="utf-8")
     return folder
 
@@ -79,7 +116,8 @@ def the_folder(tmp_path_factory):
 @pytest.fixture(scope="module")
 def the_server(tmp_path_factory, the_folder):
     workshop = tmp_path_factory.mktemp("workshop")
-    server = AppServer(workshop, "--demo", "--folder", the_folder, "--keep", "300")
+    plan = the_folder / "plan.json"
+    server = AppServer(workshop, plan, "--folder", the_folder, "--keep", "300")
     yield server
     said = server.interrupt()
     assert said == ""
@@ -154,10 +192,15 @@ class Visit:
 
     def center(self):
         """Where the one stent of the plan is, in RAS."""
+        placed, turn = self.placed()
+        return np.array(placed["center"]) * turn
+
+    def placed(self):
+        """The placement of the one stent of the plan, and what turns its points into RAS."""
         archive = zipfile.ZipFile(io.BytesIO(self.saved("savePlanButton")))
         plan = json.loads(archive.read("plan.json"))
         turn = (-1, -1, 1) if plan["inputs"]["frame"] == "LPS" else (1, 1, 1)
-        return np.array(plan["stents"][0]["placement"]["center"]) * turn
+        return plan["stents"][0]["placement"], turn
 
     def saved(self, name):
         try:
@@ -172,6 +215,9 @@ class Visit:
 @pytest.fixture(scope="module")
 def the_visit(a_browser, the_server):
     visit = Visit(a_browser, the_server.address)
+    visit.until("stentTable", "Planned")  # the plan that the server was started with
+    visit.until("stentTable", "9.0 mm")
+    visit.named("lesionTable").locator("tbody tr").first.wait_for(timeout=60_000)
     yield visit
     visit.context.close()
     assert visit.errors == []
@@ -283,6 +329,22 @@ def test_a_click_on_the_centerline_places_the_handle_and_the_mouse_drags_it(a_vi
     assert np.linalg.norm(moved - before) > 2
 
 
+def test_two_clicks_on_the_centerline_place_a_stent_between_them(a_visit):
+    a_visit.add_stent()
+    a_visit.named("placementComboBox").select_option("Between two points")
+    place = a_visit.named("placeWidget")
+    place.click()
+    for share in (0.95, 0.5):
+        playwright.expect(place).to_have_attribute("aria-pressed", "true")
+        a_visit.page.mouse.click(*a_visit.seen(is_centerline, share))
+    playwright.expect(place).to_have_attribute("aria-pressed", "false", timeout=20_000)
+    placed, turn = a_visit.placed()
+    ends = np.array([placed["from"], placed["to"]]) * turn
+    line = branching_pulmonary_artery().centerline
+    assert max(np.linalg.norm(line.project(end).point - end) for end in ends) < 1e-4
+    assert np.linalg.norm(ends[1] - ends[0]) > 5
+
+
 def test_a_wrong_file_is_a_sentence_and_the_page_goes_on(a_visit, the_folder):
     a_visit.named("opening").evaluate("one => { one.open = true; }")
     for path, sentence in (
@@ -300,6 +362,21 @@ def test_a_wrong_file_is_a_sentence_and_the_page_goes_on(a_visit, the_folder):
         large.truncate(257 * 2**20)  # of nothing, on no disk
     upload.set_input_files(the_folder / "large.vtp")
     a_visit.until("message", "large.vtp: expected a file of at most 256 MB")
+    a_visit.page.locator(".panel").evaluate("panel => panel.scrollTo(0, panel.scrollHeight)")
+    playwright.expect(a_visit.named("demoButton")).not_to_be_in_viewport()
+    playwright.expect(a_visit.named("message")).to_be_in_viewport(ratio=1)
+
+
+@pytest.mark.parametrize("name", DAMAGED)
+def test_a_damaged_file_that_is_sent_is_a_sentence_and_the_page_goes_on(the_visit, name):
+    content, sentence = DAMAGED[name]
+    the_visit.named("opening").evaluate("one => { one.open = true; }")
+    upload, path = the_visit.named("surfacePath-upload"), the_visit.page.locator("#surfacePath")
+    upload.set_input_files({"name": name, "mimeType": "", "buffer": content})
+    playwright.expect(path).to_have_value(re.compile(rf"uploads/{name}$"), timeout=30_000)
+    the_visit.named("openButton").click()
+    the_visit.until("message", sentence)
+    assert "uploads" not in the_visit.text("message")
 
 
 def test_a_plan_that_was_saved_is_opened_again_from_the_browsers_own_files(a_visit):
@@ -358,7 +435,7 @@ def test_a_page_that_hangs_holds_up_no_other(a_visit, the_server):
         other.kill()
 
 
-def test_a_segment_between_two_clicks_is_kept_by_the_browser(a_visit):
+def test_a_segment_and_a_mesh_of_ones_own_are_kept_by_the_browser(a_visit, the_folder, tmp_path):
     a_visit.page.evaluate("document.querySelectorAll('details').forEach(d => { d.open = true; })")
     a_visit.named("segmentEndsSelector").select_option("New points")
     place = a_visit.named("segmentPlaceWidget")
@@ -378,8 +455,16 @@ def test_a_segment_between_two_clicks_is_kept_by_the_browser(a_visit):
     walls = [name for name in segment.namelist() if name.endswith("mesh-surfaces/wall.vtp")]
     assert [name.split("/")[-3] for name in sorted(walls)] == ["after", "before"]
     assert all(b"<PolyData>" in segment.read(name) for name in walls)
-    assert b"<PolyData>" in a_visit.saved("saveDeviceButton")
+    struts = polydata_from_vtp(a_visit.saved("saveDeviceButton"), tmp_path)
     a_visit.until("statusLabel", "Wrote stents.vtp.")
+    a_visit.named("loadMeshButton").click()
+    a_visit.page.fill("#chosenPath", str(the_folder / "mesh.vtp"))
+    a_visit.named("chooser").get_by_role("button", name="OK").click()
+    chosen = a_visit.named("deviceMeshSelector").locator("option:checked")
+    playwright.expect(chosen).to_have_text("mesh")
+    own = polydata_from_vtp(a_visit.saved("saveDeviceButton"), tmp_path)
+    given = polydata_from_vtp((the_folder / "mesh.vtp").read_bytes(), tmp_path)
+    assert own.GetNumberOfCells() == given.GetNumberOfCells() != struts.GetNumberOfCells()
     assert json.loads(a_visit.saved("write0DButton"))
     a_visit.until("statusLabel", "Wrote 0d.json.")
     assert [text for text in a_visit.page.evaluate("window.texts") if "sdfstent-" in text] == []
@@ -392,9 +477,14 @@ def test_a_page_that_is_loaded_again_has_its_stents(a_visit):
     a_visit.until("stentTable", "Stent 1")
 
 
-def test_a_page_that_has_failed_says_so_and_is_there_again_when_it_is_loaded(a_browser, tmp_path):
-    server = AppServer(tmp_path / "workshop")
+def test_a_page_that_has_failed_says_so_and_is_there_again_when_it_is_loaded(
+    a_browser, the_folder, tmp_path
+):
+    files = (the_folder / "cm" / "wall.vtp", "--centerline", the_folder / "cm" / "lines.vtp")
+    server = AppServer(tmp_path / "workshop", *files, "--units", "cm")
     visit = Visit(a_browser, server.address)
+    visit.named("lesionTable").locator("tbody tr").first.wait_for(timeout=60_000)
+    assert visit.text("message") == ""
     (page,) = server.pages()
     page.kill()
     visit.page.locator(".gone").wait_for()

@@ -33,7 +33,7 @@ def way_from(server):
 
 @pytest.fixture
 def a_server(tmp_path):
-    server = AppServer(tmp_path / "workshop", "--keep", "0.2")
+    server = AppServer(tmp_path / "workshop", "--demo", "--keep", "0.2")
     yield server
     server.close()
 
@@ -54,6 +54,8 @@ def test_only_who_knows_the_token_is_answered_and_ctrl_c_leaves_nothing(a_server
     assert (status, '<div id="app">' in text) == (200, True)
     assert address.startswith(a_server.address)
     page = a_server.pages()[0]
+    written = {path.name for path in a_server.folder.rglob("*.vtp")}
+    assert written == {"surface.vtp", "centerline.vtp"}  # of --demo
     ports = [c.laddr.port for c in page.net_connections() if c.status == psutil.CONN_LISTEN]
     for port in ports:  # the process of the page itself, without the server in front of it
         assert get(f"http://127.0.0.1:{port}/index.html")[0] == 403
