@@ -61,10 +61,11 @@ class Previewing:
 
     def _numbers(self, parameterNode, run, search):
         """Show about the minimum lumen, unless that was done just now."""
-        if time.perf_counter() - self._measuredAt < NUMBERS_EVERY_S:
+        now = time.perf_counter()
+        if now - self._measuredAt < NUMBERS_EVERY_S:
             return
         lumens = yield from working(run.lumens())
-        self._measuredAt = time.perf_counter()
+        self._measuredAt = now
         found = () if search is None else search.found or ()
         Results.showPreviewed(parameterNode, run, lumens, found)
         yield 1.0

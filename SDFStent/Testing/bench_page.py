@@ -24,7 +24,7 @@ from playwright.sync_api import sync_playwright
 PROJECT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(PROJECT), str(PROJECT / "tests")]
 
-from app_server import AppServer, get  # noqa: E402
+from app_server import AppServer  # noqa: E402
 
 ARGUMENTS = ("--no-sandbox", "--disable-gpu", "--disable-sync", "--no-first-run")
 EVENTS_PER_S = 40
@@ -152,7 +152,8 @@ def tellMemory(server):
 
 
 def openAndClose(browser, server, count):
-    """So many pages one after another."""
+    """So many pages one after another; what there was before the first and after the last."""
+    tellLeft(server, 0)
     for _number in range(count):
         page = browser.new_page()
         page.goto(server.address)
@@ -161,6 +162,10 @@ def openAndClose(browser, server, count):
     end = time.perf_counter() + 30
     while server.pages() and time.perf_counter() < end:
         time.sleep(0.2)
+    tellLeft(server, count)
+
+
+def tellLeft(server, count):
     process = psutil.Process(server.process.pid)
     print(
         f"after {count} pages: {len(server.pages())} processes, {len(list(server.folder.iterdir()))} folders, "
@@ -185,7 +190,6 @@ def main():
             path = os.environ.get("CHROMIUM") or shutil.which("chromium")
             browser = driver.chromium.launch(executable_path=path, args=list(ARGUMENTS))
             if arguments.pages:
-                get(server.address)
                 openAndClose(browser, server, arguments.pages)
             else:
                 other = Dragged(browser, server.address) if arguments.other else None
