@@ -42,13 +42,16 @@ def wall_check(
     radius : float
         The largest of the stent, mm.
     """
+    nowhere = WallCheck(radius, 0.0, _place(chain.nodes[0]))
+    if not len(triangles):
+        return nowhere
     corners = points[_doubtful(points, triangles, chain, radius)]
     seen = _depths(corners, PLACES, chain, radius)
     again = seen.crosses_end | (seen.share.max(axis=1, initial=0) > NARROWER / 2)
     fine = _depths(corners[again], FINE_PLACES, chain, radius)
     found = max((seen, fine), key=lambda one: one.share.max(initial=0))
     if not found.share.max(initial=0):
-        return WallCheck(radius, 0.0, _place(chain.nodes[0]))
+        return nowhere
     worst = np.unravel_index(found.share.argmax(), found.share.shape)
     wanted = float(found.wanted[worst])
     return WallCheck(wanted, wanted * float(found.share[worst]), _place(found.places[worst]))
