@@ -25,9 +25,13 @@ def test_the_progress_bar_is_there_while_a_deployment_runs(host, aStent):
 
 
 def test_a_preview_shows_no_progress_bar(host, aStent):
+    from SDFStentSlicer import Clock
+
     aStent.ui.autoUpdateCheckBox.checked = True
     settle(host, aStent)
     session, seen = aStent.session, []
+    # The full method says that it runs after a while, unless it is done before.
+    session._settleTimer = Clock.timer(session._settle, 0)
     onStart = session._onStart
     session._onStart = lambda: (
         onStart(),

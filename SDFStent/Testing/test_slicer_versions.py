@@ -4,29 +4,37 @@ import types
 import typing
 
 
+def writesOf(parameters, name, shown):
+    """Count what is written to every widget that shows a parameter now."""
+    for bound in parameters._bindings.values():
+        connector = bound[name]
+
+        def counted(value, write=connector.write):
+            shown.append(value)
+            write(value)
+
+        connector.write = counted
+
+
 def test_a_change_is_shown_once_however_often_the_panel_was_visited(host, aStent):
     parameters, shown = aStent._parameterNode, []
     for _ in range(30):
         aStent.exit()
         aStent.enter()
     assert aStent._parameterNode is parameters
-    getValue = parameters.getValue
-    parameters.getValue = lambda name: (shown.append(name), getValue(name))[1]
+    writesOf(parameters, "method.tissueGap", shown)
     parameters.method.tissueGap = 1.5
-    del parameters.getValue
     assert aStent.ui.gapSlider.value == 1.5
-    assert shown.count("method.tissueGap") == 1
+    assert shown == [1.5]
 
 
 def test_a_parameter_set_that_was_left_hears_of_nothing(host, aPanel):
     parameters, shown = aPanel._parameterNode, []
+    writesOf(parameters, "showStents", shown)
     aPanel.exit()
-    getValue = parameters.getValue
-    parameters.getValue = lambda name: (shown.append(name), getValue(name))[1]
     parameters.showStents = False
-    del parameters.getValue
-    aPanel.enter()
     assert shown == []
+    aPanel.enter()
     assert not aPanel.ui.showStentCheckBox.checked
 
 
