@@ -179,9 +179,7 @@ def test_a_wide_hourglass_in_a_bent_vessel_is_certified(data_dir):
     wide = 2.6 * float(vessel.centerline.project(center).inscribed_radius)
     shape = Shape(waist=Waist(0.75 * wide))
     stent = Stent(wide, placement=AtCenter(center), length=25.0, shape=shape)
-    for settings in (None, DeploymentSettings(axis_smoothing=1.0)):
-        treatment = Treatment(vessel.surface, [stent], vessel.centerline, settings)
-        assert treatment.result.certificate.passed
+    assert Treatment(vessel.surface, [stent], vessel.centerline).result.certificate.passed
 
 
 def test_flattened_caps_push_less_wall_beyond_the_ends():
@@ -239,7 +237,7 @@ def test_an_axis_the_other_way_round_with_its_profile_gives_the_same(name):
 
 
 def test_the_certificate_notices_a_lumen_that_is_not_the_profile():
-    treatment = treated(HOURGLASS)
+    treatment = treated(HOURGLASS, phantom("stenosed_tube", edge_length=0.8))
     for _ in treatment:
         pass
     deployment = treatment._stages[0].deployment
