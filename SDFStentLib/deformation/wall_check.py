@@ -1,8 +1,8 @@
 """Whether the wall lies inside of a stent.
 
 A sphere climbs to where there is room: beside a stent that lies off the middle of a wide lumen, or
-where the stent is narrower beside it. So the wall itself is looked at: its distance from the axis
-as it was given, which the nodes follow as well as the capsules are short, against the stent.
+where the stent is narrower beside it. So the wall itself is looked at: its distance from the line
+that the stent is meant to follow, as well as capsules of the paper would, against the stent.
 """
 
 from __future__ import annotations
@@ -61,16 +61,15 @@ def _doubtful(
     points: Points, triangles: Triangles, chain: CapsuleChain, radius: float
 ) -> Triangles:
     """The triangles that may lie inside."""
-    assert chain.axis is not None
     used, local = np.unique(triangles, return_inverse=True)
     corners, local = points[used], local.reshape(-1, 3)
     # The nodes may be as far beside the axis; so may a distance from them.
-    beside = float(closest_points(chain.nodes, chain.axis).distances.max())
+    beside = float(closest_points(chain.nodes, chain.followed).distances.max())
     distance = chain.axis_distance(corners) - beside
     widest = np.full(len(local), radius)
     if chain.shares is not None:
         at = np.stack(
-            [fractions_of(corners, chain.nodes), fractions_of(corners, chain.axis)], axis=1
+            [fractions_of(corners, chain.nodes), fractions_of(corners, chain.followed)], axis=1
         )[local].reshape(len(local), -1)
         share = at.min(axis=1, keepdims=True) + np.ptp(at, axis=1)[:, None] * np.linspace(0, 1, 9)
         widest = radius * chain.shares.along(share).max(axis=1)
@@ -96,11 +95,10 @@ class _Depths(NamedTuple):
 
 def _depths(corners: Points, along: int, chain: CapsuleChain, radius: float) -> _Depths:
     """How far places of triangles (t, 3, 3) lie inside, `along` of them on every side."""
-    assert chain.axis is not None
     places = np.einsum("pc,tcx->tpx", _weights(along), corners)
     shape, flat = places.shape[:2], places.reshape(-1, 3)
-    axis_length = length(chain.axis)
-    nearest = closest_points(chain.axis, flat)
+    axis_length = length(chain.followed)
+    nearest = closest_points(chain.followed, flat)
     # Which place of a bent axis a place of the wall is beside is a matter of the method where the
     # profile changes; it is inside where it is by both.
     feet = [nearest.arc_lengths / axis_length]
@@ -108,7 +106,7 @@ def _depths(corners: Points, along: int, chain: CapsuleChain, radius: float) -> 
         feet.append(fractions_of(flat, chain.nodes))
     wanted, share = np.full(len(flat), radius), np.full(len(flat), np.inf)
     for foot in feet:
-        own = np.full(len(flat), radius) if chain.shares is None else _radii(chain, radius, foot)
+        own = _radii(chain, radius, foot)
         inside = np.flatnonzero((foot > 0) & (foot < 1 - ROUNDING))
         inside = inside[nearest.distances[inside] < (1 - CLEARLY) * own[inside]]
         across = np.stack([foot[inside] * axis_length, nearest.distances[inside]], axis=1)
@@ -137,7 +135,9 @@ def _way_out(across: Floats, chain: CapsuleChain, radius: float, axis_length: fl
 
 
 def _radii(chain: CapsuleChain, radius: float, foot: Floats) -> Floats:
-    assert chain.shares is not None
+    """Radius (n,) of the stent at parts of its length, mm."""
+    if chain.shares is None:
+        return np.full(len(foot), radius)
     return radius * chain.shares.along(foot)
 
 

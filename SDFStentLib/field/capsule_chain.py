@@ -46,8 +46,7 @@ class CapsuleChain:
     shares : RadiusShares, optional
         Of its radius along the axis, where that is not the same everywhere; the field is.
     axis : (n, 3) array, optional
-        What the stent is meant to follow, mm; the nodes where left out. Nothing is deployed by it;
-        a result is judged by it.
+        What the stent is meant to follow, mm, where that is more than the nodes: see `followed`.
     """
 
     nodes: Points
@@ -64,8 +63,9 @@ class CapsuleChain:
                 "chain with CapsuleChain.along, which removes repeats."
             )
         object.__setattr__(self, "nodes", read_only(nodes))
-        axis = nodes if self.axis is None else as_points(self.axis, "stent axis", minimum=2)
-        object.__setattr__(self, "axis", read_only(axis))
+        if self.axis is not None:
+            axis = as_points(self.axis, "stent axis", minimum=2)
+            object.__setattr__(self, "axis", read_only(axis))
         width = as_number(self.smoothing_width, "smoothing width", unit="mm", minimum=0)
         object.__setattr__(self, "smoothing_width", width)
         if self.fold not in FOLDS:
@@ -103,8 +103,15 @@ class CapsuleChain:
         direction = 1 if runs_forward(points) else -1
         forward = points[::direction]
         nodes = resampled(forward, spacing)[::direction]
-        axis = nodes if spacing <= FOLLOWED else resampled(forward, FOLLOWED)[::direction]
-        return cls(nodes, smoothing_width, fold, shares, axis)
+        if spacing <= FOLLOWED:
+            return cls(nodes, smoothing_width, fold, shares)
+        fine = resampled(forward, FOLLOWED)[::direction]
+        return cls(nodes, smoothing_width, fold, shares, fine)
+
+    @property
+    def followed(self) -> Points:
+        """(n, 3) the line by which a result is judged, mm. Nothing is deployed by it."""
+        return self.nodes if self.axis is None else self.axis
 
     @property
     def length(self) -> float:

@@ -51,8 +51,7 @@ class Edges(NamedTuple):
     @property
     def paired_sides(self) -> Indices:
         """(p, 2) the two sides at every edge that has exactly two."""
-        first = self.offsets[:-1][self.face_counts == 2]
-        return np.stack([self.sides[first], self.sides[first + 1]], axis=1)
+        return _in_pairs(self.sides, self.offsets[:-1])
 
 
 class VertexNeighbors(NamedTuple):
@@ -130,9 +129,13 @@ def edges(triangles: Triangles) -> Edges:
 def paired_sides(triangles: Triangles) -> Indices:
     """`Edges.paired_sides`, without the rest."""
     _, sides, is_first = _sorted_sides(triangles)
-    starts = np.flatnonzero(is_first)
+    return _in_pairs(sides, np.flatnonzero(is_first)).astype(np.int64)
+
+
+def _in_pairs(sides: Indices, starts: Indices) -> Indices:
+    """(p, 2) the sides of every edge that has two, from where each edge begins among all sides."""
     first = starts[np.diff(starts, append=len(sides)) == 2]
-    return np.stack([sides[first], sides[first + 1]], axis=1).astype(np.int64)
+    return np.stack([sides[first], sides[first + 1]], axis=1)
 
 
 def boundary_edges(triangles: Triangles) -> Indices:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..geometry import Surface, arc_lengths
+from ..geometry import Surface, arc_lengths, nearest_distances
 from ..measure import off_caps
 from ..stent import Stent, StentAxis
 from ..validation import Floats
@@ -35,10 +35,7 @@ def narrowest_fraction(axis: StentAxis, surface: Surface) -> float:
     """
     radius = axis.inscribed_radius
     if not np.isfinite(radius).any():
-        # Late: scipy.spatial costs more to import than the rest of the library together.
-        from scipy.spatial import KDTree
-
-        radius = KDTree(off_caps(surface)).query(axis.points)[0]
+        radius = nearest_distances(axis.points, off_caps(surface))
     along = arc_lengths(axis.points)
     return float(along[np.nanargmin(radius)] / along[-1])
 

@@ -9,10 +9,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..cautions import Caution
-from ..geometry import Surface, closest_points, length, median_edge, point_at, resampled
+from ..geometry import (
+    Surface,
+    closest_points,
+    length,
+    median_edge,
+    nearest_distances,
+    point_at,
+    resampled,
+)
 from ..measure import DiameterProfile, NeighborLumen, off_caps
 from ..stent import StentAxis
-from ..validation import Floats, InputError, Points, as_points
+from ..validation import InputError, Points, as_points
 from .value import TreatedStent
 
 WIDEST = 4.0
@@ -65,9 +73,9 @@ def check_width(
     """
     radii = axis.inscribed_radius[np.isfinite(axis.inscribed_radius)]
     if not len(radii):
-        radii = _distances(axis.points, surface.points if probes is None else probes)
+        radii = nearest_distances(axis.points, surface.points if probes is None else probes)
         if diameter > 2 * WIDEST * radii.max():
-            radii = _distances(axis.points, off_caps(surface))
+            radii = nearest_distances(axis.points, off_caps(surface))
     lumen = 2 * float(radii.max())
     if diameter > WIDEST * lumen:
         raise InputError(
@@ -76,13 +84,6 @@ def check_width(
             "units",
             end=".",
         )
-
-
-def _distances(places: Points, points: Points) -> Floats:
-    # Late: scipy.spatial costs more to import than the rest of the library together.
-    from scipy.spatial import KDTree
-
-    return np.asarray(KDTree(points).query(places)[0])
 
 
 def overlap_length(
