@@ -64,9 +64,13 @@ from pathlib import Path
 def wait(event, arguments):
     if event == "tempfile.mkdtemp" and "cases" in str(arguments[0]):
         hold = Path(__file__).with_name("hold")
-        while hold.exists():
+        while True:
+            try:
+                count = int(hold.read_text(encoding="utf-8"))
+            except FileNotFoundError:  # let go; asking first whether it is there would be a race
+                break
             whole = hold.with_name("out").glob("cases/*/[!.]*/case.json")
-            if len(list(whole)) < int(hold.read_text(encoding="utf-8") or 0):
+            if len(list(whole)) < count:
                 break
             time.sleep(0.05)
 
