@@ -7,7 +7,10 @@ import os
 import signal
 import subprocess
 import sys
-from concurrent.futures import ThreadPoolExecutor
+import threading
+import time
+from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
+from multiprocessing import active_children
 from pathlib import Path
 
 import pytest
@@ -132,6 +135,59 @@ def test_a_worker_that_is_killed_costs_nothing(there, wanted):
     let_go(there)
     assert ended(process)[::2] == (0, "")
     assert bytes_of(there / "out") == wanted
+
+
+@pytest.fixture
+def lost_threads(monkeypatch):
+    """What threads end with."""
+    found = []
+    monkeypatch.setattr(threading, "excepthook", found.append)
+    return found
+
+
+def test_a_pool_that_breaks_while_cases_wait_for_workers_ends_its_processes(
+    there, monkeypatch, lost_threads
+):
+    """The pool tells of a killed worker case by case; who hears of the first one must wait."""
+    plain, children = Future.set_exception, []
+
+    def slowly(future, error):
+        plain(future, error)
+        time.sleep(0.2)
+
+    def kill_one_then_stop(_):
+        if children:
+            raise KeyboardInterrupt
+        children.extend(active_children())
+        children[0].kill()
+
+    monkeypatch.setattr(Future, "set_exception", slowly)
+    with pytest.raises(KeyboardInterrupt):
+        run_sweep(sweep_in(there, axes=AXES), there / "out", workers=2, progress=kill_one_then_stop)
+    assert not lost_threads
+    assert not active_children()
+
+
+def test_workers_that_are_gone_before_their_pool_is_told_end_it_without_a_word(
+    there, monkeypatch, lost_threads
+):
+    plain = ProcessPoolExecutor.shutdown
+
+    def later(pool, **named):
+        wait_for(lambda: not any(map(is_alive, children)))
+        plain(pool, **named)
+
+    children = []
+
+    def stop(_):
+        children.extend(child.pid for child in active_children())
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(ProcessPoolExecutor, "shutdown", later)
+    with pytest.raises(KeyboardInterrupt):
+        run_sweep(sweep_in(there, axes=AXES), there / "out", workers=2, progress=stop)
+    assert children
+    assert not lost_threads
 
 
 def test_a_case_that_kills_its_worker_fails_alone(there, monkeypatch):

@@ -44,6 +44,8 @@ class Workplace:
         Whether another one can be opened when this one breaks.
     blames : bool
         Whether the executor itself finds the case that kills its workers.
+    takes_back : bool
+        Whether the executor itself takes back what waits when it is closed.
     lacks_workers : callable
         Of the executor: whether cases wait for workers that are not there (yet).
     """
@@ -52,13 +54,16 @@ class Workplace:
     window: int
     is_renewable: bool
     blames: bool = True
+    takes_back: bool = False
     lacks_workers: Callable[[Executor], bool] = lambda _: False
 
 
 def processes(workers: int | None = None) -> Workplace:
     """Worker processes on this machine, as many as it has cores by default."""
     count = worker_count(workers)
-    return Workplace(lambda: _pool(count), 2 * count, is_renewable=True, blames=False)
+    return Workplace(
+        lambda: _pool(count), 2 * count, is_renewable=True, blames=False, takes_back=True
+    )
 
 
 def worker_count(workers: int | None = None) -> int:

@@ -221,8 +221,10 @@ class _Run:
                         else:
                             self.tally = self.tally.counted(outcome)
                 except BaseException:
-                    for future in at_work:
-                        future.cancel()
+                    # A pool of processes that breaks gives up at a future that others canceled.
+                    if not self.place.takes_back:
+                        for future in at_work:
+                            future.cancel()
                     raise
         except StoreError:
             raise
