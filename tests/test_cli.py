@@ -485,6 +485,8 @@ def test_the_demo_names_its_files_where_they_are_and_leaves_no_empty_picture(
     said = capsys.readouterr()
     assert "warning: The picture needs an OpenGL library." in said.err
     assert "before_after.png" not in said.out
+    report = json.loads(Path("demo/report.json").read_text(encoding="utf-8"))
+    assert len(report["warnings"]) == said.err.count("warning:") - 1 > 0
     assert not Path("demo/before_after.png").exists()
     inputs = json.loads(Path("demo/report.json").read_text(encoding="utf-8"))["inputs"]
     for entry, name in zip(inputs, ("surface.vtp", "centerline.vtp"), strict=True):

@@ -11,12 +11,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from deployment_cases import ANATOMIES, anatomy
+from deployment_cases import ANATOMIES, anatomy, phantom
 
 from SDFStentLib.cli.shell import main
 from SDFStentLib.files import polydata
 from SDFStentLib.files.formats import vtk_files as vtk_formats
 from SDFStentLib.files.surface_files import read_surface
+from SDFStentLib.geometry import Surface
 from SDFStentLib.geometry.polyline import resampled_to
 from SDFStentLib.measure.inscribed import inscribed_spheres
 from SDFStentLib.measure.lesions import find_lesions, lesions_within
@@ -24,7 +25,7 @@ from SDFStentLib.phantoms.phantoms import branching_pulmonary_artery, stenosed_t
 from SDFStentLib.report.html import html_page
 from SDFStentLib.stent import Stent, stent_axis
 from SDFStentLib.stent.placement import AtDistalEnd
-from SDFStentLib.treatment.lesions import placement_at
+from SDFStentLib.treatment.lesions import placement_at, treated_lesions
 
 LENGTHS = (8.0, 12.0, 20.0, 30.0, 40.0)
 
@@ -235,6 +236,17 @@ def test_a_placement_covers_its_lesion_whatever_the_length_and_the_branch(data_d
                 continue
             middle = resampled_to(axis.points, 101)[50]
             assert np.linalg.norm(middle - resampled_to(lesion.line, 101)[50]) < 1.0
+
+
+def test_of_a_lesion_of_which_nothing_is_left_nothing_lies_beyond_the_stents():
+    """It read "none (7 % above reference). What is left is narrowest beyond the stent's ends."."""
+    made = phantom("stenosed_tube", edge_length=0.8)
+    lesions = find_lesions(made.surface, made.centerline)
+    for widened, is_left in ((1.0, True), (2.0, False)):
+        after = Surface(made.points * [widened, widened, 1.0], made.triangles)
+        (one,) = treated_lesions(lesions, (), after)
+        assert (one.after.percent_diameter > 1) == is_left
+        assert one.is_left_beyond == is_left
 
 
 def test_what_a_short_stent_leaves_is_said_to_lie_beyond_it(pulmonary, tmp_path, capsys):

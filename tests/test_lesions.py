@@ -15,6 +15,7 @@ from SDFStentLib.deformation.deployment import deploy
 from SDFStentLib.field import CapsuleChain
 from SDFStentLib.geometry import Surface
 from SDFStentLib.geometry.polyline import cut
+from SDFStentLib.measure.caps import flat_caps
 from SDFStentLib.measure.inscribed import inscribed_spheres
 from SDFStentLib.measure.lesions import find_lesions, lesion_after, lesions_within
 from SDFStentLib.measure.marked_reference import lesion_against
@@ -267,6 +268,41 @@ def test_an_open_surface_has_the_lesions_of_the_closed_one():
     (opened,) = find_lesions(Surface(made.points, wall), made.centerline)
     assert opened.percent_diameter == pytest.approx(closed.percent_diameter, abs=1e-6)
     assert len(closed_surface(made.points, wall)[0]) == len(made.points) + 2
+
+
+def without_caps(surface):
+    is_wall = np.ones(len(surface.triangles), dtype=bool)
+    for cap in flat_caps(surface.points, surface.triangles):
+        is_wall[cap.faces] = False
+    return Surface(surface.points, surface.triangles[is_wall])
+
+
+def assert_open_as_closed(surface, centerline):
+    closed = find_lesions(surface, centerline)
+    opened = find_lesions(without_caps(surface), centerline)
+    assert len(opened) == len(closed) > 0
+    for one, other in zip(opened, closed, strict=True):
+        np.testing.assert_allclose(one.point, other.point, atol=1e-3)
+        assert one.percent_diameter == pytest.approx(other.percent_diameter, abs=1e-3)
+
+
+def test_a_vessel_is_inside_although_its_line_begins_outside_of_an_open_end():
+    """The first sphere looks out of it; all stations that hang together with it were outside."""
+    made = phantom("stenosed_tube", edge_length=0.8)
+    end = made.points[:, 2] < 1e-6
+    wavy = 0.3 * np.sin(3 * np.arctan2(made.points[:, 1], made.points[:, 0])) * end
+    points = made.points + wavy[:, None] * [0, 0, 1]
+    line = made.centerline.points.copy()
+    line[0, 2] -= 0.2
+    wall = Surface(points, made.triangles[made.face_ids == 1])
+    (known,) = find_lesions(made.surface, made.centerline)
+    (found,) = find_lesions(wall, made.centerline.with_points(line))
+    assert found.percent_diameter == pytest.approx(known.percent_diameter, abs=0.02)
+
+
+def test_an_open_anatomy_has_the_lesions_of_the_closed_one(data_dir):
+    """Its line begins in the plane of the inlet; two of four lesions were missed."""
+    assert_open_as_closed(*anatomy(data_dir, "pulmonary"))
 
 
 def test_an_axis_point_a_rounding_away_from_the_wall_has_no_sphere():

@@ -12,6 +12,8 @@ import pytest
 from mesh_files import PROJECT
 
 from SDFStentLib.cli.outputs import Outputs
+from SDFStentLib.files import output_set
+from SDFStentLib.validation import InputError
 
 pytest.importorskip("fcntl", reason="what killed runs leave is swept where files can be locked")
 
@@ -128,11 +130,67 @@ def test_a_kill_at_any_call_leaves_all_old_or_all_new_after_the_next_run(tmp_pat
     assert seen == {True, False}
 
 
-def test_the_staging_folder_of_a_living_run_is_left_alone(tmp_path):
-    from SDFStentLib.files.output_set import StagingFolder, sweep
+def staged(folder):
+    """New files for `OLD`'s two folders, ready to be moved there."""
+    sets = {}
+    for name in ("a", "b"):
+        staging = output_set.StagingFolder(folder / name)
+        for path in NEW:
+            if path.startswith(f"{name}/"):
+                new = staging.staged(path[2:])
+                new.parent.mkdir(exist_ok=True)
+                new.write_text("new", encoding="utf-8")
+        sets[staging] = {path.split("/")[1] for path in OLD if path.startswith(f"{name}/")}
+    return sets
 
-    living = StagingFolder(tmp_path)
-    sweep(tmp_path)
+
+def failing(monkeypatch, at, error):
+    """Let the `at`th move of an output, to its place or aside, fail; a move back does not."""
+    replace, calls = os.replace, []
+
+    def moved(source, target):
+        if os.path.basename(source) not in ("moves.json.part", "committed.part"):
+            calls.append(source)
+        if len(calls) == at and source == calls[-1]:
+            raise error
+        replace(source, target)
+
+    monkeypatch.setattr(output_set.os, "replace", moved)
+
+
+@pytest.mark.parametrize("error", [OSError(28, "No space left on device"), KeyboardInterrupt()])
+@pytest.mark.parametrize("at", range(1, 6))
+def test_where_one_file_cannot_be_moved_all_have_their_old_state(tmp_path, monkeypatch, at, error):
+    prepare(tmp_path)
+    sets = staged(tmp_path)
+    failing(monkeypatch, at, error)
+    with pytest.raises((InputError, KeyboardInterrupt)):
+        output_set.commit(sets)
+    for staging in sets:
+        staging.remove()
+    assert everything_in(tmp_path) == OLD
+
+
+@pytest.mark.parametrize("at", range(1, 6))
+def test_what_dies_before_it_has_taken_back_is_taken_back_by_the_next_run(
+    tmp_path, monkeypatch, at
+):
+    prepare(tmp_path)
+    sets = staged(tmp_path)
+    failing(monkeypatch, at, OSError(28, "No space left on device"))
+    with monkeypatch.context() as dying:
+        dying.setattr(output_set, "_take_back", lambda path: None)
+        with pytest.raises(InputError):
+            output_set.commit(sets)
+    for staging in sets:
+        os.close(staging._lock)  # as the system does with a dead process
+    next_run(tmp_path)
+    assert everything_in(tmp_path) == OLD
+
+
+def test_the_staging_folder_of_a_living_run_is_left_alone(tmp_path):
+    living = output_set.StagingFolder(tmp_path)
+    output_set.sweep(tmp_path)
     assert living.path.is_dir()
     living.remove()
     assert not any(tmp_path.iterdir())
@@ -198,12 +256,10 @@ def test_a_command_without_outputs_moves_nothing():
 
 
 def test_what_is_not_ours_is_not_swept(tmp_path):
-    from SDFStentLib.files.output_set import sweep
-
     (tmp_path / ".sdfstent-mine").mkdir()
     (tmp_path / ".sdfstent-mine" / "notes.txt").write_text("x", encoding="utf-8")
     (tmp_path / ".sdfstent-link").symlink_to(tmp_path / ".sdfstent-mine")
-    sweep(tmp_path)
+    output_set.sweep(tmp_path)
     assert (tmp_path / ".sdfstent-mine" / "notes.txt").read_text(encoding="utf-8") == "x"
 
 

@@ -143,6 +143,7 @@ def _writing(data: bytes | None) -> Callable[[Path], None]:
 
 
 def _tell(console: Console, folder: Path, result: PlanResult, missing: list[Caution]) -> None:
+    console.warn([*result.warnings, *result.size_warnings])
     (stent,) = result.treatment.stents
     before, after = stent.before, stent.after
     console.say(

@@ -112,21 +112,45 @@ def _distances_to_ends(lumens: Sequence[BranchLumen]) -> list[Floats]:
 
 def closed_surface(points: Points, triangles: Triangles) -> tuple[Points, Triangles]:
     """The surface with a fan of triangles over every hole, which tells inside from outside."""
-    rim = boundary_edges(triangles)
-    if not len(rim):
+    holes = _holes(points, triangles)
+    if not len(holes.rim):
         return points, triangles
+    fans = np.column_stack([holes.rim[:, ::-1], len(points) + holes.number])
+    return np.vstack([points, holes.middles]), np.vstack([triangles, fans])
+
+
+class _Holes(NamedTuple):
+    rim: Indices
+    """(m, 2) all edges with a triangle on one side only."""
+    number: Indices
+    """(m,) of the hole round which each goes."""
+    middles: Points
+    """(h, 3) mean of the points round each hole, mm."""
+    radii: Floats
+    """(h,) how far they are from it, at most, mm."""
+
+
+def _holes(points: Points, triangles: Triangles) -> _Holes:
+    rim = boundary_edges(triangles)
     used, ends = np.unique(rim, return_inverse=True)
     ends = ends.reshape(-1, 2)
     label = component_labels(len(used), ends[:, 0], ends[:, 1])
-    weight = np.bincount(label)
-    middles = np.stack([np.bincount(label, part) for part in points[used].T], axis=1)
-    fans = np.column_stack([rim[:, ::-1], len(points) + label[ends[:, 0]]])
-    return np.vstack([points, middles / weight[:, None]]), np.vstack([triangles, fans])
+    sums = np.stack([np.bincount(label, part) for part in points[used].T], axis=1)
+    middles = sums / np.bincount(label)[:, None]
+    radii = np.zeros(len(middles))
+    np.maximum.at(radii, label, np.linalg.norm(points[used] - middles[label], axis=1))
+    return _Holes(rim, label[ends[:, 0]], middles, radii)
 
 
 def _is_in_lumen(stations: Points, spheres: InscribedSpheres, surface: Surface) -> Flags:
-    """Which stations (n,) are inside; those that one empty sphere holds are on one side."""
+    """Which stations (n,) are inside; those that one sphere without any wall holds are on one side.
+
+    A sphere at an open end looks out of it: what is so near to a hole is asked for by itself.
+    """
     centers, radii = spheres
+    holes = _holes(surface.points, surface.triangles)
+    for middle, reach in zip(holes.middles, holes.radii, strict=True):
+        radii = np.minimum(radii, np.linalg.norm(centers - middle, axis=1) - reach)
     holds = np.linalg.norm(stations - centers, axis=1) < radii
     holds_next = np.linalg.norm(stations[1:] - centers[:-1], axis=1) < radii[:-1]
     group = np.cumsum(np.r_[True, ~(holds[:-1] & holds_next)]) - 1

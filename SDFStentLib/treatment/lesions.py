@@ -14,6 +14,9 @@ from ..stent import DEFAULT_FORESHORTENING, AtCenter, AtDistalEnd
 from ..validation import Points, as_number
 from .value import TreatedStent
 
+_LEAST_LEFT = 0.5
+"""Percent, by diameter or by area; less is told as 0 %, or as wider than the reference."""
+
 
 @dataclass(frozen=True)
 class TreatedLesion:
@@ -28,7 +31,7 @@ class TreatedLesion:
     stents : tuple of int
         Numbers of the stents that cover its narrowest place.
     is_left_beyond : bool
-        Whether what is narrowest afterwards lies beyond all of the stents.
+        Whether something is left of it, and what is narrowest then lies beyond all of the stents.
     """
 
     number: int
@@ -64,7 +67,9 @@ def treated_lesions(
             tuple(stent.number for stent in stents if lesions_within([one], stent.axis.points))
             for one in pair
         )
-        treated.append(TreatedLesion(number, *pair, covering, not left_in))
+        after = pair[1]
+        is_left = any(p >= _LEAST_LEFT for p in (after.percent_diameter, after.percent_area))
+        treated.append(TreatedLesion(number, *pair, covering, is_left and not left_in))
     return tuple(treated)
 
 
