@@ -143,3 +143,61 @@ def test_a_smoothed_axis_is_that_of_the_library_and_as_long(aLogic, theParameter
     np.testing.assert_allclose(drawn.points, expected.points, atol=1e-12)
     assert length(drawn.points) == pytest.approx(length(plain), abs=1e-9)
     assert np.abs(drawn.points - plain).max() > 0.05
+
+
+def test_a_straightened_stent_is_measured_along_its_straightened_axis(aLogic, theParameters):
+    """Shown and measured along one axis, that of the library; the preview takes it, too."""
+    from SDFStentSlicer import Plans
+
+    from SDFStentLib.measure import diameter_profile
+    from SDFStentLib.treatment import AxisChange, Preview, axis_in_vessel
+
+    theParameters.method.straightening = 40.0
+    inputs, planned = aLogic._inputs, Plans.plannedOf(theParameters)
+    vessel, line = inputs.vessel(theParameters).surface, inputs.centerline(theParameters)
+    straight, plain = (
+        axis_in_vessel(planned[0], line, vessel, AxisChange(fraction)) for fraction in (0.4, 0.0)
+    )
+    assert straight.warnings == ()
+    assert np.abs(straight.points - plain.points).max() > 0.05
+    for _fraction in aLogic.steps(theParameters, live=True):
+        pass
+    settings = Plans.settingsOf(theParameters, live=True)
+    seen = Preview(vessel, line).of(planned, settings, straightening_fraction=0.4)
+    state = aLogic.lastRun(theParameters).state
+    np.testing.assert_array_equal(state.coordinates, seen.coordinates)
+    for _fraction in aLogic.steps(theParameters):
+        pass
+    run = aLogic.lastRun(theParameters)
+    (drawn,), (treated,) = run.end()[1], run.result.stents
+    for axis in (drawn.axis, treated.axis):
+        np.testing.assert_allclose(axis.points, straight.points, atol=1e-12)
+    own = diameter_profile(vessel, straight.points)
+    assert treated.before.minimum == pytest.approx(own.minimum, abs=1e-6)
+    assert abs(treated.before.mean - diameter_profile(vessel, plain.points).mean) > 1e-4
+
+
+def test_measuring_leaves_the_applications_thread_free(aLogic, theParameters, monkeypatch):
+    """What takes the time, of all three parts of it: else the window stands still."""
+    import threading
+
+    from SDFStentSlicer import Stenting
+
+    ran = set()
+
+    def watched(name, function):
+        def call(*arguments):
+            ran.add((name, threading.current_thread() is threading.main_thread()))
+            return function(*arguments)
+
+        return call
+
+    treatment = Stenting.Treatment
+    for name in ("survey", "result"):
+        own = getattr(treatment, name)
+        get = own.fget if isinstance(own, property) else own.func
+        monkeypatch.setattr(treatment, name, property(watched(name, get)))
+    monkeypatch.setattr(Stenting, "treated_lesions", watched("lesions", Stenting.treated_lesions))
+    for _fraction in aLogic.steps(theParameters):
+        pass
+    assert ran == {("survey", False), ("result", False), ("lesions", False)}

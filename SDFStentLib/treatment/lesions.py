@@ -67,8 +67,8 @@ def treated_lesions(
             tuple(stent.number for stent in stents if lesions_within([one], stent.axis.points))
             for one in pair
         )
-        after = pair[1]
-        is_left = any(p >= _LEAST_LEFT for p in (after.percent_diameter, after.percent_area))
+        percents = pair[1].percent_diameter, pair[1].percent_area
+        is_left = any(percent >= _LEAST_LEFT for percent in percents)
         treated.append(TreatedLesion(number, *pair, covering, is_left and not left_in))
     return tuple(treated)
 
