@@ -8,6 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 from deployment_cases import ANATOMIES, anatomy
+from scipy.spatial import cKDTree
 from trees import unbranched
 from vtkmodules.vtkCommonDataModel import vtkPlane, vtkPlaneCollection
 from vtkmodules.vtkFiltersCore import (
@@ -28,6 +29,7 @@ from SDFStentLib.geometry import (
     signed_volume,
 )
 from SDFStentLib.measure import branch_names
+from SDFStentLib.measure.caps import flat_caps
 from SDFStentLib.phantoms import (
     arch_with_coarctation,
     branching_pulmonary_artery,
@@ -402,6 +404,33 @@ def test_a_hole_in_the_wall_is_no_outlet_and_is_said_to_be_there(is_capped):
         r"where no centerline ends: closed as wall, face hole;",
         said.sentence(units="cm"),
     )
+
+
+@pytest.mark.parametrize("seed", [2, 3, 5])
+@pytest.mark.parametrize("name", ["branching", "pulmonary"])
+def test_holes_beside_the_planes_are_closed_as_wall_and_told(data_dir, name, seed):
+    """Open or capped ends, one to three holes: sound, as large as without them, and told."""
+    made = branching_pulmonary_artery(edge_length=0.8)
+    vessel = vessel_of(made) if name == "branching" else vessel_at(data_dir, name)
+    points, triangles = vessel.surface.points, vessel.surface.triangles
+    leaf = int(seed > 1)
+    way, middles = way_to(vessel, leaf), points[triangles].mean(axis=1)
+    along = (arc_lengths(way) / length(way))[cKDTree(way).query(middles)[1]]
+    within = np.flatnonzero((along > 0.4) & (along < 0.7))
+    gone = np.zeros(len(triangles), dtype=bool)
+    for middle in middles[np.random.default_rng(seed).choice(within, 1 + seed % 3)]:
+        gone |= np.linalg.norm(middles - middle, axis=1) < 1.0
+    if seed % 2:
+        for cap in flat_caps(points, triangles):
+            gone[cap.faces] = True
+    places = {"first": 0.3, "last": 0.8, "leaf": leaf}
+    whole = segment_of(Vessel(vessel.surface, vessel.centerline), **places)
+    found = segment_of(Vessel(Surface(points, triangles[~gone]), vessel.centerline), **places)
+    assert_closed_by_its_planes(found)
+    assert found.before.volume == pytest.approx(whole.before.volume, rel=0.005)
+    holes = [face for face in found.before.faces if face.name.startswith("hole")]
+    assert 1 <= len(holes) == len([one for one in found.warnings if one.kind == "hole"])
+    assert len(found.before.faces) - len(holes) == len(whole.before.faces)
 
 
 def test_refused_places_are_told_in_the_files_unit_and_along_their_branch(data_dir):
