@@ -132,6 +132,21 @@ def test_a_treated_vessel_in_another_frame_is_a_sentence(a_folder, capsys):
     assert not Path("seg").exists()
 
 
+@pytest.mark.parametrize(("factor", "moved"), [(10, 0), (0.1, 0), (1, 9)])
+def test_a_treated_vessel_that_is_another_one_is_a_sentence(a_folder, capsys, factor, moved):
+    """In another unit it was cut, where the planes still met it, and written."""
+    treated = read_surface("tube.vtp", "cm").polydata()
+    points = vtk_to_numpy(treated.GetPoints().GetData())
+    points *= factor
+    points += moved
+    Path("after.vtp").write_bytes(encode_vtp(treated))
+    assert extract("--after", "after.vtp") == 2
+    said = capsys.readouterr().err
+    assert "treated segment: expected" in said
+    assert "give the same vessel after its treatment, in the same unit." in said
+    assert not Path("seg").exists()
+
+
 def test_the_names_of_faces_come_back_with_the_exterior(a_folder):
     assert extract() == 0
     faces = read_surface("seg/before/mesh-complete.exterior.vtp", "cm").faces

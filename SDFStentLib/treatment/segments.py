@@ -21,6 +21,9 @@ from ..measure import (
 )
 from ..validation import DeploymentError, InputError, Points
 from .vessel import Vessel
+from .warnings import WIDEST
+
+_SAME_VESSEL = "give the same vessel after its treatment, in the same unit"
 
 
 @dataclass(frozen=True)
@@ -60,7 +63,8 @@ def extract_segment(
     Raises
     ------
     InputError
-        No centerline, or places at which no plane meets only this vessel.
+        No centerline, places at which no plane meets only this vessel, or another vessel as the
+        treated one.
     DeploymentError
         The segment would not be watertight or would cross itself.
     """
@@ -71,9 +75,26 @@ def extract_segment(
     before = _sound(cut_segment(parts, planes), "segment")
     treated = None
     if after is not None:
-        treated = _sound(cut_segment(_state_of(parts, vessel, after), planes), "treated segment")
+        treated = _treated(before, planes, _state_of(parts, vessel, after))
     warnings = (*_holes(before), *_dead_ends(before, parts))
     return ExtractedSegment(planes, before, treated, warnings)
+
+
+def _treated(before: Segment, planes: tuple[CutPlane, ...], parts: VesselParts) -> Segment:
+    """The segment of the treated vessel; `InputError` where that seems to be another vessel."""
+    try:
+        segment = cut_segment(parts, planes)
+    except InputError as error:
+        raise InputError(f"treated {str(error).removesuffix('.')}, or {_SAME_VESSEL}.") from error
+    native, treated = (
+        next(face.area for face in one.faces if face.kind == "inlet") for one in (before, segment)
+    )
+    if not 1 / WIDEST**2 <= treated / native <= WIDEST**2:
+        raise InputError(
+            f"treated segment: expected an inlet that is at most {WIDEST:g} times as "
+            f"wide or narrow as before ({native:.3g} mm2), got {treated:.3g} mm2; {_SAME_VESSEL}."
+        )
+    return _sound(segment, "treated segment")
 
 
 def _state_of(parts: VesselParts, vessel: Vessel, after: Vessel) -> VesselParts:
