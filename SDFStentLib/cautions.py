@@ -84,8 +84,8 @@ TEMPLATES = {
         "{known_as}."
     ),
     "device-shortening": (
-        "{device}: its shortening is known at its nominal diameters only; whether {diameter_mm:g} "
-        "mm is one of them is not known, or it is none."
+        "{device}: its shortening is known at its nominal diameters only; {diameter_mm:g} mm "
+        "{is_it}."
     ),
     "ratio-adjacent": (
         "The stent is {ratio:.2f} times as wide as the healthy vessel of {adjacent_mm:.1f} mm "

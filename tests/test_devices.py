@@ -27,6 +27,7 @@ from SDFStentLib.plan.document import plan_document, plan_text
 from SDFStentLib.plan.plan import Plan
 from SDFStentLib.plan.reader import load_plan, plan_from_document
 from SDFStentLib.plan.run import run_plan
+from SDFStentLib.report.devices import device_sentence
 from SDFStentLib.stent import AlongAxis, AtCenter, BetweenPoints, Device, Stent, stent_axis
 from SDFStentLib.validation import InputError
 
@@ -126,8 +127,26 @@ def test_a_length_lies_between_those_of_its_neighbors_and_falls_with_the_diamete
 @pytest.mark.parametrize("diameter", [11.9, 20.1])
 def test_nothing_is_extrapolated(diameter):
     words = f"its length is known from 12 to 20 mm of diameter, not at {diameter:g} mm"
-    with pytest.raises(InputError, match=words):
+    with pytest.raises(InputError, match=words) as refused:
         a_device().foreshortening_at(diameter)
+    # A part that is lost is refused where lengths are known: so it is not advised.
+    assert "loses" not in str(refused.value)
+
+
+@pytest.mark.parametrize("nominal_length", [None, 48])
+def test_what_is_advised_where_no_shortening_is_known_can_be_done(nominal_length):
+    """A device of one length cannot lie between two points, which was advised."""
+    device = a_device(lengths=(), nominal_length=nominal_length)
+    with pytest.raises(InputError) as refused:
+        Stent(15.0, placement=CENTER, length=nominal_length or 34, device=device)
+    assert ("between two points" in str(refused.value)) == (nominal_length is None)
+    length = {"length": nominal_length} if nominal_length else {}
+    between = {"placement": BetweenPoints([0, 0, 0], [0, 0, 9]), "device": device, **length}
+    if nominal_length is None:
+        Stent(15.0, **between)
+    else:
+        with pytest.raises(InputError, match="expected one point for bench-34"):
+            Stent(15.0, **between)
 
 
 def test_the_axis_of_a_stent_has_the_length_of_its_device_at_its_diameter():
@@ -258,8 +277,13 @@ def test_sizes_beyond_what_is_known_of_a_device_are_said():
         "its source saw it used.",
     ]
     assert said(8.0, 30, device_named("gore-vbx")) == [
-        "gore-vbx: its shortening is known at its nominal diameters only; whether 8 mm is one of "
-        "them is not known, or it is none."
+        "gore-vbx: its shortening is known at its nominal diameters only; 8 mm may be one of them "
+        "or not."
+    ]
+    own = a_device(lengths=(), foreshortening_fraction=0.05, nominal_diameters=[7, 10])
+    assert list(own.cautions(8.0, 34)) == []
+    assert [str(caution) for caution in own.cautions(12.0, 34)][1:] == [
+        "bench-34: its shortening is known at its nominal diameters only; 12 mm is none of them."
     ]
     assert said(8.0, 30, device_named("generic")) == []
 
@@ -317,6 +341,7 @@ def test_devices_lists_the_table_and_tells_what_is_and_is_not_known(capsys, a_ta
     assert lines[0] == (
         "generic: any balloon-expandable stent; loses 10 % of its length at any diameter."
     )
+    assert device_sentence(Device("own", generic=True)) == "own: shortening not known."
     assert main(["devices", "NuMED-CP"]) == 0
     rows = dict(line.split(": ", 1) for line in capsys.readouterr().out.splitlines())
     assert rows["Length on expansion"] == rows["Largest diameter"] == "not known"

@@ -69,8 +69,8 @@ def device_sentence(device: Device) -> str:
         )
         if words
     ]
-    maker = f"{device.manufacturer} " if device.manufacturer else ""
-    return f"{device.name}: {maker}{device.family or UNKNOWN}; {', '.join(known)}."
+    what = " ".join(filter(None, (device.manufacturer, device.family)))
+    return f"{device.name}: {f'{what}; ' if what else ''}{', '.join(known)}."
 
 
 def stent_device_sentences(treated: TreatedStent) -> list[str]:

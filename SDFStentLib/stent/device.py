@@ -137,15 +137,13 @@ class Device:
                 f"device {printable(self.name)}: its shortening is not known; say how much of its "
                 "length it loses",
                 "foreshortening",
-                end=", or place it between two points.",
+                end="." if self.nominal_length else ", or place it between two points.",
             )
         if not known[0] <= diameter <= known[-1]:
             raise InputError(
                 f"device {printable(self.name)}: its length is known from {known[0]:g} to "
                 f"{known[-1]:g} mm of diameter, not at {diameter:g} mm; choose a diameter in "
-                "between, or say how much of its length it loses",
-                "foreshortening",
-                end=".",
+                "between, or another device."
             )
         assert self.nominal_length is not None
         return 1.0 - float(np.interp(diameter, known, lengths)) / self.nominal_length
@@ -164,9 +162,11 @@ class Device:
             words = {"device": self.name, "what": what, "known_as": known_as}
             yield Caution("device-range", {**words, **numbers})
         if self.foreshortening_fraction is not None and not self.generic:
-            low, high = self.nominal_diameters or (np.inf, -np.inf)
-            if not low <= diameter <= high:
-                yield Caution("device-shortening", {"device": self.name, "diameter_mm": diameter})
+            ends = self.nominal_diameters
+            if ends is None or not ends[0] <= diameter <= ends[1]:
+                is_it = "may be one of them or not" if ends is None else "is none of them"
+                told = {"device": self.name, "is_it": is_it}
+                yield Caution("device-shortening", {**told, "diameter_mm": diameter})
 
     def _columns(self) -> tuple[np.ndarray, np.ndarray]:
         table = np.array(self.lengths, dtype=np.float64).reshape(-1, 2)

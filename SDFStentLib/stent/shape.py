@@ -133,7 +133,7 @@ class Shape:
         if fractions[0] != 0 or fractions[-1] != 1 or (np.diff(fractions) <= 0).any():
             raise InputError(
                 "profile: expected fractions that rise from 0 to 1, each once, got "
-                f"{_listed(fractions)}; sort the rows."
+                f"{_listed(fractions)}; begin with 0, end with 1, and sort the rows."
             )
 
     def check(self, diameter: float) -> None:
