@@ -15,6 +15,10 @@ UNUSED = ("numpy.f2py", "numpy.ma", "numpy.polynomial", "numpy.testing")
 """SciPy takes everything from NumPy when it is imported. These take as long as the rest of it, and
 nobody here needs them."""
 
+UNWANTED = "vtkmodules.util.pickle_support"
+"""VTK makes its data fit for pickling wherever this can be imported, and takes its communication
+between processes and its old files along. Nobody here pickles them."""
+
 PARTLY = {
     "scipy.spatial": {"KDTree": "_kdtree", "cKDTree": "_ckdtree"},
     "scipy.sparse.csgraph": {
@@ -40,6 +44,7 @@ def main() -> int:
         os.environ.setdefault(name, "1")
     for name in UNUSED:
         postpone(name)
+    sys.modules.setdefault(UNWANTED, None)  # type: ignore[arg-type]
     sys.meta_path.insert(0, PartlyLate(PARTLY))
     from .cli import main as command
 

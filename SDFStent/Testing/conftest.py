@@ -60,9 +60,10 @@ def knownResults(theModule):
 
     def treatedOnce(found, stents, after, before):
         walls = (sha1(surface.points.tobytes()).digest() for surface in (after, before))
-        key = (id(stents), *map(id, found), *walls)
+        lie = ((stent.number, stent.axis.points.tobytes()) for stent in stents)
+        key = (*lie, *map(id, found), *walls)
         if key not in known:  # with what the numbers in the key are of, so that they stay theirs
-            known[key] = treated(found, stents, after, before), stents, found
+            known[key] = treated(found, stents, after, before), found
         return known[key][0]
 
     class KnownTreatment(Stenting.Treatment):

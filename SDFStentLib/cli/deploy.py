@@ -5,10 +5,11 @@ from __future__ import annotations
 import argparse
 import json
 import os
-from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor, wait
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
+from threading import Thread
 from time import perf_counter
 
 from ..cautions import Caution
@@ -115,6 +116,7 @@ class _Job:
         self.options, self.console, self.outputs = options, console, outputs
         self.plan = Plan()
         self.result: PlanResult | None = None
+        self.lesions: Thread | None = None
         self.lost: tuple[Caution, ...] = ()
         self.write_start = 0.0
         self.steps: StepFiles | None = None
@@ -165,21 +167,21 @@ class _Job:
             self.console.warn(self.mesh.warnings)
         treatment = treatment_of(self.plan, inputs)
         # What no state takes part in is measured beside the deployment.
-        beside = ThreadPoolExecutor(max_workers=1)
-        survey = beside.submit(getattr, treatment, "survey")
-        lesions = beside.submit(getattr, inputs.vessel, "lesions")
-        beside.shutdown(wait=False)
+        survey = _beside(lambda: treatment.survey)
+        lesions = _beside(lambda: inputs.vessel.lesions, after=survey)
         with self.console.progress("Deploying") as show:
             for state in treatment:
                 show(state.fraction, f"diameter {2 * state.deployment.radius:.1f} mm")
                 if self.steps is not None:
                     self.steps.take(inputs.surface, state)
         # Each is worked out once; what is wrong with it is raised where it is asked for.
-        wait([survey])
-        self.result = PlanResult(self.plan, inputs, treatment.result)
-        wait([lesions])
+        survey.join()
+        self.result = result = PlanResult(self.plan, inputs, treatment.result)
+        # The surface is written meanwhile.
+        self.lesions = _beside(lambda: result.lesions, after=lesions)
         self.write_start = perf_counter()
         lost = self.outputs.write()
+        self.lesions.join()
         units = self.result.inputs.surface.units
         cautions = [*self.result.warnings, *self.result.size_warnings, *lost]
         self.console.warn(cautions, units=units)
@@ -262,9 +264,28 @@ class _Job:
 
     def _report(self, picture: bytes | str | None = None) -> Report:
         seconds = perf_counter() - self.write_start
+        if self.lesions is not None:
+            self.lesions.join()
         # The file has not got its final name yet.
         lost = tuple(replace(caution, label="") for caution in self.lost)
         return plan_report(self._result, lost=lost, timings={"write": seconds}, picture=picture)
+
+
+def _beside(ask: Callable[[], object], after: Thread | None = None) -> Thread:
+    """A thread in which something is asked for that is worked out once, after another one.
+
+    What is wrong with it is raised where it is asked for again.
+    """
+
+    def run() -> None:
+        if after is not None:
+            after.join()
+        with suppress(Exception):
+            ask()
+
+    thread = Thread(target=run)
+    thread.start()
+    return thread
 
 
 def _method(options: argparse.Namespace) -> Plan:

@@ -7,6 +7,7 @@ pushes it out of its plane; the user has to know.
 from __future__ import annotations
 
 from typing import NamedTuple
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,12 +18,11 @@ from ..geometry import (
     component_labels,
     dot,
     face_normals,
-    faces_at,
     may_meet_box,
     paired_sides,
     product,
 )
-from ..validation import Floats, Indices, Points, Triangles
+from ..validation import Flags, Floats, Indices, Points, Triangles
 
 FLAT = np.cos(np.deg2rad(1.0))
 """Faces whose normals differ by less lie in one plane."""
@@ -44,6 +44,10 @@ WIDENINGS = 6
 NOTHING = np.empty(0, dtype=np.int64)
 NOTICEABLE = 0.05
 """Motion out of the plane, mm, that is worth a word."""
+
+
+_known: WeakKeyDictionary[Surface, list[FlatCap]] = WeakKeyDictionary()
+"""Every stent that is tried asks for those of its vessel."""
 
 
 class BulgedCap(NamedTuple):
@@ -77,6 +81,13 @@ class _FlatSpot(NamedTuple):
 def flat_caps(points: Points, faces: Triangles) -> list[FlatCap]:
     """Flat spots with a steep rim among some faces (m, 3)."""
     return [spot.cap for spot in _flat_spots(points, faces) if spot.has_rim]
+
+
+def caps_of(surface: Surface) -> list[FlatCap]:
+    """`flat_caps` of a whole surface, looked for once for as long as it is in use."""
+    if (found := _known.get(surface)) is None:
+        found = _known[surface] = flat_caps(surface.points, surface.triangles)
+    return found
 
 
 def _flat_spots(points: Points, faces: Triangles, *, rimless: bool = False) -> list[_FlatSpot]:
@@ -151,7 +162,7 @@ def _caps_at(
 def off_caps(surface: Surface) -> Points:
     """Points (n, 3) of the triangles that belong to no flat cap, mm; all where all do."""
     is_wall = np.ones(len(surface.triangles), dtype=bool)
-    for cap in flat_caps(surface.points, surface.triangles):
+    for cap in caps_of(surface):
         is_wall[cap.faces] = False
     used = np.unique(surface.triangles[is_wall])
     return surface.points[used] if len(used) else surface.points
@@ -179,23 +190,19 @@ def bulged_caps(before: Surface, after: Surface, moved: NDArray[np.int64]) -> tu
     before, after : Surface
         With the same triangles.
     moved : (k,) array
-        Points that moved; only faces at them are looked at.
+        Points that moved; only caps at them are looked at.
     """
     has_moved = np.zeros(len(before.points), dtype=bool)
     has_moved[moved] = True
-    faces = before.triangles.compress(faces_at(has_moved, before.triangles), axis=0)
-    spots = _flat_spots(before.points, faces, rimless=True)
-    if any(not spot.has_rim and _bulged(before, after, faces, spot.cap) for spot in spots):
-        # A stent narrower than the vessel pushes the middle of a cap only, away from its rim.
-        faces = before.triangles
-        spots = _flat_spots(before.points, faces)
-    pushed = (_bulged(before, after, faces, spot.cap) for spot in spots if spot.has_rim)
+    pushed = (_bulged(before, after, cap, has_moved) for cap in caps_of(before))
     return tuple(bulge for bulge in pushed if bulge is not None)
 
 
-def _bulged(before: Surface, after: Surface, faces: Triangles, cap: FlatCap) -> BulgedCap | None:
-    """A flat spot of some faces (m, 3) as it is now; None where it is flat as before."""
-    corners = np.unique(faces[cap.faces])
+def _bulged(before: Surface, after: Surface, cap: FlatCap, has_moved: Flags) -> BulgedCap | None:
+    """A cap as it is now, some points (n,) having moved; None where it is flat as before."""
+    corners = np.unique(before.triangles[cap.faces])
+    if not has_moved[corners].any():
+        return None
     start, end = before.points[corners], after.points[corners]
     height = float(np.abs((end - start) @ cap.normal).max())
     if height <= NOTICEABLE:

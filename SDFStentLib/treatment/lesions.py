@@ -12,7 +12,7 @@ from ..geometry import Surface, arc_lengths, length
 from ..measure import Lesion, lesions_after, lesions_within, moved_wall
 from ..stent import DEFAULT_FORESHORTENING, AtCenter, AtDistalEnd
 from ..validation import Points, as_number
-from .value import TreatedStent
+from .value import PlacedStent
 
 _LEAST_LEFT = 0.5
 """Percent, by diameter or by area; less is told as 0 %, or as wider than the reference."""
@@ -43,7 +43,7 @@ class TreatedLesion:
 
 def treated_lesions(
     lesions: Sequence[Lesion],
-    stents: Sequence[TreatedStent],
+    stents: Sequence[PlacedStent],
     after: Surface,
     before: Surface | None = None,
 ) -> tuple[TreatedLesion, ...]:
@@ -53,7 +53,8 @@ def treated_lesions(
     ----------
     lesions : sequence of Lesion
         `find_lesions` of the vessel before treatment.
-    stents : sequence of TreatedStent
+    stents : sequence of PlacedStent
+        Where they lie, such as those of a result.
     after : Surface
         After all stents.
     before : Surface, optional

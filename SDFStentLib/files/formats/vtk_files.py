@@ -21,7 +21,6 @@ from vtkmodules.vtkCommonDataModel import (
     vtkPolyData,
     vtkUnstructuredGrid,
 )
-from vtkmodules.vtkIOLegacy import vtkPolyDataWriter
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter, vtkXMLUnstructuredGridWriter
 
 from ...units import Frame
@@ -93,6 +92,9 @@ def encode_legacy(polydata: vtkPolyData, title: str) -> bytes:
 
     Ids beyond 32 bits are written as 64-bit integers, in the same role.
     """
+    # Late: few files are old ones, and these have a library of their own.
+    from vtkmodules.vtkIOLegacy import vtkPolyDataWriter
+
     writer = vtkPolyDataWriter()
     writer.SetFileTypeToBinary()
     writer.SetHeader(title)
