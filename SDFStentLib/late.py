@@ -94,7 +94,7 @@ class _PartlyLateLoader:
 
     def __init__(self, loader: Loader, modules: Mapping[str, str]) -> None:
         self._loader, self._modules = loader, modules
-        self._lock, self._is_executing = RLock(), False
+        self._lock, self._is_executing, self._is_executed = RLock(), False, False
 
     def create_module(self, spec: ModuleSpec) -> ModuleType | None:
         """As without this."""
@@ -116,7 +116,8 @@ class _PartlyLateLoader:
         with self._lock:
             if self._is_executing:
                 raise AttributeError(f"module {module.__name__!r} has no attribute {name!r}")
-            if _ATTRIBUTE in vars(module):
+            # Not by the way to names: the package may have put one of its own there meanwhile.
+            if not self._is_executed:
                 self._execute(module)
         return getattr(module, name)
 
@@ -127,5 +128,6 @@ class _PartlyLateLoader:
             self._loader.exec_module(module)
         finally:
             self._is_executing = False
+        self._is_executed = True
         if vars(module)[_ATTRIBUTE] is ours:
             del vars(module)[_ATTRIBUTE]
