@@ -30,6 +30,10 @@ from . import mrml, slicer_stand_in
 from .qmrml_widgets import qMRMLWidget
 from .qt_stand_in import wrapped
 
+IDLE = 0.002
+"""Seconds between two looks for events. An application sleeps until there is one; who only looks again takes a core, and the
+interpreter from the threads that are waited for."""
+
 
 @contextlib.contextmanager
 def withoutLaterModules(name):
@@ -131,6 +135,7 @@ class Host:
             self.qtApplication.processEvents(QtCore.QEventLoop.AllEvents, 10)
             if time.perf_counter() >= end:
                 return
+            time.sleep(IDLE)
 
     def processUntil(self, condition, seconds=300.0):
         """Let Qt run until the condition holds; fails after `seconds`."""
@@ -139,6 +144,7 @@ class Host:
             if time.perf_counter() > end:
                 raise TimeoutError(f"Still waiting after {seconds} s.")
             self.qtApplication.processEvents(QtCore.QEventLoop.AllEvents, 10)
+            time.sleep(IDLE)
 
     def click(self, button):
         """A left click in the middle of a button that the user can see and press."""
