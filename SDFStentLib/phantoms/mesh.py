@@ -132,23 +132,27 @@ class _Flips(NamedTuple):
 
 def _edges_to_flip(points: Points, triangles: Triangles) -> _Flips:
     found = edges(triangles)
-    sides = found.paired_sides
-    faces, side = np.divmod(sides, 3)
+    faces, side = np.divmod(found.paired_sides, 3)
     a = triangles[faces[:, 0], side[:, 0]]
     b = triangles[faces[:, 0], (side[:, 0] + 1) % 3]
     c = triangles[faces[:, 0], (side[:, 0] + 2) % 3]
     d = triangles[faces[:, 1], (side[:, 1] + 2) % 3]
     excess = -(_cotangent(points, c, a, b) + _cotangent(points, d, a, b))
+    wanted = np.flatnonzero(excess > 1e-9)  # few once a mesh is even
+    faces, excess = faces[wanted], excess[wanted]
+    a, b, c, d = (corner[wanted] for corner in (a, b, c, d))
 
-    normals = face_normals(points, triangles)
-    old = normals[faces[:, 0]] + normals[faces[:, 1]]
-    wanted = excess > 1e-9
+    old = face_normals(points, triangles[faces[:, 0]]) + face_normals(
+        points, triangles[faces[:, 1]]
+    )
+    wanted = np.ones(len(faces), dtype=bool)
     for corners in (np.stack([c, a, d], axis=1), np.stack([c, d, b], axis=1)):
         wanted &= dot(face_normals(points, corners), old) > 1.0
     base = len(points)
-    old_keys = found.vertices[:, 0] * base + found.vertices[:, 1]
+    old_keys = found.vertices[:, 0] * base + found.vertices[:, 1]  # they rise
     new_keys = np.minimum(c, d) * base + np.maximum(c, d)
-    wanted &= ~np.isin(new_keys, old_keys)
+    at = np.minimum(np.searchsorted(old_keys, new_keys), len(old_keys) - 1)
+    wanted &= old_keys[at] != new_keys
 
     # One flip per face and round: the edge that is worst in both its faces.
     score = np.where(wanted, excess, 0)
