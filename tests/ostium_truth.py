@@ -6,7 +6,6 @@ the definition is common. Slow on purpose.
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -14,10 +13,10 @@ from numpy.lib.stride_tricks import sliding_window_view
 from scipy import ndimage
 from scipy.spatial import KDTree
 from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
-from vtkmodules.vtkCommonCore import vtkIdList, vtkPoints
+from vtkmodules.vtkCommonCore import mutable, vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData, vtkStaticCellLocator
 
-RAYS, SPACING, FAR = 180, 0.5, 200.0
+RAYS, FEW_RAYS, SPACING = 180, 60, 0.5
 
 
 class Opening(NamedTuple):
@@ -40,17 +39,14 @@ class RayCaster:
         self.locator = vtkStaticCellLocator()
         self.locator.SetDataSet(self.polydata)
         self.locator.BuildLocator()
-        self.hits, self.cells = vtkPoints(), vtkIdList()
+        low, high = np.reshape(self.polydata.GetBounds(), (3, 2)).T
+        self.far = float(np.linalg.norm(high - low))
 
     def distance(self, start, direction):
-        found = self.locator.IntersectWithLine(
-            start, start + FAR * direction, 1e-9, self.hits, self.cells
-        )
-        if not found or not self.hits.GetNumberOfPoints():
-            return np.inf
-        origin = start.tolist()
-        count = self.hits.GetNumberOfPoints()
-        return min(math.dist(self.hits.GetPoint(i), origin) for i in range(count))
+        share, part, cell = mutable(0.0), mutable(0), mutable(0)
+        end, met, inside = start + self.far * direction, [0.0] * 3, [0.0] * 3
+        found = self.locator.IntersectWithLine(start, end, 1e-9, share, met, inside, part, cell)
+        return float(share) * self.far if found else np.inf
 
 
 def stations_of(axis, window):
@@ -67,9 +63,9 @@ def stations_of(axis, window):
     return positions, place(positions), directions / np.linalg.norm(directions, axis=1)[:, None]
 
 
-def cast(caster, centers, directions):
-    """Ray lengths (n, RAYS) and the directions of the rays (n, RAYS, 3)."""
-    angles = np.arange(RAYS) * 2 * np.pi / RAYS
+def cast(caster, centers, directions, count=RAYS):
+    """Ray lengths (n, count) and the directions of the rays (n, count, 3)."""
+    angles = np.arange(count) * 2 * np.pi / count
     first = np.cross(directions[0], np.eye(3)[np.abs(directions[0]).argmin()])
     lengths, rays = [], []
     for center, direction in zip(centers, directions, strict=True):
@@ -91,8 +87,8 @@ def opened(values, size):
 
 def expected(lengths, radius):
     along = opened(lengths, int(6 * radius / SPACING))
-    turns = np.tile(lengths, 3).T
-    round_about = opened(turns, int(RAYS * 240 / 360)).T[:, RAYS : 2 * RAYS]
+    turns, count = np.tile(lengths, 3).T, lengths.shape[1]
+    round_about = opened(turns, int(count * 240 / 360)).T[:, count : 2 * count]
     return np.maximum(along, round_about)
 
 
@@ -120,8 +116,8 @@ def openings_at(points, triangles, axis, before, stent_length, thresholds, depth
     sides = np.percentile(lengths, 30, axis=1, method="lower")
     radius = float(np.median(sides[np.isfinite(sides)]))
     positions, centers, directions = stations_of(axis, radius)
-    for _ in range(3):
-        lengths, rays = cast(caster, centers, directions)
+    for count in (FEW_RAYS, FEW_RAYS, RAYS):  # few tell where the middle is
+        lengths, rays = cast(caster, centers, directions, count)
         wall = expected(lengths, radius)
         # Middle of the expected section: its corners' triangles, weighted by area.
         corners = np.where(np.isfinite(wall), wall, 0)[..., None] * rays

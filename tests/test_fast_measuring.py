@@ -63,7 +63,7 @@ def a_vessel(request):
 @pytest.fixture(scope="module", params=["branches", "tree", *ANATOMIES])
 def a_vessel_and_its_tree(request):
     if request.param == "tree":
-        made = vascular_tree(12, 1.0)
+        made = vascular_tree(8, 1.0)
     elif request.param in PHANTOMS:
         made = PHANTOMS[request.param]()
     else:

@@ -18,7 +18,7 @@ RADII = {"tube_with_neighbor": 4.2, "branching_pulmonary_artery": 4.0}
 
 ANATOMY_STENTS = {
     "aorta_iliac": (200, 36, 12.0),
-    "pulmonary": (20, 25, None),
+    "pulmonary": (22, 25, None),
     "vmtk_aorta": (20, 25, None),
 }
 """Across a bifurcation each: start, length and radius (None: 1.25 times the widest lumen)."""

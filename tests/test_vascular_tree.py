@@ -20,7 +20,7 @@ LESIONS = {0: 0.5, 1: 0.3, 4: 0.6, 8: 0.4, 14: 0.5}
 
 @cache
 def tree(diseased=False):
-    return vascular_tree(8, 0.8, LESIONS if diseased else None)
+    return vascular_tree(8, 0.8, LESIONS) if diseased else vascular_tree(8, 1.0)
 
 
 def test_a_tree_of_eight_outlets_is_sound_and_has_its_openings():
