@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from deployment_cases import phantom
 
-from SDFStentLib.geometry import Surface, resampled, tangents
+from SDFStentLib.geometry import Surface, length, resampled, tangents
 from SDFStentLib.geometry.distance import SurfaceIndex, closest_points_on_triangles
 from SDFStentLib.measure import inscribed
 from SDFStentLib.measure.cross_section import equivalent_diameters
@@ -321,6 +322,21 @@ def test_a_profile_measures_both_diameters_at_equal_distances_with_both_ends():
     assert profile.sd == pytest.approx(0, abs=1e-5)
     assert profile.gaps == ()
     assert not profile.centers.flags.writeable
+
+
+def test_stations_far_apart_have_the_places_and_planes_of_the_axis_not_of_its_chords():
+    """Along a hairpin every 12 mm: positions fell behind by a tenth, and sections lay askew."""
+    made = phantom("hairpin_tube", edge_length=0.8)
+    (line,) = (
+        made.centerline.points[made.centerline.ancestry(leaf)] for leaf in made.centerline.leaves
+    )
+    far, near = (diameter_profile(made.surface, line, spacing) for spacing in (12.0, 1.0))
+    assert len(far.arc_length) == 1 + round(length(line) / 12)
+    assert far.arc_length[-1] == pytest.approx(length(line), abs=0.05)
+    np.testing.assert_allclose(np.diff(far.arc_length), far.arc_length[1], rtol=0.01)
+    for name in ("inscribed_diameter", "equivalent_diameter"):
+        of_near = np.interp(far.arc_length, near.arc_length, getattr(near, name))
+        np.testing.assert_allclose(getattr(far, name)[1:-1], of_near[1:-1], atol=0.03)
 
 
 def test_the_part_of_a_profile_holds_the_stations_between_two_positions():

@@ -15,8 +15,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..cautions import Caution
-from ..geometry import Surface, arc_lengths, as_surface, resampled, tangents
-from ..validation import Flags, Floats, Indices, InputError, Points, as_number, read_only
+from ..geometry import (
+    Surface,
+    arc_lengths,
+    as_surface,
+    length,
+    resampled_to,
+    segment_count,
+    tangents,
+)
+from ..validation import Flags, Floats, Indices, InputError, Points, as_number, as_points, read_only
 from .closed_ends import NO_CAPS, open_at_ends, past_closed_ends
 from .cross_section import winding_numbers
 from .cut_sections import cut_at_ostia
@@ -25,6 +33,12 @@ from .stations import Stations, measured_at
 
 _WINDING_INSIDE = 0.3
 """Winding numbers are 1 inside, 0 outside and 1/2 in the middle of an open end."""
+
+_APART = 1.0
+"""Distance of the stations that are measured, mm, of which as many as are asked for are told."""
+
+_MOST = 20_000
+"""Stations between those that are asked for, at most: a line of kilometers is in another unit."""
 
 _COLUMNS = ("arc_length", "centers", "inscribed_diameter", "equivalent_diameter", "is_cut")
 
@@ -142,10 +156,16 @@ def diameter_profile(surface: Surface, axis: ArrayLike, spacing: float = 1.0) ->
         No surface, fewer than two axis points, or a spacing that is not above 0.
     """
     surface = as_surface(surface)
-    stations = resampled(axis, as_number(spacing, "spacing", unit="mm", above=0))
+    line = as_points(axis, "polyline", minimum=2)
+    along = length(line)
+    count = segment_count(along, as_number(spacing, "spacing", unit="mm", above=0))
+    # Farther apart they would cut the bends of the axis, and look across its chords.
+    between = max(1, round(min(along, _MOST * _APART) / count / _APART))
+    stations = resampled_to(line, count * between + 1)
     wall = open_at_ends(surface, stations)
     measured = measured_at(surface, stations, tangents(stations), wall.triangles)
-    return profile_of(surface, arc_lengths(stations), measured, caps=wall.caps)
+    profile = profile_of(surface, arc_lengths(stations), measured, caps=wall.caps)
+    return profile.taken(slice(None, None, between))
 
 
 def profile_of(
