@@ -90,8 +90,13 @@ def caps_of(surface: Surface) -> list[FlatCap]:
     return found
 
 
-def _flat_spots(points: Points, faces: Triangles, *, rimless: bool = False) -> list[_FlatSpot]:
-    """Flat spots among some faces, those without a rim only where they are asked for."""
+def _flat_spots(
+    points: Points, faces: Triangles, *, rimless: bool = False, across: Floats | None = None
+) -> list[_FlatSpot]:
+    """Flat spots among some faces, those without a rim only where they are asked for.
+
+    Where a direction is given, only those across it.
+    """
     if len(faces) < FEWEST_FACES:
         return []
     normals = face_normals(points, faces)
@@ -102,19 +107,38 @@ def _flat_spots(points: Points, faces: Triangles, *, rimless: bool = False) -> l
 
     border = label[pairs[:, 0]] != label[pairs[:, 1]]
     sides, angles = label[pairs[border]], np.repeat(cosine[border, None], 2, axis=1)
-    count = np.bincount(sides.ravel(), minlength=label.max() + 1)
-    steep = np.bincount(sides.ravel(), weights=(angles < RIM).ravel(), minlength=len(count))
+    size = np.bincount(label)
+    count = np.bincount(sides.ravel(), minlength=len(size))
+    steep = np.bincount(sides.ravel(), weights=(angles < RIM).ravel(), minlength=len(size))
     has_rim = steep > 0.8 * count
-    is_spot = (np.bincount(label) >= FEWEST_FACES) & (has_rim | rimless)
-    found = []
+    mean = np.stack([np.bincount(label, column) for column in normals.T], axis=1) / size[:, None]
+    length = np.linalg.norm(mean, axis=1)
+    # Every triangle of a mesh that was subdivided is a flat spot: most are left out before the
+    # faces of each are gathered.
+    is_spot = (size >= FEWEST_FACES) & (has_rim | rimless) & (length >= ONE_WAY)
+    if across is not None:
+        is_spot &= np.abs(product(mean, across)) > ACROSS * length
     chosen = np.flatnonzero(is_spot[label])
     chosen = chosen[np.argsort(label[chosen], kind="stable")]
-    for own in np.split(chosen, np.flatnonzero(np.diff(label[chosen])) + 1) if len(chosen) else []:
-        mean = normals[own].mean(axis=0)
-        length = np.linalg.norm(mean)
-        if length >= ONE_WAY:
-            found.append(_FlatSpot(FlatCap(own, mean / length), bool(has_rim[label[own[0]]])))
-    return found
+    spots = label[chosen]
+    parts = np.split(chosen, np.flatnonzero(np.diff(spots)) + 1) if len(chosen) else []
+    return [
+        _FlatSpot(FlatCap(own, mean[spot] / length[spot]), bool(has_rim[spot]))
+        for own, spot in zip(parts, np.unique(spots), strict=True)
+    ]
+
+
+def caps_at_ends(surface: Surface, axis: Points, reach: float) -> NDArray[np.bool_]:
+    """`caps_across` of a surface whose caps are asked for again and again."""
+    points, triangles = surface.points, surface.triangles
+    is_capped = np.zeros(len(triangles), dtype=bool)
+    for end, inner in (axis[:2], axis[:-3:-1]):
+        direction = (end - inner) / np.linalg.norm(end - inner)
+        for cap in caps_of(surface):
+            near = may_meet_box(points, triangles[cap.faces], end - reach, end + reach)
+            if abs(cap.normal @ direction) > ACROSS and near.any():
+                is_capped[cap.faces] = True
+    return is_capped
 
 
 def caps_across(points: Points, faces: Triangles, axis: Points, reach: float) -> NDArray[np.bool_]:
@@ -149,8 +173,7 @@ def _caps_at(
                 break
             spots = [
                 (near[spot.cap.faces], spot.has_rim)
-                for spot in _flat_spots(points, faces[near], rimless=True)
-                if abs(spot.cap.normal @ direction) > ACROSS
+                for spot in _flat_spots(points, faces[near], rimless=True, across=direction)
             ]
             found = np.concatenate([NOTHING, *(own for own, has_rim in spots if has_rim)])
             if all(np.abs(points[faces[own]] - end).max() < reach for own, _ in spots):
