@@ -19,9 +19,13 @@ END_WITHIN_S = 3.0
 ALLOCATION = {
     "MALLOC_ARENA_MAX": "2",
     "MALLOC_TRIM_THRESHOLD_": "1000000",
+    "MALLOC_MMAP_THRESHOLD_": "1000000",
     "OMP_NUM_THREADS": "1",
 }
-"""Its many short threads would each keep memory that they have given back; and pages share the processors already."""
+"""Its many short threads would each keep memory that they have given back; and pages share the processors already.
+
+Arrays of less than a megabyte, of which a preview makes hundreds, are not asked of the system each time.
+"""
 
 
 class PageProcess:

@@ -26,7 +26,7 @@ DISPLAYABLE_MANAGERS = (
     "vtkMRMLColorLegendDisplayableManager",
     "vtkMRMLOrientationMarkerDisplayableManager",
 )
-MOST_PIXELS = 1_500_000
+MOST_PIXELS = 700_000
 """Of a frame, however large and fine the screen is: each takes 60 bytes of the window's buffers."""
 
 MOVING_SCALE = 0.6

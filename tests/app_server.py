@@ -17,16 +17,25 @@ PROJECT = Path(__file__).resolve().parents[1]
 
 
 class AppServer:
-    """Started with some arguments; what it writes for itself goes into `folder`."""
+    """Started with some arguments; what it writes for itself goes into `folder`.
 
-    def __init__(self, folder: Path, *arguments: str | Path) -> None:
+    A `browser` is a command that gets the address, as if there were a screen; default: none.
+    """
+
+    def __init__(
+        self, folder: Path, *arguments: str | Path, browser: str | Path | None = None
+    ) -> None:
         self.folder = folder
         folder.mkdir(exist_ok=True)
         environment = {
             name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"
         }
+        if browser is None:
+            arguments = ("--no-browser", *arguments)
+        else:
+            environment |= {"BROWSER": str(browser), "WAYLAND_DISPLAY": "of-the-tests"}
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "SDFStentLib", "app", "--no-browser", *map(str, arguments)],
+            [sys.executable, "-m", "SDFStentLib", "app", *map(str, arguments)],
             cwd=PROJECT,
             env={**environment, "TMPDIR": str(folder), "OMP_NUM_THREADS": "1"},
             stdout=subprocess.PIPE,

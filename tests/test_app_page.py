@@ -258,6 +258,9 @@ def test_a_lesion_is_treated_by_two_stents_and_the_shell_repeats_the_plan(a_visi
     lines = a_visit.page.locator(".results svg path")
     playwright.expect(lines).to_have_count(3)
     assert all(path.get_attribute("d").startswith("M") for path in lines.all())
+    table = a_visit.page.locator(".results table")
+    columns = table.locator("th").all_text_contents()
+    seen = [row.locator("td").all_text_contents() for row in table.locator("tbody tr").all()]
     archive = zipfile.ZipFile(io.BytesIO(a_visit.saved("savePlanButton")))
     archive.extractall(tmp_path)
     (tmp_path / "page.vtp").write_bytes(a_visit.saved("save-surface"))
@@ -265,6 +268,20 @@ def test_a_lesion_is_treated_by_two_stents_and_the_shell_repeats_the_plan(a_visi
     assert [stent.stent.length for stent in result.treatment.stents][1] == 12
     by_page = read_surface(tmp_path / "page.vtp").points
     np.testing.assert_allclose(result.treatment.points, by_page, rtol=0, atol=1e-9)
+    stent = result.treatment.stents[1]  # the one that was chosen last
+    before, after = stent.around_before, stent.around_after
+    rows = np.array([[float(text or "nan") for text in row] for row in seen])
+    stations = np.abs(before.arc_length - rows[:, :1]).argmin(axis=1)
+    measured = {
+        "Before (mm)": before.inscribed_diameter,
+        "After (mm)": after.inscribed_diameter,
+        "Equivalent before (mm)": before.equivalent_diameter,
+        "Equivalent after (mm)": after.equivalent_diameter,
+    }
+    assert len(rows) > 12
+    for name, values in measured.items():
+        of_page = rows[:, columns.index(name)]
+        np.testing.assert_allclose(of_page, values[stations], rtol=0, atol=0.0501)
     report = a_visit.saved("save-report").decode()
     assert result.treatment.certificate.sentence()[:40] in report
 

@@ -6,6 +6,7 @@ import http.client
 import os
 import re
 import sys
+import time
 from pathlib import Path
 
 import psutil
@@ -66,17 +67,29 @@ def test_only_who_knows_the_token_is_answered_and_ctrl_c_leaves_nothing(a_server
     assert list(a_server.folder.iterdir()) == []
 
 
-def test_a_server_that_is_killed_leaves_no_page(a_server):
+@pytest.mark.skipif(os.name == "nt", reason="the browser is a script of the shell")
+def test_a_server_that_is_killed_leaves_no_page_and_the_next_one_opens_the_browser(
+    a_server, tmp_path
+):
     get(a_server.address)
     (page,) = a_server.pages()
     a_server.process.kill()
     a_server.process.wait()
     page.wait(timeout=PATIENCE)
     assert list(a_server.folder.iterdir()) == []
-    again = AppServer(a_server.folder, "--port", a_server.origin.rsplit(":", 1)[1])
+    browser, opened = tmp_path / "browser", tmp_path / "opened"
+    browser.write_text(f'#!/bin/sh\necho "$@" > "{opened}"\n', encoding="utf-8")
+    browser.chmod(0o755)
+    port = a_server.origin.rsplit(":", 1)[1]
+    again = AppServer(a_server.folder, "--port", port, browser=browser)
     assert again.origin == a_server.origin
     assert get(a_server.address)[0] == 403  # the token of before
+    for _attempt in range(10 * PATIENCE):
+        if opened.exists() and opened.read_text(encoding="utf-8"):
+            break
+        time.sleep(0.1)
     again.close()
+    assert opened.read_text(encoding="utf-8") == f"{again.address}\n"
 
 
 @pytest.mark.parametrize(
