@@ -98,23 +98,38 @@ def test_the_full_method_takes_no_preview_back_before_it_has_ended(host, aStent,
     assert moved[0] < 0.5 * moved[-1]  # it is seen from the beginning
 
 
-def test_the_full_method_begins_unseen_before_a_hand_is_taken_to_have_stopped(host, aStent):
+def test_the_full_method_begins_unseen_before_a_hand_is_taken_to_have_stopped(
+    host, aStent, monkeypatch
+):
     from SDFStentSlicer import Clock
 
     ui, session = aStent.ui, aStent.session
+    steps, begun, isHeld = aStent.logic.steps, [], False
+
+    def held(*arguments, live, **more):
+        begun.append("preview" if live else "full")
+        for step in steps(*arguments, live=live, **more):
+            yield step
+            while isHeld and not live:  # Ends: when the test has looked.
+                yield step
+
+    monkeypatch.setattr(aStent.logic, "steps", held)
     ui.autoUpdateCheckBox.checked = True
     settle(host, aStent)
     told, onStart = [], session._onStart
     session._onStart = lambda: (onStart(), told.append(session.isPreview))
     session._settleTimer = Clock.timer(session._settle, 3_600_000)
-    for diameter in (9.0, 9.5):
+    isHeld, begun = True, []
+    for count, diameter in enumerate((9.0, 9.5), 1):
         ui.diameterSlider.value = diameter
-        host.processUntil(lambda: session._settleTimer.isActive())
+        host.processUntil(lambda count=count: begun.count("full") == count)
+        assert session._settleTimer.isActive()
         assert session.isRunning
         assert session.isPreview
         assert "(preview)" in ui.lumenLabel.text
         assert ui.deployButton.enabled
         assert not ui.progressBar.visible
+    isHeld = False
     settle(host, aStent)
     assert told == [True]  # from the full method to the first preview: nothing flickers in between
     assert "(9.5 prescribed)" in ui.lumenLabel.text
