@@ -15,6 +15,11 @@ from .view import NAME
 
 TITLE = "SDF Stent"
 STYLE = Path(__file__).with_name("page.css")
+FOLLOW_THEME = """const isDark = window.matchMedia('(prefers-color-scheme: dark)');
+const tell = () => trigger('theme', [isDark.matches ? 'dark' : 'light']);
+isDark.addEventListener('change', tell); tell();"""
+"""The browser's light or dark, now and when it changes, as the background of the view."""
+
 EVENT_EVERY_MS = 20
 """The mouse is heard no more often."""
 
@@ -30,9 +35,7 @@ def build(page: Any) -> None:
     with DivLayout(server) as layout:
         layout.root.classes = "page"
         client.Style(STYLE.read_text(encoding="utf-8"))
-        client.ClientTriggers(
-            mounted="trigger('theme', [window.matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light'])"
-        )
+        client.ClientTriggers(mounted=FOLLOW_THEME)
         html.Div(
             f"<h1>{TITLE}</h1>{template.MESSAGE}{template.OPENING}{template.CHOOSER}{panel}"
             f"{template.saving_row()}",
