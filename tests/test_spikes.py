@@ -16,6 +16,7 @@ from deployment_cases import anatomy, phantom
 from mesh_files import PROJECT
 
 from SDFStentLib.cautions import Caution
+from SDFStentLib.certificate import MotionCheck
 from SDFStentLib.certificate.certificate import Certificate
 from SDFStentLib.deformation.deployment import Deployment
 from SDFStentLib.deformation.lumen import largest_push
@@ -278,6 +279,11 @@ def test_a_point_moved_too_far_is_not_certified_and_says_where():
     np.testing.assert_allclose(check.point, before[spike])
     assert check.distance == pytest.approx(np.linalg.norm(after[spike] - before[spike]))
     assert f"a point that moved {check.distance:.1f} mm" in check.fault()
+    slightly = MotionCheck(3.729, 3.690, (1.0, 2.0, 3.0))
+    assert slightly.fault() == (
+        "a point that moved 3.7 mm, 0.039 mm farther than the method moves it, from "
+        "(1.0, 2.0, 3.0) mm"
+    )
 
 
 def test_a_lumen_blown_up_beyond_the_stent_is_not_certified():

@@ -46,8 +46,9 @@ class MotionCheck:
     def fault(self) -> str:
         """What is wrong and where, as a part of a sentence."""
         return (
-            f"a point that moved {self.distance:.1f} mm, where the method moves at most "
-            f"{self.bound:.1f} mm, from {_in_words(self.point)}"
+            f"a point that moved {self.distance:.1f} mm, "
+            f"{self.distance - self.bound:.3g} mm farther than the method moves it, "
+            f"from {_in_words(self.point)}"
         )
 
     def as_dict(self) -> dict[str, Any]:
