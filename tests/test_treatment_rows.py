@@ -17,6 +17,7 @@ from SDFStentLib.centerline import Centerline
 from SDFStentLib.phantoms.phantoms import branching_pulmonary_artery, stenosed_tube
 from SDFStentLib.plan import Plan
 from SDFStentLib.stent import InputFile
+from SDFStentLib.treatment.value import label_of
 
 
 @pytest.fixture(scope="module")
@@ -119,3 +120,17 @@ def test_the_report_of_a_plan_comes_from_the_table_of_contents(tmp_path):
     write_report(plan_report(result), tmp_path / "report.json")
     found = json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))
     assert found["stents"] == plan_report(result).as_dict()["stents"]
+
+
+@pytest.mark.parametrize(
+    ("names", "labels"),
+    [
+        (["Stent 1"], [""]),
+        (["stump"], ["Stent 1 (stump): "]),
+        (["Stent 1", ""], ["Stent 1: ", "Stent 2: "]),
+        (["Stent 1", "Stent 1"], ["Stent 1: ", "Stent 2 (Stent 1): "]),
+    ],
+)
+def test_a_warning_names_its_stent_once(names, labels):
+    stents = [Stent(7.0, placement=AtCenter((0, 0, 0)), length=10, name=name) for name in names]
+    assert [label_of(stents, number + 1) for number in range(len(names))] == labels

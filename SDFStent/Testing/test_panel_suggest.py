@@ -146,7 +146,7 @@ def test_ratios_are_in_previews_and_in_the_results(host, aLesion):
     settle(host, panel)
     assert "(preview)" not in ui.lumenLabel.text
     assert ratio in ui.lumenLabel.text
-    assert f"Warning: Stent 1 (Stent 1): {wide}" in ui.warningLabel.text
+    assert f"Warning: {wide}" in ui.warningLabel.text
 
 
 def test_a_lesion_that_is_gone_is_no_longer_offered(host, aLesion):

@@ -282,11 +282,11 @@ def resolved(stent: Stent, placed: Mapping[int, PlacedStent]) -> tuple[Stent, St
 
 
 def label_of(stents: Sequence[Stent], number: int) -> str:
-    """How a message names a stent; empty when there is only one, without a name."""
-    name = stents[number - 1].name
-    if len(stents) == 1 and not name:
-        return ""
-    return f"Stent {number} ({name}): " if name else f"Stent {number}: "
+    """How a message names a stent; empty when there is only one, without a name of its own."""
+    plain, name = f"Stent {number}", stents[number - 1].name
+    if name in ("", plain):
+        return "" if len(stents) == 1 else f"{plain}: "
+    return f"{plain} ({name}): "
 
 
 @contextmanager
