@@ -30,9 +30,9 @@ from . import mrml, slicer_stand_in
 from .qmrml_widgets import qMRMLWidget
 from .qt_stand_in import wrapped
 
-IDLE = 0.002
-"""Seconds between two looks for events. An application sleeps until there is one; who only looks again takes a core, and the
-interpreter from the threads that are waited for."""
+LOOK_MS = 20
+"""Between two looks at what is waited for, where no event comes. An application sleeps until there is one; who only looks again
+takes a core, and the interpreter from the threads that are waited for."""
 
 
 @contextlib.contextmanager
@@ -68,6 +68,7 @@ class Host:
     def __init__(self):
         self.qtApplication = QtWidgets.QApplication.instance() or QtWidgets.QApplication([])
         self.qtApplication.setStyle("Fusion")
+        self._alarm = QtCore.QTimer(singleShot=True)
         self.application = mrml.Application()
         self.files = []
         slicer_stand_in.install(self.application, self.files, os.environ.get("SLICER_CHECKOUT"))
@@ -135,7 +136,7 @@ class Host:
             self.qtApplication.processEvents(QtCore.QEventLoop.AllEvents, 10)
             if time.perf_counter() >= end:
                 return
-            time.sleep(IDLE)
+            self._sleep()
 
     def processUntil(self, condition, seconds=300.0):
         """Let Qt run until the condition holds; fails after `seconds`."""
@@ -143,8 +144,14 @@ class Host:
         while not condition():
             if time.perf_counter() > end:
                 raise TimeoutError(f"Still waiting after {seconds} s.")
-            self.qtApplication.processEvents(QtCore.QEventLoop.AllEvents, 10)
-            time.sleep(IDLE)
+            self._sleep()
+
+    def _sleep(self):
+        """Until there is an event, and deliver it."""
+        self._alarm.start(LOOK_MS)
+        self.qtApplication.processEvents(
+            QtCore.QEventLoop.AllEvents | QtCore.QEventLoop.WaitForMoreEvents
+        )
 
     def click(self, button):
         """A left click in the middle of a button that the user can see and press."""
