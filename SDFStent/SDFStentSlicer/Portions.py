@@ -2,7 +2,8 @@
 
 import threading
 
-from . import Clock
+WAIT_S = 0.005
+"""What a turn of the event loop may be late by."""
 
 _left = []
 """Threads that nobody waits for any more."""
@@ -28,12 +29,12 @@ def inPortions(function):
 
     thread = threading.Thread(target=run, daemon=True)
     thread.start()
-    thread.join(Clock.wait())
+    thread.join(WAIT_S)
     try:
         # Ends: with the function; who does not want to wait closes the generator.
         while thread.is_alive():
             yield None
-            thread.join(Clock.wait())
+            thread.join(WAIT_S)
         yield None
     finally:
         if thread.is_alive():
