@@ -44,13 +44,6 @@ def inPortions(function):
     return outcome["value"]
 
 
-def begun(function):
-    """`inPortions` whose thread runs already, beside what else is done until somebody iterates it for what it returns."""
-    portions = inPortions(function)
-    next(portions)
-    return portions
-
-
 def countLeft():
     """How many functions still run though nobody waits for them."""
     _left[:] = [thread for thread in _left if thread.is_alive()]

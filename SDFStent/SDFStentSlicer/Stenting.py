@@ -9,7 +9,7 @@ from SDFStentLib.measure import displacements, face_stretches
 from SDFStentLib.stent import OfStent, Stent, StentAxis, redilated
 from SDFStentLib.treatment import Treatment, treated_lesions
 
-from .Portions import begun, inPortions
+from .Portions import inPortions
 
 
 class DrawnStent(NamedTuple):
@@ -59,7 +59,6 @@ class Stenting:
         self.surface, self.points, self.centerline = surface, surface.points, centerline
         self.recorded, self._axes = [], {}
         self.places, self.result = list(places), None
-        self._survey = ()
         self.search, self.lesions = search, None
         self.shownMap = self.shownStent = self.shownFlow = None
         self._treatment = Treatment(
@@ -78,10 +77,7 @@ class Stenting:
         And None about every 5 ms while a step is being computed: the last one of a stent also finishes and certifies the
         lumen, which may take a second.
         """
-        treatment = self._treatment
-        states = iter(treatment)
-        # No state takes part in it: it is measured beside them.
-        self._survey = begun(lambda: treatment.survey)
+        states = iter(self._treatment)
         # Ends: a treatment has as many states as radius steps, whose number is bounded.
         while True:
             state = yield from inPortions(lambda: next(states, None))
@@ -114,25 +110,19 @@ class Stenting:
         return (yield from inPortions(lambda: [tree.ancestry(leaf) for leaf in tree.leaves]))
 
     def survey(self):
-        """Wait for what does not depend on the steps and was measured beside them; yields None until it is done."""
-        yield from self._survey
+        """Measure what does not depend on the steps; yields None until it is done."""
+        yield from inPortions(lambda: self._treatment.survey)
 
     def measure(self):
         """Diameters, certificate and lesions of the finished treatment; yields None until it is done."""
         yield from self.survey()
-        lesions = None
+        self.result = result = yield from inPortions(lambda: self._treatment.result)
         if self.search is not None:
             yield from self.search.portions()
-            found, before, (stents, after) = (
-                self.search.found,
-                self.surface,
-                self._treatment.deployed,
+            found = self.search.found
+            self.lesions = yield from inPortions(
+                lambda: treated_lesions(found, result.stents, result.surface, self.surface)
             )
-            # Neither needs the other: both are measured at the same time.
-            lesions = begun(lambda: treated_lesions(found, stents, after, before))
-        self.result = yield from inPortions(lambda: self._treatment.result)
-        if lesions is not None:
-            self.lesions = yield from lesions
 
     def at(self, percent):
         """All points at a percentage of the way, and a `DrawnStent` for every stent that is there by then.

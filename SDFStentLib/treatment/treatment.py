@@ -164,15 +164,6 @@ class Treatment:
             self._result = self._measured()
         return self._result
 
-    @property
-    def deployed(self) -> tuple[tuple[PlacedStent, ...], Surface]:
-        """The stents where they lie, and the surface that they left, once this was iterated.
-
-        For what is asked of them beside `result`, in another thread.
-        """
-        placed = (PlacedStent(stage.number, stage.stent, stage.axis) for stage in self._stages)
-        return tuple(placed), self._final[0]
-
     def label(self, number: int) -> str:
         """How a message names a stent; empty when there is only one, without a name."""
         return label_of(self.stents, number)
