@@ -15,7 +15,7 @@ import secrets
 import signal
 import sys
 import webbrowser
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Iterator
 from typing import Any, NamedTuple
 
 import aiohttp
@@ -113,13 +113,14 @@ class Server:
             )
         name, _, tail = rest.partition("/")
         page = self.pages.get(name)
-        if page is None:
-            if tail not in ("", INDEX):
-                return _sentence(404, "This page was closed.")
-            return await self._new_page("../" * rest.count("/") if slash else f"{token}/")
-        if request.headers.get("Upgrade", "").lower() == "websocket":
-            return await self._pass_messages(request, page, tail)
-        return await self._pass_answer(request, page, tail or INDEX)
+        if page is not None:
+            try:
+                return await self._pass(request, page, tail)
+            except _PageHasFailed:
+                await page.end()  # a browser may see it before we hear of it
+        if tail not in ("", INDEX):
+            return _sentence(404, "This page was closed.")
+        return await self._new_page("../" * rest.count("/") if slash else f"{token}/")
 
     async def _new_page(self, way: str) -> web.StreamResponse:
         """Send the browser to a page of its own; `way` leads below the token, behind whatever proxy."""
@@ -136,6 +137,12 @@ class Server:
             return _sentence(500, str(error))
         raise web.HTTPFound(f"{way}{page.name}/{INDEX}", headers=KEPT_HEADERS)
 
+    async def _pass(self, request: web.Request, page: PageProcess, tail: str) -> web.StreamResponse:
+        """Raises `_PageHasFailed` where it cannot be reached."""
+        if request.headers.get("Upgrade", "").lower() == "websocket":
+            return await self._pass_messages(request, page, tail)
+        return await self._pass_answer(request, page, tail or INDEX)
+
     async def _pass_answer(
         self, request: web.Request, page: PageProcess, tail: str
     ) -> web.StreamResponse:
@@ -144,15 +151,16 @@ class Server:
             return web.json_response(None, headers=KEPT_HEADERS)
         if request.method not in ("GET", "HEAD"):
             return _sentence(405, "Pages are only read.")
-        url = f"http://127.0.0.1:{await page.port()}/{tail}"
         headers = _passed_on(request, page)
-        async with self._client.request(
-            request.method, url, headers=headers, params=request.query, allow_redirects=False
-        ) as found:
-            body = await found.read()
-            kept = ("Content-Type", "Content-Encoding")
-            answer = {key: found.headers[key] for key in kept if key in found.headers}
-            return web.Response(status=found.status, body=body, headers={**answer, **KEPT_HEADERS})
+        with _reaching():
+            url = f"http://127.0.0.1:{await page.port()}/{tail}"
+            async with self._client.request(
+                request.method, url, headers=headers, params=request.query, allow_redirects=False
+            ) as found:
+                body = await found.read()
+        kept = ("Content-Type", "Content-Encoding")
+        answer = {key: found.headers[key] for key in kept if key in found.headers}
+        return web.Response(status=found.status, body=body, headers={**answer, **KEPT_HEADERS})
 
     async def _pass_messages(
         self, request: web.Request, page: PageProcess, tail: str
@@ -161,16 +169,33 @@ class Server:
         browser = web.WebSocketResponse(
             max_msg_size=LARGEST_MESSAGE, compress=False, heartbeat=HEARTBEAT_S
         )
-        await browser.prepare(request)
-        url = f"http://127.0.0.1:{await page.port()}/{tail}"
         with page.visited():
-            async with self._client.ws_connect(
-                url, headers={HEADER: page.secret}, max_msg_size=LARGEST_MESSAGE
-            ) as inside:
-                ways = [_pass_on(browser, inside), _pass_on(inside, browser)]
-                await _until_one_ends(ways)
+            with _reaching():
+                inside = await self._client.ws_connect(
+                    f"http://127.0.0.1:{await page.port()}/{tail}",
+                    headers={HEADER: page.secret},
+                    max_msg_size=LARGEST_MESSAGE,
+                )
+            try:
+                await browser.prepare(request)
+                await _until_one_ends([_pass_on(browser, inside), _pass_on(inside, browser)])
+            finally:
+                await inside.close()
             await browser.close()
         return browser
+
+
+class _PageHasFailed(Exception):
+    """Nobody answers where a page was."""
+
+
+@contextlib.contextmanager
+def _reaching() -> Iterator[None]:
+    """Within the block nobody but a page is asked; a browser that is gone is no fault of the page's."""
+    try:
+        yield
+    except (aiohttp.ClientConnectionError, RuntimeError) as error:
+        raise _PageHasFailed from error
 
 
 def _passed_on(request: web.Request, page: PageProcess) -> dict[str, str]:

@@ -67,6 +67,16 @@ def test_only_who_knows_the_token_is_answered_and_ctrl_c_leaves_nothing(a_server
     assert list(a_server.folder.iterdir()) == []
 
 
+def test_a_page_that_has_failed_is_another_one_at_once_when_it_is_loaded_again(a_server):
+    _, _, address = get(a_server.address)
+    for _time in range(3):
+        (page,) = a_server.pages()
+        page.kill()  # and before the server has heard of it:
+        status, text, address = get(address)
+        assert (status, '<div id="app">' in text) == (200, True)
+    assert a_server.interrupt() == ""
+
+
 @pytest.mark.skipif(os.name == "nt", reason="the browser is a script of the shell")
 def test_a_server_that_is_killed_leaves_no_page_and_the_next_one_opens_the_browser(
     a_server, tmp_path
