@@ -23,7 +23,7 @@ class LesionTable:
 
     def __init__(self, ui, searchOf, onSelect, onFound):
         self.ui, self._searchOf, self._onSelect, self._onFound = ui, searchOf, onSelect, onFound
-        self._parameterNode = self._search = None
+        self._parameterNode = self._search = self._inputs = None
         self._updating = False
         self._run = SteppedRun(lambda _value: None, self._done)
         self._timer = Clock.timer(self._begin, SETTLE_MS)
@@ -45,10 +45,14 @@ class LesionTable:
         return found[row] if isSelected and 0 <= row < len(found) else None
 
     def follow(self, parameterNode):
-        """Show the lesions of a parameter node's vessel, or of none; called whenever its inputs may have changed."""
-        if parameterNode is not self._parameterNode:
+        """Show the lesions of a parameter node's vessel, or of none; called whenever its inputs may have changed.
+
+        Those of another vessel are gone at once; those of one that is edited stay until it rests.
+        """
+        inputs = parameterNode and (parameterNode.vessel, parameterNode.centerline)
+        if parameterNode is not self._parameterNode or inputs != self._inputs:
             self._leave()
-        self._parameterNode = parameterNode
+        self._parameterNode, self._inputs = parameterNode, inputs
         if parameterNode is not None:
             self._timer.start()
 

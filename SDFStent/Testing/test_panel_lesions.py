@@ -111,7 +111,11 @@ def test_lesions_are_found_once_per_vessel_and_again_for_another(host, theInputs
     second = found(host, theInputs)
     assert second is not first
     np.testing.assert_allclose(np.subtract(second[0].point, first[0].point), [50, 0, 0], atol=0.05)
+    theInputs.ui.lesionTable.selectRow(0)
     theInputs.ui.centerlineSelector.setCurrentNode(None)
+    # At once: nothing is placed at a lesion of another vessel.
+    assert not theInputs.ui.lesionTable.visible
+    assert theInputs.lesions.selected is None
     host.processUntil(lambda: not theInputs.lesions.isBusy)
     assert not theInputs.ui.lesionTable.visible
 
