@@ -278,7 +278,7 @@ class Page:
             self.widget.logic.loadPlan(opened.plan, parameters)
         self.view.look_at_all()
         with self.server.state as state:
-            state.opening__v = True
+            state.opened += 1
         self.say(opened.warnings)
 
     def _close(self) -> None:

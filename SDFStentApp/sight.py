@@ -59,7 +59,7 @@ def _begin(page: Any) -> None:
     state.message, state.isPlacing, state.isSaving, state.canSave = "", False, False, False
     state.surfacePath = state.centerlinePath = state.chosenPath = ""
     state.fileUnits = page.told.get("units", "mm")
-    state.chooser, state.opening__v = {}, False
+    state.chooser, state.opened = {}, 0
     state.surfaceFiles = page.folders.listing((*SURFACES, *PLANS))
     state.centerlineFiles = page.folders.listing(CENTERLINES)
     state.plot, state.table = plot_of(None), table_of(None)

@@ -228,7 +228,7 @@ def _units() -> str:
 
 
 OPENING = f"""
-<details class="opening" :open="!opening__v" @toggle="opening__v = !$event.target.open" data-name="opening">
+<details class="opening" :key="opened" :open="!opened" data-name="opening">
 <summary>Open</summary>
 <div class="row"><button type="button" @click="trigger('demo')" data-name="demoButton">Synthetic patient</button></div>
 <form class="form" @submit.prevent="trigger('open', [surfacePath, centerlinePath, fileUnits])">

@@ -175,7 +175,11 @@ class Visit:
         rows = self.named("stentTable").locator("tbody tr")
         count = rows.count()
         self.named("addStentButton").click()
-        rows.nth(count).wait_for()
+        try:
+            rows.nth(count).wait_for()
+        except playwright.TimeoutError as error:
+            said = [self.text(one) for one in ("message", "statusLabel", "stentTable")]
+            raise AssertionError(f"there were {count} stents, no other was added: {said}") from error
 
     def seen(self, is_of_it, share=0.9):
         """A pixel of the view that has the color of something, so far down."""
@@ -284,6 +288,13 @@ def test_a_lesion_is_treated_by_two_stents_and_the_shell_repeats_the_plan(a_visi
         np.testing.assert_allclose(of_page, values[stations], rtol=0, atol=0.0501)
     report = a_visit.saved("save-report").decode()
     assert result.treatment.certificate.sentence()[:40] in report
+
+
+def test_what_is_opened_while_the_section_is_being_unfolded_folds_it(a_visit):
+    a_visit.named("opening").evaluate("""one => {
+        one.open = true;  // the browser tells the page of it later, after the click
+        one.querySelector('[data-name="demoButton"]').click(); }""")
+    playwright.expect(a_visit.named("opening")).not_to_have_attribute("open", "")
 
 
 def test_a_page_has_loaded_what_it_uses_of_vtk_and_no_more(the_visit, the_server):
