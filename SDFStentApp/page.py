@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import os
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine, Iterator
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, NamedTuple
 
 from trame_server.utils.namespace import Translator
 
@@ -33,6 +34,14 @@ SHOW_EVERY_S = 0.05
 
 LATEST_EDIT_S = 0.5
 """A value that is dragged is taken so late at most, however slowly what it changes is drawn."""
+
+
+class Kept(NamedTuple):
+    """A file that the browser keeps."""
+
+    name: str
+    type: str
+    content: bytes
 
 
 class Plain(Translator):
@@ -62,7 +71,9 @@ class Page:
         self._edited_at = -1
         self._shown_results: tuple[Any, ...] = ()
         self._placed = 0
-        self._written_to = ""
+        self._unseen = [str(self.uploads.folder)]
+        self._kept: list[Kept] = []
+        self._tasks: set[asyncio.Task[None]] = set()
 
     @property
     def parameters(self) -> Any:
@@ -159,7 +170,7 @@ class Page:
 
     def _seen(self, text: str) -> str:
         """What the browser has sent, and what it is given to keep, is called as it is there: nobody sees our folders."""
-        for folder in filter(None, (str(self.uploads.folder), self._written_to)):
+        for folder in self._unseen:
             text = text.replace(f"{folder}{os.sep}", "")
         return text
 
@@ -169,10 +180,13 @@ class Page:
         try:
             return action()
         except Exception as error:
-            # Whatever it is, the page goes on.
-            self.widget.logic.log(error)
-            self.say(self.widget.logic.sentence(error))
+            self._tell(error)
             return None
+
+    def _tell(self, error: Exception) -> None:
+        """Whatever it is, the page goes on."""
+        self.widget.logic.log(error)
+        self.say(self.widget.logic.sentence(error))
 
     # What the user does
 
@@ -300,61 +314,87 @@ class Page:
             if node is not None:
                 self.application.scene.RemoveNode(node)
 
-    async def save(self, kind: str) -> dict[str, Any] | None:
-        """A file for the browser to keep; None where it cannot be made, which the page says."""
-        if kind not in NAMES or self.server.state.isSaving:
-            return None
-        self.say("")
+    def save(self, kind: str) -> None:
+        """Make a file for the browser to keep; the page says why where it cannot be made."""
+        if kind in NAMES and not self.server.state.isSaving:
+            self.take_edits()
+            self.say("")
+            self._later(self._saved(kind))
+
+    async def _saved(self, kind: str) -> Kept:
         with self.server.state as state:
             state.isSaving = True
         try:
             path = Path(self.workshop.name) / "plan.json"
             self.widget.logic.savePlan(path, self.parameters)
             content = await asyncio.to_thread(exported, kind, path)
-        except Exception as error:
-            # Whatever it is, the page goes on.
-            self.widget.logic.log(error)
-            self.say(self.widget.logic.sentence(error))
-            return None
         finally:
             with self.server.state as state:
                 state.isSaving = False
-        name, media_type = NAMES[kind]
-        return {"name": name, "type": media_type, "content": content}
+        return Kept(*NAMES[kind], content)
 
-    async def gather(self, name: str) -> dict[str, Any] | None:
+    def gather(self, name: str) -> None:
         """What a button of the panel writes, for the browser to keep; where that is a folder, a second click stops it."""
-        if name in WRITES_FILE and self.panel.widgets[name].enabled:
-            return self._written(name)
-        if name not in WRITES_FOLDER or not self.panel.widgets[name].enabled:
-            return None
-        writer = {"comparePlansButton": self.widget.plans.comparing}.get(name)
-        writer = writer or self.widget.sections[-1].writing
-        if writer.isRunning:
-            self.click(name)
-            return None
-        with tempfile.TemporaryDirectory(prefix="sdfstent-") as self._written_to:
-            folder = Path(self._written_to)
+        if name not in {*WRITES_FILE, *WRITES_FOLDER} or not self.panel.widgets[name].enabled:
+            return
+        if name in WRITES_FILE:
+            self._later(self._written(name))
+        else:
+            writer = {"comparePlansButton": self.widget.plans.comparing}.get(name)
+            writer = writer or self.widget.sections[-1].writing
+            if writer.isRunning:
+                self.click(name)
+            else:
+                self._later(self._gathered(name, writer))
+
+    async def _written(self, name: str) -> Kept | None:
+        file, media_type = WRITES_FILE[name]
+        with self._folder() as folder:
+            path = folder / file
+            with self._dialog.answering(path):
+                self.click(name)
+            # Without it the panel says why.
+            return Kept(file, media_type, path.read_bytes()) if path.exists() else None
+
+    async def _gathered(self, name: str, writer: Any) -> Kept | None:
+        with self._folder() as folder:
             with self._dialog.answering(folder):
                 self.click(name)
             # Ends: with what the click has begun, or with a second one.
             while writer.isRunning:
                 await asyncio.sleep(0.1)
             content = await asyncio.to_thread(zipped_folder, folder)
-        if content is None:
-            return None
-        return {"name": WRITES_FOLDER[name], "type": "application/zip", "content": content}
+        return content and Kept(WRITES_FOLDER[name], "application/zip", content)
 
-    def _written(self, name: str) -> dict[str, Any] | None:
-        file, media_type = WRITES_FILE[name]
-        with tempfile.TemporaryDirectory(prefix="sdfstent-") as self._written_to:
-            path = Path(self._written_to) / file
-            with self._dialog.answering(path):
-                self.click(name)
-            if not path.exists():
-                return None  # the panel says why
-            content = path.read_bytes()
-        return {"name": file, "type": media_type, "content": content}
+    @contextlib.contextmanager
+    def _folder(self) -> Iterator[Path]:
+        """An empty one within the block, of which the page shows nothing then and later."""
+        with tempfile.TemporaryDirectory(prefix="sdfstent-") as folder:
+            self._unseen.append(folder)
+            yield Path(folder)
+
+    def _later(self, making: Coroutine[Any, Any, Kept | None]) -> None:
+        """Make a file while the page goes on: a call of the browser's holds up all that come after it."""
+
+        async def make() -> None:
+            try:
+                file = await making
+            except Exception as error:
+                self._tell(error)
+                return
+            if file is not None:
+                self._kept.append(file)
+                with self.server.state as state:
+                    state.made += 1  # the browser comes for it
+
+        task = asyncio.ensure_future(make())
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+
+    def fetch(self) -> list[dict[str, Any]]:
+        """All files that were made and not yet fetched."""
+        kept, self._kept = self._kept, []
+        return [file._asdict() for file in kept]
 
     def _places(self) -> list[PlaceWidget]:
         widgets = self.panel.widgets.values()

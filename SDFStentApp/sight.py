@@ -20,6 +20,12 @@ const tell = () => trigger('theme', [isDark.matches ? 'dark' : 'light']);
 isDark.addEventListener('change', tell); tell();"""
 """The browser's light or dark, now and when it changes, as the background of the view."""
 
+TRIGGERS = (
+    *("click", "edit", "ask", "choose", "open", "upload", "demo"),
+    *("save", "gather", "fetch"),
+)
+"""Methods of the page that the browser calls."""
+
 EVENT_EVERY_MS = 20
 """The mouse is heard no more often."""
 
@@ -28,7 +34,7 @@ def build(page: Any) -> None:
     """Make the markup of a page and the state variables that it begins with."""
     server = page.server
     _begin(page)
-    for name in ("click", "edit", "ask", "choose", "open", "upload", "demo", "save", "gather"):
+    for name in TRIGGERS:
         server.trigger(name)(getattr(page, name))
     server.trigger("theme")(page.view.paint)
     panel = template.markup(page.panel.top)
@@ -36,6 +42,7 @@ def build(page: Any) -> None:
         layout.root.classes = "page"
         client.Style(STYLE.read_text(encoding="utf-8"))
         client.ClientTriggers(mounted=FOLLOW_THEME)
+        client.ClientStateChange(value="made", change=template.KEEP)
         html.Div(
             f"<h1>{TITLE}</h1>{template.MESSAGE}{template.OPENING}{template.CHOOSER}{panel}"
             f"{template.saving_row()}",
@@ -59,7 +66,7 @@ def _begin(page: Any) -> None:
     state.message, state.isPlacing, state.isSaving, state.canSave = "", False, False, False
     state.surfacePath = state.centerlinePath = state.chosenPath = ""
     state.fileUnits = page.told.get("units", "mm")
-    state.chooser, state.opened = {}, 0
+    state.chooser, state.opened, state.made = {}, 0, 0
     state.surfaceFiles = page.folders.listing((*SURFACES, *PLANS))
     state.centerlineFiles = page.folders.listing(CENTERLINES)
     state.plot, state.table = plot_of(None), table_of(None)

@@ -134,18 +134,19 @@ def _click(name: str) -> str:
     if name in SAVES:
         return saving(SAVES[name])
     if name in (*WRITES_FILE, *WRITES_FOLDER):
-        return keeping(f"trigger('gather', ['{name}'])")
+        return f"trigger('gather', ['{name}'])"
     return f"trigger('click', ['{name}'])"
 
 
 def saving(kind: str) -> str:
-    """Ask the server for a file, and let the browser keep it; without one the page says why."""
-    return keeping(f"trigger('save', ['{kind}'])")
+    """Ask the server for a file, which the browser keeps once it is made; without one the page says why."""
+    return f"trigger('save', ['{kind}'])"
 
 
-def keeping(asked: str) -> str:
-    """What lets the browser keep a file that it has asked for."""
-    return f"{asked}.then(f => f && utils.download(f.name, f.content, f.type))"
+KEEP = (
+    "trigger('fetch').then(files => files.forEach(f => utils.download(f.name, f.content, f.type)))"
+)
+"""What lets the browser keep the files that were made for it."""
 
 
 def _number(widget: Number, common: str, disabled: str) -> str:

@@ -55,6 +55,16 @@ REMEMBERED = """label => { window.texts = [];
 new MutationObserver(() => window.texts.push(label.innerText)).observe(
   label, {childList: true, characterData: true, subtree: true}); }"""
 """All texts that a label shows from now on, however shortly."""
+EDITED_WHILE_WORKING = """range => { window.taken = 0;
+const labels = [...document.querySelectorAll('.suffix')];
+const working = labels.find(one => one.textContent === 'Working...');
+const isWorking = () => working.style.display !== 'none';
+new MutationObserver(() => { window.taken += isWorking(); }).observe(
+  document.querySelector('[data-name="stentTable"]'),
+  {subtree: true, childList: true, characterData: true});
+window.dragging = setInterval(() => { if (isWorking()) {
+  range.stepUp(); range.dispatchEvent(new Event('input')); } }, 100); }"""
+"""Drag a slider while a file is made; count how often the list of stents shows it meanwhile."""
 PATIENCE_MS = 300_000
 """Nothing is waited for longer, and so long only for what fails: a busy machine takes its time."""
 playwright.expect.set_options(timeout=PATIENCE_MS)
@@ -179,7 +189,9 @@ class Visit:
             rows.nth(count).wait_for()
         except playwright.TimeoutError as error:
             said = [self.text(one) for one in ("message", "statusLabel", "stentTable")]
-            raise AssertionError(f"there were {count} stents, no other was added: {said}") from error
+            raise AssertionError(
+                f"there were {count} stents, no other was added: {said}"
+            ) from error
 
     def seen(self, is_of_it, share=0.9):
         """A pixel of the view that has the color of something, so far down."""
@@ -288,6 +300,14 @@ def test_a_lesion_is_treated_by_two_stents_and_the_shell_repeats_the_plan(a_visi
         np.testing.assert_allclose(of_page, values[stations], rtol=0, atol=0.0501)
     report = a_visit.saved("save-report").decode()
     assert result.treatment.certificate.sentence()[:40] in report
+
+
+def test_what_is_edited_while_a_report_is_made_is_taken_at_once(a_visit):
+    a_visit.add_stent()
+    a_visit.slider("lengthSlider").evaluate(EDITED_WHILE_WORKING)
+    assert b"<html" in a_visit.saved("save-report")
+    taken = a_visit.page.evaluate("clearInterval(window.dragging), window.taken")
+    assert taken > 0
 
 
 def test_what_is_opened_while_the_section_is_being_unfolded_folds_it(a_visit):
@@ -442,6 +462,21 @@ def test_alternatives_are_made_renamed_and_compared(a_visit):
     comparison = zipfile.ZipFile(io.BytesIO(a_visit.saved("comparePlansButton")))
     (page,) = (name for name in comparison.namelist() if name.endswith(".html"))
     assert b"Wider" in comparison.read(page)
+    kept = []
+
+    def keep(download):
+        kept.append(download.suggested_filename)
+
+    a_visit.page.on("download", keep)
+    button = a_visit.named("comparePlansButton")
+    words = button.inner_text()
+    button.click()
+    a_visit.until("comparePlansButton", "Stop")
+    button.click()
+    playwright.expect(button).to_have_text(words)
+    a_visit.saved("savePlanButton")  # made later, and the only one
+    assert kept == ["plan.zip"]
+    a_visit.page.remove_listener("download", keep)
 
 
 def test_a_page_that_hangs_holds_up_no_other(a_visit, the_server):
