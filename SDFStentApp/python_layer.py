@@ -20,6 +20,9 @@ from .ui_file import Panel
 class AsyncTimer:
     """A timer of the module's `Clock` on asyncio's event loop; a repeated one lets everything else have its turn."""
 
+    WAIT_S = 0.001
+    """Threads advance here whoever waits for them, and best beside the drawing of a frame."""
+
     def __init__(self, call: Callable[[], Any], milliseconds: float, isRepeated: bool) -> None:
         self._call, self._seconds, self._isRepeated = call, milliseconds / 1000, isRepeated
         self._waiting: asyncio.TimerHandle | None = None

@@ -7,6 +7,9 @@ class QtTimer:
     Make one and start it as often as needed: in PythonQt a timer and the method that it calls keep each other for ever.
     """
 
+    WAIT_S = 0.005
+    """How long a turn waits for a thread: in Slicer threads advance only while the application waits for them."""
+
     def __init__(self, call, milliseconds, isRepeated):
         import qt
 
@@ -36,6 +39,11 @@ def timer(call, milliseconds, isRepeated=False):
     return _kinds[-1](call, milliseconds, isRepeated)
 
 
+def wait():
+    """Seconds that a turn of the event loop may wait for a thread."""
+    return _kinds[-1].WAIT_S
+
+
 def use(kind):
-    """From now on make timers of another class, for an application without Qt; it is made and called as `QtTimer`."""
+    """From now on make timers of another class, for an application without Qt; it is made, called and asked as `QtTimer`."""
     _kinds[:] = [kind]

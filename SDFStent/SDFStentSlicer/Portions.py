@@ -2,8 +2,7 @@
 
 import threading
 
-WAIT_S = 0.005
-"""What a turn of the event loop may be late by."""
+from . import Clock
 
 _left = []
 """Threads that nobody waits for any more."""
@@ -29,12 +28,12 @@ def inPortions(function):
 
     thread = threading.Thread(target=run, daemon=True)
     thread.start()
-    thread.join(WAIT_S)
+    thread.join(Clock.wait())
     try:
         # Ends: with the function; who does not want to wait closes the generator.
         while thread.is_alive():
             yield None
-            thread.join(WAIT_S)
+            thread.join(Clock.wait())
         yield None
     finally:
         if thread.is_alive():

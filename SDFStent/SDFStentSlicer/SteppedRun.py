@@ -14,8 +14,8 @@ class SteppedRun:
     One object serves one run after another, as a `Clock` timer does.
     """
 
-    def __init__(self, onProgress, onDone, budget=0.01):
-        self._onProgress, self._onDone, self._budget = onProgress, onDone, budget
+    def __init__(self, onProgress, onDone):
+        self._onProgress, self._onDone, self._budget = onProgress, onDone, 2 * Clock.wait()
         self._iterator = None
         self._timer = Clock.timer(self._tick, 0, isRepeated=True)
 
