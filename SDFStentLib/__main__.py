@@ -31,9 +31,9 @@ PARTLY = {
 """Where in SciPy lies what is used at every deployment. The rest of these packages imports linear
 algebra and special functions, twice as long as NumPy takes: it is executed when it is asked for."""
 
-GARBAGE = 20_000
-"""So many objects are made before it is looked for cycles among them, which imports have none of:
-at Python's 700 it is looked among all that is imported again and again."""
+GARBAGE = 100_000
+"""So many objects are made before it is looked for cycles among them, which imports have none of: a
+deployment and all that it imports are fewer."""
 
 
 def main() -> int:
@@ -49,6 +49,8 @@ def main() -> int:
     from .cli import main as command
 
     code = command()
+    # Nor is it looked for cycles among all of them when the process ends.
+    gc.freeze()
     if code == INTERRUPTED:
         # An interruption that came while text was executed (as dataclasses do) is remembered by
         # Python, which would end by the signal although it was handled.
