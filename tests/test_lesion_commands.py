@@ -5,6 +5,8 @@ from __future__ import annotations
 import csv
 import json
 import re
+import subprocess
+import sys
 from functools import cache
 from html import unescape
 from pathlib import Path
@@ -13,6 +15,7 @@ import numpy as np
 import pytest
 from deployment_cases import ANATOMIES, anatomy, phantom
 
+from SDFStentLib.cli import copies
 from SDFStentLib.cli.shell import main
 from SDFStentLib.files import polydata
 from SDFStentLib.files.formats import vtk_files as vtk_formats
@@ -173,6 +176,22 @@ def deployed(arguments, tmp_path, capsys, code=0):
         ["deploy", *arguments, "-o", tmp_path / "out.vtp", "--report", report], capsys, code
     )
     return said, json.loads(report.read_text(encoding="utf-8")) if code == 0 else None
+
+
+def test_lesions_that_a_copy_of_the_process_finds_are_those_found_here(
+    tube, tmp_path, capsys, monkeypatch
+):
+    """A process of its own can be copied; where that must not be, all is found one by one."""
+    place = ["--center", 0, 0, 3, "--length", 12, "--diameter", 8]
+    monkeypatch.setattr(copies, "_can_be_copied", lambda: False)
+    _, here = deployed([*tube, *place], tmp_path, capsys)
+    report = tmp_path / "apart.json"
+    words = ["deploy", *tube, *place, "-o", tmp_path / "apart.vtp", "--report", report, "--quiet"]
+    subprocess.run([sys.executable, "-m", "SDFStentLib", *map(str, words)], check=True)
+    apart = json.loads(report.read_text(encoding="utf-8"))
+    assert len(here["lesions"]) == 1
+    assert apart["lesions"] == here["lesions"]
+    assert apart["stents"] == here["stents"]
 
 
 @pytest.mark.parametrize("number", ["0", "2", "-1"])

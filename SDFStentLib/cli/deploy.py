@@ -5,11 +5,9 @@ from __future__ import annotations
 import argparse
 import json
 import os
-from collections.abc import Callable, Sequence
-from contextlib import suppress
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from threading import Thread
 from time import perf_counter
 
 from ..cautions import Caution
@@ -42,6 +40,7 @@ from ..report import (
 )
 from ..validation import DeploymentError, InputError, as_number
 from .console import Console
+from .copies import InCopy
 from .outputs import Outputs
 from .place import check_place, inputs_of, plan_of
 from .stents import check_sizes, device_of, stents_of
@@ -116,7 +115,6 @@ class _Job:
         self.options, self.console, self.outputs = options, console, outputs
         self.plan = Plan()
         self.result: PlanResult | None = None
-        self.lesions: Thread | None = None
         self.lost: tuple[Caution, ...] = ()
         self.write_start = 0.0
         self.steps: StepFiles | None = None
@@ -166,22 +164,18 @@ class _Job:
             self.mesh = read_surface(self.options.device_mesh, inputs.surface.units)
             self.console.warn(self.mesh.warnings)
         treatment = treatment_of(self.plan, inputs)
-        # What no state takes part in is measured beside the deployment.
-        survey = _beside(lambda: treatment.survey)
-        lesions = _beside(lambda: inputs.vessel.lesions, after=survey)
-        with self.console.progress("Deploying") as show:
-            for state in treatment:
-                show(state.fraction, f"diameter {2 * state.deployment.radius:.1f} mm")
-                if self.steps is not None:
-                    self.steps.take(inputs.surface, state)
-        # Each is worked out once; what is wrong with it is raised where it is asked for.
-        survey.join()
-        self.result = result = PlanResult(self.plan, inputs, treatment.result)
-        # The surface is written meanwhile.
-        self.lesions = _beside(lambda: result.lesions, after=lesions)
+        # What no state takes part in is found beside the deployment.
+        with InCopy(lambda: inputs.vessel.lesions) as lesions:
+            with self.console.progress("Deploying") as show:
+                for state in treatment:
+                    show(state.fraction, f"diameter {2 * state.deployment.radius:.1f} mm")
+                    if self.steps is not None:
+                        self.steps.take(inputs.surface, state)
+            measured = treatment.result
+            vessel = inputs.vessel.with_lesions(lesions.result())
+        self.result = PlanResult(self.plan, replace(inputs, vessel=vessel), measured)
         self.write_start = perf_counter()
         lost = self.outputs.write()
-        self.lesions.join()
         units = self.result.inputs.surface.units
         cautions = [*self.result.warnings, *self.result.size_warnings, *lost]
         self.console.warn(cautions, units=units)
@@ -264,28 +258,9 @@ class _Job:
 
     def _report(self, picture: bytes | str | None = None) -> Report:
         seconds = perf_counter() - self.write_start
-        if self.lesions is not None:
-            self.lesions.join()
         # The file has not got its final name yet.
         lost = tuple(replace(caution, label="") for caution in self.lost)
         return plan_report(self._result, lost=lost, timings={"write": seconds}, picture=picture)
-
-
-def _beside(ask: Callable[[], object], after: Thread | None = None) -> Thread:
-    """A thread in which something is asked for that is worked out once, after another one.
-
-    What is wrong with it is raised where it is asked for again.
-    """
-
-    def run() -> None:
-        if after is not None:
-            after.join()
-        with suppress(Exception):
-            ask()
-
-    thread = Thread(target=run)
-    thread.start()
-    return thread
 
 
 def _method(options: argparse.Namespace) -> Plan:

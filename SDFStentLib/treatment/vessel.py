@@ -84,6 +84,14 @@ class Vessel:
             return found
         return lesions_against(found, self.reference, self.surface, self.centerline)
 
+    def with_lesions(self, found: tuple[Lesion, ...] | None) -> Vessel:
+        """The same vessel with its lesions, where they were found elsewhere; itself for None."""
+        if found is None:
+            return self
+        vessel = copy(self)
+        vars(vessel).update(lesions=found)
+        return vessel
+
     def unmeasured(self) -> Vessel:
         """The same vessel with its lesions and names, and nothing known of its lumen.
 
