@@ -135,9 +135,12 @@ def caps_at_ends(surface: Surface, axis: Points, reach: float) -> NDArray[np.boo
     for end, inner in (axis[:2], axis[:-3:-1]):
         direction = (end - inner) / np.linalg.norm(end - inner)
         for cap in caps_of(surface):
-            near = may_meet_box(points, triangles[cap.faces], end - reach, end + reach)
-            if abs(cap.normal @ direction) > ACROSS and near.any():
-                is_capped[cap.faces] = True
+            if abs(cap.normal @ direction) > ACROSS:
+                # Only its own points: a tree has hundreds of caps.
+                corners = points[triangles[cap.faces]].reshape(-1, 3)
+                faces = np.arange(len(corners)).reshape(-1, 3)
+                if may_meet_box(corners, faces, end - reach, end + reach).any():
+                    is_capped[cap.faces] = True
     return is_capped
 
 
