@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from trees import unbranched, with_radius
 
 from SDFStentLib.centerline.centerline import Centerline
+from SDFStentLib.centerline.point_tree import ancestry_of
 from SDFStentLib.geometry.polyline import length, resampled
 from SDFStentLib.geometry.segments import closest_on_segments
 from SDFStentLib.validation import InputError
@@ -583,3 +584,21 @@ def test_points_on_different_trees_have_no_path():
     assert forest.roots.tolist() == [0, 2]
     with pytest.raises(InputError, match="trees with different roots"):
         forest.path([0, 0, 0], [10, 0, 0])
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_the_way_from_the_root_does_not_depend_on_the_order_of_the_points(seed):
+    random, count = np.random.default_rng(seed), 40
+    # Runs of points after their parents, new branches and roots between them.
+    parent = np.arange(-1, count - 1)
+    for child in np.flatnonzero(random.random(count) < 0.2):
+        parent[child] = random.integers(-1, child)
+    number = random.permutation(count) if seed % 2 else np.arange(count)[::-1] if seed % 4 else None
+    stored = np.arange(count) if number is None else number
+    shuffled = np.empty(count, dtype=np.int64)
+    shuffled[stored] = np.where(parent < 0, -1, stored[parent])
+    for index in range(count):
+        way = [index]
+        while parent[way[-1]] >= 0:
+            way.append(parent[way[-1]])
+        np.testing.assert_array_equal(ancestry_of(shuffled, stored[index]), stored[way[::-1]])

@@ -85,11 +85,17 @@ def sums_to_root(parent: Indices, values: Floats) -> Floats:
 
 def ancestry_of(parent: Indices, index: int) -> Indices:
     """The points from the root down to `index`, both included."""
-    chain = [int(index)]
+    # Most points come right after their parents: such runs are taken as a whole.
+    begins = parent != np.arange(-1, len(parent) - 1)
+    begins[0] = True
+    firsts = np.flatnonzero(begins)
+    runs, last = [], int(index)
     # Ends: parents are checked for circles.
-    while (above := parent.item(chain[-1])) >= 0:
-        chain.append(above)
-    return np.array(chain[::-1], dtype=np.int64)
+    while last >= 0:
+        first = int(firsts[np.searchsorted(firsts, last, side="right") - 1])
+        runs.append(np.arange(first, last + 1))
+        last = parent.item(first)
+    return np.concatenate(runs[::-1])
 
 
 class NeighborTable(NamedTuple):
