@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import os
+import shutil
 import tempfile
-from collections.abc import Callable, Coroutine, Iterator
+from collections.abc import Callable, Coroutine
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
@@ -218,6 +218,8 @@ class Page:
     def choose(self, name: str, path: str) -> None:
         """The file that the page has asked for; without a name none was wanted."""
 
+        self.take_edits()
+
         def press() -> None:
             with self._dialog.answering(self.folders.existing(path)):
                 self.panel.widgets[name].click()
@@ -286,6 +288,7 @@ class Page:
 
     def _opened(self, opened: Any) -> None:
         parameters = self.parameters
+        self.take_edits()  # they were made before
         self._close()
         parameters.vessel, parameters.centerline = opened.vessel, opened.centerline
         if opened.plan is not None:
@@ -319,11 +322,11 @@ class Page:
         if kind in NAMES and not self.server.state.isSaving:
             self.take_edits()
             self.say("")
+            with self.server.state as state:
+                state.isSaving = True
             self._later(self._saved(kind))
 
     async def _saved(self, kind: str) -> Kept:
-        with self.server.state as state:
-            state.isSaving = True
         try:
             path = Path(self.workshop.name) / "plan.json"
             self.widget.logic.savePlan(path, self.parameters)
@@ -337,41 +340,38 @@ class Page:
         """What a button of the panel writes, for the browser to keep; where that is a folder, a second click stops it."""
         if name not in {*WRITES_FILE, *WRITES_FOLDER} or not self.panel.widgets[name].enabled:
             return
-        if name in WRITES_FILE:
-            self._later(self._written(name))
-        else:
-            writer = {"comparePlansButton": self.widget.plans.comparing}.get(name)
-            writer = writer or self.widget.sections[-1].writing
-            if writer.isRunning:
-                self.click(name)
-            else:
-                self._later(self._gathered(name, writer))
+        writer = self._writers().get(name)
+        if writer is not None and writer.isRunning:
+            self.click(name)
+            return
+        folder = Path(tempfile.mkdtemp(dir=self.workshop.name))
+        self._unseen.append(str(folder))
+        answer = folder / WRITES_FILE[name][0] if writer is None else folder
+        with self._dialog.answering(answer):
+            self.click(name)
+        self._later(self._gathered(name, writer, folder))
 
-    async def _written(self, name: str) -> Kept | None:
-        file, media_type = WRITES_FILE[name]
-        with self._folder() as folder:
-            path = folder / file
-            with self._dialog.answering(path):
-                self.click(name)
-            # Without it the panel says why.
-            return Kept(file, media_type, path.read_bytes()) if path.exists() else None
+    def _writers(self) -> dict[str, Any]:
+        """What writes a folder for a while, by its button."""
+        return {
+            "comparePlansButton": self.widget.plans.comparing,
+            "writeSegmentButton": self.widget.sections[-1].writing,
+        }
 
-    async def _gathered(self, name: str, writer: Any) -> Kept | None:
-        with self._folder() as folder:
-            with self._dialog.answering(folder):
-                self.click(name)
+    async def _gathered(self, name: str, writer: Any, folder: Path) -> Kept | None:
+        """None where nothing was written: the panel says why."""
+        try:
+            if writer is None:
+                file, media_type = WRITES_FILE[name]
+                path = folder / file
+                return Kept(file, media_type, path.read_bytes()) if path.exists() else None
             # Ends: with what the click has begun, or with a second one.
             while writer.isRunning:
                 await asyncio.sleep(0.1)
             content = await asyncio.to_thread(zipped_folder, folder)
-        return content and Kept(WRITES_FOLDER[name], "application/zip", content)
-
-    @contextlib.contextmanager
-    def _folder(self) -> Iterator[Path]:
-        """An empty one within the block, of which the page shows nothing then and later."""
-        with tempfile.TemporaryDirectory(prefix="sdfstent-") as folder:
-            self._unseen.append(folder)
-            yield Path(folder)
+            return content and Kept(WRITES_FOLDER[name], "application/zip", content)
+        finally:
+            shutil.rmtree(folder, ignore_errors=True)
 
     def _later(self, making: Coroutine[Any, Any, Kept | None]) -> None:
         """Make a file while the page goes on: a call of the browser's holds up all that come after it."""

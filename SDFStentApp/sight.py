@@ -20,6 +20,16 @@ const tell = () => trigger('theme', [isDark.matches ? 'dark' : 'light']);
 isDark.addEventListener('change', tell); tell();"""
 """The browser's light or dark, now and when it changes, as the background of the view."""
 
+IN_ORDER = """window.inOrder = async (name, args) => {
+  const {state, trigger} = window.trame;
+  for (let turn = 0; state.dirtyKeys.size && turn < 1000; turn += 1) {
+    await state.flush();
+    if (state.dirtyKeys.size) await new Promise(done => setTimeout(done, 5));
+  }
+  return trigger(name, args);
+};"""
+"""Calls the page once it was sent what has been edited before: while a call is under way Trame's client sends no edits, but calls."""
+
 TRIGGERS = (
     *("click", "edit", "ask", "choose", "open", "upload", "demo"),
     *("save", "gather", "fetch"),
@@ -41,7 +51,7 @@ def build(page: Any) -> None:
     with DivLayout(server) as layout:
         layout.root.classes = "page"
         client.Style(STYLE.read_text(encoding="utf-8"))
-        client.ClientTriggers(mounted=FOLLOW_THEME)
+        client.ClientTriggers(mounted=FOLLOW_THEME + IN_ORDER)
         client.ClientStateChange(value="made", change=template.KEEP)
         html.Div(
             f"<h1>{TITLE}</h1>{template.MESSAGE}{template.OPENING}{template.CHOOSER}{panel}"

@@ -130,17 +130,17 @@ def _of(widget: Widget) -> str:
 
 def _click(name: str) -> str:
     if name in ASKS_FOR_FILE:
-        return f"trigger('ask', ['{name}'])"
+        return f"window.inOrder('ask', ['{name}'])"
     if name in SAVES:
         return saving(SAVES[name])
     if name in (*WRITES_FILE, *WRITES_FOLDER):
-        return f"trigger('gather', ['{name}'])"
-    return f"trigger('click', ['{name}'])"
+        return f"window.inOrder('gather', ['{name}'])"
+    return f"window.inOrder('click', ['{name}'])"
 
 
 def saving(kind: str) -> str:
     """Ask the server for a file, which the browser keeps once it is made; without one the page says why."""
-    return f"trigger('save', ['{kind}'])"
+    return f"window.inOrder('save', ['{kind}'])"
 
 
 KEEP = (
@@ -162,7 +162,7 @@ def _number(widget: Number, common: str, disabled: str) -> str:
     box = (
         f'<input type="number" :value="{v}.toFixed({name}.decimals)" :step="{name}.step" '
         f':min="{name}.min" :max="{name}.max" {disabled} :aria-label="{name}.tip" '
-        f"""@change="trigger('edit', ['{name}', $event.target.valueAsNumber]).then(() => {again})">"""
+        f"""@change="window.inOrder('edit', ['{name}', $event.target.valueAsNumber]).then(() => {again})">"""
     )
     special = (
         f'<span class="special" v-if="{v} &lt;= {name}.min">({{{{ {name}.special }}}})</span>'
@@ -190,9 +190,9 @@ def _choice(widget: Widget, common: str, disabled: str) -> str:
 
 
 def _table(name: str) -> str:
-    click = f"trigger('edit', ['{name}', [r, c]])"
-    tick = f"trigger('edit', ['{name}', [r, c, $event.target.checked]])"
-    typed = f"name !== null && trigger('edit', ['{name}', [r, c, name]])"
+    click = f"window.inOrder('edit', ['{name}', [r, c]])"
+    tick = f"window.inOrder('edit', ['{name}', [r, c, $event.target.checked]])"
+    typed = f"name !== null && window.inOrder('edit', ['{name}', [r, c, name]])"
     rename = f"item.edit && (name => {typed})(window.prompt({name}.columns[c], item.text))"
     return (
         f'<div class="table" v-show="{name}.visible" v-memo="[{name}]" data-name="{name}"><table :title="{name}.tip">'
@@ -231,8 +231,8 @@ def _units() -> str:
 OPENING = f"""
 <details class="opening" :key="opened" :open="!opened" data-name="opening">
 <summary>Open</summary>
-<div class="row"><button type="button" @click="trigger('demo')" data-name="demoButton">Synthetic patient</button></div>
-<form class="form" @submit.prevent="trigger('open', [surfacePath, centerlinePath, fileUnits])">
+<div class="row"><button type="button" @click="window.inOrder('demo')" data-name="demoButton">Synthetic patient</button></div>
+<form class="form" @submit.prevent="window.inOrder('open', [surfacePath, centerlinePath, fileUnits])">
 <label class="label" for="surfacePath">Surface:</label>
 <input id="surfacePath" type="text" v-model.lazy="surfacePath" list="surfaces" placeholder="path of a surface, or of a plan">
 <span></span>{_upload("surfacePath")}
@@ -250,13 +250,13 @@ OPENING = f"""
 
 CHOOSER = f"""
 <div class="chooser" v-if="chooser.button" role="dialog" data-name="chooser">
-<form @submit.prevent="trigger('choose', [chooser.button, chosenPath])">
+<form @submit.prevent="window.inOrder('choose', [chooser.button, chosenPath])">
 <label class="label" for="chosenPath">{{{{ chooser.text }}}}</label>
 <input id="chosenPath" type="text" v-model.lazy="chosenPath" list="choices" placeholder="path of the file">
 {_upload("chosenPath")}
 <datalist id="choices"><option v-for="path in chooser.files" :value="path"></option></datalist>
 <button type="submit">OK</button>
-<button type="button" @click="trigger('choose', ['', ''])">Cancel</button>
+<button type="button" @click="window.inOrder('choose', ['', ''])">Cancel</button>
 </form></div>
 """
 

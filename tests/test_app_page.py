@@ -65,6 +65,12 @@ new MutationObserver(() => { window.taken += isWorking(); }).observe(
 window.dragging = setInterval(() => { if (isWorking()) {
   range.stepUp(); range.dispatchEvent(new Event('input')); } }, 100); }"""
 """Drag a slider while a file is made; count how often the list of stents shows it meanwhile."""
+EDITED_AND_CLICKED = """button => {
+const range = document.querySelector('[data-name="diameterSlider"] input[type="range"]');
+for (const value of [11, 11.5, 12, 12.5]) {
+  range.value = value; range.dispatchEvent(new Event('input')); }
+button.click(); }"""
+"""Faster than a hand, as it looks through a slow network."""
 PATIENCE_MS = 300_000
 """Nothing is waited for longer, and so long only for what fails: a busy machine takes its time."""
 playwright.expect.set_options(timeout=PATIENCE_MS)
@@ -308,6 +314,22 @@ def test_what_is_edited_while_a_report_is_made_is_taken_at_once(a_visit):
     assert b"<html" in a_visit.saved("save-report")
     taken = a_visit.page.evaluate("clearInterval(window.dragging), window.taken")
     assert taken > 0
+
+
+@pytest.mark.parametrize("button", ["savePlanButton", "openButton"])
+def test_what_is_edited_just_before_a_click_belongs_to_what_was_there(a_visit, the_folder, button):
+    """A plan is saved with it; one that is opened by the click does not get it."""
+    a_visit.add_stent()
+    a_visit.named("opening").evaluate("one => { one.open = true; }")
+    a_visit.page.fill("#surfacePath", str(the_folder / "plan.json"))
+    with a_visit.page.expect_download() as download:
+        a_visit.named(button).evaluate(EDITED_AND_CLICKED)
+        if button == "openButton":
+            a_visit.until("stentTable", "Planned")
+            a_visit.named("savePlanButton").click()
+    archive = zipfile.ZipFile(download.value.path())
+    (stent,) = json.loads(archive.read("plan.json"))["stents"]
+    assert stent["diameter"] == (9.0 if button == "openButton" else 12.5)
 
 
 def test_what_is_opened_while_the_section_is_being_unfolded_folds_it(a_visit):

@@ -12,7 +12,6 @@ from .section_areas import section_areas
 _STATIONS = 64
 """Stations cut together: keeps the part of the surface local."""
 
-
 _TOGETHER = 8192
 """Triangles looked at together: what is computed of them stays in the processor's cache."""
 
