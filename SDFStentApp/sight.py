@@ -24,11 +24,14 @@ IN_ORDER = """window.inOrder = async (name, args) => {
   const {state, trigger} = window.trame;
   for (let turn = 0; state.dirtyKeys.size && turn < 1000; turn += 1) {
     await state.flush();
-    if (state.dirtyKeys.size) await new Promise(done => setTimeout(done, 5));
+    if (state.dirtyKeys.size) await new window.Promise(done => window.setTimeout(done, 5));
   }
   return trigger(name, args);
 };"""
-"""Calls the page once it was sent what has been edited before: while a call is under way Trame's client sends no edits, but calls."""
+"""Calls the page once it was sent what has been edited before: while a call is under way Trame's client sends no edits, but calls.
+
+What is the browser's own is named by its window: expressions of a Vue template see few of its names, and not `Promise`.
+"""
 
 TRIGGERS = (
     *("click", "edit", "ask", "choose", "open", "upload", "demo"),

@@ -71,6 +71,11 @@ for (const value of [11, 11.5, 12, 12.5]) {
   range.value = value; range.dispatchEvent(new Event('input')); }
 button.click(); }"""
 """Faster than a hand, as it looks through a slow network."""
+SENT_LATE = """button => {
+const {state} = window.trame; const flush = state.flush.bind(state);
+window.attempts = 0; state.dirtyKeys.add('surfacePath');
+state.flush = async () => { window.attempts += 1; if (window.attempts > 3) await flush(); };
+button.click(); }"""
 PATIENCE_MS = 300_000
 """Nothing is waited for longer, and so long only for what fails: a busy machine takes its time."""
 playwright.expect.set_options(timeout=PATIENCE_MS)
@@ -330,6 +335,15 @@ def test_what_is_edited_just_before_a_click_belongs_to_what_was_there(a_visit, t
     archive = zipfile.ZipFile(download.value.path())
     (stent,) = json.loads(archive.read("plan.json"))["stents"]
     assert stent["diameter"] == (9.0 if button == "openButton" else 12.5)
+
+
+def test_a_click_waits_while_what_was_edited_cannot_be_sent_yet(a_visit):
+    """As when a call is under way: the first attempts to send what is edited send nothing."""
+    a_visit.add_stent()
+    with a_visit.page.expect_download() as download:
+        a_visit.named("savePlanButton").evaluate(SENT_LATE)
+    assert a_visit.page.evaluate("window.attempts") > 3
+    assert zipfile.is_zipfile(download.value.path())
 
 
 def test_what_is_opened_while_the_section_is_being_unfolded_folds_it(a_visit):
