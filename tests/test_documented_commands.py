@@ -1,0 +1,283 @@
+"""Every command line that the documents show, run once as the installed command."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import re
+import runpy
+import shlex
+import shutil
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from child_processes import INTERRUPTIBLE, PATIENCE
+from mesh_files import PROJECT
+
+from SDFStentLib.cli.shell import main
+from SDFStentLib.phantoms import branching_pulmonary_artery
+
+DOCUMENTS = [PROJECT / "README.md", *sorted((PROJECT / "docs").glob("*.md"))]
+COMMAND = shutil.which("sdfstent", path=str(Path(sys.executable).parent))
+
+COMMANDS = (
+    *("app", "centerline", "check", "compare", "demo", "deploy"),
+    *("devices", "extract", "measure", "run", "suggest", "sweep"),
+)
+STENT = (19.0, 41.0)
+PLACES = {"--center": 30, "--from": 30, "--to": 45}
+"""Along the left branch of the patient of `sdfstent demo`, mm."""
+
+STANDS_FOR = {
+    "SURFACE": "surface.vtp",
+    "PLAN": "plan.json",
+    "PLAN...": "other.json",
+    "PLAN.json": "plan.json",
+    "SWEEP": "sweep.json",
+    "SWEEP.json": "sweep.json",
+    "OUT": "out.vtp",
+    "NAME": "generic",
+    "D": "7.5",
+    "N": "1",
+    "R": "1",
+    "MM": "1",
+    "--axis F": "axis.mrk.json",
+    "--centerline F": "centerline.vtp",
+    "-o F": "made.vtp",
+    "-o PLAN": "proposal.json",
+    "-o DIR": "made by {command}",
+    "--status DIR": "made by sweep",
+    "--table DIR": "made by sweep",
+    "--folder /data/study": "study",
+}
+"""Words by themselves, or behind an option."""
+
+
+def command_lines(text: str) -> list[str]:
+    """Those in blocks of code, and those within a sentence that have arguments."""
+    fence = re.compile(r"^```(\w*)\n(.*?)^```", re.M | re.S)
+    blocks = [body for kind, body in fence.findall(text) if kind in ("", "sh")]
+    lines = re.sub(r"\s*\\\n\s*", " ", "\n".join(blocks)).splitlines()
+    quoted = [
+        line for line in re.findall(r"`([^`\n]+)`", fence.sub("", text)) if "COMMAND" not in line
+    ]
+    found = [
+        re.split(r"\s{2,}|\s#", match[1])[0]
+        for match in (re.match(r"(?:\.venv/bin/)?(sdfstent .*)", line) for line in lines + quoted)
+        if match
+    ]
+    return [line for line in found if len(line.split()) > 2 or line == "sdfstent devices"]
+
+
+def variants(command: str) -> list[str]:
+    """Without what is in brackets, and with it, once for each of the words to choose from."""
+    brackets = re.compile(r"\[([^]]*)\]")
+    count = max((len(words.split("|")) for words in brackets.findall(command)), default=0)
+    return [brackets.sub("", command), *(with_choice(command, number) for number in range(count))]
+
+
+def with_choice(command: str, number: int) -> str:
+    """What is in brackets, of words to choose from that of this number, or the last one."""
+    return re.sub(
+        r"\[([^]]*)\]",
+        lambda match: match[1].split("|")[min(number, match[1].count("|"))],
+        command,
+    )
+
+
+def arguments_of(command: str) -> list[str]:
+    """The words of a command with files and numbers in place of those that stand for them."""
+    words = shlex.split(command)[1:]
+    found: list[str] = []
+    place = [f"{x:.4f}" for x in (0.0, 0.0, 0.0)]
+    for before, word in zip(["", *words], words, strict=False):
+        if word == "X":
+            place = [f"{x:.4f}" for x in branching_pulmonary_artery().axis_at(PLACES[before])[0]]
+        value = dict(zip("XYZ", place, strict=True)).get(word, word)
+        value = STANDS_FOR.get(f"{before} {word}", STANDS_FOR.get(word, value))
+        found.append(value.format(command=words[0]))
+    return found
+
+
+@pytest.fixture(scope="module")
+def prepared(tmp_path_factory):
+    """The files that the documents name: the patient of the demo, and one with four lesions."""
+    made = tmp_path_factory.mktemp("documents")
+    assert main(["demo", "-o", str(made), "--quiet"]) == 0
+    for name, same in (
+        ("wall.vtp", "surface.vtp"),
+        ("vessel.vtp", "surface.vtp"),
+        ("lines.vtp", "centerline.vtp"),
+        ("other.json", "plan.json"),
+    ):
+        shutil.copy(made / same, made / name)
+    for name in ("study", "patients"):
+        (made / name).mkdir()
+    three = runpy.run_path(str(PROJECT / "docs" / "three_plans.py"))
+    tree = three["patient"](made / "study", is_phantom=True)
+    for path, name in zip(tree[:2], ("artery.vtp", "line.vtp"), strict=True):
+        path.rename(made / name)
+    vessel = branching_pulmonary_artery()
+    write_curve(made / "line.mrk.json", vessel.axis_at(np.arange(0.0, 61.0, 4.0)))
+    write_curve(made / "axis.mrk.json", vessel.axis_at(np.linspace(*STENT, 6)))
+    devices = (PROJECT / "docs" / "devices.md").read_text(encoding="utf-8")
+    (made / "own.json").write_text(block_of_json(devices), encoding="utf-8")
+    write_sweep(made / "sweep.json", "sobol")
+    write_sweep(made / "cube.json", "latin-hypercube")
+    return made
+
+
+def block_of_json(text):
+    """The first one in a document."""
+    return re.search(r"```json\n(.*?)```", text, re.S)[1]
+
+
+def write_curve(path, points):
+    """A curve with these control points, as Slicer saves it."""
+    control = [{"position": point.tolist()} for point in points]
+    curve = {"type": "Curve", "coordinateSystem": "RAS", "controlPoints": control}
+    path.write_text(json.dumps({"markups": [curve]}), encoding="utf-8")
+
+
+def write_sweep(path, method):
+    """The first example of the document of cohorts, with two cases."""
+    text = (PROJECT / "docs" / "cohorts.md").read_text(encoding="utf-8")
+    document = json.loads(block_of_json(text).replace("patient/", ""))
+    document["sampling"] |= {"method": method, "count": 2}
+    path.write_text(json.dumps(document), encoding="utf-8")
+
+
+@pytest.fixture
+def folder(prepared, tmp_path):
+    """A copy of its own for each test."""
+    return shutil.copytree(prepared, tmp_path / "documents")
+
+
+def ended(folder, arguments):
+    """The command once it is done."""
+    return subprocess.run(
+        [COMMAND, *arguments], cwd=folder, capture_output=True, text=True, timeout=PATIENCE
+    )
+
+
+def assert_runs(folder, arguments):
+    """Exit code 0, and an output where one is named."""
+    done = ended(folder, arguments)
+    assert done.returncode == 0, (arguments, done.stderr)
+    assert done.stdout
+    if "-o" in arguments:
+        assert (folder / arguments[arguments.index("-o") + 1]).exists(), arguments
+
+
+def assert_asks_for_vmtk(folder, arguments):
+    """Where VMTK cannot be had; where it is there, the command runs like all others."""
+    if importlib.util.find_spec("vmtk"):
+        return assert_runs(folder, arguments)
+    done = ended(folder, arguments)
+    assert done.returncode == 2
+    assert "pip install" in done.stderr
+
+
+def assert_starts_and_ends(folder, arguments):
+    """A page is offered, on a port that is free, until Ctrl-C."""
+    pytest.importorskip("trame")
+    if "--port" in arguments:
+        arguments[arguments.index("--port") + 1] = "0"
+    process = subprocess.Popen(
+        [COMMAND, *arguments, *({"--no-browser"} - {*arguments})],
+        cwd=folder,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        **INTERRUPTIBLE,
+    )
+    line = process.stdout.readline()
+    process.send_signal(signal.SIGINT)
+    _, error = process.communicate(timeout=PATIENCE)
+    assert line.startswith("Open http://"), (arguments, error)
+    assert process.returncode == 0, error
+
+
+def assert_runs_on_a_cluster(folder, arguments):
+    """A scheduler and a worker within this process."""
+    distributed = pytest.importorskip("distributed")
+    shutil.rmtree(folder / "made by sweep", ignore_errors=True)  # else nothing is left to do
+    small = {"n_workers": 1, "threads_per_worker": 1, "processes": False}
+    with distributed.LocalCluster(**small, dashboard_address=None, protocol="tcp") as cluster:
+        at = arguments.index("--scheduler") + 1
+        arguments[at] = cluster.scheduler_address
+        assert_runs(folder, arguments)
+
+
+OTHERWISE = {
+    # VMTK is made for Python 3.12 and later.
+    "centerline": assert_asks_for_vmtk,
+    # Somebody looks at the page as long as they like.
+    "app": assert_starts_and_ends,
+    # No cluster has that address.
+    "--scheduler": assert_runs_on_a_cluster,
+}
+"""Commands that cannot just be run everywhere, why, and how they are run instead."""
+
+
+def commands_by_document() -> dict[str, list[str]]:
+    """Each command with the first document that shows it."""
+    first: dict[str, str] = {}
+    for path in DOCUMENTS:
+        for line in command_lines(path.read_text(encoding="utf-8")):
+            for command in variants(line):
+                first.setdefault(command.strip(), path.name)
+    return {name: [one for one in first if first[one] == name] for name in first.values()}
+
+
+@pytest.mark.parametrize(("document", "commands"), commands_by_document().items())
+def test_every_command_line_of_the_documents_runs(folder, document, commands):
+    for command in commands:
+        arguments = arguments_of(command)
+        run = next((OTHERWISE[word] for word in arguments if word in OTHERWISE), assert_runs)
+        run(folder, arguments)
+
+
+def test_the_documents_show_every_command_in_every_way_to_write_it():
+    """What reads them finds them: brackets, commands over two lines, comments, sentences."""
+    found = [
+        shlex.split(one)
+        for path in DOCUMENTS
+        for line in command_lines(path.read_text(encoding="utf-8"))
+        for one in variants(line)
+    ]
+    assert {words[1] for words in found} == set(COMMANDS)
+    assert len(found) > 40
+    for words in (["demo"], ["devices", "NAME"], ["app", "--folder", "patients/"]):
+        assert ["sdfstent", *words] in found
+    assert any("stented.html" in words for words in found)
+    assert not any(word in ("#", "...") for words in found for word in words)
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        "deploy surface.vtp --axis axis.mrk.json --diameter 7.5 -o out.vtp",
+        "deploy surface.vtp --centerline line.mrk.json --center X Y Z --length 10 --diameter 7.5"
+        " -o out.vtp --output-centerline moved.mrk.json",
+        "measure surface.vtp --centerline line.mrk.json --axis axis.mrk.json",
+        "extract surface.vtp --centerline line.mrk.json --from X Y Z --to X Y Z -o cut",
+        "suggest surface.vtp --centerline line.mrk.json -o proposal.json",
+        "sweep sweep.json --dry-run",
+        "sweep cube.json -o out",
+    ],
+)
+def test_curves_and_samples_that_need_more_of_scipy_run(folder, command):
+    assert_runs(folder, arguments_of(f"sdfstent {command}"))
+
+
+def test_a_plan_with_a_curve_is_carried_out(folder):
+    words = "deploy surface.vtp --axis axis.mrk.json --diameter 7.5 -o out.vtp --save-plan p.json"
+    assert_runs(folder, words.split())
+    assert_runs(folder, ["run", "p.json", "-o", "again"])
+    again = folder / "again" / "surface_stented.vtp"
+    assert again.read_bytes() == (folder / "out.vtp").read_bytes()
