@@ -5,8 +5,6 @@ from __future__ import annotations
 import csv
 import json
 import re
-import subprocess
-import sys
 from functools import cache
 from html import unescape
 from pathlib import Path
@@ -15,7 +13,6 @@ import numpy as np
 import pytest
 from deployment_cases import ANATOMIES, anatomy, phantom
 
-from SDFStentLib.cli import copies
 from SDFStentLib.cli.shell import main
 from SDFStentLib.files import polydata
 from SDFStentLib.files.formats import vtk_files as vtk_formats
@@ -23,12 +20,12 @@ from SDFStentLib.files.surface_files import read_surface
 from SDFStentLib.geometry import Surface
 from SDFStentLib.geometry.polyline import resampled_to
 from SDFStentLib.measure.inscribed import inscribed_spheres
-from SDFStentLib.measure.lesions import find_lesions, lesions_within
 from SDFStentLib.phantoms.phantoms import branching_pulmonary_artery, stenosed_tube, straight_tube
 from SDFStentLib.report.html import html_page
 from SDFStentLib.stent import Stent, stent_axis
 from SDFStentLib.stent.placement import AtDistalEnd
-from SDFStentLib.treatment.lesions import placement_at, treated_lesions
+from SDFStentLib.treatment import placement_at, treated_lesions
+from SDFStentLib.vessel.lesions import find_lesions, lesions_within
 
 LENGTHS = (8.0, 12.0, 20.0, 30.0, 40.0)
 
@@ -84,9 +81,11 @@ def document_of(arguments, capsys):
 def test_measure_says_of_a_lesion_all_that_was_built(tube, capsys):
     said = said_of(["measure", *tube], capsys)
     assert re.search(
-        r"^Lesion 1: 40 % by diameter, 64 % by area; branch 1, (29\.\d|30\.\d) mm", said, re.M
+        r"^Lesion 1: 40 % by diameter, 64 % by area; main vessel \(1 outlet\), (29|30)\.\d mm",
+        said,
+        re.MULTILINE,
     )
-    x, y, z = map(float, re.search(r"along it, at \((.*?)\) cm", said).group(1).split(", "))
+    x, y, z = map(float, re.search(r"proximal end, at \((.*?)\) cm", said).group(1).split(", "))
     np.testing.assert_allclose([x, y, z], [0, 0, 3], atol=0.03)
     widths = re.search(r"minimum (\S+) mm against (\S+) mm", said).groups()
     # Facets of 0.8 mm lie inside of the circle.
@@ -122,7 +121,7 @@ def test_the_table_of_lesions_has_the_numbers_of_the_document(pulmonary, tmp_pat
     path = tmp_path / "lesions.csv"
     lesions = document_of(["measure", *pulmonary, "--csv", path], capsys)["lesions"]
     rows = list(csv.DictReader(path.open(encoding="utf-8")))
-    assert len(rows) == len(lesions) == 4
+    assert len(rows) == len(lesions) == 3
     for row, lesion in zip(rows, lesions, strict=True):
         assert int(row["lesion"]) == lesion["number"]
         assert float(row["percent_diameter"]) == pytest.approx(lesion["percent_diameter"], rel=1e-5)
@@ -178,22 +177,6 @@ def deployed(arguments, tmp_path, capsys, code=0):
     return said, json.loads(report.read_text(encoding="utf-8")) if code == 0 else None
 
 
-def test_lesions_that_a_copy_of_the_process_finds_are_those_found_here(
-    tube, tmp_path, capsys, monkeypatch
-):
-    """A process of its own can be copied; where that must not be, all is found one by one."""
-    place = ["--center", 0, 0, 3, "--length", 12, "--diameter", 8]
-    monkeypatch.setattr(copies, "_can_be_copied", lambda: False)
-    _, here = deployed([*tube, *place], tmp_path, capsys)
-    report = tmp_path / "apart.json"
-    words = ["deploy", *tube, *place, "-o", tmp_path / "apart.vtp", "--report", report, "--quiet"]
-    subprocess.run([sys.executable, "-m", "SDFStentLib", *map(str, words)], check=True)
-    apart = json.loads(report.read_text(encoding="utf-8"))
-    assert len(here["lesions"]) == 1
-    assert apart["lesions"] == here["lesions"]
-    assert apart["stents"] == here["stents"]
-
-
 @pytest.mark.parametrize("number", ["0", "2", "-1"])
 def test_a_lesion_that_is_not_there_ends_in_how_many_there_are(tube, tmp_path, capsys, number):
     place = ["--at-lesion", number, "--length", 10, "--diameter", 6]
@@ -229,7 +212,7 @@ def test_a_stent_at_a_lesion_has_the_middle_of_its_extent(tube, tmp_path, capsys
     ends = [report["stents"][0]["axis"][key] for key in ("start_mm", "end_mm")]
     np.testing.assert_allclose(np.mean(ends, axis=0), [0, 0, 30], atol=0.3)
     assert np.ptp(ends, axis=0)[2] == pytest.approx(18, abs=0.1)
-    assert "Lesion 1: 40 % by diameter before" in said
+    assert "Stenosis by diameter: lesion 1 40 % -> " in said
     assert report["lesions"][0]["after"]["percent_diameter"] == pytest.approx(0, abs=1.5)
 
 
@@ -272,7 +255,10 @@ def test_what_a_short_stent_leaves_is_said_to_lie_beyond_it(pulmonary, tmp_path,
     """A lesion of 35 mm under a stent of 18 mm; of 20 % that are left the stent is not to blame."""
     place = ["--at-lesion", 1, "--length", 20, "--diameter", 9]
     said, report = deployed([*pulmonary, *place], tmp_path, capsys)
-    assert "What is left is narrowest beyond the stent's ends." in said
+    assert re.search(
+        r"Left in the treated vessel: \d+ % .*, \d+ mm (before|beyond) stent 1\.", said
+    )
+    assert "Lesion 1 is not covered: " in " ".join(report["warnings"])
     assert report["lesions"][0]["is_left_beyond"]
     assert "What is left is narrowest beyond the stent's ends." in unescape(html_page(report))
     treated = read_surface(tmp_path / "out.vtp", units="cm")
@@ -290,7 +276,7 @@ def test_what_a_short_stent_leaves_is_said_to_lie_beyond_it(pulmonary, tmp_path,
 def test_what_a_stent_leaves_within_itself_is_not_said_to_lie_beyond(tube, tmp_path, capsys):
     place = ["--at-lesion", 1, "--length", 40, "--diameter", 5.4]
     said, _ = deployed([*tube, *place], tmp_path, capsys)
-    assert "10 % after" in said
+    assert " -> 9 %." in said
     assert "beyond" not in said
 
 
@@ -397,3 +383,15 @@ def test_an_axis_that_is_half_outside_gets_its_sentence_in_deploy_and_run(tube, 
     assert "42 % of its points lie outside of" in capsys.readouterr().err
     report = json.loads((tmp_path / "run" / "report.json").read_text(encoding="utf-8"))
     assert any("42 % of its points lie outside of" in said for said in report["warnings"])
+
+
+def test_lesions_in_small_vessels_are_counted_in_one_line_and_listed_on_request(tube, capsys):
+    """The lesion's healthy vessel is 6.0 mm wide."""
+    said = said_of(["measure", *tube, "--smallest-vessel", 7], capsys)
+    assert "1 in vessels below 7 mm; --smallest-vessel 0 lists them." in said
+    assert "Lesion 1" not in said
+    assert "Lesion 1" in said_of(["measure", *tube, "--smallest-vessel", 0], capsys)
+    document = document_of(["measure", *tube, "--smallest-vessel", 7], capsys)
+    assert document["lesions"] == []
+    (small,) = document["lesions_of_small_vessels"]
+    assert small["number"] == 1

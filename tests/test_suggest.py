@@ -17,13 +17,16 @@ from test_report import a_lesion
 
 from SDFStentLib.cli.shell import main
 from SDFStentLib.geometry import length
-from SDFStentLib.measure import HealthyPlace
+from SDFStentLib.measure import DiameterProfile
 from SDFStentLib.phantoms.phantoms import stenosed_tube, straight_tube
 from SDFStentLib.plan import load_plan, run_plan
-from SDFStentLib.stent import stent_axis
+from SDFStentLib.report import ratio_sentence
+from SDFStentLib.stent import Stent, stent_axis
 from SDFStentLib.treatment import SizingWishes, Vessel, size_ratios, suggested
-from SDFStentLib.treatment.sizing import adjacent_diameter
+from SDFStentLib.treatment.placing import uncovered_length
+from SDFStentLib.treatment.widths import beside_lesion, healthy_vessel
 from SDFStentLib.validation import InputError
+from SDFStentLib.vessel import HealthyPlace
 
 SUGGEST = ["suggest", "tube.vtp", "--units", "cm", "--centerline", "line.vtp"]
 
@@ -34,7 +37,9 @@ def a_lesion_of(proximal, distal, minimum=4.0):
         None if diameter is None else HealthyPlace((0.0, 0.0, 0.0), 0.0, diameter, math.nan)
         for diameter in (proximal, distal)
     )
-    return replace(a_lesion(minimum), proximal=proximal, distal=distal)
+    known = [one.diameter for one in (proximal, distal) if one]
+    healthy = np.array([known[0], known[-1]])
+    return replace(a_lesion(minimum), proximal=proximal, distal=distal, healthy=healthy)
 
 
 @pytest.fixture(scope="module")
@@ -63,7 +68,7 @@ def test_the_lumen_is_that_of_the_healthy_vessel_and_the_length_that_of_the_lesi
 @pytest.mark.parametrize("ratio", [0.7, 0.85, 1.0])
 def test_a_ratio_of_ones_own_is_kept_to_a_tenth_of_a_millimeter_of_the_balloon(a_vessel, ratio):
     one = a_vessel.suggestion(1, SizingWishes(ratio=ratio))
-    wanted = ratio * adjacent_diameter(one.lesion)
+    wanted = ratio * beside_lesion(one.lesion).narrowest
     assert one.stent.diameter == pytest.approx(wanted, abs=0.05)
     assert ("times as wide" in one.rule) == (ratio != 1)
     assert [caution.kind for caution in one.cautions()] == []
@@ -81,30 +86,34 @@ def test_in_a_tight_lesion_the_balloon_is_about_a_tenth_wider_than_the_vessel():
     one = Vessel(tube.surface, tube.centerline).suggestion(1, SizingWishes())
     assert one.lesion.minimum_diameter < 3
     assert one.stent.balloon.recoil_fraction == 0.1
-    assert one.stent.balloon.diameter / adjacent_diameter(one.lesion) == pytest.approx(
+    assert one.stent.balloon.diameter / beside_lesion(one.lesion).narrowest == pytest.approx(
         1.11, abs=0.02
     )
-    assert one.stent.diameter == pytest.approx(adjacent_diameter(one.lesion), abs=0.05)
+    assert one.stent.diameter == pytest.approx(beside_lesion(one.lesion).narrowest, abs=0.05)
 
 
 def test_the_smaller_side_is_not_overstretched_and_an_unknown_one_not_made_up():
     both = a_lesion_of(proximal=9.0, distal=7.0)
-    assert adjacent_diameter(both) == 7.0
-    assert adjacent_diameter(a_lesion_of(proximal=9.0, distal=None)) == 9.0
-    assert adjacent_diameter(a_lesion_of(proximal=None, distal=7.0)) == 7.0
+    assert beside_lesion(both).narrowest == 7.0
+    assert beside_lesion(a_lesion_of(proximal=9.0, distal=None)).narrowest == 9.0
+    assert beside_lesion(a_lesion_of(proximal=None, distal=7.0)).narrowest == 7.0
+    # One side lies beyond a junction: what is expected there is in the reference alone.
+    expected = replace(a_lesion_of(9.0, None), healthy=np.array([6.5, 6.5]))
+    assert beside_lesion(expected).narrowest == 6.5
 
 
 @pytest.mark.parametrize(
     ("lumen", "balloon", "kinds"),
     [
         (7.0, 7.5, []),
-        (4.7, 5.0, []),
-        (4.5, 5.0, ["ratio-adjacent"]),
-        (7.1, 7.6, []),
-        (7.3, 7.9, ["ratio-adjacent"]),
+        (4.2, 4.5, []),  # 0.6, as half of the stents of the source
+        (2.6, 2.8, ["ratio-adjacent"]),
+        (8.3, 8.9, []),
+        (8.5, 9.1, ["overdilated"]),
+        (10.9, 11.7, ["overdilated"]),  # 1.56
         (7.0, 12.0, []),
         (7.0, 12.1, ["ratio-stenosis"]),
-        (9.0, 13.0, ["ratio-adjacent", "ratio-stenosis"]),
+        (9.0, 13.0, ["overdilated", "ratio-stenosis"]),
         (7.0, math.nan, []),
     ],
 )
@@ -114,17 +123,110 @@ def test_a_ratio_beyond_its_sources_range_is_said(lumen, balloon, kinds):
     assert ratios.stent_to_adjacent == pytest.approx(lumen / 7.0)
     assert [caution.kind for caution in ratios.cautions()] == kinds
     for caution in ratios.cautions():
-        assert "sources had 0.66 to 1.02" in str(caution) or "above 3 the recoil" in str(caution)
+        words = "at its distal end (7.0 mm)", "above 3 the recoil"
+        assert words[caution.kind == "ratio-stenosis"] in str(caution)
 
 
-def test_a_device_gives_its_own_length_and_what_is_too_short_is_said(a_vessel):
-    row = {"nominal_length": 8, "lengths": [[4, 8], [8, 6]], "name": "short"}
+def test_ranges_medians_and_denominators_are_those_of_the_source():
+    """Heart 2003;89:905, abstract."""
+    told = ratio_sentence(size_ratios(a_lesion_of(9.0, 7.0), 6.0))
+    assert told == (
+        "Stent : healthy vessel 0.86 where that is narrowest (7.0 mm), 0.67 at the proximal end "
+        "(9.0 mm), 0.86 at the distal end (7.0 mm); sources: 0.66 (0.44 to 1.5) of the distal "
+        "pulmonary artery, 0.66 (0.38 to 1.02) of the descending aorta, 0.86 (0.48 to 1.88) and "
+        "0.85 (0.52 to 1.2) dilated again."
+    )
+
+
+def a_native_lumen(*widths):
+    """Along a straight axis on which the lesion of `a_lesion_of` lies from 5 to 15 mm, a station
+    every mm from -5 on."""
+    along = np.arange(len(widths)) - 5.0
+    places = np.column_stack([np.zeros((len(along), 2)), along])
+    return DiameterProfile(along, places, np.array(widths, dtype=float), np.array(widths) * 1.0)
+
+
+@pytest.mark.parametrize(
+    ("widths", "length", "lesions", "found"),
+    [
+        # The reference in the lesion, the lumen itself beside it: never the stenosis.
+        ([8.0] * 10 + [4.0] * 11 + [8.0] * 10, 20.0, True, (8.0, 8.0, 8.0)),
+        # Into a wide parent: the ends differ, the widest lumen says nothing.
+        ([20.0] * 8 + [8.0] * 2 + [4.0] * 11 + [8.0] * 10, 20.0, True, (20.0, 8.0, 8.0)),
+        # A narrower vessel behind the lesion.
+        ([8.0] * 10 + [4.0] * 11 + [5.0] * 15, 25.0, True, (8.0, 5.0, 5.0)),
+        # An end in the lesion: there the reference stands.
+        ([8.0] * 10 + [4.0] * 11 + [8.0] * 10, 10.0, True, (8.0, 8.0, 8.0)),
+        # The reference is of a wider vessel than the one beyond the end.
+        ([8.0] * 10 + [4.0] * 11 + [5.0] * 10, 14.5, True, (8.0, 5.0, 5.0)),
+        # Lesions were not looked for: nothing is said of the ends.
+        ([6.0] * 10 + [4.0] * 11 + [8.0] * 10, 20.0, False, (math.nan, math.nan, 8.0)),
+    ],
+)
+def test_a_stent_is_held_against_the_healthy_vessel_at_its_ends_and_where_that_is_narrowest(
+    widths, length, lesions, found
+):
+    native = a_native_lumen(*widths)
+    healthy = healthy_vessel(native, length, [a_lesion_of(8.0, 8.0)] if lesions else None)
+    np.testing.assert_allclose(healthy, found, equal_nan=True)
+
+
+def test_a_device_gives_its_own_length_and_one_that_is_too_short_is_refused(a_vessel):
+    """A suggestion never leaves its own lesion uncovered."""
+    row = {"nominal_length": 14, "lengths": [[4, 14], [8, 13]], "name": "own"}
     one = a_vessel.suggestion(1, SizingWishes(device=a_device(**row)))
-    assert one.stent.length == 8
-    assert one.deployed_length == pytest.approx(8 - 0.5 * (one.stent.diameter - 4), abs=1e-9)
-    (caution,) = one.cautions()
-    assert str(caution).startswith(f"The stent is {one.deployed_length:.1f} mm long once it has")
+    assert one.stent.length == 14
+    assert one.deployed_length == pytest.approx(14 - 0.25 * (one.stent.diameter - 4), abs=1e-9)
+    assert one.deployed_length > one.lesion.length
     assert "length that of the device" in one.rule
+    short = a_device(name="short", nominal_length=8, lengths=[[4, 8], [8, 6]])
+    with pytest.raises(InputError, match=r"cover lesion 1, got short, which has 7\.0 mm; choose"):
+        a_vessel.suggestion(1, SizingWishes(device=short))
+
+
+SOLD = {"nominal_length": None, "lengths": None, "foreshortening_fraction": 0.1, "name": "sold"}
+
+
+def test_a_length_is_one_that_is_sold_where_the_table_knows_them(a_vessel):
+    device = a_device(**SOLD, sold_lengths=[9, 18, 29, 36])
+    one = a_vessel.suggestion(1, SizingWishes(device=device))
+    assert one.lesion.length > 0.9 * 9
+    assert one.stent.length == 18
+    assert "the shortest that is sold" in one.rule
+    assert uncovered_length(one.lesion, [one.axis.points]) == 0
+    with pytest.raises(InputError, match=r"got sold, which has 32\.4 mm"):
+        a_vessel.suggestion(1, SizingWishes(device=device, margin=20))
+    with pytest.raises(InputError, match=r"in which sold is sold \(9, 18, 29, 36 mm\), got 20 mm"):
+        replace(one.stent, length=20.0)
+    with pytest.raises(InputError, match="sold_lengths: expected rising lengths, each once"):
+        a_device(**SOLD, sold_lengths=[18, 9])
+    with pytest.raises(InputError, match="sold_lengths: expected none beside a nominal_length"):
+        a_device(**{**SOLD, "nominal_length": 9}, sold_lengths=[9, 18])
+
+
+def test_a_stent_that_is_long_enough_covers_a_lesion_that_is_narrowest_at_one_end(a_vessel):
+    """It is not moved to the narrowest place, as a shorter one is."""
+    (lesion,) = a_vessel.lesions
+    aside = replace(lesion, arc_length=lesion.start + 0.5)
+    for length_mm, left in ((math.ceil(lesion.length), 0.0), (6.0, lesion.length - 6.0)):
+        place = a_vessel.place_at(aside, length_mm, 0.0)
+        stent = Stent(6.0, placement=place, length=length_mm, foreshortening_fraction=0.0)
+        axis = stent_axis(stent, a_vessel.centerline).points
+        assert uncovered_length(lesion, [axis]) == pytest.approx(left, abs=1.6 * (left > 0))
+
+
+def test_a_proposal_that_is_wider_than_the_vessel_measured_there_says_so(a_vessel):
+    """Whatever the reference is: here that of a vessel three times as wide."""
+    (lesion,) = a_vessel.lesions
+    sides = [replace(one, diameter=18.0) for one in (lesion.proximal, lesion.distal)]
+    wide = replace(
+        lesion, proximal=sides[0], distal=sides[1], healthy=np.full(len(lesion.line), 18.0)
+    )
+    vessel = Vessel(a_vessel.surface, a_vessel.centerline)
+    vars(vessel)["lesions"] = (wide,)
+    told = [str(one) for one in vessel.suggestion(1, SizingWishes()).cautions()]
+    (found,) = [one for one in told if "times as wide as the healthy vessel at its" in one]
+    assert float(re.findall(r"is (\S+) times", found)[0]) == pytest.approx(3, abs=0.1)
 
 
 def test_a_family_that_keeps_its_length_needs_a_shorter_stent(a_vessel):
@@ -198,7 +300,9 @@ def test_suggest_tells_the_rule_and_writes_a_plan_that_runs(a_folder, capsys):
         "recoil, rounded to the nearest 0.1 mm, length that of the lesion, longer by what "
         "shortening takes, rounded up to whole mm. ",
         "Recoil 7 %: the mean in great vessels",
-        "Stent : adjacent vessel 1.00 (sources 0.66 to 1.02); balloon : stenosis 1.8",
+        "These are sizes that the lesion asks for, of no product; in the table no row has such ",
+        "Stent : healthy vessel 1.00 where that is narrowest (5.9 mm), 1.00 at the proximal end",
+        " dilated again; balloon : stenosis 1.8",
         "Wrote tube_plan.json; to carry it out: sdfstent run tube_plan.json -o DIR",
     ):
         assert words in said, words
@@ -214,7 +318,7 @@ def test_suggest_tells_the_rule_and_writes_a_plan_that_runs(a_folder, capsys):
     assert told["stent_to_adjacent"] == pytest.approx(1.0, abs=0.01)
     assert told["balloon_to_stenosis"] == pytest.approx(1.8, abs=0.05)
     page = Path("out/report.html").read_text(encoding="utf-8")
-    assert "<td>Lumen : smaller healthy vessel beside the lesion</td><td>1.0" in page
+    assert "<td>Lumen : healthy vessel where it is narrowest</td><td>1.0" in page
 
 
 def test_suggest_prints_json_and_takes_a_device(a_folder, capsys):
@@ -270,17 +374,18 @@ def test_a_vessel_without_a_lesion_gets_no_plan(tmp_path, monkeypatch, capsys):
 def deployed_in_the_tube(capsys, *options):
     """What is said of a stent at the throat of the tube of 6 mm, and its warnings."""
     more = ["--center", "0", "0", "2", "--length", "12", "-o", "o.vtp", "--report", "r.json"]
+    more.append("--verbose")
     assert main(["deploy", *SUGGEST[1:], *more, *options]) == 0
     warnings = json.loads(Path("r.json").read_text(encoding="utf-8"))["warnings"]
     told = capsys.readouterr()
     assert all(sentence in told.err for sentence in warnings)
-    ratios = ("sources had", "the recoil was")
+    ratios = ("times as wide as the healthy", "the recoil was")
     return told.out, [one for one in warnings if any(words in one for words in ratios)]
 
 
 def test_a_deployed_stent_is_compared_with_its_lesion(a_folder, capsys):
     out, warnings = deployed_in_the_tube(capsys, "--diameter", "6")
-    (ratio,) = re.findall(r"Stent : adjacent vessel (\S+) \(sources 0.66 to 1.02\)\.\n", out)
+    (ratio,) = re.findall(r"Stent : healthy vessel (\S+) where that is narrowest", out)
     assert float(ratio) == pytest.approx(1.0, abs=0.02)  # facets lie within the tube's circle
     assert warnings == []
 
@@ -291,21 +396,22 @@ def test_ratios_beyond_their_sources_are_warned_of(a_folder, capsys):
     lumen, balloon = (float(re.findall(r"is (\S+) times as wide", one)[0]) for one in warnings)
     assert lumen == pytest.approx(8.8 / 6.0, abs=0.03)
     assert balloon == pytest.approx(11 / 3.6, abs=0.06)
-    assert f"Stent : adjacent vessel {lumen:.2f} (sources 0.66 to 1.02); balloon : stenosis" in out
-    assert wide.endswith("beside the lesion; sources had 0.66 to 1.02.")
+    assert f"Stent : healthy vessel {lumen:.2f} where that is narrowest (5.9 mm)" in out
+    assert "In coarctations its source had at most 1.02, and 1.2 dilated again" in wide
     assert tight.endswith("above 3 the recoil was more than 10 %.")
 
 
-def test_a_stent_beside_the_lesion_is_not_compared(a_folder, capsys):
-    place = ["--center", "0", "0", "0.7", "--length", "6", "--diameter", "8"]
-    out, warnings = deployed_in_the_tube(capsys, *place)
-    assert "Stent : adjacent" not in out
-    assert warnings == []
+def test_a_stent_beside_the_lesion_is_compared_with_the_vessel_there(a_folder, capsys):
+    place = ["--center", "0", "0", "0.7", "--length", "6", "--balloon", "8.6"]
+    out, (warning,) = deployed_in_the_tube(capsys, *place)
+    assert "Stent : healthy vessel 1.3" in out
+    assert "balloon : stenosis" not in out
+    assert "is 1.3" in warning
 
 
 def test_the_stent_is_named_where_its_ratio_is_warned_of(a_folder):
     assert main([*SUGGEST, "--ratio", "1.3", "--quiet"]) == 0
     result = run_plan(load_plan("tube_plan.json"))
     (caution,) = result.size_warnings
-    assert (caution.kind, caution.stent) == ("ratio-adjacent", 1)
-    assert caution.sentence().startswith("Stent 1 (lesion 1): The stent is 1.3")
+    assert (caution.kind, caution.stent) == ("overdilated", 1)
+    assert caution.sentence().startswith("Stent 1 (lesion 1): The stent of 7.")

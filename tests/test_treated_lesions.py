@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from SDFStentLib.deformation import DeploymentSettings
-from SDFStentLib.measure import find_lesions
+from SDFStentLib.measure import inscribed_spheres
+from SDFStentLib.phantoms import stenosed_tube
 from SDFStentLib.phantoms.tree import vascular_tree
 from SDFStentLib.stent import AtCenter, Stent
-from SDFStentLib.treatment import Treatment, treated_lesions
+from SDFStentLib.treatment import Treatment, residual_of, treated_lesions
+from SDFStentLib.vessel import find_lesions
 
 
 @pytest.fixture(scope="module")
@@ -39,3 +41,28 @@ def test_a_lesion_beside_the_stent_is_that_of_before(tree_with_two_lesions):
             assert one.stents == exact.stents
         assert plain[found.index(treated)].after.percent_diameter < 10
         assert fast[found.index(treated)].after is not treated
+
+
+@pytest.mark.parametrize(("shift", "side"), [(-4.0, "distal"), (4.0, "proximal"), (0.0, "within")])
+def test_what_is_left_is_the_narrowest_place_of_the_vessel_wherever_it_lies(shift, side):
+    """By another way: spheres along the whole tube, against its 6 mm."""
+    made = stenosed_tube(edge_length=0.5, length=60.0)
+    lesions = find_lesions(made.surface, made.centerline)
+    length = 12.0 if shift else 30.0
+    stent = Stent(5.4, placement=AtCenter((0, 0, 30 + shift)), length=length)
+    result = Treatment(
+        made.surface, [stent], made.centerline, DeploymentSettings(certify=False)
+    ).result
+    left = residual_of(treated_lesions(lesions, result.stents, result.surface), result.stents)
+    line = made.axis_at(np.linspace(5, 55, 501))
+    widths = 2 * inscribed_spheres(result.surface.points, made.triangles, line).radii
+    assert left.minimum == pytest.approx(widths.min(), abs=0.01)
+    assert left.percent == pytest.approx(100 * (1 - widths.min() / 6), abs=1)
+    assert left.side == side
+    axis = result.stents[0].axis.points[:, 2]
+    away = max(left.point[2] - axis.max(), axis.min() - left.point[2], 0)
+    assert left.distance == pytest.approx(away, abs=0.2)
+
+
+def test_without_a_covered_lesion_nothing_is_said_to_be_left():
+    assert residual_of((), ()) is None

@@ -9,11 +9,11 @@ import pytest
 
 from SDFStentLib.certificate import check_surface
 from SDFStentLib.geometry.faces import signed_volume
-from SDFStentLib.measure import find_lesions
 from SDFStentLib.measure.inscribed import inscribed_spheres
 from SDFStentLib.phantoms import vascular_tree
 from SDFStentLib.phantoms.tree import NARROWER, ROOT_RADIUS
 from SDFStentLib.validation import InputError
+from SDFStentLib.vessel import find_lesions
 
 LESIONS = {0: 0.5, 1: 0.3, 4: 0.6, 8: 0.4, 14: 0.5}
 
@@ -81,7 +81,8 @@ def test_all_lesions_of_a_tree_are_found_and_none_is_invented():
         away = [np.linalg.norm(one.point - axis.point(axis.length / 2)[0]) for one in found]
         lesion = found[int(np.argmin(away))]
         assert min(away) < 0.5
-        assert lesion.percent_diameter == pytest.approx(100 * depth, abs=2)
+        # Facets of 0.8 mm cut into a throat of 2.5 mm.
+        assert lesion.percent_diameter == pytest.approx(100 * depth, abs=3)
 
 
 @pytest.mark.parametrize(

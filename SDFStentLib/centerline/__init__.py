@@ -5,12 +5,14 @@ from __future__ import annotations
 from .centerline import Centerline
 from .junctions import JunctionChoice
 from .path import CenterlinePath, Location
+from .point_tree import points_between
 
 __all__ = [
     "Centerline",
     "CenterlinePath",
     "JunctionChoice",
     "Location",
+    "points_between",
 ]
 
 

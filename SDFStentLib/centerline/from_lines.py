@@ -14,14 +14,19 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..validation import Floats, Indices, InputError, Points, as_point, as_points
 from .line_graph import LineGraph, near_pairs, reach_of, welded
-from .overlaps import merged_overlaps
+from .overlaps import OVERLAP_EXTENT, OVERLAP_FRACTION, merged_overlaps
 from .point_tree import PointTree, as_radii
+from .thinning import thinned
 
 GAP_FRACTION = 1.0
 """Pieces are joined across a gap of up to this fraction of the local inscribed radius."""
 
 GAP_EXTENT = 1e-2
 """The same as a fraction of the bounding box's diagonal where no radius is known."""
+
+DENSEST = 0.05
+"""Mean spacing of points, over the distance at which lines are one, below which they are thinned:
+one in 200 of the radius. Files of VMTK and SimVascular have 0.5 and more."""
 
 WIDER = 1.1
 """Times as wide as every other end from which the widest end is the root, whatever the order in
@@ -48,10 +53,11 @@ def tree_from_lines(
     graph, line_ends = welded(checked, radius, index_lines)
     end_points = graph.points[line_ends]
     two_point_cells = len(index_lines) > 1 and all(len(line) == 2 for line in index_lines)
-    graph = merged_overlaps(graph, line_ends[:0] if two_point_cells else line_ends)
+    graph, line_ends = _thinned(graph, line_ends[:0] if two_point_cells else line_ends)
+    graph = merged_overlaps(graph, line_ends)
     graph = _joined(graph)
     root = _root(graph, end_points, inlet, two_point_cells)
-    return _rooted(graph, root)
+    return _rooted(graph, root, end_points)
 
 
 def _as_lines(lines: Sequence[ArrayLike], point_count: int) -> list[Indices]:
@@ -157,14 +163,14 @@ def _lines_at(graph: LineGraph, leaves: Indices, points: Points) -> Indices:
     return np.bincount(nearest[near], minlength=len(leaves))
 
 
-def _rooted(graph: LineGraph, root: int) -> PointTree:
-    """Shortest way from the root to every node; spurs that an opened loop leaves are dropped."""
+def _rooted(graph: LineGraph, root: int, line_ends: Floats) -> PointTree:
+    """Shortest way from the root to every node; spurs that end where no line does are dropped."""
     from scipy.sparse import csr_matrix
     from scipy.sparse.csgraph import depth_first_order, dijkstra
 
     _, parent = dijkstra(graph.matrix(), directed=False, indices=root, return_predecessors=True)
     parent = np.where(parent < 0, -1, parent).astype(np.int64)
-    kept = _without_spurs(graph, parent)
+    kept = _without_spurs(graph, parent, line_ends)
     children = np.flatnonzero(kept & (parent >= 0))
     count = len(parent)
     links = csr_matrix((np.ones(len(children)), (parent[children], children)), (count, count))
@@ -174,17 +180,20 @@ def _rooted(graph: LineGraph, root: int) -> PointTree:
     return PointTree(graph.points[order], graph.radius[order], new_index[parent[order]])
 
 
-def _without_spurs(graph: LineGraph, parent: Indices) -> NDArray[np.bool_]:
-    """Which nodes stay: dead ends made by opening a loop go when inside their junction's sphere."""
+def _without_spurs(graph: LineGraph, parent: Indices, line_ends: Floats) -> NDArray[np.bool_]:
+    """Which nodes stay: dead ends made by opening a loop, or by merging lines that part for a
+    moment, go when inside their junction's sphere."""
     kept = np.ones(len(parent), dtype=bool)
     child_count = np.bincount(parent[parent >= 0], minlength=len(parent))
     reach = reach_of(graph, GAP_FRACTION, GAP_EXTENT)
     steps = np.linalg.norm(graph.points - graph.points[parent], axis=1).tolist()
     above_of = parent.tolist()
-    made_by_cut = np.flatnonzero((child_count == 0) & (graph.degrees() > 1)).tolist()
+    dead_ends = np.flatnonzero(child_count == 0)
+    is_meant = _lines_at(graph, dead_ends, line_ends.reshape(-1, 3)) > 0
+    spurs = dead_ends[(graph.degrees()[dead_ends] > 1) | ~is_meant].tolist()
     # Ends: a node comes in when it loses its last child, once.
-    while made_by_cut:
-        spur, size = [made_by_cut.pop()], 0.0
+    while spurs:
+        spur, size = [spurs.pop()], 0.0
         # Ends: shortest ways lead to the root.
         while above_of[spur[-1]] >= 0 and child_count[spur[-1]] <= (len(spur) > 1):
             size += steps[spur[-1]]
@@ -195,5 +204,11 @@ def _without_spurs(graph: LineGraph, parent: Indices) -> NDArray[np.bool_]:
         kept[spur[:-1]] = False
         child_count[junction] -= 1
         if child_count[junction] == 0:
-            made_by_cut.append(junction)
+            spurs.append(junction)
     return kept
+
+
+def _thinned(graph: LineGraph, line_ends: Indices) -> tuple[LineGraph, Indices]:
+    """The graph with no more points than are needed, and the ends of the lines in it."""
+    spacing = reach_of(graph, DENSEST * OVERLAP_FRACTION, DENSEST * OVERLAP_EXTENT)
+    return thinned(graph, line_ends, spacing)

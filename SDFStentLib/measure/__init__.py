@@ -3,24 +3,21 @@
 from __future__ import annotations
 
 from .apposition import Apposition, FreeStretch, apposition
-from .branch_names import branch_names
+from .branch_names import branch_names, named_branches
 from .caps import bulged_caps, caps_across, looks_across, off_caps
 from .closed_ends import OpenWall, open_at_ends
+from .closed_surface import Holes, closed_surface, holes_of
 from .cross_section import equivalent_diameters, winding_numbers
 from .cut_planes import CutPlane
 from .extended_axis import REACH, ExtendedAxis, extended_axis
 from .inscribed import InscribedSpheres, Until, inscribed_spheres
 from .known_lumen import measured_after, measured_once
-from .lesion_measuring import lesions_after
-from .lesion_value import HealthyPlace, Lesion
-from .lesions import find_lesions, lesion_after, lesions_within
 from .local_surface import LocalSurface
-from .marked_reference import lesion_against, lesions_against
 from .metrics import DiameterProfile, diameter_profile
 from .moved_wall import MovedWall, moved_wall
-from .narrowings import SMALLEST_DEGREE
 from .neighbor_lumen import NeighborLumen, NeighborStations, VesselStates
 from .neighbor_ways import BranchWays, NeighborWay, end_ways
+from .open_segment import OpenSegment, segment_between
 from .ostia import LISTED, NEARLY, Ostium, find_ostia
 from .point_lumen import rough_radii
 from .pressure import (
@@ -34,12 +31,12 @@ from .pressure import (
     vessel_block,
 )
 from .profile_around import AxisStations, axis_stations, profile_around
-from .segment import Segment, cut_segment
+from .segment import Segment, closed_segment
 from .segment_faces import HOLE, SegmentFace
-from .segment_planes import segment_planes
+from .segment_planes import SegmentEnds, segment_ends
+from .side_branches import OpenBranch, close_side_branches
 from .stations import Stations, measured_at
 from .stretch import FaceStretch, displacements, face_stretches
-from .tree_lumen import closed_surface
 from .triangle_sizes import TriangleSizes, triangle_sizes
 from .vessel_ends import LineSeeds, VesselEnd, line_seeds, vessel_ends
 from .vessel_parts import VesselParts, vessel_parts
@@ -50,7 +47,6 @@ __all__ = [
     "LISTED",
     "NEARLY",
     "REACH",
-    "SMALLEST_DEGREE",
     "TOO_LOW",
     "TURBULENCE",
     "Apposition",
@@ -62,19 +58,21 @@ __all__ = [
     "ExtendedAxis",
     "FaceStretch",
     "FreeStretch",
-    "HealthyPlace",
+    "Holes",
     "InscribedSpheres",
-    "Lesion",
     "LineSeeds",
     "LocalSurface",
     "MovedWall",
     "NeighborLumen",
     "NeighborStations",
     "NeighborWay",
+    "OpenBranch",
+    "OpenSegment",
     "OpenWall",
     "Ostium",
     "PressureBand",
     "Segment",
+    "SegmentEnds",
     "SegmentFace",
     "Stations",
     "TriangleSizes",
@@ -88,34 +86,32 @@ __all__ = [
     "branch_names",
     "bulged_caps",
     "caps_across",
+    "close_side_branches",
+    "closed_segment",
     "closed_surface",
-    "cut_segment",
     "diameter_profile",
     "displacements",
     "end_ways",
     "equivalent_diameters",
     "extended_axis",
     "face_stretches",
-    "find_lesions",
     "find_ostia",
+    "holes_of",
     "inscribed_spheres",
-    "lesion_after",
-    "lesion_against",
-    "lesions_after",
-    "lesions_against",
-    "lesions_within",
     "line_seeds",
     "looks_across",
     "measured_after",
     "measured_at",
     "measured_once",
     "moved_wall",
+    "named_branches",
     "off_caps",
     "open_at_ends",
     "pressure_band",
     "profile_around",
     "rough_radii",
-    "segment_planes",
+    "segment_between",
+    "segment_ends",
     "triangle_sizes",
     "vessel_block",
     "vessel_ends",

@@ -31,10 +31,45 @@ def branch_names(
     Returns
     -------
     tuple of str
-        Such as "left pulmonary artery", or "branch to face 3 and face 4" where a branch has no name
-        or divides; that at the root is called after its own end. "branch 2" where faces do not
-        tell, as branches are counted from 1 at the root, and behind a name that two have.
+        Such as "left pulmonary artery", or "branch to face 3" where an end has no name; that at
+        the root is called after its own end. "branch 2" where faces do not tell, as branches are
+        counted from 1 at the root, and behind a name that two have; "branch 2 (28 outlets)" where
+        it leads to several ends of which one at least has no name.
     """
+    names = []
+    for number, ids in enumerate(_leading_to(surface, centerline, faces), start=1):
+        if faces is None or not ids:
+            names.append(f"branch {number}")
+        elif len(ids) > 1 and not ids <= faces.names.keys():
+            names.append(f"branch {number} ({len(ids)} outlets)")
+        else:
+            names.append(faces.branch_name(sorted(ids)))
+    # Where some ends have no face, two branches may lead to the same.
+    return tuple(
+        f"{name} (branch {number})" if names.count(name) > 1 else name
+        for number, name in enumerate(names, start=1)
+    )
+
+
+def named_branches(
+    surface: Surface, centerline: Centerline, faces: NamedFaces | None = None
+) -> tuple[str | None, ...]:
+    """For every branch the name that the faces of the model give it, None without one.
+
+    Arguments as of `branch_names`. A branch to several ends has one where all of them have.
+    """
+    return tuple(
+        faces.branch_name(sorted(ids))
+        if faces is not None and ids and ids <= faces.names.keys()
+        else None
+        for ids in _leading_to(surface, centerline, faces)
+    )
+
+
+def _leading_to(
+    surface: Surface, centerline: Centerline, faces: NamedFaces | None
+) -> list[set[int]]:
+    """By branch the faces at the ends to which it leads; at the root that of its own end."""
     caps = _caps(surface, faces) if faces is not None else {}
     face_at = {
         int(end): number
@@ -42,20 +77,15 @@ def branch_names(
         if (number := _cap_near(centerline.points[end], caps)) is not None
     }
     leads_to = _faces_beyond(centerline, face_at)
-    names = []
-    for number, branch in enumerate(centerline.branches, start=1):
+    found = []
+    for branch in centerline.branches:
         start = int(branch[0])
         ids = leads_to[int(branch[-1])]
         if centerline.parent[start] < 0:
             # A vessel without branches needs no name.
             ids = {face_at[start]} if start in face_at and len(centerline.branches) > 1 else set()
-        told = faces.branch_name(sorted(ids)) if faces is not None and ids else ""
-        names.append(told or f"branch {number}")
-    # Where some ends have no face, two branches may lead to the same.
-    return tuple(
-        f"{name} (branch {number})" if names.count(name) > 1 else name
-        for number, name in enumerate(names, start=1)
-    )
+        found.append(ids)
+    return found
 
 
 def _caps(surface: Surface, faces: NamedFaces) -> dict[int, tuple[Points, float]]:

@@ -15,14 +15,14 @@ from numpy.typing import NDArray
 from ..cautions import Caution
 from ..geometry import (
     Surface,
-    component_labels,
+    connected,
     dot,
     face_normals,
     may_meet_box,
     paired_sides,
     product,
 )
-from ..validation import Flags, Floats, Indices, Points, Triangles
+from ..validation import Flags, Points, Triangles
 
 FLAT = np.cos(np.deg2rad(1.0))
 """Faces whose normals differ by less lie in one plane."""
@@ -38,10 +38,6 @@ ACROSS = np.cos(np.deg2rad(30.0))
 """Cosine between an axis and the normal of a cap that counts as across it."""
 
 FEWEST_FACES = 6
-WIDENINGS = 6
-"""How often a cap that goes on beyond where it was looked for is looked for twice as far around."""
-
-NOTHING = np.empty(0, dtype=np.int64)
 NOTICEABLE = 0.05
 """Motion out of the plane, mm, that is worth a word."""
 
@@ -72,15 +68,36 @@ class FlatCap(NamedTuple):
     """(3,) unit vector."""
 
 
-class _FlatSpot(NamedTuple):
-    cap: FlatCap
-    has_rim: bool
-    """Whether it meets the faces around it, those that are known, at steep angles."""
-
-
 def flat_caps(points: Points, faces: Triangles) -> list[FlatCap]:
-    """Flat spots with a steep rim among some faces (m, 3)."""
-    return [spot.cap for spot in _flat_spots(points, faces) if spot.has_rim]
+    """Flat spots with a steep rim among some faces (m, 3), in the order of their first faces."""
+    if len(faces) < FEWEST_FACES:
+        return []
+    normals = face_normals(points, faces)
+    pairs = paired_sides(faces) // 3
+    cosine = dot(normals.take(pairs[:, 0], axis=0), normals.take(pairs[:, 1], axis=0))
+    flat = pairs.compress(cosine > FLAT, axis=0)
+    count, label = connected(len(faces), flat[:, 0], flat[:, 1])
+
+    sides = label.take(pairs)
+    border = np.flatnonzero(sides[:, 0] != sides[:, 1])
+    sides, angles = sides.take(border, axis=0), np.repeat(cosine.take(border)[:, None], 2, axis=1)
+    size = np.bincount(label, minlength=count)
+    rim = np.bincount(sides.ravel(), minlength=count)
+    steep = np.bincount(sides.ravel(), weights=(angles < RIM).ravel(), minlength=count)
+    # Every triangle of a mesh that was subdivided is a flat spot: most are left out before the
+    # faces of each are gathered.
+    is_spot = (size >= FEWEST_FACES) & (steep > 0.8 * rim)
+    chosen = np.flatnonzero(is_spot.take(label))
+    chosen = chosen[np.argsort(label[chosen], kind="stable")]
+    spots = label[chosen]
+    parts = np.split(chosen, np.flatnonzero(np.diff(spots)) + 1) if len(chosen) else []
+    means = [normals[own].mean(axis=0) for own in parts]
+    caps = [
+        FlatCap(own, mean / length)
+        for own, mean in zip(parts, means, strict=True)
+        if (length := np.linalg.norm(mean)) >= ONE_WAY
+    ]
+    return sorted(caps, key=lambda cap: int(cap.faces[0]))
 
 
 def caps_of(surface: Surface) -> list[FlatCap]:
@@ -90,46 +107,17 @@ def caps_of(surface: Surface) -> list[FlatCap]:
     return found
 
 
-def _flat_spots(
-    points: Points, faces: Triangles, *, rimless: bool = False, across: Floats | None = None
-) -> list[_FlatSpot]:
-    """Flat spots among some faces, those without a rim only where they are asked for.
+def caps_across(surface: Surface, axis: Points, reach: float) -> NDArray[np.bool_]:
+    """Which faces (m,) belong to flat caps across an axis (n, 3), of which a part is near its ends.
 
-    Where a direction is given, only those across it.
+    Parameters
+    ----------
+    surface : Surface
+    axis : (k, 3) array
+        mm.
+    reach : float
+        Distance from the ends, mm, within which caps are looked for; the whole of one counts.
     """
-    if len(faces) < FEWEST_FACES:
-        return []
-    normals = face_normals(points, faces)
-    pairs = paired_sides(faces) // 3
-    cosine = dot(normals.take(pairs[:, 0], axis=0), normals.take(pairs[:, 1], axis=0))
-    flat = pairs[cosine > FLAT]
-    label = component_labels(len(faces), flat[:, 0], flat[:, 1])
-
-    border = label[pairs[:, 0]] != label[pairs[:, 1]]
-    sides, angles = label[pairs[border]], np.repeat(cosine[border, None], 2, axis=1)
-    size = np.bincount(label)
-    count = np.bincount(sides.ravel(), minlength=len(size))
-    steep = np.bincount(sides.ravel(), weights=(angles < RIM).ravel(), minlength=len(size))
-    has_rim = steep > 0.8 * count
-    mean = np.stack([np.bincount(label, column) for column in normals.T], axis=1) / size[:, None]
-    length = np.linalg.norm(mean, axis=1)
-    # Every triangle of a mesh that was subdivided is a flat spot: most are left out before the
-    # faces of each are gathered.
-    is_spot = (size >= FEWEST_FACES) & (has_rim | rimless) & (length >= ONE_WAY)
-    if across is not None:
-        is_spot &= np.abs(product(mean, across)) > ACROSS * length
-    chosen = np.flatnonzero(is_spot[label])
-    chosen = chosen[np.argsort(label[chosen], kind="stable")]
-    spots = label[chosen]
-    parts = np.split(chosen, np.flatnonzero(np.diff(spots)) + 1) if len(chosen) else []
-    return [
-        _FlatSpot(FlatCap(own, mean[spot] / length[spot]), bool(has_rim[spot]))
-        for own, spot in zip(parts, np.unique(spots), strict=True)
-    ]
-
-
-def caps_at_ends(surface: Surface, axis: Points, reach: float) -> NDArray[np.bool_]:
-    """`caps_across` of a surface whose caps are asked for again and again."""
     points, triangles = surface.points, surface.triangles
     is_capped = np.zeros(len(triangles), dtype=bool)
     for end, inner in (axis[:2], axis[:-3:-1]):
@@ -142,47 +130,6 @@ def caps_at_ends(surface: Surface, axis: Points, reach: float) -> NDArray[np.boo
                 if may_meet_box(corners, faces, end - reach, end + reach).any():
                     is_capped[cap.faces] = True
     return is_capped
-
-
-def caps_across(points: Points, faces: Triangles, axis: Points, reach: float) -> NDArray[np.bool_]:
-    """Which faces (m,) belong to flat caps across an axis (n, 3), of which a part is near its ends.
-
-    Parameters
-    ----------
-    points, faces : (n, 3) and (m, 3) arrays
-    axis : (k, 3) array
-        mm.
-    reach : float
-        Distance from the ends, mm, within which caps are looked for; the whole of one counts.
-    """
-    is_capped = np.zeros(len(faces), dtype=bool)
-    for end, inner in (axis[:2], axis[:-3:-1]):
-        direction = (end - inner) / np.linalg.norm(end - inner)
-        is_capped[_caps_at(points, faces, end, direction, reach)] = True
-    return is_capped
-
-
-def _caps_at(
-    points: Points, faces: Triangles, end: Floats, direction: Floats, reach: float
-) -> Indices:
-    """Faces of the caps at one end; looked for farther around where one goes on beyond that."""
-    found = NOTHING
-    for _ in range(WIDENINGS):
-        near = np.flatnonzero(may_meet_box(points, faces, end - reach, end + reach))
-        if len(near) >= FEWEST_FACES:
-            # Most ends have few faces across the axis, which is quickly told.
-            across = np.abs(product(face_normals(points, faces[near]), direction)) > ACROSS
-            if np.count_nonzero(across) < FEWEST_FACES:
-                break
-            spots = [
-                (near[spot.cap.faces], spot.has_rim)
-                for spot in _flat_spots(points, faces[near], rimless=True, across=direction)
-            ]
-            found = np.concatenate([NOTHING, *(own for own, has_rim in spots if has_rim)])
-            if all(np.abs(points[faces[own]] - end).max() < reach for own, _ in spots):
-                break
-        reach *= 2
-    return found
 
 
 def off_caps(surface: Surface) -> Points:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..geometry import Surface, SurfaceIndex, arc_lengths, dot, may_meet_box, nearest_distances
 from ..validation import Flags, Floats, Indices, Points, Triangles
-from .caps import caps_at_ends, flat_caps
+from .caps import caps_across, flat_caps
 from .inscribed import InscribedSpheres, inscribed_spheres
 from .stations import Stations
 from .touching import IN_SURFACE, TOUCH, part_near, touches
@@ -51,7 +51,7 @@ def open_at_ends(surface: Surface, axis: Points) -> OpenWall:
     points, triangles = surface.points, surface.triangles
     some = points[triangles[:: max(1, len(triangles) // _SOME), 0]]
     reach = CAPS_WITHIN * float(nearest_distances(axis, some).max())
-    is_capped = caps_at_ends(surface, axis, reach)
+    is_capped = caps_across(surface, axis, reach)
     caps = np.flatnonzero(is_capped)
     return OpenWall(triangles[~is_capped] if len(caps) else triangles, caps)
 

@@ -58,7 +58,7 @@ def equivalent_diameters(
         areas[block], doubtful = section_areas(points, triangles, centers[block], normals[block])
         for number in start + np.flatnonzero(doubtful):
             areas[number] = _lumen_area(points, triangles, centers[number], directions[number])
-    return 2 * np.sqrt(areas / np.pi)
+    return 2 * np.sqrt(np.where(np.isfinite(areas), areas, np.nan) / np.pi)
 
 
 def _lumen_area(points: Points, triangles: Triangles, center: Floats, direction: Floats) -> float:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from ..centerline import Location
 from ..geometry import (
-    ClosedSurface,
     SectionAround,
     across,
     arc_lengths,
@@ -61,55 +61,44 @@ class CutPlane:
             object.__setattr__(self, name, read_only(getattr(self, name)))
 
 
+class Step(NamedTuple):
+    """A place on a line along which a plane is looked for."""
+
+    along: float
+    """From the beginning of the line, mm."""
+    place: Points
+    direction: Floats
+
+
 class PlaneFinder:
     """A vessel that is asked for its sections again and again."""
 
     def __init__(self, vessel: VesselParts) -> None:
         from scipy.spatial import cKDTree
 
+        self.vessel = vessel
         self.points, self.triangles = vessel.surface.points, vessel.surface.triangles
-        self.said = vessel.said
         self.is_cap = np.isin(vessel.ids, list(vessel.caps))
         self.axis = vessel.tree.resampled(SPACING)
         self.wall = cKDTree(self.points[np.unique(self.triangles[~self.is_cap])])
         self.reach = self.wall.query(self.axis.points)[0]
 
-    def end_direction(self, way: Points, place: Location, word: str) -> Floats:
-        """Across the first point of a way along the vessel; `InputError` where that cannot be."""
-        direction = self.direction(way)
-        section = section_around(self.points, self.triangles, way[0], direction)
+    def check_inside(self, way: Points, place: Location, word: str) -> None:
+        """`InputError` where the first point of a way was taken for a place outside the vessel."""
+        section = section_around(self.points, self.triangles, way[0], self.direction(way))
         # The tip of a centerline may lie beyond its vessel.
         wall = float(self.wall.query(way[0])[0])
         radius = wall if section is None else float(np.sqrt(section.area / np.pi))
         if place.distance > OFF * radius:
             raise InputError(
                 f"segment {word}: expected a place in the vessel, got one {place.distance:.1f} mm "
-                f"from its centerline at {self.said(way[0])}, where it has a radius of "
+                f"from its centerline at {self.vessel.said(way[0])}, where it has a radius of "
                 f"{radius:.1f} mm; check the place, its unit (mm, cm) and its frame (RAS, LPS)."
             )
-        fault = self.fault(section, way[0], direction)
-        if fault:
-            raise InputError(
-                f"segment {word}: expected a plane that meets only this vessel, the one at "
-                f"{self.said(way[0])}, {fault}; {self._advice(way)}."
-            )
-        return direction
 
-    def first_across(
-        self, side: Points, way: Points, lumen: ClosedSurface
-    ) -> tuple[Points, Floats] | None:
-        """Where along a line that leaves a way a plane first meets only it; its normal, back.
-
-        In a lumen, and so far from the way that the branch has parted from it; None without one.
-        """
-        for place, direction in self._tried(side):
-            apart = closest_points(way, place[None]).distances[0] > self.wall.query(place)[0]
-            if not apart or not lumen.contains(place[None])[0]:
-                continue
-            section = section_around(self.points, self.triangles, place, direction)
-            if not self.fault(section, place, direction):
-                return place, -direction
-        return None
+    def has_parted(self, place: Points, way: Points) -> bool:
+        """Whether a branch at a place is beside the vessel that a way runs through."""
+        return bool(closest_points(way, place[None]).distances[0] > self.wall.query(place)[0])
 
     def direction(self, way: Points) -> Floats:
         """The direction of a line (k, 3) at its first point."""
@@ -118,8 +107,9 @@ class PlaneFinder:
         parabola = np.polyfit(at, point_at(way, at), 2)
         return np.asarray(parabola[1] / np.linalg.norm(parabola[1]))
 
-    def fault(self, section: SectionAround | None, origin: Points, normal: Floats) -> str:
-        """Why a section is not that of one vessel alone; empty where it is."""
+    def fault(self, origin: Points, normal: Floats) -> str:
+        """Why a plane does not meet one vessel alone; empty where it does."""
+        section = section_around(self.points, self.triangles, origin, normal)
         if section is None:
             return "does not go round its centerline"
         if not section.is_closed:
@@ -130,23 +120,15 @@ class PlaneFinder:
             return "cuts a branch of it, too"
         return "runs into another vessel" if self._is_elsewhere(section, origin) else ""
 
-    def _tried(self, line: Points) -> Iterator[tuple[Points, Floats]]:
-        """Places along a line and its direction there."""
-        at, total = 0.0, length(line)
+    def steps(self, line: Points) -> Iterator[Step]:
+        """Places along a line (k, 3) and its direction there."""
+        along, total = 0.0, length(line)
         # Ends: goes on by a tenth of the spacing at least.
-        while at < total - SAME:
-            place = point_at(line, [at])[0]
-            rest = np.vstack([place, line[arc_lengths(line) > at]])
-            yield place, self.direction(rest)
-            at += max(STEP * float(self.wall.query(place)[0]), SPACING / 10)
-
-    def _advice(self, way: Points) -> str:
-        for place, direction in self._tried(way):
-            section = section_around(self.points, self.triangles, place, direction)
-            if not self.fault(section, place, direction):
-                moved = closest_points(way, place[None]).arc_lengths[0]
-                return f"move it {moved:.1f} mm into the segment, to {self.said(place)}"
-        return "choose another place"
+        while along < total - SAME:
+            place = point_at(line, [along])[0]
+            rest = np.vstack([place, line[arc_lengths(line) > along]])
+            yield Step(along, place, self.direction(rest))
+            along += max(STEP * float(self.wall.query(place)[0]), SPACING / 10)
 
     def _is_crossed_elsewhere(self, section: SectionAround, origin: Points, normal: Floats) -> bool:
         """Whether the centerline passes through the section at another place than the origin."""

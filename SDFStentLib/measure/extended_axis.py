@@ -80,14 +80,14 @@ def extended_axis(
         raise InputError("stent_axis: expected two different points at least, got one place.")
     as_number(reach, "reach", unit="mm", minimum=0)
 
-    def beyond(toward_end: Points) -> Points:
-        if reach == 0:
-            return toward_end[:0]
-        if centerline is None:
-            return through_lumen(surface, toward_end, reach)
-        return _along_tree(centerline, toward_end, reach)
-
-    before, after = beyond(axis[::-1])[::-1], beyond(axis)
+    sides = [axis[::-1], axis]
+    if reach == 0:
+        ways = [axis[:0], axis[:0]]
+    elif centerline is None:
+        ways = through_lumen(surface, sides, reach)
+    else:
+        ways = [_along_tree(centerline, side, reach) for side in sides]
+    before, after = ways[0][::-1], ways[1]
     return ExtendedAxis(
         np.concatenate([before, axis, after]),
         length(np.concatenate([before, axis[:1]])),

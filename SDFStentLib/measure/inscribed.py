@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..geometry import across
+from ..geometry import Surface, across
 from ..geometry import tangents as polyline_tangents
 from ..validation import Floats, Indices, InputError, Points, Triangles, as_number, as_points
 from .local_surface import LocalSurface
@@ -131,6 +131,31 @@ def inscribed_spheres(
         spheres = _largest_spheres(surface, centers[block], axes[block], until.at(block))
         found.centers[block], found.radii[block] = spheres
     return found
+
+
+class SphereSearch:
+    """Spheres at places that come one after the other, such as on a way that is looked for.
+
+    Parameters
+    ----------
+    surface : Surface
+    around : (n, 3) array
+        Where the search begins, mm.
+    reach : float
+        How far from there places come, mm; farther ones take longer.
+    """
+
+    def __init__(self, surface: Surface, around: Points, reach: float) -> None:
+        self._surface = LocalSurface(surface.points, surface.triangles, around)
+        self._surface.cover(around, np.full(len(around), reach))
+
+    def spheres(self, centers: Points, directions: Points, until: Until) -> InscribedSpheres:
+        """`inscribed_spheres` at places (n, 3), each climbed to straight from its place.
+
+        Directions (n, 3) are of unit length.
+        """
+        begin = InscribedSpheres(centers, self._surface.distances(centers))
+        return _climb(self._surface, begin, across(directions), until, first_box=_LARGEST_BOX / 2)
 
 
 def _parts(centers: Points) -> Iterator[Indices]:

@@ -53,6 +53,9 @@ class LocalSurface:
         """Distance (n,) from centres to the whole surface."""
         if not len(centers):
             return np.empty(0)
+        if self._index is None:
+            # No wall that is nearer than some of it lies farther around.
+            self._grow(_AMPLY * float(self._vertex_distances(centers).max()))
         distance = self.index.distances(centers).distance
         if self._cover(centers, distance):
             # More triangles are never farther away: what has been covered is enough.

@@ -1,13 +1,14 @@
-"""The way through a lumen without centerline, from sphere to sphere."""
+"""Ways through a lumen without centerline, from sphere to sphere, all of them side by side."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from ..geometry import Surface, cut, length
+from ..geometry import Surface, cut, length, norm
 from ..validation import Floats, Points
-from .inscribed import inscribed_spheres
-from .wall_map import near_wall
+from .inscribed import SphereSearch, Until
 
 _STEP = 0.5
 """Step, as a fraction of the radius."""
@@ -15,35 +16,50 @@ _STEP = 0.5
 _NARROWEST = 0.05
 """Inscribed radius below which a lumen ends, mm."""
 
-_BESIDE = 2.0
-"""Wall beyond the reach that may limit a sphere, in radii of the first sphere and reaches."""
+_NOTHING = 1e-6
+"""Less than this, mm, is not gone on for: rounding could keep it from ever being done."""
+
+_ROUGHLY = 0.01
+"""What the search for a sphere on the way promises to gain at least, mm: the way bends only half as
+far to its middle."""
 
 
-def through_lumen(surface: Surface, axis: Points, reach: float) -> Points:
-    """Points (n, 3) beyond the end of an axis, for `reach` mm or to the end of the lumen.
+def through_lumen(surface: Surface, axes: Sequence[Points], reach: float) -> list[Points]:
+    """Points (n, 3) beyond the ends of some axes, for `reach` mm or to the end of the lumen.
 
     Each sphere's center is free in the plane across the way so far.
     """
-    found, travelled = [axis[-1]], 0.0
-    first = inscribed_spheres(surface.points, surface.triangles, axis[-1:], axis[-1:] - axis[-2:-1])
-    radius = float(first.radii[0])
-    near = near_wall(surface, axis[-1:], _BESIDE * (reach + radius))
-    heading = heading_of(axis, max(radius, 1e-6)) if radius > _NARROWEST else np.zeros(3)
-    # Ends: every step goes on by half the narrowest radius at least, or what is left.
-    while radius > _NARROWEST and travelled < reach:
-        step = min(_STEP * radius, reach - travelled)
-        ahead = found[-1] + step * heading
-        center, radii = inscribed_spheres(near.points, near.triangles, ahead[None], heading[None])
+    found: list[list[Points]] = [[] for _ in axes]
+    if not axes:
+        return []
+    last = np.array([axis[-1] for axis in axes])
+    search = SphereSearch(surface, last, reach)
+    along = np.array([axis[-1] - axis[-2] for axis in axes])
+    radii = search.spheres(last, along / norm(along)[:, None], Until(_ROUGHLY)).radii
+    goes_on = np.flatnonzero(radii > _NARROWEST)
+    heading = np.zeros((len(axes), 3))
+    for way in goes_on.tolist():
+        heading[way] = heading_of(axes[way], float(radii[way]))
+    travelled = np.zeros(len(axes))
+    # Ends: every step of a way goes on by half the narrowest radius at least, or what is left.
+    while len(goes_on):
+        step = np.minimum(_STEP * radii[goes_on], reach - travelled[goes_on])
+        ahead = last[goes_on] + step[:, None] * heading[goes_on]
+        centers, wide = search.spheres(ahead, heading[goes_on], Until(_ROUGHLY))
         # A sphere that shrinks so fast stands before the end of the vessel.
-        if not radii[0] > radius - 0.5 * step:
-            break
+        is_open = wide > radii[goes_on] - 0.5 * step
+        goes_on, step, wide = goes_on[is_open], step[is_open], wide[is_open]
         # Half the way to the middle: the way bends no faster than the vessel.
-        following = (ahead + center[0]) / 2
-        travelled += float(np.linalg.norm(following - found[-1]))
-        turned = heading + 0.5 * (following - found[-1]) / step
-        heading, radius = turned / np.linalg.norm(turned), float(radii[0])
-        found.append(following)
-    return np.array(found[1:]).reshape(-1, 3)
+        following = (ahead[is_open] + centers[is_open]) / 2
+        moved = following - last[goes_on]
+        travelled[goes_on] += norm(moved)
+        turned = heading[goes_on] + 0.5 * moved / step[:, None]
+        heading[goes_on], radii[goes_on] = turned / norm(turned)[:, None], wide
+        last[goes_on] = following
+        for way, place in zip(goes_on.tolist(), following, strict=True):
+            found[way].append(place)
+        goes_on = goes_on[(wide > _NARROWEST) & (travelled[goes_on] < reach - _NOTHING)]
+    return [np.reshape(way, (-1, 3)) for way in found]
 
 
 def heading_of(axis: Points, window: float) -> Floats:

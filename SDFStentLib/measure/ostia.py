@@ -25,6 +25,13 @@ NEARLY = 0.01
 """Share of an ostium that does not count: it is free below, and covered above 1 less this."""
 
 
+PARENT = "vessel that this one comes from"
+
+_AT_INLET = 2.0
+"""The centerline begins within so many mm of the middle of the inlet, or within the diameter of the
+ostium."""
+
+
 @dataclass(frozen=True)
 class Ostium:
     """The opening of a side branch in the wall of the stented vessel. All mm.
@@ -33,7 +40,7 @@ class Ostium:
     """
 
     name: str
-    """Of the faces of the model that it leads to, else a number from proximal to distal."""
+    """Of the faces of the model where they are named, else its size, place and outlets."""
     center: Floats
     """(3,) the middle of the opening."""
     start: float
@@ -83,7 +90,10 @@ class Ostium:
 
 
 def find_ostia(
-    surface: Surface, axis: ExtendedAxis, faces: NamedFaces | None = None
+    surface: Surface,
+    axis: ExtendedAxis,
+    faces: NamedFaces | None = None,
+    inlet: Points | None = None,
 ) -> tuple[Ostium, ...]:
     """The ostia of a stent and up to `LISTED` mm beyond its ends, from proximal to distal.
 
@@ -94,18 +104,23 @@ def find_ostia(
     axis : ExtendedAxis
         Of the stent.
     faces : NamedFaces, optional
-        Of the surface; they name the branches.
+        Of the surface; those with names name the branches.
+    inlet : (3,) array, optional
+        The root of the centerline: what leads there is no branch, but the vessel from which this
+        one comes.
     """
     tube = expected_tube(surface, axis.points)
-    wall = _faces_of_wall(tube, faces)
+    wall, places = _faces_of_wall(tube, faces), _places(tube)
     found = []
     for opening in openings(surface, tube):
         ids = () if faces is None else {faces.most(own) for own in opening.caps} - wall
-        ostium = _ostium(tube, axis, opening, tuple(sorted(ids)))
+        ostium = _ostium(tube, places, axis, opening, tuple(sorted(ids)))
         if ostium.end > -LISTED and ostium.start < axis.stent_length + LISTED:
             found.append(ostium)
     found.sort(key=lambda ostium: (ostium.start, ostium.end))
-    return tuple(_named(ostium, faces, number) for number, ostium in enumerate(found, start=1))
+    return tuple(
+        replace(ostium, name=_name(ostium, axis.stent_length, faces, inlet)) for ostium in found
+    )
 
 
 def _faces_of_wall(tube: Tube, faces: NamedFaces | None) -> set[int]:
@@ -116,7 +131,10 @@ def _faces_of_wall(tube: Tube, faces: NamedFaces | None) -> set[int]:
     return set(faces.ids[own].tolist())
 
 
-def _ostium(tube: Tube, axis: ExtendedAxis, opening: Opening, face_ids: tuple[int, ...]) -> Ostium:
+def _ostium(
+    tube: Tube, places: Floats, axis: ExtendedAxis, opening: Opening, face_ids: tuple[int, ...]
+) -> Ostium:
+    """An opening of a tube whose expected wall has these places (n, RAYS, 3)."""
     region = opening.region
     half = tube.wall.spacing / 2
     low, high = (tube.wall.arc_length + shift - axis.before for shift in (-half, half))
@@ -127,7 +145,6 @@ def _ostium(tube: Tube, axis: ExtendedAxis, opening: Opening, face_ids: tuple[in
     rows = np.flatnonzero(region.any(axis=1))
     total = float(area.sum())
     covered = float(area.sum(axis=1) @ (inside / (2 * half)) / total)
-    places = _places(tube)
     return Ostium(
         "",
         (places[region] * area[region][:, None]).sum(axis=0) / total,
@@ -157,9 +174,24 @@ def _inner(region: Mask) -> Mask:
     return np.asarray(region & along & np.roll(region, 1, axis=1) & np.roll(region, -1, axis=1))
 
 
-def _named(ostium: Ostium, faces: NamedFaces | None, number: int) -> Ostium:
-    if faces is None or not ostium.face_ids:
-        name = f"side branch {number}"
+def _name(
+    ostium: Ostium, stent_length: float, faces: NamedFaces | None, inlet: Points | None
+) -> str:
+    diameter = 2 * np.sqrt(ostium.area / np.pi)
+    if inlet is not None and len(ostium.outlets):
+        away = np.linalg.norm(ostium.outlets - inlet, axis=1)
+        if away.min() < max(diameter, _AT_INLET):
+            return PARENT
+    ids = set(ostium.face_ids)
+    if faces is not None and ids and ids <= faces.names.keys():
+        return faces.branch_name(ostium.face_ids)
+    middle = (ostium.start + ostium.end) / 2
+    if middle < 0:
+        place = f"{-middle:.0f} mm before the stent"
+    elif middle > stent_length:
+        place = f"{middle - stent_length:.0f} mm beyond the stent"
     else:
-        name = faces.branch_name(ostium.face_ids)
-    return replace(ostium, name=name)
+        place = f"at {middle:.0f} mm"
+    count = len(ostium.outlets)
+    ends = f" ({count} outlets)" if count > 1 else ""
+    return f"side branch of {diameter:.1f} mm {place}{ends}"

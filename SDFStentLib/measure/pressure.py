@@ -11,13 +11,16 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..units import MOST_FLOW
 from ..validation import Floats, InputError, as_number
 from .metrics import DiameterProfile
-from .narrowings import SMALLEST_DEGREE
 
 PASCAL_PER_MMHG = 133.322
 TURBULENCE = 1.52
 """K_t of the loss behind a stenosis (Young and Tsai, J Biomech 1973;6:395)."""
+
+NARROWED = 0.15
+"""Share by which a stretch is narrower than its ends from which it is a stenosis."""
 
 TOO_LOW = {True: 1.66, False: 3.4}
 """By how much the forms may be too low. In a stenosis 1.46 to 1.664 (fits to computed flow in
@@ -118,14 +121,14 @@ def pressure_band(profile: DiameterProfile, flow: float, blood: Blood = ADULT) -
     InputError
         A flow that is not positive, or a diameter of the profile that is not known.
     """
-    flow = as_number(flow, "flow", unit="mL/s", above=0)
+    flow = as_number(flow, "flow", unit="mL/s", above=0, maximum=MOST_FLOW)
     blocks = [
         vessel_block(profile.arc_length, diameter, blood)
         for diameter in (profile.inscribed_diameter, profile.equivalent_diameter)
     ]
     forms = [*(_steady(block, flow) for block in blocks), _bernoulli(blocks[0], flow)]
     ends = profile.inscribed_diameter[[0, -1]]
-    is_narrowed = profile.minimum < (1 - SMALLEST_DEGREE) * float(ends.mean())
+    is_narrowed = profile.minimum < (1 - NARROWED) * float(ends.mean())
     return PressureBand(flow, *band_of(forms, is_narrowed=is_narrowed))
 
 

@@ -17,6 +17,9 @@ from ..validation import Flags, Floats, Indices, Points, Triangles
 _PAIRS = 1 << 21
 """Pairs of station and vertex or triangle that are looked at together, some bytes each."""
 
+_FEW = 16
+"""Stations whose part of the surface is looked at first."""
+
 _MARGIN = 2.5
 """Half width of the box round the stations, in distances from them to the nearest vertex."""
 
@@ -50,7 +53,10 @@ class _Cuts(NamedTuple):
 def section_areas(
     points: Points, triangles: Triangles, centers: Points, normals: Points
 ) -> SectionAreas:
-    """Area of the smallest closed loop round every centre, in the part of the surface near all.
+    """Area of the smallest closed loop round every centre.
+
+    It is looked for in the part of the surface near a few, then near all, then in the whole: a loop
+    inside of another one is never farther away.
 
     Parameters
     ----------
@@ -61,23 +67,35 @@ def section_areas(
     Returns
     -------
     SectionAreas
-        Doubtful where edges of more than two triangles or unlike windings are cut, and where no
-        loop was found: it may leave the part that was looked at.
+        Doubtful where edges of more than two triangles or unlike windings are cut.
     """
-    points, triangles = _near(points, triangles, centers)
-    result = SectionAreas(np.full(len(centers), np.inf), np.ones(len(centers), dtype=bool))
-    if len(triangles):
-        size = max(1, _PAIRS // (len(points) + len(triangles)))
-        for first in range(0, len(centers), size):
-            block = slice(first, first + size)
-            found = _areas(points, triangles, centers[block], normals[block])
-            result.area[block], result.is_doubtful[block] = found
+    found = SectionAreas(np.full(len(centers), np.inf), np.zeros(len(centers), dtype=bool))
+    near = _near(points, triangles, centers)
+    for first in range(0, len(centers), _FEW):
+        few = slice(first, first + _FEW)
+        wall = _near(*near, centers[few])
+        found.area[few], found.is_doubtful[few] = _in_blocks(*wall, centers[few], normals[few])
+    for wall in (near, (points, triangles)):
+        left = np.flatnonzero(np.isinf(found.area))
+        found.area[left], found.is_doubtful[left] = _in_blocks(*wall, centers[left], normals[left])
+    return found
+
+
+def _in_blocks(
+    points: Points, triangles: Triangles, centers: Points, normals: Points
+) -> SectionAreas:
+    result = SectionAreas(np.full(len(centers), np.inf), np.zeros(len(centers), dtype=bool))
+    size = max(1, _PAIRS // max(1, len(points) + len(triangles)))
+    for first in range(0, len(centers) if len(triangles) else 0, size):
+        block = slice(first, first + size)
+        found = _areas(points, triangles, centers[block], normals[block])
+        result.area[block], result.is_doubtful[block] = found
     return result
 
 
 def _near(points: Points, triangles: Triangles, centers: Points) -> tuple[Points, Triangles]:
     """The part of the surface in the box round the centres that holds their sections, mostly."""
-    some = points[triangles[:: max(1, len(triangles) // 1000), 0]]
+    some = points[triangles[:: max(1, len(triangles) // 1000), 0]] if len(triangles) else points
     squared = dot(centers, centers)[:, None] - 2 * product(centers, some.T) + dot(some, some)
     margin = _MARGIN * np.sqrt(max(float(squared.min(axis=1, initial=np.inf).max()), 0.0))
     low, high = centers.min(axis=0) - margin, centers.max(axis=0) + margin
@@ -106,7 +124,7 @@ def _areas(points: Points, triangles: Triangles, centers: Points, normals: Point
     holds = np.flatnonzero(is_closed & (rays % 2 == 1))
     smallest = np.full(count, np.inf)
     np.minimum.at(smallest, station[holds], area[holds])
-    return SectionAreas(smallest, is_doubtful | np.isinf(smallest))
+    return SectionAreas(smallest, is_doubtful)
 
 
 def _cuts(points: Points, triangles: Triangles, centers: Points, normals: Points) -> _Cuts:

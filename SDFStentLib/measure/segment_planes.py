@@ -1,40 +1,81 @@
-"""The planes between which a segment of a vessel is cut out."""
+"""The planes at the two ends of a segment of a vessel."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from itertools import islice, repeat
+from typing import NamedTuple
 
 import numpy as np
 
 from ..centerline import Centerline, Location
-from ..geometry import ClosedSurface, closest_points, length, point_at
+from ..geometry import length
 from ..validation import InputError, Points, as_point
 from .cut_planes import SAME, CutPlane, PlaneFinder
-from .segment import cut_segment
+from .open_segment import OpenSegment, bounds_a_segment, segment_between
 from .vessel_parts import VesselParts
 
-INSIDE = 1.0
-"""A branch that ends within a segment lies in it so far before its end, mm."""
+DIGITS = 4
+"""Of the coordinates of a place in a sentence, which is chosen by typing them."""
 
 
-def segment_planes(
-    vessel: VesselParts, start: Points, end: Points, *, close_branches: bool = False
-) -> tuple[CutPlane, ...]:
-    """The planes that bound a segment: at its start, at its end, and before closed branches.
+WORDS = ("start", "end")
+"""Of a segment."""
+
+TRIES = 4
+"""Other places that are tried for a sentence."""
+
+Places = tuple[Location, Location]
+Lines = tuple[Points, Points]
+"""The way from one end of a segment to the other, and back."""
+
+
+class _Move(NamedTuple):
+    """Where to an end of a segment can be moved."""
+
+    by: float
+    """Along the way, mm."""
+    place: Points
+
+
+_Moves = tuple[_Move | None, ...]
+"""Of the start and of the end; None for one that stays."""
+
+_NOWHERE: _Moves = (None, None)
+
+
+class SegmentEnds(NamedTuple):
+    """Where a segment of a vessel begins and ends."""
+
+    start: Location
+    way: Points
+    """(k, 3) of the centerline from its start to its end, mm."""
+    finder: PlaneFinder
+    opened: OpenSegment
+    """The vessel between the planes there."""
+    moved: tuple[float, float] = (0.0, 0.0)
+    """How far each was moved from where it was wanted, mm."""
+
+
+def segment_ends(
+    vessel: VesselParts, start: Points, end: Points, *, nearest: bool = False
+) -> SegmentEnds:
+    """What planes at two places bound.
 
     Parameters
     ----------
     vessel : VesselParts
     start, end : (3,) arrays
         Places in the vessel, mm; the segment is what lies on the way between them.
-    close_branches : bool
-        Whether vessels that leave the way are cut off, each where a plane first meets only it.
+    nearest : bool
+        Whether an end where no plane meets only this vessel moves into the segment, as far as it
+        takes.
 
     Raises
     ------
     InputError
         A place that is not in the vessel, two that are one, or a plane that meets another vessel,
-        an end of the surface or nothing closed.
+        an end of the surface or nothing closed. Other places that are told bound a segment.
     """
     tree = vessel.tree
     places = (
@@ -49,56 +90,75 @@ def segment_planes(
             "(mm, cm) and frame (RAS, LPS)."
         )
     finder = PlaneFinder(vessel)
-    planes = [
-        CutPlane(_name(vessel, place), line[0], finder.end_direction(line, place, word))
-        for place, line, word in zip(places, (way, way[::-1]), ("start", "end"), strict=True)
+    for place, line, word in zip(places, (way, way[::-1]), WORDS, strict=True):
+        finder.check_inside(line, place, word)
+    planes, faults = _planes(finder, places)
+    lines, moves = (way, way[::-1]), _NOWHERE
+    if any(faults):
+        moves = _moves(finder, lines, faults)
+        if not nearest or moves == _NOWHERE:
+            raise InputError(_refusal(finder, lines, faults, moves))
+        places = _moved(tree, lines, moves)
+        planes, _ = _planes(finder, places)
+    by = [0.0 if move is None else move.by for move in moves]
+    opened = segment_between(vessel, planes)
+    return SegmentEnds(places[0], tree.path(*places).points, finder, opened, (by[0], by[1]))
+
+
+def _planes(finder: PlaneFinder, places: Places) -> tuple[tuple[CutPlane, ...], tuple[str, ...]]:
+    """Across the vessel at two places, into the way between them, and what is wrong with each."""
+    way = finder.vessel.tree.path(*places).points
+    planes, faults = [], []
+    for place, line in zip(places, (way, way[::-1]), strict=True):
+        plane = CutPlane(finder.vessel.branch_name(place), line[0], finder.direction(line))
+        planes.append(plane)
+        faults.append(finder.fault(plane.origin, plane.normal))
+    return tuple(planes), tuple(faults)
+
+
+def _refusal(finder: PlaneFinder, lines: Lines, faults: Sequence[str], moves: _Moves) -> str:
+    """What is wrong with the places of the planes that have faults, and where to move them."""
+    said = []
+    for word, line, fault, move in zip(WORDS, lines, faults, moves, strict=True):
+        if fault:
+            advice = "choose another place"
+            if move is not None:
+                place = finder.vessel.said(move.place)
+                advice = f"move it {move.by:.1f} mm into the segment, to {place}"
+            said.append(
+                f"segment {word}: expected a plane that meets only this vessel, the one at "
+                f"{finder.vessel.said(line[0])}, {fault}; {advice}"
+            )
+    return "; ".join(said) + "."
+
+
+def _moves(finder: PlaneFinder, lines: Lines, faults: Sequence[str]) -> _Moves:
+    """Places nearby that bound a segment together, None for an end that stays or has none."""
+    tried = [
+        _free(finder, line) if fault else repeat(None)
+        for line, fault in zip(lines, faults, strict=True)
     ]
-    closings = _closings(vessel, finder, places[0], way, planes) if close_branches else []
-    return (*planes, *closings)
+    for moves in islice(zip(*tried, strict=False), TRIES):
+        if sum(move.by for move in moves if move is not None) >= length(lines[0]):
+            break
+        planes, left = _planes(finder, _moved(finder.vessel.tree, lines, moves))
+        if not any(left) and bounds_a_segment(finder.vessel, planes):
+            return moves
+    return _NOWHERE
 
 
-def _closings(
-    vessel: VesselParts, finder: PlaneFinder, start: Location, way: Points, ends: list[CutPlane]
-) -> list[CutPlane]:
-    """Planes before the branches that leave a way between two planes."""
-    found: list[CutPlane] = []
-    lumen = _lumen(vessel, ends)
-    for side in _side_lines(vessel.tree, start, way):
-        if lumen.contains(point_at(side, [length(side) - INSIDE]))[0]:
-            found.append(_closing(vessel, finder.first_across(side, way, lumen), side))
-            lumen = _lumen(vessel, [*ends, *found])
-    return found
+def _moved(tree: Centerline, lines: Lines, moves: _Moves) -> Places:
+    """The first points of lines, moved."""
+    first, last = (
+        tree.project(line[0] if move is None else move.place)
+        for line, move in zip(lines, moves, strict=True)
+    )
+    return first, last
 
 
-def _lumen(vessel: VesselParts, planes: list[CutPlane]) -> ClosedSurface:
-    surface = cut_segment(vessel, planes).surface
-    return ClosedSurface(surface.points, surface.triangles)
-
-
-def _closing(vessel: VesselParts, found: tuple[Points, Points] | None, side: Points) -> CutPlane:
-    """A plane that closes a branch."""
-    if found is None:
-        name = _name(vessel, vessel.tree.project(side[-1]))
-        raise InputError(
-            f"segment: expected a plane that meets only {name} to close it before "
-            f"{vessel.said(side[-1])}, there is none; keep the branches, or choose other places."
-        )
-    name = _name(vessel, vessel.tree.project(found[0]))
-    return CutPlane(name, *found, is_closed=True)
-
-
-def _side_lines(tree: Centerline, start: Location, way: Points) -> Iterator[Points]:
-    """From where they leave a way: lines (k, 3) to every end of the tree beside it."""
-    root = tree.ancestry(start.index)[0]
-    for tip in (*tree.leaves, *tree.roots):
-        if tree.ancestry(tip)[0] != root:
-            continue
-        line = tree.path(start, tree.points[tip]).points
-        last = int(np.flatnonzero(closest_points(way, line).distances <= SAME)[-1])
-        if length(line[last:]) > INSIDE:
-            yield line[last:]
-
-
-def _name(vessel: VesselParts, place: Location) -> str:
-    """Of the branch at a place."""
-    return vessel.branch_names[vessel.branch_of(place)]
+def _free(finder: PlaneFinder, line: Points) -> Iterator[_Move]:
+    """Places along a line at which a plane meets only the vessel there, as a sentence has them."""
+    for step in finder.steps(line):
+        if not finder.fault(step.place, step.direction):
+            typed = [float(f"{value:.{DIGITS}g}") for value in step.place]
+            yield _Move(step.along, np.array(typed))

@@ -1,10 +1,18 @@
-"""The part of a centerline round an axis: where ways from the axis into the tree may end."""
+"""The part of a centerline round an axis, and the ways from the axis into it."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from itertools import product
+
 import numpy as np
 
-from ..centerline import Centerline, Location
+from ..centerline import Centerline, Location, points_between
+from ..geometry import norm, resampled, without_repeats
+from ..validation import Floats, Points
+
+_FINE = 0.1
+"""Distance of the points of an axis that tell how far from it something is, mm."""
 
 
 def ends_around(tree: Centerline, start: Location, reach: float) -> set[int]:
@@ -46,3 +54,53 @@ def place_of(tree: Centerline, index: int) -> Location:
     if tree.parent[index] >= 0:
         return Location(tree.points[index], 0.0, index, 1.0, at, radius)
     return Location(tree.points[index], 0.0, tree.neighbors.of(index)[0], 0.0, at, radius)
+
+
+class LinesFromAxis:
+    """The ways from both ends of an axis into a tree. They share most of their points.
+
+    Parameters
+    ----------
+    tree : Centerline
+    axis : (n, 3) array
+        mm.
+    reach : float
+        How far from each end of the axis they go at least, mm.
+    """
+
+    def __init__(self, tree: Centerline, axis: Points, reach: float) -> None:
+        # Late: scipy costs what a first frame should not pay.
+        from scipy.spatial import cKDTree
+
+        stops = [tree.project(stop) for stop in (axis[0], axis[-1])]
+        ends = set().union(*(ends_around(tree, stop, reach) for stop in stops))
+        self._points = np.concatenate([tree.points, [stop.point for stop in stops]])
+        # Distal ends first: of two that share a way the first one counts.
+        order = sorted(ends, key=lambda node: (tree.parent[node] < 0, node))
+        ways = []
+        for end, (number, stop) in product(order, enumerate(stops, start=len(tree.points))):
+            between = points_between(tree.parent, stop.index, place_of(tree, end).index)
+            if between is not None:
+                ways.append(np.r_[number, between, end])
+        counts = np.array([len(way) for way in ways])
+        self._nodes, self._starts = np.concatenate(ways), np.cumsum(counts) - counts
+        ahead = self._points.take(np.roll(self._nodes, -1), axis=0)
+        step = norm(ahead - self._points.take(self._nodes, axis=0))
+        step[self._starts - 1] = 0.0
+        self._longest = float(step.max())
+        self._from_axis = cKDTree(resampled(axis, _FINE)).query(self._points)[0]
+
+    def leaving(self, distance: float, place: Floats, near: float) -> Iterator[Points]:
+        """Those that may come near a place, each from where it leaves the axis for good, mm."""
+        rows = np.arange(len(self._nodes))
+        beside = (self._from_axis < distance).take(self._nodes)
+        last = np.maximum.reduceat(np.where(beside, rows, -1), self._starts)
+        first = np.maximum(last, self._starts)
+        # No point of a line is farther from its nearest corner than half a step.
+        may = (norm(self._points - place) < near + self._longest / 2).take(self._nodes)
+        may &= rows >= np.repeat(first, np.diff(np.r_[self._starts, len(rows)]))
+        ends = np.r_[self._starts[1:], len(rows)]
+        for line in np.flatnonzero(np.logical_or.reduceat(may, self._starts)):
+            own = without_repeats(self._points[self._nodes[first[line] : ends[line]]])
+            if len(own) > 1:
+                yield own

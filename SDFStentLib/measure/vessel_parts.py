@@ -30,6 +30,8 @@ class VesselParts(NamedTuple):
     """Of the parts that have one."""
     caps: frozenset[int]
     """The parts that are flat caps; all others are wall."""
+    openings: Points
+    """(k, 3) middles of flat caps and open ends, mm."""
     branch_names: tuple[str, ...]
     units: str = "mm"
     """Of the file of the surface, in which places are told, too."""
@@ -42,6 +44,10 @@ class VesselParts(NamedTuple):
             for number, branch in enumerate(self.tree.branches)
             if place.index in branch and above in branch
         )
+
+    def branch_name(self, place: Location) -> str:
+        """Of the branch of the centerline at a place."""
+        return self.branch_names[self.branch_of(place)]
 
     def said(self, point: Points) -> str:
         """A point (3,) in words: where it is, and how far along which branch."""
@@ -65,7 +71,8 @@ def vessel_parts(
     """
     ids = np.ones(len(surface.triangles), np.int64) if faces is None else faces.ids.copy()
     caps = set()
-    for end in vessel_ends(surface):
+    ends = vessel_ends(surface)
+    for end in ends:
         if not len(end.faces):
             continue
         kinds, counts = np.unique(ids[end.faces], return_counts=True)
@@ -81,6 +88,7 @@ def vessel_parts(
         ids,
         {} if faces is None else dict(faces.names),
         frozenset(caps),
+        np.array([end.center for end in ends]).reshape(-1, 3),
         branch_names(surface, tree, faces),
         units,
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..geometry import NearPairs, near_balls, nearest_distances, norm
+from ..geometry import Balls, NearPairs, norm
 from ..validation import Floats, Indices, Points
 from .local_surface import LocalSurface
 
@@ -35,12 +35,13 @@ class WallPoints:
         """As `LocalSurface.near`."""
         self._surface.cover(centers, radii)
         points = self._known()
-        query, one = near_balls(centers, radii, points, np.zeros(len(points)))
+        query, one = self._balls.near(centers, radii)
         return NearPairs(query, one, norm(centers.take(query, axis=0) - points.take(one, axis=0)))
 
     def distances(self, centers: Points) -> Floats:
         """Distance (n,) to the nearest of the points that have been asked for."""
-        return nearest_distances(centers, self._known())
+        self._known()
+        return self._balls.nearest(centers)
 
     def closest_points(self, _queries: Points, which: Indices) -> Points:
         """The points (p, 3) themselves."""
@@ -54,4 +55,5 @@ class WallPoints:
             # What was found once stays when the surface grows.
             self._stride = self._stride if chosen.any() else 1.0
             self._points = index.centroids[chosen] if chosen.any() else index.centroids
+            self._balls = Balls(self._points, np.zeros(len(self._points)))
         return self._points

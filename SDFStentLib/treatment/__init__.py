@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from .lesions import TreatedLesion, placement_at, treated_lesions
+from .coverage import size_cautions
+from .in_lumen import ON_WALL
+from .lesions import Residual, TreatedLesion, residual_of, treated_lesions
+from .placing import placement_at
 from .preview import Preview, PreviewedStent, PreviewState
 from .profile import prescribed_diameters
+from .ratios import SEEN_RATIOS, Seen, SizeRatios, size_ratios, stent_ratios, treated_ratios
 from .segments import ExtractedSegment, extract_segment
 from .sizing import (
     LONGEST_MARGIN,
     RATIOS,
-    SEEN_RATIO,
-    SizeRatios,
     SizingWishes,
     Suggestion,
-    ratio_cautions,
-    size_ratios,
-    stent_ratios,
     suggested,
 )
 from .straightening import AxisChange, axis_in_vessel
@@ -25,13 +24,16 @@ from .vessel import Vessel
 
 __all__ = [
     "LONGEST_MARGIN",
+    "ON_WALL",
     "RATIOS",
-    "SEEN_RATIO",
+    "SEEN_RATIOS",
     "AxisChange",
     "ExtractedSegment",
     "Preview",
     "PreviewState",
     "PreviewedStent",
+    "Residual",
+    "Seen",
     "SizeRatios",
     "SizingWishes",
     "Suggestion",
@@ -46,11 +48,13 @@ __all__ = [
     "label_of",
     "placement_at",
     "prescribed_diameters",
-    "ratio_cautions",
+    "residual_of",
+    "size_cautions",
     "size_ratios",
     "stent_ratios",
     "suggested",
     "treated_lesions",
+    "treated_ratios",
 ]
 
 

@@ -1,17 +1,17 @@
-"""What stents do to a vessel's lesions, and where a stent goes that treats one."""
+"""What stents do to a vessel's lesions."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from ..centerline import Centerline
-from ..geometry import Surface, arc_lengths, length
-from ..measure import Lesion, lesions_after, lesions_within, moved_wall
-from ..stent import DEFAULT_FORESHORTENING, AtCenter, AtDistalEnd
-from ..validation import Points, as_number
+from ..geometry import Surface, closest_points, tangents
+from ..measure import moved_wall
+from ..vessel import Lesion, lesions_after, lesions_within
 from .value import PlacedStent
 
 _LEAST_LEFT = 0.5
@@ -74,53 +74,120 @@ def treated_lesions(
     return tuple(treated)
 
 
-def placement_at(
-    lesion: Lesion,
-    centerline: Centerline,
-    stent_length: float,
-    foreshortening_fraction: float = DEFAULT_FORESHORTENING,
-) -> AtCenter | AtDistalEnd:
-    """The placement of a stent whose middle is that of a lesion's extent.
+@dataclass(frozen=True)
+class Residual:
+    """The narrowest place left in the treated vessels, against their healthy references.
 
-    A stent that is shorter than the lesion moves from there as far as it takes to have the
-    narrowest place in its middle half.
+    Attributes
+    ----------
+    percent : float
+        By diameter.
+    minimum, reference : float
+        Inscribed diameter there and that of the healthy vessel, mm.
+    point : tuple of float
+        Center of the sphere there, mm.
+    lesion : int
+        The number of the lesion in which it lies.
+    side : str
+        "within" a stent, "proximal" or "distal" of one, or "between" two.
+    stent : int
+        The number of that stent; of two the proximal one.
+    distance : float
+        From the end of that stent along the vessel, mm; 0 within.
+    """
+
+    percent: float
+    minimum: float
+    reference: float
+    point: tuple[float, float, float]
+    lesion: int
+    side: str
+    stent: int
+    distance: float
+
+    def place(self) -> str:
+        """Where it lies, to follow a comma."""
+        if self.side == "within":
+            return f"within stent {self.stent}"
+        if self.side == "between":
+            return f"between stents, {self.distance:.0f} mm beyond stent {self.stent}"
+        way = "before" if self.side == "proximal" else "beyond"
+        return f"{self.distance:.0f} mm {way} stent {self.stent}"
+
+
+def residual_of(lesions: Sequence[TreatedLesion], stents: Sequence[PlacedStent]) -> Residual | None:
+    """What is narrowest in the vessels in which stents cover a lesion, wherever it lies.
 
     Parameters
     ----------
-    lesion : Lesion
-    centerline : Centerline
-        That of the vessel in which it was found.
-    stent_length : float
-        Nominal, mm.
-    foreshortening_fraction : float
-        Of the stent, as in `Stent`.
+    lesions : sequence of TreatedLesion
+    stents : sequence of PlacedStent
 
     Returns
     -------
-    AtCenter or AtDistalEnd
-        The second where the way down from the middle would go into another branch than the
-        lesion's, which is rarely the widest one.
-
-    Raises
-    ------
-    InputError
-        A length that is not above 0.
+    Residual or None
+        None where no stent covers a lesion, or no diameter is known.
     """
-    nominal = as_number(stent_length, "stent length", unit="mm", above=0)
-    half = nominal * (1 - foreshortening_fraction) / 2
-    extent = length(lesion.line)
-    narrowest = lesion.arc_length - lesion.start
-    at = min(max(extent / 2, narrowest - half / 2), narrowest + half / 2)
-    middle = _on_line(lesion, at)
-    if lesions_within([lesion], centerline.path_around(middle, 2 * half).points):
-        return AtCenter(middle)
-    if at + half <= extent:
-        return AtDistalEnd(_on_line(lesion, at + half))
-    beyond = centerline.path_from_proximal(lesion.line[-1], at + half - extent)
-    return AtDistalEnd(beyond.points[-1])
+    treated = {one.before.vessel for one in lesions if one.stents}
+    there = [one for one in lesions if one.before.vessel in treated]
+    known = [one for one in there if math.isfinite(one.after.percent_diameter)]
+    if not known:
+        return None
+    worst = max(known, key=lambda one: one.after.percent_diameter)
+    after, covering = worst.after, worst.stents or _nearest(worst, stents)
+    spans = _spans(after, [stent for stent in stents if stent.number in covering])
+    at = after.arc_length
+    side, stent, distance = _beside(at, spans)
+    return Residual(
+        after.percent_diameter,
+        after.minimum_diameter,
+        after.reference_diameter,
+        after.point,
+        worst.number,
+        side,
+        stent,
+        distance,
+    )
 
 
-def _on_line(lesion: Lesion, at: float) -> Points:
-    """The place of a lesion's line at an arc length from its start, mm."""
-    along = arc_lengths(lesion.line)
-    return np.array([np.interp(at, along, column) for column in lesion.line.T])
+class _Span(NamedTuple):
+    """From where to where a stent lies along a vessel, mm from the root."""
+
+    start: float
+    end: float
+    stent: int
+
+
+def _nearest(lesion: TreatedLesion, stents: Sequence[PlacedStent]) -> tuple[int, ...]:
+    point = np.array([lesion.after.point])
+    away = [closest_points(stent.axis.points, point).distances[0] for stent in stents]
+    return (stents[int(np.argmin(away))].number,)
+
+
+def _spans(lesion: Lesion, stents: Sequence[PlacedStent]) -> list[_Span]:
+    """Where stents lie, by the distances of their ends along the lesion's line and beyond it."""
+    line = lesion.line
+    directions = tangents(line)
+    found = []
+    for stent in stents:
+        ends = stent.axis.points[[0, -1]]
+        along = lesion.start + closest_points(line, ends).arc_lengths
+        # What lies beyond the line goes on straight.
+        along += np.minimum((ends - line[0]) @ directions[0], 0.0)
+        along += np.maximum((ends - line[-1]) @ directions[-1], 0.0)
+        found.append(_Span(float(along.min()), float(along.max()), stent.number))
+    return sorted(found)
+
+
+def _beside(at: float, spans: Sequence[_Span]) -> tuple[str, int, float]:
+    """On which side of which stent a place lies, and how far from its end."""
+    within = [span.stent for span in spans if span.start <= at <= span.end]
+    if within:
+        # Of a stent that was dilated again as another one, the one that lies there in the end.
+        return "within", max(within), 0.0
+    before = [span for span in spans if span.end < at]
+    if not before:
+        return "proximal", spans[0].stent, spans[0].start - at
+    last = max(before, key=lambda span: span.end)
+    side = "distal" if len(before) == len(spans) else "between"
+    return side, last.stent, at - last.end

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,10 +13,15 @@ from ..geometry import ClosedSurface, Surface
 from ..measure import (
     HOLE,
     CutPlane,
+    OpenBranch,
+    OpenSegment,
     Segment,
+    SegmentEnds,
     VesselParts,
-    cut_segment,
-    segment_planes,
+    close_side_branches,
+    closed_segment,
+    segment_between,
+    segment_ends,
     vessel_parts,
 )
 from ..validation import DeploymentError, InputError, Points
@@ -42,6 +47,7 @@ def extract_segment(
     end: Points,
     *,
     close_branches: bool = False,
+    nearest: bool = False,
     after: Vessel | None = None,
     units: str = "mm",
 ) -> ExtractedSegment:
@@ -55,6 +61,9 @@ def extract_segment(
         Places in it, mm.
     close_branches : bool
         Whether side branches are cut off and closed; else they are kept as long as they are.
+    nearest : bool
+        Whether an end where no plane meets only this vessel moves into the segment, as far as it
+        takes; a warning says so.
     after : Vessel, optional
         The same vessel treated, which is cut by the planes of the untreated one.
     units : str
@@ -64,37 +73,43 @@ def extract_segment(
     ------
     InputError
         No centerline, places at which no plane meets only this vessel, or another vessel as the
-        treated one.
+        treated one. A side branch that cannot be closed is a warning.
     DeploymentError
         The segment would not be watertight or would cross itself.
     """
     if vessel.centerline is None:
         raise InputError("segment: expected a vessel with a centerline, got none; give one.")
     parts = vessel_parts(vessel.surface, vessel.centerline, vessel.faces, units)
-    planes = segment_planes(parts, start, end, close_branches=close_branches)
-    before = _sound(cut_segment(parts, planes), "segment")
-    treated = None
+    ends = segment_ends(parts, start, end, nearest=nearest)
+    states: tuple[OpenSegment, ...] = (ends.opened,)
     if after is not None:
-        treated = _treated(before, planes, _state_of(parts, vessel, after))
-    warnings = (*_holes(before), *_dead_ends(before, parts))
-    return ExtractedSegment(planes, before, treated, warnings)
+        states = (*states, _treated(ends.opened, _state_of(parts, vessel, after)))
+    left: tuple[OpenBranch, ...] = ()
+    if close_branches:
+        states, left = close_side_branches(ends, states)
+    before = _sound(closed_segment(states[0]), "segment")
+    treated = [_sound(closed_segment(state), "treated segment") for state in states[1:]]
+    made = (*_moved_ends(ends), *_open_branches(left))
+    warnings = (*made, *_holes(before), *_dead_ends(before, parts))
+    return ExtractedSegment(states[0].planes, before, treated[0] if treated else None, warnings)
 
 
-def _treated(before: Segment, planes: tuple[CutPlane, ...], parts: VesselParts) -> Segment:
+def _treated(native: OpenSegment, parts: VesselParts) -> OpenSegment:
     """The segment of the treated vessel; `InputError` where that seems to be another vessel."""
     try:
-        segment = cut_segment(parts, planes)
+        treated = segment_between(parts, native.planes)
     except InputError as error:
         raise InputError(f"treated {str(error).removesuffix('.')}, or {_SAME_VESSEL}.") from error
-    native, treated = (
-        next(face.area for face in one.faces if face.kind == "inlet") for one in (before, segment)
-    )
-    if not 1 / WIDEST**2 <= treated / native <= WIDEST**2:
+    if not any(
+        1 / WIDEST**2 <= after / before <= WIDEST**2
+        for before, after in zip(native.areas, treated.areas, strict=True)
+    ):
         raise InputError(
-            f"treated segment: expected an inlet that is at most {WIDEST:g} times as "
-            f"wide or narrow as before ({native:.3g} mm2), got {treated:.3g} mm2; {_SAME_VESSEL}."
+            f"treated segment: expected an end that is at most {WIDEST:g} times as "
+            f"wide or narrow as before ({native.areas[0]:.3g} mm2), got {treated.areas[0]:.3g} "
+            f"mm2; {_SAME_VESSEL}."
         )
-    return _sound(segment, "treated segment")
+    return treated
 
 
 def _state_of(parts: VesselParts, vessel: Vessel, after: Vessel) -> VesselParts:
@@ -102,6 +117,21 @@ def _state_of(parts: VesselParts, vessel: Vessel, after: Vessel) -> VesselParts:
     if np.array_equal(vessel.surface.triangles, after.surface.triangles):
         return parts._replace(surface=Surface(after.surface.points, parts.surface.triangles))
     return vessel_parts(after.surface, parts.tree, after.faces, parts.units)
+
+
+def _open_branches(left: Sequence[OpenBranch]) -> Iterator[Caution]:
+    """Side branches that could not be closed."""
+    for branch in left:
+        x, y, z = branch.place.tolist()
+        yield Caution("open-branch", {"name": branch.name}, (x, y, z))
+
+
+def _moved_ends(ends: SegmentEnds) -> Iterator[Caution]:
+    """Ends that lie elsewhere than was wanted."""
+    for word, by, plane in zip(("start", "end"), ends.moved, ends.opened.planes, strict=False):
+        if by > 0:
+            x, y, z = plane.origin.tolist()
+            yield Caution("end-moved", {"end": word, "distance_mm": by}, (x, y, z))
 
 
 def _holes(segment: Segment) -> Iterator[Caution]:
@@ -114,19 +144,19 @@ def _holes(segment: Segment) -> Iterator[Caution]:
 
 
 def _dead_ends(segment: Segment, parts: VesselParts) -> Iterator[Caution]:
-    """Branches that are kept and have no outlet, because the surface ends round there."""
+    """Branches that are kept and have no outlet, because the surface ends round there.
+
+    An opening is that of the branch whose centerline ends nearest to it, which may be before it.
+    """
     tree = parts.tree
     lumen = ClosedSurface(segment.surface.points, segment.surface.triangles)
-    caps = [face for face in segment.faces if face.kind != "wall"]
-    for tip in (*tree.leaves, *tree.roots):
+    tips = np.r_[tree.leaves, tree.roots]
+    away = np.linalg.norm(parts.openings[:, None] - tree.points[tips], axis=2)
+    for tip in np.setdiff1d(tips, tips[np.argmin(away, axis=1)]):
         beside = tree.points[tree.neighbors.of(tip)[0]]
         inward = tree.points[tip] + 0.5 * (beside - tree.points[tip])
-        x, y, z = tree.points[tip].tolist()
-        is_open = any(
-            np.linalg.norm(face.center - tree.points[tip]) < 2 * np.sqrt(face.area / np.pi)
-            for face in caps
-        )
-        if not is_open and lumen.contains(inward[None])[0]:
+        if lumen.contains(inward[None])[0]:
+            x, y, z = tree.points[tip].tolist()
             yield Caution("dead-end", {}, (x, y, z))
 
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Callable
 from typing import NamedTuple
 from weakref import WeakKeyDictionary
 
@@ -128,13 +127,27 @@ def surveyed(
         By which branches are named.
     """
     extended = extended_axis(found, axis, centerline)
-    ostia = find_ostia(found, extended, faces)
-    branches, into = _named_as_in_tree(ostia, BranchWays(found, extended, centerline))
+    inlet = None if centerline is None else centerline.points[centerline.roots[0]]
+    branches = find_ostia(found, extended, faces, inlet)
+    ways = BranchWays(found, extended, centerline).into(branches)
+    into = [
+        NeighborWay(ostium.name, way)
+        for ostium, way in zip(branches, ways, strict=True)
+        if way is not None
+    ]
     along = axis_stations(extended, PROFILE_SPACING)
     wall = open_at_ends(native, along.points)
     measured = measured_once(native, along.points, along.directions, wall)
     before = profile_around(native, along, measured, wall.caps)
     return Survey(extended, branches, (*end_ways(extended), *into), along, measured, before, wall)
+
+
+def lumen_around(native: Surface, axis: Points, centerline: Centerline | None) -> DiameterProfile:
+    """The lumen along a stent's axis (n, 3), mm, and beyond its ends, before any stent."""
+    along = axis_stations(extended_axis(native, axis, centerline), PROFILE_SPACING)
+    wall = open_at_ends(native, along.points)
+    measured = measured_once(native, along.points, along.directions, wall)
+    return profile_around(native, along, measured, wall.caps)
 
 
 def surroundings(
@@ -167,18 +180,3 @@ def surroundings(
         beside.lumens(before.at(rest), after.at(rest)),
         apposition(states.final, survey.axis.of_stent, radius),
     )
-
-
-def _named_as_in_tree(
-    ostia: Sequence[Ostium], ways: BranchWays
-) -> tuple[tuple[Ostium, ...], list[NeighborWay]]:
-    """Branches without name by their number on the centerline, and the ways into all of them."""
-    named, into = [], []
-    for ostium in ostia:
-        way = ways.into(ostium)
-        if way is not None and ways.centerline is not None and not ostium.face_ids:
-            ostium = replace(ostium, name=f"branch {ways.number(way)}")
-        if way is not None:
-            into.append(NeighborWay(ostium.name, way))
-        named.append(ostium)
-    return tuple(named), into

@@ -50,7 +50,6 @@ from .warnings import (
     narrowed,
     narrowed_neighbors,
     nothing_moved,
-    overdilated,
     overlap,
 )
 
@@ -198,7 +197,10 @@ class Treatment:
             companions=read_only(companions),
             stents=treated,
             certificate=certificate,
-            warnings=tuple(self._warnings(treated, after, indices)),
+            warnings=(
+                *self._warnings(treated, after, indices),
+                *self._certified_with(certificate),
+            ),
             timings={
                 **self._seconds,
                 "measure": measured - clock,
@@ -281,6 +283,16 @@ class Treatment:
         for cap in bulged_caps(self.surface, after, moved):
             yield cap.caution()
 
+    def _certified_with(self, certificate: Certificate | None) -> Iterator[Caution]:
+        """What a certificate allows, but says."""
+        if certificate is None:
+            return
+        # Every stent has a check, or none has: that is a matter of the settings.
+        for stage, check in zip(self._stages, certificate.lumen, strict=False):
+            for caution in check.cautions() if check.passed else ():
+                yield replace(caution, stent=stage.number).labeled(self.label(stage.number))
+        yield from certificate.cautions()
+
     def _found_lumen(self, stage: Stage, done: TreatedStent) -> DiameterProfile | None:
         """The lumen that earlier stents left for one that moved nothing."""
         if done.moved_points:
@@ -292,7 +304,6 @@ class Treatment:
         yield from stage.axis.warnings
         is_first = stage is self._stages[0]
         yield from nothing_moved(done, None if is_first else self._found_lumen(stage, done))
-        yield from overdilated(done)
         yield from coarse_mesh(done)
         yield from self._narrowed(stage, done)
         if stage.result.relief is not None:

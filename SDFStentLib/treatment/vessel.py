@@ -10,22 +10,15 @@ from functools import cached_property
 from ..centerline import Centerline
 from ..certificate import SurfaceCheck, check_surface
 from ..geometry import NamedFaces, Precision, Surface, length
-from ..measure import (
-    DiameterProfile,
-    Lesion,
-    LineSeeds,
-    branch_names,
-    diameter_profile,
-    find_lesions,
-    lesions_against,
-    line_seeds,
-)
+from ..measure import DiameterProfile, LineSeeds, branch_names, diameter_profile, line_seeds
 from ..stent import AtCenter, AtDistalEnd, Stent
 from ..validation import Points
-from .lesions import placement_at
+from ..vessel import Lesion, find_lesions, lesions_against
+from .placing import placement_at
 from .sizing import SizingWishes, Suggestion, suggested
 from .straightening import axis_in_vessel
-from .surroundings import PROFILE_SPACING
+from .surroundings import PROFILE_SPACING, lumen_around
+from .widths import healthy_vessel
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,14 +77,6 @@ class Vessel:
             return found
         return lesions_against(found, self.reference, self.surface, self.centerline)
 
-    def with_lesions(self, found: tuple[Lesion, ...] | None) -> Vessel:
-        """The same vessel with its lesions, where they were found elsewhere; itself for None."""
-        if found is None:
-            return self
-        vessel = copy(self)
-        vars(vessel).update(lesions=found)
-        return vessel
-
     def unmeasured(self) -> Vessel:
         """The same vessel with its lesions and names, and nothing known of its lumen.
 
@@ -120,7 +105,13 @@ class Vessel:
         """`suggested` for one of its lesions, by number from 1."""
         assert self.lesions is not None
         assert self.centerline is not None
-        return suggested(self.lesions[number - 1], number, self.centerline, wishes)
+        lesions, tree = self.lesions, self.centerline
+        return self.compared(suggested(lesions[number - 1], number, tree, wishes), lesions)
+
+    def compared(self, proposed: Suggestion, lesions: Sequence[Lesion]) -> Suggestion:
+        """A proposal with the healthy vessel, as measured where it will lie; all its lesions."""
+        native = lumen_around(self.surface, proposed.axis.points, self.centerline)
+        return proposed.within(healthy_vessel(native, proposed.deployed_length, lesions))
 
     def native_lumen(self, stent: Stent) -> float:
         """Smallest inscribed diameter where a stent lies, before it, mm; NaN where not known."""

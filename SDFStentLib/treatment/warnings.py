@@ -26,12 +26,6 @@ from .value import TreatedStent
 WIDEST = 4.0
 """Largest diameter of a stent over that of the lumen; more is another unit or a slip."""
 
-WIDE = 1.5
-"""Diameter of a stent over that of the widest native lumen within its length that is warned of."""
-# Our choice, far above practice: stents of great vessels were set to 0.66 and, dilated again, to
-# 0.85 of the vessel beside them (Heart 2003;89:905); where the lesion is tight a balloon of about
-# 1.1 times that vessel is advised (Palmaz stents in great vessels, Cardiology in the Young).
-
 COARSE = 0.6
 """Median edge at the expanded stent over its radius that is warned of; see `edge_at_stent`.
 
@@ -127,15 +121,6 @@ def nothing_moved(treated: TreatedStent, left: DiameterProfile | None) -> Iterat
         yield Caution("without-effect", numbers)
     else:
         yield Caution("outside-without-effect", {"stent_diameter_mm": diameter})
-
-
-def overdilated(treated: TreatedStent) -> Iterator[Caution]:
-    """Whether a stent is more than `WIDE` times as wide as the vessel ever was there."""
-    diameter, lumen = treated.stent.diameter, treated.before.maximum
-    # Also false where no diameter could be measured, or the axis lies outside the lumen.
-    if 0 < WIDE * lumen < diameter:
-        widths = {"stent_diameter_mm": diameter, "lumen_mm": lumen}
-        yield Caution("overdilated", {**widths, "times": diameter / lumen})
 
 
 def coarse_mesh(treated: TreatedStent) -> Iterator[Caution]:

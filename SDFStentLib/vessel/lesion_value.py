@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-
-import numpy as np
+from dataclasses import dataclass
 
 from ..validation import Floats, Points, read_only
 
@@ -66,13 +64,17 @@ class Lesion:
     """The same in words, to follow "against"."""
     line: Points
     """(k, 3) the centerline from `start` to `end`, mm."""
-    diameters: Floats = field(default_factory=lambda: np.empty(0))
-    """(k,) inscribed, at these points, mm; NaN where unknown. Without, all are."""
+    healthy: Floats
+    """(k,) diameters of the healthy vessel at these points, mm."""
+    diameters: Floats
+    """(k,) inscribed, at these points, mm; NaN where unknown."""
+    vessel: int = 0
+    """Index of its vessel among those of the tree, from the root on."""
+    generation: int = 0
+    """How many vessels lie between that and the root."""
 
     def __post_init__(self) -> None:
-        if not len(self.diameters):
-            object.__setattr__(self, "diameters", np.full(len(self.line), np.nan))
-        for name in ("line", "diameters"):
+        for name in ("line", "healthy", "diameters"):
             object.__setattr__(self, name, read_only(getattr(self, name)))
 
     @property

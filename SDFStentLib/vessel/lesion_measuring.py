@@ -6,20 +6,22 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..geometry import Surface, arc_lengths, resampled_to, tangents
-from ..validation import Flags, Points
-from .cross_section import equivalent_diameters
-from .inscribed import InscribedSpheres, inscribed_spheres
-from .lesion_value import HealthyPlace, Lesion, Place
-from .moved_wall import MovedWall
+from ..measure import InscribedSpheres, MovedWall, equivalent_diameters, inscribed_spheres
+from ..validation import Flags, Floats, Points
+from .lesion_value import Lesion, Place
 
-Floats = NDArray[np.float64]
-
-STATIONS = 100
+SECTIONS = 100
 """At least so many sections along a lesion: the throat of a smooth one is missed by less than
 0.03 % of its reference."""
+
+OWN_SECTION = 1.5
+"""Times the inscribed diameter up to which the circle of a section's area may be wide: what is
+wider is the section of the vessel from which this one comes, or goes on into a branch."""
+
+ABOUT = 1.01
+"""Times the narrowest up to which another place is as narrow."""
 
 _MATTERS = 3.0
 """Wall farther from a lesion's line than so many diameters of its reference bounds neither its
@@ -43,10 +45,11 @@ def measured(lesions: Sequence[Lesion], surface: Surface) -> list[Lesion]:
     """
     fine = [_round_narrowest(lesion) for lesion in lesions]
     spheres = _spheres(surface, [(places, ways) for _, places, ways in fine])
-    return [
-        _with_section(_with_sphere(lesion, lesion.start + along, found), surface)
+    begun = [
+        _with_sphere(lesion, along, found)
         for lesion, (along, _, _), found in zip(lesions, fine, spheres, strict=True)
     ]
+    return _with_sections(begun, surface)
 
 
 def lesions_after(
@@ -87,7 +90,7 @@ def _changed(lesion: Lesion, moved: MovedWall | None) -> Flags | None:
     """
     if moved is None:
         return np.ones(len(lesion.line), dtype=bool)
-    near = moved.within(lesion.line, _MATTERS * _width(lesion))
+    near = moved.within(lesion.line, _MATTERS * float(lesion.healthy.max()))
     # A sphere holds its place: no wall that it touches is farther from there than its diameter.
     unknown = np.isnan(lesion.diameters)
     reach = np.where(unknown, lesion.reference_diameter, lesion.diameters)
@@ -96,10 +99,6 @@ def _changed(lesion: Lesion, moved: MovedWall | None) -> Flags | None:
     if not changed.any() and not near.crosses(sections, tangents(sections)).any():
         return None
     return np.asarray(changed | unknown)
-
-
-def _width(lesion: Lesion) -> float:
-    return max(lesion.reference_diameter, float(np.sqrt(lesion.reference_area)))
 
 
 def _spheres(surface: Surface, lines: Sequence[tuple[Points, Points]]) -> list[InscribedSpheres]:
@@ -116,14 +115,20 @@ def _line(lesion: Lesion) -> tuple[Points, Points]:
     return lesion.line, tangents(lesion.line)
 
 
-def _with_sphere(lesion: Lesion, at: Floats, spheres: InscribedSpheres) -> Lesion:
-    """With the tightest of the spheres at some arc lengths from the root."""
-    references = _tapering(lesion, [side.diameter for side in _sides(lesion)], at)
-    tightest = int(np.nanargmax(1 - 2 * spheres.radii / references))
-    minimum, reference = 2 * float(spheres.radii[tightest]), float(references[tightest])
+def _with_sphere(lesion: Lesion, along: Floats, spheres: InscribedSpheres) -> Lesion:
+    """With the smallest of the spheres at some arc lengths from its start."""
+    if not np.isfinite(spheres.radii).any():
+        unknown = float("nan")
+        return replace(lesion, minimum_diameter=unknown, percent_diameter=unknown)
+    references = np.interp(along, arc_lengths(lesion.line), lesion.healthy)
+    tightest = _tightest(spheres.radii, references)
+    minimum, at = 2 * float(spheres.radii[tightest]), float(along[tightest])
+    reference = float(references[tightest])
+    branch_start = lesion.arc_length - lesion.branch_arc_length
     return replace(
         lesion,
-        arc_length=float(at[tightest]),
+        arc_length=lesion.start + at,
+        branch_arc_length=max(0.0, lesion.start + at - branch_start),
         point=as_place(spheres.centers[tightest]),
         minimum_diameter=minimum,
         reference_diameter=reference,
@@ -131,14 +136,44 @@ def _with_sphere(lesion: Lesion, at: Floats, spheres: InscribedSpheres) -> Lesio
     )
 
 
-def _with_section(lesion: Lesion, surface: Surface) -> Lesion:
-    """With the tightest of the sections along it."""
-    line = _sections(lesion)
-    at = lesion.start + np.linspace(0.0, lesion.length, len(line))
-    sections = equivalent_diameters(surface.points, surface.triangles, line, tangents(line))
-    areas = np.pi / 4 * sections**2
-    wanted = _tapering(lesion, [np.sqrt(side.area) for side in _sides(lesion)], at) ** 2
-    smallest = int(np.nanargmax(1 - areas / wanted)) if np.isfinite(areas / wanted).any() else 0
+def _tightest(sizes: Floats, references: Floats) -> int:
+    """The narrowest place; of those that are about as narrow, the one that should be widest.
+
+    A stent is as wide everywhere: what is left in it is told where most is missing.
+    """
+    about = sizes <= ABOUT * np.nanmin(sizes)
+    return int(np.where(about, references / sizes, -np.inf).argmax())
+
+
+def _with_sections(lesions: Sequence[Lesion], surface: Surface) -> list[Lesion]:
+    """With the smallest of the sections along each that are those of its vessel."""
+    lines = [_sections(lesion) for lesion in lesions]
+    if not lines:
+        return []
+    cut = equivalent_diameters(
+        surface.points,
+        surface.triangles,
+        np.concatenate(lines),
+        np.concatenate([tangents(line) for line in lines]),
+    )
+    ends = np.cumsum([len(line) for line in lines])[:-1]
+    pairs = zip(lesions, np.split(cut, ends), strict=True)
+    return [_with_section(lesion, sections) for lesion, sections in pairs]
+
+
+def _with_section(lesion: Lesion, sections: Floats) -> Lesion:
+    along = arc_lengths(lesion.line)
+    at = np.linspace(0.0, along[-1], len(sections))
+    known = np.isfinite(lesion.diameters)
+    unknown = float("nan")
+    if not known.any():
+        return replace(lesion, minimum_area=unknown, reference_area=unknown, percent_area=unknown)
+    widths = np.interp(at, along[known], lesion.diameters[known])
+    areas = np.where(sections <= OWN_SECTION * widths, np.pi / 4 * sections**2, np.nan)
+    wanted = np.interp(at, along, lesion.healthy) ** 2 * _area_of_healthy(lesion)
+    if not np.isfinite(areas * wanted).any():
+        return replace(lesion, minimum_area=unknown, reference_area=unknown, percent_area=unknown)
+    smallest = _tightest(areas, wanted)
     return replace(
         lesion,
         minimum_area=float(areas[smallest]),
@@ -147,19 +182,25 @@ def _with_section(lesion: Lesion, surface: Surface) -> Lesion:
     )
 
 
+def _area_of_healthy(lesion: Lesion) -> float:
+    """Area of the healthy vessel beside a lesion over its squared diameter."""
+    sides = [side for side in (lesion.proximal, lesion.distal) if side is not None]
+    ratios = [side.area / side.diameter**2 for side in sides if np.isfinite(side.area)]
+    return float(np.mean(ratios)) if ratios else float("nan")
+
+
 def _sections(lesion: Lesion) -> Points:
     """Where it is cut, (k, 3)."""
-    return resampled_to(lesion.line, max(STATIONS, 2 * len(lesion.line)))
+    return resampled_to(lesion.line, max(SECTIONS, 2 * len(lesion.line)))
 
 
 def _round_narrowest(lesion: Lesion) -> tuple[Floats, Points, Points]:
-    """Arc lengths, points and directions round the narrowest station of a lesion's line."""
+    """Arc lengths, points and directions round the tightest station of a lesion's line."""
     line, directions = _line(lesion)
     along = arc_lengths(line)
-    widths = [side.diameter for side in _sides(lesion)]
-    references = _tapering(lesion, widths, lesion.start + along)
-    narrowest = int(np.nanargmax(1 - lesion.diameters / references))
-    ends = along[max(narrowest - 1, 0)], along[min(narrowest + 1, len(line) - 1)]
+    known = np.isfinite(lesion.diameters)
+    tightest = _tightest(lesion.diameters, lesion.healthy) if known.any() else len(line) // 2
+    ends = along[max(tightest - 1, 0)], along[min(tightest + 1, len(line) - 1)]
     fine = np.linspace(*ends, FINE_STATIONS)
     places, ways = (
         np.column_stack([np.interp(fine, along, column) for column in values.T])
@@ -168,27 +209,7 @@ def _round_narrowest(lesion: Lesion) -> tuple[Floats, Points, Points]:
     return fine, places, ways
 
 
-def _sides(lesion: Lesion) -> list[HealthyPlace]:
-    return [side for side in (lesion.proximal, lesion.distal) if side is not None]
-
-
-def _tapering(lesion: Lesion, values: list[float], at: Floats) -> Floats:
-    """What has these values at the healthy places, on the straight line through them."""
-    places = [side.arc_length for side in _sides(lesion)]
-    if len(places) == 1:
-        return np.full(len(at), values[0])
-    slope = (values[1] - values[0]) / (places[1] - places[0])
-    return np.asarray(values[0] + slope * (at - places[0]))
-
-
-def median_area(surface: Surface, line: Points, directions: Points) -> float:
-    """Of the sections at some stations, mm^2; NaN where none is closed."""
-    wide = equivalent_diameters(surface.points, surface.triangles, line, directions)
-    wide = wide[np.isfinite(wide)]
-    return float(np.pi / 4 * np.median(wide) ** 2) if len(wide) else float("nan")
-
-
 def as_place(point: Floats) -> Place:
-    """A point as a plain tuple."""
+    """A point as a value."""
     x, y, z = point.tolist()
-    return x, y, z
+    return (x, y, z)

@@ -7,15 +7,11 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..centerline import Centerline
-from ..geometry import Surface, boundary_edges, component_labels, is_inside, resampled, tangents
-from ..validation import Flags, InputError, Points, Triangles
-from .inscribed import InscribedSpheres, Until, inscribed_spheres
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from ..geometry import Surface, is_inside, resampled, tangents
+from ..measure import InscribedSpheres, Until, closed_surface, holes_of, inscribed_spheres
+from ..validation import Flags, Floats, Indices, InputError, Points
 
 SAME_PLACE = 1e-9
 """Length up to which a branch has none, mm."""
@@ -23,9 +19,12 @@ SAME_PLACE = 1e-9
 _SAFELY = 1 + 1e-9
 """Factor on a radius that is enough, against rounding."""
 
-COARSEST, FINEST = 1.0, 0.25
-"""Distance of the stations, mm; between the two it is a quarter of the branch's median radius."""
+COARSEST, FINEST = 2.0, 0.5
+"""Distance of the stations, mm; between the two it is half of the branch's median radius. A lesion
+is measured anew round its narrowest station."""
 
+UNKNOWN_RADIUS = 2.0
+"""Where a centerline tells no radius, stations are as far apart as in such a branch, mm."""
 
 END_REACH = 1.1
 """Radii from the end of a vessel within which the sphere may touch its cap; a tenth for a cap that
@@ -49,7 +48,8 @@ class BranchLumen(NamedTuple):
     along: Floats
     """(n,) arc length along the branch, mm."""
     diameter: Floats
-    """(n,) inscribed diameter, mm; NaN where the centerline is outside of the lumen."""
+    """(n,) inscribed diameter, mm; NaN where the centerline is outside of the lumen, and where the
+    sphere may touch the cap of an in- or outlet."""
 
 
 def branch_lumens(surface: Surface, centerline: Centerline) -> tuple[BranchLumen, ...]:
@@ -63,18 +63,18 @@ def branch_lumens(surface: Surface, centerline: Centerline) -> tuple[BranchLumen
     lumens = _unmeasured(centerline)
     stations = np.concatenate([lumen.points for lumen in lumens])
     directions = np.concatenate([tangents(lumen.points) for lumen in lumens])
+    to_end = np.concatenate(_distances_to_ends(lumens))
     # What is wider than this so near to an end is not used, however wide it is.
-    enough = _SAFELY / END_REACH * np.concatenate(_distances_to_ends(lumens))
-    points, triangles = surface.points, surface.triangles
-    until = Until(TOLERANCE, enough)
-    spheres = inscribed_spheres(points, triangles, stations, directions, until)
+    until = Until(TOLERANCE, _SAFELY / END_REACH * to_end)
+    spheres = inscribed_spheres(surface.points, surface.triangles, stations, directions, until)
     diameter = 2 * spheres.radii
-    diameter[~_is_in_lumen(stations, spheres, surface)] = np.nan
-    if not np.isfinite(diameter).any():
+    is_in = _is_in_lumen(stations, spheres, surface)
+    if not (is_in & np.isfinite(diameter)).any():
         raise InputError(
             "lesions: expected a centerline inside of the surface, got one that is outside "
             "everywhere; check that both are of one patient and in one unit."
         )
+    diameter[~is_in | ~(diameter > 0) | (END_REACH * spheres.radii > to_end)] = np.nan
     ends = np.cumsum([len(lumen.points) for lumen in lumens])[:-1]
     pairs = zip(lumens, np.split(diameter, ends), strict=True)
     return tuple(lumen._replace(diameter=values) for lumen, values in pairs)
@@ -110,45 +110,13 @@ def _distances_to_ends(lumens: Sequence[BranchLumen]) -> list[Floats]:
     return found
 
 
-def closed_surface(points: Points, triangles: Triangles) -> tuple[Points, Triangles]:
-    """The surface with a fan of triangles over every hole, which tells inside from outside."""
-    holes = _holes(points, triangles)
-    if not len(holes.rim):
-        return points, triangles
-    fans = np.column_stack([holes.rim[:, ::-1], len(points) + holes.number])
-    return np.vstack([points, holes.middles]), np.vstack([triangles, fans])
-
-
-class _Holes(NamedTuple):
-    rim: Indices
-    """(m, 2) all edges with a triangle on one side only."""
-    number: Indices
-    """(m,) of the hole round which each goes."""
-    middles: Points
-    """(h, 3) mean of the points round each hole, mm."""
-    radii: Floats
-    """(h,) how far they are from it, at most, mm."""
-
-
-def _holes(points: Points, triangles: Triangles) -> _Holes:
-    rim = boundary_edges(triangles)
-    used, ends = np.unique(rim, return_inverse=True)
-    ends = ends.reshape(-1, 2)
-    label = component_labels(len(used), ends[:, 0], ends[:, 1])
-    sums = np.stack([np.bincount(label, part) for part in points[used].T], axis=1)
-    middles = sums / np.bincount(label)[:, None]
-    radii = np.zeros(len(middles))
-    np.maximum.at(radii, label, np.linalg.norm(points[used] - middles[label], axis=1))
-    return _Holes(rim, label[ends[:, 0]], middles, radii)
-
-
 def _is_in_lumen(stations: Points, spheres: InscribedSpheres, surface: Surface) -> Flags:
     """Which stations (n,) are inside; those that one sphere without any wall holds are on one side.
 
     A sphere at an open end looks out of it: what is so near to a hole is asked for by itself.
     """
     centers, radii = spheres
-    holes = _holes(surface.points, surface.triangles)
+    holes = holes_of(surface.points, surface.triangles)
     for middle, reach in zip(holes.middles, holes.radii, strict=True):
         radii = np.minimum(radii, np.linalg.norm(centers - middle, axis=1) - reach)
     holds = np.linalg.norm(stations - centers, axis=1) < radii
@@ -171,5 +139,5 @@ def _joined_nodes(centerline: Centerline) -> Indices:
 def _stations(centerline: Centerline, branch: Indices) -> Points:
     radius = centerline.inscribed_radius[branch]
     known = radius[np.isfinite(radius)]
-    spacing = float(np.median(known)) / 4 if len(known) else COARSEST
+    spacing = (float(np.median(known)) if len(known) else UNKNOWN_RADIUS) / 2
     return resampled(centerline.points[branch], min(max(spacing, FINEST), COARSEST))

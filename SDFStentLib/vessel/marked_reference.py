@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike
 
 from ..centerline import Centerline
 from ..geometry import Surface, arc_lengths, as_surface, tangents
-from ..validation import InputError, as_point
-from .inscribed import inscribed_spheres
-from .lesion_measuring import as_place, measured, median_area
+from ..measure import equivalent_diameters, inscribed_spheres
+from ..validation import Floats, InputError, as_point
+from .lesion_measuring import as_place, measured
 from .lesion_value import HealthyPlace, Lesion, reference_words
 
 
@@ -85,6 +85,7 @@ def lesion_against(
         proximal=sides[0],
         distal=sides[1],
         reference=reference_words(sides, by="the vessel marked", other=""),
+        healthy=_tapering(lesion, marked),
     )
     return measured([changed], surface)[0]
 
@@ -106,5 +107,14 @@ def _marked(
             f"reference: expected a place inside of the vessel, got one {location.distance:.1f} mm "
             "from the centerline; mark one in the lumen."
         )
-    area = median_area(surface, station, direction)
+    section = equivalent_diameters(surface.points, surface.triangles, station, direction)
+    area = float(np.pi / 4 * section[0] ** 2)
     return HealthyPlace(as_place(location.point), location.arc_length, 2 * radius, area)
+
+
+def _tapering(lesion: Lesion, marked: Sequence[HealthyPlace]) -> Floats:
+    """Healthy diameters (k,) along a lesion's line: on the straight line through the marked."""
+    order = sorted(marked, key=lambda place: place.arc_length)
+    along = lesion.start + arc_lengths(lesion.line)
+    places = [place.arc_length for place in order]
+    return np.asarray(np.interp(along, places, [place.diameter for place in order]))

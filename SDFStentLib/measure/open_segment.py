@@ -1,0 +1,131 @@
+"""A part of a vessel between planes, still open where they cut it, from which more can be cut."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..geometry import CutSurface, component_labels, cut_along, paired_sides, section_around
+from ..validation import Indices, InputError
+from .cut_planes import CutPlane
+from .vessel_parts import VesselParts
+
+
+@dataclass(frozen=True, eq=False)
+class OpenSegment:
+    """A part of a vessel between planes, open in each of them.
+
+    Attributes
+    ----------
+    vessel : VesselParts
+        From which it was cut.
+    mesh : CutSurface
+        Its triangles; their sources are those of the vessel.
+    planes : tuple of CutPlane
+    rims : tuple of (r,) arrays of int
+        The curve of each plane, in the direction of the triangles beside it.
+    areas : tuple of float
+        Of the lumen in each plane, mm^2.
+    """
+
+    vessel: VesselParts
+    mesh: CutSurface
+    planes: tuple[CutPlane, ...] = ()
+    rims: tuple[Indices, ...] = ()
+    areas: tuple[float, ...] = ()
+
+    def cut_off(self, plane: CutPlane) -> OpenSegment | None:
+        """The same without what lies beyond a plane; None where that is not one branch alone."""
+        cut = _divided(self, plane)
+        if isinstance(cut, str):
+            return None
+        sides = _Sides(cut.mesh, cut.rims[-1:])
+        kept = cut.mesh.triangles[sides.kept]
+        is_whole = np.isin(np.concatenate(self.rims), kept).all()
+        return _only(cut, sides.kept) if sides.are_apart and is_whole else None
+
+
+def segment_between(vessel: VesselParts, planes: Sequence[CutPlane]) -> OpenSegment:
+    """The part of a vessel that two planes bound together.
+
+    Raises
+    ------
+    InputError
+        A plane that meets the vessel in no closed curve, or planes that bound no segment together.
+    """
+    found = _between(vessel, planes)
+    if isinstance(found, str):
+        said = " and ".join(vessel.said(plane.origin) for plane in planes)
+        raise InputError(
+            f"segment: expected planes at {said}, that bound one segment, {found}; choose other "
+            "places."
+        )
+    return found
+
+
+def bounds_a_segment(vessel: VesselParts, planes: Sequence[CutPlane]) -> bool:
+    """Whether two planes bound a part of a vessel together."""
+    return not isinstance(_between(vessel, planes), str)
+
+
+def _between(vessel: VesselParts, planes: Sequence[CutPlane]) -> OpenSegment | str:
+    """The part of a vessel between two planes, or why there is none."""
+    none = np.zeros(0, np.int64)
+    surface = vessel.surface
+    every = np.arange(len(surface.triangles))
+    cut = OpenSegment(vessel, CutSurface(surface.points, surface.triangles, every, none))
+    for word, plane in zip(("first", "second"), planes, strict=True):
+        divided = _divided(cut, plane)
+        if isinstance(divided, str):
+            return f"the {word} {divided}"
+        cut = divided
+    sides = _Sides(cut.mesh, cut.rims)
+    return _only(cut, sides.kept) if sides.are_apart else "the vessel goes on beside them"
+
+
+class _Sides:
+    """What lies above curves on a surface, and whether none of that lies below one, too."""
+
+    def __init__(self, mesh: CutSurface, rims: Sequence[Indices]) -> None:
+        start = np.concatenate(rims)
+        end = np.concatenate([np.roll(rim, -1) for rim in rims])
+        sides = np.stack([mesh.triangles.ravel(), mesh.triangles[:, [1, 2, 0]].ravel()], axis=1)
+        count = len(mesh.points)
+        keys, rim_keys = sides[:, 0] * count + sides[:, 1], start * count + end
+        is_cut = np.isin(keys, rim_keys) | np.isin(sides[:, 1] * count + sides[:, 0], rim_keys)
+        pairs = paired_sides(mesh.triangles)
+        pairs = pairs[~is_cut[pairs[:, 0]]] // 3
+        label = component_labels(len(mesh.triangles), pairs[:, 0], pairs[:, 1])
+        order = np.argsort(keys)
+        above = label[order[np.searchsorted(keys, rim_keys, sorter=order)] // 3]
+        below = label[order[np.searchsorted(keys, end * count + start, sorter=order)] // 3]
+        self.are_apart = not ((above != above[0]).any() or (below == above[0]).any())
+        self.kept = np.flatnonzero(label == above[0])
+
+
+def _divided(segment: OpenSegment, plane: CutPlane) -> OpenSegment | str:
+    """All of it, cut along a plane; in words why it cannot be."""
+    mesh, none = segment.mesh, np.zeros(0, np.int64)
+    section = section_around(mesh.points, mesh.triangles, plane.origin, plane.normal)
+    if section is None or not section.is_closed:
+        return "meets the vessel in no closed curve"
+    if np.isin(mesh.triangles[section.triangles], np.concatenate([none, *segment.rims])).any():
+        return "meets the other one within the vessel"
+    cut = cut_along(mesh.points, mesh.triangles, section, plane.origin, plane.normal)
+    if not len(cut.rim):
+        return "meets the vessel in a curve that touches itself"
+    return OpenSegment(
+        segment.vessel,
+        cut._replace(sources=mesh.sources[cut.sources]),
+        (*segment.planes, plane),
+        (*segment.rims, cut.rim),
+        (*segment.areas, section.area),
+    )
+
+
+def _only(segment: OpenSegment, kept: Indices) -> OpenSegment:
+    mesh = segment.mesh
+    part = mesh._replace(triangles=mesh.triangles[kept], sources=mesh.sources[kept])
+    return OpenSegment(segment.vessel, part, segment.planes, segment.rims, segment.areas)

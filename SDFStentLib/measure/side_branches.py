@@ -1,0 +1,133 @@
+"""Side branches of a segment, each cut off where a plane first meets only it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from heapq import merge
+from typing import NamedTuple
+
+import numpy as np
+
+from ..geometry import ClosedSurface, closest_points, length, point_at
+from ..validation import Points
+from .cut_planes import SAME, CutPlane, Step
+from .open_segment import OpenSegment
+from .segment import closed_segment
+from .segment_planes import SegmentEnds
+
+INSIDE = 1.0
+"""A branch that ends within a segment lies in it so far before its end, mm."""
+
+ALIKE = 2.0
+"""A side branch is the same one in two states of a vessel when it is cut there at most so many
+times as wide in one as in the other."""
+
+
+class OpenBranch(NamedTuple):
+    """A side branch that no plane cuts off."""
+
+    name: str
+    place: Points
+    """(3,) where its centerline leaves the way, mm."""
+
+
+class ClosedBranches(NamedTuple):
+    """A segment, in each of its states, without its side branches."""
+
+    states: tuple[OpenSegment, ...]
+    left: tuple[OpenBranch, ...]
+    """What stays open in each of them, at least in part."""
+
+
+def close_side_branches(ends: SegmentEnds, states: Sequence[OpenSegment]) -> ClosedBranches:
+    """Cut off the vessels that leave the way between two planes, each where a plane meets only it.
+
+    Parameters
+    ----------
+    ends : SegmentEnds
+    states : sequence of OpenSegment
+        What the same planes bound in states of the vessel, the native one first. A branch is cut
+        by one plane in all of them, or stays open in all.
+    """
+    lumen = _lumen(ends.opened)
+    sides = _sides_within(ends, lumen)
+    kept = tuple(states)
+    cuts: list[Points] = []
+    seen: set[bytes] = set()
+    # The nearest places first, so that no branch is cut before what it comes from.
+    for step, side in merge(*(_steps(ends, side) for side in sides), key=lambda one: one[0].along):
+        key = np.round([step.place, step.direction], 6).tobytes()
+        if key in seen or any(_is_on(side, cut) for cut in cuts):
+            continue
+        seen.add(key)  # branches that have not parted share their places
+        plane = _plane(ends, step, lumen)
+        found = None if plane is None else _all_cut(kept, plane)
+        if found is not None:
+            kept, cuts = found, [*cuts, step.place]
+    rest = _lumen(kept[0])
+    left = [side for side in sides if _ends_in(side, rest)]
+    return ClosedBranches(kept, tuple(_named(ends, left)))
+
+
+def _sides_within(ends: SegmentEnds, lumen: ClosedSurface) -> list[Points]:
+    """From where they leave the way: lines (k, 3) to the ends of the tree within the segment."""
+    tree, found = ends.finder.vessel.tree, []
+    root = tree.ancestry(ends.start.index)[0]
+    for tip in (*tree.leaves, *tree.roots):
+        if tree.ancestry(tip)[0] != root:
+            continue
+        line = tree.path(ends.start, tree.points[tip]).points
+        last = int(np.flatnonzero(closest_points(ends.way, line).distances <= SAME)[-1])
+        side = line[last:]
+        if length(side) > INSIDE and _ends_in(side, lumen):
+            found.append(side)
+    return found
+
+
+def _lumen(opened: OpenSegment) -> ClosedSurface:
+    surface = closed_segment(opened).surface
+    return ClosedSurface(surface.points, surface.triangles)
+
+
+def _ends_in(side: Points, lumen: ClosedSurface) -> bool:
+    return bool(lumen.contains(point_at(side, [length(side) - INSIDE]))[0])
+
+
+def _steps(ends: SegmentEnds, side: Points) -> Iterator[tuple[Step, Points]]:
+    return ((step, side) for step in ends.finder.steps(side))
+
+
+def _plane(ends: SegmentEnds, step: Step, lumen: ClosedSurface) -> CutPlane | None:
+    """Across a side branch at a place; None where it has not parted or is not alone."""
+    finder = ends.finder
+    if not finder.has_parted(step.place, ends.way) or not lumen.contains(step.place[None])[0]:
+        return None
+    if finder.fault(step.place, step.direction):
+        return None
+    name = finder.vessel.branch_name(finder.vessel.tree.project(step.place))
+    return CutPlane(name, step.place, -step.direction, is_closed=True)
+
+
+def _all_cut(states: Sequence[OpenSegment], plane: CutPlane) -> tuple[OpenSegment, ...] | None:
+    """Every state without what lies beyond a plane; None where that is not the same in all."""
+    cut = [found for state in states if (found := state.cut_off(plane)) is not None]
+    areas = [one.areas[-1] for one in cut]
+    if len(cut) < len(states) or max(areas) > ALIKE**2 * min(areas):
+        return None
+    return tuple(cut)
+
+
+def _is_on(side: Points, place: Points) -> bool:
+    return bool(closest_points(side, place[None]).distances[0] <= SAME)
+
+
+def _named(ends: SegmentEnds, sides: Sequence[Points]) -> Iterator[OpenBranch]:
+    """Branches by the names of their ends, one for all that leave at one place."""
+    vessel = ends.finder.vessel
+    for origin in dict.fromkeys(tuple(side[0]) for side in sides):
+        own = [side for side in sides if tuple(side[0]) == origin]
+        shared = min(len(side) for side in own)
+        same = np.all([side[:shared] == own[0][:shared] for side in own], axis=(0, 2))
+        last = int(np.flatnonzero(same)[-1])
+        place = vessel.tree.project(own[0][max(last, 1)])
+        yield OpenBranch(vessel.branch_name(place), own[0][0])

@@ -1,0 +1,91 @@
+"""Where a stent goes that treats a lesion, and how much of the lesion it leaves uncovered."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..centerline import Centerline
+from ..geometry import arc_lengths, closest_points, length, resampled
+from ..stent import DEFAULT_FORESHORTENING, AtCenter, AtDistalEnd
+from ..validation import Flags, Floats, Points, as_number
+from ..vessel import Lesion, lesions_within
+
+NOTICED = 1.0
+"""Less of a lesion beyond the ends of a stent is not told, mm: a lesion's ends are not known to
+better than the stations along its vessel."""
+
+_SPACING = 0.1
+_SAME = 1e-6
+
+
+def uncovered_length(lesion: Lesion, axes: Sequence[Points]) -> float:
+    """How much of a lesion is beyond the ends of stents with these axes (n, 3), or in another
+    vessel than they are, mm."""
+    line = resampled(lesion.line, _SPACING)
+    radii = np.interp(arc_lengths(line), arc_lengths(lesion.line), lesion.healthy) / 2
+    beyond = np.all([_is_beyond(line, radii, axis) for axis in axes], axis=0)
+    return float(beyond.mean() * length(line))
+
+
+def _is_beyond(line: Points, radii: Floats, axis: Points) -> Flags:
+    nearest = closest_points(axis, line)
+    along = nearest.arc_lengths
+    is_beyond: Flags = (along <= _SAME) | (along >= length(axis) - _SAME)
+    return is_beyond | (nearest.distances > radii)
+
+
+def placement_at(
+    lesion: Lesion,
+    centerline: Centerline,
+    stent_length: float,
+    foreshortening_fraction: float = DEFAULT_FORESHORTENING,
+) -> AtCenter | AtDistalEnd:
+    """The placement of a stent whose middle is that of a lesion's extent.
+
+    A stent that is shorter than the lesion moves from there as far as it takes to have the
+    narrowest place in its middle half.
+
+    Parameters
+    ----------
+    lesion : Lesion
+    centerline : Centerline
+        That of the vessel in which it was found.
+    stent_length : float
+        Nominal, mm.
+    foreshortening_fraction : float
+        Of the stent, as in `Stent`.
+
+    Returns
+    -------
+    AtCenter or AtDistalEnd
+        The second where the way down from the middle would go into another branch than the
+        lesion's, which is rarely the widest one.
+
+    Raises
+    ------
+    InputError
+        A length that is not above 0.
+    """
+    nominal = as_number(stent_length, "stent length", unit="mm", above=0)
+    half = nominal * (1 - foreshortening_fraction) / 2
+    extent = length(lesion.line)
+    narrowest, at = lesion.arc_length - lesion.start, extent / 2
+    if 2 * half < extent:
+        at = min(max(at, narrowest - half / 2), narrowest + half / 2)
+    middle = _on_line(lesion, at)
+    around = centerline.path_around(middle, 2 * half).points
+    within = max(extent - 2 * half, 0.0) + NOTICED
+    if lesions_within([lesion], around) and uncovered_length(lesion, [around]) <= within:
+        return AtCenter(middle)
+    if at + half <= extent:
+        return AtDistalEnd(_on_line(lesion, at + half))
+    beyond = centerline.path_from_proximal(lesion.line[-1], at + half - extent)
+    return AtDistalEnd(beyond.points[-1])
+
+
+def _on_line(lesion: Lesion, at: float) -> Points:
+    """The place of a lesion's line at an arc length from its start, mm."""
+    along = arc_lengths(lesion.line)
+    return np.array([np.interp(at, along, column) for column in lesion.line.T])

@@ -1,0 +1,301 @@
+"""Lesions of a vessel tree: where it is narrower than the healthy vessel beside it.
+
+A lesion is a property of the vessel. No stent takes part in what it measures.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..centerline import Centerline
+from ..geometry import (
+    NamedFaces,
+    Surface,
+    as_surface,
+    checked_faces,
+    closest_points,
+    point_at,
+    tangents,
+)
+from ..measure import equivalent_diameters, named_branches
+from ..validation import Floats, Points, as_points
+from .branch_lumen import branch_lumens
+from .lesion_measuring import OWN_SECTION, as_place, lesions_after, measured
+from .lesion_value import HealthyPlace, Lesion, reference_words
+from .narrowings import PLATEAU, Narrowing, Plateau, narrowings
+from .runs import VesselRun, vessel_runs
+
+_ASLANT = 2.0
+"""An axis that goes aslant meets the section within so many radii of its middle."""
+
+_SECTIONS = 5
+"""Sections along healthy vessel, of whose areas the median is taken."""
+
+SMALL_VESSEL = 3.0
+"""Healthy diameter below which lesions come last, mm: pulmonary artery stents in the device table
+begin at 4 mm, and rows of a balloon at 2."""
+
+MAIN = 0.3
+"""Share of the caliber of the vessel at the root from which one that comes from it is a main one:
+both pulmonary arteries of the anatomies have more, what else leaves the trunk less."""
+
+
+def find_lesions(
+    surface: Surface, centerline: Centerline, faces: NamedFaces | None = None
+) -> tuple[Lesion, ...]:
+    """All lesions of a vessel tree: of the main vessels first, then the tightest first.
+
+    Those in vessels below `SMALL_VESSEL` come last.
+
+    Parameters
+    ----------
+    surface : Surface
+        Before any stent; open or closed.
+    centerline : Centerline
+        Vessels begin at its root.
+    faces : NamedFaces, optional
+        Of the surface; they name the branches.
+
+    Returns
+    -------
+    tuple of Lesion
+        Each once. Narrowings of less than `narrowings.SMALLEST_DEGREE`, those beyond which the
+        vessel is not wider again by `narrowings.SMALLEST_RECOVERY`, and those within a radius of
+        an in- or outlet are none.
+
+    Raises
+    ------
+    InputError
+        No surface, or a centerline outside of it.
+    """
+    runs = vessel_runs(branch_lumens(as_surface(surface), centerline))
+    found = _found(runs)
+    named = named_branches(surface, centerline, checked_faces(faces, len(surface.triangles)))
+    areas = _healthy_areas(surface, found)
+    main = [_is_main(run, runs) for run in runs]
+    lesions = [
+        _begun(one, named, vessel_name(one.run, main[one.vessel]), *pair)
+        for one, pair in zip(found, areas, strict=True)
+    ]
+
+    def rank(lesion: Lesion) -> tuple[bool, bool, float]:
+        is_small = lesion.reference_diameter < SMALL_VESSEL
+        return is_small, not main[lesion.vessel], -lesion.percent_diameter
+
+    return tuple(sorted(_once(measured(lesions, surface)), key=rank))
+
+
+def _once(lesions: Sequence[Lesion]) -> list[Lesion]:
+    """Each narrowing once: lines that part beyond it may both run through it."""
+    kept: list[Lesion] = []
+    for lesion in sorted(lesions, key=lambda one: one.vessel):
+        away = [np.linalg.norm(np.subtract(lesion.point, other.point)) for other in kept]
+        radii = [other.minimum_diameter / 2 for other in kept]
+        if not any(distance < radius for distance, radius in zip(away, radii, strict=True)):
+            kept.append(lesion)
+    return kept
+
+
+def vessel_name(run: VesselRun, is_main: bool) -> str:
+    """What a vessel is called that the user has not named: by size, place and what it leads to."""
+    ends = f"{run.outlets} outlets" if run.outlets > 1 else "1 outlet"
+    if run.generation == 0:
+        return f"main vessel ({ends})"
+    if is_main:
+        return f"main branch of {run.caliber:.1f} mm ({ends})"
+    known = np.flatnonzero(np.isfinite(run.diameter))
+    start = run.along[known[0] if len(known) else 0]
+    return f"branch of {run.caliber:.1f} mm from {start:.0f} mm on ({ends})"
+
+
+def lesion_after(lesion: Lesion, surface: Surface) -> Lesion:
+    """The same part of the vessel against the same reference on another surface.
+
+    Parameters
+    ----------
+    lesion : Lesion
+        As found before treatment.
+    surface : Surface
+        After it.
+
+    Returns
+    -------
+    Lesion
+        With the residual stenosis; negative percentages where it is wider than the reference.
+
+    Raises
+    ------
+    InputError
+        No surface.
+    """
+    return lesions_after([lesion], as_surface(surface))[0]
+
+
+def lesions_within(lesions: Sequence[Lesion], axis_points: ArrayLike) -> tuple[Lesion, ...]:
+    """Those of the lesions whose narrowest place a stent along an axis would cover.
+
+    Parameters
+    ----------
+    lesions : sequence of Lesion
+    axis_points : array_like, shape (n, 3)
+        The axis of the stent from end to end, mm.
+
+    Raises
+    ------
+    InputError
+        Fewer than two points.
+    """
+    axis = as_points(axis_points, "axis", minimum=2)
+    return tuple(lesion for lesion in lesions if _passes(axis, lesion))
+
+
+def _passes(axis: Points, lesion: Lesion) -> bool:
+    """Whether an axis (n, 3) goes through a lesion's narrowest place, along its vessel.
+
+    It runs inside the sphere there and crosses the section. At a junction an axis into another
+    branch may run inside the sphere as well.
+    """
+    radius, at = lesion.minimum_diameter / 2, lesion.arc_length - lesion.start
+    before, after = point_at(lesion.line, [at - radius, at + radius])
+    heights = (axis - lesion.point) @ (after - before)
+    crossed = np.flatnonzero((heights[1:] < 0) != (heights[:-1] < 0))
+    share = heights[crossed] / (heights[crossed] - heights[crossed + 1])
+    places = axis[crossed] + share[:, None] * (axis[crossed + 1] - axis[crossed])
+    offsets = np.linalg.norm(places - lesion.point, axis=1)
+    nearest = closest_points(axis, np.array([lesion.point])).distances[0]
+    return bool(nearest <= radius and (offsets <= _ASLANT * radius).any())
+
+
+class _Found(NamedTuple):
+    """A narrowing of a vessel of the tree."""
+
+    vessel: int
+    run: VesselRun
+    narrow: Narrowing
+
+    @property
+    def sides(self) -> tuple[Plateau | None, Plateau | None]:
+        """The plateaus that have a place."""
+        proximal, distal = (
+            None if side is None or np.isnan(side.arc_length) else side
+            for side in (self.narrow.reference.proximal, self.narrow.reference.distal)
+        )
+        return proximal, distal
+
+    def continues(self, other: _Found) -> bool:
+        """Whether it lies at the ostium of a vessel, and the other where its parent divides."""
+        last = other.run.along[np.isfinite(other.run.diameter)][-1]
+        first = self.run.along[np.isfinite(self.run.diameter)][0]
+        is_met = bool(other.narrow.end >= last and self.narrow.start <= first)
+        return is_met and self.run.parent == other.vessel and bool(other.run.division)
+
+
+def _found(runs: Sequence[VesselRun]) -> list[_Found]:
+    """The narrowings of all vessels; of one that lies across a division the vessel's own part.
+
+    Without healthy vessel on any side nothing tells how wide it should be.
+    """
+    every = [
+        _Found(number, run, narrow) for number, run in enumerate(runs) for narrow in narrowings(run)
+    ]
+    found = [one for one in every if any(side is not None for side in one.sides)]
+    return [one for one in found if not any(other.continues(one) for other in found)]
+
+
+def _is_main(run: VesselRun, runs: Sequence[VesselRun]) -> bool:
+    """Whether a vessel begins at the root, or is one of the large ones that come from that."""
+    if run.generation == 0:
+        return True
+    return run.generation == 1 and run.caliber >= MAIN * runs[run.parent].caliber
+
+
+def _begun(
+    found: _Found,
+    named: Sequence[str | None],
+    otherwise: str,
+    proximal: HealthyPlace | None,
+    distal: HealthyPlace | None,
+) -> Lesion:
+    """A narrowing with its reference, and diameters along its line."""
+    run, narrow = found.run, found.narrow
+    inner = (run.along > narrow.start) & (run.along < narrow.end)
+    along = np.r_[narrow.start, run.along[inner], narrow.end]
+    line = np.vstack([_at(run, narrow.start), run.points[inner], _at(run, narrow.end)])
+    known = np.isfinite(run.diameter)
+    ends = np.interp([narrow.start, narrow.end], run.along[known], run.diameter[known])
+    at = int(np.abs(run.along - narrow.narrowest).argmin())
+    unknown = float("nan")
+    return Lesion(
+        branch=int(run.branch[at]),
+        branch_name=named[run.branch[at]] or otherwise,
+        branch_arc_length=float(run.branch_along[at]),
+        arc_length=float(run.along[at]),
+        start=float(narrow.start),
+        end=float(narrow.end),
+        point=as_place(run.points[at]),
+        minimum_diameter=unknown,
+        reference_diameter=unknown,
+        percent_diameter=unknown,
+        minimum_area=unknown,
+        reference_area=unknown,
+        percent_area=unknown,
+        proximal=proximal,
+        distal=distal,
+        reference=reference_words([proximal, distal]),
+        line=line,
+        healthy=narrow.reference.at(along),
+        diameters=np.r_[ends[0], run.diameter[inner], ends[1]],
+        vessel=found.vessel,
+        generation=run.generation,
+    )
+
+
+def _healthy_areas(
+    surface: Surface, found: Sequence[_Found]
+) -> list[tuple[HealthyPlace | None, HealthyPlace | None]]:
+    """The healthy places of all narrowings, with areas where sections are those of their vessel."""
+    asked = [(one.run, side) for one in found for side in one.sides if side is not None]
+    if not asked:
+        return [(None, None)] * len(found)
+    stations = [_along_plateau(run, side) for run, side in asked]
+    cut = equivalent_diameters(
+        surface.points,
+        surface.triangles,
+        np.concatenate([line for line, _ in stations]),
+        np.concatenate([ways for _, ways in stations]),
+    ).reshape(len(asked), _SECTIONS)
+    places = iter(
+        [_healthy(run, side, widths) for (run, side), widths in zip(asked, cut, strict=True)]
+    )
+
+    def next_of(side: Plateau | None) -> HealthyPlace | None:
+        return None if side is None else next(places)
+
+    return [(next_of(one.sides[0]), next_of(one.sides[1])) for one in found]
+
+
+def _along_plateau(run: VesselRun, side: Plateau) -> tuple[Points, Points]:
+    """Places (k, 3) along healthy vessel with its directions."""
+    half = PLATEAU * side.diameter / 2
+    at = np.linspace(side.arc_length - half, side.arc_length + half, _SECTIONS)
+    at = np.clip(at, run.along[0], run.along[-1])
+    directions = tangents(run.points)
+    line, ways = (
+        np.column_stack([np.interp(at, run.along, column) for column in values.T])
+        for values in (run.points, directions)
+    )
+    return line, ways
+
+
+def _healthy(run: VesselRun, side: Plateau, sections: Floats) -> HealthyPlace:
+    own = sections[sections <= OWN_SECTION * side.diameter]
+    area = float(np.pi / 4 * np.median(own) ** 2) if len(own) else float("nan")
+    return HealthyPlace(as_place(_at(run, side.arc_length)), side.arc_length, side.diameter, area)
+
+
+def _at(run: VesselRun, along: float) -> Floats:
+    return np.array([np.interp(along, run.along, column) for column in run.points.T])

@@ -1,0 +1,293 @@
+"""Narrowings of one vessel: its diameter against the healthy vessel beside them.
+
+Healthy is a plateau: a stretch at least as long as the vessel is wide, as wide as the narrowest
+place in it. That leaves out what bulges, as a lumen does where a branch leaves it, and what slopes,
+as it does at an ostium. The reference goes from a plateau proximal of a narrowing to one distal of
+it, in steps where branches leave (`Reference`). A vessel that only tapers, however unevenly, is
+nowhere narrower than both: it has no narrowing.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..validation import Flags, Floats, Indices
+from .aneurysms import in_aneurysm, runs_of
+from .runs import MURRAY_EXPONENT, SideBranch, VesselRun
+
+SMALLEST_DEGREE = 0.15
+"""Of the reference diameter; less is the unevenness of healthy vessels and of segmentations."""
+
+SMALLEST_ONE_SIDED = 0.36
+"""The same where healthy vessel lies on one side only, as at an ostium: branches of real trees
+begin narrower than they go on. One of 70 ends has one place of 43 %, and beside
+it nothing above 35 %, that nobody narrowed."""
+
+SMALLEST_RECOVERY = 0.10
+"""A narrowing is at least so much narrower than the narrower one of its two references: beyond it
+the vessel is wider again. Where it is not, the vessel tapers or divides."""
+
+EDGE_DEGREE = 0.10
+"""A narrowing reaches as far as the lumen is narrower than the reference by more than this."""
+
+REFERENCE_REACH = 4.0
+"""Diameters of a plateau over which it may stand for the healthy vessel."""
+
+ONE_SIDED_REACH = 2.0
+"""Diameters within which a narrowing with healthy vessel on one side only ends: what widens more
+slowly than that tapers."""
+
+PLATEAU = 1.0
+"""Diameters over which healthy vessel is that wide."""
+
+FLARE = 1.25
+"""Times the reference from which the vessel at its end is the ostium's flare, no healthy vessel."""
+
+FLAT = 0.92
+"""Share of its median diameter that a plateau is wide at its narrowest place: slopes of more than
+about a sixth over a diameter are none, what an ostium or a branch widens does not matter."""
+
+NEARLY_WIDEST = 0.93
+"""Share of the widest plateau within reach from which the nearest one is the reference: farther
+ones are of a vessel that tapers, or wide by chance."""
+
+IN_STEPS = 0.5
+"""Share of the difference between two plateaus that may fall at branches: vessels of real trees
+taper between them, too."""
+
+HEALTHY_AGAIN = 0.78
+"""Share of the other side's diameter from which a plateau between a lesion and the vessel's end at
+a junction is healthy; less is a throat of the lesion."""
+
+
+class Plateau(NamedTuple):
+    """Healthy vessel on one side of a narrowing."""
+
+    arc_length: float
+    """From the root, mm; NaN for one beyond a division, that its branches tell."""
+    diameter: float
+    """mm."""
+
+
+class Reference(NamedTuple):
+    """The healthy vessel along a narrowing, as quantitative angiography interpolates it.
+
+    Between both plateaus D^(7/3) falls where branches leave by what the rule says that these take
+    (`MURRAY_EXPONENT`), but by no more than `IN_STEPS` of the difference, and what is left of it
+    goes evenly along the vessel. With one plateau the reference is as wide as that everywhere: by
+    how much a vessel is wider above its branches than below is not told by one side.
+    """
+
+    proximal: Plateau | None
+    distal: Plateau | None
+    side_branches: tuple[SideBranch, ...] = ()
+
+    def at(self, along: Floats) -> Floats:
+        """Healthy diameters (n,) at some arc lengths from the root, mm."""
+        known = [side for side in (self.proximal, self.distal) if side is not None]
+        if len(known) == 1 or any(np.isnan(side.arc_length) for side in known):
+            # A plateau that has no place is no wider than the other one.
+            return np.full(len(along), min(side.diameter for side in known))
+        (first, before), (last, after) = known
+        share = np.clip((along - first) / max(last - first, 1e-300), 0.0, 1.0)
+        if before <= after:
+            return np.asarray(before + share * (after - before))
+        fall = before**MURRAY_EXPONENT - after**MURRAY_EXPONENT
+        between = [one for one in self.side_branches if first < one.arc_length < last]
+        taken = np.array([one.caliber**MURRAY_EXPONENT for one in between])
+        taken *= min(1.0, IN_STEPS * fall / max(taken.sum(), 1e-300))
+        places = np.array([one.arc_length for one in between])
+        stepped = (along[:, None] > places) @ taken if between else 0.0
+        left = before**MURRAY_EXPONENT - stepped - share * (fall - taken.sum())
+        return np.asarray(left ** (1 / MURRAY_EXPONENT))
+
+
+class Narrowing(NamedTuple):
+    """Part of a vessel, arc lengths from the root, mm."""
+
+    start: float
+    end: float
+    narrowest: float
+    reference: Reference
+
+
+class _Sides(NamedTuple):
+    """For every station the plateau on one side: its place, NaN without one, and its diameter."""
+
+    along: Floats
+    diameter: Floats
+
+
+def narrowings(run: VesselRun) -> list[Narrowing]:
+    """The narrowings of a vessel from its start to its end."""
+    known = np.flatnonzero(np.isfinite(run.diameter))
+    if len(known) < 3:
+        return []
+    along, diameter = run.along[known], run.diameter[known]
+    plateaus = _opening(along, diameter, run.parent >= 0, bool(run.division))
+    plateaus[in_aneurysm(along, plateaus, REFERENCE_REACH)] = np.nan
+    before, after = _sides(run, along, diameter, plateaus)
+    degree, counts = _degrees(along, diameter, before, after)
+    found: list[Narrowing] = []
+    for first, last in _parts(along, degree > EDGE_DEGREE, diameter / (1 - degree)):
+        inside = first + np.flatnonzero(counts[first : last + 1])
+        if not len(inside):
+            continue
+        at = int(inside[np.argmin(diameter[inside])])
+        reference = _reference(run, at, before, after)
+        one = _extent(along, diameter, at, reference)
+        if one is not None and not (found and one.start < found[-1].end):
+            found.append(one)
+    return found
+
+
+def _opening(along: Floats, diameter: Floats, has_ostium: bool, divides: bool) -> Floats:
+    """The widest of the plateaus (n,) in which every station lies, by their narrowest places.
+
+    A plateau is no shorter than `PLATEAU`, or than the vessel, but at an in- or outlet, where the
+    vessel goes on beyond the model; NaN where there is none.
+    """
+    half = PLATEAU * np.minimum(diameter, np.ptp(along)) / 2
+    distance = np.abs(along[:, None] - along[None, :])
+    is_within = distance <= half[:, None]
+    narrowest = np.where(is_within, diameter[None, :], np.inf).min(axis=1)
+    is_flat = narrowest >= FLAT * _medians(diameter, is_within)
+    # One that would reach beyond the end of the vessel is shorter than it should be.
+    rounding = 1e-9 * max(1.0, float(np.ptp(along)))
+    fits = is_flat
+    if has_ostium:
+        fits &= along - half >= along[0] - rounding
+    if divides:
+        fits &= along + half <= along[-1] + rounding
+    widest = np.where(is_within & fits[:, None], narrowest[:, None], -np.inf).max(axis=0)
+    return np.where(np.isfinite(widest), widest, np.nan)
+
+
+def _sides(
+    run: VesselRun, along: Floats, diameter: Floats, plateaus: Floats
+) -> tuple[_Sides, _Sides]:
+    """The plateaus on both sides of every station; what stands for one at a junction."""
+    before = _nearest(along, diameter, plateaus, 1)
+    after = _nearest(along, diameter, plateaus, -1)
+    own = before, after
+    if run.parent >= 0:
+        before = _where_lost(own[0], own[1], own[1].diameter)
+    calibers = np.array([one.caliber for one in run.division])
+    # A branch of which nothing is known leaves open what the others ask for.
+    if len(calibers) and calibers.all():
+        expected = float(np.sum(calibers**MURRAY_EXPONENT) ** (1 / MURRAY_EXPONENT))
+        after = _where_lost(own[1], own[0], np.fmin(expected, own[0].diameter))
+    return before, after
+
+
+def _nearest(along: Floats, diameter: Floats, plateaus: Floats, way: int) -> _Sides:
+    """On one side of every station the nearest plateau that is nearly as wide as any in reach."""
+    distance = way * (along[:, None] - along[None, :])
+    width = np.where(np.isfinite(plateaus), plateaus, -np.inf)
+    can_be = (distance >= 0) & (distance <= REFERENCE_REACH * width)
+    widest = np.where(can_be, width, -np.inf).max(axis=1)
+    is_wide = can_be & (width >= NEARLY_WIDEST * widest[:, None])
+    nearest = np.where(is_wide, distance, np.inf).min(axis=1)
+    # Its near end may be the foot of the narrowing: the widest place within its own length counts.
+    found = np.isfinite(nearest)
+    is_wide[found] &= distance[found] <= (nearest[found] + PLATEAU * widest[found])[:, None]
+    nearest = np.where(is_wide, width, -np.inf).argmax(axis=1)
+    place = _typical(along, diameter, plateaus)[nearest]
+    return _Sides(np.where(found, along[place], np.nan), np.where(found, diameter[place], np.nan))
+
+
+def _typical(along: Floats, diameter: Floats, plateaus: Floats) -> Indices:
+    """By station the place (n,) in the plateau round it, half of it on both sides, that is about
+    as wide as the median there."""
+    near = np.abs(along[:, None] - along[None, :]) <= PLATEAU * plateaus[:, None] / 2
+    near &= diameter[None, :] >= plateaus[:, None]
+    middle = _medians(diameter, near)
+    # On a slope what lies beside is none of the plateau.
+    wanted = np.fmin(middle, plateaus / NEARLY_WIDEST)
+    off = np.where(near, np.abs(diameter[None, :] - wanted[:, None]), np.inf)
+    return np.asarray(off.argmin(axis=1))
+
+
+def _medians(diameter: Floats, chosen: Flags) -> Floats:
+    """By row (k, n) the lower median of the chosen diameters; infinite where none is."""
+    values = np.sort(np.where(chosen, diameter[None, :], np.inf), axis=1)
+    return np.asarray(values[np.arange(len(chosen)), np.maximum(chosen.sum(axis=1) - 1, 0) // 2])
+
+
+def _where_lost(own: _Sides, other: _Sides, wanted: Floats) -> _Sides:
+    """The side of an end at a junction: as wide as wanted, where no place there is healthy."""
+    is_lost = ~(own.diameter >= HEALTHY_AGAIN * np.fmin(wanted, other.diameter))
+    is_lost &= np.isfinite(wanted)
+    return _Sides(np.where(is_lost, np.nan, own.along), np.where(is_lost, wanted, own.diameter))
+
+
+def _degrees(
+    along: Floats, diameter: Floats, before: _Sides, after: _Sides
+) -> tuple[Floats, Flags]:
+    """How much narrower (n,) than the line from plateau to plateau, and where that counts."""
+    span = after.along - before.along
+    share = np.divide(along - before.along, span, out=np.zeros(len(along)), where=span > 0)
+    line = before.diameter + share * (after.diameter - before.diameter)
+    line = np.where(np.isnan(before.along), after.diameter, line)
+    line = np.where(np.isnan(after.along), np.fmin(before.diameter, after.diameter), line)
+    line = np.where(np.isfinite(line), line, diameter)
+    degree = 1 - diameter / line
+    recovery = 1 - diameter / np.fmin(before.diameter, after.diameter)
+    # Healthy vessel may be there, but shorter than a plateau: as wide as it should be, not wider.
+    ends = np.maximum.accumulate(diameter), np.maximum.accumulate(diameter[::-1])[::-1]
+    has_short = [(widest >= (1 - EDGE_DEGREE) * line) & (widest <= FLARE * line) for widest in ends]
+    is_one_sided = np.isnan(before.along) & ~has_short[0] | np.isnan(after.along) & ~has_short[1]
+    enough = np.where(is_one_sided, SMALLEST_ONE_SIDED, SMALLEST_DEGREE)
+    healthy = along[degree <= EDGE_DEGREE]
+    away = np.abs(along[:, None] - healthy).min(axis=1, initial=np.inf)
+    is_told = ~is_one_sided | (away <= ONE_SIDED_REACH * line)
+    return degree, is_told & (degree >= enough) & (recovery >= SMALLEST_RECOVERY)
+
+
+def _reference(run: VesselRun, at: int, before: _Sides, after: _Sides) -> Reference:
+    """What the narrowest station is measured against."""
+    sides = [
+        Plateau(float(side.along[at]), float(side.diameter[at]))
+        if np.isfinite(side.diameter[at])
+        else None
+        for side in (before, after)
+    ]
+    if run.parent >= 0 and sides[0] is not None and np.isnan(sides[0].arc_length):
+        # At an ostium the other side stands for this one, and is told alone.
+        sides[0] = None
+    return Reference(sides[0], sides[1], run.side_branches)
+
+
+def _extent(along: Floats, diameter: Floats, at: int, reference: Reference) -> Narrowing | None:
+    """From where the vessel leaves its reference to where it is back, whatever leaves between."""
+    healthy = reference.at(along)
+    degree = 1 - diameter / healthy
+    parts = _parts(along, degree > EDGE_DEGREE, healthy)
+    for first, last in parts:
+        if first <= at <= last:
+            at = first + int(np.argmin(diameter[first : last + 1]))
+            start = _edge(along, degree, first, first - 1)
+            end = _edge(along, degree, last, last + 1)
+            return Narrowing(start, end, float(along[at]), reference)
+    return None
+
+
+def _parts(along: Floats, is_narrow: Flags, reference: Floats) -> list[tuple[int, int]]:
+    """Runs of narrow stations; those less than a radius of healthy vessel apart are one."""
+    parts: list[tuple[int, int]] = []
+    for first, last in runs_of(is_narrow).tolist():
+        if parts and along[first] - along[parts[-1][1]] < reference[first] / 2:
+            parts[-1] = (parts[-1][0], last)
+        else:
+            parts.append((first, last))
+    return parts
+
+
+def _edge(along: Floats, degree: Floats, inner: int, outer: int) -> float:
+    """Where the degree falls to that of an edge between two neighbors."""
+    if not 0 <= outer < len(along) or not degree[outer] <= EDGE_DEGREE:
+        return float(along[inner])
+    share = (degree[inner] - EDGE_DEGREE) / (degree[inner] - degree[outer])
+    return float(along[inner] + share * (along[outer] - along[inner]))

@@ -1,0 +1,75 @@
+"""Narrowings of known place and depth in trees of 20 to 100 outlets: are they told as they are?
+
+    python -m benchmarks.trees [--count 125] [--seed 1] [--only SHAPE] [--jobs 2]
+                               [--save FOLDER | --cases FOLDER] [--command] [--quick] [--json FILE]
+
+A tree has up to four narrowings, every tenth none. Told as it is: once, its narrowest place within
+3 mm, its minimum within 3 %, its percent by diameter within 5 points. Every tree is made anew
+unless --cases names a folder that --save filled. `truth.py` says how the truth is measured.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from itertools import starmap
+from pathlib import Path
+
+from ..common import load_average, progress
+from ..sweep import DATA_FOLDER
+from .bench import COUNT, SEED, of_case, of_number, sentences, summary, table
+from .case import NONE
+from .narrowing import SHAPES
+
+
+def options(arguments: Sequence[str] | None = None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--count", type=int, default=COUNT, help="trees")
+    parser.add_argument("--seed", type=int, default=SEED)
+    parser.add_argument("--only", choices=(*SHAPES, NONE), metavar="SHAPE", help=", ".join(SHAPES))
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--save", type=Path, metavar="FOLDER", help="keep the cases here")
+    parser.add_argument("--cases", type=Path, metavar="FOLDER", help="judge what --save kept")
+    parser.add_argument("--command", action="store_true", help="ask the installed command")
+    parser.add_argument("--quick", action="store_true", help="one tree")
+    parser.add_argument("--largest", type=int, help=argparse.SUPPRESS)
+    parser.add_argument("--json", type=Path, metavar="FILE", help="also write the numbers here")
+    return parser.parse_args(arguments)
+
+
+def cases(chosen: argparse.Namespace) -> Iterator[dict]:
+    """What is found in every case, in order."""
+    if chosen.cases is not None:
+        folders = sorted(path.parent for path in chosen.cases.glob("*/truth.json"))
+        work, calls = of_case, [(folder, chosen.command) for folder in folders]
+    else:
+        work, count = of_number, 1 if chosen.quick else chosen.count
+        calls = [
+            (chosen.seed, number, DATA_FOLDER, chosen.only, chosen.save, chosen.command)
+            for number in range(count)
+        ]
+    if chosen.jobs == 1:
+        yield from starmap(work, calls)
+        return
+    with ProcessPoolExecutor(chosen.jobs) as workers:
+        yield from workers.map(work, *zip(*calls, strict=True))
+
+
+def main() -> None:
+    chosen = options()
+    before = load_average()
+    judged = []
+    for one in cases(chosen):
+        judged.append(one)
+        for line in sentences(one):
+            progress(line)
+    found = {**summary(judged), "load_average": [before, load_average()]}
+    print(table(found))
+    if chosen.json:
+        chosen.json.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

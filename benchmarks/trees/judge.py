@@ -1,0 +1,177 @@
+"""What the product tells of a tree's lesions, held against what is true."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .layout import Tree
+from .surface import Wall
+from .truth import Truth, degree_beside
+
+PLACE = 3.0
+"""A lesion's narrowest place is told rightly so near to a true one, mm."""
+
+MINIMUM = 3.0
+"""And its minimum within so many percent,"""
+
+PERCENT = 5.0
+"""and its degree within so many points."""
+
+INVENTED = (15.0, 10.0)
+"""A lesion of so many percent is invented where no more than so many are true."""
+
+_ZONE = 2.0
+"""A lesion belongs to a narrowing whose extent it is not farther beyond, mm."""
+
+
+@dataclass(frozen=True)
+class Told:
+    """A lesion as the product tells it; lengths in mm."""
+
+    place: np.ndarray
+    minimum: float
+    percent: float
+    reference: float
+    length: float
+    name: str
+
+    @classmethod
+    def from_section(cls, section: Mapping[str, Any]) -> Told:
+        """From a lesion of the JSON of `sdfstent measure`."""
+        return cls(
+            np.array(section["place_mm"], dtype=float),
+            float(section["minimum"]["diameter_mm"]),
+            float(section["percent_diameter"]),
+            float(section["reference"]["diameter_mm"]),
+            float(section["extent"]["length_mm"]),
+            str(section.get("branch_name", section.get("vessel_name", ""))),
+        )
+
+
+@dataclass(frozen=True)
+class Answer:
+    """Lesions, time in seconds, and why there is none where the product failed."""
+
+    told: list[Told]
+    seconds: float
+    failure: str = ""
+
+
+def asked(folder: Path, by_command: bool) -> Answer:
+    """The lesions of a saved case, by the installed command or by the same public functions."""
+    surface, line = folder / "surface.vtp", folder / "centerline.vtp"
+    start = time.perf_counter()
+    try:
+        sections = _of_command(surface, line) if by_command else _in_process(surface, line)
+    except Exception as error:  # whatever ends the product is counted, the bench goes on
+        return Answer([], time.perf_counter() - start, f"{type(error).__name__}: {error}"[:200])
+    spent = time.perf_counter() - start
+    return Answer([Told.from_section(one) for one in sections], spent)
+
+
+def _of_command(surface: Path, line: Path) -> Sequence[Mapping[str, Any]]:
+    command = Path(sys.executable).with_name("sdfstent")
+    run = subprocess.run(
+        [command, "measure", surface, "--centerline", line, "--json"],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    if run.returncode:
+        raise RuntimeError(f"exit {run.returncode}: {run.stderr.strip()}")
+    found: Sequence[Mapping[str, Any]] = json.loads(run.stdout)["lesions"]
+    return found
+
+
+def _in_process(surface: Path, line: Path) -> Sequence[Mapping[str, Any]]:
+    from SDFStentLib.plan import read_input_files
+    from SDFStentLib.report import lesion_section
+
+    lesions = read_input_files(str(surface), str(line)).vessel.lesions
+    return [lesion_section(number, one) for number, one in enumerate(lesions or (), start=1)]
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Of one narrowing: `words` is "as it is" or what is wrong; errors where it was found once.
+
+    `place` and `extent` in mm, `minimum` and `reference` in percent, `percent` in points.
+    """
+
+    shape: str
+    words: str
+    place: float | None = None
+    minimum: float | None = None
+    percent: float | None = None
+    reference: float | None = None
+    extent: float | None = None
+
+    @property
+    def is_right(self) -> bool:
+        return self.words == "as it is"
+
+
+def judged(
+    tree: Tree, wall: Wall, truths: Sequence[Truth], told: Sequence[Told]
+) -> tuple[list[Verdict], list[str]]:
+    """A verdict for every narrowing, and sentences about lesions that were invented."""
+    left = list(told)
+    verdicts = []
+    for truth in truths:
+        mine = [one for one in left if _belongs(truth, one.place)]
+        left = [one for one in left if not any(one is other for other in mine)]
+        verdicts.append(_verdict(truth, mine))
+    invented = []
+    for one in left:
+        if one.percent >= INVENTED[0]:
+            degree = degree_beside(tree, wall, one.place)
+            if degree < INVENTED[1]:
+                place = ", ".join(f"{x:.1f}" for x in one.place)
+                invented.append(
+                    f"{one.percent:.0f} % at ({place}), {one.minimum:.2f} against "
+                    f"{one.reference:.2f} mm, {one.name}; true: {degree:.0f} %"
+                )
+    return verdicts, invented
+
+
+def _belongs(truth: Truth, place: np.ndarray) -> bool:
+    """Whether a place lies about the middle of a vessel where, or beside where, it is narrowed."""
+    along = np.array(truth.along)
+    inner = (along >= along[truth.begin] - _ZONE) & (along <= along[truth.end] + _ZONE)
+    apart = np.linalg.norm(np.array(truth.stations)[inner] - place, axis=1)
+    # Farther aside it is in a branch that leaves there, narrowed at its ostium by the same wall.
+    return bool((apart <= np.array(truth.diameter)[inner] / 4 + 0.25).any())
+
+
+def _verdict(truth: Truth, mine: Sequence[Told]) -> Verdict:
+    if not mine:
+        return Verdict(truth.shape, "missed")
+    if len(mine) > 1:
+        return Verdict(truth.shape, "split")
+    one = mine[0]
+    # A long throat has no one narrowest place.
+    wide = np.array(truth.diameter)
+    narrow = np.flatnonzero(wide <= 1.05 * truth.minimum)
+    narrow = narrow[(narrow >= truth.begin) & (narrow <= truth.end)]
+    places = np.vstack([np.array(truth.stations)[narrow], truth.place])
+    place = float(np.linalg.norm(places - one.place, axis=1).min())
+    minimum = 100 * (one.minimum / truth.minimum - 1)
+    percent = one.percent - truth.percent
+    wrong = [
+        word
+        for word, error, limit in (
+            ("place", place, PLACE), ("minimum", minimum, MINIMUM), ("percent", percent, PERCENT),
+        )
+        if abs(error) > limit
+    ]  # fmt: skip
+    return Verdict(
+        truth.shape, ", ".join(wrong) or "as it is", place, minimum, percent,
+        100 * (one.reference / truth.reference - 1), one.length - truth.length,
+    )  # fmt: skip

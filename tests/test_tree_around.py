@@ -1,0 +1,74 @@
+"""Ways from a stent's axis into its vessels: all at once against each by itself."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from SDFStentLib.centerline import Centerline
+from SDFStentLib.geometry import closest_points, length, without_repeats
+from SDFStentLib.measure.lumen_way import through_lumen
+from SDFStentLib.measure.tree_around import LinesFromAxis, ends_around, place_of
+from SDFStentLib.phantoms import vascular_tree
+
+
+def a_tree(seed: int) -> Centerline:
+    """Lines from one root that part again and again, points 0.5 mm apart."""
+    rng = np.random.default_rng(seed)
+    lines, todo = [], [(np.zeros((1, 3)), np.array([0.0, 0, 1]), 0)]
+    # Ends: four generations.
+    while todo:
+        way, heading, generation = todo.pop()
+        steps = np.cumsum(np.repeat(0.5 * heading[None], rng.integers(12, 40), axis=0), axis=0)
+        way = np.concatenate([way, way[-1] + steps])
+        if generation == 3:
+            lines.append(way)
+            continue
+        for _ in range(2):
+            turned = heading + rng.normal(0, 0.5, 3)
+            todo.append((way, turned / np.linalg.norm(turned), generation + 1))
+    ends = np.cumsum([len(line) for line in lines])[:-1]
+    rows = np.split(np.arange(sum(map(len, lines))), ends)
+    return Centerline.from_lines(np.concatenate(lines), rows, inlet=lines[0][0])
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_ways_leave_an_axis_as_each_of_them_does_by_itself(seed):
+    tree = a_tree(seed)
+    rng = np.random.default_rng(seed)
+    junction = tree.points[tree.junctions[1]]
+    axis = tree.path_around(junction, 12.0).points
+    reach, distance = 25.0, float(rng.uniform(0.3, 2.0))
+    place = junction + rng.normal(0, 2, 3)
+    stops = [tree.project(end) for end in axis[[0, -1]]]
+    ends = sorted(set().union(*(ends_around(tree, stop, reach) for stop in stops)))
+    expected = []
+    for end in sorted(ends, key=lambda node: (tree.parent[node] < 0, node)):
+        for stop in stops:
+            line = tree.path(stop, place_of(tree, end)).points
+            beside = np.flatnonzero(closest_points(axis, line).distances < distance)
+            own = without_repeats(line[beside[-1] if len(beside) else 0 :])
+            if len(own) > 1 and closest_points(own, place[None]).distances[0] < 5.0:
+                expected.append(own)
+    found = list(LinesFromAxis(tree, axis, reach).leaving(distance, place, 5.0))
+    # What does not come so near may be among them.
+    found = [own for own in found if closest_points(own, place[None]).distances[0] < 5.0]
+    assert len(expected) > 1
+    assert len(found) == len(expected)
+    for own, line in zip(found, expected, strict=True):
+        np.testing.assert_allclose(own, line, rtol=0, atol=1e-12)
+
+
+def test_ways_through_a_lumen_side_by_side_are_those_found_one_after_the_other():
+    made = vascular_tree(8, 1.0)
+    tree = made.centerline
+    branches = [tree.points[branch] for branch in tree.branches]
+    axes = [line[: max(2, len(line) // 3)] for line in branches if length(line) > 5.0]
+    axes += [axis[::-1] for axis in axes[:2]]
+    together = through_lumen(made.surface, axes, 15.0)
+    assert max(length(way) for way in together) > 10.0
+    for axis, way in zip(axes, together, strict=True):
+        (alone,) = through_lumen(made.surface, [axis], 15.0)
+        assert len(way) == len(alone)
+        np.testing.assert_allclose(way, alone, atol=1e-2)
+    assert through_lumen(made.surface, [], 15.0) == []

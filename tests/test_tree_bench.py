@@ -1,0 +1,244 @@
+"""The bench of trees: its truth where that is known by calculation, and its verdicts."""
+
+from __future__ import annotations
+
+import sys
+
+import numpy as np
+import pytest
+from mesh_files import PROJECT
+
+sys.path.insert(0, str(PROJECT))
+
+from benchmarks.trees.judge import Told, judged
+from benchmarks.trees.layout import Tree
+from benchmarks.trees.narrowing import Narrowing, narrowed, narrowings
+from benchmarks.trees.surface import Wall, rims_of, wall_of
+from benchmarks.trees.synthetic import random_tree
+from benchmarks.trees.truth import Course, Spheres, degree_beside, profile, truths
+
+WAY = np.array([0.6, 0.0, 0.8])
+
+
+def line_tree(radius, length=60.0, start=(0.0, 0.0, 0.0)) -> Tree:
+    """A straight vessel whose radius is a function of the arc length."""
+    along = np.arange(0, length + 0.25, 0.5)
+    return Tree(np.add(start, np.outer(along, WAY)), radius(along), np.arange(len(along)) - 1)
+
+
+def swept_wall(radius, length=60.0, around=90, step=0.2) -> Wall:
+    """The surface of revolution about the same line, finely meshed."""
+    along = np.arange(0, length + step / 2, step)
+    angle = np.linspace(0, 2 * np.pi, around, endpoint=False)
+    first, second = np.array([0.0, 1.0, 0.0]), np.cross(WAY, [0.0, 1.0, 0.0])
+    ring = np.outer(np.cos(angle), first) + np.outer(np.sin(angle), second)
+    points = along[:, None, None] * WAY + radius(along)[:, None, None] * ring
+    at = np.arange(len(along) * around).reshape(len(along), around)
+    a, b = at[:-1], at[1:]
+    c, d = np.roll(b, -1, axis=1), np.roll(a, -1, axis=1)
+    quads = np.stack([a, b, c, a, c, d], axis=-1).reshape(-1, 3)
+    return Wall(points.reshape(-1, 3), quads, np.ones(len(quads), dtype=int))
+
+
+def constant(size):
+    return lambda at: np.full(np.shape(at), size)
+
+
+def cosine(depth, begin, end):
+    """Factor of a radius: a raised cosine."""
+    return lambda at: (
+        1
+        - depth
+        * np.where(
+            (at > begin) & (at < end), (1 - np.cos(2 * np.pi * (at - begin) / (end - begin))) / 2, 0
+        )
+    )
+
+
+def seeded(healthy, shape, parts, healthy_ends):
+    """A tree and its wall before and after, and the narrowing."""
+
+    def factor(at):
+        return np.prod([cosine(*part)(at) for part in parts], axis=0)
+
+    before = line_tree(healthy)
+    vessel = np.arange(len(before.points))
+    one = Narrowing(shape, vessel, healthy_ends, (), factor(before.arc_length))
+    after = narrowed(before, [one])
+    return (
+        (before, swept_wall(healthy)),
+        (after, swept_wall(lambda at: healthy(at) * factor(at))),
+        one,
+    )
+
+
+# The truth ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("slope", [0.0, 0.02, 0.1])
+def test_spheres_in_a_cone_are_as_large_as_they_can_be(slope):
+    def radius(at):
+        return 4.0 - slope * np.asarray(at)
+
+    at = np.linspace(15, 25, 5)
+    course = Course(at, np.outer(at, WAY), np.tile(WAY, (5, 1)), radius(at))
+    centers, wide = profile(Spheres(swept_wall(radius, 40.0), course.points, 10.0), course)
+    assert wide == pytest.approx(2 * radius(at) * np.cos(np.arctan(slope)), rel=2e-3)
+    assert np.abs(centers - course.points).max() < 0.02
+
+
+def test_a_line_beside_the_middle_finds_the_same_spheres():
+    at = np.linspace(15, 25, 5)
+    aside = np.add(np.outer(at, WAY), [0.0, 1.1, 0.0])
+    course = Course(at, aside, np.tile(WAY, (5, 1)), np.full(5, 3.0))
+    _, wide = profile(Spheres(swept_wall(constant(3.0), 40.0), aside, 10.0), course)
+    assert wide == pytest.approx(6.0, rel=2e-3)
+
+
+@pytest.mark.parametrize("depth", [0.4, 0.6, 0.75])
+def test_a_cosine_is_told_as_it_was_made(depth):
+    before, after, one = seeded(constant(3.0), "focal", [(depth, 25.0, 37.0)], (25.0, 37.0))
+    (truth,) = truths(before, after, one)
+    assert truth.minimum == pytest.approx(6 * (1 - depth), rel=4e-3)
+    assert truth.percent == pytest.approx(100 * depth, abs=0.3)
+    assert np.linalg.norm(truth.place - 31 * WAY) < 0.15
+    # Spheres of a steep flank touch it farther on: there they are smaller than the section.
+    reach = 24 / np.pi * np.arccos(np.sqrt(0.1 / depth))
+    assert reach - 0.6 <= truth.length <= reach + 1.2
+
+
+def test_the_reference_of_a_tapering_vessel_is_interpolated():
+    def taper(at):
+        return 3.5 - 0.025 * np.asarray(at)
+
+    before, after, one = seeded(taper, "tapering", [(0.5, 24.0, 36.0)], (24.0, 36.0))
+    (truth,) = truths(before, after, one)
+    assert (truth.proximal, truth.distal) == pytest.approx(
+        (2 * taper(22.5), 2 * taper(37.5)), rel=5e-3
+    )
+    assert truth.reference == pytest.approx(2 * taper(truth.along[truth.at]), rel=5e-3)
+    assert truth.percent == pytest.approx(50, abs=0.5)
+
+
+def test_healthy_vessel_parts_two_narrowings_and_nothing_less():
+    apart = [(0.5, 15.0, 23.0), (0.6, 36.0, 44.0)]
+    found = truths(*seeded(constant(2.5), "tandem apart", apart, (15.0, 44.0)))
+    assert [one.percent for one in found] == pytest.approx([50, 60], abs=0.5)
+    merged = [(0.5, 20.0, 30.0), (0.6, 25.0, 35.0)]
+    (one,) = truths(*seeded(constant(2.5), "tandem merged", merged, (20.0, 35.0)))
+    assert one.percent > 55
+    near = [(0.5, 20.0, 28.0), (0.6, 29.0, 37.0)]
+    with pytest.raises(ValueError, match=r"hardly healthy|parts"):
+        truths(*seeded(constant(2.5), "tandem apart", near, (20.0, 37.0)))
+
+
+def test_the_sphere_search_agrees_with_a_search_for_the_widest_way_through():
+    """Through the voxels of a grid: the widest sphere that gets from one end to the other."""
+    from scipy.ndimage import label
+    from scipy.spatial import cKDTree
+
+    tree = random_tree(np.random.default_rng(3), 20)
+    (one,) = narrowings(tree, ["focal"], np.random.default_rng(3))
+    after = narrowed(tree, [one])
+    wall = wall_of(after, 0.4, "round")
+    (truth,) = truths((tree, wall_of(tree, 0.4, "round")), (after, wall), one)
+    ends = np.array(truth.stations)[[truth.begin, truth.end]]
+    low, step = ends.min(axis=0) - 4, 0.15
+    axes = [np.arange(low[k], ends[:, k].max() + 4, step) for k in range(3)]
+    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+    line = cKDTree(np.array(truth.stations))
+    apart, at = line.query(grid.reshape(-1, 3))
+    inside = apart < 0.95 * np.array(truth.diameter)[at] / 2
+    room = np.zeros(len(apart))
+    room[inside] = cKDTree(wall.points).query(grid.reshape(-1, 3)[inside])[0]
+    room = room.reshape(grid.shape[:3])
+    cells = [tuple(np.round((end - low) / step).astype(int)) for end in ends]
+
+    def is_through(size):
+        parts, _ = label(room >= size, np.ones((3, 3, 3)))
+        return parts[cells[0]] == parts[cells[1]] > 0
+
+    widest = max(size for size in np.arange(0.3, 4, 0.01) if is_through(size))
+    # Points of the grid miss the middle, corners of triangles are farther away than their faces.
+    assert 2 * widest == pytest.approx(truth.minimum, abs=0.12)
+
+
+def test_a_degree_counts_only_what_both_sides_have():
+    taper, throat = line_tree(lambda at: 4 - 0.04 * at), cosine(0.4, 24.0, 36.0)
+    assert degree_beside(taper, swept_wall(lambda at: 4 - 0.04 * at), 30 * WAY) < 1
+    tree = line_tree(lambda at: 3 * throat(at))
+    assert degree_beside(tree, swept_wall(lambda at: 3 * throat(at)), 30 * WAY) == pytest.approx(
+        40, abs=1.5
+    )
+
+
+# The surfaces ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("ends", ["round", "capped", "open"])
+def test_surfaces_are_two_manifold_and_their_ends_are_what_they_should_be(ends):
+    tree = random_tree(np.random.default_rng(5), 12)
+    wall = wall_of(tree, 0.5, ends)
+    edges = np.sort(np.vstack([wall.triangles[:, [k, (k + 1) % 3]] for k in range(3)]), axis=1)
+    _, count = np.unique(edges, axis=0, return_counts=True)
+    assert set(count.tolist()) == ({1, 2} if ends == "open" else {2})
+    count_of_ends = len(tree.leaves) + 1
+    assert len(rims_of(wall.triangles)) == (count_of_ends if ends == "open" else 0)
+    assert len(np.unique(wall.faces)) == (1 + count_of_ends if ends == "capped" else 1)
+    corners = wall.points[wall.triangles]
+    volume = np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6
+    assert volume > 0
+
+
+def test_branches_keep_their_caliber_and_the_narrowing_its_depth():
+    trunk = line_tree(constant(3.0))
+    fork, count = 60, len(trunk.points)
+    side = trunk.points[fork] + np.outer(np.arange(1, 41) * 0.5, [0.0, 1.0, 0.0])
+    # As centerlines have it, the branch begins as wide as its parent.
+    start = np.interp(np.arange(1, 41) * 0.5, [0, 5], [3.0, 1.2])
+    tree = Tree(
+        np.vstack([trunk.points, side]), np.r_[trunk.radius, start],
+        np.r_[trunk.parent, fork, count + np.arange(39)],
+    )  # fmt: skip
+    vessel = np.arange(count)
+    factor = cosine(0.6, 24.0, 36.0)(tree.arc_length[vessel])
+    after = narrowed(tree, [Narrowing("across", vessel, (24.0, 36.0), (), factor)])
+    assert after.radius[fork] == pytest.approx(1.2)
+    assert after.radius[count : count + 4].max() < 1.25
+    assert after.radius[count + 12 :] == pytest.approx(1.2)
+
+
+# The verdicts ------------------------------------------------------------------------------------
+
+
+def told(place, minimum, percent, reference=6.0, length=8.0):
+    return Told(np.asarray(place), minimum, percent, reference, length, "")
+
+
+@pytest.mark.parametrize(
+    ("lesions", "words"),
+    [
+        ([(31.0, 3.0, 50.0)], "as it is"),
+        ([(33.5, 3.05, 46.0)], "as it is"),
+        ([], "missed"),
+        ([(29.0, 3.0, 50.0), (33.0, 3.3, 45.0)], "split"),
+        ([(34.8, 3.0, 50.0)], "place"),
+        ([(31.0, 3.2, 50.0)], "minimum"),
+        ([(31.0, 3.0, 56.0)], "percent"),
+        ([(50.0, 3.0, 50.0)], "missed"),
+    ],
+)
+def test_verdicts(lesions, words):
+    before, after, one = seeded(constant(3.0), "focal", [(0.5, 25.0, 37.0)], (25.0, 37.0))
+    found = truths(before, after, one)
+    given = [told(at * WAY, minimum, percent) for at, minimum, percent in lesions]
+    (verdict,), invented = judged(*after, found, given)
+    assert verdict.words == words
+    assert len(invented) == sum(at == 50.0 for at, _, _ in lesions)
+
+
+def test_small_lesions_that_are_not_there_are_not_called_invented():
+    before, after, one = seeded(constant(3.0), "focal", [(0.5, 25.0, 37.0)], (25.0, 37.0))
+    found = truths(before, after, one)
+    given = [told(31 * WAY, 3.0, 50.0), told(50 * WAY, 5.2, 13.0)]
+    assert judged(*after, found, given)[1] == []
