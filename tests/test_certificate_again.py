@@ -10,6 +10,7 @@ from deployment_cases import phantom
 
 from SDFStentLib.certificate.certificate import certify
 from SDFStentLib.certificate.comparison import Comparison
+from SDFStentLib.certificate.slivers import Slivers
 from SDFStentLib.certificate.surface_check import check_surface
 from SDFStentLib.deformation.settings import DeploymentSettings
 from SDFStentLib.geometry import Precision, Surface
@@ -18,7 +19,9 @@ from SDFStentLib.geometry import Precision, Surface
 def assert_same(one, other):
     """Field by field, arrays with their types."""
     for name, expected in other.items():
-        if isinstance(expected, np.ndarray):
+        if isinstance(expected, Slivers):
+            assert one[name].as_dict() == expected.as_dict()
+        elif isinstance(expected, np.ndarray):
             np.testing.assert_array_equal(one[name], expected, err_msg=name)
             assert one[name].dtype == expected.dtype, name
         else:

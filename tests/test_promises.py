@@ -222,7 +222,7 @@ def test_a_plan_of_several_stents_has_the_same_bits_from_the_shell_and_from_pyth
     )
     document = a_vessel / "Plan für später.json"
     save_plan(plan, document)
-    done = run(command("run", document.name, "-o", tmp_path), a_vessel)
+    done = run(command("run", document.name, "-o", tmp_path, "--verbose"), a_vessel)
     assert done.returncode == 0, done.stderr
     assert "Stents 1 and 2 overlap" in done.stderr
 

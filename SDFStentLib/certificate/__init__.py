@@ -2,14 +2,25 @@
 
 from __future__ import annotations
 
-from .certificate import Certificate, certificate_of, certify
+from .certificate import CERTIFIED, NOT_CERTIFIED, Certificate, certificate_of, certify
 from .comparison import Comparison, Verdict
 from .intersections import self_intersecting_triangles
-from .promises import NARROWER, WIDER, LumenCheck, MotionCheck, Place, WallCheck
+from .promises import (
+    NARROWER,
+    NOTICEABLY_NARROWER,
+    WIDER,
+    LumenCheck,
+    MotionCheck,
+    Place,
+    WallCheck,
+)
 from .surface_check import SurfaceCheck, check_surface
 
 __all__ = [
+    "CERTIFIED",
     "NARROWER",
+    "NOTICEABLY_NARROWER",
+    "NOT_CERTIFIED",
     "WIDER",
     "Certificate",
     "Comparison",

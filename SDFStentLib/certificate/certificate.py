@@ -12,17 +12,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..cautions import Caution
 from ..geometry import Precision, Surface, Topology, as_surface, state_of
 from ..validation import Indices, InputError, read_only
 from .comparison import Comparison, Verdict
-from .promises import LumenCheck, MotionCheck
+from .promises import LumenCheck, MotionCheck, lumen_in_words
+from .slivers import Slivers
 from .spots import Spot, count_in_words, faults_in_words
 from .surface_check import SurfaceCheck
 
 AS_FLOAT32 = Precision(np.float32)
 """What most files hold."""
 
-AS_PRESCRIBED = "its lumen is nowhere narrower than prescribed, and wider only where it was"
+CERTIFIED = "Surface certified for meshing"
+NOT_CERTIFIED = "Surface not certified for meshing"
+"""What a certificate is called wherever it is told: it says nothing of the treatment."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +43,9 @@ class Certificate:
         Ascending indices of triangles that intersect another where one of the two moved; new are
         those that did not do so before.
     new_inverted, new_degenerate
-        Triangles turned over, or without area, that were not before.
+        Triangles turned over, or without height, that were not before.
+    new_slivers : Slivers
+        Others that became much worse than they were, which is no fault.
     places : tuple of Spot
         Where new faults gather, most triangles first.
     motion, lumen : tuples of MotionCheck and LumenCheck
@@ -54,6 +60,7 @@ class Certificate:
     new_self_intersecting: Indices
     new_inverted: Indices
     new_degenerate: Indices
+    new_slivers: Slivers
     places: tuple[Spot, ...]
     motion: tuple[MotionCheck, ...] = ()
     lumen: tuple[LumenCheck, ...] = ()
@@ -76,12 +83,18 @@ class Certificate:
     def sentence(self) -> str:
         """The finding in one sentence for the person who will use the surface."""
         if not self.passed:
-            return f"Not certified: the surface has {'; '.join(self._faults())}."
+            return f"{NOT_CERTIFIED}: it has {'; '.join(self._faults())}."
         shape = self.topology.in_words()
         old = len(self.self_intersecting_after)
         kept = f"; {count_in_words(old)} intersected already in the input" if old else ""
-        wide = f"; {AS_PRESCRIBED}" if self.lumen else ""
-        return f"Certified: the surface is {shape}, as it was, and has no new fault{kept}{wide}."
+        if self.topology.is_orientable and not self.topology.is_consistently_wound:
+            kept += "; triangles are wound against their neighbors, as they were"
+        wide = f"; {lumen_in_words(self.lumen)}" if self.lumen else ""
+        return f"{CERTIFIED}: it is {shape}, as it was, and has no new fault{kept}{wide}."
+
+    def cautions(self) -> tuple[Caution, ...]:
+        """What is no fault, but has to be known before meshing."""
+        return self.new_slivers.cautions()
 
     @property
     def _checks(self) -> tuple[LumenCheck | MotionCheck, ...]:
@@ -96,7 +109,7 @@ class Certificate:
             self.places,
             (len(self.new_self_intersecting), "that newly intersect"),
             (len(self.new_inverted), "newly turned over"),
-            (len(self.new_degenerate), "newly without area"),
+            (len(self.new_degenerate), "newly without height"),
         )
         return [triangles, *faults]
 
@@ -107,9 +120,12 @@ class Certificate:
             "sentence": self.sentence(),
             "watertight": self.is_watertight,
             "manifold": self.is_manifold,
+            "orientable": self.topology.is_orientable,
+            "consistently_wound": self.topology.is_consistently_wound,
             "boundary_edges": self.topology.boundary_edge_count,
             "inverted_triangles": self.new_inverted.tolist(),
             "degenerate_triangles": self.new_degenerate.tolist(),
+            "new_slivers": self.new_slivers.as_dict(),
             "self_intersections": {
                 "before": len(self.self_intersecting_before),
                 "after": len(self.self_intersecting_after),
@@ -161,11 +177,13 @@ def certify(
         None if check is None else check.self_intersecting_triangles,
     )
     may_move = _mask(moved, len(before.points))
-    return certificate_of(comparison.verdict(after.points, may_move=may_move), before.topology)
+    verdict = comparison.verdict(after.points, may_move=may_move)
+    return certificate_of(verdict, comparison.new_slivers(verdict), before.topology)
 
 
 def certificate_of(
     verdict: Verdict,
+    new_slivers: Slivers,
     topology: Topology,
     motion: tuple[MotionCheck, ...] = (),
     lumen: tuple[LumenCheck, ...] = (),
@@ -179,6 +197,7 @@ def certificate_of(
         new_self_intersecting=read_only(verdict.new_self_intersecting),
         new_inverted=read_only(verdict.new_inverted),
         new_degenerate=read_only(verdict.new_degenerate),
+        new_slivers=new_slivers,
         places=verdict.places,
         motion=motion,
         lumen=lumen,

@@ -12,6 +12,7 @@ from ..geometry import Precision, faces_at
 from ..validation import Indices, Points, Triangles
 from .face_quality import degenerate_triangles, inverted_triangles
 from .intersections import intersecting_pairs, self_intersecting_triangles
+from .slivers import Slivers, slivers_among
 from .spots import Spot, spots_of
 
 Judge = Callable[[Points, Triangles, Indices], Indices]
@@ -33,7 +34,7 @@ class Verdict(NamedTuple):
     searched : (m,) bool array
         Faces round which the input was searched for intersections.
     inverted, degenerate : arrays
-        Moved faces that are turned over or without area, new or not.
+        Moved faces that are turned over or without height, new or not.
     new_self_intersecting, new_inverted, new_degenerate : arrays
         Faces that fail and did not in the input, ascending.
     places : tuple of Spot
@@ -136,7 +137,7 @@ class Comparison:
         )  # fmt: skip
 
     def new_faults(self, after: Points, among: Indices) -> Indices:
-        """Faces that intersect, are turned over or without area in a result and were not before.
+        """Faces that intersect, are turned over or without height in a result and were not before.
 
         Only those given are looked at, those that they meet, and for being turned over those at
         their corners as well, because neighbors turn a face over too. The input is looked at only
@@ -152,6 +153,13 @@ class Comparison:
             self._anew(inverted_triangles, inverted_triangles(stored, triangles, near)),
             self._anew(degenerate_triangles, degenerate_triangles(stored, triangles, among)),
         )
+
+    def new_slivers(self, verdict: Verdict) -> Slivers:
+        """Moved faces of a judged result that became slivers and still have some height."""
+        moved = np.flatnonzero(faces_at(verdict.has_moved, self.triangles))
+        among = np.setdiff1d(moved, verdict.degenerate)
+        scale = self._precision.scale
+        return slivers_among(verdict.stored / scale, self.triangles, among, self._before / scale)
 
     def _anew(self, faulty: Judge, now: Indices) -> Indices:
         """Those of some faces that were not faulty in the input."""

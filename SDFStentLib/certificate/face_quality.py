@@ -1,4 +1,4 @@
-"""Faces of a surface that are turned over, without area, or slivers."""
+"""Faces of a surface that are turned over, without height, or slivers."""
 
 from __future__ import annotations
 
@@ -7,12 +7,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry import compacted, face_normals, faces_at
-from ..validation import Indices, Points, Triangles
+from ..geometry import NO_HEIGHT, compacted, face_normals, faces_at
+from ..validation import Floats, Indices, Points, Triangles
 
 _ROUNDING = 8 * 2.0**-53
 """Relative rounding of a cross product: below it two sides cannot be told from parallel ones."""
 
+SLIVER_DEG = 1.0
+"""Smallest angle of a triangle below which it is a sliver: its longest edge is at least 57 times
+its height. MeshLab takes 40 times for a defect (its filter "Remove T-Vertices")."""
 
 OPPOSED = -0.2
 """Mean cosine to the faces around below which a face is turned over.
@@ -25,23 +28,25 @@ stent, which intersect nothing, came out just below 0 on the pulmonary artery.
 def degenerate_triangles(
     points: Points, triangles: Triangles, among: Indices | None = None
 ) -> Indices:
-    """Triangles without area: a corner named twice, or corners in a line but for rounding.
+    """Triangles without height: a corner named twice, or corners in a line but for `NO_HEIGHT`.
 
-    Rounding is that of the coordinates, too: two corners at one place, or a corner on the opposite
-    side, differ by the last bit of what they were computed from.
+    Or but for the rounding of the coordinates: two corners at one place, or a corner on the
+    opposite side, differ by the last bit of what they were computed from.
     """
     judged = np.arange(len(triangles)) if among is None else among
     corners = triangles.take(judged, axis=0)
     lengths, areas = _sides_and_areas(points, corners)
     largest = np.abs(points.take(corners.ravel(), axis=0)).reshape(-1, 9).max(axis=1, initial=0.0)
-    return judged[areas <= _ROUNDING * np.maximum(lengths[1], largest) * lengths[2]]
+    return judged[areas <= np.maximum(_ROUNDING * largest, NO_HEIGHT * lengths[2]) * lengths[2]]
 
 
-def sliver_triangles(points: Points, triangles: Triangles, angle_deg: float = 1.0) -> Indices:
-    """Triangles whose smallest angle is below `angle_deg`, those without area included."""
+def smallest_angles(points: Points, triangles: Triangles) -> Floats:
+    """Smallest angle (m,) of every triangle, degrees; 0 for one without area."""
     lengths, areas = _sides_and_areas(points, triangles)
-    # The smallest angle lies between the two longer sides.
-    return np.flatnonzero(areas <= np.sin(np.deg2rad(angle_deg)) * lengths[1] * lengths[2])
+    # It lies between the two longer sides.
+    between = lengths[1] * lengths[2]
+    sine = np.divide(areas, between, out=np.zeros(len(areas)), where=between > 0)
+    return np.asarray(np.rad2deg(np.arcsin(np.minimum(sine, 1.0))))
 
 
 def inverted_triangles(

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
+
+from ..cautions import Caution
 
 Place = tuple[float, float, float]
 """Coordinates, mm."""
@@ -14,6 +17,10 @@ NARROWER = 0.03
 Facets that were stretched across a flow divider or untangled lie inside by up to 2.2 % of it; the
 lumen of other stents is mostly within 0.3 %, on coarse meshes within 1.4 %.
 """
+
+NOTICEABLY_NARROWER = 0.015
+"""Share of the prescribed diameter by which a lumen may be narrower without a word: coarse meshes
+and facets beside the ends miss so much."""
 
 WIDER = 0.05
 """Share by which a lumen may be wider than the prescribed one and than it was."""
@@ -134,6 +141,37 @@ class LumenCheck:
         return self.narrowest < (1 - NARROWER) * self.prescribed
 
     @property
+    def shortfall(self) -> float:
+        """Share of what is prescribed that the lumen, or wall inside of the stent, misses."""
+        return max(1 - self.narrowest / self.prescribed, self.wall.depth / self.wall.prescribed)
+
+    def cautions(self) -> tuple[Caution, ...]:
+        """How much narrower than prescribed it is, and where, if by more than a little."""
+        if not NOTICEABLY_NARROWER < self.shortfall < 1:
+            return ()
+        found, wanted, place = self._narrowest_place()
+        widths = {"found_mm": found, "prescribed_mm": wanted, "percent": 100 * self.shortfall}
+        return (Caution("narrower", widths, place),)
+
+    def in_words(self) -> str:
+        """How much narrower than prescribed it is, as a part of a sentence."""
+        if self.shortfall <= NOTICEABLY_NARROWER:
+            most = f"{100 * NOTICEABLY_NARROWER:g} %"
+            return f"its lumen is nowhere more than {most} narrower than prescribed"
+        found, wanted, place = self._narrowest_place()
+        return (
+            f"its lumen is up to {100 * self.shortfall:.1f} % narrower than prescribed, "
+            f"{found:.2f} instead of {wanted:.2f} mm near {_in_words(place)}"
+        )
+
+    def _narrowest_place(self) -> tuple[float, float, Place]:
+        """Diameter that is left where most is missing, the prescribed one, and where, mm."""
+        if self.wall.depth / self.wall.prescribed < self.shortfall:
+            return self.narrowest, self.prescribed, self.narrowest_at
+        wall = self.wall
+        return 2 * (wall.prescribed - wall.depth), 2 * wall.prescribed, wall.at
+
+    @property
     def is_wide(self) -> bool:
         """Wider than prescribed and than before by more than `WIDER`."""
         return self.widest > (1 + WIDER) * self.native
@@ -168,6 +206,12 @@ class LumenCheck:
             "wider_tolerance": WIDER,
             "wall": self.wall.as_dict(),
         }
+
+
+def lumen_in_words(checks: Sequence[LumenCheck]) -> str:
+    """How wide the lumen of all stents that passed is, as a part of a sentence."""
+    worst = max(checks, key=lambda check: check.shortfall)
+    return f"{worst.in_words()}, and wider only where it was"
 
 
 def _in_words(place: Place) -> str:

@@ -7,10 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from ..cautions import Caution
 from ..geometry import Precision, Surface, Topology, as_surface, signed_volume
 from ..validation import Indices, read_only
-from .face_quality import degenerate_triangles, inverted_triangles, sliver_triangles
+from .face_quality import degenerate_triangles, inverted_triangles
 from .intersections import intersecting_pairs
+from .slivers import Slivers, slivers_among
 from .spots import Spot, faults_in_words, spots_of, winding_in_words
 
 
@@ -21,14 +23,16 @@ class SurfaceCheck:
     Attributes
     ----------
     topology : Topology
-        Closed, manifold, consistently wound, boundary edges, connected parts.
+        Closed, manifold, consistently wound, two-sided, boundary edges, connected parts.
     is_outward : bool
         Closed, consistently wound, and its volume is positive.
-    inverted_triangles, degenerate_triangles, sliver_triangles, self_intersecting_triangles
-        Ascending indices: turned over against the neighbourhood; without area; with an angle
-        below 1 degree; crossing, touching or covering another triangle.
+    inverted_triangles, degenerate_triangles, self_intersecting_triangles
+        Ascending indices: turned over against the neighbourhood; without height; crossing,
+        touching or covering another triangle.
+    slivers : Slivers
+        Others with an angle below 1 degree, which is no fault.
     places : tuple of Spot
-        Where triangles of the first, second and last kind gather, most of them first.
+        Where triangles of the first three kinds gather, most of them first.
     flipped_triangles : array
         Ascending indices of those wound against their neighbors, the fewer of each part.
     """
@@ -37,7 +41,7 @@ class SurfaceCheck:
     is_outward: bool
     inverted_triangles: Indices
     degenerate_triangles: Indices
-    sliver_triangles: Indices
+    slivers: Slivers
     self_intersecting_triangles: Indices
     places: tuple[Spot, ...]
     flipped_triangles: Indices
@@ -54,9 +58,9 @@ class SurfaceCheck:
 
     @property
     def passed(self) -> bool:
-        """Manifold, outward where closed, no fault of any kind; an open surface passes."""
+        """Manifold, two-sided, outward where closed, no fault; one open or with slivers passes."""
         faults = self.places or self.flipped_triangles.size or self.is_inside_out
-        return self.is_manifold and not faults
+        return self.is_manifold and self.topology.is_orientable and not faults
 
     @property
     def is_inside_out(self) -> bool:
@@ -71,10 +75,14 @@ class SurfaceCheck:
                 self.places,
                 (len(self.self_intersecting_triangles), "intersecting"),
                 (len(self.inverted_triangles), "turned over"),
-                (len(self.degenerate_triangles), "without area"),
+                (len(self.degenerate_triangles), "without height"),
             )
         faults += winding_in_words(len(self.flipped_triangles), self.is_inside_out)
         return f"The surface is {self.topology.in_words()} and has {faults}."
+
+    def cautions(self) -> tuple[Caution, ...]:
+        """What is no fault, but has to be known before meshing."""
+        return self.slivers.cautions()
 
     def as_dict(self) -> dict[str, Any]:
         """The finding as it stands in a report."""
@@ -82,13 +90,14 @@ class SurfaceCheck:
             "watertight": self.is_watertight,
             "manifold": self.is_manifold,
             "outward": self.is_outward,
+            "orientable": self.topology.is_orientable,
             "boundary_edges": self.topology.boundary_edge_count,
             "components": self.topology.component_count,
             "inside_out": self.is_inside_out,
             "flipped_triangles": self.flipped_triangles.tolist(),
             "inverted_triangles": self.inverted_triangles.tolist(),
             "degenerate_triangles": self.degenerate_triangles.tolist(),
-            "sliver_triangles": self.sliver_triangles.tolist(),
+            "sliver_triangles": self.slivers.triangles.tolist(),
             "self_intersecting_triangles": self.self_intersecting_triangles.tolist(),
             "places": [place.center for place in self.places],
         }
@@ -109,20 +118,22 @@ def check_surface(surface: Surface, *, precision: Precision | None = None) -> Su
         No surface, or coordinates that are too large for the type.
     """
     points, triangles = as_surface(surface).points, surface.triangles
-    wound, stored = surface.wound_triangles, (precision or Precision()).stored(points)
+    precision = precision or Precision()
+    wound, stored = surface.wound_triangles, precision.stored(points)
     topology = surface.topology
 
     pairs = intersecting_pairs(stored, triangles)
     intersecting = np.unique(pairs)
     inverted = inverted_triangles(stored, wound)
     degenerate = degenerate_triangles(stored, triangles)
+    others = np.setdiff1d(np.arange(len(triangles)), degenerate)
     faults = np.r_[intersecting, inverted, degenerate]
     return SurfaceCheck(
         topology=topology,
         is_outward=topology.is_oriented and signed_volume(stored, triangles) > 0,
         inverted_triangles=read_only(inverted),
         degenerate_triangles=read_only(degenerate),
-        sliver_triangles=read_only(sliver_triangles(stored, triangles)),
+        slivers=slivers_among(stored / precision.scale, triangles, others),
         self_intersecting_triangles=read_only(intersecting),
         places=tuple(spots_of(points, triangles, faults, pairs)),
         flipped_triangles=read_only(np.flatnonzero((wound != triangles).any(axis=1))),

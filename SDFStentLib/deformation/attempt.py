@@ -135,7 +135,7 @@ class Attempt:
     def _is_cap(self) -> NDArray[np.bool_]:
         """Which faces of the patch belong to flat caps across the stent's ends."""
         nodes, reach = self.task.capsules.nodes, CAPS_WITHIN * self.task.radius
-        return caps_across(self.patch_start, self.patch.triangles, nodes, reach)
+        return caps_across(self.task.surface, nodes, reach)[self.patch.faces]
 
     def untangle(self, faulty: NDArray[np.int64]) -> int:
         """Take apart faulty faces of the surface; returns the rounds that it took."""

@@ -103,7 +103,8 @@ class Deployment(DeploymentTask):
         motion, certificate = attempt.motion_check(), None
         if self.settings.certify and verdict is not None:
             lumen = self.lumen_checks(self.surface, after)
-            certificate = certificate_of(verdict, self.surface.topology, (motion,), lumen)
+            slivers = comparison.new_slivers(verdict)
+            certificate = certificate_of(verdict, slivers, self.surface.topology, (motion,), lumen)
         return DeploymentResult(
             state=state,
             surface=after,

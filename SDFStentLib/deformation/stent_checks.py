@@ -116,8 +116,8 @@ def _open_and_near(before: Surface, after: Points, chain: CapsuleChain, radius: 
     """The triangles round a stent, without the flat caps across its ends that were there before."""
     nodes, triangles = chain.nodes, before.triangles
     low, high = nodes.min(axis=0) - radius, nodes.max(axis=0) + radius
-    near = triangles[may_meet_box(after, triangles, low, high)]
-    return near[~caps_across(before.points, near, nodes, CAPS_WITHIN * radius)]
+    is_near = may_meet_box(after, triangles, low, high)
+    return triangles[is_near & ~caps_across(before, nodes, CAPS_WITHIN * radius)]
 
 
 class _Narrowest(NamedTuple):
@@ -133,9 +133,7 @@ def _narrowest(before: Surface, after: Surface, chain: CapsuleChain, radius: flo
     points, triangles = after.points, after.triangles
     width = LocalSurface(points, triangles, stations).distances(stations)
     if (width < (1 - ROUGH) * wanted).any():
-        triangles = triangles[
-            ~caps_across(before.points, triangles, stations, CAPS_WITHIN * radius)
-        ]
+        triangles = triangles[~caps_across(before, stations, CAPS_WITHIN * radius)]
         width = LocalSurface(points, triangles, stations).distances(stations)
     doubtful = np.flatnonzero(width < (1 - ROUGH) * wanted)
     if len(doubtful):
@@ -173,7 +171,7 @@ def _widest(before: Surface, after: Surface, stent: Expected) -> tuple[float, fl
     if not len(wide):
         return least, least, _place(stations[0])
     # Fewer triangles are never nearer; where there is doubt all of them are looked at.
-    triangles = triangles[~caps_across(before.points, triangles, chain.nodes, CAPS_WITHIN * radius)]
+    triangles = triangles[~caps_across(before, chain.nodes, CAPS_WITHIN * radius)]
     found[wide] = inscribed_spheres(points, triangles, stations[wide], directions[wide]).radii
     native = inscribed_spheres(
         _united(before.points, chain, radius), triangles, stations[wide], directions[wide]

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..certificate import NARROWER, WallCheck
+from ..certificate import NARROWER, NOTICEABLY_NARROWER, WallCheck
 from ..field import CapsuleChain, fractions_of
 from ..geometry import closest_points, length, norm
 from ..validation import Floats, Points, Triangles
@@ -23,7 +23,7 @@ PLACES = 5
 FINE_PLACES = 13
 """The same where a triangle crosses the plane at an end of the stent, or may be too far inside."""
 
-CLEARLY = 0.02
+CLEARLY = NOTICEABLY_NARROWER
 """Share of the radius; what lies less than that inside is not looked at."""
 
 ROUNDING = 1e-9

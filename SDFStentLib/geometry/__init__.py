@@ -7,6 +7,7 @@ from .carrying import carried
 from .connected_parts import component_labels, connected
 from .distance import NearPairs, SurfaceIndex
 from .faces import (
+    NO_HEIGHT,
     compacted,
     face_areas,
     face_normals,
@@ -19,7 +20,7 @@ from .faces import (
 )
 from .flat_fill import FlatFill, flat_fill
 from .named_faces import NamedFaces, checked_faces
-from .near_balls import near_balls, nearest_distances
+from .near_balls import Balls, nearest_distances
 from .plane_cut import CutSurface, SectionAround, cut_along, section_around
 from .polyline import (
     arc_lengths,
@@ -55,6 +56,8 @@ from .topology import (
 )
 
 __all__ = [
+    "NO_HEIGHT",
+    "Balls",
     "ClosedSurface",
     "CutSurface",
     "FlatFill",
@@ -97,7 +100,6 @@ __all__ = [
     "may_meet_box",
     "median_edge",
     "minimum_bend_radius",
-    "near_balls",
     "nearest_distances",
     "norm",
     "oriented_triangles",

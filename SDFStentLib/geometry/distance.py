@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..validation import Floats, Indices, Points, Triangles
-from .near_balls import near_balls, nearest_distances
+from .near_balls import Balls
 from .rows import dot, norm
 
 _BLOCK = 128
@@ -101,16 +101,22 @@ class SurfaceIndex:
     def __init__(self, points: Points, triangles: Triangles) -> None:
         # `take` copies rows several times quicker than an index in brackets does; so below.
         self.corners: Floats = points.take(triangles, axis=0)
-        a, b, c = self.corners[:, 0], self.corners[:, 1], self.corners[:, 2]
-        self.centroids: Points = (a + b + c) / 3.0
-        arms = [corner - self.centroids for corner in (a, b, c)]
-        squared = np.maximum.reduce([dot(arm, arm) for arm in arms])
-        self.disc_radii: Floats = np.sqrt(squared)
-        normals = np.cross(arms[1] - arms[0], arms[2] - arms[0])
-        lengths = norm(normals)
-        self._normals = normals / np.where(lengths > 0, lengths, 1.0)[:, None]
+        # Coordinates in rows of their own, (coordinate, corner, triangle), as above.
+        arms = np.ascontiguousarray(points.T).take(
+            np.ascontiguousarray(np.transpose(triangles)), axis=1
+        )
+        middles = (arms[:, 0] + arms[:, 1] + arms[:, 2]) / 3.0
+        arms -= middles[:, None]
+        self.centroids: Points = np.ascontiguousarray(middles.T)
+        self.disc_radii: Floats = np.sqrt(_dot(arms, arms).max(axis=0))
+        self._discs = Balls(self.centroids, self.disc_radii)
+        (a, b, c), (x, y, z) = arms[:, 1] - arms[:, 0], arms[:, 2] - arms[:, 0]
+        normals = np.stack([b * z - c * y, c * x - a * z, a * y - b * x])
+        lengths = np.sqrt(_dot(normals, normals))
+        normals /= np.where(lengths > 0, lengths, 1.0)
+        self._normals = np.ascontiguousarray(normals.T)
         # Rounding tilts the normal of a needle: its disc gets the thickness that this costs.
-        self._thickness = np.maximum.reduce([np.abs(dot(arm, self._normals)) for arm in arms])
+        self._thickness = np.abs(_dot(arms, normals[:, None])).max(axis=0)
 
     def distances(self, queries: Points) -> SurfaceDistance:
         """Distance, nearest point and triangle of every query (n, 3)."""
@@ -124,7 +130,7 @@ class SurfaceIndex:
 
     def near(self, queries: Points, radii: Floats) -> NearPairs:
         """Pairs of query (n, 3) and triangle: all that come within `radii` (n,), and few more."""
-        query, triangle = near_balls(queries, radii, self.centroids, self.disc_radii)
+        query, triangle = self._discs.near(queries, radii)
         bound = self.lower_bounds(queries.take(query, axis=0), triangle)
         is_near = np.flatnonzero(bound <= radii.take(query) * (1 + _SLACK))
         return NearPairs(query.take(is_near), triangle.take(is_near), bound.take(is_near))
@@ -148,7 +154,7 @@ class SurfaceIndex:
         return closest
 
     def _distances(self, queries: Points) -> SurfaceDistance:
-        query, triangle, _ = self.near(queries, nearest_distances(queries, self.centroids))
+        query, triangle, _ = self.near(queries, self._discs.nearest(queries))
         places = queries.take(query, axis=0)
         closest = self.closest_points(places, triangle)
         distance = norm(places - closest)
@@ -158,7 +164,7 @@ class SurfaceIndex:
 
 
 def _dot(one: Floats, other: Floats) -> Floats:
-    """Scalar products (n,) of columns (3, n)."""
+    """Scalar products (n,) of columns (3, n), or of stacks of them."""
     return np.asarray(one[0] * other[0] + one[1] * other[1] + one[2] * other[2])
 
 

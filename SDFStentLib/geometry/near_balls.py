@@ -1,104 +1,112 @@
-"""Which of many balls come near which of many places, by halving both again and again.
-
-Places are halved across their widest extent, balls are left out that do not reach the box round
-what is left. No tree is built: a search costs a few passes over the balls, and what it finds.
-"""
+"""Which of many balls come near some places, asked again and again."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from itertools import chain
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ..validation import Floats, Indices, Points
-from .rows import dot, product
 
-_TOGETHER, _FEW = 16, 64
-"""So many places, or balls, are paired at once, without halving once more."""
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
 
 _SLACK = 1e-12
-"""What rounding may do to a sum, or to a difference of squares, over its largest term."""
+"""What rounding may do to a distance, over the largest coordinate or length that takes part."""
+
+_ALIKE = 4.0
+"""Balls whose radii differ by less than this factor are searched together."""
 
 
-def near_balls(
-    places: Points, reach: Floats, middles: Points, radii: Floats
-) -> tuple[Indices, Indices]:
-    """Pairs of a place and a ball whose surfaces are at most `reach` of the place apart.
+class _Alike(NamedTuple):
+    """Balls of about one size."""
+
+    numbers: Indices
+    largest: float
+    tree: cKDTree
+
+
+class Balls:
+    """Balls, prepared for many questions about which of them are near.
 
     Parameters
     ----------
-    places, reach : (n, 3) and (n,) arrays
     middles, radii : (m, 3) and (m,) arrays
-        Of the balls.
-
-    Returns
-    -------
-    place, ball : (p,) arrays of int
-        Sorted by place, then by ball. All pairs that are near enough; of others only those that
-        rounding cannot tell from them.
+        mm; at least one.
     """
-    columns = np.ascontiguousarray(middles.T)
-    found = [(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64))]
-    todo = [(np.arange(len(places)), np.arange(len(middles)))]
-    # Ends: every part is half of another, and parts of a few are not halved.
-    while todo:
-        ours, theirs = todo.pop()
-        theirs = _in_box(places.take(ours, axis=0), reach[ours], columns, radii, theirs)
-        if len(ours) <= _TOGETHER or len(theirs) <= _FEW:
-            one, other = _near_all(
-                places.take(ours, axis=0), reach[ours], middles.take(theirs, axis=0), radii[theirs]
-            )
-            found.append((ours.take(one), theirs.take(other)))
-            continue
-        half = len(ours) // 2
-        widest = int(np.ptp(places[ours], axis=0).argmax())
-        order = np.argpartition(places[ours, widest], half)
-        todo += [(np.sort(ours[part]), theirs) for part in (order[:half], order[half:])]
-    place, ball = (np.concatenate(column) for column in zip(*found, strict=True))
-    order = np.argsort(place, kind="stable")
-    return place.take(order), ball.take(order)
+
+    def __init__(self, middles: Points, radii: Floats) -> None:
+        self.middles, self.radii = middles, radii
+
+    @cached_property
+    def _sizes(self) -> tuple[_Alike, ...]:
+        # A search is for one size: few large balls among small ones are looked for by themselves.
+        largest = float(self.radii.max())
+        with np.errstate(divide="ignore"):
+            size = np.floor(np.log(largest / self.radii) / np.log(_ALIKE)) if largest else None
+        if size is None or (size < 1).all():
+            return (_Alike(np.arange(len(self.radii)), largest, _tree(self.middles)),)
+        each = (np.flatnonzero(size == one) for one in np.unique(size))
+        return tuple(
+            _Alike(own, float(self.radii[own].max()), _tree(self.middles.take(own, axis=0)))
+            for own in each
+        )
+
+    @cached_property
+    def _reach(self) -> float:
+        """The largest coordinate or radius, mm."""
+        return float(max(np.abs(self.middles).max(), self.radii.max()))
+
+    def near(self, places: Points, reach: Floats) -> tuple[Indices, Indices]:
+        """Pairs of a place and a ball whose surfaces may be at most `reach` of the place apart.
+
+        Parameters
+        ----------
+        places, reach : (n, 3) and (n,) arrays
+            mm.
+
+        Returns
+        -------
+        place, ball : (p,) arrays of int
+            Sorted by place. All pairs that are near enough, and some that are less near by up to
+            the difference of like radii.
+        """
+        far = reach + _SLACK * (self._reach + np.abs(places).max(initial=0.0) + reach)
+        found = [(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64))]
+        for alike in self._sizes:
+            lists = alike.tree.query_ball_point(places, far + alike.largest, return_sorted=False)
+            place, ball = _flat(lists)
+            found.append((place, ball if len(self._sizes) == 1 else alike.numbers.take(ball)))
+        place, ball = (np.concatenate(column) for column in zip(*found, strict=True))
+        if len(self._sizes) == 1:
+            return place, ball
+        order = np.argsort(place, kind="stable")
+        return place.take(order), ball.take(order)
+
+    def nearest(self, places: Points) -> Floats:
+        """Distance (n,) from every place to the nearest middle."""
+        each = [np.asarray(alike.tree.query(places)[0]) for alike in self._sizes]
+        return np.minimum.reduce(each)
 
 
 def nearest_distances(places: Points, points: Points) -> Floats:
     """Distance (n,) from every place to the nearest of some points; at least one."""
+    return np.asarray(_tree(points).query(places)[0])
+
+
+def _tree(points: Points) -> cKDTree:
     # Late: scipy costs what a first frame should not pay.
     from scipy.spatial import cKDTree
 
-    # The tree is asked once: it is made as quickly as can be.
-    tree = cKDTree(points, balanced_tree=False, compact_nodes=False)
-    return np.asarray(tree.query(places)[0])
+    # Asked a few times only: made as quickly as can be.
+    return cKDTree(points, balanced_tree=False, compact_nodes=False)
 
 
-def _in_box(
-    places: Points, reach: Floats, columns: Floats, radii: Floats, which: Indices
-) -> Indices:
-    """Those of the balls that come into the box round all that is within reach."""
-    radius = radii if len(which) == len(radii) else radii.take(which)
-    for column, coordinates in zip(columns, places.T, strict=True):
-        low = (coordinates - reach).min(initial=np.inf)
-        high = (coordinates + reach).max(initial=-np.inf)
-        slack = _SLACK * (abs(low) + abs(high)) if len(coordinates) else 0.0
-        low, high = low - slack, high + slack
-        middle = column.take(which)
-        meets = (middle + radius >= low) & (middle - radius <= high)
-        which, radius = which.compress(meets), radius.compress(meets)
-    return which
-
-
-def _near_all(
-    places: Points, reach: Floats, middles: Points, radii: Floats
-) -> tuple[Indices, Indices]:
-    """The same from all pairs.
-
-    Squares are compared, |a - b|^2 <= (r + s)^2 with all that is mixed in one product of matrices;
-    what rounding may do to a difference of large squares is let through.
-    """
-    if not len(middles) or not len(places):
-        return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
-    origin = middles.mean(axis=0)
-    theirs, ours = middles - origin, places - origin
-    squared, own = dot(theirs, theirs), dot(ours, ours)
-    left = np.column_stack([ours, reach, np.full(len(ours), -0.5)])
-    right = np.vstack([theirs.T, radii, squared - radii**2])
-    slack = _SLACK * (squared.max() + own.max() + (reach.max() + radii.max()) ** 2)
-    limit = (own - reach**2 - slack) / 2
-    one, other = np.divmod(np.flatnonzero(product(left, right) >= limit[:, None]), len(middles))
-    return one, other
+def _flat(lists: Sequence[list[int]]) -> tuple[Indices, Indices]:
+    """The number of the list and the value for every value of some lists."""
+    counts = np.fromiter(map(len, lists), np.int64, len(lists))
+    values = np.fromiter(chain.from_iterable(lists), np.int64, int(counts.sum()))
+    return np.repeat(np.arange(len(lists)), counts), values

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..validation import Indices, Triangles
+from ..validation import Flags, Indices, Triangles
 from .connected_parts import component_labels, connected
 from .fans import fans_by_graph, fans_by_walking
 
@@ -77,8 +77,9 @@ class Topology(NamedTuple):
         No edge is free.
     is_edge_manifold, is_vertex_manifold : bool
         At most two faces at every edge; one fan of faces at every vertex.
-    is_consistently_wound : bool
-        The two faces at an edge run along it in opposite directions, at every edge.
+    is_consistently_wound, is_orientable : bool
+        The two faces at an edge run along it in opposite directions, at every edge; they can be
+        wound so, which a Moebius strip cannot.
     boundary_edge_count, component_count : int
         Edges with one face; parts joined by edges.
     """
@@ -87,6 +88,7 @@ class Topology(NamedTuple):
     is_edge_manifold: bool
     is_vertex_manifold: bool
     is_consistently_wound: bool
+    is_orientable: bool
     boundary_edge_count: int
     component_count: int
 
@@ -106,12 +108,13 @@ class Topology(NamedTuple):
         return self.is_closed and self.is_manifold
 
     def in_words(self) -> str:
-        """Watertight, not manifold or open, as a part of a sentence."""
+        """Watertight, not manifold or open, and whether one-sided, as a part of a sentence."""
+        sided = "" if self.is_orientable else ", one-sided (as a Moebius strip is)"
         if self.is_watertight:
-            return "watertight"
+            return f"watertight{sided}"
         if not self.is_manifold:
-            return "not manifold"
-        return f"open ({self.boundary_edge_count} boundary edges)"
+            return f"not manifold{sided}"
+        return f"open ({self.boundary_edge_count} boundary edges){sided}"
 
 
 def edges(triangles: Triangles) -> Edges:
@@ -164,6 +167,10 @@ def surface_topology(triangles: Triangles) -> Topology:
     first, second = sides[pairs], sides[pairs + 1]
     del starts, counts, pairs  # of a large surface these are as large as the graphs below
     is_consistently_wound = not np.any(corners[first] == corners[second])
+    is_orientable = is_consistently_wound
+    if not is_consistently_wound:
+        wound = consistently_wound(triangles)[0]
+        is_orientable = not _disagree(wound, paired_sides(wound)).any()
     if is_edge_manifold and is_consistently_wound:
         fans = fans_by_walking(corners, first, second)
     else:
@@ -176,6 +183,7 @@ def surface_topology(triangles: Triangles) -> Topology:
         is_edge_manifold=is_edge_manifold,
         is_vertex_manifold=fans == int(np.count_nonzero(np.bincount(corners))),
         is_consistently_wound=is_consistently_wound,
+        is_orientable=is_orientable,
         boundary_edge_count=boundary_edge_count,
         component_count=connected(len(triangles), side // 3, other // 3)[0],
     )
@@ -218,7 +226,7 @@ def consistently_wound(triangles: Triangles) -> tuple[Triangles, Indices]:
     count = len(result)
     sides = paired_sides(triangles)
     left, right = sides[:, 0] // 3, sides[:, 1] // 3
-    disagree = result.ravel()[sides[:, 0]] == result.ravel()[sides[:, 1]]
+    disagree = _disagree(triangles, sides)
     # Every face stands twice in the graph, as it is (f) and turned (f + count). Faces that agree
     # are joined as they are and as turned; faces that disagree, one as it is, the other turned.
     label = component_labels(
@@ -234,6 +242,12 @@ def consistently_wound(triangles: Triangles) -> tuple[Triangles, Indices]:
     turn = (minority ^ (share > 0.5)[part]) & (as_is != turned)
     result[turn] = result[turn][:, ::-1]
     return result, part
+
+
+def _disagree(triangles: Triangles, pairs: Indices) -> Flags:
+    """Which pairs of sides (p, 2) at one edge run along it in the same direction."""
+    starts = triangles.ravel()[pairs]
+    return np.asarray(starts[:, 0] == starts[:, 1])
 
 
 def _side_ends(triangles: Triangles) -> Indices:

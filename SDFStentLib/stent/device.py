@@ -48,6 +48,8 @@ class Device:
         One of `CELLS`.
     nominal_length : float, optional
         Of the one length that the row is about, as packed.
+    sold_lengths : tuple of float
+        In place of it, all lengths in which it is sold, as packed, rising.
     lengths : tuple of (diameter, length)
         How long it is at which diameter, by rising diameter; needs the nominal length.
     foreshortening_fraction : float, optional
@@ -80,6 +82,7 @@ class Device:
     covered: bool | None = None
     cell: str = "unknown"
     nominal_length: float | None = None
+    sold_lengths: tuple[float, ...] = ()
     lengths: tuple[Range, ...] = ()
     foreshortening_fraction: float | None = None
     nominal_diameters: Range | None = None
@@ -100,6 +103,7 @@ class Device:
         if self.cell not in CELLS:
             raise self._error("cell", f"one of {', '.join(CELLS)}", f"{self.cell!r}")
         self._check_numbers()
+        self._check_sold()
         self._check_lengths()
         if self.has_numbers and not (self.generic or self.source.strip()):
             raise self._error(
@@ -110,7 +114,14 @@ class Device:
     @property
     def has_numbers(self) -> bool:
         """Whether any size of it is known."""
-        return bool(self.lengths) or any(getattr(self, name) is not None for name in _NUMBERS)
+        return bool(self.lengths or self.sold_lengths) or any(
+            getattr(self, name) is not None for name in _NUMBERS
+        )
+
+    @property
+    def offered_lengths(self) -> tuple[float, ...]:
+        """The lengths, as packed, that it is known to have, mm; empty where none is known."""
+        return self.sold_lengths if self.nominal_length is None else (self.nominal_length,)
 
     def check_diameter(self, diameter: float, what: str = "stent diameter") -> None:
         """Refuse a diameter, mm, beyond the largest to which it may be expanded; `InputError`."""
@@ -148,25 +159,34 @@ class Device:
         assert self.nominal_length is not None
         return 1.0 - float(np.interp(diameter, known, lengths)) / self.nominal_length
 
-    def cautions(self, diameter: float, length: float | None) -> Iterator[Caution]:
-        """Where a diameter, or a nominal length, mm, is another than is known of it."""
+    def cautions(
+        self, diameter: float, length: float | None, opened: float | None = None
+    ) -> Iterator[Caution]:
+        """Where a diameter, or a nominal length, mm, is another than is known of it.
+
+        `opened` is how far it is opened for that diameter, where that is farther.
+        """
         made, seen = "for which it is made", "with which its source saw it used"
-        for what, value, ends, known_as in (
-            ("diameter", diameter, self.nominal_diameters, made),
-            ("diameter", diameter, self.reported_diameters, seen),
-            ("length", length, self.reported_lengths, seen),
-        ):
-            if ends is None or value is None or ends[0] <= value <= ends[1]:
-                continue
-            numbers = {"value_mm": value, "low_mm": ends[0], "high_mm": ends[1]}
-            words = {"device": self.name, "what": what, "known_as": known_as}
-            yield Caution("device-range", {**words, **numbers})
+        widest = max(diameter, opened or 0.0)
+        for ends, known_as in ((self.nominal_diameters, made), (self.reported_diameters, seen)):
+            value = diameter if ends is None or diameter < ends[0] else widest
+            yield from self._beyond("diameter", value, ends, known_as)
+        yield from self._beyond("length", length, self.reported_lengths, seen)
         if self.foreshortening_fraction is not None and not self.generic:
-            ends = self.nominal_diameters
-            if ends is None or not ends[0] <= diameter <= ends[1]:
-                is_it = "may be one of them or not" if ends is None else "is none of them"
+            nominal = self.nominal_diameters
+            if nominal is None or not nominal[0] <= diameter <= nominal[1]:
+                is_it = "may be one of them or not" if nominal is None else "is none of them"
                 told = {"device": self.name, "is_it": is_it}
                 yield Caution("device-shortening", {**told, "diameter_mm": diameter})
+
+    def _beyond(
+        self, what: str, value: float | None, ends: Range | None, known_as: str
+    ) -> Iterator[Caution]:
+        if ends is None or value is None or ends[0] <= value <= ends[1]:
+            return
+        numbers = {"value_mm": value, "low_mm": ends[0], "high_mm": ends[1]}
+        words = {"device": self.name, "what": what, "known_as": known_as}
+        yield Caution("device-range", {**words, **numbers})
 
     def _columns(self) -> tuple[np.ndarray, np.ndarray]:
         table = np.array(self.lengths, dtype=np.float64).reshape(-1, 2)
@@ -192,6 +212,15 @@ class Device:
             raise self._error(
                 "nominal_diameters", f"at most the largest diameter of {most:g} mm", f"{wide[1]:g}"
             )
+
+    def _check_sold(self) -> None:
+        for value in self.sold_lengths:
+            self._number(value, "sold_lengths", above=0, maximum=MAXIMUM_LENGTH)
+        if (np.diff(self.sold_lengths) <= 0).any():
+            listed = ", ".join(f"{value:g}" for value in self.sold_lengths)
+            raise self._error("sold_lengths", "rising lengths, each once", f"{listed} mm")
+        if self.sold_lengths and self.nominal_length is not None:
+            raise self._error("sold_lengths", "none beside a nominal_length", "both")
 
     def _check_lengths(self) -> None:
         low, high = LEAST_FORESHORTENING, MOST_FORESHORTENING

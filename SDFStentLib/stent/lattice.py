@@ -27,6 +27,9 @@ PIECES = 6
 SLENDER = 1.7
 """Height of a ring over half the width of its cells, where the number of rings is free."""
 
+MOST_RINGS = 500
+"""Beyond them nothing could be told apart in a drawing."""
+
 GAP = 0.3
 """Of open cells: distance of two rings over the height of one."""
 
@@ -66,7 +69,8 @@ class LatticeDesign:
                 f"cells: expected one of {', '.join(LATTICE_CELLS)}, got {self.cells!r}; "
                 "choose one."
             )
-        for name, least, most in (("crowns", 3, 60), ("rings", 1, 500), ("link_every", 1, 60)):
+        limits = {"crowns": (3, 60), "rings": (1, MOST_RINGS), "link_every": (1, 60)}
+        for name, (least, most) in limits.items():
             value = getattr(self, name)
             if value is not None and as_number(value, name, minimum=least, maximum=most) % 1:
                 raise InputError(f"{name}: expected a whole number, got {value:g}; round it.")
@@ -86,7 +90,7 @@ class LatticeDesign:
         """Rings of a deployed stent of that size, mm."""
         if self.rings is not None:
             return self.rings
-        height = SLENDER * np.pi * radius / self.crowns
+        height = max(SLENDER * np.pi * radius / self.crowns, length / MOST_RINGS)
         return max(round(length / height), 2)
 
 

@@ -8,8 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from ..geometry import without_repeats
-from ..validation import Floats, InputError, Points, as_point, as_points, read_only
+from ..geometry import length, without_repeats
+from ..validation import Floats, InputError, Points, as_patient_points, as_point, read_only
+
+LOOP = 1e-3
+"""Distance of the ends of a curve over its length up to which it is a closed loop."""
+
+TURNED_BACK = -0.999
+"""Cosine of the turn, 177 degrees, from which on a curve goes back the way that it came."""
 
 
 @dataclass(frozen=True)
@@ -88,12 +94,13 @@ class AlongAxis(ByValue):
     file: InputFile | None = None
 
     def __post_init__(self) -> None:
-        points = without_repeats(as_points(self.points, "stent axis", minimum=1))
+        points = without_repeats(as_patient_points(self.points, "stent axis", minimum=1))
         if len(points) < 2:
             raise InputError(
                 "stent axis: expected a curve through at least two different points, "
                 f"got {len(self.points)} point(s) at one place; draw a longer curve."
             )
+        _check_way(points)
         object.__setattr__(self, "points", read_only(points))
 
 
@@ -119,8 +126,29 @@ Placement = AtCenter | AtDistalEnd | AtProximalEnd | BetweenPoints | AlongAxis |
 PLACEMENT_NAMES = [kind.__name__ for kind in Placement.__args__]
 
 
+def _check_way(points: Points) -> None:
+    """Refuse a curve on which a stent has no two ends, or no direction at some place."""
+    if np.linalg.norm(points[-1] - points[0]) <= LOOP * length(points):
+        raise InputError(
+            "stent axis: expected a curve with two ends, got a closed loop, which ends where it "
+            f"begins, at {_in_words(points[0])}; take a part of it."
+        )
+    pieces = np.diff(points, axis=0)
+    pieces /= np.linalg.norm(pieces, axis=1)[:, None]
+    turns = (pieces[1:] * pieces[:-1]).sum(axis=1)
+    if turns.min(initial=1.0) < TURNED_BACK:
+        raise InputError(
+            "stent axis: expected a curve that goes on, got one that turns back on itself at "
+            f"{_in_words(points[1 + turns.argmin()])}; leave out the points behind."
+        )
+
+
+def _in_words(point: Floats) -> str:
+    return "({:.4g}, {:.4g}, {:.4g}) mm".format(*point)
+
+
 def _keep_point(placement: object, field_name: str, name: str) -> None:
-    point = as_point(getattr(placement, field_name), name)
+    point = as_patient_points(as_point(getattr(placement, field_name), name)[None], name)[0]
     object.__setattr__(placement, field_name, read_only(point))
 
 

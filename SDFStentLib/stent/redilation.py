@@ -82,12 +82,12 @@ def redilated(stent: Stent, first: Stent, axis: StentAxis) -> Stent:
             )
     _check_larger(stent, first, placement.number)
     lost = stent.foreshortening_fraction
-    known = first.device is not None and first.device.lengths
+    if lost is None:
+        # Without a length it was as long as its way; else what its device, or the user, says holds.
+        is_way = first.length is None
+        lost = first.foreshortening if is_way else first.foreshortening_fraction
     return replace(
-        stent,
-        length=axis.nominal_length,
-        device=first.device,
-        foreshortening_fraction=first.foreshortening if lost is None and not known else lost,
+        stent, length=axis.nominal_length, device=first.device, foreshortening_fraction=lost
     )
 
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import KW_ONLY, dataclass
 
+from ..cautions import Caution
 from ..validation import InputError, as_number, check_is_a, printable
 from .balloon import Balloon, check_lumen
 from .device import (
@@ -62,6 +64,8 @@ class Stent(ByValue):
     keeps : str
         What stays where it is when the stent shortens: its center, or its proximal or distal end.
         A stent that is placed by an end keeps that one.
+    may_be_shortened : bool
+        It is deployed also where less than half of it can lie on the vessel.
     name : str
         What the user calls it; may be empty.
     enabled : bool
@@ -84,6 +88,7 @@ class Stent(ByValue):
     balloon: Balloon | None = None
     keeps: str = "center"
     shape: Shape | None = None
+    may_be_shortened: bool = False
     name: str = ""
     enabled: bool = True
 
@@ -157,6 +162,20 @@ class Stent(ByValue):
         """What stays where it is when it shortens: that by which it is placed, else `keeps`."""
         return _KEPT_BY_PLACE.get(type(self.placement), self.keeps)
 
+    def device_cautions(self) -> Iterator[Caution]:
+        """Where it is used beyond what is known of its device; none without one.
+
+        The device is opened as far as its balloon, or where the stent is widest.
+        """
+        if self.device is None:
+            return
+        balloon = 0.0 if self.balloon is None else self.balloon.diameter
+        widest = max(balloon, self.widest_diameter)
+        for caution in self.device.cautions(self.diameter, self.length, widest):
+            # Where the user says how much it loses, what its row knows of that does not matter.
+            if caution.kind != "device-shortening" or self.foreshortening_fraction is None:
+                yield caution
+
     def _check_kept(self) -> None:
         if self.keeps not in KEPT:
             raise InputError(
@@ -181,6 +200,12 @@ class Stent(ByValue):
             raise InputError(
                 f"stent length: expected {own:g} mm, the length of {name}, got {self.length:g} mm; "
                 "leave the length out, or choose another device."
+            )
+        if device.sold_lengths and self.length not in (None, *device.sold_lengths):
+            listed = ", ".join(f"{length:g}" for length in device.sold_lengths)
+            raise InputError(
+                f"stent length: expected one in which {name} is sold ({listed} mm), got "
+                f"{self.length:g} mm; choose one of them, or another device."
             )
         if own is not None and isinstance(self.placement, BetweenPoints):
             raise InputError(

@@ -30,6 +30,13 @@ FARTHEST_PLACEMENT = 2.0
 FARTHEST_PLACEMENT_UNKNOWN = 20.0
 """The same where the radius is unknown, mm."""
 
+LEAST_PART = 0.5
+"""Part of a stent that has to lie on the vessel, unless it may be shortened: with less it is at the
+wrong place, not short of a few millimeters."""
+
+LONGEST_AXIS = 1000.0
+"""Of a stent, or of a part that is measured, mm: no way through vessels is longer."""
+
 LENGTH_TOLERANCE = 1e-6
 """Lengths that differ by less than this are the same, mm."""
 
@@ -114,7 +121,7 @@ def stent_axis(
     Raises
     ------
     InputError
-        No centerline, a point too far from it, or nothing of it left for the stent.
+        No centerline, a point too far from it, or too little of it left for the stent.
     """
     check_is_a(stent, Stent, "stent")
     if isinstance(stent.placement, AlongAxis):
@@ -127,11 +134,12 @@ def stent_axis(
     prescribed = nominal * (1.0 - stent.foreshortening)
     if not isinstance(stent.placement, AtDistalEnd | AtProximalEnd):
         found = _kept(found, prescribed, stent.keeps)
-    _require_length(found)
+    _require_length(found.points)
     axis = StentAxis(found.points, found.inscribed_radius, nominal, prescribed)
+    if not stent.may_be_shortened and not isinstance(stent.placement, OfStent):
+        _require_part(axis)
     warnings = [*_shortened(axis, lies_on), *(_choice(choice) for choice in found.choices)]
-    if stent.device is not None:
-        warnings += stent.device.cautions(stent.diameter, stent.length)
+    warnings += stent.device_cautions()
     if centerline is not None:
         warnings += beside(stent.placement, centerline)
     axis = replace(axis, warnings=(*warnings, *_bend(axis, stent.radius)))
@@ -216,13 +224,32 @@ def _kept(path: CenterlinePath, wanted: float, keeps: str) -> CenterlinePath:
     return CenterlinePath(points, radius, path.choices)
 
 
-def _require_length(path: CenterlinePath) -> None:
-    if path.length <= LENGTH_TOLERANCE:
-        place = path.points[0]
+def _require_length(points: Points) -> None:
+    along = length(points)
+    if along > LONGEST_AXIS:
+        raise InputError(
+            f"stent axis: expected a way of at most {LONGEST_AXIS:g} mm, got {along:,.0f} mm; give "
+            "the length of the stent, or check the unit of the files",
+            "units",
+            end=".",
+        )
+    if along <= LENGTH_TOLERANCE:
+        place = points[0]
         raise InputError(
             "stent axis: expected some length of centerline for the stent, got none at "
             f"({place[0]:.4g}, {place[1]:.4g}, {place[2]:.4g}); move the point away from the end "
             "of the centerline, or the two points apart."
+        )
+
+
+def _require_part(axis: StentAxis) -> None:
+    if axis.deployed_length < LEAST_PART * axis.prescribed_length - NOTICEABLE:
+        raise InputError(
+            f"stent: expected a place where at least half of its {axis.prescribed_length:.1f} mm "
+            f"can lie on the vessel, got {axis.deployed_length:.1f} mm of centerline or curve "
+            "there; move it, or make it shorter",
+            "shortened",
+            end=".",
         )
 
 
