@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from mesh_files import PROJECT
@@ -32,7 +35,7 @@ def dying(function):
             os.kill(os.getpid(), 9)
         return function(*arguments, **named)
     return call
-for name in ("replace", "link", "unlink", "rmdir", "mkdir", "open", "chmod"):
+for name in ("replace", "link", "unlink", "rmdir", "mkdir", "open", "write", "chmod"):
     setattr(os, name, dying(getattr(os, name)))
 outputs = Outputs()
 def steps(path):
@@ -194,6 +197,124 @@ def test_the_staging_folder_of_a_living_run_is_left_alone(tmp_path):
     assert living.path.is_dir()
     living.remove()
     assert not any(tmp_path.iterdir())
+
+
+def foreign(folder, name, *, moves, first=None, links=(), is_own=False, committed=True):
+    """A staging folder as if a run had left it; `is_own`: as if that run had been here."""
+    path = folder / name
+    for part in ("new", "old"):
+        if part in links:
+            path.mkdir(parents=True, exist_ok=True)
+            (path / part).symlink_to(folder.parent / "elsewhere")
+        else:
+            (path / part).mkdir(parents=True)
+    for move in moves if committed else ():
+        with contextlib.suppress(OSError):
+            (path / "new" / move).write_text("from elsewhere", encoding="utf-8")
+    said = {"first": str(first or path), "moves": dict.fromkeys(moves, True)}
+    (path / "moves.json").write_text(json.dumps(said), encoding="utf-8")
+    if committed:
+        (path / "committed").write_text(json.dumps([str(path)]), encoding="utf-8")
+    (path / "lock").touch()
+    if is_own:
+        numbers = [path.stat().st_ino, (path / "lock").stat().st_ino]
+        (path / "lock").write_text(json.dumps(numbers), encoding="utf-8")
+    return path
+
+
+def victims(folder):
+    """What lies in a folder and beside it, but for the staging folders."""
+    names = ("victim.txt", "elsewhere/victim.txt", "results/victim.txt", "results/kept.csv")
+    for name in names:
+        (folder / name).parent.mkdir(exist_ok=True)
+        (folder / name).write_text("mine", encoding="utf-8")
+    return lambda: {name: (folder / name).read_text(encoding="utf-8") for name in names}
+
+
+FOREIGN = {
+    "a path, as in the report": {"moves": ["../victim.txt"]},
+    "an absolute path": {"moves": ["{root}/victim.txt"]},
+    "a name here": {"moves": ["victim.txt"]},
+    "a path, with numbers that fit": {"moves": ["../victim.txt"], "is_own": True},
+    "an absolute path, with numbers that fit": {"moves": ["{root}/victim.txt"], "is_own": True},
+    "the folder above": {"moves": [".."], "is_own": True},
+    "the folder itself": {"moves": [""], "is_own": True},
+    "new files that lie elsewhere": {"moves": ["victim.txt"], "links": ["new"], "is_own": True},
+    "old files that go elsewhere": {"moves": ["victim.txt"], "links": ["old"], "is_own": True},
+    "taking back": {"moves": ["victim.txt"], "committed": False},
+    "taking back from elsewhere": {
+        **{"moves": ["victim.txt"], "links": ["old"], "is_own": True, "committed": False}
+    },
+}
+
+
+@pytest.mark.parametrize("made", FOREIGN.values(), ids=FOREIGN)
+def test_a_folder_from_elsewhere_moves_nothing(tmp_path, made):
+    moves = [name.format(root=tmp_path) for name in made["moves"]]
+    foreign(tmp_path / "results", ".sdfstent-abcdefgh", **{**made, "moves": moves})
+    found = victims(tmp_path)
+    before = found()
+    output_set.sweep(tmp_path / "results")
+    assert found() == before
+
+
+def test_the_command_obeys_no_folder_from_elsewhere(a_folder):
+    """All of them at once, and one that names another folder as its first."""
+    results = a_folder / "results"
+    made = [
+        foreign(
+            results,
+            f".sdfstent-{number}",
+            **{**one, "moves": [name.format(root=a_folder) for name in one["moves"]]},
+        )
+        for number, one in enumerate(FOREIGN.values())
+    ]
+    foreign(results, ".sdfstent-first", moves=["victim.txt"], first=made[0], committed=False)
+    found = victims(a_folder)
+    before = found()
+    words = ["measure", "tube.vtp", "--units", "cm", "--centerline", "line.vtp"]
+    command = [Path(sys.executable).with_name("sdfstent"), *words, "--csv", "results/l.csv"]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert (results / "l.csv").is_file()
+    assert found() == before
+
+
+def test_what_a_killed_run_left_is_not_obeyed_where_it_was_copied_to(tmp_path, forked):
+    prepare(tmp_path / "here")
+    calls = int(run(tmp_path / "here", -1).stdout)
+    prepare(tmp_path / "here")
+    # Ends: some call comes after the commit point and before the last move.
+    next(at for at in range(calls, 0, -1) if is_half_moved(forked, tmp_path / "here", at))
+    copied = shutil.copytree(tmp_path / "here", tmp_path / "there", symlinks=True)
+    before = everything_in(copied)
+    next_run(copied)
+    assert everything_in(copied) == before
+    next_run(tmp_path / "here")
+    assert everything_in(tmp_path / "here") == NEW
+
+
+def is_half_moved(forked, folder, at):
+    """Kill a run at a call; whether it was amidst its moves. Else all is old again."""
+    forked(folder, at)
+    if list(folder.glob("*/.sdfstent-*/committed")) and (folder / "b" / "gone.png").exists():
+        return True
+    next_run(folder)
+    shutil.rmtree(folder)
+    prepare(folder)
+    return False
+
+
+@pytest.mark.parametrize(
+    ("name", "stays"),
+    [(".sdfstent-0123456789ab.vtp", False), (".sdfstent-lock", True), (".sdfstent-notes", True)],
+)
+def test_an_old_file_is_swept_only_if_it_is_the_beginning_of_an_output(tmp_path, name, stays):
+    """The lock of a cohort begins alike, and may be held for days."""
+    (tmp_path / name).touch()
+    os.utime(tmp_path / name, (0, 0))
+    output_set.sweep(tmp_path)
+    assert (tmp_path / name).exists() == stays
 
 
 WINDOWS = """

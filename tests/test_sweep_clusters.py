@@ -5,14 +5,16 @@ from __future__ import annotations
 import contextlib
 import io
 import os
+import re
 import signal
 import socket
 import subprocess
 import sys
 from concurrent.futures import Future, ThreadPoolExecutor
+from pathlib import Path
 
 import pytest
-from child_processes import PATIENCE
+from child_processes import INTERRUPTIBLE, PATIENCE
 from cohort_cases import (
     bytes_of,
     hold_at,
@@ -105,7 +107,7 @@ def wanted(tmp_path_factory):
 def started(folder, address, environment):
     words = ["sweep", "sweep.json", "-o", "out", "--scheduler", address]
     return subprocess.Popen(
-        [sys.executable, "-m", "SDFStentLib", *words],
+        [Path(sys.executable).with_name("sdfstent"), *words],
         cwd=folder,
         env=environment,
         stdout=subprocess.PIPE,
@@ -145,6 +147,67 @@ def test_a_cluster_gives_the_same_bytes_also_when_a_worker_and_the_scheduler_are
     assert sweep.returncode == 0, error
     assert "10 of 10 cases: 10 certified." in out
     assert bytes_of(tmp_path / "out") == wanted
+
+
+def test_a_scheduler_that_is_lost_is_told_in_one_sentence(tmp_path, cluster):
+    write_sweep(tube_folder(tmp_path), axes=AXES, store="moved")
+    environment = hold_at(tmp_path, 2)
+    with (tmp_path / "sitecustomize.py").open("a", encoding="utf-8") as file:
+        file.write("import SDFStentLib.cohort.executors as places\nplaces.SCHEDULER_SECONDS = 2\n")
+    cluster.start_worker()
+    sweep = started(tmp_path, cluster.address, environment)
+    wait_for(lambda: len(whole_cases(tmp_path)) == 2)
+    os.kill(cluster.scheduler.pid, signal.SIGKILL)
+    _, error = sweep.communicate(timeout=PATIENCE)
+    assert sweep.returncode == 4
+    assert error == (
+        "sdfstent sweep: the scheduler does not answer any more; what is whole is kept, run the "
+        "sweep again to go on.\n"
+    )
+
+
+STAND_IN = """
+from distributed import LocalCluster
+
+class SLURMCluster(LocalCluster):
+    def __init__(self, cores, processes, memory, walltime):
+        super().__init__(n_workers=1, threads_per_worker=1, dashboard_address=None)
+    def adapt(self, maximum_jobs):
+        pass
+
+import sys
+if sys.argv[0].endswith("cluster.py"):
+    # A program that starts processes is read again by each; that of Slurm starts none itself.
+    import multiprocessing.spawn as spawn
+    spawn.get_preparation_data = lambda name, plain=spawn.get_preparation_data: {
+        key: value for key, value in plain(name).items() if not key.startswith("init_main")
+    }
+"""
+
+
+def test_the_program_that_keeps_a_cluster_keeps_it_until_it_is_ended(tmp_path):
+    """That of the document, with a cluster of one machine that is called as dask-jobqueue's."""
+    text = (PROJECT / "docs" / "cohorts.md").read_text(encoding="utf-8")
+    programs = re.findall(r"```python\n(.*?)```", text, re.S)
+    (program,) = [one for one in programs if "SLURMCluster" in one]
+    (tmp_path / "cluster.py").write_text(program, encoding="utf-8")
+    (tmp_path / "dask_jobqueue.py").write_text(STAND_IN, encoding="utf-8")
+    write_sweep(tube_folder(tmp_path), axes={"diameter": [6]}, store="moved")
+    environment = {**os.environ, "PYTHONPATH": f"{tmp_path}{os.pathsep}{PROJECT}"}
+    command = [sys.executable, "cluster.py"]
+    kept = subprocess.Popen(
+        command, cwd=tmp_path, env=environment, stdout=subprocess.PIPE, text=True, **INTERRUPTIBLE
+    )
+    try:
+        address = kept.stdout.readline().strip()
+        sweep = started(tmp_path, address, environment)
+        out, error = sweep.communicate(timeout=PATIENCE)
+        assert sweep.returncode == 0, error
+        assert "1 of 1 cases: 1 certified." in out
+        assert kept.poll() is None
+    finally:
+        kept.send_signal(signal.SIGINT)
+        kept.communicate(timeout=PATIENCE)
 
 
 def test_a_case_that_dask_gave_up_has_failed_and_the_others_finish(tmp_path):

@@ -10,7 +10,7 @@ import sys
 import threading
 import time
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
-from multiprocessing import active_children
+from multiprocessing import Pipe, active_children
 from pathlib import Path
 
 import pytest
@@ -27,14 +27,15 @@ from cohort_cases import (
 )
 from mesh_files import PROJECT
 
-from SDFStentLib import DeploymentError
-from SDFStentLib.cohort import Cohort, cases_of, run_sweep
+from SDFStentLib import DeploymentError, InputError
+from SDFStentLib.cohort import Cohort, cases_of, run_sweep, watch
 from SDFStentLib.cohort.store import Store
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="signals and limits of POSIX")
 
 AXES = {"diameter": {"from": 6, "to": 7, "steps": 8}}
-RUN = [sys.executable, "-m", "SDFStentLib", "sweep", "sweep.json", "-o"]
+COMMAND = str(Path(sys.executable).with_name("sdfstent"))
+RUN = [COMMAND, "sweep", "sweep.json", "-o"]
 
 
 @pytest.fixture
@@ -135,6 +136,164 @@ def test_a_worker_that_is_killed_costs_nothing(there, wanted):
     let_go(there)
     assert ended(process)[::2] == (0, "")
     assert bytes_of(there / "out") == wanted
+
+
+def changed(folder, *lines):
+    """Every process of a sweep begins with these lines of Python, too."""
+    with (folder / "sitecustomize.py").open("a", encoding="utf-8") as file:
+        file.write("\n".join(["", *lines, ""]))
+
+
+def with_a_worker_stopped(folder, *more, lines=()):
+    """A sweep of which one worker does not answer and the other does; its workers."""
+    environment = hold_at(folder, 1)
+    changed(folder, *lines)
+    process = started(folder, "--workers", "2", *more, environment=environment)
+    wait_for(lambda: whole_cases(folder))
+    children = children_of(process.pid)
+    os.kill(children[0], signal.SIGSTOP)
+    let_go(folder)
+    return process, children
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_sweep_with_a_worker_that_does_not_answer_can_be_interrupted(there, number):
+    process, children = with_a_worker_stopped(there)
+    wait_for(lambda: len(whole_cases(there)) > 3)
+    process.send_signal(number)
+    code, _, error = ended(process)
+    assert code == 130
+    assert error.startswith(f"sdfstent: interrupted; {len(whole_cases(there))} of 8 cases are kept")
+    assert not any(map(is_alive, children))
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("", "interrupted; {} of 8 cases are kept in out"),
+        # As on a disk that does not answer.
+        ("runner.write_manifest = lambda _: time.sleep(6000)", "ended; what is whole is kept"),
+    ],
+)
+def test_a_second_signal_ends_a_sweep_at_once_with_its_workers(there, line, words):
+    process, children = with_a_worker_stopped(
+        there,
+        lines=(
+            "import time",
+            "import SDFStentLib.cohort.executors as places",
+            "import SDFStentLib.cohort.runner as runner",
+            "places.END_SECONDS = 6000",
+            line,
+        ),
+    )
+    process.send_signal(signal.SIGINT)
+    # The other worker ends with the first signal.
+    wait_for(lambda: not is_alive(children[1]))
+    process.send_signal(signal.SIGINT)
+    code, _, error = ended(process)
+    assert code == 130
+    assert error.startswith(f"sdfstent: {words.format(len(whole_cases(there)))}, run it again")
+    wait_for(lambda: not any(map(is_alive, children)))
+
+
+@pytest.mark.parametrize("way", ["option", "document"])
+def test_a_case_that_takes_longer_than_the_limit_has_failed_and_the_others_go_on(there, way):
+    limit = [] if way == "document" else ["--time-limit", "15"]
+    write_sweep(there, axes=AXES, store="moved", **({} if limit else {"time_limit": 15}))
+    process, children = with_a_worker_stopped(there, *limit)
+    code, out, error = ended(process)
+    assert (code, error) == (4, "")
+    assert "8 of 8 cases: 7 certified, 1 failed" in out
+    assert not any(map(is_alive, children))
+    columns = Cohort(there / "out").columns
+    (reason,) = columns["reason"][columns["status"] == "failed"]
+    assert reason.startswith("it took longer than the time limit of 15 s")
+    code, out, _ = ended(started(there, *limit, "--workers", "2"))
+    assert code == 0
+    assert "8 of 8 cases: 8 certified" in out
+
+
+def test_a_minute_without_a_case_is_told_once_in_a_while(there):
+    """The minute is a second here."""
+    environment = hold_at(there, 1)
+    changed(there, "import SDFStentLib.cli.sweep as command", "command.SILENCE = 1.0")
+    process = started(there, "--workers", "1", environment=environment)
+    said = process.stderr.readline()  # only now cases go on
+    let_go(there)
+    code, _, error = ended(process)
+    assert code == 0
+    assert said.startswith("warning: no case has come back for 1 s; a worker may not answer.")
+    assert "--time-limit S" in said
+    assert error.count("warning") < 4
+
+
+@pytest.mark.parametrize(
+    ("function", "words"),
+    [
+        ("_prepare", "what was whole before is kept in out"),
+        ("_Run.left", "3 of 8 cases are kept in out"),
+    ],
+)
+def test_an_early_interruption_does_not_say_that_nothing_is_kept(there, function, words):
+    sweep = sweep_in(there, axes={"diameter": [6, 6.5, 7]}, store="moved")
+    with ThreadPoolExecutor(1) as thread:
+        run_sweep(sweep, there / "out", executor=thread)
+    document = {"diameter": [6, 6.5, 7, 7.1, 7.2, 7.3, 7.4, 7.5]}
+    write_sweep(there, axes=document, store="moved")
+    changed(
+        there,
+        "import pathlib, time",
+        "import SDFStentLib.cohort.runner as runner",
+        "def slowly(*_):",
+        "    pathlib.Path('begun').touch()",
+        "    time.sleep(6000)",
+        f"runner.{function} = slowly",
+    )
+    environment = {**os.environ, "PYTHONPATH": f"{there}{os.pathsep}{PROJECT}"}
+    process = started(there, environment=environment)
+    wait_for((there / "begun").exists)
+    process.send_signal(signal.SIGINT)
+    code, _, error = ended(process)
+    assert (code, error) == (130, f"sdfstent: interrupted; {words}, run it again to go on.\n")
+
+
+@pytest.mark.parametrize("way", [{"executor": ThreadPoolExecutor(1)}, {"scheduler": "tcp://a:1"}])
+def test_a_time_limit_is_refused_where_nobody_could_be_ended(there, way):
+    sweep = sweep_in(there, axes=AXES, time_limit=5)
+    with pytest.raises(InputError, match="time_limit: expected worker processes on this machine"):
+        run_sweep(sweep, there / "out", **way)
+    assert not (there / "out").exists()
+
+
+class Doomed:
+    """What `Watch` knows of a process."""
+
+    def __init__(self, pid):
+        self.pid, self.is_killed = pid, False
+
+    def kill(self):
+        self.is_killed = True
+
+
+def test_workers_of_which_none_begins_a_case_are_all_ended(monkeypatch):
+    """One that is stopped while it takes a case keeps the others from taking any."""
+    reading, writing = Pipe(duplex=False)
+    workers, now = [Doomed(1), Doomed(2)], [0.0]
+    monkeypatch.setattr(watch, "monotonic", lambda: now[0])
+    one = watch.Watch(5)
+    one.begin(reading, workers)
+    now[0] = watch.START_SECONDS
+    assert one.overdue() == []
+    writing.send_bytes(b"2 abc")
+    now[0] += 1
+    assert one.overdue() == []
+    one.finished("abc")
+    now[0] += watch.START_SECONDS
+    assert one.overdue() == []
+    assert not any(worker.is_killed for worker in workers)
+    now[0] += 0.1
+    assert one.overdue() == []
+    assert all(worker.is_killed for worker in workers)
 
 
 @pytest.fixture
@@ -324,7 +483,7 @@ def test_a_second_sweep_into_the_same_folder_is_refused_while_the_first_one_runs
     code, _, error = ended(started(there, "--workers", "1"))
     assert code == 2
     assert "expected a folder where no sweep is running, another one is" in error
-    status = [sys.executable, "-m", "SDFStentLib", "sweep", "--status", "out"]
+    status = [COMMAND, "sweep", "--status", "out"]
     seen = subprocess.run(status, cwd=there, env={**os.environ, "PYTHONPATH": str(PROJECT)},
                           capture_output=True, text=True, check=True)  # fmt: skip
     assert seen.stdout.startswith("Running: ")

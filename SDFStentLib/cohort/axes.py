@@ -46,6 +46,9 @@ NAMES = (*DIAMETERS, "length", *PLACES, "device", "shape", *SHAPE_PARTS)
 _LISTED = ("branch", "lesion", "device", "shape")
 """These are things rather than sizes: they are listed."""
 
+MOST = 1e6
+"""Of a number on an axis: a length in mm that nobody has, and a ratio."""
+
 DECIMALS = 6
 """To which drawn numbers are rounded: a millionth of a millimeter."""
 
@@ -176,7 +179,7 @@ def _stepped(name: str, given: Mapping[str, Any], where: str) -> Axis:
     steps = number(given["steps"], f"{where}.steps")
     if not isinstance(steps, int) or not 1 < steps <= 100_000:
         raise InputError(f"{where}.steps: expected 2 to 100000, got {in_words(steps)}.")
-    low, high = (float(number(given[key], f"{where}.{key}")) for key in ("from", "to"))
+    low, high = (_number(given[key], f"{where}.{key}") for key in ("from", "to"))
     return Axis(name, tuple(round(v, DECIMALS) for v in np.linspace(low, high, steps).tolist()))
 
 
@@ -192,7 +195,7 @@ def _listed(name: str, values: Sequence[Any], where: str) -> Axis:
 
 
 def _number(value: Any, where: str) -> float:
-    return as_number(number(value, where), where)
+    return as_number(number(value, where), where, minimum=-MOST, maximum=MOST)
 
 
 def _whole(value: Any, where: str) -> int:

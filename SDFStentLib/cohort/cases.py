@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, replace
-from typing import NamedTuple
+from typing import NamedTuple, overload
 
 from ..plan import plan_text
 from ..version import VERSION
@@ -33,15 +33,40 @@ class Case(NamedTuple):
     parameters: Parameters
 
 
-def cases_of(sweep: Sweep) -> Iterator[Case]:
-    """All cases in order: every patient has the same samples."""
-    rows = samples(sweep.axes, sweep.sampling)
-    number = 0
-    for patient, one in enumerate(sweep.patients):
-        base = _base(sweep, one)
-        for parameters in rows:
-            number += 1
-            yield Case(number, _id(base, parameters), patient, parameters)
+def cases_of(sweep: Sweep) -> Sequence[Case]:
+    """All cases in order, made when they are asked for: every patient has the same samples."""
+    return _Cases(sweep)
+
+
+class _Cases(Sequence[Case]):
+    def __init__(self, sweep: Sweep) -> None:
+        self._samples = samples(sweep.axes, sweep.sampling)
+        self._bases = [_base(sweep, patient) for patient in sweep.patients]
+
+    def __len__(self) -> int:
+        return len(self._samples) * len(self._bases)
+
+    @overload
+    def __getitem__(self, at: int) -> Case: ...
+
+    @overload
+    def __getitem__(self, at: slice) -> list[Case]: ...
+
+    def __getitem__(self, at: int | slice) -> Case | list[Case]:
+        if isinstance(at, slice):
+            return [self[index] for index in range(len(self))[at]]
+        index = range(len(self))[at]
+        patient, row = divmod(index, len(self._samples))
+        return self._case(index, patient, self._samples[row])
+
+    def __iter__(self) -> Iterator[Case]:
+        for patient in range(len(self._bases)):
+            first = patient * len(self._samples)
+            for index, parameters in enumerate(self._samples, start=first):
+                yield self._case(index, patient, parameters)
+
+    def _case(self, index: int, patient: int, parameters: Parameters) -> Case:
+        return Case(index + 1, _id(self._bases[patient], parameters), patient, parameters)
 
 
 def _base(sweep: Sweep, patient: Patient) -> bytes:

@@ -13,7 +13,7 @@ from ..plan import (
     parsed,
     section,
 )
-from ..validation import InputError, as_path
+from ..validation import InputError, as_number, as_path
 from .axes import DIAMETERS, PLACES, Axis, axis_from_document, rising
 from .patients import patients_of, template_of
 from .value import MOST_SAMPLES, Constraints, Sampling, Sweep
@@ -23,7 +23,7 @@ METHODS = ("grid", "random", "latin-hypercube", "sobol")
 STORES = ("vtp", "moved")
 """What is kept of a surface: all of it, or the points that moved."""
 
-KEYS = ("patients", "stent", "sampling", "constraints", "store")
+KEYS = ("patients", "stent", "sampling", "constraints", "store", "time_limit")
 RATIOS = ("diameter_over_lumen", "diameter_over_reference")
 
 
@@ -85,6 +85,7 @@ def sweep_from_document(document: Any, folder: str | None = None) -> Sweep:
         stent=stent,
         store=_one_of(given.get("store", "vtp"), "store", STORES),
         folder=folder,
+        time_limit=_time_limit(given.get("time_limit")),
     )
 
 
@@ -146,6 +147,12 @@ def _constraints(value: Any, axes: tuple[Axis, ...]) -> Constraints:
         where = "constraints.distance_to_ends"
         found["distance_to_ends"] = float(number(given["distance_to_ends"], where))
     return Constraints(**found)
+
+
+def _time_limit(value: Any) -> float | None:
+    if value is None:
+        return None
+    return as_number(number(value, "time_limit"), "time_limit", unit="s", above=0)
 
 
 def _whole(value: Any, where: str) -> int:

@@ -10,21 +10,28 @@ from __future__ import annotations
 import os
 import signal
 import threading
+from collections import deque
 from collections.abc import Callable, Iterator
-from concurrent.futures import Executor, ProcessPoolExecutor
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
-from multiprocessing import get_context
-from multiprocessing.connection import Connection
 
 from ..validation import InputError
 from .threads import one_thread, start_worker
+from .watch import Watch, WorkerContext
+from .worker import Outcome, Task, run_case
 
 MOST_WORKERS = 61 if os.name == "nt" else 1000
 """Windows waits for no more processes at a time; elsewhere more would be a slip."""
 
 SCHEDULER_SECONDS = 30.0
 """How long a scheduler is waited for."""
+
+LOOK = 0.5
+"""Seconds after which progress is told."""
+
+END_SECONDS = 5.0
+"""In which workers that are told to end do so; then they are killed."""
 
 DASK_WINDOW = 1000
 """Cases that are handed to a cluster at a time: enough for it to grow by."""
@@ -48,6 +55,8 @@ class Workplace:
         Whether the executor itself takes back what waits when it is closed.
     lacks_workers : callable
         Of the executor: whether cases wait for workers that are not there (yet).
+    watch : Watch, optional
+        The time limit of a case.
     """
 
     opened: Callable[[], AbstractContextManager[Executor]]
@@ -56,13 +65,44 @@ class Workplace:
     blames: bool = True
     takes_back: bool = False
     lacks_workers: Callable[[Executor], bool] = lambda _: False
+    watch: Watch | None = None
 
 
-def processes(workers: int | None = None) -> Workplace:
-    """Worker processes on this machine, as many as it has cores by default."""
-    count = worker_count(workers)
+def workplace(
+    workers: int | None, scheduler: str | None, executor: Executor | None, limit: float | None
+) -> Workplace:
+    """Where a sweep is carried out; processes on this machine by default.
+
+    Raises
+    ------
+    InputError
+        Several places, or a time limit, s, where nobody could be ended.
+    """
+    if sum(one is not None for one in (workers, scheduler, executor)) > 1:
+        raise InputError("executor: expected one of workers, scheduler and executor, got several.")
+    if scheduler is None and executor is None:
+        return processes(workers, limit)
+    if limit is not None:
+        raise InputError(
+            "time_limit: expected worker processes on this machine with it, whose cases can be "
+            "ended, got another executor; leave it out."
+        )
+    return given(executor) if scheduler is None else dask(scheduler)
+
+
+def processes(workers: int | None = None, time_limit: float | None = None) -> Workplace:
+    """Worker processes on this machine, as many as it has cores by default.
+
+    With a time limit a worker is ended that takes longer for a case, s.
+    """
+    count, watch = worker_count(workers), None if time_limit is None else Watch(time_limit)
     return Workplace(
-        lambda: _pool(count), 2 * count, is_renewable=True, blames=False, takes_back=True
+        lambda: _pool(count, watch),
+        2 * count,
+        is_renewable=True,
+        blames=False,
+        takes_back=True,
+        watch=watch,
     )
 
 
@@ -96,9 +136,9 @@ def dask(address: str) -> Workplace:
     )
 
 
-def given(executor: Executor) -> Workplace:
+def given(executor: Executor | None) -> Workplace:
     """An executor of the caller's, who also ends it."""
-    if not hasattr(executor, "submit"):
+    if executor is None or not hasattr(executor, "submit"):
         raise InputError(f"executor: expected one of concurrent.futures, got {executor!r}.")
     return Workplace(lambda: nullcontext(executor), DASK_WINDOW, is_renewable=False)
 
@@ -127,22 +167,58 @@ def signals_held() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
+def finished(
+    executor: Executor,
+    queue: deque[Task],
+    window: int,
+    at_work: dict[Future[Outcome], Task],
+    tick: Callable[[], None],
+) -> Iterator[tuple[Task, Outcome | None]]:
+    """Tasks with their outcomes as they come, None where no worker survived it.
+
+    `at_work` is what the executor has.
+    """
+    # Ends: every turn hands over or takes back a task, or waits for one that is at work.
+    while queue or at_work:
+        with signals_held():
+            # Ends: at the window.
+            while queue and len(at_work) < window:
+                future = executor.submit(run_case, queue[0])
+                at_work[future] = queue.popleft()
+        done, _ = wait(at_work, timeout=LOOK, return_when=FIRST_COMPLETED)
+        tick()
+        for future in done:
+            # Dask's word for a case that killed its workers; Dask may not be installed.
+            is_deadly = type(future.exception()).__name__ == "KilledWorker"
+            outcome = None if is_deadly else future.result()
+            yield at_work.pop(future), outcome
+
+
 @contextmanager
-def _pool(workers: int) -> Iterator[Executor]:
-    context = get_context("spawn")
+def _pool(workers: int, watch: Watch | None = None) -> Iterator[Executor]:
+    context = WorkerContext()
     reading, writing = context.Pipe(duplex=False)
+    told, begun = context.Pipe(duplex=False)
+    if watch is not None:
+        watch.begin(told, context.made)
     with one_thread():
         pool = ProcessPoolExecutor(
-            workers, mp_context=context, initializer=start_worker, initargs=(reading,)
+            workers,
+            mp_context=context,
+            initializer=start_worker,
+            initargs=(reading, None if watch is None else begun),
         )
         try:
             yield pool
-            pool.shutdown()
+            pool.shutdown(wait=False)
+            context.end(END_SECONDS)
         finally:
             # After an interruption nobody waits for cases that have begun: workers end now.
-            _close(writing)
+            writing.close()
+            context.end(END_SECONDS)
             pool.shutdown(cancel_futures=True)
-            _close(reading)
+            for end in (reading, told, begun):
+                end.close()
 
 
 @contextmanager
@@ -168,11 +244,6 @@ def _is_empty_cluster(executor: Executor) -> bool:
         return not executor._client.nthreads()  # type: ignore[attr-defined]
     except (OSError, TimeoutError):
         return False
-
-
-def _close(end: Connection) -> None:
-    if not end.closed:
-        end.close()
 
 
 def _is_main_thread() -> bool:

@@ -16,7 +16,7 @@ from ..validation import InputError
 from ..version import VERSION
 from .axes import label
 from .cases import Case
-from .store import COHORT, Store, StoreError
+from .store import Store, StoreError
 from .value import Sweep
 
 SCHEMA, SCHEMA_VERSION = "sdfstent-cohort", 1
@@ -86,7 +86,7 @@ def write_manifest(folder: str | os.PathLike[str]) -> list[str]:
         The files cannot be written.
     """
     store = Store(folder)
-    cohort = store.read(COHORT)
+    cohort = store.cohort()
     names = columns_of(store, cohort)
     try:
         _write_csv(store.folder / CSV, names, _rows(store, cohort))

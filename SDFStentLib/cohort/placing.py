@@ -11,12 +11,12 @@ import numpy as np
 
 from ..centerline import Centerline
 from ..geometry import arc_lengths, point_at
-from ..measure import Lesion
 from ..plan import InputFiles, Plan, detailed_stent, stent_details
 from ..stent import AtCenter, AtDistalEnd, Placement, Stent
 from ..treatment import AxisChange, axis_in_vessel
 from ..units import flipped
 from ..validation import InputError, Points, as_number
+from ..vessel import Lesion
 from .axes import PLACES, SHAPE_PARTS
 from .sampling import Parameters
 from .value import Constraints

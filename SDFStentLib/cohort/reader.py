@@ -18,7 +18,7 @@ from ..files import SurfaceFile, read_surface, write_bytes
 from ..validation import Floats, InputError, Points, Triangles
 from .manifest import CSV, TRUTHS, text_columns
 from .moved import MovedPoints, decoded, points_of, write_restored
-from .store import COHORT, REPORT, SURFACES, Store
+from .store import REPORT, SURFACES, Store
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +64,7 @@ class Cohort:
 
     def __init__(self, folder: str | os.PathLike[str]) -> None:
         self.store = Store(folder)
-        self._document = self.store.read(COHORT)
+        self._document = self.store.cohort()
         self._surfaces: dict[str, SurfaceFile] = {}
 
     @property

@@ -4,15 +4,8 @@ from __future__ import annotations
 
 import os
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import (
-    FIRST_COMPLETED,
-    BrokenExecutor,
-    CancelledError,
-    Executor,
-    Future,
-    wait,
-)
+from collections.abc import Callable, Iterable
+from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
 from dataclasses import replace
@@ -21,12 +14,12 @@ from time import monotonic
 
 from ..validation import DeploymentError, InputError
 from .cases import Case, cases_of
-from .executors import Workplace, dask, given, processes, signals_held
+from .executors import LOOK, Workplace, finished, workplace
 from .manifest import cohort_document, write_manifest
 from .store import COHORT, WHOLE, Store, StoreError, as_json
 from .tally import Tally, save_tally
 from .value import Sweep
-from .worker import Outcome, Task, run_case, task_of, write_failure
+from .worker import Outcome, Task, task_of, write_failure
 
 ROUNDS = 3
 """Executors in a row that break before any case is finished: then it is not the cases."""
@@ -34,10 +27,12 @@ ROUNDS = 3
 BLAMED = 2
 """Workers that end with nothing else to do than one case, before it is that case."""
 
+TOO_LONG = "it took longer than the time limit of {:g} s; allow more, or look at its worker"
+
 KILLED = "its worker ended without a word: killed, or out of memory"
 
-LOOK, SAVE = 0.5, 2.0
-"""Seconds after which progress is told, and kept in the store."""
+SAVE = 2.0
+"""Seconds after which progress is kept in the store."""
 
 Progress = Callable[[Tally], None]
 
@@ -81,9 +76,7 @@ def run_sweep(
         The store cannot be written, or the workers are lost for good. What is whole is kept,
         and the next run goes on from there; so it does after `KeyboardInterrupt`.
     """
-    if sum(one is not None for one in (workers, scheduler, executor)) > 1:
-        raise InputError("executor: expected one of workers, scheduler and executor, got several.")
-    place = _workplace(workers, scheduler, executor)
+    place = workplace(workers, scheduler, executor, sweep.time_limit)
     store, cases = Store(folder), list(cases_of(sweep))
     with store.locked():
         _prepare(store, sweep, cases)
@@ -99,18 +92,12 @@ def run_sweep(
         return run.tally
 
 
-def _workplace(workers: int | None, scheduler: str | None, executor: Executor | None) -> Workplace:
-    if executor is not None:
-        return given(executor)
-    return processes(workers) if scheduler is None else dask(scheduler)
-
-
 def _prepare(store: Store, sweep: Sweep, cases: list[Case]) -> None:
     """Write what the cohort is; a folder may grow, but no case that is whole may go."""
     document = cohort_document(sweep, cases, store.folder)
     if (store.folder / COHORT).exists():
         own = {case.id for case in cases}
-        others = [row[0] for row in store.read(COHORT)["cases"] if row[0] not in own]
+        others = [row[0] for row in store.cohort()["cases"] if row[0] not in own]
         gone = sum(store.is_whole(case) for case in others)
         if gone:
             raise InputError(
@@ -132,6 +119,7 @@ class _Run:
         self.store, self.place, self.progress, self.tally = store, place, progress, tally
         self._start, self._saved, self._shown, self._asked = monotonic(), -SAVE, -LOOK, -SAVE
         self._blamed: dict[str, int] = {}
+        self._late: set[str] = set()
         self._is_under_way = False
 
     def left(self, cases: Iterable[Case]) -> list[Case]:
@@ -149,7 +137,8 @@ class _Run:
                 left.append(case)
                 continue
             rows = known["rows"]
-            certified = None if not rows or rows[0]["certified"] == "" else rows[0]["certified"]
+            certified = rows[0].get("certified") if rows else None
+            certified = None if certified == "" else certified
             self.tally = self.tally.counted(Outcome(case.id, known["status"], certified))
         return left
 
@@ -167,7 +156,9 @@ class _Run:
             error, unfinished = lost[0], self._not_whole(lost[1])
             if not self.place.is_renewable:
                 raise _gave_up(error) from error
-            if isinstance(error, BrokenProcessPool) and not self.place.blames:
+            if self._late:
+                queue.extendleft(reversed(self._after_time_is_up(unfinished)))
+            elif isinstance(error, BrokenProcessPool) and not self.place.blames:
                 unfinished = self._after_a_death(unfinished, alone)
                 suspects.extendleft(reversed(unfinished))
             else:
@@ -201,7 +192,9 @@ class _Run:
                 save_tally(self.store, self.tally)
 
     def _looked(self, executor: Executor) -> None:
-        """Tell the counts, and whether anybody is there to change them."""
+        """Tell the counts, and whether anybody is there to change them; end who is too slow."""
+        if self.place.watch is not None:
+            self._late.update(self.place.watch.overdue())
         if monotonic() - self._asked >= SAVE:
             self._asked = monotonic()
             lacks_workers = self.place.lacks_workers(executor)
@@ -211,11 +204,14 @@ class _Run:
     def _round(self, queue: deque[Task], window: int) -> tuple[Exception, list[Task]] | None:
         """Work a queue off with one executor; why that broke, and what was with it then."""
         at_work: dict[Future[Outcome], Task] = {}
+        self._late.clear()
         try:
             with self.place.opened() as executor:
                 try:
                     tick = partial(self._looked, executor)
-                    for task, outcome in _finished(executor, queue, window, at_work, tick):
+                    for task, outcome in finished(executor, queue, window, at_work, tick):
+                        if self.place.watch is not None:
+                            self.place.watch.finished(task.case.id)
                         if outcome is None:
                             self._fail(task)
                         else:
@@ -251,8 +247,17 @@ class _Run:
                 self._fail(task)
         return left
 
-    def _fail(self, task: Task) -> None:
-        self.tally = self.tally.counted(write_failure(self.store, task, KILLED))
+    def _after_time_is_up(self, unfinished: list[Task]) -> list[Task]:
+        """What is left to do after workers were ended for cases that took too long."""
+        assert self.place.watch is not None
+        late, self._late = self._late, set()
+        for task in unfinished:
+            if task.case.id in late:
+                self._fail(task, TOO_LONG.format(self.place.watch.seconds))
+        return [task for task in unfinished if task.case.id not in late]
+
+    def _fail(self, task: Task, reason: str = KILLED) -> None:
+        self.tally = self.tally.counted(write_failure(self.store, task, reason))
 
     def _not_whole(self, tasks: Iterable[Task]) -> list[Task]:
         """Those of some tasks whose cases did not reach the store; the others are counted."""
@@ -260,35 +265,8 @@ class _Run:
         return [task for task in tasks if task.case.id in found]
 
 
-def _finished(
-    executor: Executor,
-    queue: deque[Task],
-    window: int,
-    at_work: dict[Future[Outcome], Task],
-    tick: Callable[[], None],
-) -> Iterator[tuple[Task, Outcome | None]]:
-    """Tasks with their outcomes as they come, None where no worker survived it.
-
-    `at_work` is what the executor has.
-    """
-    # Ends: every turn hands over or takes back a task, or waits for one that is at work.
-    while queue or at_work:
-        with signals_held():
-            # Ends: at the window.
-            while queue and len(at_work) < window:
-                future = executor.submit(run_case, queue[0])
-                at_work[future] = queue.popleft()
-        done, _ = wait(at_work, timeout=LOOK, return_when=FIRST_COMPLETED)
-        tick()
-        for future in done:
-            # Dask's word for a case that killed its workers; Dask may not be installed.
-            is_deadly = type(future.exception()).__name__ == "KilledWorker"
-            outcome = None if is_deadly else future.result()
-            yield at_work.pop(future), outcome
-
-
 def _gave_up(error: Exception) -> DeploymentError:
-    words = str(error) or type(error).__name__
-    return DeploymentError(
-        f"the workers were lost ({words}); what is whole is kept, run the sweep again to go on."
-    )
+    words = f"the workers were lost ({str(error) or type(error).__name__})"
+    if isinstance(error, InputError):
+        words = "the scheduler does not answer any more"
+    return DeploymentError(f"{words}; what is whole is kept, run the sweep again to go on.")

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 import warnings
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,32 +17,67 @@ from .value import MOST_SAMPLES, Sampling
 Parameters = dict[str, Value]
 """Of one sample, by the name of the axis."""
 
+_BLOCK = 4096
+"""Samples made at once."""
 
-def samples(axes: tuple[Axis, ...], sampling: Sampling) -> list[Parameters]:
+
+def samples(axes: tuple[Axis, ...], sampling: Sampling) -> Sequence[Parameters]:
     """The samples in order; the same axes, method, count and seed give the same ones.
 
     A random or Sobol sweep of more samples begins with those of fewer; a Latin hypercube does not.
+    They are made when they are asked for: millions of them would take gigabytes.
 
     Raises
     ------
     InputError
         A grid of more than `MOST_SAMPLES`.
     """
-    if sampling.method == "grid":
-        return _grid(axes)
-    shares = _shares(sampling, len(axes))
-    columns = [axis.at(shares[:, at]) for at, axis in enumerate(axes)]
-    names = [axis.name for axis in axes]
-    return [dict(zip(names, row, strict=True)) for row in zip(*columns, strict=True)]
+    return _Samples(axes, sampling)
 
 
-def _grid(axes: tuple[Axis, ...]) -> list[Parameters]:
-    count = math.prod(len(axis.values) for axis in axes)
-    if count > MOST_SAMPLES:
-        raise InputError(f"axes: expected at most {MOST_SAMPLES} points of the grid, got {count}.")
-    names = [axis.name for axis in axes]
-    rows = itertools.product(*(axis.values for axis in axes))
-    return [dict(zip(names, row, strict=True)) for row in rows]
+class _Samples(Sequence[Parameters]):
+    def __init__(self, axes: tuple[Axis, ...], sampling: Sampling) -> None:
+        self._axes = axes
+        self._shares: NDArray[np.float64] | None = None
+        if sampling.method == "grid":
+            self._count = math.prod(len(axis.values) for axis in axes)
+            if self._count > MOST_SAMPLES:
+                raise InputError(
+                    f"axes: expected at most {MOST_SAMPLES} points of the grid, got {self._count}."
+                )
+        else:
+            self._shares, self._count = _shares(sampling, len(axes)), sampling.count
+
+    def __len__(self) -> int:
+        return self._count
+
+    @overload
+    def __getitem__(self, at: int) -> Parameters: ...
+
+    @overload
+    def __getitem__(self, at: slice) -> list[Parameters]: ...
+
+    def __getitem__(self, at: int | slice) -> Parameters | list[Parameters]:
+        places = np.arange(self._count)[at] if isinstance(at, slice) else range(self._count)[at]
+        found = self._at(np.atleast_1d(places))
+        return found if isinstance(at, slice) else found[0]
+
+    def __iter__(self) -> Iterator[Parameters]:
+        for start in range(0, self._count, _BLOCK):
+            yield from self._at(np.arange(start, min(start + _BLOCK, self._count)))
+
+    def _at(self, places: NDArray[np.int64]) -> list[Parameters]:
+        if self._shares is None:
+            # The last axis is the quickest.
+            digits = np.unravel_index(places, [len(axis.values) for axis in self._axes])
+            columns = [
+                [axis.values[digit] for digit in column.tolist()]
+                for axis, column in zip(self._axes, digits, strict=True)
+            ]
+        else:
+            columns = [axis.at(self._shares[places, at]) for at, axis in enumerate(self._axes)]
+        names = [axis.name for axis in self._axes]
+        return [dict(zip(names, row, strict=True)) for row in zip(*columns, strict=True)]
 
 
 def _shares(sampling: Sampling, width: int) -> NDArray[np.float64]:

@@ -13,6 +13,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import re
 import shutil
 import tempfile
 import time
@@ -29,6 +30,9 @@ SURFACES = {"vtp": "surface.vtp", "moved": "moved.npz"}
 COHORT, PROGRESS = "cohort.json", "progress.json"
 WHOLE = ("done", "excluded")
 """States of a case that is not done again."""
+
+_NAME = re.compile("[0-9a-f]{20}")
+"""Of a case: it is a folder, too, which is removed before the case is done again."""
 
 _LOOKS, _LOOK = 4, 0.1
 """Whoever asks for the status holds the lock for a moment."""
@@ -101,7 +105,7 @@ class Store:
             for name, (size, _) in found["files"].items():
                 if (folder / name).stat().st_size != size:
                     return None
-            return found
+            return found if _is_case(found) else None
         except (OSError, ValueError, KeyError, TypeError, AttributeError):
             return None
 
@@ -117,12 +121,10 @@ class Store:
     def times(self, case: str) -> dict[str, Any]:
         """When and where a case was done; empty where that is not known."""
         try:
-            found: dict[str, Any] = json.loads(
-                (self.path(case) / TIMES).read_text(encoding="utf-8")
-            )
+            found = json.loads((self.path(case) / TIMES).read_text(encoding="utf-8"))
         except (OSError, ValueError):
             return {}
-        return found
+        return found if isinstance(found, dict) else {}
 
     def data(self, case: str, name: str) -> bytes:
         """A file of a case; `InputError` when it is missing or damaged."""
@@ -192,6 +194,26 @@ class Store:
                 "be read; name the folder that `sdfstent sweep -o` has written."
             ) from error
 
+    def cohort(self) -> dict[str, Any]:
+        """The document of the whole cohort.
+
+        Raises
+        ------
+        InputError
+            None is there, or it is not the one of a cohort.
+        """
+        found: dict[str, Any] = self.read(COHORT)
+        try:
+            is_one = all(_fits(found))
+        except (KeyError, TypeError, ValueError):
+            is_one = False
+        if not is_one:
+            raise InputError(
+                f"{self.folder}: expected the folder of a cohort, got one whose {COHORT} is none "
+                "of a cohort; name the folder that `sdfstent sweep -o` has written."
+            )
+        return found
+
     def clear_leftovers(self) -> None:
         """Remove what killed workers have left half written; under the lock only."""
         for path in self.folder.glob(f"cases/*/{_PREFIX}*"):
@@ -207,6 +229,35 @@ class Store:
             os.rename(temporary, target)
         with suppress(OSError):  # folders cannot be flushed everywhere
             flush_to_disk(target.parent)
+
+
+def _is_case(found: Mapping[str, Any]) -> bool:
+    """Whether something is known of a case that can be told."""
+    rows = found["rows"]
+    return (
+        isinstance(found["status"], str)
+        and isinstance(found["reason"], str)
+        and isinstance(rows, list)
+        and all(isinstance(row, dict) for row in rows)
+        and not (rows and rows[0].get("certified", "") not in (True, False, None, ""))
+    )
+
+
+def _fits(cohort: Mapping[str, Any]) -> Iterator[bool]:
+    """Whether each thing that the tables need is in the document of a cohort."""
+    axes, patients = cohort["axes"], cohort["patients"]
+    for text in (cohort["method"], cohort["sdfstent_version"], cohort["store"]):
+        yield isinstance(text, str)
+    yield cohort["seed"] is None or isinstance(cohort["seed"], int)
+    for axis in axes:
+        yield isinstance(axis["name"], str) and isinstance(axis["is_number"], bool)
+    for patient in patients:
+        yield isinstance(patient["name"], str) and isinstance(patient["units"], str)
+        for file in (patient["surface"], patient["centerline"]):
+            yield file is None or (isinstance(file["file"], str) and "sha256" in file)
+    for name, patient, values in cohort["cases"]:
+        yield _NAME.fullmatch(name) is not None
+        yield patient in range(len(patients)) and len(values) == len(axes)
 
 
 def as_json(value: Any) -> bytes:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import os
-from dataclasses import asdict, dataclass, replace
+from contextlib import suppress
+from dataclasses import asdict, astuple, dataclass, replace
 
 from ..validation import InputError
-from .store import COHORT, PROGRESS, Store, as_json
+from .store import PROGRESS, Store, as_json
 from .worker import Outcome
 
 _VERDICTS = {True: "certified", False: "uncertified", None: "unjudged"}
@@ -97,11 +98,12 @@ def last_tally(folder: str | os.PathLike[str]) -> tuple[Tally, bool]:
         No folder of a cohort.
     """
     store = Store(folder)
-    total = len(store.read(COHORT)["cases"])
-    try:
-        tally = Tally(**store.read(PROGRESS))
-    except (InputError, TypeError):
-        tally = Tally(total)  # killed before its first case
+    total = len(store.cohort()["cases"])
+    tally = Tally(total)  # killed before its first case
+    with suppress(InputError, TypeError):
+        known = Tally(**store.read(PROGRESS))
+        if all(isinstance(value, int | float) for value in astuple(known)):
+            tally = known
     return tally, store.is_running()
 
 

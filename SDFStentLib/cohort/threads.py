@@ -34,12 +34,31 @@ def one_thread() -> Iterator[None]:
                 os.environ[name] = value
 
 
-def start_worker(sweep: Connection) -> None:
-    """Leave Ctrl-C to the sweep, and end when the other end of its pipe is closed."""
+_begun: list[Connection] = []
+
+
+def start_worker(sweep: Connection, begun: Connection | None = None) -> None:
+    """Leave Ctrl-C to the sweep, and end when the other end of its pipe is closed.
+
+    Where it is to know what is begun, `begun` is what tells it.
+    """
+    if begun is not None:
+        _begun.append(begun)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if hasattr(signal, "pthread_sigmask"):
         signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT, signal.SIGTERM})
     threading.Thread(target=_end_with, args=(sweep,), daemon=True).start()
+
+
+def begin(case: str) -> None:
+    """Tell the sweep that this process begins a case, where it is to know.
+
+    Workers share the pipe without a lock, which one that is stopped would keep: so few bytes are
+    written at once.
+    """
+    for pipe in _begun:
+        with suppress(OSError):
+            pipe.send_bytes(f"{os.getpid()} {case}".encode())
 
 
 def _end_with(sweep: Connection) -> NoReturn:

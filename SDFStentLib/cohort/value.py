@@ -61,6 +61,8 @@ class Sweep:
     store : {"vtp", "moved"}
     folder : str
         Of the document; paths in it start there.
+    time_limit : float, optional
+        For each case, s: after it the case has failed. It changes no result.
     """
 
     patients: tuple[Patient, ...]
@@ -70,3 +72,4 @@ class Sweep:
     stent: int = 1
     store: str = "vtp"
     folder: str = ""
+    time_limit: float | None = None

@@ -27,6 +27,7 @@ from .cases import Case
 from .moved import encoded
 from .placing import Excluded, plan_of_case
 from .store import REPORT, SURFACES, Store
+from .threads import begin
 from .value import Constraints, Sweep
 
 KEPT = 2
@@ -73,6 +74,7 @@ def run_case(task: Task) -> Outcome:
     StoreError
         The store cannot be written. Whatever else goes wrong is the outcome of the case.
     """
+    begin(task.case.id)
     clock, started = perf_counter(), datetime.now(timezone.utc)
     store = Store(task.folder)
     result: PlanResult | None = None

@@ -44,7 +44,7 @@ if TYPE_CHECKING:
         set_frame_of_polydata,
         surface_from_polydata,
     )
-    from .same_space import check_same_space
+    from .same_space import check_same_space, size_warnings
     from .surface_files import SurfaceFile, read_surface
     from .surface_output import check_surface_output, write_surface
     from .triangulation import triangulated_polydata
@@ -85,6 +85,7 @@ __all__ = [
     "read_surface",
     "set_face_names",
     "set_frame_of_polydata",
+    "size_warnings",
     "surface_from_polydata",
     "sweep",
     "triangulated_polydata",
@@ -131,7 +132,7 @@ __getattr__, __dir__ = late_names(
             "polydata_from_lines",
             "set_frame_of_polydata",
         ],
-        "same_space": ["check_same_space"],
+        "same_space": ["check_same_space", "size_warnings"],
         "surface_files": ["SurfaceFile", "read_surface"],
         "surface_output": ["check_surface_output", "write_surface"],
         "triangulation": ["triangulated_polydata"],

@@ -5,12 +5,17 @@ the first of these folders is the commit point: as long as it is missing, the ol
 from the moment it is there, the new one. Whoever is killed in between leaves staging folders; the
 next run on one of the folders finishes the moves of a committed set, and takes back those of
 another. A lock that the system drops with its process tells the dead ones from the living.
+
+Nobody is obeyed but a run that was here: its lock holds the numbers by which the file system knows
+the folder and the lock, and a folder that was copied or unpacked has others. What moves is a name
+in the folder that holds the staging folder, never a path.
 """
 
 from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import stat
 import tempfile
@@ -18,6 +23,7 @@ import time
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 from ..validation import InputError
 from .atomic import cannot_write, flush_to_disk
@@ -26,6 +32,8 @@ from .locks import lock
 _PREFIX = ".sdfstent-"
 _LOCK, _MOVES, _COMMITTED = "lock", "moves.json", "committed"
 _NEW, _OLD = "new", "old"
+_PART = re.compile(rf"{re.escape(_PREFIX)}[0-9a-f]{{12}}(\.\w+)*")
+"""A file that `atomic_path` has begun; `.sdfstent-lock` of a cohort is none."""
 
 
 class StagingFolder:
@@ -44,6 +52,7 @@ class StagingFolder:
         while self._lock is None:
             self.path = Path(tempfile.mkdtemp(prefix=_PREFIX, dir=parent))
             self._lock = _locked(self.path / _LOCK)
+        os.write(self._lock, json.dumps(_numbers(self.path)).encode())
         for name in (_NEW, _OLD):
             (self.path / name).mkdir()
 
@@ -95,24 +104,26 @@ def commit(folders: Mapping[StagingFolder, Iterable[str]]) -> None:
 
 def sweep(parent: Path) -> None:
     """Finish or undo what runs that were killed have left in this folder."""
-    for path in sorted(parent.glob(f"{_PREFIX}*")):
+    found: list[Path] = []
+    with suppress(OSError):  # such as of a name that is too long
+        found = sorted(parent.glob(f"{_PREFIX}*"))
+    for path in found:
         with suppress(OSError):
             if path.is_dir() and not path.is_symlink():
                 _settle(path)
-            elif path.is_file() and _is_old(path):
+            elif path.is_file() and _PART.fullmatch(path.name) and _is_old(path):
                 path.unlink(missing_ok=True)
 
 
 def _settle(path: Path) -> None:
     """Bring a set of which one staging folder is here to its end, unless its run is alive."""
-    if not (path / _LOCK).exists():
-        path.rmdir()  # an empty one; another's files are left alone
+    if not _is_own(path):
+        _remove_empty(path)
         return
-    try:
-        first = Path(json.loads((path / _MOVES).read_text(encoding="utf-8"))["first"])
-    except (OSError, ValueError):
-        first = path  # killed before anything was moved
-    descriptor = _lock_of_the_dead((first if first.is_dir() else path) / _LOCK)
+    first = Path(_record(path / _MOVES).get("first", path))
+    if not _is_own(first):
+        first = path  # its run was killed before anything was moved, or has settled all else
+    descriptor = _lock_of_the_dead(first / _LOCK)
     if descriptor is None:
         return
     settled: list[Path] = []
@@ -120,7 +131,8 @@ def _settle(path: Path) -> None:
         with suppress(OSError, InputError):
             committed = first / _COMMITTED
             if committed.exists():
-                paths = [Path(name) for name in json.loads(committed.read_text(encoding="utf-8"))]
+                names = json.loads(committed.read_text(encoding="utf-8"))
+                paths = [other for other in map(Path, names) if other == first or _is_own(other)]
                 for other in paths:
                     _move(other)
                 # The commit point goes last: without it the moves would be taken back.
@@ -136,12 +148,49 @@ def _settle(path: Path) -> None:
         _remove(other)  # where no open file can be removed, the lock is still there
 
 
-def _moves(path: Path) -> dict[str, bool]:
+def _is_own(path: Path) -> bool:
+    """Whether a run made this staging folder, here, and nothing in it leads elsewhere."""
     try:
-        found: dict[str, bool] = json.loads((path / _MOVES).read_text(encoding="utf-8"))["moves"]
+        return (
+            path.name.startswith(_PREFIX)
+            and json.loads((path / _LOCK).read_text(encoding="utf-8")) == _numbers(path)
+            and not any(part.is_symlink() for part in (path, path / _NEW, path / _OLD))
+        )
+    except (OSError, ValueError):
+        return False
+
+
+def _numbers(path: Path) -> list[int]:
+    """Of a staging folder and its lock in the file system."""
+    return [os.lstat(part).st_ino for part in (path, path / _LOCK)]
+
+
+def _remove_empty(path: Path) -> None:
+    """A folder whose run was killed before it wrote into its lock; any other is left alone."""
+    if os.listdir(path) == [_LOCK] and (path / _LOCK).stat().st_size == 0:
+        descriptor = _lock_of_the_dead(path / _LOCK)
+        if descriptor is None:
+            return
+        # Where no open file can be removed, both stay: nobody minds them.
+        with suppress(OSError):
+            (path / _LOCK).unlink()
+        os.close(descriptor)
+    path.rmdir()
+
+
+def _record(path: Path) -> dict[str, Any]:
+    """What a run wrote of its moves; empty where it did not come to that."""
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return {}
-    return found
+    return found if isinstance(found, dict) else {}
+
+
+def _moves(path: Path) -> dict[str, bool]:
+    found: dict[str, bool] = _record(path / _MOVES).get("moves", {})
+    are_names = all(name == Path(name).name and name not in ("", os.pardir) for name in found)
+    return found if are_names else {}
 
 
 def _move(path: Path) -> None:

@@ -27,7 +27,7 @@ _ENOUGH_INSIDE = 0.5
 # shrunk to a spot fits into every vessel that passes near the origin, and says nothing.
 _SMALLEST_PART = 0.2
 _SMALLEST_EXTENT, _LARGEST_EXTENT = 20.0, 2000.0  # mm, of a vessel model
-_SMALLEST_LUMEN, _LARGEST_LUMEN = 1.2, 100.0  # mm, diameter
+_SMALLEST_LUMEN, _LARGEST_LUMEN = 2.0, 100.0  # mm, diameter; an aorta in cm has 1.7
 
 
 class _Fit(NamedTuple):

@@ -15,7 +15,7 @@ from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 
 from ..cautions import Caution
-from ..geometry import NamedFaces, Precision, Surface, dot, face_areas
+from ..geometry import NO_HEIGHT, NamedFaces, Precision, Surface, dot, face_areas
 from ..units import Frame, millimeters_per
 from ..validation import InputError, Points, Triangles, as_points
 from .content import FileContent, frame_in_text, read_content
@@ -199,7 +199,6 @@ def _degenerate(points: Points, triangles: Triangles, name: str) -> tuple[Cautio
     for one, other in ((0, 1), (1, 2), (2, 0)):
         edge = points.take(triangles[:, one], axis=0) - points.take(triangles[:, other], axis=0)
         np.maximum(longest, dot(edge, edge), out=longest)
-    # Corners on one line within the rounding of single precision (1e-7 of the longest edge).
-    count = int((2 * face_areas(points, triangles) <= 1e-7 * longest).sum())
+    count = int((2 * face_areas(points, triangles) <= NO_HEIGHT * longest).sum())
     found = Caution("degenerate-triangles", {"triangles": count}, label=f"{name}: ")
     return (found,) if count else ()

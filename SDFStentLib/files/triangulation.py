@@ -14,6 +14,10 @@ from ..geometry import dot
 from ..validation import InputError, Points, Triangles
 from .polydata import cell_array, cells_from_array, points_from_polydata, polygons_from_polydata
 
+MOST_CORNERS = 1000
+"""Of a polygon: caps of vessels have some hundred at most. The thin triangles of a polygon all lie
+beside each other, so that the work of every check of them goes with the square of their number."""
+
 
 class Triangulated(NamedTuple):
     """Polydata of nothing but triangles, and what had to be changed."""
@@ -39,7 +43,7 @@ def triangulated_polydata(polydata: vtkPolyData, name: str = "surface") -> Trian
     Raises
     ------
     InputError
-        No polygon at all, or an index without a point.
+        No polygon at all, one of more than `MOST_CORNERS`, or an index without a point.
     """
     warnings = []
     sizes = np.diff(polygons_from_polydata(polydata, name).offsets)
@@ -50,6 +54,11 @@ def triangulated_polydata(polydata: vtkPolyData, name: str = "surface") -> Trian
     if (sizes == 3).all() and others == 0 and polydata.GetNumberOfStrips() == 0:
         return Triangulated(polydata, ())
 
+    if sizes.max(initial=0) > MOST_CORNERS:
+        raise InputError(
+            f"{name}: expected polygons of at most {MOST_CORNERS:,} corners, got one of "
+            f"{sizes.max():,}; cut it into triangles in the program that made it."
+        )
     result = _cut_into_triangles(polydata, name)
     polygons = int((sizes != 3).sum()) + polydata.GetNumberOfStrips()
     if polygons:

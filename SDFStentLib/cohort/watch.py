@@ -1,0 +1,88 @@
+"""Worker processes that can be ended, whatever they do, and what they have been at for how long."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from multiprocessing.connection import Connection, wait
+from multiprocessing.context import SpawnContext, SpawnProcess
+from time import monotonic
+from typing import Any
+
+START_SECONDS = 60.0
+"""In which a worker starts and begins a case, even on a busy machine and with a shorter limit."""
+
+
+class WorkerContext(SpawnContext):
+    """Spawns processes and remembers them.
+
+    Attributes
+    ----------
+    made : list of SpawnProcess
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.made: list[SpawnProcess] = []
+
+    def Process(self, *arguments: Any, **named: Any) -> SpawnProcess:  # type: ignore[override]
+        """As of any context."""
+        self.made.append(SpawnProcess(*arguments, **named))
+        return self.made[-1]
+
+    def end(self, seconds: float) -> None:
+        """Kill the processes that have not ended by themselves after so many seconds.
+
+        One that is stopped, or waits for a disk that does not answer, never does.
+        """
+        started = [process for process in self.made if process.pid is not None]
+        last, alive = monotonic() + seconds, {process.sentinel for process in started}
+        # Ends: every wait ends a process or is the last one.
+        while alive and monotonic() < last:
+            alive -= {*wait(alive, timeout=max(last - monotonic(), 0.0))}
+        for process in started:
+            if process.sentinel in alive:
+                process.kill()
+
+
+class Watch:
+    """A time limit for each case of a pool.
+
+    Parameters
+    ----------
+    seconds : float
+        That a case may take from its beginning.
+    """
+
+    def __init__(self, seconds: float) -> None:
+        self.seconds = seconds
+        self.begin(None, ())
+
+    def begin(self, begun: Connection | None, processes: Iterable[SpawnProcess]) -> None:
+        """Watch another pool: its workers tell `begun` of every case, see `threads.begin`."""
+        self._begun, self._processes = begun, processes
+        self._at_work: dict[str, tuple[int, float]] = {}
+        self._last = monotonic()
+
+    def finished(self, case: str) -> None:
+        """Nobody is at this case any more."""
+        self._at_work.pop(case, None)
+        self._last = monotonic()
+
+    def overdue(self) -> list[str]:
+        """End the workers whose cases have taken too long; these cases.
+
+        Where none is at a case and none begins one all of them end: one of them keeps the others
+        from it.
+        """
+        now = monotonic()
+        # Ends: workers say once of every case that they begin it.
+        while self._begun is not None and self._begun.poll():
+            worker, case = self._begun.recv_bytes().decode().split()
+            self._at_work[case], self._last = (int(worker), now), now
+        late = [case for case, (_, at) in self._at_work.items() if now - at > self.seconds]
+        workers = {self._at_work[case][0] for case in late}
+        is_stuck = not self._at_work and now - self._last > max(self.seconds, START_SECONDS)
+        for process in self._processes:
+            if is_stuck or process.pid in workers:
+                process.kill()
+        return late
