@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from .field import CapsuleChain
     from .files import read_axis, read_centerline, read_surface, write_centerline, write_surface
     from .geometry import Precision, Surface
-    from .measure import diameter_profile, find_lesions, lesion_after
+    from .measure import diameter_profile
     from .plan import Plan, compare, load_plan, run_plan, save_plan
     from .report import before_after_picture, plan_report, write_report
     from .stent import (
@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     )
     from .treatment import Treatment
     from .validation import DeploymentError, InputError
+    from .vessel import find_lesions, lesion_after
 
 __all__ = [
     "AlongAxis",
@@ -100,7 +101,7 @@ __getattr__, __dir__ = late_names(
             "write_surface",
         ],
         "geometry": ["Precision", "Surface"],
-        "measure": ["diameter_profile", "find_lesions", "lesion_after"],
+        "measure": ["diameter_profile"],
         "plan": ["Plan", "compare", "load_plan", "run_plan", "save_plan"],
         "report": ["before_after_picture", "plan_report", "write_report"],
         "stent": [
@@ -115,5 +116,6 @@ __getattr__, __dir__ = late_names(
         ],
         "treatment": ["Treatment"],
         "validation": ["DeploymentError", "InputError"],
+        "vessel": ["find_lesions", "lesion_after"],
     },
 )

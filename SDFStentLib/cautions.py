@@ -6,7 +6,7 @@ and the report alike, from the one template of its kind.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 from .units import MILLIMETERS
@@ -21,9 +21,14 @@ TEMPLATES = {
     "polygons-cut": (
         "{polygons} polygons or strips were cut into triangles, {triangles} triangles now."
     ),
+    "slivers": (
+        "Triangles with an angle below 1 degree: {triangles}, the worst {angle_deg:.2g} degrees "
+        "near ({x:.1f}, {y:.1f}, {z:.1f}) mm{filed}. No fault, but a mesher may refuse or refine "
+        "them."
+    ),
     "cells-dropped": "{cells} vertices and lines among the cells were dropped.",
     "integer-coordinates": "its coordinates are integers; they are written as doubles.",
-    "degenerate-triangles": "{triangles} triangles are degenerate (no area).",
+    "degenerate-triangles": "{triangles} triangles are degenerate (no height).",
     "contents-not-kept": "{contents} of the {format} file are not kept.",
     "unusual-extent": (
         "read in {unit}, it is {extent_mm:.3g} mm long, unusual for a vessel; name the unit of the "
@@ -40,9 +45,17 @@ TEMPLATES = {
     "arrays-not-kept": "{format} cannot keep the arrays {arrays}; write .vtp to keep them.",
     "line-arrays-not-kept": "arrays are not kept in .mrk.json; write .vtp.",
     # Segments
+    "end-moved": (
+        "The {end} of the segment was moved {distance_mm:.1f} mm into it, to ({x:.4g}, {y:.4g}, "
+        "{z:.4g}) mm{filed}: farther out no plane meets only this vessel."
+    ),
     "dead-end": (
         "The branch that ends at ({x:.4g}, {y:.4g}, {z:.4g}) mm{filed} has no outlet, its end is "
         "round; cut it flat, or close the branches."
+    ),
+    "open-branch": (
+        "{name}, which leaves at ({x:.4g}, {y:.4g}, {z:.4g}) mm{filed}, stays open: no plane cuts "
+        "off it alone."
     ),
     "hole": (
         "The wall is open at ({x:.4g}, {y:.4g}, {z:.4g}) mm{filed}, {diameter_mm:.1f} mm wide, "
@@ -85,19 +98,21 @@ TEMPLATES = {
     ),
     "device-shortening": (
         "{device}: its shortening is known at its nominal diameters only; {diameter_mm:g} mm "
-        "{is_it}."
+        "{is_it}, and its length extrapolated."
     ),
     "ratio-adjacent": (
-        "The stent is {ratio:.2f} times as wide as the healthy vessel of {adjacent_mm:.1f} mm "
-        "beside the lesion; sources had {low:.2f} to {high:.2f}."
+        "The stent is {ratio:.2f} times as wide as the healthy vessel {where} ({healthy_mm:.1f} "
+        "mm); the least that its source had were 0.44 of the distal pulmonary artery and 0.38 of "
+        "the descending aorta (Heart 2003;89:905)."
     ),
     "ratio-stenosis": (
         "The balloon is {ratio:.1f} times as wide as the stenosis of {stenosis_mm:.1f} mm; above "
         "{high:g} the recoil was more than 10 %."
     ),
-    "shorter-than-lesion": (
-        "The stent is {deployed_mm:.1f} mm long once it has shortened, the lesion {lesion_mm:.1f} "
-        "mm."
+    "lesion-uncovered": (
+        "Lesion {lesion} is not covered: {uncovered_mm:.1f} of its {lesion_mm:.1f} mm lie beyond "
+        "the ends of the stent, which is {deployed_mm:.1f} mm long{packed}; choose a longer one, "
+        "or another place."
     ),
     # A stent in the vessel
     "switched-off": "it is switched off and was not deployed.",
@@ -110,8 +125,10 @@ TEMPLATES = {
         "lies{as_left} ({minimum_mm:.1f} to {maximum_mm:.1f} mm)."
     ),
     "overdilated": (
-        "The stent of {stent_diameter_mm:g} mm is {times:.2g} times as wide as the widest native "
-        "lumen within its length ({lumen_mm:.1f} mm), far more than usual; check the diameter."
+        "The stent of {stent_diameter_mm:.3g} mm is {times:.2f} times as wide as the healthy "
+        "vessel {where} ({healthy_mm:.1f} mm). In coarctations its source had at most 1.02, and "
+        "1.2 dilated again, of the descending aorta; in pulmonary arteries 1.5, and 1.88, of the "
+        "distal artery, and a vessel that ruptured distal to its stent (Heart 2003;89:905)."
     ),
     "coarse-mesh": (
         "The mesh is coarse for the stent: half of its edges there are longer than {edge_mm:.2g} "
@@ -142,6 +159,16 @@ TEMPLATES = {
         "The lumen of {name} is narrowed from {before_mm:.2f} to {after_mm:.2f} mm ({diameter} "
         "diameter, {percent:.0f} %), {distance_mm:.0f} mm beyond {start}."
     ),
+    "new-slivers": (
+        "Triangles that became slivers, with an angle below 1 degree and at most half of what it "
+        "was: {triangles}, the worst from {before_deg:.2g} to {angle_deg:.2g} degrees near "
+        "({x:.1f}, {y:.1f}, {z:.1f}) mm{filed}. No fault, but a mesher may refuse or refine them."
+    ),
+    "narrower": (
+        "The lumen is up to {percent:.1f} % narrower than prescribed, near "
+        "({x:.1f}, {y:.1f}, {z:.1f}) mm{filed}: {found_mm:.2f} instead of {prescribed_mm:.2f} mm; "
+        "smaller triangles there may help."
+    ),
     "cap-bulged": (
         "The flat cap near ({x:.1f}, {y:.1f}, {z:.1f}) mm{filed} is pushed up to {height_mm:.2f} "
         "mm out of its plane by the stent; end the stent farther from it, or extend the vessel, "
@@ -162,6 +189,27 @@ TEMPLATES = {
 }
 """The sentence of each kind: its numbers by name, `x`, `y`, `z` of its place, `thing` for what was
 placed, and the remedies, which are empty where who reads has none."""
+
+GRAVEST = (
+    "unusual-size",
+    "unusual-extent",
+    "unit-in-file",
+    "partly-outside",
+    "changed-input",
+    "outside-without-effect",
+    "without-effect",
+    "facets-inside",
+    "lesion-uncovered",
+    "shortened",
+    "narrower",
+    "new-slivers",
+    "narrowed",
+    "overdilated",
+    "neighbor-narrowed",
+    "tight-bend",
+    "cap-bulged",
+)
+"""Kinds that come first where not all are told; others follow as they came."""
 
 NO_REMEDIES = {"to": "", "straighten": "", "units": ""}
 
@@ -220,6 +268,12 @@ class Caution:
         return self.label + TEMPLATES[self.kind].format_map({**words, **self.numbers})
 
     __str__ = sentence
+
+
+def by_gravity(cautions: Iterable[Caution]) -> list[Caution]:
+    """The same, the gravest first."""
+    order = {kind: place for place, kind in enumerate(GRAVEST)}
+    return sorted(cautions, key=lambda caution: order.get(caution.kind, len(order)))
 
 
 def in_file(place: tuple[float, float, float] | None, units: str) -> str:

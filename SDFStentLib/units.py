@@ -12,6 +12,9 @@ Frame = Literal["RAS", "LPS"]
 MILLIMETERS = {"mm": 1.0, "cm": 10.0, "m": 1000.0}
 """Millimetres in the units that a file may use."""
 
+MOST_FLOW = 10_000.0
+"""mL/s, 600 L/min: more than ten times what a heart gives at its peak."""
+
 
 def millimeters_per(units: str) -> float:
     """Millimetres in one of the file's units, `"mm"`, `"cm"` or `"m"`; `InputError` for others."""

@@ -28,6 +28,20 @@ def add_points(group: argparse._ActionsContainer, name: str, what: str) -> None:
     add_point(group, name, what, action="append", default=[])
 
 
+def add_vessel_marks(place: argparse._ActionsContainer) -> None:
+    """What the user marks on the vessel: its proximal end, and where it is healthy."""
+    add_point(
+        place,
+        "root",
+        "the end of the centerline near this point is proximal (default: the tree tells)",
+    )
+    add_points(
+        place,
+        "reference",
+        "healthy vessel that the lesion beside it is measured against; once or twice",
+    )
+
+
 def add_units(group: argparse._ActionsContainer) -> None:
     """The unit of the files."""
     group.add_argument(
@@ -40,7 +54,9 @@ def add_json(command: argparse.ArgumentParser) -> None:
     command.add_argument("--json", action="store_true", help="print JSON instead of sentences")
 
 
-def add_talk(command: argparse.ArgumentParser) -> None:
-    """How much is said."""
+def add_talk(command: argparse.ArgumentParser, *, verbose: bool = False) -> None:
+    """How much is said; `verbose` where not all of it is said at once."""
+    if verbose:
+        command.add_argument("--verbose", action="store_true", help="say all of it")
     command.add_argument("--quiet", action="store_true", help="say nothing but errors")
     command.add_argument("--debug", action="store_true", help="show where an error came from")

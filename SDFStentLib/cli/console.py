@@ -5,10 +5,10 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any, TextIO
 
-from ..cautions import Caution
+from ..cautions import Caution, by_gravity
 from ..validation import one_line
 
 _REMEDIES = (
@@ -19,6 +19,7 @@ _REMEDIES = (
     ("accept_changed_inputs", "accept_changed_inputs", "(--accept-changed-inputs)"),
     ("straighten", "straighten", " (--straighten F)"),
     ("foreshortening", "foreshortening", " (--foreshortening F)"),
+    ("shortened", "shortened", " (or --shortened: deploy what can lie there)"),
     ("devices", "device_table", "`sdfstent devices`, or give one of your own (--device-table F)"),
 )
 """A remedy of the library's sentences, the option that does it, and how it is written there."""
@@ -29,6 +30,8 @@ class Console:
 
     def __init__(self, options: argparse.Namespace | None = None, *, quiet: bool = False) -> None:
         self.remedies, self.quiet = remedies_of(options), quiet
+        self._bar: _Bar | None = None
+        self.verbose = getattr(options, "verbose", True)
 
     def say(self, sentence: str = "") -> None:
         """A line of the result; nothing when quiet."""
@@ -44,18 +47,36 @@ class Console:
             for caution in cautions:
                 self.complain(caution.sentence(thing, self.remedies, units))
 
+    def warn_shortly(
+        self, cautions: Iterable[Caution], lines: int, units: str, thing: str = "stent"
+    ) -> None:
+        """The gravest in so many lines at most, and how many more there are."""
+        told = by_gravity(cautions)
+        rest = len(told) - lines
+        if self.verbose or rest <= 0:
+            self.warn(told, thing, units)
+            return
+        self.warn(told[: lines - 1], thing, units)
+        last = told[lines - 1].sentence(thing, self.remedies, units)
+        self.complain(f"{last} And {rest} more: --verbose tells them.")
+
     def complain(self, sentence: str) -> None:
         """A sentence as a warning; nothing when quiet."""
         if not self.quiet:
-            print(one_line(f"warning: {sentence}"), file=sys.stderr)
+            if self._bar:
+                self._bar.clear()
+            sys.stdout.flush()  # in the order in which they were said, also in one file
+            to_stderr(f"warning: {sentence}")
 
     @contextmanager
     def progress(self, what: str) -> Iterator[Any]:
         """A bar on a terminal; yields what takes the fraction done and a note."""
         bar = _Bar(what, sys.stderr) if not self.quiet and sys.stderr.isatty() else None
+        self._bar = bar
         try:
-            yield bar.show if bar else _ignored
+            yield bar.show if bar else ignored
         finally:
+            self._bar = None
             if bar:
                 bar.clear()
 
@@ -67,7 +88,13 @@ def remedies_of(options: argparse.Namespace | None) -> dict[str, str]:
 
 def error_line(sentence: str) -> None:
     """The one sentence of a failure."""
-    print(one_line(sentence.translate({ord("\n"): " "})), file=sys.stderr)
+    to_stderr(sentence.translate({ord("\n"): " "}))
+
+
+def to_stderr(sentence: str) -> None:
+    """A line of stderr; nothing where nobody can take it, such as a full disk."""
+    with suppress(OSError):
+        print(one_line(sentence), file=sys.stderr, flush=True)
 
 
 class _Bar:
@@ -91,5 +118,5 @@ class _Bar:
         self.stream.flush()
 
 
-def _ignored(fraction: float, note: str = "") -> None:
+def ignored(fraction: float, note: str = "") -> None:
     """Not a terminal: no bar."""

@@ -34,16 +34,17 @@ from ..report import (
     stent_branch_sentences,
     write_report,
 )
-from ..stent import BetweenPoints, Stent
+from ..stent import BetweenPoints, Stent, balloon_by_rule
 from ..validation import DeploymentError
 from .console import Console
 from .outputs import Outputs
 
-STENT_DIAMETER = 7.5
-"""Of the demo, mm: a little over the 7 mm of the healthy branch."""
+BALLOON_DIAMETER = 7.5
+"""Of the demo, mm: by its recoil it leaves the 7 mm of the healthy branch, as `suggest` has it."""
 
-STENT_ENDS = (19.0, 41.0)
-"""Arc lengths on the main and left pulmonary artery, mm; the junction is at 24."""
+STENT_ENDS = (26.0, 37.0)
+"""Arc lengths on the main and left pulmonary artery, mm: over the whole lesion, and hardly over the
+other branch, whose junction is at 24."""
 
 NOT_CERTIFIED = 3
 
@@ -88,7 +89,12 @@ def _placed_in(folder: Path, inputs: InputFiles) -> InputFiles:
 
 def _plan(phantom: Phantom, inputs: InputFiles) -> Plan:
     ends = phantom.axis_at(STENT_ENDS)
-    stent = Stent(STENT_DIAMETER, placement=BetweenPoints(*ends), name="left pulmonary artery")
+    place = BetweenPoints(*ends)
+    found = inputs.vessel.native_lumen(Stent(BALLOON_DIAMETER, placement=place))
+    balloon = balloon_by_rule(BALLOON_DIAMETER, found)
+    stent = Stent(
+        balloon.lumen_diameter, placement=place, balloon=balloon, name="left pulmonary artery"
+    )
     assert inputs.line_file is not None
     return Plan(
         stents=(stent,),
@@ -151,8 +157,8 @@ def _tell(console: Console, folder: Path, result: PlanResult, missing: list[Caut
         f"{before.minimum:.1f} mm at its origin."
     )
     console.say(
-        f"A stent of {stent.stent.diameter:g} x {stent.axis.deployed_length:.0f} mm across "
-        f"the bifurcation opens it to {after.minimum:.1f} mm."
+        f"A stent of {stent.stent.diameter:.1f} x {stent.axis.deployed_length:.0f} mm on a balloon "
+        f"of {BALLOON_DIAMETER:g} mm, from the bifurcation on, opens it to {after.minimum:.1f} mm."
     )
     for sentence in stent_branch_sentences(stent):
         console.say(sentence)

@@ -27,25 +27,22 @@ from ..plan import (
 from ..report import (
     FIGURE_SUFFIXES,
     Report,
-    lumen_sentence,
+    deployment_sentences,
+    deployment_summary,
     plan_report,
-    stent_balloon_sentences,
-    stent_branch_sentences,
-    stent_device_sentences,
-    stent_lesion_sentences,
-    stent_pressure_sentences,
-    stent_ratio_sentences,
     write_report,
     write_report_figure,
 )
 from ..validation import DeploymentError, InputError, as_number
 from .console import Console
-from .copies import InCopy
 from .outputs import Outputs
 from .place import check_place, inputs_of, plan_of
 from .stents import check_sizes, device_of, stents_of
 
 NOT_CERTIFIED = 3
+
+LINES = 8
+"""Of a deployment on the screen, unless all of it is asked for."""
 
 
 def deploy_command(options: argparse.Namespace, console: Console) -> int:
@@ -164,38 +161,26 @@ class _Job:
             self.mesh = read_surface(self.options.device_mesh, inputs.surface.units)
             self.console.warn(self.mesh.warnings)
         treatment = treatment_of(self.plan, inputs)
-        # What no state takes part in is found beside the deployment.
-        with InCopy(lambda: inputs.vessel.lesions) as lesions:
-            with self.console.progress("Deploying") as show:
-                for state in treatment:
-                    show(state.fraction, f"diameter {2 * state.deployment.radius:.1f} mm")
-                    if self.steps is not None:
-                        self.steps.take(inputs.surface, state)
-            measured = treatment.result
-            vessel = inputs.vessel.with_lesions(lesions.result())
-        self.result = PlanResult(self.plan, replace(inputs, vessel=vessel), measured)
+        with self.console.progress("Deploying") as show:
+            for state in treatment:
+                show(state.fraction, f"diameter {2 * state.deployment.radius:.1f} mm")
+                if self.steps is not None:
+                    self.steps.take(inputs.surface, state)
+        self.result = PlanResult(self.plan, inputs, treatment.result)
         self.write_start = perf_counter()
         lost = self.outputs.write()
         units = self.result.inputs.surface.units
         cautions = [*self.result.warnings, *self.result.size_warnings, *lost]
-        self.console.warn(cautions, units=units)
-        for stent in self.result.treatment.stents:
-            label = treatment.label(stent.number)
-            self.console.say(label + lumen_sentence(stent))
-            for sentence in (
-                *stent_device_sentences(stent),
-                *stent_balloon_sentences(stent, self.result.lesions),
-                *stent_ratio_sentences(stent, self.result.lesions),
-                *stent_branch_sentences(stent),
-                *stent_lesion_sentences(self.result.lesions, stent.number),
-                *stent_pressure_sentences(stent, self.plan.flow),
-            ):
-                self.console.say(label + sentence)
-        certificate = self.result.treatment.certificate
-        if certificate is not None:
-            self.console.say(certificate.sentence())
+        summary = deployment_summary(self.result)
+        self.console.say(summary.deployed)
+        # The first and the last line are its own.
+        self.console.warn_shortly(cautions, LINES - 2 - len(summary.results), units)
+        told = deployment_sentences(self.result) if self.console.verbose else summary.results
+        for sentence in told:
+            self.console.say(sentence)
         written = ", ".join(self.outputs.names())
         self.console.say(f"Wrote {written} in {perf_counter() - start:.1f} s.")
+        certificate = self.result.treatment.certificate
         return 0 if certificate is None or certificate.passed else NOT_CERTIFIED
 
     def write_surface(self, path: Path) -> Sequence[Caution]:

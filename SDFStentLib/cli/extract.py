@@ -41,9 +41,8 @@ def extract_command(options: argparse.Namespace, console: Console) -> int:
     )
     console.warn(found.warnings, units=units)
     outputs.write()
-    for name, segment in (("Before", found.before), ("After", found.after)):
-        for sentence in segment_sentences(segment) if segment is not None else ():
-            console.say(f"{name}: {sentence}")
+    for sentence in segment_sentences(found):
+        console.say(sentence)
     console.say(f"Wrote {options.output}, in cm; mesh its exterior with the surface kept.")
     return 0
 

@@ -17,15 +17,24 @@ from ..report import (
     filed_point,
     lesion_list,
     lesion_section,
+    lesion_sentences,
+    lesions_by_size,
     lesions_csv,
 )
 from ..stent import Stent, stent_axis
 from ..validation import InputError, Points, as_number, one_line
+from ..vessel import SMALL_VESSEL
 from .console import Console
 from .outputs import Outputs
 from .place import check_place, inputs_of, place_of
 
 NOT_SOUND = 3
+
+LINES = 8
+"""Of a vessel on the screen, without the tables that are asked for, unless all of it is."""
+
+LISTED = 5
+"""Of many lesions, the tightest ones."""
 
 _PROBE_DIAMETER = 1.0
 """Of the stent that stands for the place to be measured, mm; it only has to be some number."""
@@ -46,6 +55,8 @@ def measure_command(options: argparse.Namespace, console: Console) -> int:
     if options.csv is not None:
         outputs.add(options.csv, lambda path: _write_text(path, table))
     spacing = as_number(options.spacing, "--spacing", unit="mm", above=0)
+    smallest = SMALL_VESSEL if options.smallest_vessel is None else options.smallest_vessel
+    smallest = as_number(smallest, "--smallest-vessel", unit="mm", minimum=0)
     inputs = inputs_of(options)
     ways, warnings = _ways(options, way, inputs)
     vessel, units = inputs.vessel, inputs.surface.units
@@ -56,17 +67,35 @@ def measure_command(options: argparse.Namespace, console: Console) -> int:
     table = lesions_csv(vessel.lesions or (), units)
     outputs.write()
     if options.json:
-        document = _document(inputs, lines, warnings)
+        document = _document(inputs, lines, warnings, smallest)
         print(json.dumps(document, indent=2, allow_nan=False))
         return 0
-    console.warn(warnings, thing="part", units=units)
+    told: list[str] = []
     if vessel.lesions is not None and vessel.root is not None:
         filed = filed_point(vessel.root, units)
-        print(f"Proximal is the end at {filed} {units}; --root X Y Z names another one.")
-        print("\n".join(lesion_list(vessel.lesions, units)))
+        told.append(f"Proximal is the end at {filed} {units}; --root X Y Z names another one.")
+        told += _lesion_lines(inputs, smallest, is_short=not options.verbose)
+    console.warn_shortly(warnings, max(LINES - len(told), 1), units, thing="part")
+    print("\n".join(told), end="\n" if told else "")
     for line in lines:
         print(diameter_table(line, units))
     return 0
+
+
+def _lesion_lines(inputs: InputFiles, smallest: float, *, is_short: bool) -> list[str]:
+    """The lesions, or the tightest ones of many."""
+    lesions, units = inputs.vessel.lesions or (), inputs.surface.units
+    every = lesion_list(lesions, units, smallest, "; --smallest-vessel 0 lists them")
+    if not is_short or len(every) < LINES:
+        return every
+    large, small = lesions_by_size(lesions, smallest)
+    count = len(large[LISTED:]) + len(small)
+    of_them = f", {len(small)} of them in vessels below {smallest:g} mm" if small else ""
+    return [
+        *(lesion_sentences(number, lesions[number - 1], units)[0] for number in large[:LISTED]),
+        f"{count} more{of_them}: --verbose tells more, and what each is measured against; --json "
+        "and --csv F have them all.",
+    ]
 
 
 def check_command(options: argparse.Namespace, _console: Console) -> int:
@@ -79,7 +108,10 @@ def check_command(options: argparse.Namespace, _console: Console) -> int:
         "passed": check.passed,
         "sentence": check.sentence(),
         **check.as_dict(),
-        "warnings": [caution.sentence() for caution in surface.warnings],
+        "warnings": [
+            caution.sentence(units=surface.units)
+            for caution in (*surface.warnings, *check.cautions())
+        ],
     }
     if options.json:
         print(json.dumps(document, indent=2, allow_nan=False))
@@ -104,6 +136,7 @@ def _ways(
         placement=place.placement,
         length=options.length,
         foreshortening_fraction=0.0,
+        may_be_shortened=True,
     )
     axis = stent_axis(stent, inputs.vessel.centerline)
     if way == "axis":
@@ -124,17 +157,24 @@ def _write_text(path: Path, text: str) -> None:
 
 
 def _document(
-    inputs: InputFiles, lines: list[MeasuredLine], warnings: list[Caution]
+    inputs: InputFiles, lines: list[MeasuredLine], warnings: list[Caution], smallest: float
 ) -> dict[str, Any]:
     units, vessel = inputs.surface.units, inputs.vessel
+    large, small = lesions_by_size(vessel.lesions or (), smallest)
+
+    def sections(numbers: list[int]) -> list[dict[str, Any]] | None:
+        if vessel.lesions is None:
+            return None
+        return [lesion_section(n, vessel.lesions[n - 1], units) for n in numbers]
+
     return {
         "schema": "sdfstent-diameters",
         "version": 1,
         **_surface_document(inputs.surface),
         "root_mm": None if vessel.root is None else vessel.root.tolist(),
-        "lesions": None
-        if vessel.lesions is None
-        else [lesion_section(n, one, units) for n, one in enumerate(vessel.lesions, start=1)],
+        "lesions": sections(large),
+        "smallest_vessel_mm": smallest,
+        "lesions_of_small_vessels": sections(small),
         "lines": [diameter_section(line) for line in lines],
         "warnings": [caution.sentence("part", units=units) for caution in warnings],
     }
@@ -160,8 +200,8 @@ def _print_check(document: dict[str, Any]) -> None:
         ("self_intersecting_triangles", "intersect another one"),
         ("inverted_triangles", "are turned over"),
         ("flipped_triangles", "are wound against their neighbors"),
-        ("degenerate_triangles", "have no area"),
-        ("sliver_triangles", "have an angle below 1 degree"),
+        ("degenerate_triangles", "have no height"),
+        ("sliver_triangles", "have an angle below 1 degree, which is no fault"),
     ):
         if document[key]:
             shown = ", ".join(map(str, document[key][:10]))

@@ -3,27 +3,26 @@
 from __future__ import annotations
 
 import argparse
-from typing import NoReturn
 
 from ..version import VERSION
 from .app_options import add_app
 from .argument_types import number as _number
 from .argument_types import path as _path
 from .argument_types import whole as _whole
-from .common_options import add_json, add_point, add_points, add_surface, add_talk, add_units
+from .common_options import (
+    add_json,
+    add_point,
+    add_points,
+    add_surface,
+    add_talk,
+    add_units,
+    add_vessel_marks,
+)
 from .method_options import add_method
+from .parser import Parser, ShortHelp
 from .plan_options import add_acceptance, add_comparison, add_device_file
-from .stent_options import add_device_table, add_shape, add_stent, add_wishes
+from .stent_options import add_device_table, add_shape, add_size, add_stent, add_wishes
 from .sweep_options import add_sweep
-
-
-class Parser(argparse.ArgumentParser):
-    """A parser that says in one sentence what is wrong."""
-
-    def error(self, message: str) -> NoReturn:
-        """End with the sentence on stderr and exit code 2."""
-        message = message.replace("3 arguments", "three numbers with spaces between them")
-        self.exit(2, f"{self.prog}: {message}; see {self.prog} --help.\n")
 
 
 def parser() -> Parser:
@@ -40,7 +39,13 @@ def parser() -> Parser:
     commands = top.add_subparsers(
         dest="command", metavar="COMMAND", required=True, parser_class=Parser
     )
-    _deploy(commands.add_parser("deploy", help="deploy one stent", allow_abbrev=False))
+    first = _first_of_deploy()
+    _deploy(
+        commands.add_parser(
+            "deploy", help="deploy one stent", allow_abbrev=False, add_help=False, parents=[first]
+        ),
+        first,
+    )
     _run(commands.add_parser("run", help="carry out a plan of stents", allow_abbrev=False))
     _compare(commands.add_parser("compare", help="plans side by side", allow_abbrev=False))
     _measure(
@@ -63,33 +68,53 @@ def parser() -> Parser:
     return top
 
 
-def _deploy(command: argparse.ArgumentParser) -> None:
-    command.description = "Deploy one stent in a vessel surface."
-    add_surface(command)
-    command.add_argument(
+def _first_of_deploy() -> Parser:
+    """What everyone needs of `deploy`: its own short help, and the beginning of the long one."""
+    first = Parser(
+        prog="sdfstent deploy",
+        usage="sdfstent deploy SURFACE -o OUT --centerline FILE --center X Y Z --length L "
+        "--diameter D",
+        description="Deploy one stent in a vessel surface.",
+        epilog="All options, such as other places, shapes, the method and more outputs: --help-all",
+        add_help=False,
+    )
+    add_surface(first)
+    group = first.add_argument_group("what everyone needs")
+    group.add_argument(
         "-o", "--output", type=_path, metavar="OUT", required=True, help="surface to write"
     )
-    _add_place(command).add_argument(
+    _add_usual_place(group)
+    group.add_argument(
         "--at-lesion",
         type=_whole,
         metavar="N",
-        help="centered on that lesion, numbered as `measure` lists them",
+        help="in place of --center: on that lesion, numbered as `measure` lists them",
     )
-    add_stent(command)
-    add_shape(command)
-    add_method(command)
-    out = command.add_argument_group("output")
-    add_units(out)
-    out.add_argument(
-        "--output-centerline", type=_path, metavar="F", help="the centerline, moved along"
-    )
-    out.add_argument(
+    add_size(group)
+    add_units(group)
+    group.add_argument(
         "--report",
         type=_path,
         metavar="F",
         action="append",
         default=[],
         help=".json or .html; may be repeated",
+    )
+    group.add_argument(
+        "--save-plan", type=_path, metavar="F", help="what determines the result, for `run`"
+    )
+    return first
+
+
+def _deploy(command: argparse.ArgumentParser, first: Parser) -> None:
+    command.description = first.description
+    _add_other_places(command.add_argument_group("where"))
+    add_stent(command)
+    add_shape(command)
+    add_method(command)
+    out = command.add_argument_group("output")
+    out.add_argument(
+        "--output-centerline", type=_path, metavar="F", help="the centerline, moved along"
     )
     out.add_argument(
         "--flow",
@@ -98,11 +123,10 @@ def _deploy(command: argparse.ArgumentParser) -> None:
         metavar=("LEAST", "MOST"),
         help="mL/s; the pressure drop over the stented length is estimated for both, as a band",
     )
-    out.add_argument(
-        "--save-plan", type=_path, metavar="F", help="what determines the result, for `run`"
-    )
     _add_output(out)
-    add_talk(command)
+    add_talk(command, verbose=True)
+    command.add_argument("-h", "--help", action=ShortHelp, const=first, help="the first of these")
+    command.add_argument("--help-all", action="help", help="all of these")
 
 
 def _run(command: argparse.ArgumentParser) -> None:
@@ -116,7 +140,7 @@ def _run(command: argparse.ArgumentParser) -> None:
     )
     add_acceptance(command)
     _add_output(command.add_argument_group("output"))
-    add_talk(command)
+    add_talk(command, verbose=True)
 
 
 def _compare(command: argparse.ArgumentParser) -> None:
@@ -130,7 +154,9 @@ def _measure(command: argparse.ArgumentParser) -> None:
         "largest inscribed sphere and of the circle with the area of the cross-section."
     )
     add_surface(command)
-    _add_place(command)
+    place = command.add_argument_group("where")
+    _add_usual_place(place)
+    _add_other_places(place)
     command.add_argument(
         "--spacing", type=_number, metavar="MM", default=1.0, help="of the stations (default 1)"
     )
@@ -140,7 +166,13 @@ def _measure(command: argparse.ArgumentParser) -> None:
     )
     add_json(command)
     command.add_argument("--csv", type=_path, metavar="F", help="write the table of lesions")
-    add_talk(command)
+    command.add_argument(
+        "--smallest-vessel",
+        type=_number,
+        metavar="MM",
+        help="count lesions in vessels below this diameter in one line (default 3)",
+    )
+    add_talk(command, verbose=True)
 
 
 def _suggest(command: argparse.ArgumentParser) -> None:
@@ -151,7 +183,7 @@ def _suggest(command: argparse.ArgumentParser) -> None:
     add_surface(command)
     command.add_argument("--centerline", type=_path, metavar="FILE", required=True, help="any form")
     add_wishes(command)
-    _add_vessel_marks(command)
+    add_vessel_marks(command)
     add_units(command)
     add_json(command)
     add_talk(command)
@@ -225,36 +257,24 @@ def _demo(command: argparse.ArgumentParser) -> None:
     add_talk(command)
 
 
-def _add_place(command: argparse.ArgumentParser) -> argparse._ArgumentGroup:
-    place = command.add_argument_group("where")
-    place.add_argument("--axis", type=_path, metavar="FILE", help="the curve is the stent axis")
+def _add_usual_place(place: argparse._ActionsContainer) -> None:
     place.add_argument("--centerline", type=_path, metavar="FILE", help="of the vessel, any form")
-    _add_vessel_marks(place)
+    add_point(place, "center", "the middle of the stent")
     place.add_argument(
         "--length", type=_number, metavar="L", help="mm; with --axis about its middle"
     )
+
+
+def _add_other_places(place: argparse._ActionsContainer) -> None:
+    place.add_argument("--axis", type=_path, metavar="FILE", help="the curve is the stent axis")
     for name, what in (
-        ("center", "the middle of the stent"),
         ("distal", "its distal end"),
         ("proximal", "its proximal end"),
         ("from", "one end"),
         ("to", "the other end"),
     ):
         add_point(place, name, what)
-    return place
-
-
-def _add_vessel_marks(place: argparse._ActionsContainer) -> None:
-    add_point(
-        place,
-        "root",
-        "the end of the centerline near this point is proximal (default: the tree tells)",
-    )
-    add_points(
-        place,
-        "reference",
-        "healthy vessel that the lesion beside it is measured against; once or twice",
-    )
+    add_vessel_marks(place)
 
 
 def _add_output(group: argparse._ArgumentGroup) -> None:

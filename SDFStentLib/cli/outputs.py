@@ -158,7 +158,11 @@ class Outputs:
 def _check_folder(path: str | os.PathLike[str], may_come: Path | None = None) -> Path:
     """The folder, which exists and may be written, or can be made; one in `may_come` can."""
     target = Path(os.path.realpath(path))
-    if target.exists() and not target.is_dir():
+    try:
+        is_there = target.exists()
+    except OSError as error:
+        raise cannot_write(path, error) from error
+    if is_there and not target.is_dir():
         raise InputError(f"{path}: expected a folder, got a file; name another one.")
     if may_come is not None and target.parent == may_come and not may_come.exists():
         return target

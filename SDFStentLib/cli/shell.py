@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from decimal import Decimal
 from typing import TextIO
 
+from ..files import cannot_write
 from ..validation import DeploymentError, InputError
 from .console import Console, error_line, remedies_of
 from .options import parser
@@ -46,8 +47,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         sys.stdout.flush()
         return code
     except BrokenPipeError:
-        # Whoever read the output has seen enough; nothing may be flushed into it at the end.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        # Whoever read the output has seen enough.
+        _drop_stdout()
         return DONE
     except (Exception, KeyboardInterrupt) as error:
         return _failed(error, options)
@@ -96,6 +97,11 @@ def _imported(name: str) -> Callable[[argparse.Namespace, Console], int]:
     return demo_command
 
 
+def _drop_stdout() -> None:
+    """Nothing may be flushed into it at the end, where that would fail again."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
 def _nowhere() -> TextIO:
     return open(os.devnull, "w", encoding="utf-8")
 
@@ -111,6 +117,12 @@ def _failed(error: BaseException, options: argparse.Namespace) -> int:
         return BAD_INPUT
     if isinstance(error, DeploymentError):
         error_line(f"sdfstent {options.command}: {error}")
+        return BAD_INPUT
+    if isinstance(error, OSError) and error.filename is None and error.strerror:
+        # Files are opened by name, and tell of it.
+        _drop_stdout()
+        sentence = cannot_write("standard output", error)
+        error_line(f"sdfstent {options.command}: {sentence}")
         return BAD_INPUT
     hint = "" if options.debug else " Run it again with --debug to see where."
     words = " ".join(f"{type(error).__name__}: {error}".split())

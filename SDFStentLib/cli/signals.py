@@ -1,11 +1,14 @@
-"""Ctrl-C and SIGTERM: one interruption, once, and none while files change their places."""
+"""Ctrl-C and SIGTERM: one interruption, once, and none while files change their places.
+
+A sweep, whose workers may not answer, waits for them until the second one.
+"""
 
 from __future__ import annotations
 
 import os
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 from typing import Any, NoReturn
@@ -16,6 +19,7 @@ SENTENCE = "sdfstent: interrupted; nothing was written."
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 _open_blocks: list[None] = []  # of `interruptions`
 _asked: list[int] = []  # signals that came within the block
+_at_second: list[Callable[[], None]] = []  # what is done at a second one
 
 
 @contextmanager
@@ -23,7 +27,7 @@ def interruptions() -> Iterator[None]:
     """Within the block the first signal is a `KeyboardInterrupt`, and further ones are ignored."""
 
     def interrupt(number: int, _frame: FrameType | None) -> NoReturn:
-        _set(signal.SIG_IGN)
+        _set(_second if _at_second else signal.SIG_IGN)
         _asked.append(number)
         raise KeyboardInterrupt
 
@@ -36,6 +40,25 @@ def interruptions() -> Iterator[None]:
         _open_blocks.pop()
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+@contextmanager
+def at_second_signal(act: Callable[[], None]) -> Iterator[None]:
+    """Within the block a second signal does something; only further ones are ignored.
+
+    For work that waits for others when it is interrupted.
+    """
+    _at_second.append(act)
+    try:
+        yield
+    finally:
+        _at_second.pop()
+
+
+def _second(_number: int, _frame: FrameType | None) -> None:
+    _set(signal.SIG_IGN)
+    for act in _at_second:
+        act()
 
 
 @contextmanager

@@ -8,15 +8,20 @@ from ..stent import KEPT
 from .argument_types import number, path, whole
 
 
-def add_stent(command: argparse.ArgumentParser) -> None:
-    """Which stent, how wide, and how it gets there."""
-    stent = command.add_argument_group("stent")
-    stent.add_argument(
+def add_size(group: argparse._ActionsContainer) -> None:
+    """How wide, or which device: what everyone needs."""
+    group.add_argument(
         "--diameter",
         type=number,
         metavar="D",
         help="of the lumen that is deployed, mm; with --recoil of the balloon",
     )
+    add_device_name(group)
+
+
+def add_stent(command: argparse.ArgumentParser) -> None:
+    """How it gets there, beside `add_size`."""
+    stent = command.add_argument_group("stent")
     stent.add_argument(
         "--balloon",
         type=number,
@@ -33,7 +38,12 @@ def add_stent(command: argparse.ArgumentParser) -> None:
     stent.add_argument(
         "--redilate", type=number, metavar="D", help="then dilate the same stent to D, mm"
     )
-    add_device(stent)
+    add_device_more(stent)
+    stent.add_argument(
+        "--shortened",
+        action="store_true",
+        help="deploy it also where less than half of it can lie on the vessel",
+    )
     stent.add_argument(
         "--keep",
         choices=KEPT,
@@ -78,11 +88,15 @@ def add_shape(command: argparse.ArgumentParser) -> None:
     )
 
 
-def add_device(stent: argparse._ActionsContainer) -> None:
-    """Which device, and what it loses of its length."""
-    stent.add_argument(
+def add_device_name(group: argparse._ActionsContainer) -> None:
+    """Which device."""
+    group.add_argument(
         "--device", type=path, metavar="NAME", help="one of `sdfstent devices`; sets its lengths"
     )
+
+
+def add_device_more(stent: argparse._ActionsContainer) -> None:
+    """Where devices are, and what one loses of its length."""
     add_device_table(stent)
     stent.add_argument(
         "--foreshortening",
@@ -126,4 +140,5 @@ def add_wishes(command: argparse.ArgumentParser) -> None:
         default=0.0,
         help="how far beyond both ends of the lesion (default 0)",
     )
-    add_device(command)
+    add_device_name(command)
+    add_device_more(command)

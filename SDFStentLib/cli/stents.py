@@ -134,6 +134,7 @@ def _sizes(
             device=device,
             keeps=options.keep or "center",
             shape=shape,
+            may_be_shortened=options.shortened,
         )
         if way != "at_lesion":
             return stent

@@ -8,7 +8,7 @@ import os
 import shlex
 from pathlib import Path
 
-from ..plan import InputFiles, Plan, save_plan
+from ..plan import InputFiles, Plan, device_table, save_plan
 from ..report import suggestion_section, suggestion_sentences
 from ..treatment import SizingWishes
 from ..validation import InputError
@@ -31,13 +31,14 @@ def suggest_command(options: argparse.Namespace, console: Console) -> int:
     suggestions = [inputs.vessel.suggestion(number, wishes) for number in _numbers(options, inputs)]
     plan = plan_of(options, Plan(), tuple(one.stent for one in suggestions), inputs)
     outputs.write()
+    devices = device_table(options.device_table)
     if options.json:
-        listed = [suggestion_section(one) for one in suggestions]
+        listed = [suggestion_section(one, devices) for one in suggestions]
         print(json.dumps({"suggestions": listed}, indent=2, allow_nan=False, ensure_ascii=False))
         return 0
     console.warn(inputs.warnings)
     for one in suggestions:
-        for sentence in suggestion_sentences(one):
+        for sentence in suggestion_sentences(one, devices):
             console.say(sentence)
         console.warn(caution.labeled(f"Lesion {one.number}: ") for caution in one.cautions())
     console.say(f"Wrote {name}; to carry it out: sdfstent run {shlex.quote(name)} -o DIR")

@@ -4,7 +4,14 @@ from __future__ import annotations
 
 import argparse
 import json
+import logging
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
 from itertools import islice
+from multiprocessing import active_children
+from threading import Timer
 
 from ..cohort import (
     Sweep,
@@ -18,11 +25,17 @@ from ..cohort import (
     worker_count,
     write_manifest,
 )
-from ..validation import DeploymentError, InputError
-from .console import Console, error_line
-from .signals import INTERRUPTED
+from ..validation import DeploymentError, InputError, as_number
+from .console import Console, error_line, ignored
+from .signals import INTERRUPTED, at_second_signal
 
 DONE, NOT_CERTIFIED, INCOMPLETE = 0, 3, 4
+
+SILENCE = 60.0
+"""Without a case, s: then it is said, and again after twice the time."""
+
+LAST_SECONDS = 2.0
+"""After a second interruption."""
 
 SHOWN = 5
 """Cases that a dry run lists."""
@@ -44,6 +57,9 @@ def sweep_command(options: argparse.Namespace, console: Console) -> int:
     if options.workers is not None and options.scheduler is not None:
         raise InputError("expected --workers or --scheduler, got both; leave one of them out.")
     sweep = load_sweep(options.sweep)
+    if options.time_limit is not None:
+        limit = as_number(options.time_limit, "--time-limit", unit="s", above=0)
+        sweep = replace(sweep, time_limit=limit)
     if options.dry_run:
         return _dry_run(sweep, options, console)
     if options.output is None:
@@ -52,26 +68,24 @@ def sweep_command(options: argparse.Namespace, console: Console) -> int:
 
 
 def _run(sweep: Sweep, options: argparse.Namespace, console: Console) -> int:
-    tally = Tally(0)
-
-    def show(now: Tally) -> None:
-        nonlocal tally
-        tally = now
-        draw(now.fraction, now.note())
-
+    watcher = _Watcher(console)
     try:
-        with console.progress("Sweeping") as draw:
+        with (
+            console.progress("Sweeping") as draw,
+            at_second_signal(_end_soon),
+            _logs(options.debug),
+        ):
+            watcher.draw = draw
             tally = run_sweep(
                 sweep,
                 options.output,
                 workers=options.workers,
                 scheduler=options.scheduler,
-                progress=show,
+                progress=watcher.show,
             )
     except KeyboardInterrupt:
         error_line(
-            f"sdfstent: interrupted; {tally.finished} of {tally.total} cases are kept in "
-            f"{options.output}, run it again to go on."
+            f"sdfstent: interrupted; {watcher.kept()} in {options.output}, run it again to go on."
         )
         return INTERRUPTED
     except DeploymentError as error:
@@ -82,6 +96,60 @@ def _run(sweep: Sweep, options: argparse.Namespace, console: Console) -> int:
     if tally.failed:
         return INCOMPLETE
     return NOT_CERTIFIED if tally.uncertified else DONE
+
+
+class _Watcher:
+    """Shows how far a sweep is, and says when nothing comes of it."""
+
+    def __init__(self, console: Console) -> None:
+        self.console, self.draw = console, ignored
+        self.tally: Tally | None = None
+        self._since, self._said = 0.0, SILENCE
+
+    def show(self, now: Tally) -> None:
+        """Take the counts, which come twice a second."""
+        if self.tally is None or now.finished != self.tally.finished:
+            self._since, self._said = now.seconds, SILENCE
+        self.tally = now
+        self.draw(now.fraction, now.note())
+        silent = now.seconds - self._since
+        if silent >= self._said and not now.lacks_workers:
+            self._said = 2 * silent
+            self.console.complain(
+                f"no case has come back for {duration_in_words(silent)}; a worker may not answer. "
+                "Wait, or end the sweep by Ctrl-C, twice if need be: what is whole is kept. With "
+                "--time-limit S cases that take longer are given up."
+            )
+
+    def kept(self) -> str:
+        """What is left of an interrupted sweep."""
+        if self.tally is None:
+            return "what was whole before is kept"
+        return f"{self.tally.finished} of {self.tally.total} cases are kept"
+
+
+@contextmanager
+def _logs(are_shown: bool) -> Iterator[None]:
+    """What packages log: those of a cluster print tracebacks of what we tell in a sentence."""
+    logging.disable(logging.NOTSET if are_shown else logging.CRITICAL)
+    try:
+        yield
+    finally:
+        logging.disable(logging.NOTSET)
+
+
+def _end_soon() -> None:
+    """At a second interruption nobody waits for workers, nor long for the tables."""
+    for child in active_children():
+        child.kill()
+    timer = Timer(LAST_SECONDS, _end_now)
+    timer.daemon = True
+    timer.start()
+
+
+def _end_now() -> None:
+    os.write(2, b"sdfstent: ended; what is whole is kept, run it again to go on.\n")
+    os._exit(INTERRUPTED)
 
 
 def _counts(tally: Tally) -> str:
@@ -110,7 +178,7 @@ def _status(tally: Tally, is_running: bool) -> str:
 
 
 def _dry_run(sweep: Sweep, options: argparse.Namespace, console: Console) -> int:
-    cases = list(cases_of(sweep))
+    cases = cases_of(sweep)
     console.say(f"{len(cases)} cases, {len(sweep.patients)} patient(s).")
     for case in islice(cases, SHOWN):
         values = json.dumps(case.parameters, ensure_ascii=False)

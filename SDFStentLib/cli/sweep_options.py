@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from .argument_types import path, whole
+from .argument_types import number, path, whole
 from .common_options import add_talk
 
 
@@ -25,6 +25,13 @@ def add_sweep(command: argparse.ArgumentParser) -> None:
     )
     command.add_argument(
         "--scheduler", metavar="ADDRESS", help="of a Dask cluster, such as tcp://host:8786"
+    )
+    command.add_argument(
+        "--time-limit",
+        type=number,
+        metavar="S",
+        help="seconds for each case on this machine: then its worker is ended, and it has failed "
+        "(default: that of the document, or none)",
     )
     command.add_argument(
         "--dry-run",

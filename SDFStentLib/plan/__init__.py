@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     )
     from .shapes import read_profile, shape_document, shape_from_document
     from .steps import StepFiles
+    from .today import Today
 
 __all__ = [
     "POINT_PLACEMENTS",
@@ -52,6 +53,7 @@ __all__ = [
     "PlanResult",
     "StentDetails",
     "StepFiles",
+    "Today",
     "as_read",
     "compare",
     "comparison_inputs",
@@ -126,5 +128,6 @@ __getattr__, __dir__ = late_names(
         ],
         "shapes": ["read_profile", "shape_document", "shape_from_document"],
         "steps": ["StepFiles"],
+        "today": ["Today"],
     },
 )

@@ -15,10 +15,10 @@ from typing import Any
 from ..stent import Balloon, Device, Placement, Shape, Stent
 from ..validation import InputError
 from .devices import device_document, device_from_document
-from .json_document import number, parsed, section, text_value
+from .json_document import number, parsed, section, text_value, truth
 from .shapes import shape_document, shape_from_document
 
-KEYS = ("device", "balloon", "keeps", "shape")
+KEYS = ("device", "balloon", "keeps", "shape", "may_be_shortened")
 
 
 @dataclass(frozen=True)
@@ -29,6 +29,7 @@ class StentDetails:
     balloon: Balloon | None = None
     keeps: str = "center"
     shape: Shape | None = None
+    may_be_shortened: bool = False
 
 
 def details_document(stent: Stent | StentDetails) -> dict[str, Any]:
@@ -38,6 +39,7 @@ def details_document(stent: Stent | StentDetails) -> dict[str, Any]:
         "balloon": None if stent.balloon is None else asdict(stent.balloon),
         "keeps": stent.keeps,
         "shape": shape_document(stent.shape),
+        "may_be_shortened": stent.may_be_shortened,
     }
 
 
@@ -54,13 +56,16 @@ def details_from_document(given: Mapping[str, Any], where: str) -> dict[str, Any
         "balloon": _balloon_from_document(given.get("balloon"), f"{where}.balloon"),
         "keeps": text_value(given.get("keeps", "center"), f"{where}.keeps"),
         "shape": shape_from_document(given.get("shape"), f"{where}.shape"),
+        "may_be_shortened": truth(
+            given.get("may_be_shortened", False), f"{where}.may_be_shortened"
+        ),
     }
 
 
 def stent_details(stent: Stent | StentDetails) -> str:
-    """Device, balloon, shape and kept end of a stent as JSON text; empty where it has none."""
-    usual = (None, "center")
-    kept = {key: value for key, value in details_document(stent).items() if value not in usual}
+    """What a stent is beyond sizes and place as JSON text; empty where that is nothing."""
+    usual = details_document(StentDetails())
+    kept = {key: value for key, value in details_document(stent).items() if value != usual[key]}
     return json.dumps(kept, ensure_ascii=False) if kept else ""
 
 
@@ -113,6 +118,7 @@ def detailed_stent(
         balloon=None if found.balloon is None else _that_leaves(found.balloon, diameter),
         keeps=found.keeps,
         shape=None if found.shape is None else _for_diameter(found.shape, diameter),
+        may_be_shortened=found.may_be_shortened,
         **sizes,
         **values,
     )
@@ -134,6 +140,8 @@ def details_words(details: str) -> str:
     parts += [f"{name} of its own" for name in ("start", "end") if name in shape]
     if "shape" in found:
         words.append(f"a shape ({', '.join(parts) or 'flat caps'})")
+    if found.get("may_be_shortened"):
+        words.append("shortened where the vessel ends")
     return ", ".join(words)
 
 

@@ -91,7 +91,7 @@ def device_from_document(value: Any, where: str) -> Device | None:
             continue
         elif key in _NUMBERS:
             changes[key] = float(number(row[key], at))
-        elif key in _RANGES:
+        elif key in _RANGES or key == "sold_lengths":
             changes[key] = _numbers(row[key], at)
         elif key == "lengths":
             pairs = sequence(row[key], at)

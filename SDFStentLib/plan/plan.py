@@ -12,7 +12,7 @@ import numpy as np
 
 from ..deformation import DeploymentSettings
 from ..stent import ByValue, InputFile, Stent
-from ..units import Frame, flipped, millimeters_per
+from ..units import MOST_FLOW, Frame, flipped, millimeters_per
 from ..validation import InputError, as_number, in_short
 from ..version import VERSION
 
@@ -84,8 +84,10 @@ def _as_range(flow: Any) -> tuple[float, float]:
             "give both, or none."
         ) from None
     remedy = "give the least and the most that flows there, or no flow at all"
-    least = as_number(least, "flow", unit="mL/s", above=0, remedy=remedy)
-    return least, as_number(most, "flow at most", unit="mL/s", minimum=least, remedy=remedy)
+    least = as_number(least, "flow", unit="mL/s", above=0, maximum=MOST_FLOW, remedy=remedy)
+    return least, as_number(
+        most, "flow at most", unit="mL/s", minimum=least, maximum=MOST_FLOW, remedy=remedy
+    )
 
 
 def turned(stent: Stent) -> Stent:

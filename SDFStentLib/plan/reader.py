@@ -20,6 +20,9 @@ from .document import NAMED_SETTINGS, POINT_PLACEMENTS, SCHEMA, SETTINGS
 from .json_document import in_words, number, parsed, scaled, section, sequence, text_value, truth
 from .plan import Plan
 
+MOST_STENTS = 1000
+"""Of a plan, disabled ones too: far more than any patient gets."""
+
 _FIRST_PARTS = ("sdfstent_version", "inputs", "settings")
 PLAN_KEYS = {1: _FIRST_PARTS, 2: (*_FIRST_PARTS, "flow")}
 """What a plan of each version may have besides its stents."""
@@ -102,6 +105,7 @@ def plan_from_document(
     """
     _check_version(document)
     section(document, "plan", ("schema", "version", "stents"), PLAN_KEYS[document["version"]])
+    _check_count(document["stents"])
     inputs = section(document.get("inputs", {}), "inputs", (), _INPUT_KEYS)
     units, frame = _space(inputs)
     reader = _StentReader(document["version"], units, frame, folder, axis_reader)
@@ -122,6 +126,15 @@ def plan_from_document(
         flow=_flow(document.get("flow")),
         **made_by,
     )
+
+
+def _check_count(stents: Any) -> None:
+    count = len(sequence(stents, "stents"))
+    if count > MOST_STENTS:
+        raise InputError(
+            f"stents: expected at most {MOST_STENTS:,}, got {count:,}; leave out those that are "
+            "not deployed, or make several plans."
+        )
 
 
 def _space(inputs: Mapping[str, Any]) -> tuple[str, Frame | None]:

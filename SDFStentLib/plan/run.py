@@ -23,13 +23,15 @@ from ..files import (
 )
 from ..stent import AlongAxis, InputFile, Stent
 from ..treatment import (
+    Residual,
     TreatedLesion,
     Treatment,
     TreatmentResult,
     TreatmentState,
     Vessel,
     label_of,
-    ratio_cautions,
+    residual_of,
+    size_cautions,
     treated_lesions,
 )
 from ..units import Frame, flipped
@@ -37,6 +39,7 @@ from ..validation import InputError, Points, check_is_a
 from ..version import VERSION
 from .axis import changed_input, is_changed
 from .plan import Plan, turned
+from .today import Today, today_of
 
 
 @dataclass(frozen=True)
@@ -90,11 +93,20 @@ class PlanResult:
         return treated_lesions(vessel.lesions, result.stents, result.surface, vessel.surface)
 
     @cached_property
+    def residual(self) -> Residual | None:
+        """What is narrowest in the treated vessels; None where no stent covers a lesion."""
+        return residual_of(self.lesions or (), self.treatment.stents)
+
+    @cached_property
+    def today(self) -> Today | None:
+        """The result before a stent is dilated again; None for a plan without a redilation."""
+        return today_of(self.inputs.vessel, self.treatment)
+
+    @cached_property
     def size_warnings(self) -> tuple[Caution, ...]:
-        """Where a stent's ratio to its lesion is beyond what is known; the lesions are needed."""
-        stents, lesions = self.plan.stents, self.lesions or ()
-        label = partial(label_of, stents)
-        return tuple(ratio_cautions(self.treatment.stents, lesions, label))
+        """Where a stent is too short for its lesion, or its ratio to it beyond what is known."""
+        label = partial(label_of, self.plan.stents)
+        return tuple(size_cautions(self.treatment.stents, self.lesions, label))
 
     def write_surface(
         self, path: str | os.PathLike[str], *, arrays: bool = False

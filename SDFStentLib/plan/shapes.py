@@ -40,7 +40,14 @@ def read_profile(path: str | os.PathLike[str]) -> tuple[tuple[float, float], ...
         raise InputError(
             f"{path}: expected rows of fraction,diameter, got no text; save it as text."
         ) from error
-    rows = [row for row in csv.reader(io.StringIO(text)) if any(cell.strip() for cell in row)]
+    try:
+        # Whatever its lines end with.
+        table = list(csv.reader(io.StringIO(text, newline=None)))
+    except csv.Error as error:
+        raise InputError(
+            f"{path}: expected rows of fraction,diameter, got what is none ({error}); correct it."
+        ) from error
+    rows = [row for row in table if any(cell.strip() for cell in row)]
     if not rows or tuple(cell.strip().lower() for cell in rows[0]) != HEADER:
         found = in_short(",".join(rows[0])) if rows else "nothing"
         raise InputError(

@@ -33,10 +33,13 @@ if TYPE_CHECKING:
     )
     from .lesions import (
         LEAST,
+        LEFT,
         lesion_list,
         lesion_section,
         lesion_sentences,
+        lesions_by_size,
         lesions_csv,
+        residual_words,
         stent_lesion_sentences,
     )
     from .of_plan import plan_report
@@ -51,11 +54,13 @@ if TYPE_CHECKING:
         suggestion_section,
         suggestion_sentences,
     )
+    from .summary import deployment_sentences, deployment_summary
     from .zero_d import zero_d_cautions, zero_d_document
 
 __all__ = [
     "FIGURE_SUFFIXES",
     "LEAST",
+    "LEFT",
     "SEGMENT_FILES",
     "MeasuredLine",
     "Report",
@@ -67,6 +72,8 @@ __all__ = [
     "comparison_json",
     "comparison_page",
     "comparison_pictures",
+    "deployment_sentences",
+    "deployment_summary",
     "device_rows",
     "device_sentence",
     "diameter_section",
@@ -75,11 +82,13 @@ __all__ = [
     "lesion_list",
     "lesion_section",
     "lesion_sentences",
+    "lesions_by_size",
     "lesions_csv",
     "lumen_sentence",
     "plan_report",
     "planned_device_sentences",
     "ratio_sentence",
+    "residual_words",
     "segment_document",
     "segment_sentences",
     "stent_balloon_sentences",
@@ -124,6 +133,9 @@ __getattr__, __dir__ = late_names(
         "lesions": [
             "LEAST",
             "lesion_list",
+            "LEFT",
+            "lesions_by_size",
+            "residual_words",
             "lesion_section",
             "lesion_sentences",
             "lesions_csv",
@@ -146,6 +158,7 @@ __getattr__, __dir__ = late_names(
             "suggestion_sentences",
         ],
         "report": ["FIGURE_SUFFIXES", "Report", "write_report", "write_report_figure"],
+        "summary": ["deployment_sentences", "deployment_summary"],
         "zero_d": ["zero_d_cautions", "zero_d_document"],
     },
 )

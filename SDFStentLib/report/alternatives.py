@@ -16,7 +16,7 @@ from .branches import (
 )
 from .changes import stretch_words
 from .html import BEYOND, MINIMUM, certificate_sentence
-from .lesions import LEFT_BEYOND, NO_LESION, NOT_LOOKED_FOR
+from .lesions import LEFT, LEFT_BEYOND, NO_LESION, NOT_LOOKED_FOR
 from .pressure import pressure_words
 from .words import DIAMETERS, degree_text, device_words, millimeters, stent_titles, stent_words
 
@@ -48,6 +48,7 @@ def comparison_rows(alternatives: Sequence[Section]) -> list[Row]:
         _verdicts(alternatives),
         _of_each("Warnings", documents, lambda document: tuple(document["warnings"])),
         _of_each("Stents", documents, _stents),
+        _of_each(LEFT, documents, _left_in_vessel),
         *_lesions(documents),
         _per_stent(MINIMUM, documents, partial(_change, "")),
         _per_stent(BEYOND, documents, partial(_change, "beyond_")),
@@ -152,6 +153,11 @@ def _lesions(documents: Sequence[Section | None]) -> list[Row]:
         cells = tuple(() if one is None else ("as before",) for one in documents)
         rows.append(Row("Other lesions, by diameter", ", ".join(left), cells))
     return rows
+
+
+def _left_in_vessel(document: Section) -> Lines:
+    left = document["left"]
+    return () if left is None else (left["words"],)
 
 
 def _left_of(place: int) -> Callable[[Section], Lines]:

@@ -6,26 +6,26 @@ from collections.abc import Sequence
 from typing import Any
 
 from ..stent import OfStent, Stent
-from ..treatment import TreatedLesion, TreatedStent, stent_ratios
+from ..treatment import TreatedLesion, TreatedStent, treated_ratios
 from .sizing import ratio_section
 from .words import UNKNOWN
 
 Covered = Sequence[TreatedLesion] | None
 
 
-def diameters_section(stent: Stent, covered: Covered) -> dict[str, Any]:
+def diameters_section(treated: TreatedStent, lesions: Covered) -> dict[str, Any]:
     """The diameters of the lumen, of the balloon and of the healthy vessel, mm; null if unknown.
 
-    The reference is that of the tightest lesion that the stent covers.
+    The reference is that of the tightest of the lesions that the stent covers.
     """
-    balloon = stent.balloon
+    stent, balloon = treated.stent, treated.stent.balloon
     return {
         "lumen_diameter_mm": stent.diameter,
         "balloon_diameter_mm": None if balloon is None else balloon.diameter,
         "recoil_fraction": None if balloon is None else balloon.recoil_fraction,
         "recoil_reason": None if balloon is None else balloon.reason,
-        "reference_diameter_mm": _reference(covered),
-        **_ratios(stent, covered),
+        "reference_diameter_mm": _reference(_covered(treated, lesions)),
+        **ratio_section(treated_ratios(treated, lesions)),
     }
 
 
@@ -38,8 +38,7 @@ def redilation_section(stent: Stent, again: int | None) -> dict[str, Any]:
 
 def stent_balloon_sentences(treated: TreatedStent, lesions: Covered) -> list[str]:
     """Balloon, lumen and reference in one sentence; none for a stent whose lumen was given."""
-    covered = None if lesions is None else [one for one in lesions if treated.number in one.stents]
-    return balloon_sentences(treated.stent, _reference(covered))
+    return balloon_sentences(treated.stent, _reference(_covered(treated, lesions)))
 
 
 def balloon_sentences(stent: Stent, reference: float | None) -> list[str]:
@@ -54,11 +53,9 @@ def balloon_sentences(stent: Stent, reference: float | None) -> list[str]:
     ]
 
 
-def _ratios(stent: Stent, covered: Covered) -> dict[str, float | None]:
-    if not covered:
-        return {}
-    return ratio_section(stent_ratios(stent, covered[0].before))
+def _covered(treated: TreatedStent, lesions: Covered) -> list[TreatedLesion]:
+    return [one for one in lesions or () if treated.number in one.stents]
 
 
-def _reference(covered: Covered) -> float | None:
+def _reference(covered: Sequence[TreatedLesion]) -> float | None:
     return covered[0].before.reference_diameter if covered else None

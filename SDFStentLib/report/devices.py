@@ -22,6 +22,7 @@ def device_section(device: Device | None) -> dict[str, Any] | None:
         "covered": device.covered,
         "cell": device.cell,
         "nominal_length_mm": device.nominal_length,
+        "sold_lengths_mm": list(device.sold_lengths),
         "lengths_mm": [list(pair) for pair in device.lengths],
         "foreshortening_fraction": device.foreshortening_fraction,
         "nominal_diameters_mm": device.nominal_diameters,
@@ -46,6 +47,7 @@ def device_rows(device: Device) -> list[tuple[str, str]]:
         ("Covered", covered),
         ("Cells", device.cell if device.cell != "unknown" else UNKNOWN),
         ("Nominal length", _size(device.nominal_length)),
+        *([("Sold lengths", _sold(device))] if device.sold_lengths else []),
         ("Length on expansion", _shortening(device) or UNKNOWN),
         ("Nominal diameters", _span(device.nominal_diameters)),
         ("Largest diameter", _size(device.maximum_diameter)),
@@ -58,19 +60,28 @@ def device_rows(device: Device) -> list[tuple[str, str]]:
 
 def device_sentence(device: Device) -> str:
     """A device in one line of a list."""
-    known = [
+    known = [*_known(device)]
+    if not _shortening(device):
+        known.insert(bool(device.offered_lengths), f"shortening {UNKNOWN}")
+    what = " ".join(filter(None, (device.manufacturer, device.family)))
+    return f"{device.name}: {f'{what}; ' if what else ''}{', '.join(known)}."
+
+
+def _known(device: Device) -> list[str]:
+    """The numbers of a row in words."""
+    return [
         words
         for words in (
             device.nominal_length and f"{device.nominal_length:g} mm long",
-            _shortening(device) or f"shortening {UNKNOWN}",
+            device.sold_lengths and f"sold in {_sold(device)}",
+            _shortening(device),
             device.nominal_diameters and f"made for {_span(device.nominal_diameters)}",
             device.maximum_diameter and f"up to {device.maximum_diameter:g} mm",
             device.reported_diameters and f"used at {_span(device.reported_diameters)}",
+            device.reported_lengths and f"in lengths of {_span(device.reported_lengths)}",
         )
         if words
     ]
-    what = " ".join(filter(None, (device.manufacturer, device.family)))
-    return f"{device.name}: {f'{what}; ' if what else ''}{', '.join(known)}."
 
 
 def stent_device_sentences(treated: TreatedStent) -> list[str]:
@@ -80,16 +91,30 @@ def stent_device_sentences(treated: TreatedStent) -> list[str]:
 
 def planned_device_sentences(stent: Stent) -> list[str]:
     """The same of a stent that is planned."""
-    device, nominal = stent.device, stent.length
+    device = stent.device
     if device is None:
         return []
-    size = ""
-    if nominal is not None:
-        size = (
-            f"{nominal:g} mm long as packed, {nominal * (1.0 - stent.foreshortening):.1f} mm at "
-            f"{stent.diameter:g} mm of diameter; "
-        )
-    return [f"Device {device.name}: {size}source of its numbers: {source_words(device)}."]
+    source = source_words(device)
+    if not device.generic:
+        source = f"from its source: {', '.join(_known(device)) or 'no number'} ({source})"
+    return [f"Device {device.name}: {_sizes(stent, device)}{source}."]
+
+
+def _sizes(stent: Stent, device: Device) -> str:
+    """Its lengths, and whose they are: only what its row has is from the row's source."""
+    nominal = stent.length
+    if nominal is None:
+        return ""
+    is_offered = nominal in device.offered_lengths
+    is_given = stent.foreshortening_fraction is not None
+    whose = [
+        f"{what} {'as given' if is_users else 'as its row has it'}"
+        for what, is_users in (("length", not is_offered), ("shortening", is_given))
+    ]
+    return (
+        f"{nominal:g} mm long as packed, {nominal * (1.0 - stent.foreshortening):.1f} mm at "
+        f"{stent.diameter:.4g} mm of diameter ({', '.join(whose)}); "
+    )
 
 
 def source_words(device: Device) -> str:
@@ -101,6 +126,10 @@ def source_words(device: Device) -> str:
     date = f" ({device.source_date})" if device.source_date else ""
     state = "verified" if device.verified else "unverified"
     return f"{device.source}{date}; {state}"
+
+
+def _sold(device: Device) -> str:
+    return f"{', '.join(f'{one:g}' for one in device.sold_lengths)} mm"
 
 
 def _shortening(device: Device) -> str:

@@ -7,11 +7,13 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from html import escape
 from typing import Any
 
+from ..certificate import CERTIFIED, NOT_CERTIFIED
 from ..validation import printable
 from .branches import apposition_table, branch_table, stretches_of
 from .changes import change_rows, setting_rows
 from .drawing import svg
 from .lesion_table import covered_words, lesion_rows, lesion_table, stent_lesions
+from .lesions import LEFT
 from .plot import diameter_plot
 from .pressure import pressure_part
 from .words import (
@@ -39,7 +41,7 @@ th,td{text-align:left;padding:5px 10px;border-bottom:1px solid #e4e4e4;vertical-
 td.n,th.n{text-align:right;font-variant-numeric:tabular-nums}td.n{white-space:nowrap}
 td.n.degree{white-space:normal}
 .place{min-width:9em}.first td{font-size:17px}
-.good{border-left:5px solid #1a7f37;background:#eef8f0;padding:6px 10px}
+.good{border-left:5px solid #777;background:#f4f4f4;padding:6px 10px}
 .bad{border-left:5px solid #b30000;background:#fff0ee;padding:6px 10px}
 .warn{border-left:5px solid #b37400;background:#fff8e8;padding:6px 10px;margin:4px 0}
 .words td:first-child{width:36%}
@@ -70,9 +72,10 @@ def html_page(document: Mapping[str, Any], picture: bytes | str | None = None) -
         f" &middot; sdfstent {escape(str(document['sdfstent_version']))}</p>",
         f"<p class='notice'>{escape(document['notice'])}</p>",
         # For the clinician: what was done, what came of it, and what to be careful of.
-        _certificate(document["certificate"]),
-        *_warnings(document["warnings"]),
+        *_warnings_and_certificate(document),
+        *_headline(document["left"]),
         *_picture(picture),
+        *_today(document.get("today")),
         *lesion_table(document["lesions"]),
         *(_lumen(document, title, stent) for title, stent in named),
         *branch_table(document["branches"]),
@@ -116,11 +119,11 @@ def certificate_sentence(certificate: Mapping[str, Any] | None) -> tuple[bool, s
     if inverted:
         faults.append(f"has {inverted} inverted triangle{'s' if inverted > 1 else ''}")
     if not faults and certificate.get("passed", True):
-        return True, "Certified: watertight, manifold, no inverted and no new crossing triangles."
+        return True, f"{CERTIFIED}: watertight, manifold, no inverted, no new crossing triangles."
     said = f"the deployed surface {', '.join(faults) or 'failed its check'}"
     if certificate.get("passed"):
-        return True, f"Certified against the input: {said}, which the input was as well."
-    return False, f"NOT certified: {said}."
+        return True, f"{CERTIFIED}, against the input: {said}, which the input was as well."
+    return False, f"{NOT_CERTIFIED}: {said}."
 
 
 def _count(value: Any) -> int | None:
@@ -183,9 +186,17 @@ def _first_numbers(
     )
 
 
-def _certificate(certificate: Mapping[str, Any] | None) -> str:
-    passed, sentence = certificate_sentence(certificate)
-    return f"<p class='{'good' if passed else 'bad'}'>{escape(sentence)}</p>"
+def _headline(left: Mapping[str, Any] | None) -> list[str]:
+    """What counts most of a treatment: the narrowest place left in the treated vessels."""
+    return [] if left is None else [f"<p><b>{LEFT}: {escape(left['words'])}.</b></p>"]
+
+
+def _warnings_and_certificate(document: Mapping[str, Any]) -> list[str]:
+    """That a surface can be meshed stands below the warnings, that it cannot above them."""
+    passed, sentence = certificate_sentence(document["certificate"])
+    line = f"<p class='{'good' if passed else 'bad'}'>{escape(sentence)}</p>"
+    warnings = _warnings(document["warnings"])
+    return [*warnings, line] if passed else [line, *warnings]
 
 
 def _warnings(warnings: Sequence[str]) -> list[str]:
@@ -202,6 +213,10 @@ def _picture(picture: bytes | str | None) -> list[str]:
         return [f"<p class='small'>This page has no picture of the vessel. {escape(picture)}</p>"]
     data = b64encode(picture).decode("ascii")
     return [f"<img alt='The vessel before and after' src='data:image/png;base64,{data}'>"]
+
+
+def _today(today: Mapping[str, Any] | None) -> list[str]:
+    return [] if today is None else [f"<p>{escape(one)}</p>" for one in today["sentences"]]
 
 
 def _stent(title: str, stent: Mapping[str, Any], surface: Mapping[str, Any]) -> str:

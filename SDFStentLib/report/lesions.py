@@ -8,14 +8,15 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ..measure import SMALLEST_DEGREE, HealthyPlace, Lesion
-from ..treatment import TreatedLesion
+from ..treatment import Residual, TreatedLesion
 from ..units import MILLIMETERS
+from ..vessel import SMALL_VESSEL, SMALLEST_DEGREE, HealthyPlace, Lesion
 from .words import degree_text
 
 LEAST = f"{100 * SMALLEST_DEGREE:.0f} % or more"
 NO_LESION = f"No lesion of {LEAST} was found."
 COVERS_NONE = f"This stent covers no lesion of {LEAST}."
+LEFT = "Left in the treated vessel"
 LEFT_BEYOND = " What is left is narrowest beyond the stent's ends."
 NOT_LOOKED_FOR = "Lesions were not looked for: that takes a centerline of the vessel."
 
@@ -49,6 +50,9 @@ def lesion_section(number: int, lesion: Lesion, units: str = "mm") -> dict[str, 
         "branch": lesion.branch + 1,
         "branch_name": lesion.branch_name,
         "along_branch_mm": lesion.branch_arc_length,
+        "arc_length_mm": lesion.arc_length,
+        "vessel": lesion.vessel + 1,
+        "generation": lesion.generation,
         "place_mm": list(lesion.point),
         "place": list(_filed(lesion.point, units)),
         "units": units,
@@ -79,26 +83,71 @@ def treated_lesion_section(treated: TreatedLesion, units: str = "mm") -> dict[st
     }
 
 
+def residual_section(residual: Residual | None) -> dict[str, Any] | None:
+    """What is narrowest in the treated vessels, as a report has it."""
+    if residual is None:
+        return None
+    return {
+        "words": residual_words(residual),
+        "percent_diameter": residual.percent,
+        "minimum_mm": residual.minimum,
+        "reference_mm": residual.reference,
+        "place_mm": list(residual.point),
+        "lesion": residual.lesion,
+        "side": residual.side,
+        "stent": residual.stent,
+        "distance_mm": residual.distance,
+    }
+
+
+def residual_words(residual: Residual) -> str:
+    """What is narrowest in the treated vessels, and where: to follow a colon."""
+    return (
+        f"{degree_text(residual.percent)} ({residual.minimum:.2f} of {residual.reference:.2f} mm), "
+        f"{residual.place()}"
+    )
+
+
 def lesion_sentences(number: int, lesion: Lesion, units: str = "mm") -> tuple[str, str]:
     """A lesion in two sentences: what it is, and what it is measured against."""
     place = ", ".join(f"{value:.4g}" for value in _filed(lesion.point, units))
     return (
         f"Lesion {number}: {degree_text(lesion.percent_diameter)} by diameter, "
         f"{degree_text(lesion.percent_area)} by area; {lesion.branch_name}, "
-        f"{lesion.branch_arc_length:.1f} mm along it, at ({place}) {units}; "
+        f"{lesion.arc_length:.1f} mm from the proximal end, at ({place}) {units}; "
         f"{lesion.length:.1f} mm long; minimum {lesion.minimum_diameter:.2f} mm against "
         f"{lesion.reference_diameter:.2f} mm.",
         f"Reference: {lesion.reference}.",
     )
 
 
-def lesion_list(lesions: Sequence[Lesion], units: str = "mm") -> list[str]:
-    """The lesions as lines of text, or that there is none."""
+def lesion_list(
+    lesions: Sequence[Lesion],
+    units: str = "mm",
+    smallest: float = SMALL_VESSEL,
+    remedy: str = "",
+) -> list[str]:
+    """The lesions as lines of text, or that there is none; those in small vessels are counted.
+
+    `remedy` says how they are listed.
+    """
     lines = []
-    for number, lesion in enumerate(lesions, start=1):
-        first, second = lesion_sentences(number, lesion, units)
+    large, small = lesions_by_size(lesions, smallest)
+    for number in large:
+        first, second = lesion_sentences(number, lesions[number - 1], units)
         lines += [first, f"  {second}"]
+    if small:
+        more = "more " if large else ""
+        lines.append(f"{len(small)} {more}in vessels below {smallest:g} mm{remedy}.")
     return lines or [NO_LESION]
+
+
+def lesions_by_size(lesions: Sequence[Lesion], smallest: float) -> tuple[list[int], list[int]]:
+    """The numbers of the lesions in vessels of at least some diameter, mm, and of the others."""
+    numbers: tuple[list[int], list[int]] = ([], [])
+    for number, lesion in enumerate(lesions, start=1):
+        numbers[lesion.reference_diameter < smallest].append(number)
+    return numbers
 
 
 def stent_lesion_sentences(lesions: Sequence[TreatedLesion] | None, stent: int) -> list[str]:

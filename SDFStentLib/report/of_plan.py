@@ -15,12 +15,14 @@ from ..validation import check_is_a
 from ..version import VERSION
 from .balloons import diameters_section, redilation_section
 from .changes import change_section, settings_section
+from .deployed import shortening_reason
 from .devices import device_section
-from .lesions import treated_lesion_section
+from .lesions import residual_section, treated_lesion_section
 from .pressure import pressure_section
 from .report import Report
 from .shapes import shape_section
 from .stent_result import StentResult
+from .today import today_section
 
 
 def plan_report(
@@ -59,6 +61,8 @@ def plan_report(
         lesions=None
         if result.lesions is None
         else tuple(treated_lesion_section(one, units) for one in result.lesions),
+        left=residual_section(result.residual),
+        today=today_section(result.today),
         warnings=tuple(
             caution.sentence(units=units)
             for caution in (*result.warnings, *result.size_warnings, *lost)
@@ -77,7 +81,7 @@ def _stent_result(stent: TreatedStent, result: PlanResult, units: str) -> StentR
     if lesions is not None:
         covered = [one for one in lesions if stent.number in one.stents]
     return StentResult(
-        description=_description(stent, covered, units),
+        description=_description(stent, lesions, units),
         before=stent.before,
         after=stent.after,
         prescribed_diameter=prescribed_diameters(stent.stent, stent.axis, stent.before.arc_length),
@@ -92,7 +96,7 @@ def _stent_result(stent: TreatedStent, result: PlanResult, units: str) -> StentR
 
 
 def _description(
-    stent: TreatedStent, covered: Sequence[TreatedLesion] | None, units: str
+    stent: TreatedStent, lesions: Sequence[TreatedLesion] | None, units: str
 ) -> dict[str, Any]:
     chosen, axis = stent.stent, stent.axis
     name = {"name": chosen.name} if chosen.name else {}
@@ -101,11 +105,12 @@ def _description(
         **name,
         "device": device_section(chosen.device),
         **redilation_section(chosen, stent.again),
-        **diameters_section(chosen, covered),
+        **diameters_section(stent, lesions),
         "shape": shape_section(stent),
         "nominal_length_mm": axis.nominal_length,
         "deployed_length_mm": axis.deployed_length,
         "foreshortening_fraction": chosen.foreshortening,
+        "foreshortening_reason": shortening_reason(chosen),
         "placement": type(chosen.placement).__name__,
         "axis": {
             "start_mm": axis.points[0],

@@ -31,6 +31,18 @@ _CURVES = (
 """In the order of the legend, two in a column."""
 
 
+AS_WIDE = 0.97
+"""Of what was prescribed: more than that is told as reached."""
+
+SPHERE_HELD = (
+    "Where the stent widens the sphere is held by the narrower wall beside it: smaller than "
+    "prescribed, while the section is not."
+)
+
+_SIDEWAYS = (0, -70, 70)
+"""By how much words may be moved off what lies under them, pixels."""
+
+
 def diameter_plot(
     diameters: Mapping[str, Any],
     stretches: Sequence[Mapping[str, Any]] = (),
@@ -59,9 +71,31 @@ def diameter_plot(
         for piece in _pieces(positions, along[key])
     ]
     marks += curves
-    marks += [*_minimum_marks(diameters["minimum_lumen"], across, up, curves), *_legend()]
+    marks += [*_minimum_marks(diameters["minimum_lumen"], across, up, marks), *_legend()]
     title = "Lumen diameter along the stent before and after"
-    return Drawing(_WIDTH, _HEIGHT, tuple(marks), title)
+    if not _sphere_is_held(along):
+        return Drawing(_WIDTH, _HEIGHT, tuple(marks), title)
+    marks.append(Words(SPHERE_HELD, _WIDTH / 2, _HEIGHT + 12, 12, GRAY))
+    return Drawing(_WIDTH, _HEIGHT + 20, tuple(marks), title)
+
+
+def _sphere_is_held(along: Mapping[str, Any]) -> bool:
+    """Whether a section is as wide as a shape prescribes and no sphere fits in, as in a flare."""
+    places = [
+        place
+        for place in zip(
+            along["prescribed_mm"],
+            along["mis_after_mm"],
+            along["equivalent_after_mm"],
+            strict=True,
+        )
+        if None not in place
+    ]
+    wanted = [place[0] for place in places]
+    is_shaped = bool(wanted) and max(wanted) > min(wanted) / AS_WIDE
+    return is_shaped and any(
+        sphere < AS_WIDE * prescribed <= section for prescribed, sphere, section in places
+    )
 
 
 def figure(document: Mapping[str, Any]) -> Drawing:
@@ -170,32 +204,48 @@ def _pieces(
 
 
 def _minimum_marks(
-    narrow: Mapping[str, Any], across: _Scale, up: _Scale, curves: Sequence[Line]
+    narrow: Mapping[str, Any], across: _Scale, up: _Scale, drawn: Sequence[Mark]
 ) -> Iterator[Mark]:
-    """The narrowest places, with their numbers below them or, if curves are there, above."""
+    """The narrowest places, with their numbers below or above them, where least is drawn."""
+    taken = list(drawn)
     for when, color in (("before", _BEFORE), ("after", _AFTER)):
         value, position = narrow[f"{when}_mm"], narrow[f"{when}_at_mm"]
         if value is None or position is None:
             continue
         x, y = across(position), up(value)
         words = Words(f"min {value:.2f} mm", x, y + 20, color=color, is_bold=True)
-        if x > _WIDTH * 0.85:
-            words = words._replace(anchor="end")
-        elif x < _WIDTH * 0.15:
-            words = words._replace(anchor="start")
+        places = [
+            words._replace(x=x + aside, y=y + below) for aside in _SIDEWAYS for below in (20, -12)
+        ]
+        inside = [one for one in places if _span(one)[0] >= _LEFT and _span(one)[1] <= _WIDTH]
+        best = min(inside or places, key=lambda one: _crossed(one, taken))
+        taken.append(best)
         yield Disc(x, y, 4.5, color)
-        yield min((words, words._replace(y=y - 12)), key=lambda one: _crossed(one, curves))
+        yield best
 
 
-def _crossed(words: Words, curves: Sequence[Line]) -> int:
-    """How many corners of curves lie under the words; a letter counts 8 pixels."""
-    width = 8 * len(words.text)
+def _crossed(words: Words, drawn: Sequence[Mark]) -> int:
+    """How many corners of curves lie under the words, words above all, and the stent."""
+    left, right = _span(words)
+    top, low = words.y - words.size, words.y + 4
+    count = 0
+    for mark in drawn:
+        if isinstance(mark, Line):
+            count += sum(left < x < right and top < y < low for x, y in mark.points)
+        elif isinstance(mark, Words):
+            start, end = _span(mark)
+            is_over = start < right and left < end and mark.y - mark.size < low and top < mark.y
+            count += 1000 * is_over
+        elif isinstance(mark, Box) and mark.height == _STRIP:
+            count += 1000 * (mark.x < right and left < mark.x + mark.width and low > mark.y)
+    return count
+
+
+def _span(words: Words) -> tuple[float, float]:
+    """Where words begin and end; a letter counts 8 pixels at most."""
+    width = 8 * len(words.text) * words.size / 13
     left = words.x - width * ("start", "middle", "end").index(words.anchor) / 2
-    return sum(
-        left < x < left + width and words.y - words.size < y < words.y + 4
-        for curve in curves
-        for x, y in curve.points
-    )
+    return left, left + width
 
 
 def _legend() -> Iterator[Mark]:

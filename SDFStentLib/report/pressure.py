@@ -36,25 +36,34 @@ def pressure_section(stent: TreatedStent, flow: Flow | None) -> dict[str, Any] |
     return section
 
 
-def stent_pressure_sentences(stent: TreatedStent, flow: Flow | None) -> list[str]:
-    """What the shell says of it; nothing without a flow."""
+def stent_pressure_sentences(
+    stent: TreatedStent, flow: Flow | None, unit: str = "mL/s"
+) -> list[str]:
+    """What is said of it at a flow in mL/s; nothing without one. `unit` as of `pressure_words`."""
     section = pressure_section(stent, flow)
-    return [] if section is None else [pressure_words(section), *_note(section)]
+    return [] if section is None else [pressure_words(section, unit), *_note(section)]
 
 
-def pressure_words(section: Mapping[str, Any]) -> str:
-    """A section in one sentence."""
+def pressure_words(section: Mapping[str, Any], unit: str = "mL/s") -> str:
+    """A section in one sentence, for a reader who has given the flow in mL/s or in L/min."""
     if section["not_estimated"]:
         return f"Pressure drop: not estimated; {section['not_estimated']}."
     flows = section["flow_ml_s"]
     spans = [
         ", ".join(
-            f"{low:.2g} to {high:.2g} mmHg at {value:.4g} mL/s ({value * L_PER_MIN:.3g} L/min)"
+            f"{low:.2g} to {high:.2g} mmHg at {_flow_words(value, unit)}"
             for value, (low, high) in dict(zip(flows, section[f"{name}_mmhg"], strict=True)).items()
         )
         for name in ("before", "after")
     ]
     return f"Pressure drop over the stented length, estimated: before {spans[0]}; after {spans[1]}."
+
+
+def _flow_words(flow: float, unit: str) -> str:
+    """A flow, mL/s, in the unit in which it was given first."""
+    said = {"mL/s": f"{flow:.4g} mL/s", "L/min": f"{flow * L_PER_MIN:.4g} L/min"}
+    first = said.pop(unit)
+    return f"{first} ({said.popitem()[1]})"
 
 
 def pressure_part(stents: Sequence[Mapping[str, Any]]) -> list[str]:

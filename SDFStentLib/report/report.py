@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 
 from ..files import atomic_path, write_bytes
-from ..measure import REACH, SMALLEST_DEGREE
+from ..measure import REACH
 from ..validation import InputError, as_path, check_is_a
+from ..vessel import SMALLEST_DEGREE
 from .branches import branch_section, free_stretches
 from .stent_result import StentResult, stent_section
 
@@ -71,6 +72,10 @@ class Report:
     """A mapping, or an object with `as_dict()`."""
     lesions: tuple[Mapping[str, Any], ...] | None = None
     """Of the vessel, by number; None when none were looked for."""
+    left: Mapping[str, Any] | None = None
+    """What is narrowest in the treated vessels; None where no stent covers a lesion."""
+    today: Mapping[str, Any] | None = None
+    """Before a stent is dilated again, where the plan does that later; None where it does not."""
     warnings: tuple[str, ...] = ()
     timings: Mapping[str, float] = field(default_factory=dict)
     """Seconds by name; the document calls them `<name>_s`."""
@@ -104,6 +109,8 @@ class Report:
             "stents": stents,
             "diameters": stents[0]["diameters"] if stents else None,
             "lesions": self.lesions,
+            "today": self.today,
+            "left": self.left,
             "certificate": self.certificate,
             "branches": [
                 {

@@ -78,8 +78,17 @@ def segment_document(found: ExtractedSegment, inputs: Mapping[str, Any]) -> dict
     }
 
 
-def segment_sentences(segment: Segment) -> list[str]:
-    """What the shell says of a segment."""
+def segment_sentences(found: ExtractedSegment) -> list[str]:
+    """What the shell and the panel say of a segment, before and after."""
+    closed = [plane.name for plane in found.planes if plane.is_closed]
+    said = [f"Closed {len(closed)} of its branches: {'; '.join(closed)}."] if closed else []
+    for name, segment in (("Before", found.before), ("After", found.after)):
+        if segment is not None:
+            said += [f"{name}: {sentence}" for sentence in _state_sentences(segment)]
+    return said
+
+
+def _state_sentences(segment: Segment) -> list[str]:
     caps = [face for face in segment.faces if face.kind != "wall"]
     ends = ", ".join(f"{face.name} {face.area / _SCALE**2:.3f} cm2" for face in caps)
     return [

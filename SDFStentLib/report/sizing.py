@@ -1,24 +1,30 @@
-"""A proposal for a lesion, and how a stent compares with it, as they are told."""
+"""A proposal for a lesion, and how a stent compares with the vessel, as they are told."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
-from ..measure import HealthyPlace
+from ..stent import Device, Stent
 from ..treatment import (
-    SEEN_RATIO,
+    SEEN_RATIOS,
+    Seen,
     SizeRatios,
     Suggestion,
     TreatedLesion,
     TreatedStent,
-    stent_ratios,
+    treated_ratios,
 )
+from ..vessel import HealthyPlace
 from .words import UNKNOWN
 
 
-def suggestion_sentences(suggestion: Suggestion) -> list[str]:
-    """The lesion, the stent, the rule and the ratios, one line each."""
+def suggestion_sentences(suggestion: Suggestion, devices: Sequence[Device] = ()) -> list[str]:
+    """The lesion, the stent, the rule and the ratios, one line each.
+
+    `devices` are the rows of the device table, among which a stent of that size is looked for.
+    """
     lesion, stent = suggestion.lesion, suggestion.stent
     balloon = stent.balloon
     assert balloon is not None
@@ -30,34 +36,100 @@ def suggestion_sentences(suggestion: Suggestion) -> list[str]:
         f"Proposed{device}: balloon {balloon.diameter:.1f} mm, lumen {stent.diameter:.2f} mm, "
         f"nominal length {stent.length:g} mm ({suggestion.deployed_length:.1f} mm deployed).",
         f"Rule: {suggestion.rule}. Recoil {100 * balloon.recoil_fraction:g} %: {balloon.reason}.",
+        *_product_sentences(stent, devices),
         ratio_sentence(suggestion.ratios),
     ]
 
 
+def _product_sentences(stent: Stent, devices: Sequence[Device]) -> list[str]:
+    """That sizes are no product's, and which rows of the device table would have them."""
+    device = stent.device
+    if device is not None and not device.generic:
+        if device.offered_lengths:
+            return []
+        return [
+            f"The lengths in which {device.name} is sold are not in the device table: whether one "
+            f"of {stent.length:g} mm is made is for its maker to say."
+        ]
+    told = "These are sizes that the lesion asks for, of no product"
+    if not devices:
+        return [f"{told}."]
+    named = _named(stent, devices)
+    found = f"such sizes are known of {', '.join(named)}" if named else "no row has such sizes"
+    return [f"{told}; in the table {found}."]
+
+
+def _named(stent: Stent, devices: Sequence[Device]) -> list[str]:
+    """The rows that are known at the sizes of a stent."""
+    balloon, nominal = stent.balloon, stent.length
+    widest = stent.diameter if balloon is None else balloon.diameter
+    return [
+        row.name
+        for row in devices
+        if not row.generic
+        and (row.nominal_diameters or row.reported_diameters or row.lengths)
+        and (row.maximum_diameter is None or widest <= row.maximum_diameter)
+        and not any(one.kind == "device-range" for one in row.cautions(stent.diameter, nominal))
+        and _has_length(row, stent)
+    ]
+
+
+def _has_length(row: Device, stent: Stent) -> bool:
+    """Whether a row is known to have a length that suffices."""
+    assert stent.length is not None
+    if row.lengths and not row.lengths[0][0] <= stent.diameter <= row.lengths[-1][0]:
+        return False
+    is_known = bool(row.lengths) or row.foreshortening_fraction is not None
+    lost = row.foreshortening_at(stent.diameter) if is_known else stent.foreshortening
+    wanted = stent.length * (1.0 - stent.foreshortening)
+    if row.offered_lengths:
+        return max(row.offered_lengths) * (1.0 - lost) >= wanted
+    return row.reported_lengths is not None
+
+
 def ratio_sentence(ratios: SizeRatios) -> str:
-    """The ratios with the ranges of their sources; that of the balloon where there is one."""
-    low, high = SEEN_RATIO
+    """The ratios with medians and ranges of their sources; that of the balloon if there is one."""
+    told = [
+        f"{ratios.diameter / width:.2f} {where} ({width:.1f} mm)"
+        for where, width in (
+            ("where that is narrowest", ratios.healthy.narrowest),
+            ("at the proximal end", ratios.healthy.proximal),
+            ("at the distal end", ratios.healthy.distal),
+        )
+        if not math.isnan(width)
+    ]
     to_stenosis, balloon = ratios.balloon_to_stenosis, ""
     if to_stenosis == to_stenosis:
         balloon = (
             f"; balloon : stenosis {to_stenosis:.2f} (above 3.0 the recoil was more than 10 %)"
         )
-    return (
-        f"Stent : adjacent vessel {ratios.stent_to_adjacent:.2f} (sources {low:.2f} to "
-        f"{high:.2f}){balloon}."
-    )
+    return f"Stent : healthy vessel {', '.join(told) or UNKNOWN}; {SOURCES}{balloon}."
+
+
+def _seen() -> str:
+    first = [f"{_range(one.before)} of the {one.vessel}" for one in SEEN_RATIOS]
+    again = [_range(one.after) for one in SEEN_RATIOS]
+    return f"sources: {', '.join(first)}, {' and '.join(again)} dilated again"
+
+
+def _range(seen: Seen) -> str:
+    return f"{seen.median:g} ({seen.low:g} to {seen.high:g})"
+
+
+SOURCES = _seen()
+"""Medians and ranges."""
 
 
 def stent_ratio_sentences(
     treated: TreatedStent, lesions: Sequence[TreatedLesion] | None
 ) -> list[str]:
-    """The ratios of a stent to the tightest lesion that it covers; none where it covers none."""
-    covered = [one.before for one in lesions or () if treated.number in one.stents]
-    return [ratio_sentence(stent_ratios(treated.stent, lesion)) for lesion in covered[:1]]
+    """The ratios of a stent to its vessel and its tightest lesion; none where none is known."""
+    ratios = treated_ratios(treated, lesions)
+    return [] if math.isnan(ratios.adjacent_diameter) else [ratio_sentence(ratios)]
 
 
-def suggestion_section(suggestion: Suggestion) -> dict[str, Any]:
-    """A proposal as values of JSON."""
+def suggestion_section(suggestion: Suggestion, devices: Sequence[Device] = ()) -> dict[str, Any]:
+    """A proposal as values of JSON; `devices` as of `suggestion_sentences`."""
     lesion, stent = suggestion.lesion, suggestion.stent
     balloon = stent.balloon
     assert balloon is not None
@@ -75,18 +147,22 @@ def suggestion_section(suggestion: Suggestion) -> dict[str, Any]:
         "deployed_length_mm": suggestion.deployed_length,
         "rule": suggestion.rule,
         "recoil_reason": balloon.reason,
+        "product": _product_sentences(stent, devices),
         **ratio_section(suggestion.ratios),
         "warnings": [caution.sentence() for caution in suggestion.cautions()],
     }
 
 
 def ratio_section(ratios: SizeRatios) -> dict[str, Any]:
-    """The ratios as a report has them; null for one that is not known."""
-    to_stenosis = ratios.balloon_to_stenosis
-    return {
+    """The ratios as a report has them; null for one that is not known, none to no stenosis."""
+    found = {
         "stent_to_adjacent": ratios.stent_to_adjacent,
-        "balloon_to_stenosis": to_stenosis if to_stenosis == to_stenosis else None,
+        "stent_to_proximal": ratios.diameter / ratios.healthy.proximal,
+        "stent_to_distal": ratios.diameter / ratios.healthy.distal,
     }
+    if not math.isnan(ratios.stenosis_diameter):
+        found["balloon_to_stenosis"] = ratios.balloon_to_stenosis
+    return {name: None if math.isnan(ratio) else ratio for name, ratio in found.items()}
 
 
 def _diameter(side: HealthyPlace | None) -> float | None:

@@ -65,12 +65,24 @@ def stent_words(stent: Mapping[str, Any]) -> str:
     """Size and placement in one sentence; empty where neither is told."""
     sizes = [stent.get("lumen_diameter_mm"), stent.get("deployed_length_mm")]
     size = " x ".join(millimeters(value, 1) for value in sizes if value is not None)
+    size += _packed_words(stent)
     way = str(stent.get("placement", ""))
     said = [size and f"Stent of {size}", way and f"placed {_PLACEMENTS.get(way, way)}"]
     if "dilated_again_as" in stent:
         said.append(f"dilated again as stent {stent['dilated_again_as']}")
     words = ", ".join(part for part in said if part)
     return words and f"{words[0].upper()}{words[1:]}."
+
+
+def _packed_words(stent: Mapping[str, Any]) -> str:
+    """How long it was before it shortened, and why it did; empty where it did not."""
+    share, nominal = stent.get("foreshortening_fraction"), stent.get("nominal_length_mm")
+    if not share or nominal is None:
+        return ""
+    reason = stent.get("foreshortening_reason")
+    change = f"{number_text(100 * abs(share), 0)} % {'shorter' if share > 0 else 'longer'}"
+    said = f" (packed {millimeters(nominal, 1)}, {change} once expanded"
+    return f"{said}: {reason})" if reason else f"{said})"
 
 
 def stent_rows(stent: Mapping[str, Any], surface: Mapping[str, Any]) -> list[tuple[str, str]]:
@@ -89,8 +101,9 @@ def stent_rows(stent: Mapping[str, Any], surface: Mapping[str, Any]) -> list[tup
         if key in told:
             rows.append((words, millimeters(told.pop(key), 1)))
     if "foreshortening_fraction" in told:
-        share = told.pop("foreshortening_fraction")
+        share, reason = told.pop("foreshortening_fraction"), told.pop("foreshortening_reason", None)
         text = UNKNOWN if share is None else f"{number_text(100 * share, 0)} % of nominal length"
+        text += f", {reason}" if reason else ""
         rows.append(("Foreshortening on expansion", text))
     if "placement" in told:
         name = str(told.pop("placement"))
@@ -225,7 +238,9 @@ def _balloon_rows(told: dict[str, Any]) -> list[tuple[str, str]]:
         if reference is not None:
             rows.append((DIAMETERS["reference_diameter_mm"], millimeters(reference)))
     for key, words in (
-        ("stent_to_adjacent", "Lumen : smaller healthy vessel beside the lesion"),
+        ("stent_to_adjacent", "Lumen : healthy vessel where it is narrowest"),
+        ("stent_to_proximal", "Lumen : healthy vessel at the proximal end"),
+        ("stent_to_distal", "Lumen : healthy vessel at the distal end"),
         ("balloon_to_stenosis", "Balloon : stenosis"),
     ):
         ratio = told.pop(key, None)

@@ -60,15 +60,14 @@ def section_marks(
     `shown` are the panels by their column, with 0 for the diameters before and 1 for those after;
     the labels lie alike in all of them.
     """
-    covered, panels = view.pixels(cloud), tuple(shown)
+    covered, panels, labels = view.pixels(cloud), tuple(shown), np.empty((0, 2))
     for lumen in lumens:
         values = lumen.at(lumen.narrowest)
         center = view.pixels(point_at(lumen.axis, [lumen.narrowest]))[0]
         gap = 0.7 * view.per_mm * lumen.diameters.max()
-        away = label_side(covered, center, gap, LABEL)
+        away = label_side(covered, center, gap, LABEL, labels)
         leader = away * (1 - np.min(LABEL / 2 / np.maximum(np.abs(away), 1e-9)))
-        # The next label covers this one less gladly than any vessel.
-        covered = np.concatenate([covered, np.tile(center + away, (len(covered), 1))])
+        labels = np.vstack([labels, center + away])
         for column, side in panels:
             yield curve(view, section_ring(lumen, side), column, RED, 2.5)
             start = center + np.array([column * PANEL_WIDTH, 0])

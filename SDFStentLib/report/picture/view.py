@@ -111,8 +111,12 @@ def best_view(
     return whole if whole.half_height < WIDEST * close.half_height else close
 
 
-def label_side(flat: Floats, center: Floats, gap: float, size: Floats) -> Floats:
+def label_side(
+    flat: Floats, center: Floats, gap: float, size: Floats, labels: Floats | None = None
+) -> Floats:
     """Where a label (width and height `size`) beside a `center` covers fewest points (n, 2).
+
+    It covers the middles of other `labels` (k, 2) less gladly than all points.
 
     Returns
     -------
@@ -123,5 +127,11 @@ def label_side(flat: Floats, center: Floats, gap: float, size: Floats) -> Floats
     angles = np.arange(16) * (np.pi / 8)
     ways = np.stack([np.cos(angles), np.sin(angles)], axis=1)
     places = ways * (gap + 0.5 * np.abs(ways) @ size)[:, None]
-    covered = [(np.abs(flat - center - place) < 0.6 * size).all(axis=1).sum() for place in places]
-    return np.asarray(places[np.argmin(covered)])
+
+    def covered(points: Floats, place: Floats) -> int:
+        return int((np.abs(points - center - place) < 0.6 * size).all(axis=1).sum())
+
+    others = np.empty((0, 2)) if labels is None else labels
+    worth = len(flat) + 1
+    costs = [covered(flat, place) + worth * covered(others, place) for place in places]
+    return np.asarray(places[np.argmin(costs)])

@@ -1,0 +1,160 @@
+"""A deployment in a few lines, as a cardiologist reads it; the report has the rest."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import NamedTuple
+
+from ..plan import PlanResult
+from ..treatment import Residual, TreatedLesion, TreatedStent, label_of
+from .balloons import stent_balloon_sentences
+from .branches import NONE_NEAR, again_words, stent_branch_sentences
+from .deployed import deployed_words
+from .devices import stent_device_sentences
+from .diameters import lumen_sentence
+from .lesions import COVERS_NONE, LEFT, NOT_LOOKED_FOR, residual_words, stent_lesion_sentences
+from .pressure import stent_pressure_sentences
+from .shapes import prescribed_words
+from .sizing import stent_ratio_sentences
+from .today import today_sentences
+from .words import UNKNOWN, degree_text
+
+LISTED = 4
+"""Of stents, lesions and branches each; of more the number is told."""
+
+
+class Summary(NamedTuple):
+    """What is said at once of a deployment, without its warnings."""
+
+    deployed: str
+    results: list[str]
+    """At most five lines, the certificate's last; one more where a stent is dilated again."""
+
+
+def deployment_summary(result: PlanResult) -> Summary:
+    """The stents, and what came of them: lumen, stenosis, branches and contact."""
+    stents = result.treatment.stents
+    lines = [
+        *today_sentences(result.today),
+        f"Narrowest lumen: {_of_each(_final(stents), _narrowest, len(stents) > 1)}.",
+        _stenosis(result.lesions, result.residual),
+        *_told(stents, result),
+    ]
+    certificate = result.treatment.certificate
+    if certificate is not None:
+        lines.append(certificate.sentence())
+    words = _of_each(stents, _deployed)
+    return Summary(f"Deployed: {words}." if stents else "Nothing was deployed.", lines)
+
+
+def deployment_sentences(result: PlanResult) -> Iterator[str]:
+    """All that is known of every stent, as the report has it."""
+    yield from today_sentences(result.today)
+    for stent in result.treatment.stents:
+        label = label_of(result.plan.stents, stent.number)
+        for sentence in (
+            lumen_sentence(stent),
+            *stent_device_sentences(stent),
+            *stent_balloon_sentences(stent, result.lesions),
+            *stent_ratio_sentences(stent, result.lesions),
+            *stent_branch_sentences(stent),
+            *stent_lesion_sentences(result.lesions, stent.number),
+            *stent_pressure_sentences(stent, result.plan.flow),
+        ):
+            yield label + sentence
+    if result.treatment.certificate is not None:
+        yield result.treatment.certificate.sentence()
+
+
+def _told(stents: Sequence[TreatedStent], result: PlanResult) -> list[str]:
+    """Branches and contact, in one line where pressures, which were asked for, need the other."""
+    contact = _of_each([one for one in stents if _loose(one)], _loose, len(stents) > 1)
+    beside = [_branches(stents), *([f"Contact: {contact}."] if contact else [])]
+    flow = result.plan.flow
+    if flow is None:
+        return beside
+    pressures = [stent_pressure_sentences(one, flow)[0] for one in stents]
+    return [" ".join(beside), _listed(pressures, " ")]
+
+
+def _of_each(
+    stents: Sequence[TreatedStent],
+    fact: Callable[[TreatedStent], str],
+    is_numbered: bool | None = None,
+) -> str:
+    is_numbered = len(stents) > 1 if is_numbered is None else is_numbered
+    return _listed(
+        [f"stent {one.number}: {fact(one)}" if is_numbered else fact(one) for one in stents], "; "
+    )
+
+
+def _final(stents: Sequence[TreatedStent]) -> list[TreatedStent]:
+    """Those that lie in the vessel in the end; one dilated again does as the later one."""
+    return [one for one in stents if one.again is None]
+
+
+def _listed(words: Sequence[str], between: str = ", ") -> str:
+    more = len(words) - LISTED
+    return between.join([*words[:LISTED], *([f"and {more} more"] if more > 0 else [])])
+
+
+def _deployed(one: TreatedStent) -> str:
+    again = "" if one.again is None else f", {again_words(one.again)}"
+    return f"{deployed_words(one)}{again}"
+
+
+def _narrowest(one: TreatedStent) -> str:
+    before, after = (
+        f"{profile.minimum:.2f}" if math.isfinite(profile.minimum) else UNKNOWN
+        for profile in (one.before, one.after)
+    )
+    return f"{before} -> {after} mm, prescribed {prescribed_words(one)}"
+
+
+def _stenosis(lesions: Sequence[TreatedLesion] | None, residual: Residual | None) -> str:
+    if lesions is None:
+        return NOT_LOOKED_FOR
+    covered = [one for one in lesions if one.stents]
+    if not covered:
+        return COVERS_NONE
+    left = "" if residual is None else f" {LEFT}: {residual_words(residual)}."
+    return f"Stenosis by diameter: {_listed([_degrees(one) for one in covered], '; ')}.{left}"
+
+
+def _degrees(one: TreatedLesion) -> str:
+    left = degree_text(one.after.percent_diameter)
+    before = degree_text(one.before.percent_diameter)
+    return f"lesion {one.number} {before} -> {left}"
+
+
+def _branches(stents: Sequence[TreatedStent]) -> str:
+    """Which side branches are covered or narrowed."""
+    every = {branch.name: branch for one in stents for branch in one.branches}
+    covered = [
+        f"{branch.name} ({branch.coverage.removesuffix(' covered')})"
+        for branch in every.values()
+        if not branch.is_free
+    ]
+    narrowed = [
+        f"{near.name} {near.before:.2f} -> {near.after:.2f} mm"
+        for one in stents
+        for near in one.neighbors
+        if near.is_narrowed
+    ]
+    if not every and not narrowed:
+        return NONE_NEAR
+    words = [*_kind("covered", covered), *_kind("narrowed", narrowed)]
+    return f"Branches: {'; '.join(words) or f'none of {len(every)} is covered or narrowed'}."
+
+
+def _kind(what: str, names: Sequence[str]) -> Iterable[str]:
+    return [f"{len(names)} {what}: {_listed(names)}"] if names else []
+
+
+def _loose(one: TreatedStent) -> str:
+    """How much of a stent does not touch the wall; empty where all of it does."""
+    found = one.apposition
+    if found is None or not found.stretches:
+        return ""
+    return f"not all round over {found.free_length:.1f} of {found.length:.1f} mm"
