@@ -8,7 +8,17 @@ from slicer.i18n import tr as _
 
 from SDFStentLib.validation import InputError
 
-from . import Comparing, Conversion, Dependencies, Display, Handles, Outputs
+from . import (
+    Comparing,
+    Conversion,
+    Dependencies,
+    Display,
+    Handles,
+    Layouts,
+    Outputs,
+    Results,
+    Showing,
+)
 from .NewFolders import inNewFolder
 from .ParameterNode import MethodParameters
 from .Portions import untilDone
@@ -40,12 +50,13 @@ LAST_ATTRIBUTE = "SDFStent.ShownLast"
 
 
 class Leavings(NamedTuple):
-    """What a plan has made in a scene: nodes, and the item of their folder, 0 without; and the vessel that it was for."""
+    """What a plan has made in a scene: nodes, and the item of their folder, 0 without; and the vessel, or its segment, that it was for."""
 
     scene: Any
     nodes: list
     folder: int
     vessel: Any
+    segment: str
 
 
 class Alternatives:
@@ -115,6 +126,7 @@ class Alternatives:
                 ).format(name=name)
             )
         parameterNode.parameterNode.SetName(name)
+        Display.nameFolder(parameterNode)
 
     def removePlan(self, parameterNode):
         """Remove a plan with its results and the handles that were made for it; what other plans use stays."""
@@ -125,8 +137,8 @@ class Alternatives:
     def leavings(self, parameterNode):
         """What a plan leaves in the scene when its parameters are removed, for `removeLeavings` then."""
         scene = parameterNode.parameterNode.GetScene()
-        folder = _folderOf(parameterNode)
-        return Leavings(scene, _ownNodes(parameterNode), folder, parameterNode.vessel)
+        vessel = (parameterNode.vessel, Conversion.segmentOf(parameterNode))
+        return Leavings(scene, _ownNodes(parameterNode), _folderOf(parameterNode), *vessel)
 
     def removeLeavings(self, leavings):
         """Remove what a plan has left that no other one uses; the vessel is seen again where it has no plan any more."""
@@ -138,9 +150,20 @@ class Alternatives:
         hierarchy = slicer.vtkMRMLSubjectHierarchyNode.GetSubjectHierarchyNode(leavings.scene)
         if leavings.folder and not hierarchy.GetNumberOfItemChildren(leavings.folder):
             hierarchy.RemoveItem(leavings.folder)
-        vessel = leavings.vessel
-        if vessel is not None and vessel not in kept and vessel.GetDisplayNode() is not None:
-            vessel.GetDisplayNode().SetVisibility(True)
+        shown = [(plan.vessel, Conversion.segmentOf(plan)) for plan in plans if plan.outputVessel]
+        if leavings.vessel is not None and (leavings.vessel, leavings.segment) not in shown:
+            Showing.setShown(leavings.vessel, True, leavings.segment)
+
+    def removeResults(self, parameterNode):
+        """Remove what a plan without stents has left of its last deployment: the vessel is seen as it is again."""
+        leavings = self.leavings(parameterNode)
+        self.forgetRun(parameterNode)
+        with slicer.util.NodeModify(parameterNode):
+            for role in Display.OUTPUT_ROLES:
+                setattr(parameterNode, role, None)
+            Results.clearNumbers(parameterNode)
+        self.removeLeavings(leavings)
+        self.showPlan(parameterNode)
 
     def markShown(self, parameterNode):
         """Let the scene remember which plan is shown; none with None."""
@@ -149,14 +172,39 @@ class Alternatives:
             if (node is shown) != (node.GetAttribute(LAST_ATTRIBUTE) is not None):
                 node.SetAttribute(LAST_ATTRIBUTE, "1" if node is shown else None)
 
-    def vesselOf(self, node):
-        """The vessel of a plan by its node; None for no node, or one that is in no scene."""
-        return None if node is None or node.GetScene() is None else self.parameterSet(node).vessel
-
     def markedPlan(self):
         """The node of the plan that was shown last, as the scene remembers it; None where it does not."""
         nodes = self.getAllParameterNodes()
         return next((node for node in nodes if node.GetAttribute(LAST_ATTRIBUTE)), None)
+
+    def planAfterImport(self, shown, before):
+        """The node of the plan to show after an import, of that shown and those there before; None for none.
+
+        A plan for which nothing was chosen yet, as the panel makes one for an empty scene, is removed where another can be shown.
+        """
+        nodes = self.getAllParameterNodes()
+        if shown in nodes and not self._isBlank(shown):
+            return shown
+        came = [node for node in nodes if node not in before]
+        full = [node for node in came if not self._isBlank(node)]
+        marked = self.markedPlan()
+        kept = marked if marked in full else next(iter(full), shown)
+        if kept in nodes:
+            for node in {shown, *came}.intersection(nodes) - {kept, *full}:
+                slicer.mrmlScene.RemoveNode(node)
+        return kept
+
+    def nameApart(self, before):
+        """Give plans that an import has brought names of their own, of the plans there `before` and one another."""
+        nodes = self.getAllParameterNodes()
+        for node in nodes:
+            others = [other.GetName() for other in nodes if other is not node]
+            if node not in before and node.GetName() in others:
+                node.SetName(Handles.freeName(node.GetScene(), node.GetName()))
+
+    def _isBlank(self, node):
+        plan = self.parameterSet(node)
+        return plan.vessel is None and plan.centerline is None and not len(plan.stents)
 
     def showPlan(self, parameterNode):
         """Show what belongs to a plan, and hide what belongs only to the others for the vessel.
@@ -167,12 +215,12 @@ class Alternatives:
         own = _seenNodes(parameterNode)
         for node in (node for other in others for node in _seenNodes(other)):
             if node not in own:
-                _changeOver(node, HIDDEN_ATTRIBUTE, False)
+                Showing.changeOver(node, HIDDEN_ATTRIBUTE, False)
         for node in own:
-            _changeBack(node, HIDDEN_ATTRIBUTE, True)
+            Showing.changeBack(node, HIDDEN_ATTRIBUTE, True)
         _showVessel(parameterNode, any(other.outputVessel is not None for other in others))
         for other in others:
-            Display.followPlan(other, parameterNode)
+            Layouts.followPlan(other, parameterNode)
 
     def compare(self, parameterNode, folder):
         """Carry out all plans for the vessel and write them side by side into a new folder in `folder`.
@@ -221,7 +269,7 @@ def _withOwnHandles(parameterNode):
     for values in stents:
         handle = values["handle"]
         if handle not in copies:  # one that dilates another again has the same
-            copies[handle] = Handles.copyHandle(handle, handle.GetName())
+            copies[handle] = Handles.copyHandle(handle, values["label"])
         values["handle"] = copies[handle]
     return stents
 
@@ -258,28 +306,12 @@ def _folderOf(parameterNode):
     return 0 if node is None else Display.resultsFolder(node)
 
 
-def _changeOver(node, attribute, isVisible):
-    """Show or hide a node that was not, and remember that."""
-    display = node.GetDisplayNode()
-    if display is not None and bool(display.GetVisibility()) != isVisible:
-        display.SetVisibility(isVisible)
-        node.SetAttribute(attribute, "1")
-
-
-def _changeBack(node, attribute, isVisible):
-    """Show or hide a node again of which the opposite was remembered."""
-    if node.GetAttribute(attribute):
-        node.RemoveAttribute(attribute)
-        if node.GetDisplayNode() is not None:
-            node.GetDisplayNode().SetVisibility(isVisible)
-
-
 def _showVessel(parameterNode, othersDeployed):
     """The vessel itself while a plan has no result in its place, as others have."""
-    vessel = parameterNode.vessel
-    if vessel is None or not vessel.IsA("vtkMRMLModelNode"):
+    vessel, segment = parameterNode.vessel, Conversion.segmentOf(parameterNode)
+    if vessel is None:
         return
     if parameterNode.outputVessel is not None:
-        _changeBack(vessel, SHOWN_ATTRIBUTE, False)
+        Showing.changeBack(vessel, SHOWN_ATTRIBUTE, False, segment)
     elif othersDeployed:
-        _changeOver(vessel, SHOWN_ATTRIBUTE, True)
+        Showing.changeOver(vessel, SHOWN_ATTRIBUTE, True, segment)

@@ -8,7 +8,10 @@ class QtTimer:
     """
 
     WAIT_S = 0.005
-    """How long a turn waits for a thread: in Slicer threads advance only while the application waits for them."""
+    """How long a turn waits for a thread at once: in Slicer threads advance only while the application waits for them."""
+
+    TURN_S = (0.01, 0.5)
+    """How long a turn may take at least, and at most where frames take long to draw."""
 
     def __init__(self, call, milliseconds, isRepeated):
         import qt
@@ -40,8 +43,17 @@ def timer(call, milliseconds, isRepeated=False):
 
 
 def wait():
-    """Seconds that a turn of the event loop may wait for a thread."""
+    """Seconds that a turn of the event loop may wait for a thread at once."""
     return _kinds[-1].WAIT_S
+
+
+def turn(away):
+    """Seconds that a turn of the event loop may take where the application needs some in between, mostly to draw a frame.
+
+    Twice as long: what is begun should rather be seen in the next frame than in the next but two.
+    """
+    least, most = _kinds[-1].TURN_S
+    return min(max(least, 2 * away), most)
 
 
 def use(kind):

@@ -12,9 +12,6 @@ import slicer
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkIdList, vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkPolyData
-from vtkmodules.vtkCommonMath import vtkMatrix4x4
-from vtkmodules.vtkCommonTransforms import vtkGeneralTransform
-from vtkmodules.vtkFiltersGeneral import vtkTransformPolyDataFilter
 
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.files import (
@@ -28,6 +25,7 @@ from SDFStentLib.units import MILLIMETERS
 from SDFStentLib.validation import InputError
 
 from . import Outputs
+from .Transforms import checkTransform, scaleToWorld, toWorld
 
 FILE_UNITS = "SDFStent.FileUnits"
 """Attribute of a model in mm whose file is in another unit."""
@@ -42,11 +40,11 @@ def vesselPolyData(node, segmentID=""):
         raise InputError(
             "Vessel: expected a model or a segmentation, got none; select one in Inputs."
         )
-    _checkTransform(node)
+    checkTransform(node)
     if node.IsA("vtkMRMLSegmentationNode"):
         surface = _segmentSurface(node, segmentID)
     else:
-        surface = _toWorld(node, _modelSurface(node))
+        surface = toWorld(node, _modelSurface(node))
     if surface.GetNumberOfPolys() + surface.GetNumberOfStrips() == 0:
         raise InputError(
             f"Vessel {node.GetName()}: expected a surface of triangles, got none; select another node."
@@ -66,9 +64,9 @@ def stentMesh(node):
         raise InputError(
             f"{name}: expected a surface of your own, got {got}; select another model."
         )
-    _checkTransform(node)
+    checkTransform(node)
     return surface_from_polydata(
-        triangulated_polydata(_toWorld(node, polyData), name).polydata, name
+        triangulated_polydata(toWorld(node, polyData), name).polydata, name
     )
 
 
@@ -90,7 +88,7 @@ def centerlineLines(node):
         raise InputError(
             "Centerline: expected a model or a markups curve, got none; select one in Inputs."
         )
-    _checkTransform(node)
+    checkTransform(node)
     if node.IsA("vtkMRMLModelNode"):
         return _linesOfModel(node)
     pieces = [curvePoints(curve) for curve in [node, *_branchCurves(node)]]
@@ -110,7 +108,7 @@ def curvePoints(node):
     if count == node.GetNumberOfControlPoints():
         points = slicer.util.arrayFromMarkupsCurvePoints(node, world=True)
     else:
-        points = vtk_to_numpy(_toWorld(node, _placedCurve(node)).GetPoints().GetData())
+        points = vtk_to_numpy(toWorld(node, _placedCurve(node)).GetPoints().GetData())
     return np.array(points, dtype=np.float64)
 
 
@@ -120,7 +118,7 @@ def handlePoints(node, count, label):
         raise InputError(
             f"{label}: expected a handle, got none; choose a point list or press Add again."
         )
-    _checkTransform(node)
+    checkTransform(node)
     placed = placedPoints(node)
     if len(placed) < count:
         words = "one point" if count == 1 else f"{count} points"
@@ -222,19 +220,6 @@ def _segmentTime(segmentation, segmentID):
     return representation.GetMTime() if representation is not None else 0
 
 
-def _checkTransform(node):
-    transform = node.GetParentTransformNode()
-    if transform is None or not transform.IsTransformToWorldLinear():
-        return
-    matrix = vtkMatrix4x4()
-    transform.GetMatrixTransformToWorld(matrix)
-    if abs(matrix.Determinant()) < 1e-9:
-        raise InputError(
-            f"{node.GetName()}: expected a transform that can be inverted, got {transform.GetName()}, which flattens space; "
-            "change or remove the transform."
-        )
-
-
 def _modelSurface(node):
     surface = node.GetPolyData()
     if surface is None or surface.GetNumberOfPoints() == 0:
@@ -262,28 +247,16 @@ def _segmentSurface(node, segmentID):
     return surface
 
 
-def _toWorld(node, polyData):
-    transform = node.GetParentTransformNode()
-    if transform is None:
-        return polyData
-    toWorld = vtkGeneralTransform()
-    slicer.vtkMRMLTransformNode.GetTransformBetweenNodes(transform, None, toWorld)
-    mover = vtkTransformPolyDataFilter()
-    mover.SetTransform(toWorld)
-    mover.SetInputData(polyData)
-    mover.Update()
-    return mover.GetOutput()
-
-
 def _linesOfModel(node):
     surface = node.GetPolyData()
     if surface is None or surface.GetNumberOfLines() == 0:
         raise InputError(
             f"Centerline {node.GetName()}: expected a model of lines, got none; select a centerline model."
         )
-    surface = _toWorld(node, surface)
+    surface, scale = toWorld(node, surface), scaleToWorld(node)
     points, lines = lines_from_polydata(surface, f"Centerline {node.GetName()}")
-    return points, lines, inscribed_radius_from_polydata(surface)
+    radius = None if scale is None else inscribed_radius_from_polydata(surface)
+    return points, lines, None if radius is None else scale * radius
 
 
 def _branchCurves(node):

@@ -75,7 +75,9 @@ def missingOf(stent):
     if stent.handle is None:
         return _("{label}: choose a handle.").format(label=stent.label)
     if stent.placement == Placement.ALONG_CURVE and not stent.handle.IsA("vtkMRMLMarkupsCurveNode"):
-        return _("{label}: choose a markups curve as its handle.").format(label=stent.label)
+        return _(
+            "{label}: choose a markups curve as its handle, or create a new one there and draw it with Place."
+        ).format(label=stent.label)
     if stent.handle.GetNumberOfDefinedControlPoints() < stent.placement.pointCount:
         return _("{label}: place {count} point(s) of its handle in a view.").format(
             label=stent.label, count=stent.placement.pointCount

@@ -1,5 +1,8 @@
 """When to deploy: on request, and again while something changes."""
 
+import math
+import time
+
 from . import Clock, Portions
 from .SteppedRun import SteppedRun
 
@@ -8,6 +11,9 @@ COALESCE_MS = 0
 
 REST_MS = 20
 """A hand that has rested so long, a frame, may have stopped: the full method begins. Nothing is seen of it yet."""
+
+LATE = 1.5
+"""A rest that took so many times longer than it should had a frame in it."""
 
 SETTLE_MS = 100
 """A hand that rests so long from then on has stopped, for now: the panel says that it deploys."""
@@ -31,7 +37,7 @@ class DeploySession:
         self._run = SteppedRun(onProgress, self._finished)
         self._live = self._isQuiet = False
         self._timer = Clock.timer(self._update, COALESCE_MS)
-        self._restTimer = Clock.timer(self._rested, REST_MS)
+        self._restTimer, self._restsFrom = Clock.timer(self._rested, REST_MS), 0.0
         self._settleTimer = Clock.timer(self._settle, SETTLE_MS)
 
     @property
@@ -104,8 +110,17 @@ class DeploySession:
             self._stop()
         self._begin(True, standing)
 
+    def _beginRest(self):
+        self._restsFrom = time.perf_counter()
+        self._restTimer.start()
+
     def _rested(self):
-        if Portions.countLeft() > MOST_LEFT:
+        if time.perf_counter() - self._restsFrom > LATE * REST_MS / 1000:
+            self._restsFrom = (
+                math.inf
+            )  # the application was away: what the hand did meanwhile it hears next
+            self._restTimer.start()
+        elif Portions.countLeft() > MOST_LEFT:
             self._restTimer.start()
         elif not self.isRunning and not self._isNew(standing := self._standing()):
             self._settleTimer.start()
@@ -134,7 +149,7 @@ class DeploySession:
             if self._isNew(standing):
                 self._timer.start()
             elif self._live and error is None:
-                self._restTimer.start()
+                self._beginRest()
         self._settleTimer.stop()
         self._isQuiet = self._live
         self._onDone(error, standing)

@@ -53,6 +53,7 @@ def _begun(parameterNode, vessel, inputs):
         "places": Dependencies.places(parameterNode),
         "search": inputs.lesions(parameterNode) if hasTree else None,
         "faces": vessel.faces,
+        "remark": vessel.remark,
     }
     return (yield from inPortions(lambda: Stenting(*given, **further)))
 

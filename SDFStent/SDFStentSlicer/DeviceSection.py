@@ -12,6 +12,7 @@ from SDFStentLib.validation import InputError, printable
 
 from . import Sizes
 from .ParameterNode import Placement, stentOf
+from .StentList import StentList
 
 KEPT_LABELS = {
     "center": _("Center"),
@@ -37,6 +38,8 @@ class DeviceSection:
         ui.deviceComboBox.connect("activated(int)", self._onDevice)
         ui.deviceTableButton.connect("clicked()", self._onTable)
         ui.removeTableButton.connect("clicked()", self._onRemoveTable)
+        # Not bound: what they show is the device's own where it has one.
+        ui.lengthSlider.connect("valueChanged(double)", self._onLength)
         ui.foreshorteningSlider.connect("valueChanged(double)", self._onForeshortening)
         ui.keptComboBox.connect("activated(int)", self._onKept)
         ui.balloonCheckBox.connect("toggled(bool)", self._onBalloonSwitched)
@@ -146,9 +149,13 @@ class DeviceSection:
     def _onRemoveTable(self):
         self._change(lambda node: self._logic.setDeviceTable(node, ""))
 
+    def _onLength(self, length):
+        if self._parameterNode is not None:
+            self._parameterNode.stent.length = length
+
     def _onForeshortening(self, percent):
-        if not self._updating and self._parameterNode is not None:
-            self._parameterNode.stent.foreshortening = percent
+        own = {"foreshortening": percent, "deviceShortening": False}
+        self._change(lambda node: StentList(node).change(**own))
 
     def _onKept(self, index):
         self._change(lambda node: self._logic.setKept(node, KEPT[index]))

@@ -60,10 +60,27 @@ def _folder(hierarchy, parameterNode):
             continue
         if folder := resultsFolder(node):
             return folder
-    name = _("{name} results").format(name=parameterNode.parameterNode.GetName())
+    name = _folderName(parameterNode)
     folder = hierarchy.CreateFolderItem(hierarchy.GetSceneItemID(), name)
-    hierarchy.SetItemAttribute(folder, FOLDER_ATTRIBUTE, "1")
+    hierarchy.SetItemAttribute(folder, FOLDER_ATTRIBUTE, name)
     return folder
+
+
+def nameFolder(parameterNode):
+    """Call the folder of the results as the plan is called now, unless the user has given it a name of its own."""
+    node, name = parameterNode.outputVessel, _folderName(parameterNode)
+    folder = 0 if node is None else resultsFolder(node)
+    if not folder:
+        return
+    hierarchy = slicer.vtkMRMLSubjectHierarchyNode.GetSubjectHierarchyNode(node.GetScene())
+    former = hierarchy.GetItemAttribute(folder, FOLDER_ATTRIBUTE)
+    if former != name and hierarchy.GetItemName(folder) == former:
+        hierarchy.SetItemName(folder, name)
+        hierarchy.SetItemAttribute(folder, FOLDER_ATTRIBUTE, name)
+
+
+def _folderName(parameterNode):
+    return _("{name} results").format(name=parameterNode.parameterNode.GetName())
 
 
 def resultsFolder(node):
@@ -73,12 +90,6 @@ def resultsFolder(node):
     folder = hierarchy.GetItemParent(item) if item else 0
     isOurs = folder and hierarchy.GetItemAttribute(folder, FOLDER_ATTRIBUTE)
     return folder if isOurs else 0
-
-
-def hideModel(node):
-    """Hide a model that another one is shown in place of; a segmentation stays as it is."""
-    if node is not None and node.IsA("vtkMRMLModelNode") and node.GetDisplayNode() is not None:
-        node.GetDisplayNode().SetVisibility(False)
 
 
 def showLines(node, points, lines):
@@ -289,32 +300,3 @@ def showPlace(point):
             camera.SetPosition(*np.add(camera.GetPosition(), shift))
             camera.SetFocalPoint(*point)
         camera.ResetClippingRange()
-
-
-def showPlot(parameterNode):
-    """Show the chart in a layout that has a plot."""
-    slicer.modules.plots.logic().ShowChartInLayout(parameterNode.outputChart)
-
-
-def showTable(parameterNode):
-    """Show the table in a layout that has one."""
-    layout = slicer.mrmlScene.GetFirstNodeByClass("vtkMRMLLayoutNode")
-    if layout is not None:
-        tables = slicer.modules.tables.logic()
-        layout.SetViewArrangement(tables.GetLayoutWithTable(layout.GetViewArrangement()))
-    selection = slicer.app.applicationLogic().GetSelectionNode()
-    selection.SetActiveTableID(parameterNode.outputTable.GetID())
-    slicer.app.applicationLogic().PropagateTableSelection()
-
-
-def followPlan(left, shown):
-    """Where plot or table of the plan that is left are in a view, show those of the other plan, as far as it has them."""
-    application = slicer.app.applicationLogic()
-    selection = application.GetSelectionNode()
-    table, chart = left.outputTable, left.outputChart
-    if None not in (table, shown.outputTable) and selection.GetActiveTableID() == table.GetID():
-        selection.SetActiveTableID(shown.outputTable.GetID())
-        application.PropagateTableSelection()
-    if None not in (chart, shown.outputChart) and selection.GetActivePlotChartID() == chart.GetID():
-        selection.SetActivePlotChartID(shown.outputChart.GetID())
-        application.PropagatePlotChartSelection()

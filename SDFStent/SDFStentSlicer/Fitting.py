@@ -33,19 +33,17 @@ class Fitting:
     def setDevice(self, parameterNode, device):
         """Make the stent a device, by its name in the table or as the library's `Device`.
 
-        It gets the device's length, where that has one, and its shortening.
-
+        It gets the device's length, where that has one, and its shortening; its own length is kept for another device.
         The generic row is none: its shortening is the one that is set.
         """
         if isinstance(device, str):
             device = device_named(device, parameterNode.deviceTable or None)
-        stent = parameterNode.stent
         if device == device_table()[0]:
-            values = {"foreshortening": _usualForeshortening(stent), "deviceShortening": False}
+            usual = _usualForeshortening(parameterNode.stent)
+            values = {"foreshortening": usual, "deviceShortening": False}
             self.setDetails(parameterNode, device=None, **values)
         else:
-            length = device.nominal_length or stent.length
-            self.setDetails(parameterNode, device=device, length=length, deviceShortening=True)
+            self.setDetails(parameterNode, device=device, deviceShortening=True)
 
     def setBalloon(self, parameterNode, diameter, recoil=None):
         """Expand the stent by a balloon, mm, that recoils by a fraction, by the rule of its source without one; None: by none.

@@ -1,14 +1,12 @@
 """The range of flow for which pressure drops are estimated: L/min in the panel, mL/s in the library."""
 
-from functools import lru_cache
-
 from slicer.i18n import tr as _
-
-from SDFStentLib.plan import Plan
-from SDFStentLib.validation import InputError
 
 ML_PER_S = 1000 / 60
 """In one liter per minute."""
+
+UNIT = "L/min"
+"""In which the panel asks, and is answered."""
 
 
 def flowOf(parameterNode):
@@ -30,13 +28,9 @@ def valuesOf(plan):
 
 def refusal(parameterNode):
     """Why no plan can have this flow, as a sentence; "" when it can."""
-    return _refusal(flowOf(parameterNode))
-
-
-@lru_cache(maxsize=16)
-def _refusal(flow):
-    try:
-        Plan(flow=flow)
-    except InputError as error:
-        return _("Results: {sentence}").format(sentence=error)
-    return ""
+    least, most = parameterNode.flowLeast, parameterNode.flowMost
+    if not 0 < most < least:
+        return ""
+    return _(
+        "Results: expected a flow at most of {least:g} L/min or more, got {most:g} L/min; choose a larger one, or less for the first."
+    ).format(least=least, most=most)

@@ -1,5 +1,7 @@
 """The markups that place a stent: made on the centerline, snapped to it, fitted to the kind of placement."""
 
+import re
+
 import numpy as np
 import slicer
 from slicer.i18n import tr as _
@@ -10,11 +12,24 @@ from .ParameterNode import Placement
 HANDLE_ATTRIBUTE = "SDFStent.Handle"
 POINTS, CURVE = "vtkMRMLMarkupsFiducialNode", "vtkMRMLMarkupsCurveNode"
 COLOR = (0.1, 0.55, 0.95)
+USUAL_LENGTH = 20.0
+"""Of a new stent, mm."""
+
+
+def freeName(scene, name):
+    """A name that no node of the scene has: this one, or with another number in parentheses behind it."""
+    stem = re.sub(r" \(\d+\)$", "", name)
+    free, number = name, 1
+    # Ends: there are finitely many nodes.
+    while scene.GetFirstNodeByName(free) is not None:
+        number += 1
+        free = f"{stem} ({number})"
+    return free
 
 
 def createHandle(scene, label, points, className=POINTS):
     """A markups point list or curve of ours, one control point per row of `points`."""
-    node = scene.AddNewNodeByClass(className, scene.GenerateUniqueName(label))
+    node = scene.AddNewNodeByClass(className, freeName(scene, label))
     node.SetAttribute(HANDLE_ATTRIBUTE, "1")
     node.CreateDefaultDisplayNodes()
     display = node.GetDisplayNode()
@@ -24,6 +39,7 @@ def createHandle(scene, label, points, className=POINTS):
         display.SetPropertiesLabelVisibility(False)
         display.SetUseGlyphScale(False)
         display.SetGlyphSize(2.5)
+        display.SetSnapMode(display.SnapModeUnconstrained)  # not onto the wall in front of it
         display.SetOccludedVisibility(True)
         display.SetOccludedOpacity(0.7)
     if className != POINTS:
@@ -39,7 +55,7 @@ def newHandle(centerline, values):
         return createHandle(slicer.mrmlScene, values["label"], [], CURVE)
     handle = createHandle(slicer.mrmlScene, values["label"], [middlePoint(centerline)])
     placement = values.get("placement", Placement.CENTER)
-    fitHandle(handle, placement, centerline, values.get("length", 20.0))
+    fitHandle(handle, placement, centerline, values.get("length", USUAL_LENGTH))
     return handle
 
 
@@ -106,6 +122,20 @@ def fitHandle(node, placement, centerline, length):
             for index in reversed(placed[1:]):
                 node.RemoveNthControlPoint(index)
             node.SetNthControlPointPositionWorld(placed[0], *middle)
+
+
+def moveHandle(node, centerline, distance):
+    """Move the placed points of a handle along the centerline, in mm, down where positive; none beyond its end."""
+    with slicer.util.NodeModify(node):
+        for index, point in zip(
+            Conversion.placedIndices(node), Conversion.placedPoints(node), strict=True
+        ):
+            place = centerline.project(point)
+            if distance > 0:
+                moved = centerline.path_from_proximal(place, distance).points[-1]
+            else:
+                moved = centerline.path_from_distal(place, -distance).points[0]
+            node.SetNthControlPointPositionWorld(index, *moved)
 
 
 def snapHandle(node, placement, centerline):

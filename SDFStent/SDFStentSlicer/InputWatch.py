@@ -6,12 +6,15 @@ from vtkmodules.vtkCommonCore import vtkCommand
 
 
 class InputWatch(VTKObservationMixin):
-    """Calls `onModified()` when one of the watched nodes changes, `onReleased(node)` when a dragged point is let go."""
+    """Calls `onModified()` when one of the watched nodes changes, `onReleased(node)` when a dragged point is let go.
 
-    def __init__(self, onModified, onReleased):
+    Before that, and when it begins to watch it, `onMoved(node)` for markups; what that changes of them is a part of the change.
+    """
+
+    def __init__(self, onModified, onReleased, onMoved):
         VTKObservationMixin.__init__(self)
-        self._onModified, self._onReleased = onModified, onReleased
-        self._nodes = []
+        self._onModified, self._onReleased, self._onMoved = onModified, onReleased, onMoved
+        self._nodes, self._isMoving = [], False
 
     def watch(self, nodes):
         """Watch these nodes and no others; nothing is done when they are the same as before."""
@@ -24,8 +27,17 @@ class InputWatch(VTKObservationMixin):
                 self.addObserver(node, event, self._modified)
             if node.IsA("vtkMRMLMarkupsNode"):
                 self.addObserver(node, node.PointEndInteractionEvent, self._released)
+                self._onMoved(node)
 
     def _modified(self, caller=None, event=None):
+        if self._isMoving:
+            return
+        if caller.IsA("vtkMRMLMarkupsNode"):
+            self._isMoving = True
+            try:
+                self._onMoved(caller)
+            finally:
+                self._isMoving = False
         self._onModified()
 
     def _released(self, caller, event=None):

@@ -3,28 +3,42 @@
 from typing import Any, NamedTuple
 
 import numpy as np
+from slicer.i18n import tr as _
 
 from SDFStentLib import treatment
 from SDFStentLib.centerline import Centerline
-from SDFStentLib.files import faces_of_polydata, surface_from_polydata, triangulated_polydata
+from SDFStentLib.files import (
+    faces_of_polydata,
+    size_warnings,
+    surface_from_polydata,
+    triangulated_polydata,
+)
 
-from . import Conversion
+from . import Conversion, Handles
 from .Lesions import LesionSearch
 from .PointNormals import cornersOf
 from .Portions import inPortions, untilDone
 from .Previewing import PreviewedVessel
 
+SPACING = 1.0
+"""Between places at which a lumen is measured, mm."""
+
+
+AS_WIDE_AS = 0.75
+"""A new stent is as wide as this quantile of the vessel where it lies: no narrowing there makes it too small to touch the wall."""
+
 
 class Vessel(NamedTuple):
     """A vessel's wall in world coordinates: the library's `Surface`, polydata, its named faces or None, its `Corners` where it is large.
 
-    The polydata is shared: copy it before changing it.
+    The polydata is shared: copy it before changing it. `remark` is what to know of it, a sentence or "".
     """
 
     surface: Any
     polyData: Any
     faces: Any
     corners: Any
+    remark: str
 
 
 class Inputs:
@@ -48,12 +62,19 @@ class Inputs:
             polyData = yield from inPortions(lambda: triangulated_polydata(given, name).polydata)
             surface = yield from inPortions(lambda: surface_from_polydata(polyData, name))
             corners = yield from inPortions(lambda: cornersOf(polyData))
-            self._vessel = (stamp, Vessel(surface, polyData, faces_of_polydata(polyData), corners))
+            remark = yield from inPortions(lambda: _sizeRemark(surface, node.GetName()))
+            faces = faces_of_polydata(polyData)
+            self._vessel = (stamp, Vessel(surface, polyData, faces, corners, remark))
         return self._vessel[1]
 
     def centerline(self, parameterNode):
         """The library's centerline."""
         return untilDone(self.centerlineInPortions(parameterNode))
+
+    def knownCenterline(self, parameterNode):
+        """The same where it is converted already, else None."""
+        node, (stamp, centerline) = parameterNode.centerline, self._centerline
+        return centerline if node is not None and stamp == Conversion.changeStamp(node) else None
 
     def centerlineInPortions(self, parameterNode):
         """The same in portions: a generator that yields None and returns the centerline."""
@@ -75,7 +96,7 @@ class Inputs:
     def _bothInPortions(self, parameterNode):
         vessel = yield from self.vesselInPortions(parameterNode)
         centerline = yield from self.centerlineInPortions(parameterNode)
-        return vessel.surface, centerline, vessel.faces
+        return vessel.remark, (vessel.surface, centerline, vessel.faces)
 
     def nativeLumenInPortions(self, parameterNode, stent):
         """Smallest inscribed diameter where a stent of the library lies, before it, mm; a generator as those above."""
@@ -98,18 +119,26 @@ class Inputs:
 
     def sizeLimits(self, parameterNode):
         """Largest sensible diameter and length of a stent for this vessel, mm; for any, until its centerline is converted."""
-        node, (stamp, centerline) = parameterNode.centerline, self._centerline
-        if node is None or stamp != Conversion.changeStamp(node):
+        centerline = self.knownCenterline(parameterNode)
+        if centerline is None:
             return 40.0, 120.0
         radius = centerline.inscribed_radius[np.isfinite(centerline.inscribed_radius)]
-        diameter = float(np.ceil(4 * np.max(radius))) if len(radius) else 40.0
-        return min(60.0, diameter), min(300.0, float(np.ceil(np.max(centerline.arc_length))))
+        diameter = _endOfSlider(4 * np.max(radius)) if len(radius) else 40.0
+        return min(60.0, diameter), min(300.0, _endOfSlider(np.max(centerline.arc_length)))
 
     def suggestedDiameter(self, parameterNode):
-        """A diameter that fits the vessel where a new stent is put, mm; 8 where the radius is unknown."""
-        radius = self.centerline(parameterNode).inscribed_radius
-        known = radius[np.isfinite(radius)]
-        return float(round(2 * np.median(known), 1)) if len(known) else 8.0
+        """A diameter that fits the vessel where a new stent is put, mm, measured where the centerline knows no radii.
+
+        8 where there is no vessel to measure.
+        """
+        tree = self.centerline(parameterNode)
+        way = tree.path_around(Handles.middlePoint(tree), Handles.USUAL_LENGTH)
+        diameters = 2 * way.inscribed_radius
+        if np.isnan(diameters).all() and parameterNode.vessel is not None:
+            native = treatment.Vessel(self.vessel(parameterNode).surface, tree)
+            diameters = native.diameters(way.points, SPACING).inscribed_diameter
+        known = diameters[np.isfinite(diameters)]
+        return float(round(np.quantile(known, AS_WIDE_AS), 1)) if len(known) else 8.0
 
     @staticmethod
     def _stamp(parameterNode):
@@ -119,3 +148,21 @@ class Inputs:
             Conversion.segmentOf(parameterNode),
             Conversion.changeStamp(parameterNode.centerline),
         )
+
+
+def _endOfSlider(size):
+    """The whole millimeters that hold a size."""
+    return float(np.ceil(np.round(size, 3)))  # a transform leaves some digits more
+
+
+def _sizeRemark(surface, name):
+    """That a vessel is much smaller or larger than vessels are in mm, as a sentence; "" where it is not."""
+    for caution in size_warnings(surface, name):
+        numbers = caution.numbers
+        lumen = numbers.get("lumen_mm")
+        width = "" if lumen is None else _(" and about {lumen:.2g} mm wide").format(lumen=lumen)
+        return _(
+            "{name} is {extent:.3g} mm long{width}, unusual for a vessel. If it is in another unit put it and its centerline "
+            "below a transform that makes that mm: by 10 from cm, by 1000 from m."
+        ).format(name=name, extent=numbers["extent_mm"], width=width)
+    return ""

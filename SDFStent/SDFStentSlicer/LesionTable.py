@@ -3,10 +3,11 @@
 import qt
 from slicer.i18n import tr as _
 
-from SDFStentLib.measure import SMALLEST_DEGREE
 from SDFStentLib.report import lesion_sentences
+from SDFStentLib.vessel import SMALLEST_DEGREE
 
 from . import Clock
+from .Columns import fitColumns
 from .Results import degree
 from .SteppedRun import SteppedRun
 
@@ -27,6 +28,7 @@ class LesionTable:
         self._updating = False
         self._run = SteppedRun(lambda _value: None, self._done)
         self._timer = Clock.timer(self._begin, SETTLE_MS)
+        fitColumns(ui.lesionTable)
         ui.lesionTable.connect("itemSelectionChanged()", self._selectionChanged)
         ui.lesionTable.connect("cellClicked(int,int)", self._clicked)
         self._show("")
@@ -85,11 +87,11 @@ class LesionTable:
         search = self._search
         if error is not None:
             self._show(str(error))
-        elif search.found:
-            self._show("", search.found)
         else:
             none = _("No lesion of {percent} % or more was found.")
-            self._show(search.sentence or none.format(percent=round(100 * SMALLEST_DEGREE)))
+            none = search.sentence or none.format(percent=round(100 * SMALLEST_DEGREE))
+            said = (search.remark, "" if search.found else none)
+            self._show("\n".join(filter(None, said)), search.found)
         self._onFound()
 
     def _show(self, sentence, lesions=()):

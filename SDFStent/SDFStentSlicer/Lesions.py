@@ -1,7 +1,7 @@
 """The lesions of a vessel: found once, off the application's thread."""
 
-from SDFStentLib.measure import find_lesions
 from SDFStentLib.validation import InputError
+from SDFStentLib.vessel import find_lesions
 
 from .Portions import inPortions
 
@@ -10,20 +10,20 @@ class LesionSearch:
     """The lesions of one vessel with one centerline. No nodes in here.
 
     `found` is None until `portions` was run to its end, then a tuple of the library's `Lesion`, the tightest first; `sentence`
-    says why it is empty where the vessel could not be searched.
+    says why it is empty where the vessel could not be searched, `remark` what to know of the vessel.
     """
 
     def __init__(self, inputs):
-        """`inputs()` is a generator that yields None in between and returns what `find_lesions` takes."""
+        """`inputs()` is a generator that yields None in between and returns the remark and what `find_lesions` takes."""
         self._inputs = inputs
-        self.found, self.sentence = None, ""
+        self.found, self.sentence, self.remark = None, "", ""
 
     def portions(self):
         """Search; yields None until it is done. Does nothing when it is."""
         if self.found is not None:
             return
         try:
-            inputs = yield from self._inputs()
+            self.remark, inputs = yield from self._inputs()
             self.found = yield from inPortions(lambda: find_lesions(*inputs))
         except InputError as error:
             self.found, self.sentence = (), str(error)

@@ -13,12 +13,31 @@ from SDFStentLib.stent import DEFAULT_FORESHORTENING, AtCenter
 from SDFStentLib.treatment import SizingWishes, placement_at
 from SDFStentLib.validation import DeploymentError, InputError
 
-from . import Dependencies, Deploying, Display, Handles, Outputs, Plans, Results
+from . import (
+    Dependencies,
+    Deploying,
+    Display,
+    Handles,
+    Layouts,
+    Outputs,
+    Plans,
+    Results,
+    Sizes,
+)
 from .Alternatives import Alternatives
+from .Dragging import Dragging
 from .Exporting import Exporting
 from .Fitting import Fitting
 from .Inputs import Inputs
-from .ParameterNode import STENT_FIELDS, MethodParameters, Placement, SDFStentParameterNode
+from .LumenMiddle import middleOn
+from .ParameterNode import (
+    STENT_FIELDS,
+    MethodParameters,
+    Placement,
+    SDFStentParameterNode,
+    stentOf,
+    stentsOf,
+)
 from .Portions import working
 from .Previewing import Previewing
 from .Segments import Segments
@@ -47,25 +66,37 @@ class SDFStentLogic(
 
     def __init__(self):
         ScriptedLoadableModuleLogic.__init__(self)
-        self.forget()
+        # A singleton would be emptied when the scene is closed, and overwritten by that of a scene that is imported.
+        self.isSingletonParameterNode = False
+        self.begin()
         logic = weakref.ref(self)  # the scene outlives this object and must not keep it
         scene = slicer.mrmlScene
-        scene.AddObserver(scene.EndImportEvent, lambda *_: logic() and logic().forget())
-        scene.AddObserver(scene.EndCloseEvent, lambda *_: logic() and logic().begin())
+        scene.AddObserver(scene.EndImportEvent, lambda *_: logic() and logic().begin())
+        scene.AddObserver(scene.EndCloseEvent, lambda *_: logic() and logic().forget())
 
     def forget(self):
         """Let go of everything that belongs to the scene, which was closed or has got other content."""
         # A wrapper that lived through an import may have cached references that were not resolved yet.
         self._wrappers = {}
         self._shown, self._inputs = {}, Inputs()
-        self._snapping, self._previewing = Snapping(), Previewing()
+        self._snapping, self._previewing, self._dragging = Snapping(), Previewing(), Dragging()
 
     def begin(self):
-        """Start anew in a scene that was closed: its first plan is still there, without values, and called as before."""
+        """Start anew in a scene with imported content; plans that are singletons, as in former versions, are no longer."""
         self.forget()
-        node = slicer.mrmlScene.GetSingletonNode(self.moduleName, "vtkMRMLScriptedModuleNode")
-        if node is not None:
-            node.SetName(_(FIRST_PLAN))
+        for node in self.getAllParameterNodes():
+            if node.IsSingleton():
+                self._takeOutOfSingletons(node)
+
+    @staticmethod
+    def _takeOutOfSingletons(node):
+        """Put a node with another ID in a node's place: MRML takes the ID of a singleton for one, with or without its tag."""
+        scene, copy = node.GetScene(), node.CreateNodeInstance()
+        copy.UnRegister(None)
+        copy.Copy(node)
+        copy.SetSingletonTag(None)
+        scene.RemoveNode(node)
+        scene.AddNode(copy)
 
     def getParameterNode(self):
         """The parameters that the panel starts with."""
@@ -134,11 +165,13 @@ class SDFStentLogic(
         )
 
     def removeStent(self, parameterNode):
-        """Remove the selected stent, and its handle if this module made it."""
+        """Remove the selected stent, and its handle if this module made it; with the last one what was deployed, too."""
         handle = parameterNode.stent.handle
         StentList(parameterNode).remove()
         if handle not in [stent.handle for stent in parameterNode.stents]:
             Handles.removeHandle(handle)
+        if not len(parameterNode.stents):
+            self.removeResults(parameterNode)
 
     def fitHandle(self, parameterNode):
         """Give the selected stent's handle the points that its placement needs; one that dilates another again takes that one's."""
@@ -147,9 +180,24 @@ class SDFStentLogic(
         stent = parameterNode.stent
         stent.foreshortening = 0.0 if stent.placement.usesHandleLength else 10.0
         if stent.handle is not None and parameterNode.centerline is not None:
-            Handles.fitHandle(
-                stent.handle, stent.placement, self._inputs.centerline(parameterNode), stent.length
-            )
+            tree, length = self._inputs.centerline(parameterNode), Sizes.lengthOf(stent)
+            Handles.fitHandle(stent.handle, stent.placement, tree, length)
+
+    def leadHandle(self, parameterNode, handle):
+        """Keep a handle on the centerline while the mouse moves it; the axis of a stent along a curve is free."""
+        stents = stentsOf(parameterNode)
+        if any(stent.handle is handle and stent.placement.needsCenterline for stent in stents):
+            self._dragging.follow(handle, self._inputs.knownCenterline(parameterNode))
+
+    def moveStent(self, parameterNode, distance):
+        """Move the handle of the selected stent along the centerline, in mm, towards the outlets or, negative, the root."""
+        stent = stentOf(parameterNode)
+        if (
+            stent.handle is not None
+            and parameterNode.centerline
+            and stent.placement.needsCenterline
+        ):
+            Handles.moveHandle(stent.handle, self._inputs.centerline(parameterNode), distance)
 
     def snapHandle(self, parameterNode, handle):
         """Move a handle's points onto the centerline; from how far, where that is far, is in `status` afterwards.
@@ -161,6 +209,19 @@ class SDFStentLogic(
             surface = self._inputs.vessel(parameterNode).surface
             self._snapping.snap(stents[0], self._inputs.centerline(parameterNode), surface)
             parameterNode.status = self._snapping.told(parameterNode)
+
+    def takePlaced(self, parameterNode, handle, index, ray):
+        """Bring a point that the user has placed where it belongs: of a drawn axis to the middle of the lumen seen there.
+
+        A click into a 3D view has the depth of what is drawn foremost, as the wall, another handle, or the stented vessel. `ray` is the
+        `Ray` on which the point was seen; None in a slice view, where the point stays.
+        """
+        if stentOf(parameterNode).placement != Placement.ALONG_CURVE:
+            self.snapHandle(parameterNode, handle)
+        elif ray is not None:
+            middle = middleOn(self._inputs.vessel(parameterNode).polyData, ray)
+            if middle is not None:
+                handle.SetNthControlPointPositionWorld(index, *middle)
 
     def restoreMethod(self, parameterNode):
         """Set the method, and what a suggestion goes by, back to the defaults."""
@@ -273,6 +334,10 @@ class SDFStentLogic(
             shown = self._shown[node.GetID()] = Shown(parameterNode)
         return shown
 
+    def forgetRun(self, parameterNode):
+        """Know nothing of the last deployment any more."""
+        self._shown.pop(parameterNode.parameterNode.GetID(), None)
+
     def lastRun(self, parameterNode):
         """The `Stenting` of the last deployment, with its recorded steps; None before the first."""
         return self._shownOf(parameterNode).run
@@ -303,8 +368,8 @@ class SDFStentLogic(
             Results.clearNumbers(parameterNode)
 
     showPlace = staticmethod(Display.showPlace)
-    showPlot = staticmethod(Display.showPlot)
-    showTable = staticmethod(Display.showTable)
+    showPlot = staticmethod(Layouts.showPlot)
+    showTable = staticmethod(Layouts.showTable)
 
     def updateDisplay(self, parameterNode):
         """Bring what is shown into line with the parameters; makes no nodes."""
@@ -313,6 +378,7 @@ class SDFStentLogic(
             and parameterNode.outputStents.GetDisplayNode() is not None
         ):
             parameterNode.outputStents.GetDisplayNode().SetVisibility(parameterNode.showStents)
+        Display.nameFolder(parameterNode)
         run = self.lastRun(parameterNode)
         if run is None:
             return
@@ -325,7 +391,9 @@ class SDFStentLogic(
     @staticmethod
     def sentence(error):
         """What the user reads about an error."""
-        if isinstance(error, (InputError, DeploymentError)):
+        if isinstance(error, InputError):
+            return error.sentence(Sizes.REMEDIES)
+        if isinstance(error, DeploymentError):
             return str(error)
         return _("Unexpected error: {kind}: {text}").format(kind=type(error).__name__, text=error)
 

@@ -6,7 +6,7 @@ from slicer.i18n import tr as _
 
 from SDFStentLib.validation import printable
 
-from . import Sizes
+from . import Outputs, Sizes
 from .ParameterNode import Placement, methodOf, stentOf, stentsOf
 
 METHOD_SLIDERS = {
@@ -32,24 +32,35 @@ class PanelState:
         self.ui.placeWidget.setCurrentNode(stentOf(parameterNode).handle if hasStents else None)
         self._showSegments(parameterNode)
         self._reach(parameterNode)
+        self._hideResults(parameterNode)
         self.enable(parameterNode)
         self._logic.updateDisplay(parameterNode)
 
     def _showSegments(self, parameterNode):
         vessel, selector = parameterNode.vessel, self.ui.segmentSelector
         isSegmentation = vessel is not None and vessel.IsA("vtkMRMLSegmentationNode")
-        selector.visible = self.ui.segmentSelectorLabel.visible = isSegmentation
+        selector.visible = isSegmentation  # with a label of its own
         wasBlocked = selector.blockSignals(True)  # it says that the first segment was chosen
         selector.setCurrentNode(vessel if isSegmentation else None)
         selector.setCurrentSegmentID(parameterNode.segmentID)
         selector.blockSignals(wasBlocked)
+
+    def _hideResults(self, parameterNode):
+        """Offer no results as inputs, unless one is chosen already."""
+        results = Outputs.allIDs(parameterNode)
+        for name in ("vessel", "centerline", "deviceMesh"):
+            chosen = getattr(parameterNode, name)
+            hidden = [one for one in results if chosen is None or one != chosen.GetID()]
+            offered = getattr(self.ui, name + "Selector").sortFilterProxyModel()
+            if list(offered.hiddenNodeIDs) != hidden:
+                offered.hiddenNodeIDs = hidden
 
     def _reach(self, parameterNode):
         """Sliders reach as far as makes sense, for this vessel or as designed, and farther where the value that is set does."""
         stent, method = stentOf(parameterNode), methodOf(parameterNode)
         diameter, length = self._logic.sizeLimits(parameterNode)
         _letReach(self.ui.diameterSlider, diameter, stent.diameter)
-        _letReach(self.ui.lengthSlider, length, stent.length)
+        _letReach(self.ui.lengthSlider, length, Sizes.lengthOf(stent))
         for name, parameter in METHOD_SLIDERS.items():
             _letReach(getattr(self.ui, name), self._usualReach[name], getattr(method, parameter))
 
@@ -80,7 +91,8 @@ class PanelState:
         self.ui.lengthSlider.enabled = hasLength and not isOwn
         self.ui.diameterSlider.enabled = Sizes.detailsOf(stent).balloon is None
         isKnown = device is not None or stent.placement == Placement.AGAIN
-        self.ui.foreshorteningSlider.enabled = not (isKnown and isByDevice)
+        isAsked = Sizes.asksForShortening(stent)
+        self.ui.foreshorteningSlider.enabled = isAsked or not (isKnown and isByDevice)
         self.ui.addStentButton.enabled = (
             parameterNode.vessel is not None or parameterNode.centerline is not None
         )
@@ -91,17 +103,22 @@ class PanelState:
         self.ui.savePlanButton.enabled = not missing
         self.ui.showPlotButton.enabled = parameterNode.outputChart is not None
         self.ui.showTableButton.enabled = parameterNode.outputTable is not None
+        self.ui.flowMostSpinBox.enabled = parameterNode.flowLeast > 0
         self.ui.warningLabel.visible = bool(parameterNode.warningSummary)
         self._tell(parameterNode, standing)
 
     def _tell(self, parameterNode, standing):
-        """The line below Deploy; results that no longer belong to the plan are grey, unless they are renewed anyway."""
+        """The line below Deploy; results that no longer belong to the plan are said to be old, unless they are renewed anyway."""
         isRenewed = self._session.isRenewing(standing)
         isOld = not isRenewed and self._logic.hasChanged(parameterNode, standing)
-        for label in (self.ui.lumenLabel, self.ui.certificateLabel, self.ui.warningLabel):
-            label.enabled = not isOld
-        changed = _("Changed since this deployment; click Deploy.") if isOld else ""
-        sentences = [standing.missing, parameterNode.status, changed]
+        # In words: gray text is hardly legible in a dark style.
+        self.ui.oldLabel.visible = isOld and bool(parameterNode.lumenSummary)
+        changed = (
+            _("Changed since this deployment.")
+            if standing.missing
+            else _("Changed since this deployment; click Deploy.")
+        )
+        sentences = [standing.missing, parameterNode.status, changed if isOld else ""]
         self.ui.statusLabel.text = printable("\n".join(filter(None, sentences)))
         self.ui.statusLabel.visible = bool(self.ui.statusLabel.text)
 

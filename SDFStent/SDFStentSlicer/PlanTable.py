@@ -7,6 +7,7 @@ from slicer.i18n import tr as _
 
 from SDFStentLib.validation import one_line
 
+from .Columns import fitColumns
 from .FolderButton import FolderButton
 
 
@@ -28,6 +29,7 @@ class PlanTable:
             attempt,
             self._onCompared,
         )
+        fitColumns(ui.planTable)
         ui.plansCollapsibleButton.connect("contentsCollapsed(bool)", self._onOpened)
         ui.planTable.connect("itemSelectionChanged()", self._onSelected)
         ui.planTable.connect("itemChanged(QTableWidgetItem*)", self._onChanged)

@@ -61,7 +61,8 @@ def _standing(parameterNode):
     balloon = Sizes.balloonOf(stent)
     if balloon is None or balloon.is_given:
         return whose, None
-    place = (stent.placement, stent.length, stent.wholeCurve, Conversion.changeStamp(stent.handle))
+    length, handle = Sizes.lengthOf(stent), Conversion.changeStamp(stent.handle)
+    place = (stent.placement, length, stent.wholeCurve, handle)
     vessel = (Conversion.changeStamp(parameterNode.vessel), Conversion.segmentOf(parameterNode))
     tree = Conversion.changeStamp(parameterNode.centerline)
     return whose, (balloon.diameter, stent.foreshortening, place, vessel, tree)

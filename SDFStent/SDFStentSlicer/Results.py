@@ -6,16 +6,19 @@ import numpy as np
 import slicer
 from slicer.i18n import tr as _
 
-from SDFStentLib.measure import SMALLEST_DEGREE, lesions_within
+from SDFStentLib.certificate import NOT_CERTIFIED
 from SDFStentLib.report import (
+    LEFT,
     ratio_sentence,
+    residual_words,
     stent_balloon_sentences,
     stent_device_sentences,
     stent_pressure_sentences,
     stent_ratio_sentences,
 )
-from SDFStentLib.treatment import prescribed_diameters, ratio_cautions, stent_ratios
+from SDFStentLib.treatment import prescribed_diameters, residual_of, size_cautions, stent_ratios
 from SDFStentLib.validation import InputError, one_line
+from SDFStentLib.vessel import SMALLEST_DEGREE, lesions_within
 
 from . import Conversion, Display, Flow
 from .ParameterNode import SurfaceMap
@@ -115,46 +118,49 @@ def showMeasured(parameterNode, run):
         showProfile(parameterNode, run)
         showSummary(parameterNode, run)
         parameterNode.certificateSummary = (
-            run.result.certificate.sentence() if run.result.certificate else _("Not certified.")
+            run.result.certificate.sentence() if run.result.certificate else f"{NOT_CERTIFIED}."
         )
         parameterNode.summaryRow = json.dumps(summaryRow(run))
+        cautions = (
+            *run.result.warnings,
+            *size_cautions(run.result.stents, run.lesions, run.label),
+        )
+        told = filter(None, (run.remark, *(caution.sentence() for caution in cautions)))
         parameterNode.warningSummary = "\n".join(
-            _("Warning: {sentence}").format(sentence=one_line(caution.sentence()))
-            for caution in (
-                *run.result.warnings,
-                *ratio_cautions(run.result.stents, run.lesions or (), run.label),
-            )
+            _("Warning: {sentence}").format(sentence=one_line(sentence)) for sentence in told
         )
 
 
 def summaryRow(run):
-    """The narrowest lumen in the stents, the largest stenosis left, branches and certificate: a few words each."""
+    """The narrowest lumen in the stents, what is left in the treated vessel, branches and certificate: a few words each."""
     stents, lesions = run.result.stents, run.lesions
-    left = max((one.after.percent_diameter for one in lesions or ()), default=0.0)
+    left = residual_of(lesions or (), stents)
     branches = {branch.name: branch for stent in stents for branch in stent.branches}
     covered = {branch.name for stent in stents for branch in stent.branches if not branch.is_free}
     certificate = run.result.certificate
     isCertified = certificate is not None and certificate.passed
     return [
         _("{lumen} mm").format(lumen=_number(min(stent.after.minimum for stent in stents))),
-        _("not known") if lesions is None else f"{max(left, 0.0):.0f} %",
+        _("not known") if left is None else f"{max(left.percent, 0.0):.0f} %",
         _("{count} of {all} covered").format(count=len(covered), all=len(branches))
         if branches
         else _("none near"),
-        _("certified") if isCertified else _("not certified"),
+        _("meshable") if isCertified else _("not certified"),
     ]
 
 
 def showSummary(parameterNode, run):
     """What there is to say of every stent, with the pressure drops at the flow that is set."""
     run.shownFlow = flow = Flow.toldFlow(parameterNode)
-    told = [stent_pressure_sentences(treated, flow) for treated in run.result.stents]
+    told = [stent_pressure_sentences(treated, flow, Flow.UNIT) for treated in run.result.stents]
     summaries = [
         "\n".join([stentSummary(treated, run.lesions), *pressure[:1]])
         for treated, pressure in zip(run.result.stents, told, strict=True)
     ]
     notes = dict.fromkeys(note for pressure in told for note in pressure[1:])  # once
-    parameterNode.lumenSummary = "\n\n".join([*summaries, *notes])
+    left = residual_of(run.lesions or (), run.result.stents)
+    headline = [] if left is None else [f"{LEFT}: {residual_words(left)}"]
+    parameterNode.lumenSummary = "\n\n".join([*headline, *summaries, *notes])
 
 
 def followFlow(parameterNode, run):

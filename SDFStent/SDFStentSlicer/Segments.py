@@ -42,16 +42,15 @@ class Segments:
             "surface": _named(parameterNode.vessel),
             "centerline": _named(parameterNode.centerline),
         }
-        isClosed = parameterNode.closeBranches
+        how = {
+            "close_branches": parameterNode.closeBranches,
+            "nearest": parameterNode.segmentEnds is None,  # nobody has chosen these places
+        }
 
         def stepsInto(new):
             yield 0.0
             found = yield from working(
-                inPortions(
-                    lambda: treatment.extract_segment(
-                        before, *ends, close_branches=isClosed, after=after
-                    )
-                )
+                inPortions(lambda: treatment.extract_segment(before, *ends, after=after, **how))
             )
             write_segment(new, found, inputs, ("RAS", "RAS"))
             if parameterNode.parameterNode.GetScene() is not None:
@@ -93,9 +92,7 @@ def _named(node):
 def _sentences(found, folder):
     """What the shell says of a segment."""
     yield from (caution.sentence() for caution in found.warnings)
-    for name, segment in ((_("Before"), found.before), (_("After"), found.after)):
-        for sentence in segment_sentences(segment) if segment is not None else ():
-            yield f"{name}: {sentence}"
+    yield from segment_sentences(found)
     if found.after is None:
         yield _(
             "Before treatment only: deploy the plan as it is now to have the vessel after it, too."

@@ -5,6 +5,7 @@ from functools import lru_cache
 from types import SimpleNamespace
 
 import numpy as np
+from slicer.i18n import tr as _
 
 from SDFStentLib import stent as library
 from SDFStentLib.plan import detailed_stent, read_details
@@ -18,6 +19,11 @@ BY_POINT = {
     Placement.DISTAL_END: library.AtDistalEnd,
     Placement.PROXIMAL_END: library.AtProximalEnd,
 }
+
+REMEDIES = {
+    "foreshortening": _(" (in Device, untick As known of the device or move Foreshortening)")
+}
+"""What the library's sentences advise, as the panel calls it."""
 
 SIZES = (
     "diameter",
@@ -40,6 +46,19 @@ def sizesOf(stent):
 def detailsOf(stent):
     """Device, balloon, kept end and shape of a stent, as the library's `StentDetails`."""
     return read_details(stent.details)
+
+
+def lengthOf(stent):
+    """Length as packed, mm: of a device of one length that, whatever is set."""
+    device = detailsOf(stent).device
+    return (device and device.nominal_length) or stent.length
+
+
+def asksForShortening(stent):
+    """Whether a stent shall shorten as is known of its device, and that is not known."""
+    device = detailsOf(stent).device
+    isKnown = device is None or device.foreshortening_fraction is not None or device.lengths
+    return stent.deviceShortening and not isKnown
 
 
 def balloonOf(stent):
@@ -71,7 +90,7 @@ def stentAt(stent, placement, label=""):
         stent.details,
         stent.diameter,
         placement=placement,
-        length=stent.length if hasLength else None,
+        length=lengthOf(stent) if hasLength else None,
         foreshortening_fraction=None if isByDevice else stent.foreshortening / 100,
         name=label,
     )
@@ -148,7 +167,7 @@ def _refusal(values):
     try:
         withRedilations([somewhere(stent)], [stent.redilation])
     except InputError as error:
-        return str(error)
+        return error.sentence(REMEDIES)
     return ""
 
 

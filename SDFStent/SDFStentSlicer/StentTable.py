@@ -1,10 +1,15 @@
 """The table of the plan's stents in the panel."""
 
+from types import SimpleNamespace
+
 import qt
 from slicer.i18n import tr as _
 
 from SDFStentLib.plan import details_words
 from SDFStentLib.validation import one_line
+
+from . import Sizes
+from .Columns import fitColumns
 
 
 class StentTable:
@@ -14,6 +19,7 @@ class StentTable:
         self.ui, self._onSelect, self._onEnable = ui, onSelect, onEnable
         self._updating = False
         self._shown = None
+        fitColumns(self.ui.stentTable)
         self.ui.stentTable.connect("itemSelectionChanged()", self._selectionChanged)
         self.ui.stentTable.connect("itemChanged(QTableWidgetItem*)", self._itemChanged)
 
@@ -44,7 +50,8 @@ class StentTable:
                     qt.Qt.ItemIsEnabled | qt.Qt.ItemIsSelectable | qt.Qt.ItemIsUserCheckable
                 )
                 item.setCheckState(qt.Qt.Checked if enabled else qt.Qt.Unchecked)
-                item.setToolTip(_("Tick to deploy this stent, untick to leave it out."))
+                tip = _("Tick to deploy this stent, untick to leave it out.")
+                item.setToolTip(f"{text}\n{tip}")
             if column == 1 and details:
                 item.setText(f"{text} +")
                 item.setToolTip(_("With {details}.").format(details=details))
@@ -64,7 +71,7 @@ def _texts(values):
     length = (
         _("as placed")
         if values["placement"].usesHandleLength and values["wholeCurve"]
-        else f"{values['length']:.1f} mm"
+        else f"{Sizes.lengthOf(SimpleNamespace(**values)):.1f} mm"
     )
     return (
         one_line(values["label"]),

@@ -50,16 +50,17 @@ class Stenting:
         places=(),
         search=None,
         faces=None,
+        remark="",
     ):
         """`planned` is a list of `Stent`; `dtype` is the type in which the result is stored.
 
         `places` says for every stent by what the caller finds it again. `search` is the `LesionSearch` of the vessel, `faces`
-        are the surface's `NamedFaces`.
+        are the surface's `NamedFaces`, `remark` what to know of it.
         """
         self.surface, self.points, self.centerline = surface, surface.points, centerline
         self.recorded, self._axes = [], {}
         self.places, self.result = list(places), None
-        self.search, self.lesions = search, None
+        self.search, self.lesions, self.remark = search, None, remark
         self.shownMap = self.shownStent = self.shownFlow = None
         self._treatment = Treatment(
             surface,

@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import slicer
 
-from SDFStentLib.measure import lesions_within
 from SDFStentLib.plan import read_details, stent_details
 from SDFStentLib.report import suggestion_sentences
 from SDFStentLib.stent import stent_axis
-from SDFStentLib.treatment import SizingWishes, stent_ratios, suggested
+from SDFStentLib.treatment import SizingWishes, Vessel, stent_ratios, suggested
 from SDFStentLib.validation import InputError
+from SDFStentLib.vessel import lesions_within
 
 from . import Dependencies, Handles, Plans, Sizes
 from .StentList import StentList
@@ -30,7 +30,9 @@ class Suggesting:
         wishes = _wishesOf(parameterNode, parameterNode.stent if isThere else None)
         number = self._numberOf(parameterNode, lesion)
         centerline = self._inputs.centerline(parameterNode)
-        suggestion = suggested(lesion, number, centerline, wishes)
+        found = self._inputs.lesions(parameterNode).found
+        vessel = Vessel(self._inputs.vessel(parameterNode).surface, centerline)
+        suggestion = vessel.compared(suggested(lesion, number, centerline, wishes), found)
         values = Plans.valuesOf(suggestion.stent)
         del values["label"]
         if isThere:

@@ -5,7 +5,7 @@ from slicer.i18n import tr as _
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 
-from . import Display
+from . import Conversion, Display, Showing
 from .PointNormals import PointNormals, withNormals
 
 VESSEL_COLOR = (0.88, 0.47, 0.42)
@@ -80,7 +80,7 @@ def outputSurface(parameterNode, vessel, former):
     if node is not shown:
         node.GetDisplayNode().SetOpacity(VESSEL_OPACITY)
         node.GetDisplayNode().SetVisibility2D(True)
-        Display.hideModel(parameterNode.vessel)
+        Showing.setShown(parameterNode.vessel, False, Conversion.segmentOf(parameterNode))
     if former is not None:
         if former.node is node and former.template is template and former.isValid:
             return former

@@ -38,8 +38,8 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
         self.logic = logic
         self.session = self.stents = self.table = self.lesions = self.plans = self._state = None
         self._parameterNode = self._binding = self._lastSet = self._leavings = None
-        self._hadVessel = False
-        self._inputs = InputWatch(self.onInputModified, self.onHandleReleased)
+        self._present = []
+        self._inputs = InputWatch(self.onInputModified, self.onHandleReleased, self.onHandleMoved)
 
     # Life cycle
 
@@ -102,13 +102,13 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
     def onSceneStartImport(self, caller=None, event=None):
         # Selectors are emptied by an import, and references are not resolved while it lasts.
         self.setParameterNode(None)
-        self._hadVessel = self.logic.vesselOf(self._lastSet) is not None
+        self._present = self.logic.getAllParameterNodes()
         self.logic.markShown(None)  # so that what is marked afterwards was saved so
 
     def onSceneEndImport(self, caller=None, event=None):
-        marked = self.logic.markedPlan()
-        if not self._hadVessel and self.logic.vesselOf(marked) is not None:
-            self._lastSet = marked  # the plan that was shown when the scene was saved
+        shown, self._lastSet = self._lastSet, None
+        self._lastSet = self.logic.planAfterImport(shown, self._present)
+        self.logic.nameApart(self._present)
         self.onSceneReady()
 
     def onSceneReady(self, caller=None, event=None):
@@ -172,6 +172,8 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
                 self.onParameterNodeModified,
             )
             self._inputs.watch([])
+            for widget in (self.ui.placeWidget, self.ui.segmentPlaceWidget):
+                widget.setCurrentNode(None)
         self._parameterNode = parameterNode
         self.preparation.cancel()
         self.session.setParameterNode(parameterNode)
@@ -224,6 +226,10 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
         self._showSections()
         self._state.enable(self._parameterNode)
         self._requestUpdate()
+
+    def onHandleMoved(self, handle):
+        if self._parameterNode is not None:
+            self.logic.leadHandle(self._parameterNode, handle)
 
     def onHandleReleased(self, handle):
         if self._parameterNode is not None:

@@ -1,10 +1,11 @@
 """How well the panel follows a stent that is dragged, in the test host.
 
-usage: bench_dragging.py [SURFACE CENTERLINE] [--units cm] [--subdivisions N ...] [--no-tree] [--struts] [--profile]
+usage: bench_dragging.py [SURFACE CENTERLINE] [--units cm] [--subdivisions N ...] [--no-tree] [--frames MS ...] [--struts] [--profile]
 
 Per vessel: redeployments per second, each waited for; then a hand that does not wait, which moves 60 times a second: surface
 and number updates per second, the longest silence of the event loop from choosing the vessel to the full answer, and how long
-after the hand has stopped that comes. Undrawn. The artery that is named, or else a synthetic one, then each of its
+after the hand has stopped that comes. Undrawn, and with --frames also beside frames that take so many milliseconds each,
+during which nothing else advances, as in software: how many there are, and how many of them carry a new surface. The artery that is named, or else a synthetic one, then each of its
 triangles cut into four N times (--subdivisions, default 2; 0: not at all), and a phantom tree of about 300 branches where there is one. With
 --struts also redeployments of stents that are drawn as struts, in turn with tubes. With
 --profile also, of the first vessel, drawn and undrawn, where the time goes: the library, the scene (MRML, normals, stent
@@ -204,6 +205,17 @@ class Counter:
         setattr(owner, name, counted)
 
 
+def followDrawn(host, panel, places, counters, milliseconds):
+    """The same beside frames that cost something."""
+    surfaces, carried = counters["surface updates"], []
+    with host.drawing(milliseconds / 1000) as frames:
+        frames.onFrame = lambda: carried.append(surfaces.count)
+        print(f"  frames of {milliseconds:g} ms")
+        follow(host, panel, places, counters)
+    share = np.mean(np.diff(carried) > 0)
+    print(f"  {len(carried)} frames, {100 * share:.0f} % with a new surface")
+
+
 def follow(host, panel, places, counters):
     """A hand that moves 60 times a second and does not wait, back and forth; then it stops."""
     parameters = panel._parameterNode
@@ -318,6 +330,7 @@ def main():
     parser.add_argument("--units", default="mm")
     parser.add_argument("--subdivisions", type=int, nargs="+", default=[2])
     parser.add_argument("--no-tree", dest="tree", action="store_false")
+    parser.add_argument("--frames", type=float, nargs="+", default=[], metavar="MS")
     parser.add_argument("--struts", action="store_true")
     parser.add_argument("--profile", action="store_true")
     arguments = parser.parse_args()
@@ -338,6 +351,8 @@ def main():
         redeployments(host, panel, places)  # the first time weights are made
         redeployments(host, panel, places)
         follow(host, panel, places, counters)
+        for milliseconds in arguments.frames:
+            followDrawn(host, panel, places, counters, milliseconds)
         if arguments.struts:
             asStrutsOrTubes(host, panel, places)
         if arguments.profile:

@@ -104,6 +104,10 @@ def pointFarAway(parameters, scene):
     parameters.stent.handle.SetNthControlPointPositionWorld(0, 500, 500, 500)
 
 
+def longerThanTwiceTheVessel(parameters, scene):
+    changeStent(parameters, length=400.0)
+
+
 CASES = {
     noVessel: "Select a vessel",
     noCenterline: "Select a centerline",
@@ -123,6 +127,7 @@ CASES = {
     segmentationWithoutSegment: "the segmentation has none",
     segmentNotChosen: "Vessel Vessels: expected a segment, got none",
     pointFarAway: "expected a point within",
+    longerThanTwiceTheVessel: r"at least half of its 360\.0 mm can lie on the vessel",
 }
 
 

@@ -284,12 +284,15 @@ def test_cancel_acts_while_measuring_and_nobody_waits(host, aStent, knownResults
     assert "(8.5 prescribed)" in aStent.ui.lumenLabel.text
 
 
-def test_the_event_loop_gets_its_turn_all_through_a_full_deployment(host, aStent, knownResults):
+def test_the_event_loop_gets_its_turn_all_through_a_full_deployment(
+    host, aStent, knownResults, monkeypatch
+):
     """How long a tick takes is for `bench_dragging.py` to say; that there are many is held here."""
     knownResults.clear()
     ticks = []
     run = aStent.session._run
-    run._budget = 0.0  # a portion per tick: a quick machine does several in one
+    # A portion per tick: a quick machine does several in one.
+    monkeypatch.setattr("SDFStentSlicer.Clock.QtTimer.TURN_S", (0.0, 0.0))
 
     def counted():
         ticks.append(aStent.ui.progressBar.value)
@@ -317,22 +320,26 @@ def test_warnings_stand_with_the_numbers(host, aStent):
     deploy(host, aStent)
     assert aStent.ui.warningLabel.visible
     assert aStent.ui.warningLabel.text.startswith("Warning: ")
-    aStent.ui.diameterSlider.value = 7.0
+    aStent.ui.diameterSlider.value, aStent.ui.lengthSlider.value = 7.0, 20.0  # covers the lesion
     deploy(host, aStent)
     assert not aStent.ui.warningLabel.visible
 
 
 def test_a_fast_drag_is_followed_while_it_lasts(host, aStent):
+    from SDFStentSlicer import Clock
+
     aStent.ui.autoUpdateCheckBox.checked = True
     settle(host, aStent)
     begun, values = recorded_begins(aStent), itertools.cycle(np.linspace(6.0, 9.0, 60))
 
-    def dragged():
+    def move():
         aStent.ui.diameterSlider.value = next(values)
-        host.process(0.004)
-        return len(begun) >= 3
 
-    host.processUntil(dragged)  # a wait that every change restarts would leave none
+    # As a hand is heard: by the event loop, which also tells of a rest.
+    hand = Clock.timer(move, 4, isRepeated=True)
+    hand.start()
+    host.processUntil(lambda: len(begun) >= 3)  # a wait that every change restarts would leave none
+    hand.stop()
     assert all(begun)  # previews only
     aStent.ui.diameterSlider.value = 9.0
     settle(host, aStent)

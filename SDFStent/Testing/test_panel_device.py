@@ -96,17 +96,44 @@ def test_a_device_sets_length_and_shortening(host, theSection):
     assert planned(theSection)[0].device is None
 
 
-def test_a_shortening_that_is_not_known_has_to_be_said(host, theSection):
+@pytest.mark.parametrize("way", ["the slider", "the box"])
+@pytest.mark.parametrize(
+    "device", ["numed-cp", "palmaz-xl-10-series", "optimus-xxl-48", "begraft-besmooth-peripheral"]
+)
+def test_a_shortening_that_is_not_known_has_to_be_said(host, theSection, device, way):
     ui = theSection.ui
-    chooseDevice(host, theSection, "numed-cp")
+    chooseDevice(host, theSection, device)
     assert ui.statusLabel.text.startswith(
-        "Stent 1: device numed-cp: its shortening is not known; say how much of its length it loses"
+        f"Stent 1: device {device}: its shortening is not known; say how much of its length it loses"
+        f" (in Device, untick {ui.deviceShorteningCheckBox.text} or move Foreshortening)"
     )
+    assert ui.foreshorteningSliderLabel.text == "Foreshortening:"
     assert not ui.deployButton.enabled
-    ui.deviceShorteningCheckBox.checked = False
-    ui.foreshorteningSlider.value = 15.0
+    assert ui.foreshorteningSlider.enabled
+    if way == "the box":
+        ui.deviceShorteningCheckBox.checked = False
+    else:
+        ui.foreshorteningSlider.value = 15.0
+        assert not ui.deviceShorteningCheckBox.checked
     assert ui.deployButton.enabled
-    assert planned(theSection)[0].foreshortening == pytest.approx(0.15)
+    lost = 0.1 if way == "the box" else 0.15
+    assert planned(theSection)[0].foreshortening == pytest.approx(lost)
+
+
+def test_every_device_of_the_table_can_be_deployed(host, theSection):
+    """As it is chosen, or once its shortening is said; and the length that was set comes back."""
+    ui, own = theSection.ui, theSection.ui.lengthSlider.value
+    for index, name in enumerate(names(ui.deviceComboBox)):
+        host.choose(ui.deviceComboBox, index)
+        if not ui.deployButton.enabled:
+            ui.foreshorteningSlider.value = 12.0
+        assert ui.deployButton.enabled, name
+        (stent,) = planned(theSection)
+        length = getattr(stent.device, "nominal_length", None) or own
+        assert (stent.length, ui.lengthSlider.value) == (length, length)
+        assert ui.stentTable.item(0, 2).text() == f"{length:.1f} mm"
+        host.choose(ui.deviceComboBox, 0)
+        assert planned(theSection)[0].length == ui.lengthSlider.value == own, name
 
 
 def test_a_diameter_beyond_the_devices_is_refused_in_the_librarys_sentence(

@@ -117,7 +117,7 @@ def test_a_mesh_that_cannot_be_used_is_said_and_the_stents_stay(host, theFiles, 
     ui, parameters = theFiles.ui, theFiles._parameterNode
     deploy(host, theFiles)
     count = parameters.outputStents.GetPolyData().GetNumberOfPoints()
-    ui.deviceMeshSelector.setCurrentNode(parameters.outputVessel)
+    parameters.deviceMesh = parameters.outputVessel  # is not offered
     host.process()
     sentence = "expected a surface of your own, got a result of this module; select another model."
     assert sentence in ui.statusLabel.text

@@ -33,7 +33,7 @@ def report(panel, flow):
     from SDFStentLib.report import stent_pressure_sentences
 
     (treated,) = panel.logic.lastRun(panel._parameterNode).result.stents
-    return stent_pressure_sentences(treated, flow)
+    return stent_pressure_sentences(treated, flow, "L/min")
 
 
 def test_there_is_no_pressure_drop_at_first(host, theTube):
@@ -49,7 +49,7 @@ def test_a_flow_gives_the_band_of_the_report(host, theTube):
     deploy(host, theTube)
     words, note = report(theTube, (5.0, 10.0))
     assert words.startswith("Pressure drop over the stented length, estimated: before ")
-    assert "mmHg at 5 mL/s (0.3 L/min), " in words
+    assert "mmHg at 0.3 L/min (5 mL/s), " in words
     assert ui.lumenLabel.text.endswith(f"{words}\n\n{note}")
 
 
@@ -77,13 +77,23 @@ def test_a_contradictory_flow_is_refused_in_the_librarys_sentence(host, theTube)
     deploy(host, theTube)
     ui.flowLeastSpinBox.value, ui.flowMostSpinBox.value = 0.6, 0.3
     assert ui.statusLabel.text.startswith(
-        "Results: flow at most: expected a number at least 10 (mL/s), got 5"
+        "Results: expected a flow at most of 0.6 L/min or more, got 0.3 L/min"
     )
     assert not ui.deployButton.enabled
     assert "Pressure" not in ui.lumenLabel.text
     ui.flowMostSpinBox.value = 0.6
     assert ui.statusLabel.text == ""
     assert "Pressure" in ui.lumenLabel.text
+
+
+def test_there_is_no_upper_flow_while_the_flow_is_off(host, theTube):
+    ui = theTube.ui
+    assert not ui.flowMostSpinBox.enabled
+    ui.flowLeastSpinBox.value = 0.3
+    assert ui.flowMostSpinBox.enabled
+    ui.flowMostSpinBox.value = 0.6
+    ui.flowLeastSpinBox.value = 0.0
+    assert not ui.flowMostSpinBox.enabled
 
 
 def test_a_branch_within_the_stent_takes_the_estimate_away(host, aStent):

@@ -139,7 +139,7 @@ def test_the_search_never_holds_the_application_for_long(host, aPanel, aVessel, 
     aPanel.ui.centerlineSelector.setCurrentNode(centerline)
     assert "Looking for lesions" in waitForLabel(host, aPanel)
     found(host, aPanel)
-    assert len(ticks) > 3
+    assert ticks  # of a small vessel the search may be done in one turn
     assert np.median(ticks) < 0.05
 
 

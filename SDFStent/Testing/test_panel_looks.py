@@ -100,9 +100,55 @@ def test_the_table_needs_no_scrolling_sideways_in_a_narrow_panel(host, aStent):
         assert aStent.ui.stentTable.horizontalScrollBar().maximum() == 0
 
 
-def test_labels_with_sentences_are_wrapped(aPanel):
-    for name in ("statusLabel", "lumenLabel", "certificateLabel", "warningLabel", "researchLabel"):
-        assert getattr(aPanel.ui, name).wordWrap, name
+LONG = ("", "a word and " * 30, "/a/path/without/a/space" * 10)
+
+
+def test_no_text_of_a_label_changes_the_width_of_the_panel(host, aStent):
+    from PySide6 import QtWidgets
+
+    openSections(aStent)
+    labels = [one for one in vars(aStent.ui).values() if isinstance(one, QtWidgets.QLabel)]
+    labels = [one for one in labels if not (one.text.endswith(":") or one.text == "to")]
+    assert {"statusLabel", "profileLabel", "lesionLabel"} <= {one.objectName for one in labels}
+    for label in labels:
+        label.visible = True
+        before = host.widths(aStent).copy()
+        heights = []
+        for text in LONG:
+            label.text = text
+            host.process()
+            heights.append(label.heightForWidth(400))
+        assert host.widths(aStent) == before, label.objectName
+        assert heights[1] > 2 * label.fontMetrics().height(), label.objectName
+
+
+def openSections(panel):
+    for name, widget in vars(panel.ui).items():
+        if name.endswith("CollapsibleButton"):
+            widget.collapsed = False
+
+
+def test_nothing_that_happens_changes_the_width_of_the_panel(host, aStent, tmp_path):
+    ui, parameters = aStent.ui, aStent._parameterNode
+    openSections(aStent)
+    settle(host, aStent)
+    host.widths(aStent).clear()
+    deploy(host, aStent)
+    ui.autoUpdateCheckBox.checked = True
+    for diameter in (2.0, 9.0, 59.0, 8.0):  # with warnings, refused
+        ui.diameterSlider.value = diameter
+        settle(host, aStent)
+    for placement in (1, 3, 4, 0):
+        host.choose(ui.placementComboBox, placement)
+        settle(host, aStent)
+    for name in (parameters.vessel, parameters.parameterNode, parameters.stent.handle):
+        name.SetName("4D cardiac CT with contrast agent, reconstruction 3, left pulmonary artery")
+    host.click(ui.duplicatePlanButton)
+    settle(host, aStent)
+    host.files.append(str(tmp_path))
+    host.click(ui.comparePlansButton)
+    host.processUntil(lambda: not aStent.plans.comparing.isRunning)
+    assert len(host.widths(aStent)) == 1
 
 
 def test_no_color_is_set_by_hand_in_the_panel():
@@ -147,6 +193,92 @@ def test_names_with_control_characters_are_printable_in_the_results(host, aStent
     aStent.ui.diameterSlider.value = 3.0
     deploy(host, aStent)
     shown = r"a\nb\x1b\u202e"
-    assert aStent.ui.lumenLabel.text.startswith(f"{shown}, 3.0 mm\n")
+    assert f"\n{shown}, 3.0 mm\n" in aStent.ui.lumenLabel.text
     (line, *_others) = aStent.ui.warningLabel.text.splitlines()
     assert line.startswith(f"Warning: Stent 1 ({shown}): ")
+
+
+def test_a_button_that_loads_saves_or_removes_says_what(aPanel):
+    from PySide6 import QtWidgets
+
+    buttons = [
+        one for one in vars(aPanel.ui).values() if isinstance(one, QtWidgets.QAbstractButton)
+    ]
+    texts = [button.text.removesuffix("...") for button in buttons]
+    assert len(set(texts)) == len(texts)
+    assert not {"Load", "Save", "Remove", "Table"} & set(texts)
+
+
+NAME = "Left pulmonary artery, at its origin"
+
+
+def cutTexts(table):
+    """Texts of a table that do not fit into their columns."""
+    from PySide6 import QtWidgets
+
+    cut = []
+    for column in range(table.columnCount):
+        room = table.columnWidth(column)
+        for row in range(table.rowCount):
+            item = table.item(row, column)
+            needed = QtWidgets.QTableWidget.sizeHintForColumn(table, column)
+            if item is not None and item.text() and needed > room:
+                cut.append(item.text())
+    return cut
+
+
+def test_names_have_the_room_that_numbers_leave(host, aStent):
+    ui = aStent.ui
+    host.processUntil(lambda: not aStent.lesions.isBusy, 60.0)
+    ui.nameEdit.text = NAME[:21]
+    ui.plansCollapsibleButton.collapsed = False
+    host.click(ui.duplicatePlanButton)
+    deploy(host, aStent)
+    aStent.parent.resize(460, 2000)
+    host.process()
+    for table in (ui.stentTable, ui.lesionTable, ui.planTable):
+        widths = [table.columnWidth(column) for column in range(table.columnCount)]
+        assert sum(widths) == table.viewport().width()
+        assert table.horizontalScrollBar().maximum() == 0
+        assert widths[0] == max(widths)
+        assert cutTexts(table) == [], widths
+    ui.nameEdit.text = NAME * 3
+    host.process()
+    assert ui.stentTable.horizontalScrollBar().maximum() == 0
+    assert ui.stentTable.item(0, 0).toolTip().startswith(NAME * 3)  # what is cut can be read
+    assert [text for text in cutTexts(ui.stentTable) if text != NAME * 3] == []
+
+
+def test_old_results_are_said_to_be_old_and_stay_legible(host, aStent):
+    ui = aStent.ui
+    deploy(host, aStent)
+    assert not ui.oldLabel.visible
+    ui.diameterSlider.value = 8.0
+    assert ui.oldLabel.visible
+    assert ui.oldLabel.text == "Before the last change of the plan:"
+    for label in (ui.lumenLabel, ui.certificateLabel, ui.warningLabel):
+        assert label.enabled
+    ui.diameterSlider.value = 8.5
+    assert not ui.oldLabel.visible
+
+
+def test_no_line_of_the_results_is_cut(host, aStent):
+    from PySide6 import QtWidgets
+
+    ui, area = aStent.ui, QtWidgets.QScrollArea()
+    openSections(aStent)
+    aStent.parent.setParent(None)
+    area.setWidgetResizable(True)  # as Slicer's module panel
+    area.setWidget(aStent.parent)
+    area.resize(480, 800)
+    area.show()
+    labels = [ui.lumenLabel, ui.warningLabel, ui.certificateLabel, ui.oldLabel, ui.deviceLabel]
+    for count in (1, 40, 150, 400):
+        for own in labels:
+            for label in labels:
+                label.visible = True
+                label.text = "word " * (count if label is own else 60)
+            host.process(0.1)
+            for label in labels:
+                assert label.height >= label.heightForWidth(label.width), (count, label.objectName)
+    area.takeWidget()

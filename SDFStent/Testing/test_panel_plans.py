@@ -168,7 +168,7 @@ def test_the_table_says_what_the_results_say(host, aPlan):
         f"{treated.after.inscribed_diameter.min():.1f} mm",
         f"{max(left, 0):.0f} %",
         branches,
-        "certified",
+        "meshable",
     ]
     aPlan.ui.diameterSlider.value = 8.0
     assert aPlan.ui.planTable.item(0, 1).toolTip().endswith("Changed since this deployment.")
@@ -445,3 +445,72 @@ def test_a_comparison_that_is_stopped_leaves_nothing(host, twoPlans, tmp_path):
     host.processUntil(lambda: threading.active_count() == 1)
     assert list(tmp_path.iterdir()) == []
     assert slicer.util.openedUrls == []
+
+
+def handleNames(scene):
+    nodes = slicer.util.getNodesByClass("vtkMRMLMarkupsFiducialNode", scene)
+    return [node.GetName() for node in nodes]
+
+
+def test_handles_of_further_plans_are_counted(host, aStent, aScene):
+    ui = aStent.ui
+    ui.plansCollapsibleButton.collapsed = False
+    for _ in range(3):
+        host.click(ui.duplicatePlanButton)
+    host.click(ui.copyStentButton)
+    assert handleNames(aScene) == [
+        "Stent 1",
+        "Stent 1 (2)",
+        "Stent 1 (3)",
+        "Stent 1 (4)",
+        "Stent 2",
+    ]
+
+
+def folderNames(scene):
+    """Names of the folders in the subject hierarchy, by that of the results in it."""
+    import vtk
+
+    hierarchy = slicer.vtkMRMLSubjectHierarchyNode.GetSubjectHierarchyNode(scene)
+    children = vtk.vtkIdList()
+    hierarchy.GetItemChildren(hierarchy.GetSceneItemID(), children)
+    items = [children.GetId(index) for index in range(children.GetNumberOfIds())]
+    return [
+        hierarchy.GetItemName(item) for item in items if hierarchy.GetItemLevel(item) == "Folder"
+    ]
+
+
+def test_the_folder_of_results_is_called_as_the_plan(host, aStent, aScene):
+    ui = aStent.ui
+    deploy(host, aStent)
+    assert folderNames(aScene) == ["Plan 1 results"]
+    ui.plansCollapsibleButton.collapsed = False
+    host.process()
+    ui.planTable.item(0, 0).setText("wide")  # in the table
+    assert folderNames(aScene) == ["wide results"]
+    aStent._parameterNode.parameterNode.SetName("wider")  # by the selector on top
+    assert folderNames(aScene) == ["wider results"]
+    hierarchy = slicer.vtkMRMLSubjectHierarchyNode.GetSubjectHierarchyNode(aScene)
+    item = hierarchy.GetItemByDataNode(aStent._parameterNode.outputVessel)
+    hierarchy.SetItemName(hierarchy.GetItemParent(item), "mine")
+    ui.planTable.item(0, 0).setText("widest")
+    assert folderNames(aScene) == ["mine"]
+
+
+def offered(selector):
+    return [selector._box.itemText(index) for index in range(selector._box.count())]
+
+
+def test_results_are_not_offered_as_inputs(host, aStent, aScene):
+    ui, vessel = aStent.ui, aStent._parameterNode.vessel
+    before = {name: offered(getattr(ui, name)) for name in ("vesselSelector", "centerlineSelector")}
+    deploy(host, aStent)
+    for name, nodes in before.items():
+        assert offered(getattr(ui, name)) == nodes
+    assert aStent._parameterNode.vessel is vessel
+    results = {"Stented vessel", "Stents", "Stented centerline"}
+    assert results <= {node.GetName() for node in slicer.util.getNodesByClass("vtkMRMLModelNode")}
+    assert not results & set(offered(ui.deviceMeshSelector))
+    aStent._parameterNode.vessel = aStent._parameterNode.outputVessel  # as former versions let one
+    host.process()
+    assert ui.vesselSelector.currentNode() is aStent._parameterNode.outputVessel

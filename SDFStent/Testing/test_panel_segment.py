@@ -129,6 +129,33 @@ def test_with_no_markups_it_is_the_vessel_round_the_selected_stent(host, aSegmen
     assert ends[1] - ends[0] == pytest.approx(at[-1] - at[0], abs=1.0)
 
 
+@pytest.mark.parametrize("isClosed", [False, True])
+@pytest.mark.parametrize("place", ["the sample's first stent", "near the inlet", "near an outlet"])
+def test_round_a_stent_the_ends_are_where_a_plane_meets_only_the_vessel(
+    host, aSegment, tmp_path, place, isClosed
+):
+    """Up to 20 mm beyond the stent the vessel may have ended: nobody has chosen these places."""
+    ui, parameters = aSegment.ui, aSegment._parameterNode
+    ui.segmentEndsSelector.setCurrentNode(None)
+    ui.closeBranchesCheckBox.checked = isClosed
+    if place == "the sample's first stent":
+        host.click(ui.removeStentButton)
+        host.click(ui.addStentButton)
+    else:
+        tree = aSegment.logic.centerlineOf(parameters)
+        chain = tree.ancestry(tree.leaves[0])
+        at = tree.arc_length[chain]
+        goal = 12.0 if place == "near the inlet" else at[-1] - 12.0
+        point = tree.points[chain[np.argmin(abs(at - goal))]]
+        parameters.stent.handle.SetNthControlPointPositionWorld(0, *point)
+    deploy(host, aSegment)
+    written(host, aSegment, tmp_path)
+    said = ui.statusLabel.text
+    assert said.splitlines()[-1] == f"Wrote {tmp_path / 'segment'}, in cm."
+    assert "of the segment was moved" in said
+    assert exterior(tmp_path / "segment" / "after").surface.topology.is_closed
+
+
 @pytest.mark.parametrize("wrong", ["one point", "one place", "outside", "at an end", "no folder"])
 def test_what_cannot_be_cut_is_a_sentence_and_leaves_nothing(host, aSegment, tmp_path, wrong):
     node = aSegment._parameterNode.segmentEnds

@@ -81,10 +81,12 @@ def test_suggest_sizes_the_stent_that_is_there(host, aLesion):
     assert stent.foreshortening == 0  # of the device
     assert (stent.name, stent.device.name, stent.shape.waist.diameter) == ("Main", "gore-vbx", 4.0)
     assert parameters.stent.handle is handle
-    clickRow(host, panel.ui.lesionTable, 1)
-    host.click(panel.ui.suggestButton)  # that one is elsewhere
+    handle.SetNthControlPointPositionWorld(0, 0.0, 0.0, 8.0)  # elsewhere now
+    host.process()
+    clickRow(host, panel.ui.lesionTable, 0)
+    host.click(panel.ui.suggestButton)
     assert len(planned(panel)) == 2
-    expected = suggestion(panel, number=2)
+    expected = suggestion(panel)
     assert planned(panel)[1].diameter == expected.stent.diameter
     assert panel.ui.stentTable.currentRow() == 1
 
@@ -113,12 +115,12 @@ def test_ratios_are_shown_while_sizes_change(host, aLesion):
     for balloon in (7.0, 9.0, 14.0):
         ui.balloonSlider.value = balloon
         lumen = panel._parameterNode.stent.diameter
-        assert f"Stent : adjacent vessel {lumen / healthy:.2f} (sources 0.66 to 1.02); " in (
+        assert f"Stent : healthy vessel {lumen / healthy:.2f} where that is narrowest" in (
             ui.deviceLabel.text
         )
         share = balloon / lesion.minimum_diameter
         assert f"balloon : stenosis {share:.2f} (above 3.0" in ui.deviceLabel.text
-        isWide = lumen / healthy > 1.02
+        isWide = lumen / healthy > 1.2
         assert ("times as wide as the healthy vessel" in ui.deviceLabel.text) == isWide
         assert ("times as wide as the stenosis" in ui.deviceLabel.text) == (share > 3)
         assert f"reference {lesion.reference_diameter:.2f} mm" in ui.deviceLabel.text
@@ -126,7 +128,7 @@ def test_ratios_are_shown_while_sizes_change(host, aLesion):
     place = panel.logic.centerlineOf(panel._parameterNode)
     root = place.points[place.roots[0]]
     panel._parameterNode.stent.handle.SetNthControlPointPositionWorld(0, *root)
-    assert "Stent : adjacent" not in ui.deviceLabel.text
+    assert "Stent : healthy" not in ui.deviceLabel.text
 
 
 def test_ratios_are_in_previews_and_in_the_results(host, aLesion):
@@ -139,14 +141,15 @@ def test_ratios_are_in_previews_and_in_the_results(host, aLesion):
     healthy = smallerSide(lesion)
     ui.diameterSlider.value = 9.0
     host.processUntil(lambda: "(preview)" in ui.lumenLabel.text)
-    ratio = f"Stent : adjacent vessel {9 / healthy:.2f} (sources 0.66 to 1.02)."
-    wide = f"The stent is {9 / healthy:.2f} times as wide as the healthy vessel of {healthy:.1f} mm"
+    ratio = f"Stent : healthy vessel {9 / healthy:.2f} where that is narrowest ({healthy:.1f} mm)"
+    wide = f"The stent of 9 mm is {9 / healthy:.2f} times as wide as the healthy vessel"
     assert ratio in ui.lumenLabel.text
     assert wide in ui.lumenLabel.text
     settle(host, panel)
     assert "(preview)" not in ui.lumenLabel.text
-    assert ratio in ui.lumenLabel.text
-    assert f"Warning: {wide}" in ui.warningLabel.text
+    # Now the vessel is measured where the stent lies.
+    assert "Stent : healthy vessel 1.3" in ui.lumenLabel.text
+    assert "Warning: The stent of 9 mm is 1.3" in ui.warningLabel.text
 
 
 def test_a_lesion_that_is_gone_is_no_longer_offered(host, aLesion):
@@ -192,7 +195,7 @@ def test_a_suggestion_goes_by_the_ratio_and_the_margin_that_are_set(host, aLesio
     expected = suggestion(panel, ratio=0.9, margin=2.0)
     (stent,) = planned(panel)
     assert (stent.diameter, stent.length) == (expected.stent.diameter, expected.stent.length)
-    assert ui.statusLabel.text.splitlines()[:4] == suggestion_sentences(expected)
+    assert ui.statusLabel.text.splitlines()[:5] == suggestion_sentences(expected)
     assert "lumen 0.9 times as wide" in ui.statusLabel.text
     copy = panel.logic.duplicatePlan(parameters)
     assert (copy.suggestRatio, copy.suggestMargin) == (0.9, 2.0)

@@ -22,7 +22,7 @@ def test_every_recipe_of_the_user_guide_runs(aScene, number, capsys):
     exec(RECIPES[0], names)
     if number:
         exec(RECIPES[number], names)
-    assert "Certified" in capsys.readouterr().out
+    assert "Surface certified for meshing" in capsys.readouterr().out
 
 
 def test_recipes_are_short():

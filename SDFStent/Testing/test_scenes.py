@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import slicer
 import vtk
-from panel_helpers import deploy, expanded, settle
+from panel_helpers import deploy, expanded, settle, theThroat
 from vtk.util.numpy_support import vtk_to_numpy
 
 
@@ -99,18 +99,122 @@ def test_importing_something_else_changes_no_choice(host, aDeployment, aScene, t
 
 
 @pytest.mark.parametrize("autoUpdate", [False, True])
-def test_importing_into_a_scene_makes_no_model_twice(
+def test_importing_into_a_scene_replaces_no_plan_and_makes_no_model_twice(
     autoUpdate, host, aSavedScene, aDeployment, aScene
 ):
     aDeployment.ui.autoUpdateCheckBox.checked = autoUpdate
     settle(host, aDeployment)
+    before, shown = chosen(aDeployment._parameterNode), aDeployment._parameterNode.parameterNode
     assert aScene.ReadFromMRB(str(aSavedScene), False)
     settle(host, aDeployment)
     assert models(aScene, "Stents") == 2  # the scene's own and the imported one
-    assert chosen(aDeployment._parameterNode)[:2] == ["Saved", "Saved centerline"]
-    assert None not in chosen(aDeployment._parameterNode)
+    assert aDeployment._parameterNode.parameterNode is shown
+    assert chosen(aDeployment._parameterNode) == before
     deploy(host, aDeployment)
     assert models(aScene, "Stents") == models(aScene, "Stented vessel") == 2
+    assert vesselsOfPlans(aDeployment) == ["Artery", "Saved"]
+    assert offeredPlans(aDeployment) == ["Plan 1", "Plan 1 (2)"]
+    assert aScene.ReadFromMRB(str(aSavedScene), False)
+    host.process()
+    assert offeredPlans(aDeployment) == ["Plan 1", "Plan 1 (2)", "Plan 1 (3)"]
+
+
+def offeredPlans(panel):
+    """The names of the plans that the panel offers, in order."""
+    box = panel.ui.parameterSetSelector._box
+    return [box.itemText(index) for index in range(box.count() - 1)]
+
+
+def vesselsOfPlans(panel):
+    """The vessels of the plans that the panel offers, in order; "" for none."""
+    selector, vessels = panel.ui.parameterSetSelector, []
+    for index in range(selector._box.count() - 1):  # the last one makes another
+        selector._onActivated(index)
+        vessel = panel._parameterNode.vessel
+        vessels.append(vessel.GetName() if vessel else "")
+    return vessels
+
+
+def openSample(host, panel):
+    """Choose the sample vessel in the panel and add a stent at its throat."""
+    from SDFStentSlicer.SampleVessels import addSampleVessel
+
+    parameters = panel._parameterNode
+    parameters.vessel, parameters.centerline = addSampleVessel(
+        "branching_pulmonary_artery", "Artery"
+    )
+    host.click(panel.ui.addStentButton)
+    parameters.stent.handle.SetNthControlPointPositionWorld(0, *theThroat())
+    parameters.stent.diameter, parameters.stent.length = 8.5, 14.0
+
+
+@pytest.mark.parametrize("isEntered", [True, False])
+def test_the_panel_works_on_in_a_scene_that_was_closed(host, aStent, tmp_path, aScene, isEntered):
+    deploy(host, aStent)
+    path = tmp_path / "scene.mrb"
+    for turn in range(2):  # closed; saved before, closed and loaded
+        if not isEntered:
+            host.leave(aStent)
+        host.newScene()
+        if turn:
+            assert aScene.ReadFromMRB(str(path), True)
+        host.enter(aStent)
+        assert vesselsOfPlans(aStent) == (["Artery"] if turn else [""])
+        assert aStent.ui.parameterSetSelector.currentNode() is aStent._parameterNode.parameterNode
+        if not turn:
+            openSample(host, aStent)
+        aStent.ui.plansCollapsibleButton.collapsed = False
+        for diameter in (8.0, 9.0):
+            aStent.ui.autoUpdateCheckBox.checked = True
+            aStent.ui.diameterSlider.value = diameter
+            settle(host, aStent)
+            assert f"({diameter} prescribed)" in aStent.ui.lumenLabel.text
+        assert host.errors() == []
+        if not turn:
+            assert aScene.WriteToMRB(str(path))
+
+
+def test_plans_of_former_versions_are_taken_over_by_a_module_that_is_opened_later(
+    theModule, aScene
+):
+    former = slicer.vtkMRMLScriptedModuleNode()
+    former.SetSingletonTag("SDFStent")
+    former.SetAttribute("ModuleName", "SDFStent")
+    former.SetName("Former plan")
+    aScene.AddNode(former)
+    logic = theModule.python.SDFStentLogic()
+    node = logic.getParameterNode().parameterNode
+    assert node.GetName() == "Former plan"
+    assert not node.IsSingleton()
+    assert logic.getAllParameterNodes() == [node]
+
+
+def test_plans_of_former_versions_replace_none_and_one_another_neither(
+    host, aSavedScene, aPanel, aScene, tmp_path
+):
+    """They were singletons, which MRML overwrites by those of a file."""
+    host.leave(aPanel)
+    host.newScene()
+    assert aScene.ReadFromMRB(str(aSavedScene), True)
+    (plan,) = aPanel.logic.getAllParameterNodes()
+    former = aScene.CreateNodeByClass("vtkMRMLScriptedModuleNode")
+    former.UnRegister(None)
+    former.Copy(plan)
+    former.SetSingletonTag("SDFStent")
+    aScene.RemoveNode(plan)
+    aScene.AddNode(former)
+    path = tmp_path / "former.mrb"
+    assert aScene.WriteToMRB(str(path))
+    host.newScene()
+    host.enter(aPanel)
+    openSample(host, aPanel)
+    for number in (1, 2):
+        assert aScene.ReadFromMRB(str(path), False)
+        host.process()
+        assert vesselsOfPlans(aPanel) == ["Artery", *number * ["Saved"]]
+    assert not any(node.GetSingletonTag() for node in aPanel.logic.getAllParameterNodes())
+    host.newScene()
+    assert vesselsOfPlans(aPanel) == [""]
 
 
 def test_importing_keeps_the_parameter_set_that_is_shown(host, aPanel, aScene, aVessel, tmp_path):

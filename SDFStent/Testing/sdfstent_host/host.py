@@ -27,6 +27,7 @@ if sys.version_info < (3, 12):
 from PySide6 import QtCore, QtTest, QtWidgets
 
 from . import mrml, slicer_stand_in
+from .event_loop import Frames, deliverEvents
 from .qmrml_widgets import qMRMLWidget
 from .qt_stand_in import wrapped
 
@@ -77,7 +78,7 @@ class Host:
         )
         self.pythonErrors = []
         sys.excepthook = self._onException  # slots and VTK observers report here, not to the caller
-        self._panels = []
+        self._panels, self._rulers = [], {}
         logging.getLogger().addHandler(LogList(self.pythonErrors))
         self.application.errorLog.clear()  # what Slicer's own start-up says is not the module's
 
@@ -106,20 +107,47 @@ class Host:
         """The module's widget, set up and entered, in a window of the given size."""
         parent = wrapped(qMRMLWidget)()
         QtWidgets.QVBoxLayout(parent)
-        parent.isEntered = True
         panel = getattr(entry.python, entry.name + "Widget")(parent)
         panel.setup()
-        panel.enter()
         parent.resize(width, height)
         parent.show()
         self._panels.append(panel)
-        self.process()
+        self._rulers[panel] = Ruler(parent)
+        self.enter(panel)
         return panel
 
-    def closePanel(self, panel):
+    @contextlib.contextmanager
+    def drawing(self, seconds):
+        """Draw the 3D view as the application does, frames that cost so much; gives the `Frames`."""
+        application = self.application
+        frames = Frames(application.view.group, application.applicationLogic, seconds)
+        try:
+            yield frames
+        finally:
+            frames.stop()
+
+    def widths(self, panel):
+        """The widths that the application has given to a panel so far, pixels: that of its widest minimum, at any time."""
+        self.process()
+        return self._rulers[panel].widths
+
+    def enter(self, panel):
+        """Change over to a panel's module."""
+        panel.parent.isEntered = True
+        panel.enter()
+        self.process()
+
+    def leave(self, panel):
+        """Change over to another module."""
         panel.exit()
+        panel.parent.isEntered = False
+        self.process()
+
+    def closePanel(self, panel):
+        self.leave(panel)
         panel.cleanup()
         self._panels.remove(panel)
+        del self._rulers[panel]
         panel.parent.close()
         panel.parent.deleteLater()
         self.process()
@@ -133,10 +161,11 @@ class Host:
         """Let Qt deliver its events, timers included."""
         end = time.perf_counter() + seconds
         while True:
-            self.qtApplication.processEvents(QtCore.QEventLoop.AllEvents, 10)
-            if time.perf_counter() >= end:
+            deliverEvents()
+            left = end - time.perf_counter()
+            if left <= 0:
                 return
-            self._sleep()
+            self._sleep(round(1000 * left))
 
     def processUntil(self, condition, seconds=300.0):
         """Let Qt run until the condition holds; fails after `seconds`."""
@@ -146,12 +175,10 @@ class Host:
                 raise TimeoutError(f"Still waiting after {seconds} s.")
             self._sleep()
 
-    def _sleep(self):
+    def _sleep(self, milliseconds=LOOK_MS):
         """Until there is an event, and deliver it."""
-        self._alarm.start(LOOK_MS)
-        self.qtApplication.processEvents(
-            QtCore.QEventLoop.AllEvents | QtCore.QEventLoop.WaitForMoreEvents
-        )
+        self._alarm.start(milliseconds)
+        deliverEvents(isWaiting=True)
 
     def click(self, button):
         """A left click in the middle of a button that the user can see and press."""
@@ -183,6 +210,20 @@ class Host:
 
     def _onException(self, kind, value, traceback):
         logging.getLogger().error("in a slot or observer", exc_info=(kind, value, traceback))
+
+
+class Ruler(QtCore.QObject):
+    """Measures how wide a panel has to be, as `qSlicerModulePanel` does, whenever something in it wants another size."""
+
+    def __init__(self, parent):
+        super().__init__(parent)
+        self._parent, self.widths = parent, set()
+        parent.installEventFilter(self)
+
+    def eventFilter(self, _watched, event):
+        if event.type() == QtCore.QEvent.LayoutRequest:
+            self.widths.add(QtWidgets.QWidget.minimumSizeHint(self._parent).width())
+        return False
 
 
 class LogList(logging.Handler):

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import slicer
 import vtk
 
@@ -86,6 +87,10 @@ class View:
         interactor.SetRenderWindow(self.window)
         self._interactor = interactor
         self.group = application.shown_in(self.renderer, self.node, DISPLAYABLE_MANAGERS)
+        self._style = slicer.vtkMRMLThreeDViewInteractorStyle()
+        self._style.SetDisplayableManagers(self.group)
+        self._style.SetInteractor(interactor)
+        interactor.SetInteractorStyle(vtk.vtkInteractorStyle3D())
 
     def look(self, bounds, direction=(0.0, -1.0, 0.15), up=(0.0, 0.0, 1.0), zoom=1.4):
         """Point the camera at a box, along `direction`."""
@@ -97,6 +102,27 @@ class View:
         self.renderer.ResetCamera(bounds)
         camera.Zoom(zoom)
         self.renderer.ResetCameraClippingRange()
+
+    def pixel(self, point):
+        """Where a point in space is seen, in pixels from the lower left corner."""
+        self.renderer.SetWorldPoint(*point, 1.0)
+        self.renderer.WorldToDisplay()
+        return np.array(self.renderer.GetDisplayPoint()[:2])
+
+    def mouse(self, event, pixel):
+        """An event of the mouse at a pixel: `MouseMove`, `LeftButtonPress`, `LeftButtonRelease`."""
+        self._interactor.SetEventInformation(*(round(float(side)) for side in pixel))
+        self._interactor.InvokeEvent(f"{event}Event")
+
+    def drag(self, pixels, onMove=lambda: None):
+        """Press at the first pixel, move over the others and let go; the real widgets of markups hear of it, snapping included."""
+        self.window.Render()  # what is picked is what is seen
+        self.mouse("MouseMove", pixels[0])
+        self.mouse("LeftButtonPress", pixels[0])
+        for pixel in pixels[1:]:
+            self.mouse("MouseMove", pixel)
+            onMove()
+        self.mouse("LeftButtonRelease", pixels[-1])
 
     def render(self, focus=None):
         self.node.SetBoxVisible(False)

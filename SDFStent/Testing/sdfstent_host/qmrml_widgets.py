@@ -6,8 +6,9 @@ A stand-in offers only what the real widget has. `check_panel.py` holds the pane
 import slicer
 import vtk
 from PySide6.QtCore import Property, Signal
-from PySide6.QtWidgets import QHBoxLayout, QPushButton, QWidget
+from PySide6.QtWidgets import QWidget
 
+from .place_widget import qSlicerMarkupsPlaceWidget
 from .scene_observer import SceneSelector, neighbor
 from .segment_selector import qMRMLSegmentSelectorWidget
 
@@ -207,55 +208,6 @@ class qMRMLNodeComboBox(SceneSelector):
     selectNodeUponCreation = _flag("selectNodeUponCreation")
     baseName = Property(str, lambda self: self._texts.get("baseName", ""), _setBaseName)
     noneDisplay = _string("noneDisplay")
-
-
-class qSlicerMarkupsPlaceWidget(QWidget):
-    activeMarkupsPlaceModeChanged = Signal(bool)
-
-    def __init__(self, parent=None):
-        super().__init__(parent)
-        layout = QHBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
-        self._button = QPushButton("Place", self)
-        self._button.setCheckable(True)
-        self._button.toggled.connect(self._setPlaceModeEnabled)
-        layout.addWidget(self._button)
-        self._node, self._scene, self._flags = None, None, {}
-
-    def mrmlScene(self):
-        return self._scene
-
-    def setMRMLScene(self, scene):
-        self._scene = scene
-
-    def currentNode(self):
-        return self._node
-
-    def setCurrentNode(self, node):
-        self._node = node
-        self._button.setEnabled(node is not None)
-
-    def _isPlaceModeEnabled(self):
-        return self._button.isChecked()
-
-    def _setPlaceModeEnabled(self, enabled):
-        self._button.setChecked(enabled and self._node is not None)
-        self.activeMarkupsPlaceModeChanged.emit(self._button.isChecked())
-
-    def setPlaceModeEnabled(self, enabled):
-        self._setPlaceModeEnabled(enabled)
-
-    def _flag(name):
-        return Property(
-            bool,
-            lambda self: self._flags.get(name, True),
-            lambda self, v: self._flags.update({name: v}),
-        )
-
-    placeModeEnabled = Property(bool, _isPlaceModeEnabled, _setPlaceModeEnabled)
-    placeModePersistency = _flag("placeModePersistency")
-    buttonsVisible = _flag("buttonsVisible")
-    deleteAllControlPointsOptionVisible = _flag("deleteAllControlPointsOptionVisible")
 
 
 QMRML_WIDGETS = {

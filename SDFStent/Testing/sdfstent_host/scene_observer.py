@@ -1,7 +1,9 @@
 """How a widget of qMRML hears of its scene: the events and priorities of Slicer's scene model."""
 
 import vtk
-from PySide6.QtWidgets import QComboBox, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QComboBox, QHBoxLayout, QLabel, QWidget
+
+from .qt_stand_in import wrapped
 
 EVENTS = {
     "NodeAddedEvent": 10.0,
@@ -35,12 +37,17 @@ class SceneObserver:
 class SceneSelector(QWidget):
     """A combo box over the content of a scene, which says `_onScene(event, node)` when that changes."""
 
+    LABEL = ""
+    """What the widget itself writes before its box."""
+
     def __init__(self, parent=None):
         super().__init__(parent)
         self._box = QComboBox(self)
-        layout = QVBoxLayout(self)
+        layout = QHBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
-        layout.addWidget(self._box)
+        if self.LABEL:
+            layout.addWidget(wrapped(QLabel)(self.LABEL, self))
+        layout.addWidget(self._box, 1)
         self._scene = None
         self._observer = SceneObserver(self._onScene)
         self.destroyed.connect(lambda *_, observer=self._observer: observer.observe(None))

@@ -10,6 +10,7 @@ SEGMENT_EVENTS = ("SegmentAdded", "SegmentRemoved", "SegmentModified")
 
 class qMRMLSegmentSelectorWidget(SceneSelector):
     currentSegmentChanged = Signal(str)
+    LABEL = "Segment: "
 
     def __init__(self, parent=None):
         super().__init__(parent)

@@ -1,0 +1,62 @@
+"""The middle of the lumen on which the user has clicked."""
+
+import numpy as np
+from vtkmodules.vtkCommonCore import mutable, vtkIdList, vtkPoints
+from vtkmodules.vtkCommonDataModel import vtkGenericCell, vtkStaticCellLocator
+
+ROUNDS = 4
+"""The line from the nearest wall through the last middle soon passes through the center of a round lumen."""
+
+BEYOND = 1e-4
+"""A line begins so far behind the wall on which it begins, mm."""
+
+
+def middleOn(polyData, ray):
+    """The middle (3,) of the first lumen that a `Ray` meets, across from where it meets the wall; None without one."""
+    locator = vtkStaticCellLocator()
+    locator.SetDataSet(polyData)
+    locator.BuildLocator()
+    center = np.array(polyData.GetCenter())
+    reach = 2.0 * polyData.GetLength()
+    hits, cells = vtkPoints(), vtkIdList()
+    far = ray.origin + (np.linalg.norm(center - ray.origin) + reach) * ray.direction
+    locator.IntersectWithLine(ray.origin, far, 0.0, hits, cells)
+    if not cells.GetNumberOfIds():
+        return None
+    wall, normal = np.array(hits.GetPoint(0)), _normal(polyData.GetCell(cells.GetId(0)))
+    # Inside is where a line leaves the surface an odd number of times.
+    found = [_opposite(locator, wall, way, reach) for way in (normal, -normal)]
+    inward = [hit for hit, count in found if count % 2]
+    if len(inward) != 1:
+        return None
+    middle = (wall + inward[0]) / 2
+    for _ in range(ROUNDS):
+        wall, distance = _nearest(locator, middle)
+        hit, count = _opposite(locator, wall, (middle - wall) / distance, reach)
+        if not count:
+            break
+        middle = (wall + hit) / 2
+    return middle
+
+
+def _normal(triangle):
+    corners = np.array([triangle.GetPoints().GetPoint(index) for index in range(3)])
+    normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
+    return normal / np.linalg.norm(normal)
+
+
+def _nearest(locator, point):
+    """The point of the wall that is nearest, and its distance."""
+    closest, cell = [0.0] * 3, vtkGenericCell()
+    cellID, subID, square = mutable(0), mutable(0), mutable(0.0)
+    locator.FindClosestPoint(point, closest, cell, cellID, subID, square)
+    return np.array(closest), float(square) ** 0.5
+
+
+def _opposite(locator, wall, direction, reach):
+    """Where a line from the wall meets it next, None without such a place, and how often."""
+    hits, cells = vtkPoints(), vtkIdList()
+    ends = (wall + BEYOND * direction, wall + reach * direction)
+    locator.IntersectWithLine(*ends, 0.0, hits, cells)
+    count = hits.GetNumberOfPoints()
+    return (np.array(hits.GetPoint(0)) if count else None), count

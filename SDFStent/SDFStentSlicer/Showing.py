@@ -1,0 +1,37 @@
+"""What is shown in place of something else: a node, or of a segmentation one segment in 3D."""
+
+
+def isShown(node, segmentID=""):
+    """Whether a node can be seen; None for one that nothing shows, and for a segment that is gone."""
+    display = node.GetDisplayNode()
+    if display is None or not _has(node, segmentID):
+        return None
+    return bool(display.GetSegmentVisibility3D(segmentID) if segmentID else display.GetVisibility())
+
+
+def setShown(node, isVisible, segmentID=""):
+    """Show a node, or hide it. The outline of a segment stays in the slice views, and so do the other segments."""
+    if isShown(node, segmentID) == (not isVisible):
+        display = node.GetDisplayNode()
+        if segmentID:
+            display.SetSegmentVisibility3D(segmentID, isVisible)
+        else:
+            display.SetVisibility(isVisible)
+
+
+def changeOver(node, attribute, isVisible, segmentID=""):
+    """Show or hide a node that was not, and remember that."""
+    if isShown(node, segmentID) == (not isVisible):
+        setShown(node, isVisible, segmentID)
+        node.SetAttribute(attribute + segmentID, "1")
+
+
+def changeBack(node, attribute, isVisible, segmentID=""):
+    """Show or hide a node again of which the opposite was remembered."""
+    if node.GetAttribute(attribute + segmentID):
+        node.RemoveAttribute(attribute + segmentID)
+        setShown(node, isVisible, segmentID)
+
+
+def _has(node, segmentID):
+    return not segmentID or node.GetSegmentation().GetSegment(segmentID) is not None

@@ -1,0 +1,51 @@
+"""What a node's transform does to it on the way to world coordinates."""
+
+import numpy as np
+import slicer
+from vtkmodules.vtkCommonMath import vtkMatrix4x4
+from vtkmodules.vtkCommonTransforms import vtkGeneralTransform
+from vtkmodules.vtkFiltersGeneral import vtkTransformPolyDataFilter
+
+from SDFStentLib.validation import InputError
+
+
+def checkTransform(node):
+    """Refuse one that cannot be inverted; `InputError` with a sentence."""
+    transform = node.GetParentTransformNode()
+    if transform is None or not transform.IsTransformToWorldLinear():
+        return
+    matrix = vtkMatrix4x4()
+    transform.GetMatrixTransformToWorld(matrix)
+    if abs(matrix.Determinant()) < 1e-9:
+        raise InputError(
+            f"{node.GetName()}: expected a transform that can be inverted, got {transform.GetName()}, which flattens space; "
+            "change or remove the transform."
+        )
+
+
+def toWorld(node, polyData):
+    """The polydata of a node in world coordinates; itself without a transform."""
+    transform = node.GetParentTransformNode()
+    if transform is None:
+        return polyData
+    way = vtkGeneralTransform()
+    slicer.vtkMRMLTransformNode.GetTransformBetweenNodes(transform, None, way)
+    mover = vtkTransformPolyDataFilter()
+    mover.SetTransform(way)
+    mover.SetInputData(polyData)
+    mover.Update()
+    return mover.GetOutput()
+
+
+def scaleToWorld(node):
+    """By how much the transform of a node makes it larger; None for one that changes its form, so that no radius is known."""
+    transform = node.GetParentTransformNode()
+    if transform is None:
+        return 1.0
+    if not transform.IsTransformToWorldLinear():
+        return None
+    matrix = vtkMatrix4x4()
+    transform.GetMatrixTransformToWorld(matrix)
+    axes = np.array([[matrix.GetElement(row, column) for column in range(3)] for row in range(3)])
+    scales = np.linalg.svd(axes, compute_uv=False)
+    return float(scales[0]) if np.allclose(scales, scales[0], rtol=1e-3) else None

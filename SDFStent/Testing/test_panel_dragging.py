@@ -1,0 +1,168 @@
+"""Handles that the mouse drags and places in a view: the real widgets of markups, on the real scene."""
+
+import numpy as np
+import pytest
+import slicer
+from panel_helpers import settle, theThroat
+
+
+@pytest.fixture
+def theView(host, aStent):
+    """The 3D view, from the front, with the vessel before everything else in it."""
+    view = host.application.view
+    view.render(aStent._parameterNode.vessel.GetPolyData().GetBounds())
+    return view
+
+
+def treeOf(panel):
+    return panel.logic.centerlineOf(panel._parameterNode)
+
+
+def placeOf(panel, index=0):
+    return np.array(panel._parameterNode.stent.handle.GetNthControlPointPositionWorld(index))
+
+
+def wayTo(tree, leaf):
+    """Points of the tree from 10 mm below its root to 10 mm above a leaf."""
+    chain = tree.ancestry(leaf)
+    at = tree.arc_length[chain]
+    return tree.points[chain[(at > 10.0) & (at < at[-1] - 10.0)]]
+
+
+def dragged(panel, view, way, wobble=4.0):
+    """Drag the handle over places of the tree, with a hand that wobbles by some pixels; the places that it had."""
+    steps = way[np.linspace(0, len(way) - 1, 40).astype(int)]
+    beside = wobble * np.column_stack([np.sin(np.arange(40)), np.cos(np.arange(40))])
+    beside[0] = 0.0
+    panel._parameterNode.stent.handle.SetNthControlPointPositionWorld(0, *way[0])
+    found = []
+    pixels = [view.pixel(step) + shift for step, shift in zip(steps, beside, strict=True)]
+    view.drag(pixels, lambda: found.append(placeOf(panel)))
+    return np.array(found), np.array(pixels[1:])
+
+
+def besideTree(tree, places):
+    return np.array([tree.project(place).distance for place in places])
+
+
+def test_a_handle_is_dragged_along_the_vessel_and_across_its_junctions(host, aStent, theView):
+    tree, refused = treeOf(aStent), []
+    aStent.session._onDone = lambda error, standing: refused.append(error) if error else None
+    aStent.ui.autoUpdateCheckBox.checked = True
+    settle(host, aStent)
+    for leaf in tree.leaves:
+        way = wayTo(tree, leaf)
+        found, pixels = dragged(aStent, theView, way)
+        host.process()
+        assert besideTree(tree, found).max() < 1e-3
+        seen = np.array([theView.pixel(place) for place in found])
+        assert np.linalg.norm(seen - pixels, axis=1).max() < 12.0
+        np.testing.assert_allclose(placeOf(aStent), way[-1], atol=2.0)
+        back = dragged(aStent, theView, way[::-1])[0]
+        assert besideTree(tree, back).max() < 1e-3
+    settle(host, aStent)
+    assert refused == []
+
+
+def test_a_handle_stays_in_its_vessel_where_another_lies_before_it(host, aStent, theView):
+    tree = treeOf(aStent)
+    bounds = aStent._parameterNode.vessel.GetPolyData().GetBounds()
+    theView.look(bounds, direction=(1.0, 0.0, 0.0))  # the branches lie one behind the other
+    for leaf in tree.leaves:
+        vessel = tree.points[tree.ancestry(leaf)]
+        way = wayTo(tree, leaf)[::-1]
+        found, _pixels = dragged(aStent, theView, way)
+        assert np.linalg.norm(found[:, None] - vessel, axis=2).min(axis=1).max() < 0.5
+        np.testing.assert_allclose(found[-1], way[-1], atol=1.0)
+
+
+def test_one_end_of_a_stent_between_two_points_is_dragged_alone(host, aStent, theView):
+    host.choose(aStent.ui.placementComboBox, 3)
+    tree, (start, end) = treeOf(aStent), (placeOf(aStent, 0), placeOf(aStent, 1))
+    pixel = theView.pixel(end)
+    theView.drag([pixel, pixel + np.array([3.0, 30.0]), pixel + np.array([3.0, 60.0])])
+    np.testing.assert_allclose(placeOf(aStent, 0), start, atol=1e-5)
+    assert np.linalg.norm(placeOf(aStent, 1) - end) > 1.5
+    assert besideTree(tree, [placeOf(aStent, 1)]).max() < 1e-3
+
+
+def test_a_handle_dragged_in_a_slice_view_goes_to_the_nearest_place_in_space(host, aStent):
+    handle, tree = aStent._parameterNode.stent.handle, treeOf(aStent)
+    handle.SetAttribute("Markups.MovingInSliceView", "Red")  # as the widget of the view does
+    handle.SetAttribute("Markups.MovingMarkupIndex", "0")
+    point = np.array(theThroat()) + np.array([2.0, 3.0, 1.0])
+    handle.SetNthControlPointPositionWorld(0, *point)
+    handle.SetAttribute("Markups.MovingInSliceView", "")
+    np.testing.assert_allclose(placeOf(aStent), tree.project(point).point, atol=0.3)
+    assert besideTree(tree, [placeOf(aStent)]).max() < 1e-3
+    handle.SetAttribute("Markups.MovingMarkupIndex", "")
+    handle.SetNthControlPointPositionWorld(0, *point)  # without the mouse
+    np.testing.assert_allclose(placeOf(aStent), point)
+
+
+def test_a_point_placed_in_the_3d_view_lies_on_the_centerline_behind_the_wall(
+    host, aStent, theView
+):
+    handle, tree = aStent._parameterNode.stent.handle, treeOf(aStent)
+    handle.RemoveAllControlPoints()
+    selection = slicer.app.applicationLogic().GetSelectionNode()
+    selection.SetReferenceActivePlaceNodeClassName(handle.GetClassName())
+    selection.SetActivePlaceNodeID(handle.GetID())
+    interaction = slicer.app.applicationLogic().GetInteractionNode()
+    interaction.SetCurrentInteractionMode(interaction.Place)
+    wanted = wayTo(tree, tree.leaves[0])[5]
+    pixel = theView.pixel(wanted) + np.array([2.0, -2.0])
+    theView.drag([pixel, pixel])
+    interaction.SetCurrentInteractionMode(interaction.ViewTransform)
+    assert handle.GetNumberOfDefinedControlPoints() == 1
+    assert besideTree(tree, [placeOf(aStent)]).max() < 1e-3
+    np.testing.assert_allclose(placeOf(aStent), wanted, atol=1.0)
+
+
+def test_points_of_a_drawn_axis_keep_their_depth(host, aStent, theView):
+    from SDFStentSlicer import Handles
+
+    place = placeOf(aStent)
+    points = [place, place + np.array([0.0, 0.0, 8.0])]
+    curve = Handles.createHandle(slicer.mrmlScene, "Axis", points, Handles.CURVE)
+    aStent._parameterNode.stent.handle.GetDisplayNode().SetVisibility(False)
+    pixel = theView.pixel(points[1])
+    theView.drag([pixel, pixel + np.array([10.0, 0.0])])
+    moved = np.array(curve.GetNthControlPointPositionWorld(1)) - points[1]
+    toCamera = theView.renderer.GetActiveCamera().GetDirectionOfProjection()
+    assert np.linalg.norm(moved) > 0.3
+    assert abs(np.dot(moved, toCamera)) < 1e-3
+
+
+def press(host, widget, key, isShifted=False):
+    from PySide6 import QtCore, QtTest
+
+    held = QtCore.Qt.ShiftModifier if isShifted else QtCore.Qt.NoModifier
+    widget.window().activateWindow()
+    widget.setFocus()
+    QtTest.QTest.keyClick(widget, getattr(QtCore.Qt, f"Key_{key}"), held)
+    host.process()
+
+
+def test_arrow_keys_in_the_table_move_the_stent_along_the_vessel(host, aStent):
+    tree, table = treeOf(aStent), aStent.ui.stentTable
+    for key, isShifted, way in (
+        ("Right", False, 1.0),
+        ("Right", True, 0.2),
+        ("Left", False, -1.0),
+        ("Left", True, -0.2),
+    ):
+        before = tree.project(placeOf(aStent)).arc_length
+        press(host, table, key, isShifted)
+        moved = tree.project(placeOf(aStent))
+        assert moved.arc_length - before == pytest.approx(way, abs=1e-4)
+        assert moved.distance < 1e-4
+
+
+def test_arrow_keys_stop_at_the_ends_of_the_vessel(host, aStent):
+    tree, table = treeOf(aStent), aStent.ui.stentTable
+    for end, key in ((tree.roots[0], "Left"), (tree.leaves[0], "Right")):
+        aStent._parameterNode.stent.handle.SetNthControlPointPositionWorld(0, *tree.points[end])
+        for _ in range(2):
+            press(host, table, key)
+            np.testing.assert_allclose(placeOf(aStent), tree.points[end], atol=1e-4)

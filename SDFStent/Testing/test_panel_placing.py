@@ -1,0 +1,175 @@
+"""Place: clicks into the 3D view, with the real widgets of markups, on the real scene."""
+
+import numpy as np
+import pytest
+import slicer
+from panel_helpers import deploy
+from test_panel_dragging import besideTree, placeOf, theView, treeOf, wayTo  # noqa: F401
+
+
+@pytest.fixture
+def click(host, theView):  # noqa: F811
+    """A function: a click on what is seen before a point in space."""
+
+    def clicked(point):
+        pixel = theView.pixel(point)
+        theView.drag([pixel, pixel])
+        host.process()
+
+    return clicked
+
+
+def isPlacing():
+    interaction = slicer.app.applicationLogic().GetInteractionNode()
+    return interaction.GetCurrentInteractionMode() == interaction.Place
+
+
+def place(host, widget):
+    host.click(widget._button)
+    assert isPlacing()
+
+
+@pytest.mark.parametrize("wasPersistent", [False, True])
+@pytest.mark.parametrize("hasPoint", [True, False])
+def test_place_moves_the_stent_to_the_click_and_ends(host, aStent, click, hasPoint, wasPersistent):
+    handle, tree = aStent._parameterNode.stent.handle, treeOf(aStent)
+    interaction = slicer.app.applicationLogic().GetInteractionNode()
+    interaction.SetPlaceModePersistence(wasPersistent)
+    if not hasPoint:
+        handle.RemoveAllControlPoints()
+    place(host, aStent.ui.placeWidget)
+    wanted = wayTo(tree, tree.leaves[0])[5]
+    click(wanted)
+    assert not isPlacing()
+    assert bool(interaction.GetPlaceModePersistence()) == wasPersistent
+    interaction.SetPlaceModePersistence(False)
+    assert handle.GetNumberOfDefinedControlPoints() == handle.GetNumberOfControlPoints() == 1
+    np.testing.assert_allclose(placeOf(aStent), wanted, atol=1.0)
+    assert besideTree(tree, [placeOf(aStent)]).max() < 1e-3
+    assert aStent.ui.deployButton.enabled
+
+
+@pytest.mark.parametrize("hasPoints", [True, False])
+def test_a_stent_between_two_points_takes_two_clicks(host, aStent, click, hasPoints):
+    host.choose(aStent.ui.placementComboBox, 3)
+    handle, tree = aStent._parameterNode.stent.handle, treeOf(aStent)
+    if not hasPoints:
+        handle.RemoveAllControlPoints()
+    way = wayTo(tree, tree.leaves[0])
+    place(host, aStent.ui.placeWidget)
+    click(way[3])
+    assert isPlacing()
+    click(way[-3])
+    assert not isPlacing()
+    assert handle.GetNumberOfDefinedControlPoints() == handle.GetNumberOfControlPoints() == 2
+    np.testing.assert_allclose(placeOf(aStent, 0), way[3], atol=1.0)
+    np.testing.assert_allclose(placeOf(aStent, 1), way[-3], atol=1.0)
+
+
+def test_a_list_of_the_users_own_keeps_its_other_points(host, aStent, click):
+    own = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLMarkupsFiducialNode", "Own")
+    others = [[0.0, 0.0, 5.0], [0.0, 0.0, 9.0]]
+    for point in ([0.0, 0.0, 30.0], *others):
+        own.AddControlPointWorld(*point)
+    aStent._parameterNode.stent.handle.GetDisplayNode().SetVisibility(False)
+    aStent.ui.handleSelector.setCurrentNode(own)
+    tree = treeOf(aStent)
+    wanted = wayTo(tree, tree.leaves[0])[5]
+    place(host, aStent.ui.placeWidget)
+    click(wanted)
+    assert not isPlacing()
+    points = [own.GetNthControlPointPositionWorld(index) for index in range(3)]
+    np.testing.assert_allclose(points[0], wanted, atol=1.0)
+    np.testing.assert_allclose(points[1:], others)
+    assert own.GetNumberOfControlPoints() == 3
+    deploy(host, aStent)
+    told = f"{aStent._parameterNode.stent.label}: of the 3 points of Own only the first counts."
+    assert told in aStent.ui.statusLabel.text.splitlines()
+    host.choose(aStent.ui.placementComboBox, 4)
+    assert "create a new one there and draw it with Place" in aStent.ui.statusLabel.text
+
+
+@pytest.mark.parametrize("isQuick", [False, True])
+@pytest.mark.parametrize("before", ["nothing", "a handle", "a stented vessel"])
+def test_an_axis_drawn_in_3d_runs_in_the_middle_of_the_lumen(
+    host,
+    aStent,
+    theView,  # noqa: F811
+    before,
+    isQuick,
+):
+    """Held against the phantom's own centerline, and against what the middle of the lumen is good for."""
+    tree, parameters = treeOf(aStent), aStent._parameterNode
+    first, way = parameters.stent.handle, wayTo(tree, tree.leaves[0])
+    drawn, radius = way[::4], np.nanmax(tree.inscribed_radius)
+    first.SetNthControlPointPositionWorld(0, *drawn[len(drawn) // 2])
+    if before == "nothing":
+        host.click(aStent.ui.removeStentButton)
+    elif before == "a stented vessel":
+        aStent.ui.diameterSlider.value = 2.6 * radius
+        deploy(host, aStent)
+        first.GetDisplayNode().SetVisibility(False)
+    else:  # its glyph is seen before the wall
+        first.SetNthControlPointPositionWorld(0, *(drawn[len(drawn) // 2] + [0.0, radius, 0.0]))
+    aStent.ui.centerlineSelector.setCurrentNode(None)
+    host.click(aStent.ui.addStentButton)
+    handle = parameters.stent.handle
+    place(host, aStent.ui.placeWidget)
+    aside = np.array([0.4 * radius, 0.0, 0.0])  # a hand does not meet the middle
+    for number, point in enumerate(drawn):
+        pixel = theView.pixel(point + (-1) ** number * 0.3 * aside)
+        theView.drag([pixel, pixel])
+        if not isQuick:  # else the panel is busy meanwhile
+            host.process()
+        assert isPlacing()  # until the user ends it
+    host.process()
+    aStent.ui.placeWidget.placeModeEnabled = False
+    points = [
+        handle.GetNthControlPointPositionWorld(index)
+        for index in range(handle.GetNumberOfDefinedControlPoints())
+    ]
+    assert len(points) == len(drawn)
+    assert besideTree(tree, points).max() < 0.15 * radius
+    if before == "nothing":
+        aStent.ui.diameterSlider.value = 8.5
+        deploy(host, aStent)
+        (treated,) = aStent.logic.lastRun(parameters).result.stents
+        assert np.isfinite(treated.before.inscribed_diameter).all()
+        assert "not known \N{RIGHTWARDS ARROW}" not in aStent.ui.lumenLabel.text
+
+
+@pytest.mark.parametrize("hasPoints", [True, False])
+@pytest.mark.parametrize(("index", "count"), [(0, 1), (3, 2)])
+def test_two_clicks_at_once_place_as_two_do(host, aStent, theView, index, count, hasPoints):  # noqa: F811
+    host.choose(aStent.ui.placementComboBox, index)
+    handle, tree = aStent._parameterNode.stent.handle, treeOf(aStent)
+    if not hasPoints:
+        handle.RemoveAllControlPoints()
+    way = wayTo(tree, tree.leaves[0])
+    place(host, aStent.ui.placeWidget)
+    for point in (way[3], way[-3]):
+        theView.drag([theView.pixel(point)] * 2)
+    host.process()
+    assert not isPlacing()
+    assert handle.GetNumberOfDefinedControlPoints() == handle.GetNumberOfControlPoints() == count
+    for number, wanted in enumerate([way[3], way[-3]][-count:]):
+        np.testing.assert_allclose(placeOf(aStent, number), wanted, atol=1.0)
+
+
+@pytest.mark.parametrize("isQuick", [False, True])
+def test_the_ends_of_a_segment_take_two_clicks(host, aStent, theView, isQuick):  # noqa: F811
+    ui = aStent.ui
+    ui.segmentCollapsibleButton.collapsed = False
+    ends = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLMarkupsFiducialNode", "Ends")
+    ui.segmentEndsSelector.setCurrentNode(ends)
+    tree = treeOf(aStent)
+    way = wayTo(tree, tree.leaves[0])
+    for first, last in ((2, -2), (4, -4)):
+        place(host, ui.segmentPlaceWidget)
+        for point in (way[first], way[last]):
+            theView.drag([theView.pixel(point)] * 2)
+            if not isQuick:
+                host.process()
+        host.process()
+        assert not isPlacing()
+        assert ends.GetNumberOfControlPoints() == 2

@@ -1,0 +1,136 @@
+"""What is seen beside the panel: views, the vessel behind its stented copy, and what is left when stents go."""
+
+import pytest
+import slicer
+from panel_helpers import deploy, settle, theThroat
+
+LAYOUTS = (
+    "FourUpView",
+    "ConventionalView",
+    "ConventionalWidescreenView",
+    "OneUp3DView",
+    "Dual3DView",
+)
+
+
+SEGMENTS = ("bone", "lumen")
+
+
+@pytest.mark.parametrize("buttons", [("Plot",), ("Table",), ("Plot", "Table"), ("Table", "Plot")])
+@pytest.mark.parametrize("arrangement", LAYOUTS)
+def test_plot_and_table_take_no_3d_view_away(host, aStent, aScene, arrangement, buttons):
+    layout = aScene.GetFirstNodeByClass("vtkMRMLLayoutNode")
+    layout.SetViewArrangement(getattr(layout, f"SlicerLayout{arrangement}"))
+    deploy(host, aStent)
+    for kind in buttons:
+        host.click(getattr(aStent.ui, f"show{kind}Button"))
+        shown = layout.GetLayoutDescription(layout.GetViewArrangement())
+        assert '"vtkMRMLViewNode"' in shown
+        assert f'"vtkMRML{kind}ViewNode"' in shown
+
+
+@pytest.fixture
+def aSegmentation(host, aStent, aScene):
+    """The panel, with the vessel and another segment in a segmentation."""
+    node = aScene.AddNewNodeByClass("vtkMRMLSegmentationNode", "Vessels")
+    node.CreateDefaultDisplayNodes()
+    node.SetSourceRepresentationToClosedSurface()
+    wall = aStent._parameterNode.vessel.GetPolyData()
+    ids = [node.AddSegmentFromClosedSurfaceRepresentation(wall, name) for name in SEGMENTS]
+    aStent.ui.vesselSelector.setCurrentNode(node)
+    aStent.ui.segmentSelector.setCurrentSegmentID(ids[1])
+    host.process()
+    return aStent
+
+
+def inThreeD(panel):
+    """Which segments are seen in 3D."""
+    vessel = panel._parameterNode.vessel
+    ids = map(vessel.GetSegmentation().GetSegmentIdBySegmentName, SEGMENTS)
+    isSeen = map(vessel.GetDisplayNode().GetSegmentVisibility3D, ids)
+    return [name for name, seen in zip(SEGMENTS, isSeen, strict=True) if seen]
+
+
+def test_a_segment_is_hidden_in_3d_behind_the_stented_vessel(host, aSegmentation):
+    display = aSegmentation._parameterNode.vessel.GetDisplayNode()
+    assert inThreeD(aSegmentation) == ["bone", "lumen"]
+    deploy(host, aSegmentation)
+    assert inThreeD(aSegmentation) == ["bone"]
+    assert display.GetVisibility()
+    lumen = aSegmentation._parameterNode.segmentID
+    assert display.GetSegmentVisibility2DOutline(lumen)  # what it was is seen in the slices
+    host.click(aSegmentation.ui.removeStentButton)
+    assert inThreeD(aSegmentation) == ["bone", "lumen"]
+
+
+def test_a_plan_that_is_not_deployed_shows_the_segment(host, aSegmentation):
+    ui = aSegmentation.ui
+    deploy(host, aSegmentation)
+    ui.plansCollapsibleButton.collapsed = False
+    host.click(ui.duplicatePlanButton)
+    assert inThreeD(aSegmentation) == ["bone", "lumen"]
+    ui.planTable.selectRow(0)
+    assert inThreeD(aSegmentation) == ["bone"]
+    host.click(ui.removePlanButton)
+    assert inThreeD(aSegmentation) == ["bone", "lumen"]
+
+
+def test_the_segment_is_named_once(host, aSegmentation):
+    from PySide6 import QtWidgets
+
+    section = aSegmentation.ui.inputsCollapsibleButton
+    texts = [label.text for label in section.findChildren(QtWidgets.QLabel)]
+    texts = [text() if callable(text) else text for text in texts]
+    assert [text.strip() for text in texts if "Segment" in text] == ["Segment:"]
+
+
+@pytest.mark.parametrize("when", ["deployed", "live", "running", "saved"])
+def test_without_stents_the_vessel_is_as_it_was(host, aStent, aScene, tmp_path, when):
+    ui, vessel = aStent.ui, aStent._parameterNode.vessel
+    host.click(ui.copyStentButton)
+    aStent._parameterNode.stent.handle.SetNthControlPointPositionWorld(0, *theThroat())
+    if when == "running":
+        host.click(ui.deployButton)
+        host.processUntil(lambda: aStent._parameterNode.outputVessel is not None)
+    else:
+        ui.autoUpdateCheckBox.checked = when == "live"
+        deploy(host, aStent)
+    if when == "saved":
+        path = tmp_path / "scene.mrb"
+        assert aScene.WriteToMRB(str(path))
+        host.newScene()
+        assert aScene.ReadFromMRB(str(path), True)
+        host.process()
+        vessel = aStent._parameterNode.vessel
+    host.click(ui.removeStentButton)
+    assert aStent._parameterNode.outputVessel is not None
+    host.click(ui.removeStentButton)
+    settle(host, aStent)
+    assert ui.statusLabel.text == "Add a stent, or switch one on."
+    assert ui.lumenLabel.text == ui.certificateLabel.text == ui.warningLabel.text == ""
+    assert vessel.GetDisplayNode().GetVisibility()
+    names = [node.GetName() for node in slicer.util.getNodesByClass("vtkMRMLModelNode")]
+    assert not [name for name in names if "tent" in name]
+    assert not slicer.util.getNodesByClass("vtkMRMLPlotChartNode")
+    for button in (ui.resetButton, ui.showPlotButton, ui.showTableButton, ui.expansionSlider):
+        assert not button.enabled
+    host.click(ui.addStentButton)  # and all of it can be had again
+    aStent._parameterNode.stent.handle.SetNthControlPointPositionWorld(0, *theThroat())
+    settle(host, aStent)
+    deploy(host, aStent)
+    assert not vessel.GetDisplayNode().GetVisibility()
+    assert "Minimum lumen" in ui.lumenLabel.text
+
+
+def test_nobody_is_told_to_click_a_button_that_cannot_be_clicked(host, aStent):
+    from PySide6.QtCore import Qt
+
+    ui = aStent.ui
+    deploy(host, aStent)
+    ui.stentTable.item(0, 0).setCheckState(Qt.Unchecked)
+    host.process()
+    assert not ui.deployButton.enabled
+    assert ui.statusLabel.text.splitlines() == [
+        "Add a stent, or switch one on.",
+        "Changed since this deployment.",
+    ]
