@@ -23,6 +23,8 @@ class AsyncTimer:
     WAIT_S = 0.001
     """Threads advance here whoever waits for them, and best beside the drawing of a frame."""
 
+    TURN_S = (0.002, 0.002)
+
     def __init__(self, call: Callable[[], Any], milliseconds: float, isRepeated: bool) -> None:
         self._call, self._seconds, self._isRepeated = call, milliseconds / 1000, isRepeated
         self._waiting: asyncio.TimerHandle | None = None
@@ -114,6 +116,7 @@ def install(application: Any) -> None:
     _add(
         "qt",
         QTableWidgetItem=tables.TableItem,
+        QHeaderView=types.SimpleNamespace(ResizeToContents=3, Stretch=1),
         QFileDialog=FileDialog,
         QShortcut=Shortcut,
         QUrl=types.SimpleNamespace(fromLocalFile=lambda path: path),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
+from collections.abc import Iterable
 from typing import Any
 
 from .widgets import Widget, shown
@@ -22,6 +22,24 @@ class OfNode(Widget):
         return self._node
 
 
+class Filter:
+    """Which nodes a selector does not offer, as `qMRMLSortFilterProxyModel` is used."""
+
+    def __init__(self, widget: Widget) -> None:
+        self._widget = widget
+        self._hidden: tuple[str, ...] = ()
+
+    @property
+    def hiddenNodeIDs(self) -> tuple[str, ...]:
+        """IDs of nodes."""
+        return self._hidden
+
+    @hiddenNodeIDs.setter
+    def hiddenNodeIDs(self, ids: Iterable[str]) -> None:
+        self._hidden = tuple(ids)
+        self._widget.tell()
+
+
 class NodeComboBox(OfNode):
     """One of the scene's nodes, as `qMRMLNodeComboBox` is used."""
 
@@ -33,7 +51,7 @@ class NodeComboBox(OfNode):
         super().__init__(name, parameter)
         self._scene: Any = None
         self._attributes: list[tuple[str, str, str]] = []
-        self._filter = SimpleNamespace(hiddenNodeIDs=())
+        self._filter = Filter(self)
 
     def setMRMLScene(self, scene: Any) -> None:
         """Offer the nodes of a scene, whichever it has."""
@@ -45,7 +63,7 @@ class NodeComboBox(OfNode):
         """Offer only nodes of a class that have an attribute."""
         self._attributes.append((className, name, value))
 
-    def sortFilterProxyModel(self) -> SimpleNamespace:
+    def sortFilterProxyModel(self) -> Filter:
         return self._filter
 
     def setCurrentNode(self, node: Any) -> None:

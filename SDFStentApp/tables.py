@@ -70,6 +70,16 @@ class TableItem:
             self.table.emit("itemChanged", self)
 
 
+class Header:
+    """The header of a table, as `QHeaderView` is used: what is asked of it the browser does anyway."""
+
+    def setStretchLastSection(self, _isStretched: bool) -> None:
+        """Do nothing."""
+
+    def setSectionResizeMode(self, *_mode: Any) -> None:
+        """Do nothing."""
+
+
 class Table(Widget):
     """Rows to select, as `QTableWidget` is used."""
 
@@ -79,6 +89,10 @@ class Table(Widget):
         super().__init__(name, parameter)
         self._rows: list[list[TableItem | None]] = []
         self._selected = self._current = -1
+
+    def horizontalHeader(self) -> Header:
+        """The browser fits the columns."""
+        return Header()
 
     def setRowCount(self, count: int) -> None:
         """Drop rows at the end, or append empty ones."""

@@ -180,6 +180,8 @@ def _choice(widget: Widget, common: str, disabled: str) -> str:
         return f'<select v-model.number="{v}" {common} {disabled}>{options}</select>'
     if isinstance(widget, SegmentSelector):
         options = f'<option v-for="one in {name}.items" :value="one">{{{{ one }}}}</option>'
+        select = f'<select v-model="{v}" :title="{name}.tip" {disabled}>{options}</select>'
+        return f'<label class="row" {common}>Segment: {select}</label>'
     else:
         options = (
             f'<option v-if="{name}.none !== null" value="">{{{{ {name}.none }}}}</option>'

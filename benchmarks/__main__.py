@@ -33,7 +33,7 @@ TITLES = {
     "proxy": "The preview on a proxy",
     "lumen": "The deployed lumen",
     "where_time_goes": "Where the time goes",
-    "lesions": "Lesions of random vessels and of a tree",
+    "trees": "Narrowings in trees",
     "random_stents": "Random stents in the anatomies",
     "damaged_files": "Damaged files",
     "interruptions": "Interruptions",

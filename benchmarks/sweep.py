@@ -322,33 +322,41 @@ def judged(
         rounds=result.untangling_rounds,
         seconds=seconds,
         straightening=stent.straightening,
-        narrowest=narrowest(deployment, result),
+        narrowest=narrowest(where.surface, result.points, nodes, np.full(len(nodes), stent.radius)),
         motion=float(np.linalg.norm(result.points - where.points, axis=1).max() / stent.radius),
     )
 
 
-def narrowest(deployment: Deployment, result: DeploymentResult) -> float:
+def narrowest(before: Surface, after: np.ndarray, nodes: np.ndarray, radii: np.ndarray) -> float:
     """Smallest inscribed over prescribed diameter, none of it by the certificate's code.
 
     A cap is where the vessel was cut: faces whose points lay in one plane at an end of the axis.
+
+    Parameters
+    ----------
+    before : Surface
+    after : (n, 3) array
+        Where its points are, mm.
+    nodes, radii : (k, 3) and (k,) arrays
+        Stations of the stent's axis, and the radius that a sphere shall have there, mm.
     """
-    nodes, radius = deployment.chain.nodes, deployment.radius
-    is_cap = np.zeros(len(deployment.surface.triangles), dtype=bool)
-    corners = deployment.surface.points[deployment.surface.triangles]
+    is_cap = np.zeros(len(before.triangles), dtype=bool)
+    corners = before.points[before.triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
+    radius = radii.max()
     for end, inner in (nodes[:2], nodes[:-3:-1]):
         direction = (end - inner) / np.linalg.norm(end - inner)
         offset = corners - end
         is_near = (np.linalg.norm(offset, axis=2) < 2.5 * radius).all(axis=1)
         is_ahead = (offset @ direction > -0.5 * radius).all(axis=1)
         is_cap |= is_near & is_ahead & (np.abs(normals @ direction) > 0.86)
-    wall = deployment.surface.triangles[~is_cap]
-    width = wall_distances(result.points, wall, nodes) / radius
+    wall = before.triangles[~is_cap]
+    width = wall_distances(after, wall, nodes) / radii
     doubtful = np.flatnonzero(width < NARROW)
     if len(doubtful):
-        spheres = widest_spheres(result.points, wall, nodes)[doubtful]
-        width[doubtful] = np.maximum(width[doubtful], spheres / radius)
+        spheres = widest_spheres(after, wall, nodes)[doubtful]
+        width[doubtful] = np.maximum(width[doubtful], spheres / radii[doubtful])
     return float(width.min())
 
 

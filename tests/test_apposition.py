@@ -117,10 +117,10 @@ def test_the_wide_half_of_a_vessel_is_the_free_half():
 @pytest.mark.parametrize(
     ("with_tree", "with_faces", "name"),
     [
-        (True, True, "branch to face 5"),
-        (True, False, "branch 3"),
-        (False, True, "branch to face 5"),
-        (False, False, "side branch 1"),
+        (True, True, "side branch of 15.3 mm at 19 mm"),
+        (True, False, "side branch of 15.3 mm at 19 mm"),
+        (False, True, "side branch of 14.6 mm at 19 mm"),
+        (False, False, "side branch of 14.6 mm at 19 mm"),
     ],
 )
 def test_a_covered_branch_that_is_pinched_is_told(data_dir, with_tree, with_faces, name):
@@ -166,7 +166,7 @@ def test_a_later_stent_tells_of_the_vessel_as_it_found_it_and_as_it_was_at_first
     first, second = result.stents
     for stent, surface in ((first, file.surface), (second, found)):
         (ostium,) = stent.branches
-        assert ostium.name == "branch to face 5"
+        assert ostium.face_ids == (5,)
         way = extended_axis(surface, stent.axis.points, tree)
         extent = (way.points, way.before, way.stent_length)
         low, high = openings_at(surface.points, surface.triangles, *extent, [1.13, 1.17])
@@ -178,7 +178,7 @@ def test_a_later_stent_tells_of_the_vessel_as_it_found_it_and_as_it_was_at_first
         assert lumen.before == pytest.approx(9.03, abs=0.05)
         assert lumen.after < 7.37
     (told,) = [one for one in result.warnings if one.kind == "neighbor-narrowed"]
-    assert str(told).startswith("Stents 1 and 2: The lumen of branch to face 5 is narrowed from 9.")
+    assert str(told).startswith("Stents 1 and 2: The lumen of side branch of 15.")
     assert told.stent is None
     both = [one for stent in result.stents for one in stent.neighbors if "branch" in one.name]
     assert len(both) == 2

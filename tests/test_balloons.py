@@ -383,7 +383,7 @@ def test_what_does_not_belong_in_a_plan_is_named_with_its_place(stent, words):
 
 
 def test_a_balloon_leaves_the_lumen_that_is_deployed_and_three_diameters_are_told(a_folder, capsys):
-    (stent,) = reported("--balloon", "7", diameter=None)
+    (stent,) = reported("--balloon", "7", "--verbose", diameter=None)
     assert stent["balloon_diameter_mm"] == 7
     assert stent["recoil_fraction"] == 0.07
     assert stent["lumen_diameter_mm"] == pytest.approx(6.51)
@@ -391,7 +391,7 @@ def test_a_balloon_leaves_the_lumen_that_is_deployed_and_three_diameters_are_tol
     over = stent["diameters"]["over_stented_length"]["after"]
     assert over["mean_mm"] == pytest.approx(6.51, rel=0.01)
     said = capsys.readouterr().out
-    assert "Balloon 7 mm, lumen 6.51 mm after recoil of 7 % (the mean in great vessels" in said
+    assert said.startswith("Deployed: stent of 6.51 x 18.0 mm (balloon 7 mm; 20 mm as packed, ")
     assert "reference 5.9" in said
     again = run_plan(load_plan("p.json"))
     assert again.plan.stents[0].balloon.diameter == 7
@@ -428,12 +428,33 @@ def test_redilate_deploys_the_same_stent_again_with_its_new_length(a_folder, cap
     assert first["axis"]["end_mm"] == pytest.approx(second["axis"]["end_mm"], abs=1e-6)
     assert "redilates" not in first
     assert second["redilates"] == 1
-    assert "Stent 2: Device own: 16 mm long as packed, 12.0 mm at 8 mm" in capsys.readouterr().out
+    assert "stent 2: own, 8 x 12.0 mm (16 mm as packed, 25 % shorter" in capsys.readouterr().out
     middle = reported(
         *device, "--redilate", "8", "--keep", "proximal", place=["--axis", "axis.vtp"]
     )
     starts = [stent["axis"]["start_mm"][2] for stent in middle]
     assert starts == pytest.approx([12.0, 12.0])
+
+
+def test_a_staged_plan_gives_the_result_of_today_and_the_later_one(a_folder, capsys):
+    """The shortening of the second is told as that of the first, which nobody gave."""
+    first, second = reported("--redilate", "8", "--report", "r.html", diameter="5")
+    said = capsys.readouterr().out
+    document = json.loads(Path("r.json").read_text(encoding="utf-8"))
+    today, (lesion,) = document["today"], document["lesions"]
+    assert today["before_stent"] == 2
+    (stent,), (left,) = today["stents"], today["lesions"]
+    assert stent["number"] == left["number"] == 1
+    assert stent["minimum_lumen_mm"] == pytest.approx(5.0, rel=0.01)
+    assert left["percent_diameter"] == pytest.approx(100 / 6, abs=2)
+    assert lesion["after"]["percent_diameter"] == pytest.approx(-100 / 3, abs=2)
+    assert second["diameters"]["minimum_lumen"]["after_mm"] == pytest.approx(8.0, rel=0.01)
+    sentence = "Today, before the redilation as stent 2: narrowest lumen stent 1 5.0"
+    assert sentence in said
+    assert sentence in Path("r.html").read_text(encoding="utf-8")
+    assert first["foreshortening_reason"] == second["foreshortening_reason"] != "as given"
+    reported()
+    assert json.loads(Path("r.json").read_text(encoding="utf-8"))["today"] is None
 
 
 def test_files_and_page_show_a_stent_that_is_dilated_again_once(a_folder, capsys):

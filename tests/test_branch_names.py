@@ -22,8 +22,9 @@ from SDFStentLib.files import (
 )
 from SDFStentLib.files.formats.mdl_faces import LARGEST, mdl_face_names
 from SDFStentLib.geometry import NamedFaces
-from SDFStentLib.measure import branch_names, find_lesions
+from SDFStentLib.measure import branch_names
 from SDFStentLib.validation import InputError
+from SDFStentLib.vessel import find_lesions
 
 MODEL = """<?xml version="1.0" encoding="UTF-8" ?>
 <format version="1.0" />
@@ -222,7 +223,7 @@ def test_places_in_warnings_are_told_in_the_file_s_unit_as_well(a_patient, arter
     report = a_patient / "report.json"
     arguments = [
         "deploy", *files, "--units", "cm", *at, "--length", "26", "--diameter", "9",
-        "-o", str(a_patient / "out.vtp"), "--report", str(report),
+        "-o", str(a_patient / "out.vtp"), "--report", str(report), "--verbose",
     ]  # fmt: skip
     assert main(arguments) in (0, 3)
     said = next(line for line in capsys.readouterr().err.splitlines() if "junction" in line)

@@ -269,6 +269,13 @@ def test_real_centerlines_have_one_inlet_and_two_outlets(
     assert found.distances.max() <= 0.1 * np.nanmax(radius)
 
 
+def test_a_real_tree_ends_only_where_one_of_its_lines_does(data_dir):
+    """Lines that parted for a moment on their way left a branch of 0.1 mm within the trunk."""
+    points, lines, radius = read_lines(data_dir / "su0243_centerline_mm.vtp", 1)
+    tree = Centerline.from_lines(points, lines, radius)
+    assert len(tree.leaves) == len(lines) == 92
+
+
 def test_real_two_point_cells_with_unshared_points_become_the_same_tree(data_dir):
     points, lines, radius = read_lines(data_dir / "pulmonary_centerline_cm.vtp", 10)
     cells = np.random.default_rng(1).permutation(np.array(lines))

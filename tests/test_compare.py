@@ -359,6 +359,7 @@ def test_lesions_that_no_plan_changes_share_one_row():
         "branches": [],
         "apposition": [],
         "changes": None,
+        "left": None,
         "warnings": [],
     }
     rows = {row.title: row for row in comparison_rows([{"name": "x", "report": report}])}

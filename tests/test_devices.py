@@ -27,8 +27,8 @@ from SDFStentLib.plan.document import plan_document, plan_text
 from SDFStentLib.plan.plan import Plan
 from SDFStentLib.plan.reader import load_plan, plan_from_document
 from SDFStentLib.plan.run import run_plan
-from SDFStentLib.report.devices import device_sentence
-from SDFStentLib.stent import AlongAxis, AtCenter, BetweenPoints, Device, Stent, stent_axis
+from SDFStentLib.report.devices import device_sentence, planned_device_sentences
+from SDFStentLib.stent import AlongAxis, AtCenter, Balloon, BetweenPoints, Device, Stent, stent_axis
 from SDFStentLib.validation import InputError
 
 ROW = {
@@ -262,9 +262,9 @@ def test_a_file_that_is_no_device_table_is_said(tmp_path, text, words):
 def test_sizes_beyond_what_is_known_of_a_device_are_said():
     tube = unbranched(resampled([[0, 0, 0], [0, 0, 100]], 2.0), np.full(51, 8.0))
 
-    def said(diameter, length, device):
+    def said(diameter, length, device, lost=0.0):
         stent = Stent(
-            diameter, placement=CENTER, length=length, device=device, foreshortening_fraction=0
+            diameter, placement=CENTER, length=length, device=device, foreshortening_fraction=lost
         )
         return [str(caution) for caution in stent_axis(stent, tube).warnings]
 
@@ -276,16 +276,55 @@ def test_sizes_beyond_what_is_known_of_a_device_are_said():
         "begraft-besmooth-peripheral: a length of 60 mm is outside of the 23 to 57 mm with which "
         "its source saw it used.",
     ]
-    assert said(8.0, 30, device_named("gore-vbx")) == [
+    vbx = device_named("gore-vbx")
+    assert said(8.0, 30, vbx, lost=None) == [
         "gore-vbx: its shortening is known at its nominal diameters only; 8 mm may be one of them "
-        "or not."
+        "or not, and its length extrapolated."
     ]
+    assert said(8.0, 30, vbx) == []  # the user says how much it loses
+    # It is opened as far as its balloon.
+    wide = Stent(
+        9.9,
+        placement=CENTER,
+        length=30,
+        device=peripheral,
+        foreshortening_fraction=0,
+        balloon=Balloon(11.0, 0.1),
+    )
+    (told,) = stent_axis(wide, tube).warnings
+    assert "a diameter of 11 mm is outside of the 7 to 10 mm" in str(told)
     own = a_device(lengths=(), foreshortening_fraction=0.05, nominal_diameters=[7, 10])
     assert list(own.cautions(8.0, 34)) == []
     assert [str(caution) for caution in own.cautions(12.0, 34)][1:] == [
-        "bench-34: its shortening is known at its nominal diameters only; 12 mm is none of them."
+        "bench-34: its shortening is known at its nominal diameters only; 12 mm is none of them, "
+        "and its length extrapolated."
     ]
     assert said(8.0, 30, device_named("generic")) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "size", "words"),
+    [
+        (
+            "numed-cp",
+            {"length": 34, "foreshortening_fraction": 0.15},
+            "34 mm long as packed, 28.9 mm at 12 mm of diameter (length as given, shortening as "
+            "given); from its source: used at 10 to 26 mm, in lengths of 11 to 80 mm (Ewert 2005",
+        ),
+        (
+            "gore-vbx",
+            {"length": 34},
+            "34.0 mm at 12 mm of diameter (length as given, shortening as its row has it); from "
+            "its source: keeps its length at its nominal diameters (Bismuth 2017",
+        ),
+        ("generic", {"length": 30}, "27.0 mm at 12 mm of diameter (length as given, shortening as "
+         "its row has it); none: it is no product, its numbers are assumptions."),
+    ],
+)  # fmt: skip
+def test_only_what_a_row_has_is_told_as_of_its_source(name, size, words):
+    stent = Stent(12.0, placement=CENTER, device=device_named(name), **size)
+    (told,) = planned_device_sentences(stent)
+    assert words in told
 
 
 # ---- documents
@@ -361,7 +400,7 @@ def test_deploy_takes_the_length_of_the_device_at_the_diameter(a_folder, a_table
     device = ["--device", "bench-16", "--device-table", str(a_table_file)]
     assert deploy(*device, "--report", "r.json", "--save-plan", "p.json", place=center) == 0
     said = capsys.readouterr().out
-    assert "Device bench-16: 16 mm long as packed, 14.0 mm at 6 mm of diameter; source" in said
+    assert said.startswith("Deployed: bench-16, 6 x 14.0 mm (16 mm as packed, 12.5 % shorter")
     (stent,) = json.loads(Path("r.json").read_text(encoding="utf-8"))["stents"]
     assert stent["nominal_length_mm"] == 16
     assert stent["deployed_length_mm"] == pytest.approx(14)

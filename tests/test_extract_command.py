@@ -292,3 +292,56 @@ def test_a_volume_mesh_of_another_surface_is_a_sentence(a_segment, tmp_path):
         with pytest.raises(InputError, match="expected the points of the surface first"):
             MeshComplete(one, faces, frozenset({1}), volume=other).write(tmp_path / "mesh")
         assert not (tmp_path / "mesh").exists()
+
+
+LEFT = ["--from", "2.6", "-88.8", "-50.4", "--to", "12.6", "-70", "-64.2"]
+WAYS = {
+    # Lines that part for 0.1 mm on the way, and a branch that was cut before what it comes from.
+    "to a lobe": ["--from", "15.23", "-105.3", "-53.92", "--to", "-31.38", "-92.2", "-58.61"],
+    "beyond it": ["--from", "14.14", "-104", "-53.6", "--to", "-49.11", "-69.19", "-65.91"],
+}  # fmt: skip
+
+
+def patient(data_dir, *more, out="seg"):
+    """`extract` of the paper's patient, 92 outlets."""
+    files = [str(data_dir / f"su0243_{name}_mm.vtp") for name in ("surface", "centerline")]
+    return main(["extract", files[0], "--centerline", files[1], "-o", out, *more])
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_side_branches_of_a_tree_are_closed_and_named(data_dir, a_folder, capsys, way):
+    assert patient(data_dir, *WAYS[way], "--close-branches") == 0
+    said = capsys.readouterr()
+    assert said.err == ""
+    document = json.loads(Path("seg/segment.json").read_text(encoding="utf-8"))
+    kinds = [face["kind"] for face in document["before"]["faces"]]
+    assert kinds.count("inlet") == kinds.count("outlet") == 1
+    closed = [plane["branch"] for plane in document["planes"] if plane["closed"]]
+    assert len(closed) > 2
+    assert said.out.startswith(f"Closed {len(closed)} of its branches: {'; '.join(closed)}.\n")
+
+
+def test_a_segment_round_a_stent_is_closed_by_the_same_planes(data_dir, a_folder, capsys):
+    files = [str(data_dir / f"su0243_{name}_mm.vtp") for name in ("surface", "centerline")]
+    place = ["--center", "9.3", "-77.5", "-55.5", "--diameter", "6", "--length", "28"]
+    assert main(["deploy", files[0], "--centerline", files[1], *place, "-o", "after.vtp"]) == 0
+    capsys.readouterr()
+    assert patient(data_dir, *LEFT, "--close-branches", "--after", "after.vtp") == 0
+    assert capsys.readouterr().err == ""
+    document = json.loads(Path("seg/segment.json").read_text(encoding="utf-8"))
+    for state in ("before", "after"):
+        faces = document[state]["faces"]
+        assert_faces_are_the_exterior(Path("seg") / state, [face["name"] for face in faces])
+        assert [face["kind"] for face in faces].count("outlet") == 1
+    assert document["after"]["volume"] > 1.5 * document["before"]["volume"]
+
+
+def test_places_that_a_refusal_names_can_be_chosen(data_dir, a_folder, capsys):
+    """Both at once; told one by one the second was refused after the first had been mended."""
+    ends = ["--from", "7.128", "-95.3", "-48.51", "--to", "13.68", "-65.98", "-70.01"]
+    assert patient(data_dir, *ends, "--close-branches") == 2
+    error = capsys.readouterr().err
+    first, second = re.findall(r"segment (?:start|end):.*?, to \((.*?)\) mm", error)
+    again = ["--from", *first.split(", "), "--to", *second.split(", ")]
+    assert patient(data_dir, *again, "--close-branches") == 0
+    assert capsys.readouterr().err == ""

@@ -8,16 +8,15 @@ from plain_measuring import nearest_points, plain_sphere
 
 from SDFStentLib.deformation import DeploymentSettings, deploy
 from SDFStentLib.geometry import (
+    Balls,
     Surface,
     SurfaceIndex,
     cut,
-    near_balls,
     nearest_distances,
     resampled,
     tangents,
 )
 from SDFStentLib.geometry.distance import closest_points_on_triangles
-from SDFStentLib.measure import tree_lumen
 from SDFStentLib.measure.cross_section import (
     _lumen_area,
     equivalent_diameters,
@@ -25,8 +24,6 @@ from SDFStentLib.measure.cross_section import (
 )
 from SDFStentLib.measure.inscribed import Until, inscribed_spheres
 from SDFStentLib.measure.stations import measured_at
-from SDFStentLib.measure.tree_lumen import branch_lumens
-from SDFStentLib.measure.vessel_runs import vessel_runs
 from SDFStentLib.measure.wall_map import cuts_across, near_wall, rays_from
 from SDFStentLib.phantoms import (
     branching_pulmonary_artery,
@@ -34,6 +31,9 @@ from SDFStentLib.phantoms import (
     stenosed_tube,
     vascular_tree,
 )
+from SDFStentLib.vessel import branch_lumen
+from SDFStentLib.vessel.branch_lumen import branch_lumens
+from SDFStentLib.vessel.runs import vessel_runs
 
 PHANTOMS = {
     "stenosis": stenosed_tube,
@@ -135,10 +135,9 @@ def test_ends_of_vessels_are_the_same_where_their_spheres_are_searched_to_the_en
         to_the_end = until._replace(enough=np.inf)
         return inscribed_spheres(points, triangles, stations, directions, to_the_end)
 
-    monkeypatch.setattr(tree_lumen, "inscribed_spheres", whole)
+    monkeypatch.setattr(branch_lumen, "inscribed_spheres", whole)
     for one, exact in zip(fast, vessel_runs(branch_lumens(surface, tree)), strict=True):
         np.testing.assert_allclose(one.diameter, exact.diameter, atol=1e-3)
-        np.testing.assert_array_equal(one.is_apart, exact.is_apart)
 
 
 def test_a_surface_goes_half_round_a_point_on_it():
@@ -198,16 +197,22 @@ def test_what_is_near_is_what_a_plain_search_over_all_pairs_finds():
 
 
 def test_balls_that_only_just_touch_what_is_looked_for_are_found():
-    """Far from the origin, where rounding is coarse; and many places and balls at one spot."""
+    """Far from the origin, where rounding is coarse; balls of all sizes, many at one spot."""
     random = np.random.default_rng(2)
-    balls = 1e5 + random.normal(size=(500, 3))
-    balls[400:] = balls[400]
-    places = np.repeat(balls[::5], 2, axis=0) + np.array([0.0, 0, 3])
-    place, ball = near_balls(places, np.full(len(places), 1.0), balls, np.full(500, 2.0))
+    middles = 1e5 + random.normal(size=(500, 3))
+    middles[400:] = middles[400]
+    radii = 4.0 ** random.integers(-9, 1, 500)
+    radii[::50] = 0.0
+    balls = Balls(middles, radii)
+    places = np.repeat(middles[::5], 2, axis=0) + np.array([0.0, 0, 3])
+    place, ball = balls.near(places, np.repeat(3.0 - radii[::5], 2))
     own = set(zip(place.tolist(), ball.tolist(), strict=True))
     assert all((n, 5 * (n // 2)) in own for n in range(len(places)))
-    place, ball = near_balls(places, np.zeros(len(places)), balls[:0], np.zeros(0))
-    assert len(place) == len(ball) == 0
+    assert (np.diff(place) >= 0).all()
+    gap = np.linalg.norm(places[place] - middles[ball], axis=1) - radii[ball]
+    assert (gap <= np.repeat(3.0 - radii[::5], 2)[place] + 3 * radii[ball] + 1e-6).all()
+    expected = [np.linalg.norm(middles - one, axis=1).min() for one in places]
+    np.testing.assert_allclose(balls.nearest(places), expected, rtol=1e-9)
 
 
 def test_the_nearest_of_many_points_is_that_of_a_plain_search():

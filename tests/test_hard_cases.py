@@ -160,7 +160,7 @@ def test_a_hairpin_stent_wider_than_its_legs_are_apart_is_not_certified_and_says
     axis = made.axis_at(np.linspace(10, length - 10, 200))
     result = treated(made.points, made.triangles, along(axis, 10.0))
     assert not result.certificate.passed
-    assert "Not certified: the surface has" in result.certificate.sentence()
+    assert "Surface not certified for meshing: it has" in result.certificate.sentence()
     # Named by a place of the vessel, where the legs press on each other.
     center = result.certificate.places[0].center
     assert CapsuleChain.along(axis).axis_distance([center])[0] < 5.0 + 1.0

@@ -8,16 +8,11 @@ from plain_measuring import nearest_points
 
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.geometry import cut, resampled, tangents
-from SDFStentLib.measure import (
-    find_lesions,
-    known_lumen,
-    measured_after,
-    measured_at,
-    moved_wall,
-)
+from SDFStentLib.measure import known_lumen, measured_after, measured_at, moved_wall
 from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube
 from SDFStentLib.stent import AtCenter, Stent
 from SDFStentLib.treatment import Treatment, treated_lesions
+from SDFStentLib.vessel import find_lesions
 
 PHANTOMS = {"stenosis": stenosed_tube, "branches": branching_pulmonary_artery}
 ANATOMIES = ("pulmonary", "aorta_iliac", "vmtk_aorta")

@@ -70,7 +70,7 @@ def test_the_ostium_of_a_straight_branch_is_where_the_two_cylinders_meet(angle_d
     line = np.array([[0.3, 0.2, start], [0.3, 0.2, start + 15]])
     faces = NamedFaces(patch.face_ids)
     (ostium,) = ostia_of(Surface(patch.points, patch.triangles), line, faces=faces)
-    assert ostium.name == "branch to face 4"
+    assert ostium.name.startswith("side branch of ")
     assert ostium.face_ids == (4,)
     # One edge length.
     assert abs(ostium.start - low) < 0.7
@@ -100,7 +100,7 @@ def test_half_of_an_ostium_is_half_covered():
     assert ostium.area == pytest.approx(np.pi * 2.5**2, rel=0.15)
     assert not ostium.is_free
     assert not ostium.is_fully_covered
-    assert ostium.sentence().startswith("Side branch 1: 5")
+    assert ostium.sentence().startswith("Side branch of 4.7 mm at 0 mm: 5")
     assert " % covered; its ostium lies from -2." in ostium.sentence()
 
 
@@ -108,14 +108,15 @@ def test_a_branch_is_called_by_the_faces_that_it_leads_to():
     patch, line = a_tee(), [[0, 0, 24.0], [0, 0, 36.0]]
     surface = Surface(patch.points, patch.triangles)
     cap = int(patch.face_ids.max())
-    assert [o.name for o in ostia_of(surface, line)] == ["side branch 1"]
-    for names, said in (({}, "branch to face 4"), ({cap: "left renal"}, "left renal")):
+    plain = "side branch of 4.7 mm at 6 mm"
+    assert [o.name for o in ostia_of(surface, line)] == [plain]
+    for names, said in (({}, plain), ({cap: "left renal"}, "left renal")):
         (ostium,) = ostia_of(surface, line, faces=NamedFaces(patch.face_ids, names))
         assert ostium.name == said
         assert ostium.sentence().startswith(f"{said[0].upper()}{said[1:]}: fully covered; ")
     # Ids that do not tell cap from wall tell no branch.
     (ostium,) = ostia_of(surface, line, faces=NamedFaces(np.ones_like(patch.face_ids)))
-    assert (ostium.name, ostium.face_ids) == ("side branch 1", ())
+    assert (ostium.name, ostium.face_ids) == (plain, ())
 
 
 def test_a_vessel_without_branches_has_no_ostium():

@@ -213,8 +213,8 @@ def test_where_a_branch_opens_within_the_stent_nothing_is_estimated(tmp_path, ca
 @pytest.mark.parametrize(
     ("flow", "words"),
     [
-        (("0", "5"), "flow: expected a number greater than 0 (mL/s), got 0"),
-        (("-2", "5"), "flow: expected a number greater than 0 (mL/s), got -2"),
+        (("0", "5"), "flow: expected a number greater than 0 and at most 10000 (mL/s), got 0"),
+        (("-2", "5"), "flow: expected a number greater than 0 and at most 10000 (mL/s), got -2"),
         (("5", "4"), "flow at most: expected"),
         (("nan", "4"), "flow"),
     ],

@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 
 from SDFStentLib.measure.apposition import Apposition, FreeStretch
-from SDFStentLib.measure.lesion_value import HealthyPlace, Lesion
 from SDFStentLib.measure.metrics import DiameterProfile
 from SDFStentLib.measure.ostia import Ostium
 from SDFStentLib.report.drawing import Box, Disc, Line, Words
@@ -32,6 +31,7 @@ from SDFStentLib.report.words import millimeters, number_text
 from SDFStentLib.stent.placement import Placement
 from SDFStentLib.treatment.lesions import TreatedLesion
 from SDFStentLib.validation import DeploymentError, InputError
+from SDFStentLib.vessel.lesion_value import HealthyPlace, Lesion
 
 CLEAN = {
     "watertight": True,
@@ -67,6 +67,8 @@ def a_lesion(minimum):
         distal=None,
         reference="healthy vessel proximal of it (8.0 mm)",
         line=np.array([[0.0, 0.0, 5.0], [0.0, 0.0, 15.0]]),
+        healthy=np.array([8.0, 8.0]),
+        diameters=np.array([math.nan, math.nan]),
     )
 
 
@@ -279,7 +281,7 @@ def test_the_page_says_what_a_clinician_reads_first():
         "50 %",
         "healthy vessel proximal of it (8.0 mm)",
         "8.24 ± 0.15 mm",
-        "Certified: watertight, manifold",
+        "Surface certified for meshing: watertight, manifold",
         "The stent was shortened.",
         "largest sphere that fits into the lumen",
     ):
@@ -303,7 +305,9 @@ def test_a_failed_certificate_and_the_warnings_stand_before_every_table():
         "<svg",
     )
     assert page.count("Not certified") == 1
-    assert in_order(html_page(a_report().as_dict()), "<p class='good'>Certified", "<table")
+    assert in_order(
+        html_page(a_report().as_dict()), "<p class='warn'>", "<p class='good'>Surface", "<table"
+    )
 
 
 PLANNED = {
@@ -425,7 +429,11 @@ def test_a_page_without_any_diameter_or_stent_still_says_so():
     ("change", "passed", "words"),
     [
         ({}, True, "no new crossing"),
-        ({"watertight": False}, False, "NOT certified: the deployed surface is not watertight"),
+        (
+            {"watertight": False},
+            False,
+            "Surface not certified for meshing: the deployed surface is not watertight",
+        ),
         ({"watertight": False, "passed": True}, True, "is not watertight, which the input was"),
         ({"manifold": None}, False, "is not known to be manifold"),
         ({"inverted_triangles": [4]}, False, "has 1 inverted triangle."),
@@ -625,12 +633,12 @@ def test_the_clinicians_part_comes_first_and_what_is_to_be_checked_last():
     page = html_page(a_report(stents=(planned(),)).as_dict(), png)
     assert in_order(
         page,
-        "<p class='good'>Certified",
         "<h2>Warnings",
+        "<p class='good'>Surface certified",
         "<img",
         "<h2>Lesions of the vessel",
         "lumen before and after</h2>",
-        "Stent of 20.0 mm x 22.5 mm, placed by its middle.",
+        "Stent of 20.0 mm x 22.5 mm (packed 25.0 mm, 10 % shorter once expanded), placed by",
         "<svg",
         "<div class='details'>",
         ", as planned</h2>",

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from mesh_files import octahedron, open_tube
 
+from SDFStentLib.files import read_surface
 from SDFStentLib.files.same_space import InsideTest, check_same_space, size_warnings
 from SDFStentLib.geometry import Surface
 from SDFStentLib.validation import InputError
@@ -110,3 +111,11 @@ def test_a_line_that_fits_only_as_a_spot_is_not_blamed_on_units(away):
 def test_a_short_axis_in_a_smaller_unit_is_still_recognized():
     with pytest.raises(InputError, match="it would fit 10 times as large"):
         check_same_space(Surface(*moved_tube()), 0.1 * axis(30, 36))
+
+
+@pytest.mark.parametrize("name", ["aorta_iliac", "pulmonary"])
+def test_a_vessel_in_cm_that_is_read_in_mm_is_told(data_dir, name):
+    """An aorta of 2 mm got stents of 1.6 mm without a word."""
+    path = data_dir / f"{name}_surface_cm.vtp"
+    assert [one.kind for one in read_surface(path).warnings] == ["unusual-size"]
+    assert read_surface(path, units="cm").warnings == ()

@@ -18,6 +18,7 @@ from vtkmodules.vtkFiltersCore import (
 )
 from vtkmodules.vtkFiltersGeneral import vtkClipClosedSurface
 
+from SDFStentLib.centerline import Centerline
 from SDFStentLib.certificate import check_surface
 from SDFStentLib.files import polydata_from_arrays, read_surface, surface_from_polydata
 from SDFStentLib.geometry import (
@@ -304,6 +305,17 @@ def test_a_branch_with_a_round_end_is_named(data_dir):
     assert not segment_of(vessel_at(data_dir, "pulmonary"), 0.1, 0.9).warnings
 
 
+def test_a_branch_whose_centerline_stops_before_its_outlet_has_one():
+    made = branching_pulmonary_artery()
+    tree = made.centerline
+    short = [np.array(tree.ancestry(leaf)) for leaf in tree.leaves]
+    short = [way[tree.arc_length[way] < tree.arc_length[way[-1]] - 12] for way in short]
+    line = Centerline.from_lines(tree.points, short, tree.inscribed_radius)
+    found = segment_of(Vessel(made.surface, line), 0.1, 0.9)
+    assert [face.kind for face in found.before.faces].count("outlet") == 2
+    assert not found.warnings
+
+
 def test_a_plane_beside_a_bifurcation_is_refused_and_the_place_that_is_said_is_not():
     vessel = vessel_of(branching_pulmonary_artery())
     way = way_to(vessel)
@@ -342,7 +354,7 @@ BAD = {
     ),
     "the same place": (([0, 0, 8], [0, 0, 8]), "expected two places apart"),
     "off the vessel": (([40, 0, 8], [0, 0, 30]), "expected a place in the vessel, got one 40.0 mm"),
-    "too near": (([0, 0, 20], [0, 0, 20.2]), "meets another one within the vessel"),
+    "too near": (([0, 0, 20], [0, 0, 20.2]), "the second meets the other one within the vessel"),
     "not finite": (([np.nan, 0, 8], [0, 0, 30]), "finite"),
 }
 

@@ -259,7 +259,7 @@ def test_a_lumen_narrower_than_prescribed_is_not_certified_and_says_where():
     at = int(np.linalg.norm(stations - check.narrowest_at, axis=1).argmin())
     assert width[at] < 0.97 * deployment.radius
     said = certificate.sentence()
-    assert said.startswith("Not certified: the surface has")
+    assert said.startswith("Surface not certified for meshing: it has")
     assert f"a lumen of {check.narrowest:.2f} mm instead of 5.95 mm near (" in said
     assert certificate.as_dict()["lumen"][0]["passed"] is False
 

@@ -81,7 +81,7 @@ def test_degenerate_triangles_and_unused_points_stay_and_are_said(tmp_path):
     assert np.array_equal(surface.triangles, triangles)
     assert len(surface.points) == len(points)
     assert tuple(map(str, surface.warnings)) == (
-        f"{surface.path}: 2 triangles are degenerate (no area).",
+        f"{surface.path}: 2 triangles are degenerate (no height).",
     )
 
 

@@ -1,0 +1,269 @@
+"""Inputs that once ended in "unexpected error": each has its sentence, or is carried out."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from cohort_cases import bytes_of, document, sweep_in, tube_folder
+
+from SDFStentLib.cli.shell import main
+from SDFStentLib.cohort import run_sweep
+
+COMMAND = str(Path(sys.executable).with_name("sdfstent"))
+PLACED = "deploy tube.vtp --units cm --centerline line.vtp --center 0 0 2 --length 20 -o out.vtp"
+PROFILE = PLACED + " --profile"
+DEPLOY = PLACED + " --diameter 6"
+LONG = "a" * 300
+HUGE = 10**308
+
+
+def made(folder):
+    """The tube with whatever the commands below name."""
+    tube_folder(folder)
+    big = "x" * 140_000
+    for name, data in {
+        "cr.csv": b"fraction,diameter\r0,6\r1,7\r",
+        "crlf.csv": b"fraction,diameter\r\n0,6\r\n1,7\r\n",
+        "mixed.csv": b"fraction,diameter\r0,6\n\r\n1,7",
+        "quoted.csv": b'fraction,diameter\r"0","6"\r1,7',
+        "field.csv": f"fraction,diameter\n0,{big}\n1,7\n".encode(),
+        "text.csv": f'fraction,diameter\n0,"{big}\n1,7\n'.encode(),
+        "header.csv": f"{big},diameter\n0,6\n1,7\n".encode(),
+        "nul.csv": b"fraction,diameter\n0,\x006\n1,7\n",
+    }.items():
+        (folder / name).write_bytes(data)
+    for name, axes in {
+        "uniform": {"diameter": {"uniform": [-HUGE, HUGE]}},
+        "normal": {"diameter": {"normal": [6, HUGE]}},
+        "within": {"lesion": 1, "offset": {"normal": [0, 1], "within": [-HUGE, HUGE]}},
+        "listed": {"diameter": [6, HUGE]},
+        "steps": {"diameter": {"from": -HUGE, "to": HUGE, "steps": 5}},
+    }.items():
+        sampling = {"method": "sobol", "count": 4}
+        changes = {} if name in ("listed", "steps") else {"sampling": sampling}
+        text = json.dumps(document(axes={"length": 10, **axes}, **changes))
+        (folder / f"{name}.json").write_text(text, encoding="utf-8")
+    stent = {"diameter": 0.1, "length": 55, "placement": {"center": [0, 0, 2]}}
+    plan = document()["plan"] | {"stents": [stent]}
+    (folder / "thin.json").write_text(json.dumps(plan), encoding="utf-8")
+    shutil.copy(folder / "thin.json", folder / "same.json")
+    plan = document()["plan"] | {"flow": [1, HUGE]}
+    (folder / "flow.json").write_text(json.dumps(plan), encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def prepared(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("unexpected")
+    made(folder)
+    return folder
+
+
+@pytest.fixture
+def folder(prepared, tmp_path):
+    return shutil.copytree(prepared, tmp_path / "work")
+
+
+@pytest.fixture
+def ended(monkeypatch, capsys):
+    """Carries out a command in a folder, in this process: code, stdout, stderr."""
+
+    def run(folder, command):
+        monkeypatch.chdir(folder)
+        capsys.readouterr()
+        code = main(command.split())
+        return code, *capsys.readouterr()
+
+    return run
+
+
+def process(folder, command, **streams):
+    """The installed command once it is done."""
+    streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **streams}
+    return subprocess.run([COMMAND, *command.split()], cwd=folder, text=True, **streams)
+
+
+NOT_A_TABLE = "csv: expected rows of fraction,diameter, got what is none (field larger than field"
+RANGE = "expected a number at least -1e+06 and at most 1e+06, got "
+FLOW = "flow at most: expected a number at least 1 and at most 10000 (mL/s), got 1e+308"
+REFUSED = {
+    f"{PROFILE} field.csv": NOT_A_TABLE,
+    f"{PROFILE} text.csv": NOT_A_TABLE,
+    f"{PROFILE} header.csv": NOT_A_TABLE,
+    f"{PROFILE} nul.csv": "expected",
+    "sweep uniform.json --dry-run": f"axes.diameter.uniform[0]: {RANGE}-1000",
+    "sweep uniform.json -o out": f"axes.diameter.uniform[0]: {RANGE}-1000",
+    "sweep normal.json --dry-run": f"axes.diameter.normal[1]: {RANGE}1000",
+    "sweep within.json --dry-run": f"axes.offset.within[0]: {RANGE}-1000",
+    "sweep listed.json --dry-run": f"axes.diameter[1]: {RANGE}1000",
+    "sweep steps.json --dry-run": f"axes.diameter.from: {RANGE}-1000",
+    f"{DEPLOY} --flow 1 1e308": FLOW,
+    f"{DEPLOY} --flow 1e308 1e308": "at most 10000 (mL/s), got 1e+308; give the least",
+    "run flow.json -o out": FLOW,
+    f"demo -o {LONG}": "cannot be written (File name too long)",
+    f"extract tube.vtp --units cm --centerline line.vtp --from 0 0 1 --to 0 0 3 -o {LONG}": (
+        "cannot be written (File name too long)"
+    ),
+    f"{DEPLOY} --steps {LONG}": "cannot be written (File name too long)",
+    f"{DEPLOY} --report {LONG}.json": "cannot be written (File name too long)",
+    f"{DEPLOY} --report {LONG}/r.json": "cannot be written (File name too long)",
+    f"run thin.json -o {LONG}": "cannot be written (File name too long)",
+    f"compare thin.json same.json -o {LONG}": "cannot be written (File name too long)",
+    f"sweep listed.json -o {LONG}": "",
+    f"sweep --status {LONG}": "expected the folder of a cohort",
+    f"measure tube.vtp --units cm --centerline line.vtp --csv {LONG}.csv": (
+        "cannot be written (File name too long)"
+    ),
+    f"check {LONG}.vtp": "cannot be read (File name too long)",
+    f"app {LONG}.vtp": "expected a file",
+}
+
+
+@pytest.mark.parametrize("command", REFUSED, ids=lambda text: text.replace(LONG, "LONG")[-60:])
+def test_what_cannot_be_done_is_refused_in_one_sentence(folder, command, ended):
+    before = sorted(os.listdir(folder))
+    code, _, error = ended(folder, command)
+    assert code == 2, error
+    assert REFUSED[command] in error
+    assert error.count("\n") == 1
+    assert sorted(os.listdir(folder)) == before
+
+
+def test_a_thin_stent_is_drawn_with_as_many_rings_as_can_be_told_apart(folder):
+    done = process(folder, "run thin.json -o results --export-device struts.vtp")
+    assert done.returncode == 0, done.stderr
+    assert (folder / "results" / "report.html").is_file()
+    assert (folder / "struts.vtp").stat().st_size > 1000
+
+
+def test_lines_of_a_profile_may_end_in_any_way(folder, ended):
+    outputs = set()
+    for name in ("cr", "crlf", "mixed", "quoted"):
+        code, _, error = ended(folder, f"{PROFILE} {name}.csv --quiet")
+        assert code == 0, error
+        outputs.add((folder / "out.vtp").read_bytes())
+    assert len(outputs) == 1
+
+
+FULL = Path("/dev/full")
+
+
+@pytest.mark.skipif(not FULL.exists(), reason="the system has no file that is always full")
+@pytest.mark.parametrize(
+    "command",
+    [
+        "check tube.vtp --units cm",
+        "check tube.vtp --units cm --json",
+        "devices",
+        "measure tube.vtp --units cm --centerline line.vtp --tables --spacing 0.1",
+        DEPLOY,
+    ],
+)
+def test_words_that_nobody_can_take_end_in_a_sentence(folder, command):
+    with FULL.open("w") as full:
+        done = process(folder, command, stdout=full)
+    assert done.returncode == 2
+    assert done.stderr.endswith(
+        "standard output: cannot be written (No space left on device); free space, or choose "
+        "another folder or name.\n"
+    )
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.skipif(not FULL.exists(), reason="the system has no file that is always full")
+@pytest.mark.parametrize(
+    ("command", "code"), [("check none.vtp", 2), (DEPLOY, 0), (f"{PLACED} --diameter 3", 0)]
+)
+def test_warnings_and_errors_that_nobody_can_take_change_no_result(folder, command, code):
+    with FULL.open("w") as full:
+        assert process(folder, command, stderr=full).returncode == code
+    assert (folder / "out.vtp").exists() == (code == 0)
+
+
+# Cohorts that are damaged, or come from elsewhere
+
+
+@pytest.fixture(scope="module")
+def a_cohort(tmp_path_factory):
+    """Two cases, done."""
+    folder = tmp_path_factory.mktemp("cohort")
+    tube_folder(folder)
+    changes = {"axes": {"diameter": [6, 6.5]}, "store": "moved"}
+    (folder / "sweep.json").write_text(json.dumps(document(**changes)), encoding="utf-8")
+    assert run_sweep(sweep_in(folder, **changes), folder / "out", workers=1).certified == 2
+    return folder
+
+
+@pytest.fixture
+def cohort(a_cohort, tmp_path):
+    return shutil.copytree(a_cohort, tmp_path / "cohort")
+
+
+DAMAGED = ["{}", "[]", "null", "7", '"text"', '{"files": {}}', '{"cases": {}}', "{"]
+
+
+@pytest.mark.parametrize("text", [*DAMAGED, '{"files": {}, "status": "done", "rows": [7]}'])
+@pytest.mark.parametrize("name", ["case.json", "times.json"])
+def test_a_case_whose_files_lack_something_is_done_again(cohort, a_cohort, name, text, ended):
+    for path in (cohort / "out").glob(f"cases/*/*/{name}"):
+        path.write_text(text, encoding="utf-8")
+    for command in ("sweep --status out", "sweep --table out"):
+        code, _, error = ended(cohort, command)
+        assert code == 0, error
+    manifest = (cohort / "out" / "manifest.csv").read_text(encoding="utf-8")
+    assert manifest.count(",open,") == (2 if name == "case.json" else 0)
+    if (name, text) == ("case.json", '{"files": {}}'):
+        assert process(cohort, "sweep sweep.json -o out --workers 1").returncode == 0
+        assert bytes_of(cohort / "out") == bytes_of(a_cohort / "out")
+
+
+def without(key):
+    """A document of a cohort that lacks something."""
+    return lambda found: {name: value for name, value in found.items() if name != key}
+
+
+LACKING = {
+    **{text: lambda _, text=text: json.loads(text) for text in DAMAGED[:-1]},
+    **{
+        f"no {key}": without(key)
+        for key in ("axes", "cases", "patients", "method", "seed", "store", "sdfstent_version")
+    },
+    "a path as a case": lambda found: {**found, "cases": [["../../victim/aaaaaaa", 0, [6]]]},
+    "a path as long as a case": lambda found: {
+        **found,
+        "cases": [["../../victim/aaaaaaa", 0, [6]]],
+    },
+    "no such patient": lambda found: {**found, "cases": [[*found["cases"][0][:1], 3, [6]]]},
+    "too few values": lambda found: {**found, "cases": [[*found["cases"][0][:2], []]]},
+    "an axis without a name": lambda found: {**found, "axes": [{"is_number": True}]},
+    "a patient without files": lambda found: {**found, "patients": [{"name": "a", "units": "mm"}]},
+}
+
+
+@pytest.mark.parametrize("change", LACKING.values(), ids=LACKING)
+def test_a_document_of_a_cohort_that_lacks_something_is_none(cohort, change, ended):
+    path = cohort / "out" / "cohort.json"
+    found = json.loads(path.read_text(encoding="utf-8"))
+    path.write_text(json.dumps(change(found)), encoding="utf-8")
+    (cohort / "victim").mkdir()
+    (cohort / "victim" / "mine.txt").touch()
+    commands = ["sweep --status out", "sweep --table out", "sweep sweep.json -o out --workers 1"]
+    for command in commands:
+        code, _, error = ended(cohort, command)
+        assert code == 2, error
+        assert "expected the folder of a cohort, got one" in error
+        assert error.count("\n") == 1
+    assert (cohort / "victim" / "mine.txt").exists()
+
+
+@pytest.mark.parametrize("text", [*DAMAGED, '{"total": "many"}', '{"total": 2, "failed": []}'])
+def test_counts_that_are_damaged_are_not_told(cohort, text, ended):
+    (cohort / "out" / "progress.json").write_text(text, encoding="utf-8")
+    code, out, error = ended(cohort, "sweep --status out")
+    assert code == 0, error
+    assert "of 2 cases" in out
