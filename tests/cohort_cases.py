@@ -58,7 +58,7 @@ def write_sweep(folder: Path, name: str = "sweep.json", **changes) -> Path:
 
 
 _HOLDING = """
-import sys, time
+import os, sys, time
 from pathlib import Path
 
 def wait(event, arguments):
@@ -72,6 +72,7 @@ def wait(event, arguments):
             whole = hold.with_name("out").glob("cases/*/[!.]*/case.json")
             if len(list(whole)) < count:
                 break
+            hold.with_name(f"held-{os.getpid()}").touch()
             time.sleep(0.05)
 
 sys.addaudithook(wait)
@@ -82,7 +83,8 @@ def hold_at(folder: Path, count: int) -> dict[str, str]:
     """From now on sweeps into `out` store no case after so many, until `let_go`.
 
     Returns the environment for their processes and workers: Python executes `sitecustomize` first,
-    and tells it when a folder for a case is made. So a test need not be fast.
+    and tells it when a folder for a case is made. So a test need not be fast. A process that waits
+    leaves a file `held-PID`.
     """
     (folder / "sitecustomize.py").write_text(_HOLDING, encoding="utf-8")
     part = folder / "hold.part"

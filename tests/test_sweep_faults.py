@@ -145,15 +145,19 @@ def changed(folder, *lines):
 
 
 def with_a_worker_stopped(folder, *more, lines=()):
-    """A sweep of which one worker does not answer and the other does; its workers."""
+    """A sweep of which one worker does not answer, at a case, and the other does; its workers.
+
+    One that is stopped between two cases may keep the other from the queue of cases.
+    """
     environment = hold_at(folder, 1)
     changed(folder, *lines)
     process = started(folder, "--workers", "2", *more, environment=environment)
-    wait_for(lambda: whole_cases(folder))
+    wait_for(lambda: any(folder.glob("held-*")))
     children = children_of(process.pid)
-    os.kill(children[0], signal.SIGSTOP)
+    stopped = next(child for child in children if (folder / f"held-{child}").exists())
+    os.kill(stopped, signal.SIGSTOP)
     let_go(folder)
-    return process, children
+    return process, [stopped, *(child for child in children if child != stopped)]
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
