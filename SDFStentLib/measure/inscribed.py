@@ -34,8 +34,8 @@ of the box is nearer than the wall."""
 _ROUGH_TOLERANCE = 1e-3
 """Of a search among a part of the triangles, mm."""
 
-_STATIONS = 512
-"""Stations searched together: bounds the memory, and keeps the part of the surface local."""
+_STATIONS = 1024
+"""Stations searched together: bounds the memory."""
 
 _ROUNDS = 200
 """Most steps of a climb; one that is not done by then ends where it is, with the radius there."""
@@ -126,8 +126,8 @@ def inscribed_spheres(
     directions = polyline_tangents(centers) if tangents is None else _unit(tangents, centers)
     axes = across(directions)
     found = InscribedSpheres(np.empty_like(centers), np.empty(len(centers)))
+    surface = LocalSurface(points, triangles, centers)
     for block in _parts(centers):
-        surface = LocalSurface(points, triangles, centers[block])
         spheres = _largest_spheres(surface, centers[block], axes[block], until.at(block))
         found.centers[block], found.radii[block] = spheres
     return found

@@ -10,6 +10,9 @@ from ..validation import Flags, Floats, Indices, Points, Triangles
 _AMPLY = 1.1
 """Factor on what the box is to grow by, against rounding."""
 
+_ROUND = 2.5
+"""Margin of the box that holds the wall round some centers, in distances to some of it."""
+
 
 class LocalSurface:
     """The part of a surface near some centres; grows when they ask for more.
@@ -40,7 +43,7 @@ class LocalSurface:
         """The triangles that have been asked for, and more; at least one."""
         if self._index is None:
             # Any vertex in use bounds the distance to the wall; a thousand bound it well enough.
-            self._grow(2.5 * float(self._vertex_distances(self._centers).max()))
+            self._grow(_ROUND * float(self._vertex_distances(self._centers).max()))
             assert self._index is not None
         return self._index
 
@@ -67,11 +70,18 @@ class LocalSurface:
         return self.index.closest_points(queries, triangle)
 
     def triangles_round(self, centers: Points) -> Floats:
-        """About how many triangles (n,) a sphere round a center would have that meets the wall."""
-        index = self.index
+        """About how many triangles (n,) a sphere round a center would have that meets the wall.
+
+        By those in the box round these centers: elsewhere the surface may be finer or coarser.
+        """
+        reach = self._vertex_distances(centers)
+        margin = _ROUND * reach.max()
+        low, high = centers.min(axis=0) - margin, centers.max(axis=0) + margin
+        middles, radii = self.index.centroids, self.index.disc_radii
+        is_near = np.all((middles >= low) & (middles <= high), axis=1)
         # A triangle with equal sides whose corners lie on a circle of radius 1 has the area 1.3.
-        area = 1.3 * float(np.median(index.disc_radii)) ** 2
-        return 4 * np.pi * self._vertex_distances(centers) ** 2 / max(area, 1e-300)
+        area = 1.3 * float(np.median(radii[is_near] if is_near.any() else radii)) ** 2
+        return 4 * np.pi * reach**2 / max(area, 1e-300)
 
     def cover(self, centers: Points, radii: Floats) -> None:
         """Hold all within the radii of the centres."""
