@@ -11,8 +11,9 @@ from .max_min_step import LinearRows
 from .wall_points import WallPoints
 
 _SPARE, _MOST, _FEW = 0.05, 0.5, 3
-"""Share of the radius by which more of the wall is looked up than a step needs; with few centers a
-search costs more than what it finds: up to the most, so many over their number."""
+"""Share of the radius by which more of the wall is looked up than a step needs, not by its reach:
+that grows threefold while a center is far from its place. With few centers a search costs more
+than what it finds: up to the most, so many over their number."""
 
 _HELD = 0.7
 """Share of the centers left from which on what is known of the others is dropped."""
@@ -49,7 +50,7 @@ class Neighborhood:
             The centers that are looked at, in order.
         """
         share = min(max(_SPARE, _FEW / len(active)), _MOST)
-        spare = np.maximum(reach, share * radii[active])
+        spare = share * radii[active]
         query, offset, distance = self._offsets(centers, active, radii[active] + reach, spare)
         starts = np.searchsorted(query, active)
         radius = np.minimum.reduceat(distance, starts)
