@@ -374,8 +374,6 @@ def test_balloon_kept_end_and_redilation_come_back_from_a_plan_exactly():
 )
 def test_what_does_not_belong_in_a_plan_is_named_with_its_place(stent, words):
     with pytest.raises(InputError, match=words):
-        plan_from_document({**a_document(**stent), "version": 2})
-    with pytest.raises(InputError):  # version 1 knows none of it
         plan_from_document(a_document(**stent))
 
 

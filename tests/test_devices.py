@@ -23,7 +23,7 @@ from SDFStentLib.plan.devices import (
     device_named,
     device_table,
 )
-from SDFStentLib.plan.document import plan_document, plan_text
+from SDFStentLib.plan.document import plan_text
 from SDFStentLib.plan.plan import Plan
 from SDFStentLib.plan.reader import load_plan, plan_from_document
 from SDFStentLib.plan.run import run_plan
@@ -53,7 +53,7 @@ def a_device(**changes) -> Device:
 
 
 def a_plan_with(row) -> dict:
-    return {**a_document(device=row), "version": 2}
+    return a_document(device=row)
 
 
 def a_table(*rows) -> str:
@@ -359,15 +359,6 @@ def test_the_schema_knows_the_keys_and_the_rows_of_the_table():
         assert not validator.is_valid(a_plan_with(bad))
         with pytest.raises(InputError):
             plan_from_document(a_plan_with(bad))
-
-
-def test_a_plan_of_version_1_is_read_and_has_no_device():
-    plan = plan_from_document(a_document())
-    assert plan.stents[0].device is None
-    assert plan_document(plan)["version"] == 2
-    assert plan_from_document(plan_document(plan)) == plan
-    with pytest.raises(InputError, match=r"stents\[0\]: unknown key 'device'"):
-        plan_from_document(a_document(device=ROW))
 
 
 # ---- the shell

@@ -15,7 +15,7 @@ import pytest
 PROJECT = Path(__file__).parents[1]
 LIBRARY = PROJECT / "SDFStentLib"
 FLOORS = (
-    ("validation", "cautions", "units", "version", "late"),
+    ("validation", "parameter", "cautions", "units", "version", "late"),
     ("geometry",),
     ("field", "centerline", "certificate"),
     ("measure", "stent", "files", "phantoms"),

@@ -17,9 +17,9 @@ from SDFStentLib.files import polydata
 from SDFStentLib.files.formats import vtk_files as vtk_formats
 from SDFStentLib.geometry import Surface
 from SDFStentLib.phantoms.phantoms import branching_pulmonary_artery, stenosed_tube
-from SDFStentLib.plan.document import SETTINGS, plan_document, plan_text, save_plan
+from SDFStentLib.plan.document import plan_document, plan_text, save_plan
 from SDFStentLib.plan.json_document import scaled, unscaled
-from SDFStentLib.plan.plan import Plan, turned
+from SDFStentLib.plan.plan import Plan, method_parameters, turned
 from SDFStentLib.plan.reader import load_plan, plan_from_document
 from SDFStentLib.plan.run import run_plan
 from SDFStentLib.report.of_plan import plan_report
@@ -80,7 +80,7 @@ def a_plan(tmp_path, units="mm"):
 def a_document(**stent):
     return {
         "schema": "sdfstent-plan",
-        "version": 1,
+        "version": 2,
         "inputs": {"units": "cm", "surface": {"file": "a.vtp"}},
         "stents": [{"diameter": 6, "length": 20, "placement": {"center": [1, 2, 3.5]}, **stent}],
         "settings": {"influence_distance": 5},
@@ -148,8 +148,8 @@ def test_points_stand_in_the_unit_of_the_file_and_sizes_in_mm():
         ({"placement": {"center": [1, 2, "x"]}}, "placement.center[2]: expected a number, got 'x'"),
         ({"placement": {"center": 3}}, "placement.center: expected a list, got 3"),
         ({"placement": {"center": [1, 2, 1e999]}}, "stents[0].placement: center: expected finite"),
-        ({"placement": {"from": [1, 2, 3]}}, "from with to, or axis, got from"),
-        ({"placement": {}}, "from with to, or axis, got nothing"),
+        ({"placement": {"from": [1, 2, 3]}}, "from with to, axis, or stent, got from"),
+        ({"placement": {}}, "from with to, axis, or stent, got nothing"),
         ({"placement": {"axis": {}}}, "stents[0].placement.axis: expected either points or a file"),
         ({"placement": {"axis": {"file": "x.vtp"}}}, "load the plan from its file"),
         ({"placement": {"axis": {"points": [[1, 2, 3]]}}}, "axis: stent axis: expected a curve"),
@@ -158,7 +158,7 @@ def test_points_stand_in_the_unit_of_the_file_and_sizes_in_mm():
         ({"length": None}, "stents[0]: stent length: expected a length"),
         ({"name": 4}, "stents[0].name: expected a text, got 4"),
         ({"enabled": 1}, "stents[0].enabled: expected true or false, got 1"),
-        ({"device": "x"}, "stents[0]: unknown key 'device'; expected diameter, placement"),
+        ({"foo": "x"}, "stents[0]: unknown key 'foo'; expected diameter, placement"),
     ],
 )
 def test_what_does_not_belong_in_a_stent_is_named_with_its_place(change, words):
@@ -173,7 +173,7 @@ def test_what_does_not_belong_in_a_stent_is_named_with_its_place(change, words):
         (
             ("version",),
             3,
-            "version: expected 1 or 2, got 3; use the version of sdfstent that wrote",
+            "version: expected 2, got 3; use the version of sdfstent that wrote",
         ),
         (("foo",), 1, "plan: unknown key 'foo'; expected schema, version, stents"),
         (("stents",), {}, "stents: expected a list, got an object"),
@@ -243,7 +243,7 @@ def test_the_schema_knows_the_same_keys_as_the_reader(tmp_path):
     assert set(SCHEMA["properties"]) == set(document)
     assert set(SCHEMA["properties"]["inputs"]["properties"]) == set(document["inputs"])
     settings = SCHEMA["properties"]["settings"]["properties"]
-    assert set(settings) == {*SETTINGS, "straightening_fraction"} == set(document["settings"])
+    assert set(settings) == set(method_parameters()) == set(document["settings"])
     stent = SCHEMA["definitions"]["stent"]
     assert set(stent["properties"]) == set(document["stents"][0])
     for key in stent["required"]:

@@ -230,9 +230,4 @@ def test_a_flow_of_zero_or_backwards_is_a_sentence_and_nothing_is_written(
 @pytest.mark.parametrize("flow", [[5], 5, [5, 4], [0, 4], ["5", "8"], [1, 2, 3], [True, 2]])
 def test_a_plan_with_another_flow_is_refused(flow):
     with pytest.raises(InputError, match="flow"):
-        plan_from_document({**a_document(), "version": 2, "flow": flow})
-
-
-def test_a_plan_of_version_1_has_no_flow():
-    with pytest.raises(InputError, match="flow"):
-        plan_from_document({**a_document(), "version": 1, "flow": [1, 2]})
+        plan_from_document({**a_document(), "flow": flow})

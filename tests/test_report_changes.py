@@ -14,7 +14,6 @@ from vtkmodules.vtkFiltersVerdict import vtkMeshQuality
 
 from SDFStentLib import phantoms
 from SDFStentLib.deformation import DeploymentSettings
-from SDFStentLib.deformation.settings import SHORTEST_AND_LONGEST, WIDEST
 from SDFStentLib.files import polydata_from_arrays
 from SDFStentLib.measure import triangle_sizes
 from SDFStentLib.plan import Plan, PlanResult, read_input_files, treatment_of
@@ -131,7 +130,9 @@ def test_every_parameter_of_the_method_is_told_lengths_in_mm(in_cm: PlanResult) 
     assert rows["Untangle"] == "yes"
     assert len(rows) == len(fields(DeploymentSettings)) + 1
     lengths = {key.removesuffix("_mm") for key in document["settings"] if key.endswith("_mm")}
-    assert lengths == {*SHORTEST_AND_LONGEST, *WIDEST}
+    assert lengths == {
+        name for name, one in DeploymentSettings.parameters().items() if one.unit == "mm"
+    }
     page = html_page(document)
     for name, text in rows.items():
         assert f"<td>{name}</td><td>{text}</td>" in page

@@ -11,16 +11,15 @@ import pytest
 
 from SDFStentLib.deformation.deployment import Deployment
 from SDFStentLib.deformation.profiles import BLENDS, FALLOFFS
-from SDFStentLib.deformation.settings import (
-    NARROWEST_SMOOTHING,
-    RULES,
-    SHORTEST_AND_LONGEST,
-    WIDEST,
-    DeploymentSettings,
-)
+from SDFStentLib.deformation.settings import RULES, DeploymentSettings
 from SDFStentLib.field import CapsuleChain
 from SDFStentLib.phantoms.phantoms import straight_tube
+from SDFStentLib.plan import method_parameters
 from SDFStentLib.validation import InputError
+
+LENGTHS = {name: one for name, one in DeploymentSettings.parameters().items() if one.unit == "mm"}
+WIDTHS = {name: one for name, one in LENGTHS.items() if one.lowest == 0}
+"""Those that may be zero."""
 
 
 def test_the_defaults_are_the_papers_parameters_where_it_names_them():
@@ -142,9 +141,9 @@ def test_the_precision_of_a_changed_value_is_checked_too():
         DeploymentSettings().with_changes(step=-1)
 
 
-@pytest.mark.parametrize("name", list(SHORTEST_AND_LONGEST))
+@pytest.mark.parametrize("name", [name for name in LENGTHS if name not in WIDTHS])
 def test_lengths_that_no_vessel_has_are_refused_with_what_is_taken(name):
-    shortest, longest = SHORTEST_AND_LONGEST[name]
+    shortest, longest = LENGTHS[name].least, LENGTHS[name].most
     for value in (shortest, longest):
         assert getattr(DeploymentSettings(**{name: value}), name) == value
     words = (
@@ -155,11 +154,13 @@ def test_lengths_that_no_vessel_has_are_refused_with_what_is_taken(name):
             DeploymentSettings(**{name: value})
 
 
-@pytest.mark.parametrize("name", list(WIDEST))
+@pytest.mark.parametrize("name", WIDTHS)
 def test_widths_that_no_vessel_has_are_refused(name):
-    assert getattr(DeploymentSettings(**{name: WIDEST[name]}), name) == WIDEST[name]
-    for value in (1.01 * WIDEST[name], 1e12, 1e308):
-        with pytest.raises(InputError, match=rf"^{name}: expected a number at most .*, got "):
+    widest = WIDTHS[name].most
+    assert getattr(DeploymentSettings(**{name: widest}), name) == widest
+    for value in (1.01 * widest, 1e12, 1e308):
+        words = rf"^{name}: expected a number .*at most {widest:g} \(mm\), got "
+        with pytest.raises(InputError, match=words):
             DeploymentSettings(**{name: value})
 
 
@@ -171,17 +172,11 @@ def test_a_smoothing_that_smooths_nothing_is_refused_or_zero():
         DeploymentSettings(smoothing_width=1e-300)
 
 
-@pytest.mark.parametrize("name", [*SHORTEST_AND_LONGEST, *WIDEST])
-def test_the_schema_of_plans_has_the_same_ranges(name):
+def test_the_schema_of_plans_has_the_same_parameters():
     path = Path(__file__).parents[1] / "SDFStentLib" / "plan" / "plan.schema.json"
     schema = json.loads(path.read_text(encoding="utf-8"))
-    found = schema["properties"]["settings"]["properties"][name]
-    if name == "smoothing_width":
-        assert found["anyOf"] == [{"const": 0}, {"minimum": NARROWEST_SMOOTHING}]
-        assert found["maximum"] == WIDEST[name]
-    else:
-        expected = SHORTEST_AND_LONGEST.get(name) or (0, WIDEST[name])
-        assert (found["minimum"], found["maximum"]) == expected
+    found = schema["properties"]["settings"]["properties"]
+    assert found == {name: one.schema() for name, one in method_parameters().items()}
 
 
 def test_a_length_of_thousands_of_digits_is_refused():

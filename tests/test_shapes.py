@@ -370,7 +370,7 @@ def test_a_shape_comes_back_from_a_plan_exactly(name):
 )
 def test_what_does_not_belong_in_a_shape_is_named_with_its_place(shape, words):
     with pytest.raises(InputError, match=words):
-        plan_from_document({**a_document(shape=shape), "version": 2})
+        plan_from_document(a_document(shape=shape))
 
 
 def test_the_shell_deploys_a_waist_at_the_throat_and_reports_the_profile(a_folder, capsys):

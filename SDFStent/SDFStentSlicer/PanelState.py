@@ -7,15 +7,14 @@ from slicer.i18n import tr as _
 from SDFStentLib.validation import printable
 
 from . import Outputs, Sizes
-from .ParameterNode import Placement, methodOf, stentOf, stentsOf
+from .ParameterNode import METHOD_PARAMETERS, Placement, methodOf, stentOf, stentsOf
 
 METHOD_SLIDERS = {
-    "influenceSlider": "influenceDistance",
-    "smoothingSlider": "smoothingWidth",
-    "capsuleSlider": "capsuleLength",
-    "gapSlider": "tissueGap",
-    "axisSmoothingSlider": "axisSmoothing",
+    f"{field}Slider": field
+    for field, (name, one) in METHOD_PARAMETERS.items()
+    if one.unit and not one.is_optional
 }
+"""Of the lengths of the method, by widget."""
 
 
 class PanelState:

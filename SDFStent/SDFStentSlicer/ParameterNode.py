@@ -17,7 +17,7 @@ from slicer import (
 from slicer.i18n import tr as _
 from slicer.parameterNodeWrapper import Choice, WithinRange, parameterNodeWrapper, parameterPack
 
-from SDFStentLib.deformation import SHORTEST_AND_LONGEST, WIDEST
+from SDFStentLib.plan import Plan, method_parameters
 from SDFStentLib.stent import MAXIMUM_DIAMETER, MAXIMUM_LENGTH
 from SDFStentLib.treatment import LONGEST_MARGIN, RATIOS, SizingWishes
 
@@ -75,6 +75,15 @@ class SurfaceMap(enum.Enum):
         }[self]
 
 
+def _fieldOf(name):
+    first, *others = name.split("_")
+    return first + "".join(map(str.capitalize, others))
+
+
+def _inWords(name):
+    return f"{'an' if name[0] in 'aeiou' else 'a'} {name.replace('_', ' ')}"
+
+
 class Range(NamedTuple):
     """What a number may be, in the library as in the panel, and how it is called."""
 
@@ -84,19 +93,23 @@ class Range(NamedTuple):
     unit: str = " mm"
 
 
+METHOD_PARAMETERS = {
+    _fieldOf(name): (name, one)
+    for name, one in method_parameters().items()
+    if one.option and (one.names or one.unit)
+}
+"""By field of `MethodParameters`: name and `Parameter` of what the panel shows of the method as the library has it."""
+
 RANGES = {
     "diameter": Range(0.1, MAXIMUM_DIAMETER, "a diameter"),
     "length": Range(0.1, MAXIMUM_LENGTH, "a length"),
     "foreshortening": Range(-20.0, 50.0, "a foreshortening", " %"),
     "redilation": Range(0.0, MAXIMUM_DIAMETER, "a redilation"),
-    "influenceDistance": Range(
-        *SHORTEST_AND_LONGEST["influence_distance"], "an influence distance"
-    ),
-    "smoothingWidth": Range(0.0, WIDEST["smoothing_width"], "a smoothing width"),
-    "capsuleLength": Range(*SHORTEST_AND_LONGEST["capsule_length"], "a capsule length"),
-    "tissueGap": Range(0.0, WIDEST["tissue_gap"], "a tissue gap"),
-    "step": Range(0.0, SHORTEST_AND_LONGEST["step"][1], "a radius step"),
-    "axisSmoothing": Range(0.0, WIDEST["axis_smoothing"], "an axis smoothing"),
+    **{
+        field: Range(0.0 if one.is_optional else one.lowest, one.most, _inWords(name))
+        for field, (name, one) in METHOD_PARAMETERS.items()
+        if one.unit
+    },
     "straightening": Range(0.0, 100.0, "a straightening", " %"),
     "flowLeast": Range(0.0, 60.0, "a flow", " L/min"),
     "flowMost": Range(0.0, 60.0, "a flow at most", " L/min"),
@@ -152,20 +165,24 @@ class StentParameters:
     handle: Union[vtkMRMLMarkupsFiducialNode, vtkMRMLMarkupsCurveNode, None]
 
 
-@parameterPack
-class MethodParameters:
-    """How the wall follows the stent; the library's defaults. A step of 0 stands for the rule's own."""
+def _methodFields():
+    """What `MethodParameters` declares: annotations, and the library's defaults. A step of 0 stands for the rule's own."""
+    kinds, defaults = {}, Plan().method
+    for field, (_name, one) in METHOD_PARAMETERS.items():
+        kinds[field] = (
+            Annotated[str, Choice(list(one.names))]
+            if one.names
+            else Annotated[float, _within(field)]
+        )
+    values = {field: defaults[name] or 0.0 for field, (name, _one) in METHOD_PARAMETERS.items()}
+    kinds["straightening"], values["straightening"] = (
+        Annotated[float, _within("straightening")],
+        0.0,
+    )
+    return {"__doc__": "How the wall follows the stent.", "__annotations__": kinds, **values}
 
-    influenceDistance: Annotated[float, _within("influenceDistance")] = 6.5
-    smoothingWidth: Annotated[float, _within("smoothingWidth")] = 0.4
-    capsuleLength: Annotated[float, _within("capsuleLength")] = 1.0
-    tissueGap: Annotated[float, _within("tissueGap")] = 0.4
-    rule: Annotated[str, Choice(["events", "published"])] = "events"
-    step: Annotated[float, _within("step")] = 0.0
-    axisSmoothing: Annotated[float, _within("axisSmoothing")] = 0.0
-    straightening: Annotated[float, _within("straightening")] = 0.0
-    falloff: Annotated[str, Choice(["compact", "wendland", "cosine"])] = "compact"
-    blend: Annotated[str, Choice(["linear", "quadratic", "exponential"])] = "linear"
+
+MethodParameters = parameterPack(type("MethodParameters", (), _methodFields()))
 
 
 @parameterNodeWrapper

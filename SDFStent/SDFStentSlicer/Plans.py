@@ -23,7 +23,14 @@ from SDFStentLib.stent import InputFile, OfStent
 from SDFStentLib.validation import InputError
 
 from . import Conversion, Dependencies, Flow, Handles, Sizes
-from .ParameterNode import RANGES, MethodParameters, Placement, methodOf, stentsOf
+from .ParameterNode import (
+    METHOD_PARAMETERS,
+    RANGES,
+    MethodParameters,
+    Placement,
+    methodOf,
+    stentsOf,
+)
 from .Sizes import BY_POINT
 from .StentList import StentList
 
@@ -50,18 +57,8 @@ def settingsOf(parameterNode, live=False):
     settings = (
         DeploymentSettings.preview() if live else _plannedSettings(parameterNode.planDocument)
     )
-    changes = {
-        "influence_distance": method.influenceDistance,
-        "smoothing_width": method.smoothingWidth,
-        "capsule_length": method.capsuleLength,
-        "tissue_gap": method.tissueGap,
-        "axis_smoothing": method.axisSmoothing,
-        "falloff": method.falloff,
-        "blend": method.blend,
-        "rule": method.rule,
-    }
-    if not live:
-        changes["step"] = method.step or None
+    changes = {name: getattr(method, field) for field, (name, _one) in METHOD_PARAMETERS.items()}
+    changes["step"] = settings.step if live else method.step or None
     return settings.with_changes(**changes)
 
 
@@ -192,19 +189,8 @@ def _inFrame(planned, frame):
 
 def _methodOf(plan):
     """The plan's settings as the values of `MethodParameters`."""
-    settings = plan.settings
-    return {
-        "influenceDistance": settings.influence_distance,
-        "smoothingWidth": settings.smoothing_width,
-        "capsuleLength": settings.capsule_length,
-        "tissueGap": settings.tissue_gap,
-        "axisSmoothing": settings.axis_smoothing,
-        "falloff": settings.falloff,
-        "blend": settings.blend,
-        "rule": settings.rule,
-        "step": settings.step or 0.0,
-        "straightening": 100 * plan.straightening_fraction,
-    }
+    values = {field: plan.method[name] or 0.0 for field, (name, _one) in METHOD_PARAMETERS.items()}
+    return {**values, "straightening": 100 * plan.straightening_fraction}
 
 
 def _checkRanges(values, name):

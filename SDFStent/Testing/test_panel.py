@@ -89,12 +89,12 @@ def test_sliders_and_parameters_are_bound_both_ways(aStent):
     aStent.ui.diameterSlider.value = 7.5
     assert parameters.stent.diameter == parameters.stents[0].diameter == 7.5
     parameters.method.influenceDistance = 9.0
-    assert aStent.ui.influenceSlider.value == 9.0
+    assert aStent.ui.influenceDistanceSlider.value == 9.0
     aStent.ui.falloffComboBox.currentIndex = 2
     assert parameters.method.falloff == "cosine"
     aStent.ui.defaultsButton.click()
     assert parameters.method.falloff == "compact"
-    assert aStent.ui.influenceSlider.value == 6.5
+    assert aStent.ui.influenceDistanceSlider.value == 6.5
 
 
 def test_the_table_adds_copies_moves_switches_and_removes(host, aStent):

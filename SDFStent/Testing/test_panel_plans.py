@@ -56,7 +56,7 @@ def test_a_duplicate_is_a_whole_plan_of_its_own(host, aPlan):
     ui, first = aPlan.ui, aPlan._parameterNode
     host.click(ui.copyStentButton)
     ui.waistSpinBox.value = 5.0
-    ui.gapSlider.value = 0.7
+    ui.tissueGapSlider.value = 0.7
     ui.flowLeastSpinBox.value = 1.5
     first.deviceTable = "some.json"
     host.click(ui.duplicatePlanButton)

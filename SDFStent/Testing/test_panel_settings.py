@@ -77,10 +77,10 @@ def test_the_panel_takes_the_sizes_that_the_library_takes(theModule):
 @pytest.mark.parametrize(
     ("name", "widget", "usual", "wide"),
     [
-        ("influenceDistance", "influenceSlider", 30.0, 40.0),
-        ("smoothingWidth", "smoothingSlider", 3.0, 4.0),
-        ("capsuleLength", "capsuleSlider", 5.0, 8.0),
-        ("tissueGap", "gapSlider", 5.0, 7.0),
+        ("influenceDistance", "influenceDistanceSlider", 30.0, 40.0),
+        ("smoothingWidth", "smoothingWidthSlider", 3.0, 4.0),
+        ("capsuleLength", "capsuleLengthSlider", 5.0, 8.0),
+        ("tissueGap", "tissueGapSlider", 5.0, 7.0),
     ],
 )
 def test_a_slider_reaches_farther_only_for_a_value_that_needs_it(aStent, name, widget, usual, wide):

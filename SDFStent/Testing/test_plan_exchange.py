@@ -198,7 +198,11 @@ def test_values_that_the_library_takes_are_shown(host, aPanel, aLogic, theParame
     ui, method = aPanel.ui, aPanel._parameterNode.method
     assert aPanel._parameterNode.status == ""
     assert (ui.diameterSlider.value, ui.lengthSlider.value) == (65.0, 350.0)
-    assert (ui.influenceSlider.value, ui.stepSpinBox.value, ui.capsuleSlider.value) == (40, 3, 8)
+    assert (
+        ui.influenceDistanceSlider.value,
+        ui.stepSpinBox.value,
+        ui.capsuleLengthSlider.value,
+    ) == (40, 3, 8)
     assert (method.influenceDistance, method.step, method.capsuleLength) == (40, 3, 8)
     assert aPanel._parameterNode.stents[0].diameter == 65.0
 
@@ -209,7 +213,7 @@ def test_values_that_the_library_takes_are_shown(host, aPanel, aLogic, theParame
         ("diameter", 8.0, r"Stent 2: expected a diameter of 0.1 to 8 mm in the panel, got 8.5;"),
         ("length", 9.0, r"Stent 2: expected a length of 0.1 to 9 mm in the panel, got 14;"),
         ("influenceDistance", 3.0, r"an influence distance of 0.05 to 3 mm .* got 6.5;"),
-        ("step", 0.2, r"settings: expected a radius step of 0 to 0.2 mm .* got 0.3; change"),
+        ("step", 0.2, r"settings: expected a step of 0 to 0.2 mm .* got 0.3; change"),
     ],
 )
 def test_what_cannot_be_shown_is_said_and_leaves_nothing(

@@ -24,7 +24,7 @@ def test_a_change_is_shown_once_however_often_the_panel_was_visited(host, aStent
     assert aStent._parameterNode is parameters
     writesOf(parameters, "method.tissueGap", shown)
     parameters.method.tissueGap = 1.5
-    assert aStent.ui.gapSlider.value == 1.5
+    assert aStent.ui.tissueGapSlider.value == 1.5
     assert shown == [1.5]
 
 

@@ -17,7 +17,7 @@ _REMEDIES = (
     ("one_unit", "units", " (--units cm, for example)"),
     ("centerline", "centerline", " (--centerline)"),
     ("accept_changed_inputs", "accept_changed_inputs", "(--accept-changed-inputs)"),
-    ("straighten", "straighten", " (--straighten F)"),
+    ("straighten", "straightening_fraction", " (--straighten F)"),
     ("foreshortening", "foreshortening", " (--foreshortening F)"),
     ("shortened", "shortened", " (or --shortened: deploy what can lie there)"),
     ("devices", "device_table", "`sdfstent devices`, or give one of your own (--device-table F)"),

@@ -35,6 +35,7 @@ from ..report import (
 )
 from ..validation import DeploymentError, InputError, as_number
 from .console import Console
+from .method_options import method_of
 from .outputs import Outputs
 from .place import check_place, inputs_of, plan_of
 from .stents import check_sizes, device_of, stents_of
@@ -71,7 +72,8 @@ def deploy_command(options: argparse.Namespace, console: Console) -> int:
         outputs.add(options.save_plan, lambda path: job.write_plan(path, options.save_plan))
     job.add_common()
 
-    method = _method(options)
+    flow = None if options.flow is None else tuple(options.flow)
+    method = replace(method_of(options), flow=flow)
     inputs = inputs_of(options)
     job.plan = plan_of(options, method, stents_of(options, way, inputs, device), inputs)
     return job.done(inputs, start)
@@ -246,21 +248,3 @@ class _Job:
         # The file has not got its final name yet.
         lost = tuple(replace(caution, label="") for caution in self.lost)
         return plan_report(self._result, lost=lost, timings={"write": seconds}, picture=picture)
-
-
-def _method(options: argparse.Namespace) -> Plan:
-    """A plan without stents and files, with the parameters that were asked for."""
-    settings = Plan().settings.with_changes(
-        influence_distance=options.influence,
-        smoothing_width=options.smoothing,
-        capsule_length=options.capsule,
-        tissue_gap=options.tissue_gap,
-        axis_smoothing=options.smooth_axis,
-        step=options.step,
-        falloff=options.falloff,
-        blend=options.blend,
-        rule=options.rule,
-        facet_compensation=not options.no_compensation,
-    )
-    flow = None if options.flow is None else tuple(options.flow)
-    return Plan(settings=settings, straightening_fraction=options.straighten, flow=flow)

@@ -5,15 +5,13 @@ from __future__ import annotations
 from .deployment import Deployment, deploy
 from .profiles import BLENDS, FALLOFFS
 from .proxy import Proxy, ProxyState
-from .settings import RULES, SHORTEST_AND_LONGEST, WIDEST, DeploymentSettings
+from .settings import RULES, DeploymentSettings
 from .values import DeploymentResult, DeploymentState
 
 __all__ = [
     "BLENDS",
     "FALLOFFS",
     "RULES",
-    "SHORTEST_AND_LONGEST",
-    "WIDEST",
     "Deployment",
     "DeploymentResult",
     "DeploymentSettings",

@@ -2,142 +2,191 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
-from typing import Any, ClassVar
+from collections.abc import Iterable
+from dataclasses import dataclass, field, fields, replace
+from typing import Any
 
 from numpy.typing import ArrayLike
 
 from ..field import FOLDS, CapsuleChain, RadiusShares
-from ..validation import Floats, InputError, as_length, as_number
+from ..parameter import Parameter
+from ..validation import Floats, InputError
 from .profiles import BLENDS, FALLOFFS, Profile, as_profile
 from .step_rule import StepRule
 
 RULES = {"events": 0.8, "published": 0.1}
 """Radius-step rules and their (longest) step, mm."""
 
-SHORTEST_AND_LONGEST = {
-    "influence_distance": (0.05, 100.0),
-    "capsule_length": (0.05, 50.0),
-    "contact_tolerance": (1e-6, 1.0),
-    "step": (1e-4, 100.0),
-    "step_tolerance": (1e-6, 10.0),
-    "crimped_radius": (0.01, 50.0),
-}
-"""Lengths that a deployment can be told, mm: from a fraction of an edge of a vessel's mesh, or of
-what its coordinates resolve, to the size of the largest vessel. Shorter capsules and steps would
-be too many to be worked off."""
-
 THINNEST_AND_WIDEST_RADIUS = (0.05, 100.0)
 """Radii of a stent, mm: from below that of a wire to above that of any vessel."""
 
-WIDEST = {"smoothing_width": 20.0, "tissue_gap": 10.0, "axis_smoothing": 50.0}
-"""Widths that may also be zero, mm: from the size of an aorta, of the tissue beside it, and of its
-arch."""
-
-NARROWEST_SMOOTHING = 1e-3
-"""A smaller width of the smooth minimum, mm, is none: it changes the distance by k/4 at most."""
-
 CALIBRATIONS = ("axis", "paper", "none")
+
+
+def _parameter(does: str, **more: Any) -> dict[str, Parameter]:
+    return {"parameter": Parameter(does, **more)}
+
+
+def _length(does: str, least: float, most: float, **more: Any) -> dict[str, Parameter]:
+    return _parameter(does, unit="mm", least=least, most=most, **more)
+
+
+def _choice(does: str, names: Iterable[str], option: str = "") -> dict[str, Parameter]:
+    return _parameter(does, names=tuple(names), option=option)
+
+
+_OWN_STEPS = " and ".join(f"{step:g} with {rule}" for rule, step in RULES.items())
 
 
 @dataclass(frozen=True)
 class DeploymentSettings:
     """Parameters of the method; the defaults are the recommended ones. Immutable. Lengths in mm.
 
-    `InputError` for values without sense, and for lengths out of `SHORTEST_AND_LONGEST`, `WIDEST`.
+    Lengths reach from a fraction of an edge of a vessel's mesh, or of what its coordinates resolve,
+    to the size of the largest vessel: shorter capsules and steps would be too many to be worked
+    off; a narrower smoothing changes the distance by less than a mesh resolves, k/4. Weights may be
+    functions as well as names. `parameters` has what is told here, by name.
 
-    Attributes
-    ----------
-    influence_distance : float
-        Distance from the stent at which the deformation has decayed to zero (paper: 6.5).
-    smoothing_width : float
-        k of the smooth minimum (paper: 0.4); 0 is the hard minimum.
-    capsule_length : float
-        Length of one capsule (paper: 1).
-    contact_tolerance : float
-        Signed distance below which the wall is in contact (paper: 0.01).
-    rule : {"events", "published"}
-        Radius-step rule: contact events resolved within long steps, or Euler as published.
-    step : float, optional
-        Radius step, the longest one of rule "events"; by default 0.8 there and 0.1 as published.
-    step_tolerance : float
-        Distance to the converged limit, mm, that an adaptive step may have by its own estimate.
-    crimped_radius : float
-        Radius to start from; lowered where the wall is nearer to the axis than that.
-    fold : {"both", "distal"}
-        Ends from which the smooth minimum is folded. The mean of both makes the result independent
-        of the direction of the axis; from the distal end only is as published.
-    falloff, blend : str or function
-        Weight over the distance to the stent, and over that to the nearest contact point.
-    calibration : {"axis", "paper", "none"}
-        How the smooth minimum's inflation is taken off the radius: measured on the stent's own
-        axis, k/4 as in the paper, or not at all.
-    finish : bool
-        Put the wall in contact on the true distance from the axis.
-    facet_compensation : bool
-        Make the lumen, not only its vertices, reach the prescribed diameter. Needs `finish`.
-    tissue_gap : float
-        Thickness kept between the stent and walls of other lumens; 0 as published.
-    axis_smoothing : float
-        Length over which the axis of every stent is smoothed in a treatment; 0 leaves it as it is.
-    untangle : bool
-        Take apart triangles that intersect anew, and retry with other gaps when that fails.
-    certify : bool
-        Look for new self-intersections at the end.
+    Raises
+    ------
+    InputError
+        Values without sense, or out of their range.
     """
 
-    names: ClassVar[Mapping[str, Sequence[str]]] = {
-        "rule": tuple(RULES),
-        "falloff": tuple(FALLOFFS),
-        "blend": tuple(BLENDS),
-        "calibration": CALIBRATIONS,
-        "fold": FOLDS,
-    }
-    """What the parameters that are names may be."""
-
-    influence_distance: float = 6.5
-    smoothing_width: float = 0.4
-    capsule_length: float = 1.0
-    contact_tolerance: float = 0.01
-    rule: str = "events"
-    step: float | None = None
-    step_tolerance: float = 0.05
-    crimped_radius: float = 0.4
-    fold: str = "both"
-    falloff: str | Profile = "compact"
-    blend: str | Profile = "linear"
-    calibration: str = "axis"
-    finish: bool = True
-    facet_compensation: bool = True
-    tissue_gap: float = 0.4
-    axis_smoothing: float = 0.0
-    untangle: bool = True
-    certify: bool = True
+    influence_distance: float = field(
+        default=6.5,
+        metadata=_length(
+            "distance from the stent at which the deformation ends (paper: 6.5)",
+            0.05,
+            100.0,
+            option="influence",
+        ),
+    )
+    smoothing_width: float = field(
+        default=0.4,
+        metadata=_length(
+            "width k of the smooth minimum (paper: 0.4); 0 is the hard minimum",
+            1e-3,
+            20.0,
+            may_be_zero=True,
+            option="smoothing",
+        ),
+    )
+    capsule_length: float = field(
+        default=1.0,
+        metadata=_length("length of a capsule (paper: 1)", 0.05, 50.0, option="capsule"),
+    )
+    contact_tolerance: float = field(
+        default=0.01,
+        metadata=_length(
+            "distance from the stent below which the wall is in contact (paper: 0.01)", 1e-6, 1.0
+        ),
+    )
+    rule: str = field(
+        default="events",
+        metadata=_choice(
+            "radius-step rule: contact events resolved within long steps, or Euler as published",
+            RULES,
+            "rule",
+        ),
+    )
+    step: float | None = field(
+        default=None,
+        metadata=_length(
+            f"radius step; the rule's own is {_OWN_STEPS}",
+            1e-4,
+            100.0,
+            is_optional=True,
+            option="step",
+        ),
+    )
+    step_tolerance: float = field(
+        default=0.05,
+        metadata=_length("largest estimated distance of an adaptive step to its limit", 1e-6, 10.0),
+    )
+    crimped_radius: float = field(
+        default=0.4,
+        metadata=_length(
+            "radius to start from, lowered where the wall is nearer to the axis", 0.01, 50.0
+        ),
+    )
+    fold: str = field(
+        default="both",
+        metadata=_choice(
+            "ends from which the smooth minimum is folded: the mean of both, which makes the "
+            "result independent of the direction of the axis, or distal as published",
+            FOLDS,
+        ),
+    )
+    falloff: str | Profile = field(
+        default="compact",
+        metadata=_choice("weight over the distance to the stent", FALLOFFS, "falloff"),
+    )
+    blend: str | Profile = field(
+        default="linear",
+        metadata=_choice("weight over the distance to the nearest contact point", BLENDS, "blend"),
+    )
+    calibration: str = field(
+        default="axis",
+        metadata=_choice(
+            "how the smooth minimum's inflation is taken off the radius: measured on the stent's "
+            "own axis, k/4 as in the paper, or not at all",
+            CALIBRATIONS,
+        ),
+    )
+    finish: bool = field(
+        default=True,
+        metadata=_parameter("put the wall in contact on the true distance from the axis"),
+    )
+    facet_compensation: bool = field(
+        default=True,
+        metadata=_parameter(
+            "bring the lumen, not only the vertices, to the prescribed diameter; needs finish",
+            option="no-compensation",
+        ),
+    )
+    tissue_gap: float = field(
+        default=0.4,
+        metadata=_length(
+            "thickness kept between the stent and walls of other lumens; 0 as published",
+            0.0,
+            10.0,
+            option="tissue-gap",
+        ),
+    )
+    axis_smoothing: float = field(
+        default=0.0,
+        metadata=_length(
+            "length over which the axis of every stent is smoothed first, such as a hand-drawn or "
+            "shaky one; 0 leaves it as it is",
+            0.0,
+            50.0,
+            option="smooth-axis",
+        ),
+    )
+    untangle: bool = field(
+        default=True,
+        metadata=_parameter(
+            "take apart triangles that intersect anew, and retry with other gaps if that fails"
+        ),
+    )
+    certify: bool = field(
+        default=True, metadata=_parameter("look for new self-intersections at the end")
+    )
 
     def __post_init__(self) -> None:
-        for name, (shortest, longest) in SHORTEST_AND_LONGEST.items():
-            value = getattr(self, name)
-            if name != "step" or value is not None:
-                self._set(name, as_length(value, name, shortest, longest))
-        for name, widest in WIDEST.items():
-            value = as_number(getattr(self, name), name, unit="mm", minimum=0)
-            self._set(name, as_number(value, name, unit="mm", maximum=widest))
-        if 0 < self.smoothing_width < NARROWEST_SMOOTHING:
-            raise InputError(
-                f"smoothing_width: expected 0 or at least {NARROWEST_SMOOTHING:g} (mm), got "
-                f"{self.smoothing_width!r}; 0 is the hard minimum."
-            )
-        if self.rule not in RULES:
-            raise InputError(f"rule: expected one of {', '.join(RULES)}, got {self.rule!r}.")
-        if self.calibration not in CALIBRATIONS:
-            raise InputError(
-                f"calibration: expected one of {', '.join(CALIBRATIONS)}, got {self.calibration!r}."
-            )
-        if self.fold not in FOLDS:
-            raise InputError(f"fold: expected one of {', '.join(FOLDS)}, got {self.fold!r}.")
+        for name, parameter in self.parameters().items():
+            if parameter.least is not None:
+                self._set(name, parameter.number(getattr(self, name), name))
+        for name in ("rule", "calibration", "fold"):
+            self.parameters()[name].choice(getattr(self, name), name)
         as_profile(self.falloff, FALLOFFS, "falloff")
         as_profile(self.blend, BLENDS, "blend")
+
+    @classmethod
+    def parameters(cls) -> dict[str, Parameter]:
+        """What each of them does and may be, by name, in their order."""
+        return {one.name: one.metadata["parameter"] for one in fields(cls)}
 
     @classmethod
     def published(cls) -> DeploymentSettings:
@@ -166,10 +215,10 @@ class DeploymentSettings:
 
     def with_changes(self, **changes: Any) -> DeploymentSettings:
         """A copy with other values; `InputError` for an unknown name."""
-        known = {field.name for field in fields(self)}
         for name in changes:
-            if name not in known:
-                raise InputError(f"settings: expected one of {', '.join(known)}, got {name!r}.")
+            if name not in self.parameters():
+                known = ", ".join(self.parameters())
+                raise InputError(f"settings: expected one of {known}, got {name!r}.")
         return replace(self, **changes)
 
     def chain(

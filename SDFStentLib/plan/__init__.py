@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     )
     from .document import POINT_PLACEMENTS, plan_text, save_plan
     from .json_document import in_words, number, parsed, scaled, section, sequence, text_value
-    from .plan import Plan, turned
+    from .plan import Plan, method_parameters, plan_of_method, turned
     from .reader import load_plan, plan_from_document
     from .run import (
         InputFiles,
@@ -67,9 +67,11 @@ __all__ = [
     "in_words",
     "input_file",
     "load_plan",
+    "method_parameters",
     "number",
     "parsed",
     "plan_from_document",
+    "plan_of_method",
     "plan_text",
     "read_axis_file",
     "read_details",
@@ -114,7 +116,7 @@ __getattr__, __dir__ = late_names(
             "sequence",
             "text_value",
         ],
-        "plan": ["Plan", "turned"],
+        "plan": ["Plan", "method_parameters", "plan_of_method", "turned"],
         "reader": ["load_plan", "plan_from_document"],
         "run": [
             "InputFiles",

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import os
-from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from ..deformation import DeploymentSettings
 from ..files import write_bytes
 from ..stent import (
     AlongAxis,
@@ -28,7 +26,7 @@ from .plan import Plan
 
 SCHEMA = "sdfstent-plan"
 SCHEMA_VERSION = 2
-"""Of the documents that are written; those of version 1 are read, too."""
+"""Of the documents that are written and read."""
 
 POINT_PLACEMENTS: dict[str, type[AtCenter] | type[AtDistalEnd] | type[AtProximalEnd]] = {
     "center": AtCenter,
@@ -36,12 +34,6 @@ POINT_PLACEMENTS: dict[str, type[AtCenter] | type[AtDistalEnd] | type[AtProximal
     "proximal": AtProximalEnd,
 }
 """Placements by one point, as the document and the command line call them."""
-
-SETTINGS = tuple(field.name for field in fields(DeploymentSettings))
-"""Names of the method's parameters, the same in the document."""
-
-NAMED_SETTINGS = ("rule", "falloff", "blend", "calibration", "fold")
-"""Those that are names."""
 
 
 def save_plan(
@@ -82,9 +74,8 @@ def plan_document(plan: Plan, folder: str | None = None) -> dict[str, Any]:
         Settings with a function of one's own or a name that is no text, which a document cannot
         hold.
     """
-    method: dict[str, Any] = {name: getattr(plan.settings, name) for name in SETTINGS}
-    for name in NAMED_SETTINGS:
-        if not isinstance(method[name], str):
+    for name, value in plan.method.items():
+        if callable(value):
             raise InputError(
                 f"settings.{name}: expected a name, got a function; a plan holds names only."
             )
@@ -102,7 +93,7 @@ def plan_document(plan: Plan, folder: str | None = None) -> dict[str, Any]:
         },
         "stents": [_stent_document(stent, plan.units, folder) for stent in plan.stents],
         "flow": None if plan.flow is None else list(plan.flow),
-        "settings": {**method, "straightening_fraction": plan.straightening_fraction},
+        "settings": plan.method,
     }
 
 

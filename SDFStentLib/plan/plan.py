@@ -5,16 +5,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from ..deformation import DeploymentSettings
+from ..parameter import Parameter
 from ..stent import ByValue, InputFile, Stent
 from ..units import MOST_FLOW, Frame, flipped, millimeters_per
 from ..validation import InputError, as_number, in_short
 from ..version import VERSION
+
+STRAIGHTENING = Parameter(
+    "share of its bends that the axis of every stent loses, its length kept: 0 as it is, 1 "
+    "straight",
+    least=0.0,
+    most=1.0,
+    option="straighten",
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +44,7 @@ class Plan(ByValue):
         Frame of the points; `None` is the surface's, whatever that is.
     settings : DeploymentSettings
     straightening_fraction : float
-        Share of its bends that the axis of every stent loses, 0 to 1.
+        See `STRAIGHTENING`.
     root : tuple of three floats, optional
         A point near the end of the centerline that is its root, mm, in the frame `frame`.
     reference : tuple of tuples of three floats
@@ -64,7 +74,7 @@ class Plan(ByValue):
         millimeters_per(self.units)
         if self.frame not in (None, "RAS", "LPS"):
             raise InputError(f"frame: expected RAS, LPS or none, got {self.frame!r}; choose one.")
-        as_number(self.straightening_fraction, "straightening fraction", minimum=0, maximum=1)
+        STRAIGHTENING.number(self.straightening_fraction, "straightening fraction")
         if self.flow is not None:
             object.__setattr__(self, "flow", _as_range(self.flow))
         for number, stent in enumerate(self.stents, start=1):
@@ -73,6 +83,28 @@ class Plan(ByValue):
                     f"stent {number} of the plan: expected a Stent, got {type(stent).__name__}; "
                     "pass one."
                 )
+
+    @property
+    def method(self) -> dict[str, Any]:
+        """The values of `method_parameters`, by name."""
+        values = {name: getattr(self.settings, name) for name in self.settings.parameters()}
+        return {**values, "straightening_fraction": self.straightening_fraction}
+
+
+def method_parameters() -> dict[str, Parameter]:
+    """How stents are deployed, by name: parameters of the settings, and what is done to axes."""
+    return {**DeploymentSettings.parameters(), "straightening_fraction": STRAIGHTENING}
+
+
+def plan_of_method(values: Mapping[str, Any]) -> Plan:
+    """A plan without stents and files, with some values of `method_parameters`.
+
+    `InputError` for values that no parameter takes.
+    """
+    given = dict(values)
+    straightening = given.pop("straightening_fraction", 0.0)
+    settings = DeploymentSettings().with_changes(**given)
+    return Plan(settings=settings, straightening_fraction=straightening)
 
 
 def _as_range(flow: Any) -> tuple[float, float]:

@@ -4,45 +4,40 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..deformation import DeploymentSettings
 from ..files import read_content
 from ..stent import AlongAxis, BetweenPoints, InputFile, OfStent, Placement, Stent
 from ..units import MILLIMETERS, Frame
 from ..validation import InputError, as_path
 from .details import KEYS as DETAILS
 from .details import details_from_document
-from .document import NAMED_SETTINGS, POINT_PLACEMENTS, SCHEMA, SETTINGS
+from .document import POINT_PLACEMENTS, SCHEMA, SCHEMA_VERSION
 from .json_document import in_words, number, parsed, scaled, section, sequence, text_value, truth
-from .plan import Plan
+from .plan import Plan, method_parameters, plan_of_method
 
 MOST_STENTS = 1000
 """Of a plan, disabled ones too: far more than any patient gets."""
 
-_FIRST_PARTS = ("sdfstent_version", "inputs", "settings")
-PLAN_KEYS = {1: _FIRST_PARTS, 2: (*_FIRST_PARTS, "flow")}
-"""What a plan of each version may have besides its stents."""
+_PARTS = ("sdfstent_version", "inputs", "settings", "flow")
+"""What a plan may have besides its stents."""
 
 _INPUT_KEYS = ("units", "frame", "surface", "centerline", "root", "reference")
 
-_FIRST_KEYS = ("name", "enabled", "length", "foreshortening_fraction")
-STENT_KEYS = {1: _FIRST_KEYS, 2: (*_FIRST_KEYS, *DETAILS)}
-"""What a stent of each version may have besides its diameter and its placement."""
+_STENT_KEYS = ("name", "enabled", "length", "foreshortening_fraction", *DETAILS)
+"""What a stent may have besides its diameter and its placement."""
 
-_FIRST_PLACES = ("center", "distal", "proximal", "from", "to", "axis")
-PLACE_KEYS = {1: _FIRST_PLACES, 2: (*_FIRST_PLACES, "stent")}
-"""What a placement of each version may have."""
+_PLACE_KEYS = ("center", "distal", "proximal", "from", "to", "axis", "stent")
+"""What a placement may have."""
 
 T = TypeVar("T")
 
 AxisReader = Callable[[InputFile, str, Frame | None], AlongAxis]
 """Reads the curve of an axis file in a unit and a frame, mm."""
-
-_SWITCHES = ("finish", "facet_compensation", "untangle", "certify")
 
 
 def load_plan(path: str | os.PathLike[str], *, accept_changed_inputs: bool = False) -> Plan:
@@ -104,28 +99,25 @@ def plan_from_document(
         Another schema or version, unknown or missing keys, or values that do not belong there.
     """
     _check_version(document)
-    section(document, "plan", ("schema", "version", "stents"), PLAN_KEYS[document["version"]])
+    section(document, "plan", ("schema", "version", "stents"), _PARTS)
     _check_count(document["stents"])
     inputs = section(document.get("inputs", {}), "inputs", (), _INPUT_KEYS)
     units, frame = _space(inputs)
-    reader = _StentReader(document["version"], units, frame, folder, axis_reader)
-    settings, straightening = _settings(document.get("settings", {}))
+    reader = _StentReader(units, frame, folder, axis_reader)
     made_by = {}
     if "sdfstent_version" in document:
         made_by = {"sdfstent_version": text_value(document["sdfstent_version"], "sdfstent_version")}
-    return Plan(
-        stents=_each(document["stents"], "stents", reader.stent),
-        surface=_file(inputs.get("surface"), "inputs.surface", folder),
-        centerline=_file(inputs.get("centerline"), "inputs.centerline", folder),
-        units=units,
-        frame=frame,
-        settings=settings,
-        straightening_fraction=straightening,
-        root=None if inputs.get("root") is None else reader.place(inputs["root"], "inputs.root"),
-        reference=_each(inputs.get("reference", []), "inputs.reference", reader.place),
-        flow=_flow(document.get("flow")),
-        **made_by,
-    )
+    more = {
+        "stents": _each(document["stents"], "stents", reader.stent),
+        "surface": _file(inputs.get("surface"), "inputs.surface", folder),
+        "centerline": _file(inputs.get("centerline"), "inputs.centerline", folder),
+        "root": None if inputs.get("root") is None else reader.place(inputs["root"], "inputs.root"),
+        "reference": _each(inputs.get("reference", []), "inputs.reference", reader.place),
+        "flow": _flow(document.get("flow")),
+    }
+    method = _method(document.get("settings", {}))
+    plan = _named("settings", lambda: plan_of_method(method))
+    return replace(plan, units=units, frame=frame, **more, **made_by)
 
 
 def _check_count(stents: Any) -> None:
@@ -164,13 +156,11 @@ class _StentReader:
 
     def __init__(
         self,
-        version: int,
         units: str,
         frame: Frame | None,
         folder: str | None,
         axis_reader: AxisReader | None,
     ) -> None:
-        self.stent_keys, self.place_keys = STENT_KEYS[version], PLACE_KEYS[version]
         self.units, self.frame, self.folder = units, frame, folder
         self.axis_reader = axis_reader
 
@@ -180,7 +170,7 @@ class _StentReader:
         return x, y, z
 
     def stent(self, value: Any, where: str) -> Stent:
-        stent = section(value, where, ("diameter", "placement"), self.stent_keys)
+        stent = section(value, where, ("diameter", "placement"), _STENT_KEYS)
         placement = self._placement(stent["placement"], f"{where}.placement")
         changes: dict[str, Any] = {
             key: None if stent.get(key) is None else _float(stent[key], f"{where}.{key}")
@@ -193,7 +183,7 @@ class _StentReader:
         return _named(where, lambda: Stent(diameter, placement=placement, **changes))
 
     def _placement(self, value: Any, where: str) -> Placement:
-        given = section(value, where, (), self.place_keys)
+        given = section(value, where, (), _PLACE_KEYS)
         if set(given) == {"from", "to"}:
             ends = [self._point(given[key], f"{where}.{key}") for key in ("from", "to")]
             return _named(where, lambda: BetweenPoints(*ends))
@@ -205,9 +195,8 @@ class _StentReader:
             (key,) = given
             point = self._point(given[key], f"{where}.{key}")
             return _named(where, lambda: POINT_PLACEMENTS[key](point))
-        others = "axis, or stent" if "stent" in self.place_keys else "or axis"
         raise InputError(
-            f"{where}: expected one of center, distal, proximal, from with to, {others}, "
+            f"{where}: expected one of center, distal, proximal, from with to, axis, or stent, "
             f"got {', '.join(given) or 'nothing'}; name one."
         )
 
@@ -237,18 +226,18 @@ class _StentReader:
         return np.array([scaled(item, factor) for item in _each(coordinates, where, number)])
 
 
-def _settings(value: Any) -> tuple[DeploymentSettings, float]:
-    given = dict(section(value, "settings", (), (*SETTINGS, "straightening_fraction")))
+def _method(value: Any) -> dict[str, Any]:
+    parameters = method_parameters()
+    given = dict(section(value, "settings", (), tuple(parameters)))
     for key in given:
-        where = f"settings.{key}"
-        if key in _SWITCHES:
-            truth(given[key], where)
-        elif key in NAMED_SETTINGS:
+        where, parameter = f"settings.{key}", parameters[key]
+        if parameter.names:
             text_value(given[key], where)
-        elif not (key == "step" and given[key] is None):
+        elif parameter.least is None:
+            truth(given[key], where)
+        elif not (parameter.is_optional and given[key] is None):
             given[key] = _float(given[key], where)
-    straightening = given.pop("straightening_fraction", 0.0)
-    return _named("settings", lambda: DeploymentSettings(**given)), straightening
+    return given
 
 
 def _check_version(document: Any) -> None:
@@ -256,9 +245,9 @@ def _check_version(document: Any) -> None:
         found = in_words(document.get("schema") if isinstance(document, Mapping) else document)
         raise InputError(f"schema: expected {SCHEMA!r}, got {found}; this is no plan.")
     version = document.get("version")
-    if not isinstance(version, int) or isinstance(version, bool) or version not in STENT_KEYS:
+    if version != SCHEMA_VERSION or not isinstance(version, int):
         raise InputError(
-            f"version: expected {' or '.join(map(str, STENT_KEYS))}, got {in_words(version)}; "
+            f"version: expected {SCHEMA_VERSION}, got {in_words(version)}; "
             "use the version of sdfstent that wrote the plan."
         )
 

@@ -3,29 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import fields
 from typing import Any
 
 import numpy as np
 
 from ..geometry import NamedFaces
 from ..measure import triangle_sizes
-from ..plan import PlanResult
+from ..plan import PlanResult, method_parameters
 from ..validation import Floats, Indices
 from .words import UNKNOWN, number_text, plain_label, plain_text
-
-_LENGTHS = (
-    "influence_distance",
-    "smoothing_width",
-    "capsule_length",
-    "contact_tolerance",
-    "step",
-    "step_tolerance",
-    "crimped_radius",
-    "tissue_gap",
-    "axis_smoothing",
-)
-"""Parameters of the method in mm; the others are names, shares and switches."""
 
 _SIZES = (
     ("edge_length_mm", "Their edges", " mm", 2),
@@ -35,12 +21,13 @@ _SIZES = (
 
 def settings_section(result: PlanResult) -> dict[str, Any]:
     """The parameters of the method, lengths with unit; a function by its name."""
-    settings = result.plan.settings
-    section: dict[str, Any] = {"straightening_fraction": result.plan.straightening_fraction}
-    for field in fields(settings):
-        value = getattr(settings, field.name)
-        name = f"{field.name}_mm" if field.name in _LENGTHS else field.name
-        section[name] = getattr(value, "__name__", "a function") if callable(value) else value
+    section: dict[str, Any] = {}
+    parameters = method_parameters()
+    for name, value in result.plan.method.items():
+        unit = f"_{parameters[name].unit}" * bool(parameters[name].unit)
+        section[name + unit] = (
+            getattr(value, "__name__", "a function") if callable(value) else value
+        )
     return section
 
 
