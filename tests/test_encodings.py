@@ -23,7 +23,10 @@ def without_encoding(call):
 
 
 def test_every_text_file_is_opened_with_its_encoding():
-    for path in (path for folder in FOLDERS for path in (PROJECT / folder).rglob("*.py")):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.Call):
-                assert not without_encoding(node), f"{path.relative_to(PROJECT)}:{node.lineno}"
+    assert not [
+        f"{path.relative_to(PROJECT)}:{node.lineno}"
+        for folder in FOLDERS
+        for path in (PROJECT / folder).rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Call) and without_encoding(node)
+    ]
