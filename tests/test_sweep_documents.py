@@ -6,6 +6,7 @@ import json
 import math
 import subprocess
 import sys
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -71,6 +72,23 @@ def test_a_latin_hypercube_has_one_value_in_every_slice():
     )
     for values in found.values():
         assert sorted(np.floor(50 * values).astype(int)) == list(range(50))
+
+
+def test_a_latin_hypercube_is_that_of_scipy_and_takes_little_more_memory_than_its_numbers():
+    count, axes = 200_000, {"diameter": {"uniform": [5, 6]}, "length": {"uniform": [5, 6]}}
+    sampling = {"method": "latin-hypercube", "count": count, "seed": 7}
+    sweep = sweep_from_document(document(axes=axes, sampling=sampling), ".")
+    tracemalloc.start()
+    made = samples(sweep.axes, sweep.sampling)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 2.5 * (2 * 8 * count)
+    try:
+        engine = stats.qmc.LatinHypercube(2, rng=np.random.default_rng(7))
+    except TypeError:  # up to SciPy 1.14
+        engine = stats.qmc.LatinHypercube(2, seed=np.random.default_rng(7))
+    found = [[row["diameter"], row["length"]] for row in made[:100]]
+    np.testing.assert_allclose(found, 5 + engine.random(count)[:100], atol=1e-6)
 
 
 def test_sobol_points_are_spread_more_evenly_than_random_ones():

@@ -85,15 +85,29 @@ def _shares(sampling: Sampling, width: int) -> NDArray[np.float64]:
     generator = np.random.default_rng(sampling.seed)
     if sampling.method == "random":
         return generator.random((sampling.count, width))
+    if sampling.method == "latin-hypercube":
+        return _latin_hypercube(sampling, width)
     # Late: scipy.stats costs more to import than most sweeps to write down.
     from scipy.stats import qmc
 
-    kind = qmc.Sobol if sampling.method == "sobol" else qmc.LatinHypercube
     with warnings.catch_warnings():
         # Sobol's points are best in powers of two; any number of them is still a good spread.
         warnings.filterwarnings("ignore", "The balance properties", UserWarning)
-        found: NDArray[np.float64] = _engine(kind, width, generator).random(sampling.count)
+        found: NDArray[np.float64] = _engine(qmc.Sobol, width, generator).random(sampling.count)
     return found
+
+
+def _latin_hypercube(sampling: Sampling, width: int) -> NDArray[np.float64]:
+    """Those of `scipy.stats.qmc.LatinHypercube`, which takes twice the memory for them."""
+    (own,) = np.random.SeedSequence(sampling.seed).spawn(1)
+    generator, count = np.random.default_rng(own), sampling.count
+    shares = generator.random((count, width))
+    for column in shares.T:
+        order = np.arange(1, count + 1)
+        generator.shuffle(order)
+        np.subtract(order, column, out=column)
+        column /= count
+    return shares
 
 
 def _engine(kind: Callable[..., Any], width: int, generator: np.random.Generator) -> Any:
