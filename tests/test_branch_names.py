@@ -85,7 +85,11 @@ def test_without_names_faces_are_numbered_and_without_faces_branches(artery):
     assert all(name.startswith("branch to face ") for name in numbered)
     assert len(set(numbered)) == len(tree.branches)
     plain = branch_names(artery.surface, tree)
-    assert plain == tuple(f"branch {n + 1}" for n in range(len(tree.branches)))
+    for number, (branch, name) in enumerate(zip(tree.branches, plain, strict=True), start=1):
+        wide = 2 * np.median(tree.inscribed_radius[branch])
+        begin = tree.arc_length[branch[0]]
+        ends = "2 outlets" if number == 1 else "1 outlet"
+        assert name == f"branch {number} of {wide:.1f} mm from {begin:.0f} mm on ({ends})"
     one_id = NamedFaces(np.ones(len(artery.triangles), dtype=int))
     assert branch_names(artery.surface, tree, one_id) == plain
 

@@ -318,6 +318,10 @@ def test_side_branches_of_a_tree_are_closed_and_named(data_dir, a_folder, capsys
     assert kinds.count("inlet") == kinds.count("outlet") == 1
     closed = [plane["branch"] for plane in document["planes"] if plane["closed"]]
     assert len(closed) > 2
+    # "branch 157 (2 outlets)" told nobody which.
+    by_size = re.compile(r"branch \d+ of [\d.]+ mm from \d+ mm on \(\d+ outlets\)$")
+    assert all(by_size.match(one) for one in closed if "outlets" in one)
+    assert any("outlets" in one for one in closed)
     assert said.out.startswith(f"Closed {len(closed)} of its branches: {'; '.join(closed)}.\n")
 
 

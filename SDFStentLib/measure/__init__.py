@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .apposition import Apposition, FreeStretch, apposition
-from .branch_names import branch_names, named_branches
+from .branch_names import branch_names, named_branches, size_words
 from .caps import bulged_caps, caps_across, looks_across, off_caps
 from .closed_ends import OpenWall, open_at_ends
 from .closed_surface import Holes, closed_surface, holes_of
@@ -112,6 +112,7 @@ __all__ = [
     "rough_radii",
     "segment_between",
     "segment_ends",
+    "size_words",
     "triangle_sizes",
     "vessel_block",
     "vessel_ends",

@@ -32,16 +32,15 @@ def branch_names(
     -------
     tuple of str
         Such as "left pulmonary artery", or "branch to face 3" where an end has no name; that at
-        the root is called after its own end. "branch 2" where faces do not tell, as branches are
-        counted from 1 at the root, and behind a name that two have; "branch 2 (28 outlets)" where
-        it leads to several ends of which one at least has no name.
+        the root is called after its own end. "branch 2 of 2.3 mm from 14 mm on (28 outlets)" where
+        faces do not tell, or where it leads to several ends of which one at least has no name:
+        branches are counted from 1 at the root. The number is behind a name that two have, too.
     """
     names = []
-    for number, ids in enumerate(_leading_to(surface, centerline, faces), start=1):
-        if faces is None or not ids:
-            names.append(f"branch {number}")
-        elif len(ids) > 1 and not ids <= faces.names.keys():
-            names.append(f"branch {number} ({len(ids)} outlets)")
+    by_size = _by_size(centerline)
+    for number, ids in enumerate(_leading_to(surface, centerline, faces)):
+        if faces is None or not ids or (len(ids) > 1 and not ids <= faces.names.keys()):
+            names.append(f"branch {number + 1} {by_size[number]}")
         else:
             names.append(faces.branch_name(sorted(ids)))
     # Where some ends have no face, two branches may lead to the same.
@@ -49,6 +48,27 @@ def branch_names(
         f"{name} (branch {number})" if names.count(name) > 1 else name
         for number, name in enumerate(names, start=1)
     )
+
+
+def size_words(caliber: float, start: float, outlets: int) -> str:
+    """Which vessel that no face names is meant: by caliber and begin, mm, and what it leads to."""
+    wide = f"of {caliber:.1f} mm " if caliber > 0 else ""
+    return f"{wide}from {start:.0f} mm on ({outlets} outlet{'s' if outlets > 1 else ''})"
+
+
+def _by_size(tree: Centerline) -> list[str]:
+    """`size_words` of every branch, by the radii that came with the centerline."""
+    outlets = np.zeros(len(tree.points), dtype=np.int64)
+    for leaf in tree.leaves:
+        outlets[tree.ancestry(int(leaf))] += 1
+    return [
+        size_words(
+            2 * float(np.median(tree.inscribed_radius[branch])),
+            float(tree.arc_length[branch[0]]),
+            int(outlets[branch[-1]]),
+        )
+        for branch in tree.branches
+    ]
 
 
 def named_branches(

@@ -60,10 +60,11 @@ def pressure_words(section: Mapping[str, Any], unit: str = "mL/s") -> str:
 
 
 def _flow_words(flow: float, unit: str) -> str:
-    """A flow, mL/s, in the unit in which it was given first."""
-    said = {"mL/s": f"{flow:.4g} mL/s", "L/min": f"{flow * L_PER_MIN:.4g} L/min"}
-    first = said.pop(unit)
-    return f"{first} ({said.popitem()[1]})"
+    """A flow, mL/s, in the unit in which it was given, and roughly in the other."""
+    values = {"mL/s": flow, "L/min": flow * L_PER_MIN}
+    given = values.pop(unit)
+    ((other, value),) = values.items()
+    return f"{given:.4g} {unit} ({value:.3g} {other})"
 
 
 def pressure_part(stents: Sequence[Mapping[str, Any]]) -> list[str]:

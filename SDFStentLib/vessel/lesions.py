@@ -21,7 +21,7 @@ from ..geometry import (
     point_at,
     tangents,
 )
-from ..measure import equivalent_diameters, named_branches
+from ..measure import equivalent_diameters, named_branches, size_words
 from ..validation import Floats, Points, as_points
 from .branch_lumen import branch_lumens
 from .lesion_measuring import OWN_SECTION, as_place, lesions_after, measured
@@ -109,7 +109,7 @@ def vessel_name(run: VesselRun, is_main: bool) -> str:
         return f"main branch of {run.caliber:.1f} mm ({ends})"
     known = np.flatnonzero(np.isfinite(run.diameter))
     start = run.along[known[0] if len(known) else 0]
-    return f"branch of {run.caliber:.1f} mm from {start:.0f} mm on ({ends})"
+    return f"branch {size_words(run.caliber, float(start), run.outlets)}"
 
 
 def lesion_after(lesion: Lesion, surface: Surface) -> Lesion:
