@@ -390,7 +390,8 @@ def test_measure_prints_a_table_or_json(a_folder, capsys):
         main(["measure", "tube.vtp", "--units", "cm", "--centerline", "line.vtp", "--tables"]) == 0
     )
     said = capsys.readouterr().out
-    assert "Branch 1: 40.0 mm, from (0, 0, 0) to (0, 0, 4) cm" in said
+    title = "Branch 1 of 6.0 mm from 0 mm on (1 outlet)"
+    assert f"{title}: 40.0 mm, from (0, 0, 0) to (0, 0, 4) cm" in said
     rows = [line.split() for line in said.splitlines() if re.match(r"\s+\d+\.\d\s", line)]
     throat = min(rows[5:-5], key=lambda row: float(row[1]))  # caps are nearer at the ends
     assert float(throat[0]) == pytest.approx(20)

@@ -91,6 +91,24 @@ def test_a_deployment_in_a_tree_takes_eight_lines_and_all_of_it_more(data_dir, a
     assert len(said.out.splitlines()) > 10
 
 
+def test_the_demo_and_compared_plans_take_eight_lines_each(a_folder, capfd):
+    assert main(["demo", "-o", "demo"]) == 0
+    said = capfd.readouterr()
+    assert said.out.startswith("Deployed: ")
+    assert len(said.out.splitlines()) + len(said.err.splitlines()) <= 8
+    plan = Path("demo/plan.json")
+    plan.with_name("again.json").write_bytes(plan.read_bytes())
+    assert main(["compare", "demo/plan.json", "demo/again.json", "-o", "both"]) == 0
+    said = capfd.readouterr()
+    lines = said.out.splitlines() + said.err.splitlines()
+    for name in ("plan: ", "again: "):
+        own = [line for line in lines if line.removeprefix("warning: ").startswith(name)]
+        assert own[0].startswith(f"{name}Deployed: ")
+        assert 5 <= len(own) <= 7
+    assert main(["demo", "-o", "demo", "--verbose"]) == 0
+    assert len(capfd.readouterr().out.splitlines()) >= 7
+
+
 def test_a_tree_is_measured_in_eight_lines(data_dir, capfd):
     assert main(["measure", *of(data_dir, SU0243)]) == 0
     said = capfd.readouterr()

@@ -20,11 +20,11 @@ def test_a_sweep_is_carried_out_said_and_can_be_asked_for(there, capsys):
     write_sweep(there, axes={"diameter": [6, 6.5]}, store="moved")
     assert main(["sweep", "sweep.json", "-o", "out", "--workers", "1"]) == 0
     out = capsys.readouterr().out
-    assert "2 of 2 cases: 2 certified." in out
+    assert "2 of 2 cases: 2 certified for meshing." in out
     assert "Wrote out in " in out
     before = bytes_of(there / "out")
     assert main(["sweep", "--status", "out"]) == 0
-    assert capsys.readouterr().out == "Finished: 2 of 2 cases: 2 certified.\n"
+    assert capsys.readouterr().out == "Finished: 2 of 2 cases: 2 certified for meshing.\n"
     (there / "out" / "manifest.csv").unlink()
     assert main(["sweep", "--table", "out"]) == 0
     assert "manifest.csv" in capsys.readouterr().out
@@ -36,7 +36,7 @@ def test_the_exit_code_tells_of_failed_and_of_uncertified_cases(there, capsys):
     write_sweep(there, axes={"diameter": [6, 40]})
     assert main(["sweep", "sweep.json", "-o", "out", "--workers", "1"]) == 4
     said = capsys.readouterr().out
-    assert "2 of 2 cases: 1 certified, 1 failed, the manifest says why." in said
+    assert "2 of 2 cases: 1 certified for meshing, 1 failed, the manifest says why." in said
     assert main(["sweep", "--status", "out"]) == 0
     assert "1 failed" in capsys.readouterr().out
 
@@ -88,7 +88,7 @@ def test_a_terminal_shows_counts_rate_and_time_left(there, capsys, monkeypatch):
     bar = capsys.readouterr().err
     assert "Sweeping [" in bar
     last = bar.rstrip().split("\r")[-1].strip() or bar.rstrip().split("\r")[-2]
-    assert "100 % 2 certified, 1 failed, " in last
+    assert "100 % 2 certified for meshing, 1 failed, " in last
     assert "/s, 0 s left" in last
 
 
@@ -98,9 +98,12 @@ def test_the_counts_tell_rate_and_time_left_of_this_run_alone():
     )
     assert (tally.finished, tally.fraction, tally.rate) == (100, 0.1, 2)
     assert tally.seconds_left == 450
-    note = "90 certified, 2 failed, 3 not certified, 5 excluded, 2/s, 8 min left"
+    note = (
+        "90 certified for meshing, 2 failed, 3 not certified for meshing, 5 excluded, 2/s, "
+        "8 min left"
+    )
     assert tally.note() == note
-    assert Tally(10).note() == "0 certified, 0 failed"
+    assert Tally(10).note() == "0 certified for meshing, 0 failed"
 
 
 def test_quiet_says_nothing(there, capsys):

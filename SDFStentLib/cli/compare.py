@@ -16,12 +16,11 @@ from ..report import (
     comparison_json,
     comparison_page,
     comparison_pictures,
-    lumen_sentence,
-    stent_lesion_sentences,
 )
 from ..validation import InputError
 from .console import Console
 from .outputs import Outputs
+from .told import tell
 
 NOT_CERTIFIED = 3
 PAGES = (".html", ".htm")
@@ -125,18 +124,5 @@ def _tell_alternative(one: Alternative, console: Console) -> None:
     if one.result is None:
         console.complain(f"{one.name} could not be carried out: {one.failure}")
         return
-    result, label = one.result, f"{one.name}: "
-    units = result.inputs.surface.units
-    cautions = (*result.warnings, *result.size_warnings)
-    console.warn((caution.labeled(label) for caution in cautions), units=units)
-    stents = result.treatment.stents
-    for stent in stents:
-        number = f"stent {stent.number}: " if len(stents) > 1 else ""
-        for said in (
-            lumen_sentence(stent),
-            *stent_lesion_sentences(result.lesions, stent.number),
-        ):
-            console.say(label + number + said)
-    certificate = result.treatment.certificate
-    if certificate is not None:
-        console.say(label + certificate.sentence())
+    cautions = (*one.result.warnings, *one.result.size_warnings)
+    tell(one.result, cautions, console, f"{one.name}: ")

@@ -31,13 +31,13 @@ from ..plan import (
 from ..report import (
     before_after_picture,
     plan_report,
-    stent_branch_sentences,
     write_report,
 )
 from ..stent import BetweenPoints, Stent, balloon_by_rule
 from ..validation import DeploymentError
 from .console import Console
 from .outputs import Outputs
+from .told import tell
 
 BALLOON_DIAMETER = 7.5
 """Of the demo, mm: by its recoil it leaves the 7 mm of the healthy branch, as `suggest` has it."""
@@ -68,11 +68,13 @@ def demo_command(options: argparse.Namespace, console: Console) -> int:
             outputs.add(folder / original.name, _writing(original.read_bytes()))
         missing = _add_results(outputs, folder, result)
         outputs.write()
-    _tell(console, folder, result, missing)
+    tell(result, (*result.warnings, *result.size_warnings, *missing), console)
+    console.say(
+        f"Wrote {folder} in {perf_counter() - start:.1f} s: report.html to read, "
+        "surface_stented.vtp to mesh, plan.json to change and carry out with sdfstent run."
+    )
     certificate = result.treatment.certificate
     assert certificate is not None
-    console.say(certificate.sentence())
-    console.say(f"All in {folder}, after {perf_counter() - start:.1f} s.")
     return 0 if certificate.passed else NOT_CERTIFIED
 
 
@@ -146,26 +148,3 @@ def _writing(data: bytes | None) -> Callable[[Path], None]:
             path.write_bytes(data)
 
     return write
-
-
-def _tell(console: Console, folder: Path, result: PlanResult, missing: list[Caution]) -> None:
-    console.warn([*result.warnings, *result.size_warnings])
-    (stent,) = result.treatment.stents
-    before, after = stent.before, stent.after
-    console.say(
-        "A synthetic pulmonary artery of a child; its left branch is narrowed to "
-        f"{before.minimum:.1f} mm at its origin."
-    )
-    console.say(
-        f"A stent of {stent.stent.diameter:.1f} x {stent.axis.deployed_length:.0f} mm on a balloon "
-        f"of {BALLOON_DIAMETER:g} mm, from the bifurcation on, opens it to {after.minimum:.1f} mm."
-    )
-    for sentence in stent_branch_sentences(stent):
-        console.say(sentence)
-    console.say(f"  {folder / 'report.html'}            diameters before and after, to read")
-    if missing:
-        console.warn(missing)
-    else:
-        console.say(f"  {folder / 'before_after.png'}       picture of both")
-    console.say(f"  {folder / 'surface_stented.vtp'}    surface to mesh, with its face ids")
-    console.say(f"  {folder / 'plan.json'}              to change and carry out: sdfstent run")

@@ -27,8 +27,6 @@ from ..plan import (
 from ..report import (
     FIGURE_SUFFIXES,
     Report,
-    deployment_sentences,
-    deployment_summary,
     plan_report,
     write_report,
     write_report_figure,
@@ -39,11 +37,9 @@ from .method_options import method_of
 from .outputs import Outputs
 from .place import check_place, inputs_of, plan_of
 from .stents import check_sizes, device_of, stents_of
+from .told import tell
 
 NOT_CERTIFIED = 3
-
-LINES = 8
-"""Of a deployment on the screen, unless all of it is asked for."""
 
 
 def deploy_command(options: argparse.Namespace, console: Console) -> int:
@@ -171,15 +167,8 @@ class _Job:
         self.result = PlanResult(self.plan, inputs, treatment.result)
         self.write_start = perf_counter()
         lost = self.outputs.write()
-        units = self.result.inputs.surface.units
         cautions = [*self.result.warnings, *self.result.size_warnings, *lost]
-        summary = deployment_summary(self.result)
-        self.console.say(summary.deployed)
-        # The first and the last line are its own.
-        self.console.warn_shortly(cautions, LINES - 2 - len(summary.results), units)
-        told = deployment_sentences(self.result) if self.console.verbose else summary.results
-        for sentence in told:
-            self.console.say(sentence)
+        tell(self.result, cautions, self.console)
         written = ", ".join(self.outputs.names())
         self.console.say(f"Wrote {written} in {perf_counter() - start:.1f} s.")
         certificate = self.result.treatment.certificate

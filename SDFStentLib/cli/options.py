@@ -145,7 +145,7 @@ def _run(command: argparse.ArgumentParser) -> None:
 
 def _compare(command: argparse.ArgumentParser) -> None:
     add_comparison(command)
-    add_talk(command)
+    add_talk(command, verbose=True)
 
 
 def _measure(command: argparse.ArgumentParser) -> None:
@@ -254,7 +254,7 @@ def _demo(command: argparse.ArgumentParser) -> None:
         "its origin gets a stent across the bifurcation."
     )
     command.add_argument("-o", "--output", type=_path, metavar="DIR", default="sdfstent-demo")
-    add_talk(command)
+    add_talk(command, verbose=True)
 
 
 def _add_usual_place(place: argparse._ActionsContainer) -> None:

@@ -153,9 +153,9 @@ def _end_now() -> None:
 
 
 def _counts(tally: Tally) -> str:
-    parts = [f"{tally.certified} certified"]
+    parts = [f"{tally.certified} certified for meshing"]
     for count, words in (
-        (tally.uncertified, "not certified"),
+        (tally.uncertified, "not certified for meshing"),
         (tally.unjudged, "not judged, as the plan says"),
         (tally.excluded, "excluded by the constraints"),
         (tally.failed, "failed, the manifest says why"),

@@ -70,9 +70,9 @@ class Tally:
 
     def note(self) -> str:
         """What stands behind the bar."""
-        parts = [f"{self.certified} certified", f"{self.failed} failed"]
+        parts = [f"{self.certified} certified for meshing", f"{self.failed} failed"]
         if self.uncertified:
-            parts.append(f"{self.uncertified} not certified")
+            parts.append(f"{self.uncertified} not certified for meshing")
         if self.unjudged:
             parts.append(f"{self.unjudged} not judged")
         if self.excluded:
