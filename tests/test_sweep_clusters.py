@@ -145,7 +145,7 @@ def test_a_cluster_gives_the_same_bytes_also_when_a_worker_and_the_scheduler_are
     let_go(tmp_path)
     out, error = sweep.communicate(timeout=PATIENCE)
     assert sweep.returncode == 0, error
-    assert "10 of 10 cases: 10 certified." in out
+    assert "10 of 10 cases: 10 certified for meshing." in out
     assert bytes_of(tmp_path / "out") == wanted
 
 
@@ -203,7 +203,7 @@ def test_the_program_that_keeps_a_cluster_keeps_it_until_it_is_ended(tmp_path):
         sweep = started(tmp_path, address, environment)
         out, error = sweep.communicate(timeout=PATIENCE)
         assert sweep.returncode == 0, error
-        assert "1 of 1 cases: 1 certified." in out
+        assert "1 of 1 cases: 1 certified for meshing." in out
         assert kept.poll() is None
     finally:
         kept.send_signal(signal.SIGINT)

@@ -125,7 +125,7 @@ def test_a_sweep_interrupted_three_times_ends_with_the_same_bytes_and_leaves_no_
     let_go(there)
     code, out, error = ended(started(there, "--workers", "1"))
     assert (code, error) == (0, "")
-    assert "8 of 8 cases: 8 certified." in out
+    assert "8 of 8 cases: 8 certified for meshing." in out
     assert bytes_of(there / "out") == wanted
 
 
@@ -207,7 +207,7 @@ def test_a_case_that_takes_longer_than_the_limit_has_failed_and_the_others_go_on
     process, children = with_a_worker_stopped(there, *limit)
     code, out, error = ended(process)
     assert (code, error) == (4, "")
-    assert "8 of 8 cases: 7 certified, 1 failed" in out
+    assert "8 of 8 cases: 7 certified for meshing, 1 failed" in out
     assert not any(map(is_alive, children))
     columns = Cohort(there / "out").columns
     (reason,) = columns["reason"][columns["status"] == "failed"]
@@ -375,7 +375,7 @@ def test_a_case_that_kills_its_worker_fails_alone(there, monkeypatch):
     )
     code, out, error = ended(process)
     assert (code, error) == (4, "")
-    assert "8 of 8 cases: 7 certified, 1 failed" in out
+    assert "8 of 8 cases: 7 certified for meshing, 1 failed" in out
     columns = Cohort(there / "out").columns
     assert columns["status"].tolist() == ["done", "failed", *["done"] * 6]
     assert columns["reason"][1].startswith("its worker ended without a word")
@@ -392,7 +392,7 @@ def test_a_damaged_patient_in_the_middle_fails_and_the_others_finish(tmp_path):
     write_sweep(tmp_path, axes={"diameter": [6, 6.5]}, patients=people)
     code, out, _ = ended(started(tmp_path, "--workers", "1"))
     assert code == 4
-    assert "8 of 8 cases: 4 certified, 4 failed" in out
+    assert "8 of 8 cases: 4 certified for meshing, 4 failed" in out
     columns = Cohort(tmp_path / "out").columns
     assert columns["patient"].tolist() == [name for name in ("A", "B", "C", "D") for _ in "12"]
     assert columns["status"].tolist() == ["done"] * 2 + ["failed"] * 4 + ["done"] * 2
