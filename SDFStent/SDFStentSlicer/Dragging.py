@@ -14,7 +14,10 @@ INDEX_ATTRIBUTE = slicer.vtkMRMLMarkupsDisplayNode.GetMovingMarkupIndexAttribute
 """Attributes of a markups node: the layout name of the view in which the mouse moves one of its points, 3D views as well, and which."""
 
 DETOUR = 0.1
-"""By so much of the way along the tree a place counts as farther from the mouse: what only crosses the vessel is not meant."""
+"""What a mm of way along the tree costs. A mouse beside the way by so many mm costs the square of that, over one `HAND`."""
+
+HAND = 0.008
+"""Of the height of a view: about as far is a hand beside what it follows."""
 
 NEAREST = 1e-3
 """Of the depth of the point that is dragged: what lies nearer to the camera, or behind it, counts as there."""
@@ -31,7 +34,7 @@ class Dragging:
     """Brings points of handles that the mouse moves onto the centerline, to the place that is seen nearest to the mouse."""
 
     def __init__(self):
-        self._places, self._views = {}, {}
+        self._places, self._views, self._paths = {}, {}, {}
 
     def follow(self, handle, centerline):
         """Bring what the mouse has moved of a handle onto the centerline; what moves without it stays where it is.
@@ -43,35 +46,98 @@ class Dragging:
         if view and handle.GetNumberOfControlPoints() > handle.GetNumberOfDefinedControlPoints():
             self._views[key] = view  # of a point under the mouse that may be placed next
         dragged = int(handle.GetAttribute(INDEX_ATTRIBUTE)) if view else None
+        if not view:
+            self._paths.pop(key, None)
         for index, point in _placesOf(handle).items():
             former = known.get(index)
             isMoved = former != point and (placedIn if former is None else index == dragged)
             if isMoved and centerline is not None:
-                place = nearestPlace(centerline, point, _cameraOf(view or placedIn), former)
+                camera = _cameraOf(view or placedIn)
+                if former is None or camera is None:
+                    place = nearestPlace(centerline, point, camera)
+                else:
+                    place = self._path(key, centerline, former).follow(point, camera)
                 handle.SetNthControlPointPositionWorld(index, *place)
         self._places[key] = _placesOf(handle)
+
+    def _path(self, key, centerline, former):
+        path = self._paths.get(key)
+        if path is None or not path.goesOnFrom(centerline, former):
+            path = self._paths[key] = Path(centerline, former)
+        return path
+
+
+class Path:
+    """The way of a point along a tree that the mouse has followed best so far, from a place (3,).
+
+    Where vessels cross in the view, or run one behind the other, one place of the mouse does not tell which of them is meant; all of them
+    together do. What a way costs that ends at a point of the tree is kept for each point, and goes on from there (Viterbi's algorithm).
+    """
+
+    def __init__(self, centerline, place):
+        self._centerline, self._place = centerline, np.array(place)
+        self._costs = DETOUR * _ways(centerline, place)
+        self._below = np.flatnonzero(centerline.parent >= 0)
+        self._above = centerline.parent[self._below]
+        steps = centerline.points[self._below] - centerline.points[self._above]
+        steps = DETOUR * np.linalg.norm(steps, axis=1)
+        down = np.argsort(centerline.arc_length[self._below], kind="stable")
+        columns = (self._above[down], self._below[down], steps[down])
+        self._down = list(zip(*(column.tolist() for column in columns), strict=True))
+
+    def goesOnFrom(self, centerline, place):
+        """Whether the last place of this path is that one, on the same tree."""
+        return centerline is self._centerline and np.allclose(self._place, place, atol=1e-4)
+
+    def follow(self, point, camera):
+        """The place (3,) where the path is now that the mouse of a view is at a point."""
+        points, above, below = self._centerline.points, self._above, self._below
+        seen = _seen(np.vstack([points, point]), camera)
+        squares, fractions = distances_to_segments(seen[-1], seen[above], seen[below])
+        nearest = np.full(len(points), np.inf)
+        np.minimum.at(nearest, above, squares)
+        np.minimum.at(nearest, below, squares)
+        self._costs = self._spread() + nearest / (HAND * _height(point, camera))
+        end = np.argmin(self._costs)
+        self._costs -= self._costs[end]
+        best = np.argmin(np.where((above == end) | (below == end), squares, np.inf))
+        self._place = _between(self._centerline, above[best], below[best], fractions[best])
+        return self._place
+
+    def _spread(self):
+        """What it costs at least to be at a point after one step more, along the tree."""
+        costs = self._costs.tolist()
+        for above, below, step in reversed(self._down):
+            costs[above] = min(costs[above], costs[below] + step)
+        for above, below, step in self._down:
+            costs[below] = min(costs[below], costs[above] + step)
+        return np.array(costs)
 
 
 def _placesOf(handle):
     return dict(zip(Conversion.placedIndices(handle), Conversion.placedPoints(handle), strict=True))
 
 
-def nearestPlace(centerline, point, camera=None, former=None):
-    """The place (3,) of a centerline that a `vtkCamera` sees nearest to a point, or without one the nearest in space.
-
-    A place farther from the `former` one, along the tree, counts as farther from the point by `DETOUR` of the way.
-    """
+def nearestPlace(centerline, point, camera=None):
+    """The place (3,) of a centerline that a `vtkCamera` sees nearest to a point, or without one the nearest in space."""
     below = np.flatnonzero(centerline.parent >= 0)
     above = centerline.parent[below]
     seen = _seen(np.vstack([centerline.points, point]), camera)
     squares, fractions = distances_to_segments(seen[-1], seen[above], seen[below])
-    cost = np.sqrt(squares)
-    if former is not None:
-        ways = _ways(centerline, former)
-        cost += DETOUR * ((1.0 - fractions) * ways[above] + fractions * ways[below])
-    best = np.argmin(cost)
-    weight = fractions[best]
-    return (1.0 - weight) * centerline.points[above[best]] + weight * centerline.points[below[best]]
+    best = np.argmin(squares)
+    return _between(centerline, above[best], below[best], fractions[best])
+
+
+def _between(centerline, above, below, fraction):
+    return (1.0 - fraction) * centerline.points[above] + fraction * centerline.points[below]
+
+
+def _height(point, camera):
+    """Of what a camera shows at the depth of a point, in mm."""
+    if camera.GetParallelProjection():
+        return 2.0 * camera.GetParallelScale()
+    depth = (np.array(point) - camera.GetPosition()) @ camera.GetDirectionOfProjection()
+    return 2.0 * depth * np.tan(np.radians(camera.GetViewAngle()) / 2.0)
 
 
 def _seen(points, camera):
