@@ -214,14 +214,17 @@ class SDFStentLogic(
         """Bring a point that the user has placed where it belongs: of a drawn axis to the middle of the lumen seen there.
 
         A click into a 3D view has the depth of what is drawn foremost, as the wall, another handle, or the stented vessel. `ray` is the
-        `Ray` on which the point was seen; None in a slice view, where the point stays.
+        `Ray` on which the point was seen; None in a slice view, where the point stays. It also stays where no vessel is seen, and `status` says so.
         """
         if stentOf(parameterNode).placement != Placement.ALONG_CURVE:
             self.snapHandle(parameterNode, handle)
         elif ray is not None:
             middle = middleOn(self._inputs.vessel(parameterNode).polyData, ray)
-            if middle is not None:
+            if middle is None:
+                self._snapping.leave(handle, index)
+            else:
                 handle.SetNthControlPointPositionWorld(index, *middle)
+            parameterNode.status = self._snapping.told(parameterNode)
 
     def restoreMethod(self, parameterNode):
         """Set the method, and what a suggestion goes by, back to the defaults."""

@@ -10,10 +10,10 @@ from .ParameterNode import Placement, stentsOf
 
 
 class Snapping:
-    """Moves handles onto the centerline, and knows how far those were moved that are still there."""
+    """Moves handles onto the centerline, and knows how far those were moved that are still there, and which points lie in no vessel."""
 
     def __init__(self):
-        self._told = {}
+        self._told, self._aside = {}, {}
 
     def snap(self, stent, centerline, surface):
         """Move the points of a stent's handle onto the centerline; a curve stays as it is drawn.
@@ -31,15 +31,31 @@ class Snapping:
         if Handles.snapHandle(handle, stent.placement, centerline):
             self._told[handle.GetID()] = (Conversion.changeStamp(handle), sentences)
 
+    def leave(self, handle, index):
+        """Remember that a point of a handle was placed where no vessel is seen."""
+        place = handle.GetNthControlPointPositionWorld(index)
+        self._aside[handle.GetID(), handle.GetNthControlPointID(index)] = tuple(place)
+
     def told(self, parameterNode):
-        """What the user has to know about handles that were moved far, and not again since, or have points to spare; a line each."""
+        """What the user has to know about handles that were moved far or placed aside, and not moved again since, or have points to spare."""
         told = []
         for stent in stentsOf(parameterNode):
             stamp, sentences = self._told.get(stent.handle and stent.handle.GetID(), (None, []))
             if sentences and stamp == Conversion.changeStamp(stent.handle):
                 told += sentences
-            told += _spare(stent)
+            told += self._besideVessel(stent) + _spare(stent)
         return "\n".join(dict.fromkeys(told))
+
+    def _besideVessel(self, stent):
+        """A sentence for every point that still lies where it was placed beside the vessel."""
+        handle = stent.handle
+        text = _("{label}: no vessel is seen where point {number} was placed; drag it into one.")
+        return [
+            text.format(label=stent.label, number=index + 1)
+            for index in ([] if handle is None else Conversion.placedIndices(handle))
+            if self._aside.get((handle.GetID(), handle.GetNthControlPointID(index)))
+            == tuple(handle.GetNthControlPointPositionWorld(index))
+        ]
 
 
 def _spare(stent):

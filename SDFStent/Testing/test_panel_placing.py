@@ -173,3 +173,60 @@ def test_the_ends_of_a_segment_take_two_clicks(host, aStent, theView, isQuick): 
         host.process()
         assert not isPlacing()
         assert ends.GetNumberOfControlPoints() == 2
+
+
+def test_a_point_placed_beside_the_vessel_stays_there_and_the_panel_says_so(host, aStent, click):
+    tree, parameters = treeOf(aStent), aStent._parameterNode
+    way, bounds = wayTo(tree, tree.leaves[0]), parameters.vessel.GetPolyData().GetBounds()
+    host.click(aStent.ui.removeStentButton)
+    aStent.ui.centerlineSelector.setCurrentNode(None)
+    host.click(aStent.ui.addStentButton)
+    handle = parameters.stent.handle
+    place(host, aStent.ui.placeWidget)
+    told = (
+        f"{parameters.stent.label}: no vessel is seen where point 2 was placed; drag it into one."
+    )
+    click(way[2])
+    assert told not in aStent.ui.statusLabel.text
+    click([bounds[1] + 3.0, *way[5][1:]])
+    assert told in aStent.ui.statusLabel.text.splitlines()
+    click(way[8])
+    assert told in aStent.ui.statusLabel.text.splitlines()
+    aStent.ui.placeWidget.placeModeEnabled = False
+    assert handle.GetNthControlPointPositionWorld(1)[0] > bounds[1]
+    handle.SetNthControlPointPositionWorld(1, *way[5])
+    deploy(host, aStent)
+    assert told not in aStent.ui.statusLabel.text
+
+
+@pytest.mark.parametrize("hasPoint", [True, False])
+@pytest.mark.parametrize("isByButton", [True, False])
+def test_place_that_is_given_up_leaves_everything_as_it_was(
+    host,
+    aStent,
+    theView,  # noqa: F811
+    hasPoint,
+    isByButton,
+):
+    handle, tree = aStent._parameterNode.stent.handle, treeOf(aStent)
+    if not hasPoint:
+        handle.RemoveAllControlPoints()
+    host.process()
+    interaction = slicer.app.applicationLogic().GetInteractionNode()
+    points = slicer.util.arrayFromMarkupsControlPoints(handle, world=True).tolist()
+    told = aStent.ui.statusLabel.text
+    place(host, aStent.ui.placeWidget)
+    for point in wayTo(tree, tree.leaves[0])[3:9:2]:  # the point goes with the mouse
+        theView.mouse("MouseMove", theView.pixel(point))
+        host.process()
+    if isByButton:
+        host.click(aStent.ui.placeWidget._button)
+    else:
+        interaction.SwitchToViewTransformMode()
+    host.process()
+    assert not isPlacing()
+    assert not interaction.GetPlaceModePersistence()
+    assert not aStent.ui.placeWidget.placeModeEnabled
+    assert slicer.util.arrayFromMarkupsControlPoints(handle, world=True).tolist() == points
+    assert handle.GetNumberOfDefinedControlPoints() == handle.GetNumberOfControlPoints()
+    assert aStent.ui.statusLabel.text == told
