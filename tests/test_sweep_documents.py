@@ -274,6 +274,7 @@ def test_the_schema_accepts_what_the_reader_accepts_and_refuses_what_is_malforme
     for changes in good:
         sweep_in(folder, **changes)
         validator.validate(document(**changes))
+    assert sweep_in(folder, time_limit=600).time_limit == 600
     # Rules between several keys are the reader's alone; every other one is the schema's, too.
     refused = [changes for changes, _ in WRONG if not validator.is_valid(document(**changes))]
     assert len(refused) > 20
