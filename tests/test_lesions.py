@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -21,7 +22,7 @@ from SDFStentLib.measure.inscribed import inscribed_spheres
 from SDFStentLib.phantoms.axis import planar_axis
 from SDFStentLib.phantoms.mesh import swept_tube
 from SDFStentLib.validation import InputError
-from SDFStentLib.vessel.lesions import _found, find_lesions, lesion_after, lesions_within
+from SDFStentLib.vessel.lesions import _found, _once, find_lesions, lesion_after, lesions_within
 from SDFStentLib.vessel.marked_reference import lesion_against
 from SDFStentLib.vessel.narrowings import narrowings
 from SDFStentLib.vessel.runs import SideBranch, VesselRun
@@ -281,3 +282,34 @@ def test_a_short_vessel_without_any_plateau_has_no_reference_and_no_lesion():
     run = VesselRun(*columns, along, (), (branch, branch), 0, 1, 4.0, 2)
     assert len(narrowings(run)) == 1
     assert _found([run]) == []
+
+
+def straight_run(diameter, start=0.0, parent=-1, side_branches=()):
+    """A vessel along z with stations 0.5 mm apart."""
+    along = start + 0.5 * np.arange(len(diameter))
+    columns = (np.outer(along, [0.0, 0, 1]), along, diameter, np.zeros(len(along), dtype=np.int64))
+    return VesselRun(*columns, along, side_branches, (), parent, parent + 1, 5.0, 1)
+
+
+@pytest.mark.parametrize(("ostium", "count"), [(2.2, 1), (1.4, 2)])
+def test_the_ostium_of_a_branch_within_its_parent_s_narrowing_is_the_same_lesion(ostium, count):
+    """The branch was told as a second one: it begins as narrow as the wall that it leaves."""
+    along = np.arange(0, 60.1, 0.5)
+    bump = np.clip(1 - np.abs(along - 30) / 6, 0, 1)
+    parent = straight_run(5 - 3 * bump, side_branches=(SideBranch(29.0, 5.0, 1),))
+    beyond = np.arange(0, 25.1, 0.5)
+    child = straight_run(5 - (5 - ostium) * np.clip(1 - beyond / 4, 0, 1), 29.0, 0)
+    found = _found([parent, child])
+    assert len(narrowings(child)) == 1
+    assert [one.vessel for one in found] == [0, 1][:count]
+
+
+def test_a_long_throat_that_two_lines_run_through_is_told_once():
+    """Their narrowest places were farther from each other than the throat is wide."""
+    made = phantom("stenosed_tube", edge_length=0.8, length=60.0)
+    (lesion,) = find_lesions(made.surface, made.centerline)
+    other = replace(lesion, vessel=1, point=tuple(lesion.line[len(lesion.line) // 2 + 2]))
+    away = np.linalg.norm(np.subtract(other.point, lesion.point))
+    assert away > lesion.minimum_diameter / 2
+    assert _once([other, lesion]) == [lesion]
+    assert len(_once([lesion, replace(other, point=(9.0, 0.0, 30.0))])) == 2

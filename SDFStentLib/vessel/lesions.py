@@ -25,7 +25,7 @@ from ..measure import equivalent_diameters, named_branches, size_words
 from ..validation import Floats, Points, as_points
 from .branch_lumen import branch_lumens
 from .lesion_measuring import OWN_SECTION, as_place, lesions_after, measured
-from .lesion_value import HealthyPlace, Lesion, reference_words
+from .lesion_value import HealthyPlace, Lesion, Place, reference_words
 from .narrowings import PLATEAU, Narrowing, Plateau, narrowings
 from .runs import VesselRun, vessel_runs
 
@@ -42,6 +42,10 @@ begin at 4 mm, and rows of a balloon at 2."""
 MAIN = 0.3
 """Share of the caliber of the vessel at the root from which one that comes from it is a main one:
 both pulmonary arteries of the anatomies have more, what else leaves the trunk less."""
+
+SAME_WALL = 0.9
+"""Share of the diameter of a narrowing from which the ostium of a branch that leaves there is no
+lesion of its own: stations are too far apart to tell more."""
 
 
 def find_lesions(
@@ -90,14 +94,22 @@ def find_lesions(
 
 
 def _once(lesions: Sequence[Lesion]) -> list[Lesion]:
-    """Each narrowing once: lines that part beyond it may both run through it."""
+    """Each narrowing once: lines that part beyond it may both run through it.
+
+    A long throat has no one narrowest place: what lies in the lumen of another lesion is that.
+    """
     kept: list[Lesion] = []
     for lesion in sorted(lesions, key=lambda one: one.vessel):
-        away = [np.linalg.norm(np.subtract(lesion.point, other.point)) for other in kept]
-        radii = [other.minimum_diameter / 2 for other in kept]
-        if not any(distance < radius for distance, radius in zip(away, radii, strict=True)):
+        if not any(_is_in(lesion.point, other) for other in kept):
             kept.append(lesion)
     return kept
+
+
+def _is_in(place: Place, lesion: Lesion) -> bool:
+    """Whether a place lies in the inner half of a sphere of a lesion."""
+    away = np.linalg.norm(lesion.line - place, axis=1)
+    at_narrowest = np.linalg.norm(np.subtract(place, lesion.point)) < lesion.minimum_diameter / 2
+    return bool(at_narrowest or (away < lesion.diameters / 4).any())
 
 
 def vessel_name(run: VesselRun, is_main: bool) -> str:
@@ -189,9 +201,27 @@ class _Found(NamedTuple):
     def continues(self, other: _Found) -> bool:
         """Whether it lies at the ostium of a vessel, and the other where its parent divides."""
         last = other.run.along[np.isfinite(other.run.diameter)][-1]
+        is_met = other.narrow.end >= last and self._is_at_ostium_in(other)
+        return is_met and bool(other.run.division)
+
+    def is_part_of(self, other: _Found) -> bool:
+        """Whether it lies at an ostium within the narrowing of its parent: it is the same wall.
+
+        What is narrower at the ostium than the parent is its own.
+        """
+        is_round = other.narrow.start <= self.run.along[0] <= other.narrow.end
+        is_same = is_round and self.narrowest >= SAME_WALL * other.narrowest
+        return is_same and self._is_at_ostium_in(other)
+
+    def _is_at_ostium_in(self, other: _Found) -> bool:
         first = self.run.along[np.isfinite(self.run.diameter)][0]
-        is_met = bool(other.narrow.end >= last and self.narrow.start <= first)
-        return is_met and self.run.parent == other.vessel and bool(other.run.division)
+        return bool(self.run.parent == other.vessel and self.narrow.start <= first)
+
+    @property
+    def narrowest(self) -> float:
+        """Diameter of its narrowest station, mm."""
+        at = np.abs(self.run.along - self.narrow.narrowest).argmin()
+        return float(self.run.diameter[at])
 
 
 def _found(runs: Sequence[VesselRun]) -> list[_Found]:
@@ -203,7 +233,8 @@ def _found(runs: Sequence[VesselRun]) -> list[_Found]:
         _Found(number, run, narrow) for number, run in enumerate(runs) for narrow in narrowings(run)
     ]
     found = [one for one in every if any(side is not None for side in one.sides)]
-    return [one for one in found if not any(other.continues(one) for other in found)]
+    found = [one for one in found if not any(other.continues(one) for other in found)]
+    return [one for one in found if not any(one.is_part_of(other) for other in found)]
 
 
 def _is_main(run: VesselRun, runs: Sequence[VesselRun]) -> bool:
