@@ -4,20 +4,17 @@ import logging
 import sys
 import weakref
 
-import numpy as np
 import slicer
 from slicer.i18n import tr as _
 from slicer.ScriptedLoadableModule import ScriptedLoadableModuleLogic
 
-from SDFStentLib.stent import DEFAULT_FORESHORTENING, AtCenter
-from SDFStentLib.treatment import SizingWishes, placement_at
+from SDFStentLib.treatment import SizingWishes
 from SDFStentLib.validation import DeploymentError, InputError
 
 from . import (
     Dependencies,
     Deploying,
     Display,
-    Handles,
     Layouts,
     Outputs,
     Plans,
@@ -29,28 +26,23 @@ from .Dragging import Dragging
 from .Exporting import Exporting
 from .Fitting import Fitting
 from .Inputs import Inputs
-from .LumenMiddle import middleOn
 from .ParameterNode import (
-    STENT_FIELDS,
     MethodParameters,
-    Placement,
     SDFStentParameterNode,
-    stentOf,
-    stentsOf,
 )
+from .Planning import Planning
 from .Portions import working
 from .Previewing import Previewing
 from .Segments import Segments
 from .Shown import Shown
 from .Snapping import Snapping
-from .StentList import StentList
 from .Suggesting import Suggesting
 
 FIRST_PLAN = "Plan 1"
 
 
 class SDFStentLogic(
-    Fitting, Suggesting, Alternatives, Segments, Exporting, ScriptedLoadableModuleLogic
+    Planning, Fitting, Suggesting, Alternatives, Segments, Exporting, ScriptedLoadableModuleLogic
 ):
     """Deploys the stents of a parameter node.
 
@@ -123,108 +115,7 @@ class SDFStentLogic(
         node.SetAttribute("ModuleName", self.moduleName)
         return self.parameterSet(slicer.mrmlScene.AddNode(node))
 
-    # The plan's stents
-
-    @staticmethod
-    def stentList(parameterNode):
-        """The ordered list of stents, to add, copy, remove, move and switch them."""
-        return StentList(parameterNode)
-
-    def addStent(self, parameterNode, **values):
-        """Append a stent, with a handle of its own unless `handle` is given; returns the handle.
-
-        The handle is put at the middle of the centerline. Along a curve, which is the placement where there is no centerline,
-        it is a curve without points, for the user to draw.
-        """
-        unknown = set(values) - set(STENT_FIELDS)
-        if unknown:
-            raise InputError(
-                f"Stent: expected values of {', '.join(STENT_FIELDS)}, got {', '.join(sorted(unknown))}."
-            )
-        stents = StentList(parameterNode)
-        if "handle" not in values:
-            if parameterNode.centerline is None:
-                values.setdefault("placement", Placement.ALONG_CURVE)
-            else:
-                values.setdefault("diameter", self._inputs.suggestedDiameter(parameterNode))
-            values.setdefault("label", stents.freeLabel())
-            isCurve = values.get("placement") == Placement.ALONG_CURVE
-            centerline = None if isCurve else self._inputs.centerline(parameterNode)
-            values["handle"] = Handles.newHandle(centerline, values)
-        if values.get("placement", Placement.CENTER).usesHandleLength:
-            values.setdefault("foreshortening", 0.0)
-        stents.add(**values)
-        return values["handle"]
-
-    def copyStent(self, parameterNode):
-        """Append a copy of the selected stent with a handle of its own."""
-        stents, stent = StentList(parameterNode), parameterNode.stent
-        isAgain = stent.placement == Placement.AGAIN
-        stents.copy(
-            stent.handle if isAgain else Handles.copyHandle(stent.handle, stents.freeLabel())
-        )
-
-    def removeStent(self, parameterNode):
-        """Remove the selected stent, and its handle if this module made it; with the last one what was deployed, too."""
-        handle = parameterNode.stent.handle
-        StentList(parameterNode).remove()
-        if handle not in [stent.handle for stent in parameterNode.stents]:
-            Handles.removeHandle(handle)
-        if not len(parameterNode.stents):
-            self.removeResults(parameterNode)
-
-    def fitHandle(self, parameterNode):
-        """Give the selected stent's handle the points that its placement needs; one that dilates another again takes that one's."""
-        if self.shareHandle(parameterNode):
-            return
-        stent = parameterNode.stent
-        stent.foreshortening = 0.0 if stent.placement.usesHandleLength else 10.0
-        if stent.handle is not None and parameterNode.centerline is not None:
-            tree, length = self._inputs.centerline(parameterNode), Sizes.lengthOf(stent)
-            Handles.fitHandle(stent.handle, stent.placement, tree, length)
-
-    def leadHandle(self, parameterNode, handle):
-        """Keep a handle on the centerline while the mouse moves it; the axis of a stent along a curve is free."""
-        stents = stentsOf(parameterNode)
-        if any(stent.handle is handle and stent.placement.needsCenterline for stent in stents):
-            self._dragging.follow(handle, self._inputs.knownCenterline(parameterNode))
-
-    def moveStent(self, parameterNode, distance):
-        """Move the handle of the selected stent along the centerline, in mm, towards the outlets or, negative, the root."""
-        stent = stentOf(parameterNode)
-        if (
-            stent.handle is not None
-            and parameterNode.centerline
-            and stent.placement.needsCenterline
-        ):
-            Handles.moveHandle(stent.handle, self._inputs.centerline(parameterNode), distance)
-
-    def snapHandle(self, parameterNode, handle):
-        """Move a handle's points onto the centerline; from how far, where that is far, is in `status` afterwards.
-
-        Raises `InputError` with a sentence where no stent can be, as outside of the lumen; then the handle stays where it is.
-        """
-        stents = [stent for stent in parameterNode.stents if stent.handle is handle]
-        if stents and parameterNode.centerline is not None and not self.missing(parameterNode):
-            surface = self._inputs.vessel(parameterNode).surface
-            self._snapping.snap(stents[0], self._inputs.centerline(parameterNode), surface)
-            parameterNode.status = self._snapping.told(parameterNode)
-
-    def takePlaced(self, parameterNode, handle, index, ray):
-        """Bring a point that the user has placed where it belongs: of a drawn axis to the middle of the lumen seen there.
-
-        A click into a 3D view has the depth of what is drawn foremost, as the wall, another handle, or the stented vessel. `ray` is the
-        `Ray` on which the point was seen; None in a slice view, where the point stays. It also stays where no vessel is seen, and `status` says so.
-        """
-        if stentOf(parameterNode).placement != Placement.ALONG_CURVE:
-            self.snapHandle(parameterNode, handle)
-        elif ray is not None:
-            middle = middleOn(self._inputs.vessel(parameterNode).polyData, ray)
-            if middle is None:
-                self._snapping.leave(handle, index)
-            else:
-                handle.SetNthControlPointPositionWorld(index, *middle)
-            parameterNode.status = self._snapping.told(parameterNode)
+    # The plan
 
     def restoreMethod(self, parameterNode):
         """Set the method, and what a suggestion goes by, back to the defaults."""
@@ -264,22 +155,6 @@ class SDFStentLogic(
         if parameterNode.vessel is None or parameterNode.centerline is None:
             return None
         return self._inputs.lesions(parameterNode)
-
-    def addStentAt(self, parameterNode, lesion):
-        """Append a stent at a lesion, as wide as the healthy vessel there; returns the handle.
-
-        Expanded it is as long as the lesion, whose ends are where the lumen is within a tenth of the healthy one; in whole mm.
-        """
-        length = float(np.ceil(lesion.length / (1 - DEFAULT_FORESHORTENING)))
-        place = placement_at(lesion, self._inputs.centerline(parameterNode), length)
-        handle = self.addStent(
-            parameterNode,
-            diameter=round(lesion.reference_diameter, 1),
-            length=length,
-            placement=Placement.CENTER if isinstance(place, AtCenter) else Placement.DISTAL_END,
-        )
-        handle.SetNthControlPointPositionWorld(0, *place.point)
-        return handle
 
     def sizeLimits(self, parameterNode):
         """Largest sensible diameter and length for the sliders, mm."""
