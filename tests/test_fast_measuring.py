@@ -12,6 +12,7 @@ from SDFStentLib.geometry import (
     Surface,
     SurfaceIndex,
     cut,
+    length,
     nearest_distances,
     resampled,
     tangents,
@@ -81,6 +82,26 @@ def test_spheres_are_those_of_a_plain_climb(a_vessel, when):
     for place, direction, radius in zip(places, directions, found.radii, strict=True):
         expected = plain_sphere(points, triangles, place, direction)[1]
         assert radius == pytest.approx(expected, abs=1e-3)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_spheres_of_a_whole_tree_are_those_of_plain_climbs(seed):
+    rng = np.random.default_rng(seed)
+    outlets = int(rng.integers(6, 11))
+    made = vascular_tree(outlets, 0.5, {int(rng.integers(outlets)): rng.uniform(0.3, 0.6)})
+    lines = [made.centerline.points[branch] for branch in made.centerline.branches]
+    # At an end an axis point lies on the wall, where the plain way does not know where to go.
+    lines = [resampled(line, 0.2)[1:-1] for line in lines if length(line) > 0]
+    places = np.concatenate(lines)
+    directions = np.concatenate([tangents(line) for line in lines])
+    assert len(places) > 1024  # More than are searched at once.
+    found = inscribed_spheres(made.points, made.triangles, places, directions).radii
+    middles = made.points[made.triangles].mean(axis=1)
+    for one in rng.choice(len(places), 8, replace=False):
+        # The plain way begins with a part of what it is given: of a whole tree too little is left.
+        near = made.triangles[np.linalg.norm(middles - places[one], axis=1) < 15.0]
+        expected = plain_sphere(made.points, near, places[one], directions[one])[1]
+        assert found[one] == pytest.approx(expected, abs=1e-3)
 
 
 @pytest.mark.parametrize("when", [0, 1], ids=["before", "after"])
