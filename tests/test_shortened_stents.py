@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 
 import pytest
-from child_processes import installed
+
+from SDFStentLib.cli.shell import main
 
 SIZES = ["--units", "cm", "--diameter", "6", "--foreshortening", "0"]
 ALONG_LINE = ["--centerline", "line.vtp"]
@@ -18,34 +19,44 @@ PLACES = {
 }
 
 
-def deployed(folder, place, *more):
-    return installed("deploy", "tube.vtp", *SIZES, *place, "-o", "out.vtp", *more, folder=folder)
+@pytest.fixture
+def said(a_folder, capsys):
+    """Exit code of a command in the folder of the tube, and what it says as warning or error."""
+
+    def run(*words):
+        return main([*words]), capsys.readouterr().err
+
+    return run
+
+
+def deployed(said, place, *more):
+    return said("deploy", "tube.vtp", *SIZES, *place, "-o", "out.vtp", *more)
 
 
 @pytest.mark.parametrize("name", PLACES)
-def test_a_stent_of_which_less_than_half_fits_is_refused_unless_asked_for(a_folder, name):
+def test_a_stent_of_which_less_than_half_fits_is_refused_unless_asked_for(said, a_folder, name):
     place, prescribed, available = PLACES[name]
     before = {path.name for path in a_folder.iterdir()}
-    refused = deployed(a_folder, place)
-    assert refused.returncode == 2, refused.stderr
-    assert f"at least half of its {prescribed:.1f} mm" in refused.stderr
-    assert f"got {available:.1f} mm" in refused.stderr
-    assert "--shortened" in refused.stderr
+    code, error = deployed(said, place)
+    assert code == 2, error
+    assert f"at least half of its {prescribed:.1f} mm" in error
+    assert f"got {available:.1f} mm" in error
+    assert "--shortened" in error
     assert {path.name for path in a_folder.iterdir()} == before
 
-    asked = deployed(a_folder, place, "--shortened", "--save-plan", "plan.json")
-    assert asked.returncode == 0, asked.stderr
-    assert f"shortened: {prescribed:.1f} mm were prescribed, {available:.1f}" in asked.stderr
+    code, error = deployed(said, place, "--shortened", "--save-plan", "plan.json")
+    assert code == 0, error
+    assert f"shortened: {prescribed:.1f} mm were prescribed, {available:.1f}" in error
 
     plan = json.loads((a_folder / "plan.json").read_text(encoding="utf-8"))
     assert plan["stents"][0]["may_be_shortened"] is True
-    again = installed("run", "plan.json", "-o", "again", folder=a_folder)
-    assert again.returncode == 0, again.stderr
+    code, error = said("run", "plan.json", "-o", "again")
+    assert code == 0, error
     del plan["stents"][0]["may_be_shortened"]
     (a_folder / "plan.json").write_text(json.dumps(plan), encoding="utf-8")
-    without = installed("run", "plan.json", "-o", "never", folder=a_folder)
-    assert without.returncode == 2, without.stderr
-    assert f"at least half of its {prescribed:.1f} mm" in without.stderr
+    code, error = said("run", "plan.json", "-o", "never")
+    assert code == 2, error
+    assert f"at least half of its {prescribed:.1f} mm" in error
 
 
 @pytest.mark.parametrize(
@@ -56,21 +67,19 @@ def test_a_stent_of_which_less_than_half_fits_is_refused_unless_asked_for(a_fold
         ["--distal", "0", "0", "1.01", "--length", "20"],
     ],
 )
-def test_half_a_stent_on_the_vessel_is_enough(a_folder, place):
-    run = deployed(a_folder, [*ALONG_LINE, *place])
-    assert run.returncode == 0, run.stderr
-    assert "is shortened" in run.stderr
+def test_half_a_stent_on_the_vessel_is_enough(said, place):
+    code, error = deployed(said, [*ALONG_LINE, *place])
+    assert code == 0, error
+    assert "is shortened" in error
 
 
-def test_a_stent_that_is_dilated_again_is_not_refused_twice(a_folder):
+def test_a_stent_that_is_dilated_again_is_not_refused_twice(said):
     place, *_ = PLACES["a short curve"]
-    run = deployed(a_folder, place, "--shortened", "--redilate", "7")
-    assert run.returncode == 0, run.stderr
+    code, error = deployed(said, place, "--shortened", "--redilate", "7")
+    assert code == 0, error
 
 
-def test_a_part_to_measure_may_reach_beyond_the_vessel(a_folder):
-    run = installed(
-        "measure", "tube.vtp", "--units", "cm", *ALONG_LINE, "--proximal", "0", "0", "3.5",
-        "--length", "20", folder=a_folder,
-    )  # fmt: skip
-    assert run.returncode == 0, run.stderr
+def test_a_part_to_measure_may_reach_beyond_the_vessel(said):
+    place = ["--proximal", "0", "0", "3.5", "--length", "20"]
+    code, error = said("measure", "tube.vtp", "--units", "cm", *ALONG_LINE, *place)
+    assert code == 0, error

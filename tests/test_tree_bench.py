@@ -215,6 +215,13 @@ def told(place, minimum, percent, reference=6.0, length=8.0):
     return Told(np.asarray(place), minimum, percent, reference, length, "")
 
 
+@pytest.fixture(scope="module")
+def halved():
+    """A vessel of 6 mm with a narrowing to 3 mm, and what is true of it."""
+    before, after, one = seeded(constant(3.0), "focal", [(0.5, 25.0, 37.0)], (25.0, 37.0))
+    return after, truths(before, after, one)
+
+
 @pytest.mark.parametrize(
     ("lesions", "words"),
     [
@@ -228,17 +235,15 @@ def told(place, minimum, percent, reference=6.0, length=8.0):
         ([(50.0, 3.0, 50.0)], "missed"),
     ],
 )
-def test_verdicts(lesions, words):
-    before, after, one = seeded(constant(3.0), "focal", [(0.5, 25.0, 37.0)], (25.0, 37.0))
-    found = truths(before, after, one)
+def test_verdicts(halved, lesions, words):
+    after, found = halved
     given = [told(at * WAY, minimum, percent) for at, minimum, percent in lesions]
     (verdict,), invented = judged(*after, found, given)
     assert verdict.words == words
     assert len(invented) == sum(at == 50.0 for at, _, _ in lesions)
 
 
-def test_small_lesions_that_are_not_there_are_not_called_invented():
-    before, after, one = seeded(constant(3.0), "focal", [(0.5, 25.0, 37.0)], (25.0, 37.0))
-    found = truths(before, after, one)
+def test_small_lesions_that_are_not_there_are_not_called_invented(halved):
+    after, found = halved
     given = [told(31 * WAY, 3.0, 50.0), told(50 * WAY, 5.2, 13.0)]
     assert judged(*after, found, given)[1] == []
