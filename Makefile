@@ -10,10 +10,11 @@ demo: .venv/ready
 
 app: .venv/ready-app
 
-# A process per core; more than four would hold each other up. A file stays in one process.
+# A process per core; more than four would hold each other up. A file stays in one process, which
+# has one thread of BLAS: those of several processes wait for each other.
 # Bytecode is kept: every process that a test starts would compile the library anew.
 test: .venv/ready-test
-	@PYTHONDONTWRITEBYTECODE= QT_QPA_PLATFORM=offscreen $(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile
+	@PYTHONDONTWRITEBYTECODE= OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 QT_QPA_PLATFORM=offscreen $(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile
 
 lint: .venv/ready-lint
 	@$(BIN)/ruff check .
