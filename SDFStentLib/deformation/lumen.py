@@ -15,8 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..field import fractions_of
-from ..geometry import arc_lengths, dot
+from ..geometry import dot
 from ..validation import Points, Triangles
 from .motion import Motion
 
@@ -25,12 +24,11 @@ CONTACT_BAND = 1.5
 
 FINISH_ROUNDS = 2
 
-DRAG_BOUND = 1.25
-"""Wall outside of stent and native lumen goes out to at most so many times its distance from them.
+DRAG_BOUND = 2.0
+"""Wall outside of the expanded stent is dragged to at most so many times its distance from it.
 
-Dragging keeps side branches open. On a slope the lumen is that of the nearest wall, nearer by the
-slope's cosine: at 35 degrees its wall may go out by 4.5 % of its distance from the axis. A
-lumen may become wider by 5 %.
+Any factor above 1 lets the bound begin without a step where the stent just reaches; 2 is none of
+its size, it has no unit: wall goes no farther out than it was from the stent.
 """
 
 NEGLIGIBLE = 1e-4
@@ -115,11 +113,11 @@ def finished(motion: Motion, stent: Expanded) -> OnStent:
 def drawn_in(motion: Motion, positions: Points, own: OwnWall, stent: Expanded) -> OnStent:
     """Bring wall back that was dragged along ahead of the stent and ended outside of it.
 
-    A stent only pushes. Wall that it reaches has no cause to end up outside of it, nor has wall
-    round a lumen that is wider than it to go out; near contact the published rule drags both along.
-    A point out of contact influences nobody, so this is the same as if its dragging had stopped
-    there. It concerns only the stented lumen's own wall. Beyond the ends, where dragging makes the
-    transition to the wall that rests, wall may go as far out as it is beyond the end.
+    A stent only pushes. Wall that it reaches has no cause to end up outside of it, but near contact
+    the published rule drags it ahead by up to some hundredths of the radius. A point out of contact
+    influences nobody, so this is the same as if its dragging had stopped there. It concerns only
+    the stented lumen's own wall. Beyond the ends, where dragging makes
+    the transition to the wall that rests, wall may lie as far out as it is beyond the end.
 
     Parameters
     ----------
@@ -134,14 +132,14 @@ def drawn_in(motion: Motion, positions: Points, own: OwnWall, stent: Expanded) -
     positions, radius = positions.copy(), stent.radius
     moved = np.linalg.norm(positions[own.numbers] - own.start, axis=1)
     outside = motion.distance_at(motion.level - stent.level)[own.numbers]
-    may_be = (outside > 0) & (moved > 0)
+    # Whatever is too far out has moved by a certain share of that; the level tells it roughly.
+    surely = (1 - 1 / DRAG_BOUND) * (outside - motion.chain.smoothing_width)
+    may_be = (outside > 0) & (surely < moved) & (moved > 0)
     where, share = own.numbers[may_be], own.share[may_be]
-    start = own.start[may_be]
-    native = stent_distance(motion, where, start, radius)
-    nearest = _nearest_wall(motion, own.start, start)
-    lumen = np.maximum(nearest + motion.chain.shortfall(start, radius), radius)
-    allowed = lumen + DRAG_BOUND * np.maximum(native - lumen, 0)
-    bound = allowed + _beyond_ends(motion, where, positions[where]) + motion.offset[where]
+    native = stent_distance(motion, where, own.start[may_be], radius)
+    allowed = DRAG_BOUND * np.maximum(native - radius, 0)
+    allowed += _beyond_ends(motion, where, positions[where])
+    bound = radius + allowed + motion.offset[where]
     distance = stent_distance(motion, where, positions[where], stent.radius)
     too_far = distance > bound * (1 + ROUNDING)
     where, bound = where[too_far], (distance + share * (bound - distance))[too_far]
@@ -149,16 +147,6 @@ def drawn_in(motion: Motion, positions: Points, own: OwnWall, stent: Expanded) -
         true_distance = stent_distance(motion, where, positions[where], stent.radius)
         positions[where] += (bound - true_distance)[:, None] * motion.outward[where]
     return OnStent(positions, where[bound <= (1 + NEGLIGIBLE) * radius])
-
-
-def _nearest_wall(motion: Motion, wall: Points, beside: Points) -> NDArray[np.float64]:
-    """Distance (n,), mm, from the axis beside some points to the nearest of a wall."""
-    from scipy.spatial import cKDTree
-
-    nodes = motion.chain.nodes
-    nearest = cKDTree(wall).query(nodes)[0]
-    along = arc_lengths(nodes) / arc_lengths(nodes)[-1]
-    return np.interp(fractions_of(beside, nodes), along, nearest)
 
 
 def facets_compensated(
