@@ -120,11 +120,7 @@ def test_the_flow_survives_scenes_and_plans(host, theTube, aScene, tmp_path):
     plan = tmp_path / "plan.json"
     theTube.logic.savePlan(plan, theTube._parameterNode)
     assert json.loads(plan.read_text(encoding="utf-8"))["flow"] == pytest.approx([100 / 3, 250 / 3])
-    path = tmp_path / "scene.mrb"
-    assert aScene.WriteToMRB(str(path))
-    host.newScene()
-    assert aScene.ReadFromMRB(str(path), True)
-    host.process()
+    host.saveAndLoad(tmp_path / "scene.mrb")
     assert (ui.flowLeastSpinBox.value, ui.flowMostSpinBox.value) == (2.0, 5.0)
     ui.flowLeastSpinBox.value = 0.0
     theTube.logic.loadPlan(plan, theTube._parameterNode)

@@ -187,11 +187,7 @@ def test_ends_are_saved_with_the_scene_and_copied_with_the_plan(host, aSegment, 
     aSegment.ui.closeBranchesCheckBox.checked = True
     copy = aSegment.logic.duplicatePlan(aSegment._parameterNode)
     assert (copy.segmentEnds.GetName(), copy.closeBranches) == ("Ends", True)
-    path = tmp_path / "scene.mrb"
-    assert aScene.WriteToMRB(str(path))
-    host.newScene()
-    assert aScene.ReadFromMRB(str(path), True)
-    host.process()
+    host.saveAndLoad(tmp_path / "scene.mrb")
     assert aSegment._parameterNode.segmentEnds.GetName() == "Ends"
     assert aSegment.ui.segmentEndsSelector.currentNode().GetName() == "Ends"
     assert aSegment.ui.closeBranchesCheckBox.checked

@@ -186,11 +186,7 @@ def test_a_shape_survives_saving_and_loading_the_scene(host, theSection, aScene,
     ui.distalEndSpinBox.value = 9.5
     host.choose(ui.capsComboBox, 1)
     shape = planned(theSection).shape
-    path = tmp_path / "scene.mrb"
-    assert aScene.WriteToMRB(str(path))
-    host.newScene()
-    assert aScene.ReadFromMRB(str(path), True)
-    host.process()
+    host.saveAndLoad(tmp_path / "scene.mrb")
     assert planned(theSection).shape == shape
     assert (ui.waistSpinBox.value, ui.waistPositionSpinBox.value) == (6.0, 0.0)
     assert ui.distalEndSpinBox.value == 9.5

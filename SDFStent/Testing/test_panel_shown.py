@@ -96,11 +96,7 @@ def test_without_stents_the_vessel_is_as_it_was(host, aStent, aScene, tmp_path, 
         ui.autoUpdateCheckBox.checked = when == "live"
         deploy(host, aStent)
     if when == "saved":
-        path = tmp_path / "scene.mrb"
-        assert aScene.WriteToMRB(str(path))
-        host.newScene()
-        assert aScene.ReadFromMRB(str(path), True)
-        host.process()
+        host.saveAndLoad(tmp_path / "scene.mrb")
         vessel = aStent._parameterNode.vessel
     host.click(ui.removeStentButton)
     assert aStent._parameterNode.outputVessel is not None

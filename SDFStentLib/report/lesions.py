@@ -167,6 +167,12 @@ def stent_lesion_sentences(lesions: Sequence[TreatedLesion] | None, stent: int) 
     ]
 
 
+def degree_change(treated: TreatedLesion) -> str:
+    """A lesion's stenosis by diameter, before and after, in few words."""
+    before, after = treated.before.percent_diameter, treated.after.percent_diameter
+    return f"lesion {treated.number} {degree_text(before)} -> {degree_text(after)}"
+
+
 def lesions_csv(lesions: Sequence[Lesion], units: str = "mm") -> str:
     """The lesions as a table with one row each; an empty cell where a number is not known."""
     text = io.StringIO()

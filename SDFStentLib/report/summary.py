@@ -13,12 +13,19 @@ from .branches import NONE_NEAR, again_words, stent_branch_sentences
 from .deployed import deployed_words
 from .devices import stent_device_sentences
 from .diameters import lumen_sentence
-from .lesions import COVERS_NONE, LEFT, NOT_LOOKED_FOR, residual_words, stent_lesion_sentences
+from .lesions import (
+    COVERS_NONE,
+    LEFT,
+    NOT_LOOKED_FOR,
+    degree_change,
+    residual_words,
+    stent_lesion_sentences,
+)
 from .pressure import stent_pressure_sentences
 from .shapes import prescribed_words
 from .sizing import stent_ratio_sentences
 from .today import today_sentences
-from .words import UNKNOWN, degree_text
+from .words import UNKNOWN
 
 LISTED = 4
 """Of stents, lesions and branches each; of more the number is told."""
@@ -119,13 +126,7 @@ def _stenosis(lesions: Sequence[TreatedLesion] | None, residual: Residual | None
     if not covered:
         return COVERS_NONE
     left = "" if residual is None else f" {LEFT}: {residual_words(residual)}."
-    return f"Stenosis by diameter: {_listed([_degrees(one) for one in covered], '; ')}.{left}"
-
-
-def _degrees(one: TreatedLesion) -> str:
-    left = degree_text(one.after.percent_diameter)
-    before = degree_text(one.before.percent_diameter)
-    return f"lesion {one.number} {before} -> {left}"
+    return f"Stenosis by diameter: {_listed([degree_change(one) for one in covered], '; ')}.{left}"
 
 
 def _branches(stents: Sequence[TreatedStent]) -> str:

@@ -6,7 +6,8 @@ import math
 from typing import Any
 
 from ..plan import Today
-from .words import UNKNOWN, degree_text
+from .lesions import degree_change
+from .words import UNKNOWN
 
 
 def today_sentences(today: Today | None) -> list[str]:
@@ -17,12 +18,7 @@ def today_sentences(today: Today | None) -> list[str]:
         f"stent {number} {UNKNOWN if math.isnan(width) else f'{width:.2f} mm'}"
         for number, width in today.minimum_lumen.items()
     ]
-    degrees = [
-        f"lesion {one.number} {degree_text(one.before.percent_diameter)} -> "
-        f"{degree_text(one.after.percent_diameter)}"
-        for one in today.lesions or ()
-        if one.stents
-    ]
+    degrees = [degree_change(one) for one in today.lesions or () if one.stents]
     stenosis = f"; stenosis by diameter: {'; '.join(degrees)}" if degrees else ""
     return [
         f"Today, before the redilation as stent {today.redilation}: narrowest lumen "

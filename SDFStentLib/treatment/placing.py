@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..centerline import Centerline
-from ..geometry import arc_lengths, closest_points, length, resampled
+from ..geometry import arc_lengths, closest_points, length, point_at, resampled
 from ..stent import DEFAULT_FORESHORTENING, AtCenter, AtDistalEnd
 from ..validation import Flags, Floats, Points, as_number
 from ..vessel import Lesion, lesions_within
@@ -74,18 +74,12 @@ def placement_at(
     narrowest, at = lesion.arc_length - lesion.start, extent / 2
     if 2 * half < extent:
         at = min(max(at, narrowest - half / 2), narrowest + half / 2)
-    middle = _on_line(lesion, at)
+    middle = point_at(lesion.line, at)
     around = centerline.path_around(middle, 2 * half).points
     within = max(extent - 2 * half, 0.0) + NOTICED
     if lesions_within([lesion], around) and uncovered_length(lesion, [around]) <= within:
         return AtCenter(middle)
     if at + half <= extent:
-        return AtDistalEnd(_on_line(lesion, at + half))
+        return AtDistalEnd(point_at(lesion.line, at + half))
     beyond = centerline.path_from_proximal(lesion.line[-1], at + half - extent)
     return AtDistalEnd(beyond.points[-1])
-
-
-def _on_line(lesion: Lesion, at: float) -> Points:
-    """The place of a lesion's line at an arc length from its start, mm."""
-    along = arc_lengths(lesion.line)
-    return np.array([np.interp(at, along, column) for column in lesion.line.T])

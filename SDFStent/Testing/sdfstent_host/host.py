@@ -157,6 +157,13 @@ class Host:
         self.scene.Clear(0)
         self.process()
 
+    def saveAndLoad(self, path):
+        """Save the scene as an MRB file, close it, and load the file."""
+        assert self.scene.WriteToMRB(str(path))
+        self.newScene()
+        assert self.scene.ReadFromMRB(str(path), True)
+        self.process()
+
     def process(self, seconds=0.0):
         """Let Qt deliver its events, timers included."""
         end = time.perf_counter() + seconds
