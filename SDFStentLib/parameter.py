@@ -73,7 +73,8 @@ class Parameter:
 
     def schema(self) -> dict[str, Any]:
         """The parameter in a JSON schema (draft 7)."""
-        sentence = f"{self.does[0].upper()}{self.does[1:]}{', ' * bool(self.unit)}{self.unit}."
+        unit = f" ({self.unit})" if self.unit else ""
+        sentence = f"{self.does[0].upper()}{self.does[1:]}{unit}."
         found: dict[str, Any] = {"description": sentence}
         if self.names:
             return {**found, "enum": list(self.names)}

@@ -24,9 +24,8 @@ def add_method(command: argparse.ArgumentParser) -> None:
             words = f"do not {parameter.does}"
             group.add_argument(option, dest=name, action="store_false", help=words)
         else:
-            words = ", ".join(filter(None, (parameter.does, parameter.unit)))
-            if default is not None:
-                words = f"{words} (default {default:g})"
+            told = [parameter.unit, "" if default is None else f"default {default:g}"]
+            words = f"{parameter.does} ({', '.join(filter(None, told))})"
             metavar = parameter.unit.upper() or "F"
             group.add_argument(
                 option, dest=name, type=number, metavar=metavar, default=default, help=words

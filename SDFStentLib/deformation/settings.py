@@ -141,7 +141,7 @@ class DeploymentSettings:
     facet_compensation: bool = field(
         default=True,
         metadata=_parameter(
-            "bring the lumen, not only the vertices, to the prescribed diameter; needs finish",
+            "make up for what flat facets take of the lumen's diameter; needs finish",
             option="no-compensation",
         ),
     )
