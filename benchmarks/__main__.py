@@ -26,17 +26,10 @@ from .sweep import DATA_FOLDER, PROJECT
 TITLES = {
     "against_svmorph": "Whole deployments against svmorph 0.1.2",
     "first_frame": "First frame",
-    "measuring": "Measuring beside deploying",
     "memory": "Memory",
-    "certificate": "Certificate",
-    "step_rules": "Distance to the converged limit of the radius steps",
-    "proxy": "The preview on a proxy",
     "lumen": "The deployed lumen",
-    "where_time_goes": "Where the time goes",
     "trees": "Narrowings in trees",
     "random_stents": "Random stents in the anatomies",
-    "damaged_files": "Damaged files",
-    "interruptions": "Interruptions",
 }
 RESULTS = PROJECT / "benchmarks" / "results.json"
 NEEDS_SVMORPH = ("against_svmorph",)

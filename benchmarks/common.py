@@ -16,9 +16,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from SDFStentLib.geometry import Surface, arc_lengths, cut
+from SDFStentLib.geometry import Surface, cut
 
-from .bench_certificate import subdivided
 from .sweep import DATA_FOLDER, vessel
 
 AORTA_TRIANGLES = 18_584
@@ -45,11 +44,11 @@ class Case(NamedTuple):
         return self.surface.triangles
 
 
-def anatomy_case(name: str, start: float, length: float, radius: float, leaf: int = 0) -> Case:
-    """A stent over a range of arc length, mm, of the path to one of an anatomy's leaves."""
+def anatomy_case(name: str, start: float, length: float, radius: float) -> Case:
+    """A stent over a range of arc length, mm, of the path to an anatomy's first leaf."""
     made = vessel(name)
     line = made.centerline
-    path = line.path(line.points[line.roots[0]], line.points[np.sort(line.leaves)[leaf]])
+    path = line.path(line.points[line.roots[0]], line.points[line.leaves.min()])
     return Case(
         name,
         made.surface,
@@ -73,13 +72,14 @@ def pulmonary_case() -> Case:
     return anatomy_case("pulmonary", 8.0, 25.0, 11.0)
 
 
-def vmtk_aorta_case() -> Case:
-    """25 mm x 18 mm across the bifurcation of VMTK's aorta, at 33 mm."""
-    return anatomy_case("vmtk_aorta", 20.0, 25.0, 9.0)
-
-
-def path_length(points: np.ndarray) -> float:
-    return float(arc_lengths(points)[-1])
+def subdivided(points: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Every triangle cut into four at the middles of its sides."""
+    sides = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    keys, middle = np.unique(sides[:, 0] * len(points) + sides[:, 1], return_inverse=True)
+    first, second = np.divmod(keys, len(points))
+    a, b, c, ab, bc, ca = *triangles.T, *(len(points) + middle.reshape(-1, 3)).T
+    finer = np.stack([a, ab, ca, ab, b, bc, ca, bc, c, ab, bc, ca], axis=1).reshape(-1, 3)
+    return np.vstack([points, (points[first] + points[second]) / 2]), finer
 
 
 def seconds_of(function: Callable[[], object]) -> float:

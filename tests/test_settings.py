@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import FrozenInstanceError, fields
 from pathlib import Path
 
@@ -190,3 +191,19 @@ def test_a_radius_that_no_stent_has_is_refused(radius):
     words = r"stent radius: expected a number at least 0.05 and at most 100 \(mm\), got"
     with pytest.raises(InputError, match=words):
         Deployment(tube.surface, CapsuleChain.along([[0, 0, 5], [0, 0, 15]]), radius)
+
+
+def test_the_method_document_names_every_setting_with_its_default():
+    text = (
+        (Path(__file__).parents[1] / "docs" / "method.md")
+        .read_text(encoding="utf-8")
+        .split("## Defaults")[1]
+    )
+    default, documented = DeploymentSettings(), {}
+    for names, values in re.findall(r"^\| (`[^|]+) \| ([^|]+) \|", text, flags=re.MULTILINE):
+        documented |= dict(zip(re.findall(r"\w+", names), values.split(", "), strict=True))
+    assert set(documented) == {field.name for field in fields(default)}
+    for name, said in documented.items():
+        value = RULES["events"] if name == "step" else getattr(default, name)
+        meant = {"on": True, "off": False}.get(said, said.removesuffix(" mm").strip())
+        assert str(meant) == str(value), name

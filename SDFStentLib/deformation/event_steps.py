@@ -42,7 +42,7 @@ ERROR_SHARE = 0.25
 
 The mean rate over contact times against the trapezoid of both ends. An estimate, no bound: a
 quarter of the largest difference of all steps was above the measured distance to the converged
-limit in all cases of `benchmarks/step_rules.py` but for one point of a preview.
+limit in all cases of the table in `docs/method.md` but for one point of a preview.
 """
 
 SHORTEST_STEP = 0.1

@@ -15,7 +15,7 @@ from .motion import CELL_SIZE
 PHASES = 8
 """Parts of a step in which new contacts are looked at in turn; each counts from its own time.
 
-With half as many the distance to the converged limit grows by a third (`benchmarks/step_rules.py`).
+With half as many the distance to the converged limit grows by a third.
 """
 
 SHARED = 2.0

@@ -43,8 +43,8 @@ LONGEST_STEP, TOLERANCE = 3.2, 0.4
 FIRST_SHARE = 0.5
 """First radius step of a sample over the longest; all vertices have the rule's own.
 
-With that, an eighth, the mean distance to the full preview is 0.034 mm instead of 0.037 (36 stents
-of `benchmarks/proxy.py`), and a preview costs a quarter more.
+With that, an eighth, the mean distance to the full preview is 0.034 mm instead of 0.037 (36
+seeded stents), and a preview costs a quarter more.
 """
 
 DENSITY = 0.5
