@@ -155,10 +155,19 @@ def test_a_burst_of_changes_is_debounced(host, aStent):
     assert "(9.0 prescribed)" in aStent.ui.lumenLabel.text
 
 
-def test_cancel_stops_within_one_tick(host, aStent):
-    host.click(aStent.ui.deployButton)
+@pytest.fixture
+def aStepAtATime(monkeypatch):
+    """Turns of one step each: however slow the machine, no deployment ends within a few of them."""
+    from SDFStentSlicer import Clock
+
+    monkeypatch.setattr(Clock.QtTimer, "TURN_S", (0.0, 0.0))
+
+
+def test_cancel_stops_within_one_tick(host, aStent, aStepAtATime):
     aStent.session.start()
+    host.processUntil(lambda: aStent.ui.progressBar.value > 0)
     assert aStent.ui.cancelButton.enabled
+    assert aStent.ui.progressBar.value < 50
     host.click(aStent.ui.cancelButton)
     assert not aStent.session.isBusy
     assert aStent.ui.lumenLabel.text == ""
