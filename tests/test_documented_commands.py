@@ -224,20 +224,30 @@ OTHERWISE = {
 """Commands that cannot just be run everywhere, why, and how they are run instead."""
 
 
-def commands_by_document() -> dict[str, list[str]]:
-    """Each command with the first document that shows it."""
-    first: dict[str, str] = {}
+ALIKE = ("run", "centerline")
+"""Of these commands the place of the outputs is written last, and read by no other command."""
+
+
+def commands_by_document() -> dict[str, list[list[str]]]:
+    """The arguments of each command with the first document that shows it.
+
+    What differs only in where the outputs go is one command.
+    """
+    first: dict[str, tuple[str, list[str]]] = {}
     for path in DOCUMENTS:
         for line in command_lines(path.read_text(encoding="utf-8")):
             for command in variants(line):
-                first.setdefault(command.strip(), path.name)
-    return {name: [one for one in first if first[one] == name] for name in first.values()}
+                arguments = arguments_of(command)
+                outputs = slice(arguments.index("-o"), None) if arguments[0] in ALIKE else slice(0)
+                told = " ".join(word for word in arguments if word not in arguments[outputs])
+                first.setdefault(told, (path.name, arguments))
+    names = [name for name, _ in first.values()]
+    return {name: [one for where, one in first.values() if where == name] for name in names}
 
 
 @pytest.mark.parametrize(("document", "commands"), commands_by_document().items())
 def test_every_command_line_of_the_documents_runs(folder, document, commands):
-    for command in commands:
-        arguments = arguments_of(command)
+    for arguments in commands:
         run = next((OTHERWISE[word] for word in arguments if word in OTHERWISE), assert_runs)
         run(folder, arguments)
 
