@@ -244,7 +244,7 @@ def the_visit(a_browser, the_server):
     visit = Visit(a_browser, the_server.address)
     visit.until("stentTable", "Planned")  # the plan that the server was started with
     visit.until("stentTable", "9.0 mm")
-    visit.named("lesionTable").locator("tbody tr").first.wait_for(timeout=60_000)
+    visit.named("lesionTable").locator("tbody tr").first.wait_for()
     yield visit
     visit.context.close()
     assert visit.errors == []
@@ -421,7 +421,7 @@ def test_two_clicks_on_the_centerline_place_a_stent_between_them(a_visit):
     for share in (0.95, 0.5):
         playwright.expect(place).to_have_attribute("aria-pressed", "true")
         a_visit.page.mouse.click(*a_visit.seen(is_centerline, share))
-    playwright.expect(place).to_have_attribute("aria-pressed", "false", timeout=20_000)
+    playwright.expect(place).to_have_attribute("aria-pressed", "false")
     placed, turn = a_visit.placed()
     ends = np.array([placed["from"], placed["to"]]) * turn
     line = branching_pulmonary_artery().centerline
@@ -457,7 +457,7 @@ def test_a_damaged_file_that_is_sent_is_a_sentence_and_the_page_goes_on(the_visi
     the_visit.named("opening").evaluate("one => { one.open = true; }")
     upload, path = the_visit.named("surfacePath-upload"), the_visit.page.locator("#surfacePath")
     upload.set_input_files({"name": name, "mimeType": "", "buffer": content})
-    playwright.expect(path).to_have_value(re.compile(rf"uploads/{name}$"), timeout=30_000)
+    playwright.expect(path).to_have_value(re.compile(rf"uploads/{name}$"))
     the_visit.named("openButton").click()
     the_visit.until("message", sentence)
     assert "uploads" not in the_visit.text("message")
@@ -582,7 +582,7 @@ def test_a_page_that_has_failed_says_so_and_is_there_again_when_it_is_loaded(
     files = (the_folder / "cm" / "wall.vtp", "--centerline", the_folder / "cm" / "lines.vtp")
     server = AppServer(tmp_path / "workshop", *files, "--units", "cm")
     visit = Visit(a_browser, server.address)
-    visit.named("lesionTable").locator("tbody tr").first.wait_for(timeout=60_000)
+    visit.named("lesionTable").locator("tbody tr").first.wait_for()
     assert visit.text("message") == ""
     (page,) = server.pages()
     page.kill()

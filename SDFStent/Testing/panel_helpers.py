@@ -8,7 +8,7 @@ def theThroat():
     return branching_pulmonary_artery().throat.point
 
 
-def settle(host, panel, seconds=60.0):
+def settle(host, panel, seconds=300.0):
     """Let a panel run until nothing is under way or about to start."""
     host.processUntil(lambda: not panel.session.isBusy, seconds)
 

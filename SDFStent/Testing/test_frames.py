@@ -48,7 +48,7 @@ def test_what_nobody_waits_for_ends_before_the_full_method_begins(host, aStent):
     aStent.ui.diameterSlider.value = 9.0
     host.processUntil(lambda: session._restTimer.isActive() and not session.isRunning)
     before = len(advanced)
-    host.processUntil(lambda: len(advanced) > before + 100, 60.0)
+    host.processUntil(lambda: len(advanced) > before + 100)
     assert not session.isRunning
     isOver.set()
     settle(host, aStent)

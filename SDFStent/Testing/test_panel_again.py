@@ -120,7 +120,7 @@ def test_a_second_balloon_recoils_by_the_rule_in_the_lumen_of_the_first(host, tw
     again(host, twoStents, 8.0)
     ui.balloonCheckBox.checked = True
     ui.balloonSlider.value = 20.0  # more than three times the lumen of 6 mm
-    host.processUntil(lambda: not twoStents.recoil.isBusy, 60.0)
+    host.processUntil(lambda: not twoStents.recoil.isBusy)
     assert planned(twoStents)[2].balloon == balloon_by_rule(20.0, 6.0)
     assert planned(twoStents)[2].balloon != balloon_by_rule(20.0, 10.0)
 

@@ -32,7 +32,7 @@ def theSection(host, aStent, aTable):
     host.process()
     host.files.append(str(aTable))
     host.click(aStent.ui.deviceTableButton)
-    host.processUntil(lambda: not aStent.lesions.isBusy, 60.0)
+    host.processUntil(lambda: not aStent.lesions.isBusy)
     return aStent
 
 
@@ -46,7 +46,7 @@ def chooseDevice(host, panel, name):
 
 def measured(host, panel):
     """Wait for a recoil by the rule."""
-    host.processUntil(lambda: not panel.recoil.isBusy, 60.0)
+    host.processUntil(lambda: not panel.recoil.isBusy)
 
 
 def planned(panel):
@@ -59,7 +59,7 @@ def test_the_first_screen_has_not_grown(host, aStent):
     from PySide6 import QtCore, QtWidgets
 
     aStent.parent.resize(460, 1500)
-    host.processUntil(lambda: not aStent.lesions.isBusy, 60.0)
+    host.processUntil(lambda: not aStent.lesions.isBusy)
     host.process()
     place = QtWidgets.QWidget.mapTo(aStent.ui.deployButton, aStent.parent, QtCore.QPoint(0, 0))
     assert place.y() <= 768  # before there were devices and shapes
@@ -355,13 +355,13 @@ def test_dragging_a_balloon_is_previewed(host, theSection):
     ui.balloonCheckBox.checked = True
     measured(host, theSection)
     ui.autoUpdateCheckBox.checked = True
-    host.processUntil(lambda: not theSection.session.isBusy, 60.0)
+    host.processUntil(lambda: not theSection.session.isBusy)
     before = np.array(slicer.util.arrayFromModelPoints(parameters.outputVessel))
     ui.balloonSlider.value = 7.0
     host.processUntil(lambda: "(preview)" in ui.lumenLabel.text)
     after = np.array(slicer.util.arrayFromModelPoints(parameters.outputVessel))
     assert np.abs(after - before).max() > 0.3
-    host.processUntil(lambda: not (theSection.session.isBusy or theSection.recoil.isBusy), 60.0)
+    host.processUntil(lambda: not (theSection.session.isBusy or theSection.recoil.isBusy))
     assert "Balloon 7 mm, lumen 6.51 mm" in ui.lumenLabel.text
 
 

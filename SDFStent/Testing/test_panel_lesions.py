@@ -11,7 +11,7 @@ from panel_helpers import deploy, theThroat
 
 def found(host, panel):
     """Wait until the search has come to its end; the lesions."""
-    host.processUntil(lambda: not panel.lesions.isBusy, 60.0)
+    host.processUntil(lambda: not panel.lesions.isBusy)
     return panel.lesions._search.found
 
 

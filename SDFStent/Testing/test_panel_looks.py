@@ -229,7 +229,7 @@ def cutTexts(table):
 
 def test_names_have_the_room_that_numbers_leave(host, aStent):
     ui = aStent.ui
-    host.processUntil(lambda: not aStent.lesions.isBusy, 60.0)
+    host.processUntil(lambda: not aStent.lesions.isBusy)
     ui.nameEdit.text = NAME[:21]
     ui.plansCollapsibleButton.collapsed = False
     host.click(ui.duplicatePlanButton)

@@ -336,7 +336,7 @@ def twoPlans(host, aPlan):
 def compared(host, panel, folder):
     host.files.append(str(folder))
     host.click(panel.ui.comparePlansButton)
-    host.processUntil(lambda: not panel.plans.comparing.isRunning, 60.0)
+    host.processUntil(lambda: not panel.plans.comparing.isRunning)
 
 
 def told(document):
@@ -364,7 +364,7 @@ def test_the_page_is_that_of_sdfstent_compare(host, twoPlans, tmp_path):
     host.click(ui.comparePlansButton)
     ui.planTable.selectRow(0)
     host.newScene()
-    host.processUntil(lambda: not twoPlans.plans.comparing.isRunning, 60.0)
+    host.processUntil(lambda: not twoPlans.plans.comparing.isRunning)
     (url,) = slicer.util.openedUrls
     assert Path(url.toLocalFile()) == folder / "comparison.html"
     assert "data:image/png" in (folder / "comparison.html").read_text(encoding="utf-8")

@@ -29,7 +29,7 @@ def aSegment(host, aStent):
 def written(host, panel, folder):
     host.files.append(str(folder))
     host.click(panel.ui.writeSegmentButton)
-    host.processUntil(lambda: not panel.sections[-1].writing.isRunning, 60.0)
+    host.processUntil(lambda: not panel.sections[-1].writing.isRunning)
 
 
 def exterior(folder):

@@ -158,7 +158,7 @@ def test_shape_balloon_and_device_go_together(host, theSection):
     ui.waistSpinBox.value = 6.0
     ui.balloonCheckBox.checked = True
     ui.balloonSlider.value = 10.0
-    host.processUntil(lambda: not theSection.recoil.isBusy, 60.0)
+    host.processUntil(lambda: not theSection.recoil.isBusy)
     theSection.logic.setDevice(theSection._parameterNode, "gore-vbx")
     stent = planned(theSection)
     assert (stent.shape.waist.diameter, stent.balloon.diameter) == (6.0, 10.0)

@@ -124,7 +124,7 @@ def test_ratios_are_shown_while_sizes_change(host, aLesion):
         assert ("times as wide as the healthy vessel" in ui.deviceLabel.text) == isWide
         assert ("times as wide as the stenosis" in ui.deviceLabel.text) == (share > 3)
         assert f"reference {lesion.reference_diameter:.2f} mm" in ui.deviceLabel.text
-    host.processUntil(lambda: not panel.recoil.isBusy, 60.0)
+    host.processUntil(lambda: not panel.recoil.isBusy)
     place = panel.logic.centerlineOf(panel._parameterNode)
     root = place.points[place.roots[0]]
     panel._parameterNode.stent.handle.SetNthControlPointPositionWorld(0, *root)

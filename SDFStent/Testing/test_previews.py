@@ -216,8 +216,8 @@ def test_what_a_vessel_needs_is_made_when_it_is_chosen(host, theInputs, monkeypa
     made = []
     prepare = Preview.prepare
     monkeypatch.setattr(Preview, "prepare", lambda self: (made.append(1), prepare(self)))
-    host.processUntil(lambda: not theInputs.lesions.isBusy, 60.0)
-    host.processUntil(lambda: not theInputs.preparation.isRunning, 60.0)
+    host.processUntil(lambda: not theInputs.lesions.isBusy)
+    host.processUntil(lambda: not theInputs.preparation.isRunning)
     assert made == [1]
 
 

@@ -56,7 +56,7 @@ def aTube():
 def choose(host, panel, vessel, centerline):
     panel.ui.vesselSelector.setCurrentNode(vessel)
     panel.ui.centerlineSelector.setCurrentNode(centerline)
-    host.processUntil(lambda: not panel.lesions.isBusy, 60.0)
+    host.processUntil(lambda: not panel.lesions.isBusy)
 
 
 def seen(host, panel):
