@@ -15,107 +15,47 @@ The main path, in six statements (`examples/` and the README have them with numb
 imported when they are first asked for.
 """
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING
 
-from .late import late_names
-from .version import VERSION as __version__
+from .late import list_contents
 
 if TYPE_CHECKING:
-    from .centerline import Centerline
-    from .certificate import certify, check_surface
-    from .deformation import Deployment, DeploymentSettings, deploy
-    from .field import CapsuleChain
-    from .files import read_axis, read_centerline, read_surface, write_centerline, write_surface
-    from .geometry import Precision, Surface
-    from .measure import diameter_profile
-    from .plan import Plan, compare, load_plan, run_plan, save_plan
-    from .report import before_after_picture, plan_report, write_report
-    from .stent import (
-        AlongAxis,
-        AtCenter,
-        AtDistalEnd,
-        AtProximalEnd,
-        BetweenPoints,
-        Device,
-        Stent,
-        stent_axis,
-    )
-    from .treatment import Treatment
-    from .validation import DeploymentError, InputError
-    from .vessel import find_lesions, lesion_after
+    from .centerline import Centerline as Centerline
+    from .certificate import certify as certify
+    from .certificate import check_surface as check_surface
+    from .deformation import Deployment as Deployment
+    from .deformation import DeploymentSettings as DeploymentSettings
+    from .deformation import deploy as deploy
+    from .field import CapsuleChain as CapsuleChain
+    from .files import read_axis as read_axis
+    from .files import read_centerline as read_centerline
+    from .files import read_surface as read_surface
+    from .files import write_centerline as write_centerline
+    from .files import write_surface as write_surface
+    from .geometry import Precision as Precision
+    from .geometry import Surface as Surface
+    from .measure import diameter_profile as diameter_profile
+    from .plan import Plan as Plan
+    from .plan import compare as compare
+    from .plan import load_plan as load_plan
+    from .plan import run_plan as run_plan
+    from .plan import save_plan as save_plan
+    from .report import before_after_picture as before_after_picture
+    from .report import plan_report as plan_report
+    from .report import write_report as write_report
+    from .stent import AlongAxis as AlongAxis
+    from .stent import AtCenter as AtCenter
+    from .stent import AtDistalEnd as AtDistalEnd
+    from .stent import AtProximalEnd as AtProximalEnd
+    from .stent import BetweenPoints as BetweenPoints
+    from .stent import Device as Device
+    from .stent import Stent as Stent
+    from .stent import stent_axis as stent_axis
+    from .treatment import Treatment as Treatment
+    from .validation import DeploymentError as DeploymentError
+    from .validation import InputError as InputError
+    from .version import __version__ as __version__
+    from .vessel import find_lesions as find_lesions
+    from .vessel import lesion_after as lesion_after
 
-__all__ = [
-    "AlongAxis",
-    "AtCenter",
-    "AtDistalEnd",
-    "AtProximalEnd",
-    "BetweenPoints",
-    "CapsuleChain",
-    "Centerline",
-    "Deployment",
-    "DeploymentError",
-    "DeploymentSettings",
-    "Device",
-    "InputError",
-    "Plan",
-    "Precision",
-    "Stent",
-    "Surface",
-    "Treatment",
-    "__version__",
-    "before_after_picture",
-    "certify",
-    "check_surface",
-    "compare",
-    "deploy",
-    "diameter_profile",
-    "find_lesions",
-    "lesion_after",
-    "load_plan",
-    "plan_report",
-    "read_axis",
-    "read_centerline",
-    "read_surface",
-    "run_plan",
-    "save_plan",
-    "stent_axis",
-    "write_centerline",
-    "write_report",
-    "write_surface",
-]
-
-__getattr__, __dir__ = late_names(
-    __name__,
-    {
-        "centerline": ["Centerline"],
-        "certificate": ["certify", "check_surface"],
-        "deformation": ["Deployment", "DeploymentSettings", "deploy"],
-        "field": ["CapsuleChain"],
-        "files": [
-            "read_axis",
-            "read_centerline",
-            "read_surface",
-            "write_centerline",
-            "write_surface",
-        ],
-        "geometry": ["Precision", "Surface"],
-        "measure": ["diameter_profile"],
-        "plan": ["Plan", "compare", "load_plan", "run_plan", "save_plan"],
-        "report": ["before_after_picture", "plan_report", "write_report"],
-        "stent": [
-            "AlongAxis",
-            "AtCenter",
-            "AtDistalEnd",
-            "AtProximalEnd",
-            "BetweenPoints",
-            "Device",
-            "Stent",
-            "stent_axis",
-        ],
-        "treatment": ["Treatment"],
-        "validation": ["DeploymentError", "InputError"],
-        "vessel": ["find_lesions", "lesion_after"],
-    },
-)
+list_contents(__name__)

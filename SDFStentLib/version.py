@@ -1,3 +1,3 @@
 """The version of the program, as in pyproject.toml."""
 
-VERSION = "0.2.0"
+__version__ = VERSION = "0.2.0"

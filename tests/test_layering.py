@@ -141,7 +141,7 @@ def public_names(module: str) -> set[str]:
     for node in made:
         targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]
         names |= {target.id for target in targets if isinstance(target, ast.Name)}
-    return {name for name in names if not name.startswith("_")}
+    return {name for name in names if not re.match("_(?!_)", name)}
 
 
 def test_every_room_has_its_floor():

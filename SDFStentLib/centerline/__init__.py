@@ -1,20 +1,10 @@
 """One tree of a vessel from any lines that a file may hold."""
 
-from __future__ import annotations
+from ..late import list_contents
+from .centerline import Centerline as Centerline
+from .junctions import JunctionChoice as JunctionChoice
+from .path import CenterlinePath as CenterlinePath
+from .path import Location as Location
+from .point_tree import points_between as points_between
 
-from .centerline import Centerline
-from .junctions import JunctionChoice
-from .path import CenterlinePath, Location
-from .point_tree import points_between
-
-__all__ = [
-    "Centerline",
-    "CenterlinePath",
-    "JunctionChoice",
-    "Location",
-    "points_between",
-]
-
-
-def __dir__() -> list[str]:
-    return __all__
+list_contents(__name__)

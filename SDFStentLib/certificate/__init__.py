@@ -1,41 +1,22 @@
 """Proof that a surface is sound, and that a deployment left it so."""
 
-from __future__ import annotations
+from ..late import list_contents
+from .certificate import CERTIFIED as CERTIFIED
+from .certificate import NOT_CERTIFIED as NOT_CERTIFIED
+from .certificate import Certificate as Certificate
+from .certificate import certificate_of as certificate_of
+from .certificate import certify as certify
+from .comparison import Comparison as Comparison
+from .comparison import Verdict as Verdict
+from .intersections import self_intersecting_triangles as self_intersecting_triangles
+from .promises import NARROWER as NARROWER
+from .promises import NOTICEABLY_NARROWER as NOTICEABLY_NARROWER
+from .promises import WIDER as WIDER
+from .promises import LumenCheck as LumenCheck
+from .promises import MotionCheck as MotionCheck
+from .promises import Place as Place
+from .promises import WallCheck as WallCheck
+from .surface_check import SurfaceCheck as SurfaceCheck
+from .surface_check import check_surface as check_surface
 
-from .certificate import CERTIFIED, NOT_CERTIFIED, Certificate, certificate_of, certify
-from .comparison import Comparison, Verdict
-from .intersections import self_intersecting_triangles
-from .promises import (
-    NARROWER,
-    NOTICEABLY_NARROWER,
-    WIDER,
-    LumenCheck,
-    MotionCheck,
-    Place,
-    WallCheck,
-)
-from .surface_check import SurfaceCheck, check_surface
-
-__all__ = [
-    "CERTIFIED",
-    "NARROWER",
-    "NOTICEABLY_NARROWER",
-    "NOT_CERTIFIED",
-    "WIDER",
-    "Certificate",
-    "Comparison",
-    "LumenCheck",
-    "MotionCheck",
-    "Place",
-    "SurfaceCheck",
-    "Verdict",
-    "WallCheck",
-    "certificate_of",
-    "certify",
-    "check_surface",
-    "self_intersecting_triangles",
-]
-
-
-def __dir__() -> list[str]:
-    return __all__
+list_contents(__name__)

@@ -3,22 +3,13 @@
 What is named here is imported when it is first asked for: signals are taken before anything else.
 """
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING
 
-from ..late import late_names
+from ..late import list_contents
 
 if TYPE_CHECKING:
-    from .shell import main
-    from .signals import INTERRUPTED, end_at_once
+    from .shell import main as main
+    from .signals import INTERRUPTED as INTERRUPTED
+    from .signals import end_at_once as end_at_once
 
-__all__ = [
-    "INTERRUPTED",
-    "end_at_once",
-    "main",
-]
-
-__getattr__, __dir__ = late_names(
-    __name__, {"shell": ["main"], "signals": ["INTERRUPTED", "end_at_once"]}
-)
+list_contents(__name__)

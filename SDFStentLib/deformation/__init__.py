@@ -1,26 +1,15 @@
 """The wall follows one stent, radius step by radius step, to the prescribed lumen."""
 
-from __future__ import annotations
+from ..late import list_contents
+from .deployment import Deployment as Deployment
+from .deployment import deploy as deploy
+from .profiles import BLENDS as BLENDS
+from .profiles import FALLOFFS as FALLOFFS
+from .proxy import Proxy as Proxy
+from .proxy import ProxyState as ProxyState
+from .settings import RULES as RULES
+from .settings import DeploymentSettings as DeploymentSettings
+from .values import DeploymentResult as DeploymentResult
+from .values import DeploymentState as DeploymentState
 
-from .deployment import Deployment, deploy
-from .profiles import BLENDS, FALLOFFS
-from .proxy import Proxy, ProxyState
-from .settings import RULES, DeploymentSettings
-from .values import DeploymentResult, DeploymentState
-
-__all__ = [
-    "BLENDS",
-    "FALLOFFS",
-    "RULES",
-    "Deployment",
-    "DeploymentResult",
-    "DeploymentSettings",
-    "DeploymentState",
-    "Proxy",
-    "ProxyState",
-    "deploy",
-]
-
-
-def __dir__() -> list[str]:
-    return __all__
+list_contents(__name__)

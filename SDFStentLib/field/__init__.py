@@ -1,21 +1,12 @@
 """The stent as a distance field: a chain of capsules, joined by a smooth minimum."""
 
-from __future__ import annotations
+from ..late import list_contents
+from .capsule_chain import FOLDS as FOLDS
+from .capsule_chain import CapsuleChain as CapsuleChain
+from .capsule_chain import as_chain as as_chain
+from .capsule_chain import radius_correction as radius_correction
+from .chain_field import Field as Field
+from .radius_shares import RadiusShares as RadiusShares
+from .radius_shares import fractions_of as fractions_of
 
-from .capsule_chain import FOLDS, CapsuleChain, as_chain, radius_correction
-from .chain_field import Field
-from .radius_shares import RadiusShares, fractions_of
-
-__all__ = [
-    "FOLDS",
-    "CapsuleChain",
-    "Field",
-    "RadiusShares",
-    "as_chain",
-    "fractions_of",
-    "radius_correction",
-]
-
-
-def __dir__() -> list[str]:
-    return __all__
+list_contents(__name__)

@@ -1,129 +1,71 @@
 """Polylines and triangle surfaces: what can be said of them without knowing a vessel."""
 
-from __future__ import annotations
+from ..late import list_contents
+from .bends import frames as frames
+from .bends import minimum_bend_radius as minimum_bend_radius
+from .bends import tangents as tangents
+from .bends import tightest_bend as tightest_bend
+from .carrying import carried as carried
+from .connected_parts import component_labels as component_labels
+from .connected_parts import connected as connected
+from .distance import NearPairs as NearPairs
+from .distance import SurfaceIndex as SurfaceIndex
+from .faces import NO_HEIGHT as NO_HEIGHT
+from .faces import compacted as compacted
+from .faces import face_areas as face_areas
+from .faces import face_normals as face_normals
+from .faces import faces_at as faces_at
+from .faces import may_meet_box as may_meet_box
+from .faces import median_edge as median_edge
+from .faces import oriented_triangles as oriented_triangles
+from .faces import signed_volume as signed_volume
+from .faces import vertex_normals as vertex_normals
+from .flat_fill import FlatFill as FlatFill
+from .flat_fill import flat_fill as flat_fill
+from .named_faces import NamedFaces as NamedFaces
+from .named_faces import checked_faces as checked_faces
+from .near_balls import Balls as Balls
+from .near_balls import nearest_distances as nearest_distances
+from .plane_cut import CutSurface as CutSurface
+from .plane_cut import SectionAround as SectionAround
+from .plane_cut import cut_along as cut_along
+from .plane_cut import section_around as section_around
+from .polyline import arc_lengths as arc_lengths
+from .polyline import closest_points as closest_points
+from .polyline import cut as cut
+from .polyline import kept_points as kept_points
+from .polyline import length as length
+from .polyline import locate as locate
+from .polyline import point_at as point_at
+from .polyline import resampled as resampled
+from .polyline import resampled_to as resampled_to
+from .polyline import segment_count as segment_count
+from .polyline import without_repeats as without_repeats
+from .precision import Precision as Precision
+from .ragged import blocks_of as blocks_of
+from .ragged import ranges as ranges
+from .rows import across as across
+from .rows import dot as dot
+from .rows import norm as norm
+from .rows import product as product
+from .section import ClosedSurface as ClosedSurface
+from .section import is_inside as is_inside
+from .section import plane_section as plane_section
+from .segments import closest_on_segments as closest_on_segments
+from .segments import distances_to_segments as distances_to_segments
+from .smooth_line import smoothed_line as smoothed_line
+from .smoothing import smooth_minimum as smooth_minimum
+from .surface import Surface as Surface
+from .surface import as_surface as as_surface
+from .surface import state_of as state_of
+from .topology import Topology as Topology
+from .topology import VertexNeighbors as VertexNeighbors
+from .topology import boundary_edges as boundary_edges
+from .topology import consistently_wound as consistently_wound
+from .topology import edges as edges
+from .topology import is_manifold as is_manifold
+from .topology import paired_sides as paired_sides
+from .topology import surface_topology as surface_topology
+from .topology import vertex_neighbors as vertex_neighbors
 
-from .bends import frames, minimum_bend_radius, tangents, tightest_bend
-from .carrying import carried
-from .connected_parts import component_labels, connected
-from .distance import NearPairs, SurfaceIndex
-from .faces import (
-    NO_HEIGHT,
-    compacted,
-    face_areas,
-    face_normals,
-    faces_at,
-    may_meet_box,
-    median_edge,
-    oriented_triangles,
-    signed_volume,
-    vertex_normals,
-)
-from .flat_fill import FlatFill, flat_fill
-from .named_faces import NamedFaces, checked_faces
-from .near_balls import Balls, nearest_distances
-from .plane_cut import CutSurface, SectionAround, cut_along, section_around
-from .polyline import (
-    arc_lengths,
-    closest_points,
-    cut,
-    kept_points,
-    length,
-    locate,
-    point_at,
-    resampled,
-    resampled_to,
-    segment_count,
-    without_repeats,
-)
-from .precision import Precision
-from .ragged import blocks_of, ranges
-from .rows import across, dot, norm, product
-from .section import ClosedSurface, is_inside, plane_section
-from .segments import closest_on_segments, distances_to_segments
-from .smooth_line import smoothed_line
-from .smoothing import smooth_minimum
-from .surface import Surface, as_surface, state_of
-from .topology import (
-    Topology,
-    VertexNeighbors,
-    boundary_edges,
-    consistently_wound,
-    edges,
-    is_manifold,
-    paired_sides,
-    surface_topology,
-    vertex_neighbors,
-)
-
-__all__ = [
-    "NO_HEIGHT",
-    "Balls",
-    "ClosedSurface",
-    "CutSurface",
-    "FlatFill",
-    "NamedFaces",
-    "NearPairs",
-    "Precision",
-    "SectionAround",
-    "Surface",
-    "SurfaceIndex",
-    "Topology",
-    "VertexNeighbors",
-    "across",
-    "arc_lengths",
-    "as_surface",
-    "blocks_of",
-    "boundary_edges",
-    "carried",
-    "checked_faces",
-    "closest_on_segments",
-    "closest_points",
-    "compacted",
-    "component_labels",
-    "connected",
-    "consistently_wound",
-    "cut",
-    "cut_along",
-    "distances_to_segments",
-    "dot",
-    "edges",
-    "face_areas",
-    "face_normals",
-    "faces_at",
-    "flat_fill",
-    "frames",
-    "is_inside",
-    "is_manifold",
-    "kept_points",
-    "length",
-    "locate",
-    "may_meet_box",
-    "median_edge",
-    "minimum_bend_radius",
-    "nearest_distances",
-    "norm",
-    "oriented_triangles",
-    "paired_sides",
-    "plane_section",
-    "point_at",
-    "product",
-    "ranges",
-    "resampled",
-    "resampled_to",
-    "section_around",
-    "segment_count",
-    "signed_volume",
-    "smooth_minimum",
-    "smoothed_line",
-    "state_of",
-    "surface_topology",
-    "tangents",
-    "tightest_bend",
-    "vertex_neighbors",
-    "vertex_normals",
-    "without_repeats",
-]
-
-
-def __dir__() -> list[str]:
-    return __all__
+list_contents(__name__)

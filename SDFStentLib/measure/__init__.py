@@ -1,125 +1,81 @@
 """How wide a lumen is, what a stent covers, and how far tissue was stretched."""
 
-from __future__ import annotations
+from ..late import list_contents
+from .apposition import Apposition as Apposition
+from .apposition import FreeStretch as FreeStretch
+from .apposition import apposition as apposition
+from .branch_names import branch_names as branch_names
+from .branch_names import named_branches as named_branches
+from .branch_names import size_words as size_words
+from .caps import bulged_caps as bulged_caps
+from .caps import caps_across as caps_across
+from .caps import looks_across as looks_across
+from .caps import off_caps as off_caps
+from .closed_ends import OpenWall as OpenWall
+from .closed_ends import open_at_ends as open_at_ends
+from .closed_surface import Holes as Holes
+from .closed_surface import closed_surface as closed_surface
+from .closed_surface import holes_of as holes_of
+from .cross_section import equivalent_diameters as equivalent_diameters
+from .cross_section import winding_numbers as winding_numbers
+from .cut_planes import CutPlane as CutPlane
+from .extended_axis import REACH as REACH
+from .extended_axis import ExtendedAxis as ExtendedAxis
+from .extended_axis import extended_axis as extended_axis
+from .inscribed import InscribedSpheres as InscribedSpheres
+from .inscribed import Until as Until
+from .inscribed import inscribed_spheres as inscribed_spheres
+from .known_lumen import measured_after as measured_after
+from .known_lumen import measured_once as measured_once
+from .local_surface import LocalSurface as LocalSurface
+from .metrics import DiameterProfile as DiameterProfile
+from .metrics import diameter_profile as diameter_profile
+from .moved_wall import MovedWall as MovedWall
+from .moved_wall import moved_wall as moved_wall
+from .neighbor_lumen import NeighborLumen as NeighborLumen
+from .neighbor_lumen import NeighborStations as NeighborStations
+from .neighbor_lumen import VesselStates as VesselStates
+from .neighbor_ways import BranchWays as BranchWays
+from .neighbor_ways import NeighborWay as NeighborWay
+from .neighbor_ways import end_ways as end_ways
+from .open_segment import OpenSegment as OpenSegment
+from .open_segment import segment_between as segment_between
+from .ostia import LISTED as LISTED
+from .ostia import NEARLY as NEARLY
+from .ostia import Ostium as Ostium
+from .ostia import find_ostia as find_ostia
+from .point_lumen import rough_radii as rough_radii
+from .pressure import ADULT as ADULT
+from .pressure import TOO_LOW as TOO_LOW
+from .pressure import TURBULENCE as TURBULENCE
+from .pressure import Blood as Blood
+from .pressure import PressureBand as PressureBand
+from .pressure import VesselBlock as VesselBlock
+from .pressure import pressure_band as pressure_band
+from .pressure import vessel_block as vessel_block
+from .profile_around import AxisStations as AxisStations
+from .profile_around import axis_stations as axis_stations
+from .profile_around import profile_around as profile_around
+from .segment import Segment as Segment
+from .segment import closed_segment as closed_segment
+from .segment_faces import HOLE as HOLE
+from .segment_faces import SegmentFace as SegmentFace
+from .segment_planes import SegmentEnds as SegmentEnds
+from .segment_planes import segment_ends as segment_ends
+from .side_branches import OpenBranch as OpenBranch
+from .side_branches import close_side_branches as close_side_branches
+from .stations import Stations as Stations
+from .stations import measured_at as measured_at
+from .stretch import FaceStretch as FaceStretch
+from .stretch import displacements as displacements
+from .stretch import face_stretches as face_stretches
+from .triangle_sizes import TriangleSizes as TriangleSizes
+from .triangle_sizes import triangle_sizes as triangle_sizes
+from .vessel_ends import LineSeeds as LineSeeds
+from .vessel_ends import VesselEnd as VesselEnd
+from .vessel_ends import line_seeds as line_seeds
+from .vessel_ends import vessel_ends as vessel_ends
+from .vessel_parts import VesselParts as VesselParts
+from .vessel_parts import vessel_parts as vessel_parts
 
-from .apposition import Apposition, FreeStretch, apposition
-from .branch_names import branch_names, named_branches, size_words
-from .caps import bulged_caps, caps_across, looks_across, off_caps
-from .closed_ends import OpenWall, open_at_ends
-from .closed_surface import Holes, closed_surface, holes_of
-from .cross_section import equivalent_diameters, winding_numbers
-from .cut_planes import CutPlane
-from .extended_axis import REACH, ExtendedAxis, extended_axis
-from .inscribed import InscribedSpheres, Until, inscribed_spheres
-from .known_lumen import measured_after, measured_once
-from .local_surface import LocalSurface
-from .metrics import DiameterProfile, diameter_profile
-from .moved_wall import MovedWall, moved_wall
-from .neighbor_lumen import NeighborLumen, NeighborStations, VesselStates
-from .neighbor_ways import BranchWays, NeighborWay, end_ways
-from .open_segment import OpenSegment, segment_between
-from .ostia import LISTED, NEARLY, Ostium, find_ostia
-from .point_lumen import rough_radii
-from .pressure import (
-    ADULT,
-    TOO_LOW,
-    TURBULENCE,
-    Blood,
-    PressureBand,
-    VesselBlock,
-    pressure_band,
-    vessel_block,
-)
-from .profile_around import AxisStations, axis_stations, profile_around
-from .segment import Segment, closed_segment
-from .segment_faces import HOLE, SegmentFace
-from .segment_planes import SegmentEnds, segment_ends
-from .side_branches import OpenBranch, close_side_branches
-from .stations import Stations, measured_at
-from .stretch import FaceStretch, displacements, face_stretches
-from .triangle_sizes import TriangleSizes, triangle_sizes
-from .vessel_ends import LineSeeds, VesselEnd, line_seeds, vessel_ends
-from .vessel_parts import VesselParts, vessel_parts
-
-__all__ = [
-    "ADULT",
-    "HOLE",
-    "LISTED",
-    "NEARLY",
-    "REACH",
-    "TOO_LOW",
-    "TURBULENCE",
-    "Apposition",
-    "AxisStations",
-    "Blood",
-    "BranchWays",
-    "CutPlane",
-    "DiameterProfile",
-    "ExtendedAxis",
-    "FaceStretch",
-    "FreeStretch",
-    "Holes",
-    "InscribedSpheres",
-    "LineSeeds",
-    "LocalSurface",
-    "MovedWall",
-    "NeighborLumen",
-    "NeighborStations",
-    "NeighborWay",
-    "OpenBranch",
-    "OpenSegment",
-    "OpenWall",
-    "Ostium",
-    "PressureBand",
-    "Segment",
-    "SegmentEnds",
-    "SegmentFace",
-    "Stations",
-    "TriangleSizes",
-    "Until",
-    "VesselBlock",
-    "VesselEnd",
-    "VesselParts",
-    "VesselStates",
-    "apposition",
-    "axis_stations",
-    "branch_names",
-    "bulged_caps",
-    "caps_across",
-    "close_side_branches",
-    "closed_segment",
-    "closed_surface",
-    "diameter_profile",
-    "displacements",
-    "end_ways",
-    "equivalent_diameters",
-    "extended_axis",
-    "face_stretches",
-    "find_ostia",
-    "holes_of",
-    "inscribed_spheres",
-    "line_seeds",
-    "looks_across",
-    "measured_after",
-    "measured_at",
-    "measured_once",
-    "moved_wall",
-    "named_branches",
-    "off_caps",
-    "open_at_ends",
-    "pressure_band",
-    "profile_around",
-    "rough_radii",
-    "segment_between",
-    "segment_ends",
-    "size_words",
-    "triangle_sizes",
-    "vessel_block",
-    "vessel_ends",
-    "vessel_parts",
-    "winding_numbers",
-]
-
-
-def __dir__() -> list[str]:
-    return __all__
+list_contents(__name__)

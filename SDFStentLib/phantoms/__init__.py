@@ -1,36 +1,18 @@
 """Synthetic vessels whose axes, radii and openings are known exactly."""
 
-from __future__ import annotations
+from ..late import list_contents
+from .phantoms import arch_with_coarctation as arch_with_coarctation
+from .phantoms import bent_tube as bent_tube
+from .phantoms import branching_pulmonary_artery as branching_pulmonary_artery
+from .phantoms import hairpin_tube as hairpin_tube
+from .phantoms import helix_tube as helix_tube
+from .phantoms import stenosed_tube as stenosed_tube
+from .phantoms import straight_tube as straight_tube
+from .phantoms import tube_with_neighbor as tube_with_neighbor
+from .tree import vascular_tree as vascular_tree
+from .value import Opening as Opening
+from .value import Phantom as Phantom
+from .value import Throat as Throat
+from .value import Vessel as Vessel
 
-from .phantoms import (
-    arch_with_coarctation,
-    bent_tube,
-    branching_pulmonary_artery,
-    hairpin_tube,
-    helix_tube,
-    stenosed_tube,
-    straight_tube,
-    tube_with_neighbor,
-)
-from .tree import vascular_tree
-from .value import Opening, Phantom, Throat, Vessel
-
-__all__ = [
-    "Opening",
-    "Phantom",
-    "Throat",
-    "Vessel",
-    "arch_with_coarctation",
-    "bent_tube",
-    "branching_pulmonary_artery",
-    "hairpin_tube",
-    "helix_tube",
-    "stenosed_tube",
-    "straight_tube",
-    "tube_with_neighbor",
-    "vascular_tree",
-]
-
-
-def __dir__() -> list[str]:
-    return __all__
+list_contents(__name__)

@@ -1,33 +1,21 @@
 """One file per format: bytes to arrays and polydata, and back."""
 
-from __future__ import annotations
+from ...late import list_contents
+from .markups import decode_markups as decode_markups
+from .markups import encode_markups as encode_markups
+from .markups import new_markups as new_markups
+from .obj import decode_obj as decode_obj
+from .obj import encode_obj as encode_obj
+from .plain_mesh import Decoder as Decoder
+from .plain_mesh import PlainMesh as PlainMesh
+from .ply import decode_ply as decode_ply
+from .ply import encode_ply as encode_ply
+from .ply import fits_ply as fits_ply
+from .stl import decode_stl as decode_stl
+from .stl import encode_stl as encode_stl
+from .vtk_files import encode_legacy as encode_legacy
+from .vtk_files import encode_vtp as encode_vtp
+from .vtk_files import encode_vtu as encode_vtu
+from .vtk_files import read_vtk_polydata as read_vtk_polydata
 
-from .markups import decode_markups, encode_markups, new_markups
-from .obj import decode_obj, encode_obj
-from .plain_mesh import Decoder, PlainMesh
-from .ply import decode_ply, encode_ply, fits_ply
-from .stl import decode_stl, encode_stl
-from .vtk_files import encode_legacy, encode_vtp, encode_vtu, read_vtk_polydata
-
-__all__ = [
-    "Decoder",
-    "PlainMesh",
-    "decode_markups",
-    "decode_obj",
-    "decode_ply",
-    "decode_stl",
-    "encode_legacy",
-    "encode_markups",
-    "encode_obj",
-    "encode_ply",
-    "encode_stl",
-    "encode_vtp",
-    "encode_vtu",
-    "fits_ply",
-    "new_markups",
-    "read_vtk_polydata",
-]
-
-
-def __dir__() -> list[str]:
-    return __all__
+list_contents(__name__)
