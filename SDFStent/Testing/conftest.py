@@ -180,3 +180,11 @@ def aStent(host, theInputs):
     theInputs.ui.lengthSlider.value = 14.0
     host.process()
     return theInputs
+
+
+@pytest.fixture
+def aStepAtATime(monkeypatch):
+    """Turns of one step each: however slow the machine, no deployment ends within a few of them."""
+    from SDFStentSlicer import Clock
+
+    monkeypatch.setattr(Clock.QtTimer, "TURN_S", (0.0, 0.0))

@@ -177,7 +177,7 @@ def outline(node):
     return bool(node.GetDisplayNode().GetVisibility2D())
 
 
-def test_the_outline_in_slice_views_is_that_of_the_settled_vessel(host, aStent):
+def test_the_outline_in_slice_views_is_that_of_the_settled_vessel(host, aStent, aStepAtATime):
     parameters = aStent._parameterNode
     assert outline(parameters.vessel)
     seen = {True: set(), False: set()}
@@ -205,9 +205,8 @@ def test_the_outline_in_slice_views_is_that_of_the_settled_vessel(host, aStent):
     assert outline(parameters.outputVessel)
 
 
-def test_the_outline_comes_back_when_a_deployment_is_cancelled(host, aStent, monkeypatch):
+def test_the_outline_comes_back_when_a_deployment_is_cancelled(host, aStent, aStepAtATime):
     deploy(host, aStent)
-    monkeypatch.setattr("SDFStentSlicer.Clock.QtTimer.TURN_S", (0.0, 0.0))  # one step per tick
     for live in (False, True):
         aStent.ui.autoUpdateCheckBox.checked = False
         aStent.session._begin(live=live)

@@ -155,14 +155,6 @@ def test_a_burst_of_changes_is_debounced(host, aStent):
     assert "(9.0 prescribed)" in aStent.ui.lumenLabel.text
 
 
-@pytest.fixture
-def aStepAtATime(monkeypatch):
-    """Turns of one step each: however slow the machine, no deployment ends within a few of them."""
-    from SDFStentSlicer import Clock
-
-    monkeypatch.setattr(Clock.QtTimer, "TURN_S", (0.0, 0.0))
-
-
 def test_cancel_stops_within_one_tick(host, aStent, aStepAtATime):
     aStent.session.start()
     host.processUntil(lambda: aStent.ui.progressBar.value > 0)
@@ -277,7 +269,7 @@ def test_two_parameter_sets_keep_their_own_plans_and_results(host, aStent):
     assert aStent._parameterNode.parameterNode.GetScene() is slicer.mrmlScene
 
 
-def test_cancel_acts_while_measuring_and_nobody_waits(host, aStent, knownResults):
+def test_cancel_acts_while_measuring_and_nobody_waits(host, aStent, knownResults, aStepAtATime):
     import threading
 
     knownResults.clear()
@@ -293,14 +285,12 @@ def test_cancel_acts_while_measuring_and_nobody_waits(host, aStent, knownResults
 
 
 def test_the_event_loop_gets_its_turn_all_through_a_full_deployment(
-    host, aStent, knownResults, monkeypatch
+    host, aStent, knownResults, aStepAtATime
 ):
     """How long a tick takes is for `bench_dragging.py` to say; that there are many is held here."""
     knownResults.clear()
     ticks = []
     run = aStent.session._run
-    # A portion per tick: a quick machine does several in one.
-    monkeypatch.setattr("SDFStentSlicer.Clock.QtTimer.TURN_S", (0.0, 0.0))
 
     def counted():
         ticks.append(aStent.ui.progressBar.value)
