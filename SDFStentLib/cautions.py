@@ -57,6 +57,10 @@ TEMPLATES = {
         "{name}, which leaves at ({x:.4g}, {y:.4g}, {z:.4g}) mm{filed}, stays open: no plane cuts "
         "off it alone."
     ),
+    "branch-without-line": (
+        "The branch that ends at ({x:.4g}, {y:.4g}, {z:.4g}) mm{filed}, face {name}, stays open: "
+        "no line of the centerline leads there; give a centerline with all branches."
+    ),
     "hole": (
         "The wall is open at ({x:.4g}, {y:.4g}, {z:.4g}) mm{filed}, {diameter_mm:.1f} mm wide, "
         "where no centerline ends: closed as wall, face {name}; where it is an outlet, give a "

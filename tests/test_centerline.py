@@ -502,10 +502,14 @@ def test_a_small_loop_inside_the_lumen_leaves_no_spur():
     assert len(tree.junctions) == 0
 
 
-def test_a_closed_curve_without_any_end_starts_at_its_first_point():
+@pytest.mark.parametrize(
+    "lines", [[[0, 1, 2, 3, 0]], [[0, 1], [1, 2], [2, 3], [3, 0]], [[2, 3, 0, 1], [1, 2]]]
+)
+@pytest.mark.parametrize("inlet", [None, (1, 0, 0)])
+def test_a_closed_loop_without_any_end_is_called_one(lines, inlet):
     square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
-    tree = Centerline.from_lines(square, [[0, 1, 2, 3, 0]])
-    assert tree.points[tree.roots].tolist() == [[0, 0, 0]]
+    with pytest.raises(InputError, match=r"a closed loop, .* at \([01], [01], 0\); take a part"):
+        Centerline.from_lines(square, lines, inlet=inlet)
 
 
 def test_repeated_points_zero_segments_and_duplicate_lines_change_nothing():

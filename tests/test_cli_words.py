@@ -124,6 +124,7 @@ def test_a_tree_is_measured_in_eight_lines(data_dir, capfd):
     [
         (["deploy", "x", "-o", "y", "--waists", "3"], "deploy --waist"),
         (["deploy", "x", "-o", "y", "--diametr=6"], "deploy --diameter"),
+        (["deploy", "x", "-o", "y", "--len", "6"], "deploy --length"),
         (["measure", "x", "--centrline", "y"], "measure --centerline"),
         (["check", "x", "--unit", "cm"], "check --units"),
         (["sweep", "x", "-o", "y", "--worker", "2"], "sweep --workers"),

@@ -199,7 +199,9 @@ def test_the_staging_folder_of_a_living_run_is_left_alone(tmp_path):
     assert not any(tmp_path.iterdir())
 
 
-def foreign(folder, name, *, moves, first=None, links=(), is_own=False, committed=True):
+def foreign(
+    folder, name, *, moves, listed=False, first=None, links=(), is_own=False, committed=True
+):
     """A staging folder as if a run had left it; `is_own`: as if that run had been here."""
     path = folder / name
     for part in ("new", "old"):
@@ -211,7 +213,7 @@ def foreign(folder, name, *, moves, first=None, links=(), is_own=False, committe
     for move in moves if committed else ():
         with contextlib.suppress(OSError):
             (path / "new" / move).write_text("from elsewhere", encoding="utf-8")
-    said = {"first": str(first or path), "moves": dict.fromkeys(moves, True)}
+    said = {"first": str(first or path), "moves": moves if listed else dict.fromkeys(moves, True)}
     (path / "moves.json").write_text(json.dumps(said), encoding="utf-8")
     if committed:
         (path / "committed").write_text(json.dumps([str(path)]), encoding="utf-8")
@@ -239,6 +241,7 @@ FOREIGN = {
     "an absolute path, with numbers that fit": {"moves": ["{root}/victim.txt"], "is_own": True},
     "the folder above": {"moves": [".."], "is_own": True},
     "the folder itself": {"moves": [""], "is_own": True},
+    "a list of names": {"moves": ["victim.txt"], "is_own": True, "listed": True},
     "new files that lie elsewhere": {"moves": ["victim.txt"], "links": ["new"], "is_own": True},
     "old files that go elsewhere": {"moves": ["victim.txt"], "links": ["old"], "is_own": True},
     "taking back": {"moves": ["victim.txt"], "committed": False},

@@ -257,6 +257,19 @@ def test_a_segment_over_a_bifurcation_has_its_inlet_at_the_root():
     assert closed.before.volume < kept.volume
 
 
+def test_a_branch_that_the_centerline_does_not_know_is_said_to_stay_open():
+    made = branching_pulmonary_artery()
+    way = way_to(vessel_of(made), 0)
+    alone = Centerline.from_lines(way, [np.arange(len(way))])
+    vessel = Vessel(made.surface, alone)
+    (told,) = segment_of(vessel, 0.1, 0.9, close_branches=True).warnings
+    end = made.centerline.points[made.centerline.leaves[1]]
+    assert (told.kind, told.numbers["name"]) == ("branch-without-line", "outlet_face_3")
+    np.testing.assert_allclose(told.place, end, atol=0.2)
+    assert not segment_of(vessel, 0.1, 0.9).warnings
+    assert not segment_of(vessel_of(made), 0.1, 0.9, close_branches=True).warnings
+
+
 def test_faces_are_called_as_the_model_calls_them():
     phantom = branching_pulmonary_artery()
     names = {2: "main", 3: "left pulmonary artery", 4: "right: lobe/upper", 1: "wall of it"}

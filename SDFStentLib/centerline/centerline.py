@@ -110,8 +110,8 @@ class Centerline:
         Raises
         ------
         InputError
-            No line, a line through one place only, indices that do not exist, coordinates that
-            are not finite, or pieces too far apart.
+            No line, a line through one place only, nothing but a closed loop, indices that do not
+            exist, coordinates that are not finite, or pieces too far apart.
         """
         return cls(*tree_from_lines(points, lines, inscribed_radius, inlet=inlet))
 

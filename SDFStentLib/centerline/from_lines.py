@@ -134,11 +134,15 @@ def _root(
 ) -> int:
     """The node where the tree starts; the rules are in `Centerline.from_lines`."""
     leaves = np.flatnonzero(graph.degrees() == 1)
-    if inlet is not None or not len(leaves):
-        candidates = leaves if len(leaves) else np.arange(len(graph.points))
-        wanted = line_ends[0, 0] if inlet is None else as_point(inlet, "inlet")
-        distances = np.linalg.norm(graph.points[candidates] - wanted, axis=1)
-        return int(candidates[distances.argmin()])
+    if not len(leaves):
+        place = ", ".join(f"{value:.4g}" for value in line_ends[0, 0])
+        raise InputError(
+            "centerline: expected a line with two ends, got a closed loop, which ends where it "
+            f"begins, at ({place}); take a part of it."
+        )
+    if inlet is not None:
+        distances = np.linalg.norm(graph.points[leaves] - as_point(inlet, "inlet"), axis=1)
+        return int(leaves[distances.argmin()])
     radius = np.nan_to_num(graph.radius[leaves], nan=0.0)
     second = np.sort(radius)[-2] if len(radius) > 1 and radius.min() > 0 else np.inf
     is_widest = radius > WIDER * second

@@ -23,7 +23,10 @@ class Parser(argparse.ArgumentParser):
         """Which option may have been meant by the first one that is none."""
         names = [word.split("=")[0] for word in words if word.startswith("-")]
         known = re.findall(r"(?<![\w-])--[a-z0-9][\w-]*", self.format_help())
-        near = get_close_matches(names[0], known, 1) if names else []
+        if not names:
+            return ""
+        begun = sorted((one for one in known if one.startswith(names[0])), key=len)
+        near = begun or get_close_matches(names[0], known, 1)
         return f", the nearest option is {near[0]}" if near else ""
 
     def error(self, message: str) -> NoReturn:

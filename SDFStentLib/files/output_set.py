@@ -188,7 +188,9 @@ def _record(path: Path) -> dict[str, Any]:
 
 
 def _moves(path: Path) -> dict[str, bool]:
-    found: dict[str, bool] = _record(path / _MOVES).get("moves", {})
+    found = _record(path / _MOVES).get("moves")
+    if not isinstance(found, dict):
+        return {}
     are_names = all(name == Path(name).name and name not in ("", os.pardir) for name in found)
     return found if are_names else {}
 

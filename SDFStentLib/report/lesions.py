@@ -102,10 +102,8 @@ def residual_section(residual: Residual | None) -> dict[str, Any] | None:
 
 def residual_words(residual: Residual) -> str:
     """What is narrowest in the treated vessels, and where: to follow a colon."""
-    return (
-        f"{degree_text(residual.percent)} ({residual.minimum:.2f} of {residual.reference:.2f} mm), "
-        f"{residual.place()}"
-    )
+    sizes = f"{residual.minimum:.2f} of {residual.reference:.2f} mm"
+    return f"{degree_text(residual.percent, sizes)}, {residual.place()}"
 
 
 def lesion_sentences(number: int, lesion: Lesion, units: str = "mm") -> tuple[str, str]:

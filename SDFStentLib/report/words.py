@@ -167,13 +167,15 @@ def millimeters(value: float | None, digits: int = 2, *, signed: bool = False) -
     return f"{sign}{number_text(value, digits)} mm"
 
 
-def degree_text(percent: float | None) -> str:
-    """Percent stenosis in words; below 0 there is none."""
-    if percent is None or not math.isfinite(percent):
-        return UNKNOWN
-    if round(percent) >= 0:
-        return f"{max(percent, 0.0):.0f} %"
-    return f"none ({-percent:.0f} % above reference)"
+def degree_text(percent: float | None, sizes: str = "") -> str:
+    """Percent stenosis in words, below 0 there is none; what it follows from stands in brackets."""
+    degree, above = UNKNOWN, ""
+    if percent is not None and math.isfinite(percent):
+        degree = f"{max(percent, 0.0):.0f} %"
+        if round(percent) < 0:
+            degree, above = "none", f"{-percent:.0f} % above reference"
+    details = ", ".join(part for part in (above, sizes) if part)
+    return f"{degree} ({details})" if details else degree
 
 
 def _rounded(value: float, digits: int) -> float:

@@ -90,6 +90,8 @@ def extract_segment(
     before = _sound(closed_segment(states[0]), "segment")
     treated = [_sound(closed_segment(state), "treated segment") for state in states[1:]]
     made = (*_moved_ends(ends), *_open_branches(left))
+    if close_branches and not left:
+        made = (*made, *_without_line(before, states[0].planes))
     warnings = (*made, *_holes(before), *_dead_ends(before, parts))
     return ExtractedSegment(states[0].planes, before, treated[0] if treated else None, warnings)
 
@@ -124,6 +126,20 @@ def _open_branches(left: Sequence[OpenBranch]) -> Iterator[Caution]:
     for branch in left:
         x, y, z = branch.place.tolist()
         yield Caution("open-branch", {"name": branch.name}, (x, y, z))
+
+
+def _without_line(segment: Segment, planes: Sequence[CutPlane]) -> Iterator[Caution]:
+    """Outlets beside the ends of the segment, of branches that the centerline does not know."""
+    caps = [face for face in segment.faces if face.kind != "wall"]
+    centers = np.array([face.center for face in caps])
+    ends = [
+        int(np.linalg.norm(centers - plane.origin, axis=1).argmin())
+        for plane in planes
+        if not plane.is_closed
+    ]
+    for number in np.setdiff1d(np.arange(len(caps)), ends):
+        x, y, z = centers[number].tolist()
+        yield Caution("branch-without-line", {"name": caps[number].name}, (x, y, z))
 
 
 def _moved_ends(ends: SegmentEnds) -> Iterator[Caution]:
