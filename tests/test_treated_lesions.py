@@ -9,8 +9,8 @@ from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.measure import inscribed_spheres
 from SDFStentLib.phantoms import stenosed_tube
 from SDFStentLib.phantoms.tree import vascular_tree
-from SDFStentLib.stent import AtCenter, Stent
 from SDFStentLib.report import residual_words
+from SDFStentLib.stent import AtCenter, Stent
 from SDFStentLib.treatment import Residual, Treatment, residual_of, treated_lesions
 from SDFStentLib.vessel import find_lesions
 
