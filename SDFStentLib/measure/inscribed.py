@@ -31,6 +31,10 @@ _FIRST_BOX, _SMALLEST_BOX, _LARGEST_BOX = 0.05, 0.005, 0.5
 """Half width of the box of a step, as a fraction of the present radius. With 0.5 even the corner
 of the box is nearer than the wall."""
 
+WAY_BOX = 0.25
+"""The same on a way: from one place to the next the middle moves farther than a search's end does.
+Where spheres end does not depend on it."""
+
 _ROUGH_TOLERANCE = 1e-3
 """Of a search among a part of the triangles, mm."""
 
@@ -155,7 +159,7 @@ class SphereSearch:
         Directions (n, 3) are of unit length.
         """
         begin = InscribedSpheres(centers, self._surface.distances(centers))
-        return _climb(self._surface, begin, across(directions), until, first_box=_LARGEST_BOX / 2)
+        return _climb(self._surface, begin, across(directions), until, first_box=WAY_BOX)
 
 
 def _parts(centers: Points) -> Iterator[Indices]:
