@@ -1,9 +1,6 @@
 import os
-import signal
 import stat
 import subprocess
-import sys
-import time
 
 import pytest
 from mesh_files import PROJECT, RUN_PYTHON
@@ -96,35 +93,3 @@ except InputError as error:
     assert "cannot be written (File too large); free space" in run.stdout
     assert target.read_bytes() == b"old"
     assert list(tmp_path.iterdir()) == [target]
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="no SIGKILL")
-def test_a_killed_writer_leaves_the_old_or_the_whole_new_file(tmp_path):
-    target = tmp_path / "out"
-    size = 2_000_000
-    script = f"""
-import sys
-from SDFStentLib.files.atomic import write_bytes
-print("ready", flush=True)
-letter = 0
-while True:
-    letter = (letter + 1) % 26
-    write_bytes(sys.argv[1], bytes([97 + letter]) * {size})
-"""
-    delays = (0.0, 0.011, 0.023, 0.037, 0.052, 0.071)
-    for delay in delays:
-        with subprocess.Popen(
-            [*RUN_PYTHON, script, target], cwd=PROJECT, stdout=subprocess.PIPE
-        ) as process:
-            process.stdout.readline()
-            time.sleep(delay)
-            # Once at least it is not killed too early: the machine may be a slow one.
-            while delay == delays[-1] and not target.exists():
-                time.sleep(0.01)
-            process.send_signal(signal.SIGKILL)
-            process.wait()
-        if target.exists():
-            data = target.read_bytes()
-            assert len(data) == size
-            assert data == data[:1] * size
-    assert target.exists()

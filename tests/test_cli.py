@@ -644,19 +644,6 @@ def a_process(arguments, folder, variables=None, **more):
     )
 
 
-def test_processes_end_with_the_code_and_one_sentence(a_folder):
-    for arguments, code, words in (
-        (["check", "tube.vtp", "--units", "cm"], 0, "watertight"),
-        (["check", "none.vtp"], 2, "none.vtp: no such file"),
-        (["measure", "tube.vtp", "--axis", "axis.vtp"], 0, "Part: 1.6 mm"),
-    ):
-        process = a_process(arguments, a_folder)
-        out, err = process.communicate(timeout=PATIENCE)
-        assert process.returncode == code
-        assert words in out + err
-        assert "Traceback" not in err
-
-
 @pytest.mark.skipif(os.name == "nt", reason="no such signal there")
 def test_control_c_leaves_nothing_half_written(a_folder):
     process = a_process(

@@ -161,19 +161,6 @@ def failing(monkeypatch, at, error):
     monkeypatch.setattr(output_set.os, "replace", moved)
 
 
-@pytest.mark.parametrize("error", [OSError(28, "No space left on device"), KeyboardInterrupt()])
-@pytest.mark.parametrize("at", range(1, 6))
-def test_where_one_file_cannot_be_moved_all_have_their_old_state(tmp_path, monkeypatch, at, error):
-    prepare(tmp_path)
-    sets = staged(tmp_path)
-    failing(monkeypatch, at, error)
-    with pytest.raises((InputError, KeyboardInterrupt)):
-        output_set.commit(sets)
-    for staging in sets:
-        staging.remove()
-    assert everything_in(tmp_path) == OLD
-
-
 @pytest.mark.parametrize("at", range(1, 6))
 def test_what_dies_before_it_has_taken_back_is_taken_back_by_the_next_run(
     tmp_path, monkeypatch, at
@@ -373,10 +360,6 @@ def test_with_the_locks_of_windows_the_dead_are_told_from_the_living(tmp_path):
         assert not list(folder.rglob(".sdfstent-*")), at
         seen.add(found == NEW)
     assert seen == {True, False}
-
-
-def test_a_command_without_outputs_moves_nothing():
-    Outputs().write()
 
 
 def test_what_is_not_ours_is_not_swept(tmp_path):

@@ -24,10 +24,7 @@ from SDFStentLib.report.picture.picture import before_after_picture, before_afte
 from SDFStentLib.report.picture.shapes import (
     WALL_COLOR,
     Lumen,
-    diameter_colors,
-    section_ring,
     strut_curves,
-    wall_colors,
     wall_diameters,
 )
 from SDFStentLib.report.picture.view import View, best_view, label_side
@@ -213,16 +210,6 @@ def test_the_wall_beside_an_axis_that_begins_backwards_is_colored_too() -> None:
     assert not is_known[(height < 8) | (height > 30.1)].any()
 
 
-def test_a_wall_has_the_color_of_its_diameter_or_of_tissue_and_is_denser_edge_on() -> None:
-    diameters, facing = np.array([6.0, np.nan, np.nan]), np.array([1.0, 1.0, 0.0])
-    colors = wall_colors(diameters, (4.0, 6.0), facing)
-    np.testing.assert_allclose(colors[0, :3], diameter_colors(np.ones(1))[0])
-    np.testing.assert_allclose(colors[1:, :3], [WALL_COLOR, WALL_COLOR])
-    assert ((colors >= 0) & (colors <= 1)).all()
-    assert colors[2, 3] > 1.5 * colors[1, 3]
-    assert colors[0, 3] > 1.5 * colors[1, 3]
-
-
 def test_struts_are_drawn_after_treatment_and_can_be_hidden(
     treated: PlanResult, image: np.ndarray, tmp_path: Path
 ) -> None:
@@ -241,18 +228,6 @@ def test_struts_are_drawn_after_treatment_and_can_be_hidden(
     assert away.max() < 3.5 * view.per_mm + 5  # the radius, and a strut's own width
 
 
-def test_a_section_ring_is_a_circle_across_the_axis() -> None:
-    axis = np.linspace([1, 2, 0], [1, 2, 20], 5)
-    at = np.array([0.0, 7.0, 20.0])
-    lumen = Lumen(axis, at, np.array([[6.0, 5.0, 6.0], [6.0, 8.0, 6.0]]))
-    before, after = (section_ring(lumen, side) - [1, 2, 7] for side in (0, 1))
-    np.testing.assert_allclose(np.linalg.norm(before[:, :2], axis=1), 2.5)
-    np.testing.assert_allclose(np.linalg.norm(after[:, :2], axis=1), 4.0)
-    ring = before
-    np.testing.assert_allclose(ring[:, 2], 0, atol=1e-12)
-    np.testing.assert_allclose(ring[0], ring[-1], atol=1e-12)
-
-
 def test_a_label_is_put_where_there_is_no_vessel() -> None:
     z = np.linspace(-20, 20, 200)
     column = np.stack([0 * z, 0 * z, z], axis=1)
@@ -263,11 +238,6 @@ def test_a_label_is_put_where_there_is_no_vessel() -> None:
     assert abs(place[0]) > 2.0  # half the label's width: beside the column
     # Seen from the front, x runs to the left: the wall at x = -4 is on the right.
     assert place[0] < 0
-
-
-def test_colors_run_from_dark_to_light() -> None:
-    lightness = diameter_colors(np.linspace(-0.5, 1.5, 50)) @ [0.2126, 0.7152, 0.0722]
-    assert (np.diff(lightness) >= -1e-12).all()
 
 
 def shown_words(result: PlanResult) -> list[str]:

@@ -432,35 +432,6 @@ def test_what_is_not_whole_is_repeated_and_what_is_whole_is_not_touched(there, w
     assert bytes_of(out) == wanted
 
 
-@pytest.fixture
-def small_disk(there):
-    """A file system in memory of 100 kB for the cohort; gives a call that makes room on it."""
-    out = there / "out"
-    out.mkdir()
-    command = ["mount", "-t", "tmpfs", "-o", "size=100k", "tmpfs", str(out)]
-    try:
-        can_mount = subprocess.run(command, capture_output=True).returncode == 0
-    except OSError:
-        can_mount = False
-    if not can_mount:
-        pytest.skip("no file system can be mounted here")
-    yield lambda: subprocess.run(["mount", "-o", "remount,size=20m", str(out)], check=True)
-    subprocess.run(["umount", "-l", str(out)], check=True)
-
-
-def test_a_full_disk_stops_the_sweep_which_goes_on_when_there_is_room(there, wanted, small_disk):
-    code, _, error = ended(started(there, "--workers", "1"))
-    assert code == 4
-    assert f"{there / 'out'}: cannot be written (No space left on device); free space" in error
-    assert error.count("\n") == 1
-    assert not list((there / "out").glob("cases/*/.sdfstent-*"))
-    assert 0 < len(whole_cases(there)) < 8
-    small_disk()
-    code, said, _ = ended(started(there, "--workers", "1"))
-    assert code == 0, said
-    assert bytes_of(there / "out") == wanted
-
-
 def test_files_that_cannot_be_written_stop_the_sweep_where_no_disk_can_be_mounted(there):
     """A limit on the size of files fails in the same places as a full disk."""
     program = (

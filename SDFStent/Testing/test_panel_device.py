@@ -211,22 +211,6 @@ def test_the_recoil_is_by_the_rule_where_the_stent_lies(host, theSection):
     assert planned(theSection)[0].balloon.recoil_fraction == 0.10
 
 
-def test_the_recoil_of_the_panel_is_that_of_the_shell(aLogic, theParameters, tmp_path):
-    """The same rule in the lumen that the library measures at the same place."""
-    from SDFStentSlicer import Plans
-
-    from SDFStentLib.stent import balloon_by_rule
-    from SDFStentLib.treatment import Vessel
-
-    aLogic.setBalloon(theParameters, 13.0)
-    (planned,) = Plans.plannedOf(theParameters)
-    vessel = Vessel(
-        aLogic._inputs.vessel(theParameters).surface, aLogic.centerlineOf(theParameters)
-    )
-    assert planned.balloon == balloon_by_rule(13.0, vessel.native_lumen(planned))
-    assert planned.balloon.recoil_fraction == 0.10
-
-
 def test_a_loaded_recoil_stays_until_something_is_changed(host, theSection, tmp_path):
     from SDFStentLib.stent import Balloon
 

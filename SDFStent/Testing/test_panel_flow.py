@@ -2,9 +2,8 @@
 
 import json
 
-import numpy as np
 import pytest
-from panel_helpers import deploy, expanded, saveAsFile, settle
+from panel_helpers import deploy, saveAsFile
 
 
 @pytest.fixture
@@ -136,11 +135,3 @@ def test_a_flow_beyond_the_panels_is_refused_with_its_plan(aLogic, theParameters
     with pytest.raises(ValueError, match="flow: expected a flow at most of 0 to 60 L/min in the"):
         aLogic.loadPlan(path, theParameters)
     assert theParameters.flowLeast == 0.0
-
-
-def test_a_flow_moves_no_wall(host, theTube):
-    parameters, logic = theTube._parameterNode, theTube.logic
-    points = expanded(logic, parameters)
-    theTube.ui.flowLeastSpinBox.value = 3.0
-    settle(host, theTube)
-    np.testing.assert_array_equal(expanded(logic, parameters), points)

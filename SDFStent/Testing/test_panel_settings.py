@@ -122,29 +122,6 @@ def test_the_axis_is_smoothed_as_long_as_the_slider_says(host, aStent, tmp_path)
     assert Plans.settingsOf(parameters).axis_smoothing == 22.0
 
 
-def test_a_smoothed_axis_is_that_of_the_library_and_as_long(aLogic, theParameters):
-    from panel_helpers import expanded
-    from SDFStentSlicer import Plans
-
-    from SDFStentLib.geometry import length
-    from SDFStentLib.treatment import AxisChange, axis_in_vessel
-
-    expanded(aLogic, theParameters)
-    (plain,) = (one.axis.points for one in aLogic.lastRun(theParameters).end()[1])
-    theParameters.method.axisSmoothing = 3.0
-    assert aLogic.hasChanged(theParameters)
-    expanded(aLogic, theParameters)
-    (drawn,) = (one.axis for one in aLogic.lastRun(theParameters).end()[1])
-    assert drawn.warnings == ()
-    (stent,) = Plans.plannedOf(theParameters)
-    inputs = aLogic._inputs
-    vessel, line = inputs.vessel(theParameters).surface, inputs.centerline(theParameters)
-    expected = axis_in_vessel(stent, line, vessel, AxisChange(smoothing_length=3.0))
-    np.testing.assert_allclose(drawn.points, expected.points, atol=1e-12)
-    assert length(drawn.points) == pytest.approx(length(plain), abs=1e-9)
-    assert np.abs(drawn.points - plain).max() > 0.05
-
-
 def test_a_straightened_stent_is_measured_along_its_straightened_axis(aLogic, theParameters):
     """Shown and measured along one axis, that of the library; the preview takes it, too."""
     from SDFStentSlicer import Plans

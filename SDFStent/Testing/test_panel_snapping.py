@@ -85,19 +85,3 @@ def test_a_handle_let_go_outside_of_the_lumen_stays_there_and_nothing_is_deploye
     letGo(host, aStent, theThroat())
     settle(host, aStent)
     assert aStent.ui.statusLabel.text == ""
-
-
-def test_the_shell_says_the_same_of_the_same_place(host, aStent, besideThroat):
-    from SDFStentSlicer import Conversion
-
-    from SDFStentLib.stent import AtCenter, Stent
-    from SDFStentLib.treatment import axis_in_vessel
-
-    point, _distance = besideThroat(0.8)
-    logic, parameters = aStent.logic, aStent._parameterNode
-    tree = Conversion.centerlineOf(parameters.centerline)
-    surface = logic._inputs.vessel(parameters).surface
-    axis = axis_in_vessel(Stent(8.5, placement=AtCenter(point), length=14.0), tree, surface)
-    (told,) = [str(caution) for caution in axis.warnings if caution.kind == "point-beside"]
-    letGo(host, aStent, point)
-    assert aStent.ui.statusLabel.text == f"{parameters.stent.label}: {told}"

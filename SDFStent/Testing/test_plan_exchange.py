@@ -63,19 +63,6 @@ def test_every_placement_survives(aLogic, theParameters, aScene, tmp_path, kind)
     np.testing.assert_allclose(expanded(aLogic, theParameters), points, atol=tolerance)
 
 
-def test_the_library_replays_the_plan_of_the_panel(aLogic, theParameters, tmp_path):
-    """The same files, the same plan: the points of the command line, to 1e-9 mm."""
-    from SDFStentLib.plan import load_plan, run_plan
-
-    for node in (theParameters.vessel, theParameters.centerline):
-        saveAsFile(node, tmp_path / f"{node.GetName()}.vtp", "RAS")
-    points = expanded(aLogic, theParameters)
-    aLogic.savePlan(tmp_path / "plan.json", theParameters)
-    plan = load_plan(tmp_path / "plan.json")
-    assert plan.frame == "RAS"
-    np.testing.assert_allclose(run_plan(plan).treatment.points, points, rtol=0, atol=1e-9)
-
-
 def test_a_broken_plan_is_refused_in_the_panel(host, aPanel, tmp_path):
     (tmp_path / "plan.json").write_text('{"schema": "something else"}', encoding="utf-8")
     host.files.append(str(tmp_path / "plan.json"))
@@ -102,29 +89,6 @@ def inFrame(frame):
             stent["placement"]["center"] = [-x, -y, z]
 
     return change
-
-
-def test_a_plan_in_lps_is_turned(aLogic, theParameters, tmp_path):
-    points = expanded(aLogic, theParameters)
-    writePlan(tmp_path / "plan.json", aLogic, theParameters, inFrame("LPS"))
-    aLogic.loadPlan(tmp_path / "plan.json", theParameters)
-    np.testing.assert_allclose(expanded(aLogic, theParameters), points, rtol=0, atol=1e-9)
-
-
-def test_a_plan_of_the_command_line_gives_its_points_in_the_panel(aLogic, theParameters, tmp_path):
-    """Files as Slicer writes them are LPS, and so is a plan that the command line makes of them."""
-    from SDFStentLib.plan import load_plan, run_plan, save_plan
-
-    for node in (theParameters.vessel, theParameters.centerline):
-        saveAsFile(node, tmp_path / f"{node.GetName()}.vtp", "LPS")
-    path = tmp_path / "plan.json"
-    aLogic.savePlan(path, theParameters)
-    result = run_plan(load_plan(path))
-    save_plan(result.plan, path)
-    aLogic.loadPlan(path, theParameters)
-    expected = result.treatment.points * (-1, -1, 1)
-    points = expanded(aLogic, theParameters)
-    np.testing.assert_allclose(points, expected, rtol=0, atol=1e-9)
 
 
 @pytest.mark.parametrize("frame", ["RAS", "LPS"])
