@@ -1,8 +1,8 @@
-"""One parameter of the method: what it does and what it may be, said once for everyone who asks."""
+"""A parameter of the method or of a stent: what it does and may be, said once for all who ask."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 from .validation import InputError, as_number
@@ -22,6 +22,8 @@ class Parameter:
         Of a number; empty without one.
     least, most : float, optional
         Of a number; None for what is none.
+    above : float, optional
+        In place of the least, which does not belong to the range itself.
     may_be_zero : bool
         Zero belongs to the range, too, and stands for "not at all".
     is_optional : bool
@@ -29,17 +31,27 @@ class Parameter:
     names : tuple of str
         The names that a choice knows.
     option : str
-        Of the command line, without its dashes; empty where there is none. It turns a switch off.
+        Of the command line, without its dashes; empty where there is none. It turns a switch to
+        what is not its default.
+    called : str
+        What a complaint calls it; its name where left out.
     """
 
     does: str
     unit: str = ""
     least: float | None = None
+    above: float | None = None
     most: float | None = None
     may_be_zero: bool = False
     is_optional: bool = False
     names: tuple[str, ...] = ()
     option: str = ""
+    called: str = ""
+
+    @property
+    def is_number(self) -> bool:
+        """Whether it is neither a choice nor a switch nor a text."""
+        return self.most is not None
 
     @property
     def lowest(self) -> float:
@@ -51,19 +63,22 @@ class Parameter:
         """A value as a float of the range; `InputError`, with the name, for anything else."""
         if value is None and self.is_optional:
             return None
-        if self.lowest == 0:
-            number = as_number(value, name, unit=self.unit, minimum=0)
-            if number == 0:
-                return number
-        else:
-            number = as_number(value, name, unit=self.unit, above=0)
-        if self.may_be_zero and self.least is not None and number < self.least:
+        if not self.may_be_zero:
+            return as_number(
+                value,
+                name,
+                unit=self.unit,
+                above=self.above,
+                minimum=self.least,
+                maximum=self.most,
+            )
+        number = as_number(value, name, unit=self.unit, minimum=0, maximum=self.most)
+        if number and self.least is not None and number < self.least:
             raise InputError(
                 f"{name}: expected 0 or at least {self.least:g} ({self.unit}), got {value!r}; "
                 "0 is none at all."
             )
-        minimum = self.least or None
-        return as_number(number, name, unit=self.unit, minimum=minimum, maximum=self.most)
+        return number
 
     def choice(self, value: Any, name: str) -> str:
         """A value that is one of the names; `InputError` for anything else."""
@@ -78,9 +93,29 @@ class Parameter:
         found: dict[str, Any] = {"description": sentence}
         if self.names:
             return {**found, "enum": list(self.names)}
-        if self.least is None:
+        if not self.is_number:
             return {**found, "type": "boolean"}
         found["type"] = ["number", "null"] if self.is_optional else "number"
-        if self.may_be_zero and self.least > 0:
+        if self.above is not None:
+            return {**found, "exclusiveMinimum": self.above, "maximum": self.most}
+        if self.may_be_zero and self.least:
             return {**found, "anyOf": [{"const": 0}, {"minimum": self.least}], "maximum": self.most}
         return {**found, "minimum": self.lowest, "maximum": self.most}
+
+
+def parameter(does: str, **more: Any) -> dict[str, Parameter]:
+    """Metadata of a dataclass's field that is a parameter; arguments as of `Parameter`."""
+    return {"parameter": Parameter(does, **more)}
+
+
+def parameters_of(kind: Any) -> dict[str, Parameter]:
+    """The parameters among the fields of a dataclass, by name, in their order."""
+    own = {one.name: one.metadata.get("parameter") for one in fields(kind)}
+    return {name: found for name, found in own.items() if found is not None}
+
+
+def check_parameters(values: Any) -> None:
+    """Refuse numbers and choices out of their range in a dataclass; `InputError`."""
+    for name, one in parameters_of(values).items():
+        if one.is_number:
+            one.number(getattr(values, name), one.called or name)

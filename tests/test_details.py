@@ -84,7 +84,7 @@ def test_the_details_in_words():
         ('{"color": 1}', "stent details: unknown key 'color'"),
         ('{"device": {}}', r"stent details.device: expected the key 'name', got none"),
         ('{"balloon": {"diameter": 8}}', r"stent details.balloon: expected the key 'recoil_fra"),
-        ('{"shape": {"waist": {"diameter": 0}}}', r"stent details.shape: waist: expected a numb"),
+        ('{"shape": {"waist": {"diameter": 0}}}', r"details.shape.waist: waist: expected a numb"),
     ],
 )
 def test_details_that_cannot_be_read_are_said(text, words):

@@ -17,9 +17,7 @@ from tube_files import PLACE, deploy
 from SDFStentLib.cli.shell import main
 from SDFStentLib.geometry import resampled
 from SDFStentLib.plan.devices import (
-    KEYS,
     device_document,
-    device_from_document,
     device_named,
     device_table,
 )
@@ -27,6 +25,7 @@ from SDFStentLib.plan.document import plan_text
 from SDFStentLib.plan.plan import Plan
 from SDFStentLib.plan.reader import load_plan, plan_from_document
 from SDFStentLib.plan.run import run_plan
+from SDFStentLib.plan.typed import from_document
 from SDFStentLib.report.devices import device_sentence, planned_device_sentences
 from SDFStentLib.stent import AlongAxis, AtCenter, Balloon, BetweenPoints, Device, Stent, stent_axis
 from SDFStentLib.validation import InputError
@@ -47,7 +46,7 @@ CENTER = AtCenter([0.0, 0, 50])
 
 
 def a_device(**changes) -> Device:
-    device = device_from_document({**ROW, **changes}, "row")
+    device = from_document(Device, {**ROW, **changes}, "row")
     assert device is not None
     return device
 
@@ -243,7 +242,7 @@ def test_a_row_that_cannot_be_is_refused_with_its_place(row, words):
         ("[]", "own.json: device table: expected an object with schema, version, devices; got a"),
         ("{", "own.json: expected a JSON document, got an error"),
         (a_table(ROW, ROW), r"devices\[1\]: expected a device of another name than those before"),
-        (a_table(ROW, None), r"devices\[1\]: expected a device of another name .*, got null"),
+        (a_table(ROW, None), r"devices\[1\]: expected an object with name, .*; got null"),
         (a_table({**ROW, "source": ""}), r"own.json: devices\[0\]: device bench-34, source: exp"),
         (a_table(ROW).replace("-devices", "-plan"), "schema: expected 'sdfstent-devices', got"),
         (a_table(ROW).replace(": 1,", ": 3,"), "version: expected 1, got 3"),
@@ -333,7 +332,7 @@ def test_only_what_a_row_has_is_told_as_of_its_source(name, size, words):
 def test_a_device_comes_back_from_its_row_and_from_a_plan_exactly():
     for device in (*device_table(), a_device(covered=False, cell="hybrid", verified=True)):
         row = json.loads(json.dumps(device_document(device)))
-        assert device_from_document(row, "row") == device
+        assert from_document(Device, row, "row") == device
         stent = Stent(
             9.0 if not device.lengths else 15.0,
             placement=CENTER,
@@ -344,13 +343,13 @@ def test_a_device_comes_back_from_its_row_and_from_a_plan_exactly():
         document = json.loads(plan_text(Plan((stent,))))
         assert plan_from_document(document) == Plan((stent,))
         assert hash(plan_from_document(document)) == hash(Plan((stent,)))
-    assert device_document(None) is device_from_document(None, "row") is None
+    assert device_document(None) is None
 
 
 def test_the_schema_knows_the_keys_and_the_rows_of_the_table():
     jsonschema = pytest.importorskip("jsonschema")
     definition = SCHEMA["definitions"]["device"]
-    assert list(definition["properties"]) == list(KEYS) == [field.name for field in fields(Device)]
+    assert list(definition["properties"]) == [field.name for field in fields(Device)]
     validator = jsonschema.Draft7Validator(SCHEMA)
     for device in device_table():
         validator.validate(a_plan_with(device_document(device)))
@@ -379,7 +378,7 @@ def test_devices_lists_the_table_and_tells_what_is_and_is_not_known(capsys, a_ta
     assert rows["Source"].endswith("(2005, 2014); unverified")
     assert main(["devices", "bench-34", "--device-table", str(a_table_file), "--json"]) == 0
     (row,) = json.loads(capsys.readouterr().out)["devices"]
-    assert device_from_document(row, "row") == a_device()
+    assert from_document(Device, row, "row") == a_device()
     assert main(["devices", "bench"]) == 2
     assert "see `sdfstent devices`, or give one of your own (--device-table F)." in (
         capsys.readouterr().err

@@ -14,11 +14,14 @@ from SDFStentLib.deformation.deployment import Deployment
 from SDFStentLib.deformation.profiles import BLENDS, FALLOFFS
 from SDFStentLib.deformation.settings import RULES, DeploymentSettings
 from SDFStentLib.field import CapsuleChain
+from SDFStentLib.parameter import parameters_of
 from SDFStentLib.phantoms.phantoms import straight_tube
 from SDFStentLib.plan import method_parameters
+from SDFStentLib.stent import Balloon, Shape, Stent, StentEnd, Waist
 from SDFStentLib.validation import InputError
 
 LENGTHS = {name: one for name, one in DeploymentSettings.parameters().items() if one.unit == "mm"}
+PARTS = {"waist": Waist, "start": StentEnd, "end": StentEnd}
 WIDTHS = {name: one for name, one in LENGTHS.items() if one.lowest == 0}
 """Those that may be zero."""
 
@@ -107,7 +110,7 @@ def test_numbers_of_numpy_and_strings_of_digits_become_floats():
 )  # fmt: skip
 @pytest.mark.parametrize("value", [0, -1, float("nan"), float("inf"), "much", True])
 def test_lengths_that_are_not_positive_are_refused_by_name(name, value):
-    with pytest.raises(InputError, match=f"{name}: expected a number greater than 0"):
+    with pytest.raises(InputError, match=f"{name}: expected a number at least"):
         DeploymentSettings(**{name: value})
 
 
@@ -138,7 +141,7 @@ def test_an_unknown_setting_is_refused_by_name():
 
 
 def test_the_precision_of_a_changed_value_is_checked_too():
-    with pytest.raises(InputError, match="step: expected a number greater than 0"):
+    with pytest.raises(InputError, match=r"step: expected a number at least 0.0001"):
         DeploymentSettings().with_changes(step=-1)
 
 
@@ -178,10 +181,20 @@ def test_the_schema_of_plans_has_the_same_parameters():
     schema = json.loads(path.read_text(encoding="utf-8"))
     found = schema["properties"]["settings"]["properties"]
     assert found == {name: one.schema() for name, one in method_parameters().items()}
+    stent = schema["definitions"]["stent"]["properties"]
+    shape = stent["shape"]["properties"]
+    for kind, properties in (
+        (Stent, stent),
+        (Balloon, stent["balloon"]["properties"]),
+        (Shape, shape),
+        *((kind, shape[name]["properties"]) for name, kind in PARTS.items()),
+    ):
+        known = {name: one.schema() for name, one in parameters_of(kind).items()}
+        assert known == {name: properties[name] for name in known}
 
 
 def test_a_length_of_thousands_of_digits_is_refused():
-    with pytest.raises(InputError, match="capsule_length: expected a number greater than 0"):
+    with pytest.raises(InputError, match=r"capsule_length: expected a number at least 0.05"):
         DeploymentSettings(capsule_length=10**400)
 
 

@@ -17,8 +17,9 @@ from slicer import (
 from slicer.i18n import tr as _
 from slicer.parameterNodeWrapper import Choice, WithinRange, parameterNodeWrapper, parameterPack
 
+from SDFStentLib.parameter import parameters_of
 from SDFStentLib.plan import Plan, method_parameters
-from SDFStentLib.stent import MAXIMUM_DIAMETER, MAXIMUM_LENGTH
+from SDFStentLib.stent import Stent
 from SDFStentLib.treatment import LONGEST_MARGIN, RATIOS, SizingWishes
 
 
@@ -100,11 +101,16 @@ METHOD_PARAMETERS = {
 }
 """By field of `MethodParameters`: name and `Parameter` of what the panel shows of the method as the library has it."""
 
+_OF_STENT = parameters_of(Stent)
+_SHORTENING = _OF_STENT["foreshortening_fraction"]
+
 RANGES = {
-    "diameter": Range(0.1, MAXIMUM_DIAMETER, "a diameter"),
-    "length": Range(0.1, MAXIMUM_LENGTH, "a length"),
-    "foreshortening": Range(-20.0, 50.0, "a foreshortening", " %"),
-    "redilation": Range(0.0, MAXIMUM_DIAMETER, "a redilation"),
+    "diameter": Range(0.1, _OF_STENT["diameter"].most, "a diameter"),
+    "length": Range(0.1, _OF_STENT["length"].most, "a length"),
+    "foreshortening": Range(
+        100 * _SHORTENING.least, 100 * _SHORTENING.most, "a foreshortening", " %"
+    ),
+    "redilation": Range(0.0, _OF_STENT["diameter"].most, "a redilation"),
     **{
         field: Range(0.0 if one.is_optional else one.lowest, one.most, _inWords(name))
         for field, (name, one) in METHOD_PARAMETERS.items()

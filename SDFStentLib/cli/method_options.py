@@ -1,35 +1,42 @@
-"""The options that say how a stent is deployed."""
+"""Options from parameters: of the method, and of a stent."""
 
 from __future__ import annotations
 
 import argparse
+from typing import Any
 
+from ..parameter import Parameter
 from ..plan import Plan, method_parameters, plan_of_method
 from .argument_types import number
+
+
+def add_parameter(
+    group: argparse._ActionsContainer, parameter: Parameter, default: Any, dest: str = ""
+) -> None:
+    """The option of a parameter; `dest` is its attribute where that is not the option's name."""
+    option = f"--{parameter.option}"
+    more: dict[str, Any] = {"dest": dest or parameter.option.replace("-", "_")}
+    if not (parameter.names or parameter.is_number):
+        words = f"do not {parameter.does}" if default else parameter.does
+        group.add_argument(option, action=f"store_{not default}".lower(), help=words, **more)
+        return
+    told = [parameter.unit, "" if default is None else f"default {default}".removesuffix(".0")]
+    words = " ".join([parameter.does, *[f"({', '.join(filter(None, told))})"][: any(told)]])
+    if parameter.names:
+        group.add_argument(option, choices=parameter.names, default=default, help=words, **more)
+    else:
+        metavar = parameter.unit.upper() or "F"
+        group.add_argument(
+            option, type=number, metavar=metavar, default=default, help=words, **more
+        )
 
 
 def add_method(command: argparse.ArgumentParser) -> None:
     """How it is deployed: the parameters of the method that have an option, in their order."""
     group = command.add_argument_group("method")
     for name, parameter in method_parameters().items():
-        if not parameter.option:
-            continue
-        option, default = f"--{parameter.option}", Plan().method[name]
-        if parameter.names:
-            words = f"{parameter.does} (default {default})"
-            group.add_argument(
-                option, dest=name, choices=parameter.names, default=default, help=words
-            )
-        elif parameter.least is None:
-            words = f"do not {parameter.does}"
-            group.add_argument(option, dest=name, action="store_false", help=words)
-        else:
-            told = [parameter.unit, "" if default is None else f"default {default:g}"]
-            words = f"{parameter.does} ({', '.join(filter(None, told))})"
-            metavar = parameter.unit.upper() or "F"
-            group.add_argument(
-                option, dest=name, type=number, metavar=metavar, default=default, help=words
-            )
+        if parameter.option:
+            add_parameter(group, parameter, Plan().method[name], name)
 
 
 def method_of(options: argparse.Namespace) -> Plan:

@@ -21,7 +21,7 @@ from .common_options import (
 from .method_options import add_method
 from .parser import Parser, ShortHelp
 from .plan_options import add_acceptance, add_comparison, add_device_file
-from .stent_options import add_device_table, add_shape, add_size, add_stent, add_wishes
+from .stent_options import add_device_table, add_length, add_shape, add_size, add_stent, add_wishes
 from .sweep_options import add_sweep
 
 
@@ -260,9 +260,7 @@ def _demo(command: argparse.ArgumentParser) -> None:
 def _add_usual_place(place: argparse._ActionsContainer) -> None:
     place.add_argument("--centerline", type=_path, metavar="FILE", help="of the vessel, any form")
     add_point(place, "center", "the middle of the stent")
-    place.add_argument(
-        "--length", type=_number, metavar="L", help="mm; with --axis about its middle"
-    )
+    add_length(place)
 
 
 def _add_other_places(place: argparse._ActionsContainer) -> None:

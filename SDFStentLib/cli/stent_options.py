@@ -4,67 +4,43 @@ from __future__ import annotations
 
 import argparse
 
-from ..stent import KEPT
+from ..parameter import parameters_of
+from ..stent import Balloon, Shape, Stent, Waist
 from .argument_types import number, path, whole
+from .method_options import add_parameter
+
+OF_STENT, OF_BALLOON = parameters_of(Stent), parameters_of(Balloon)
+
+
+def add_length(group: argparse._ActionsContainer) -> None:
+    """How long."""
+    add_parameter(group, OF_STENT["length"], None)
 
 
 def add_size(group: argparse._ActionsContainer) -> None:
     """How wide, or which device: what everyone needs."""
-    group.add_argument(
-        "--diameter",
-        type=number,
-        metavar="D",
-        help="of the lumen that is deployed, mm; with --recoil of the balloon",
-    )
+    add_parameter(group, OF_STENT["diameter"], None)
     add_device_name(group)
 
 
 def add_stent(command: argparse.ArgumentParser) -> None:
     """How it gets there, beside `add_size`."""
     stent = command.add_argument_group("stent")
+    for one in OF_BALLOON.values():
+        add_parameter(stent, one, None)
     stent.add_argument(
-        "--balloon",
-        type=number,
-        metavar="D",
-        help="of the balloon, mm; the lumen is what recoil leaves of it",
-    )
-    stent.add_argument(
-        "--recoil",
-        type=number,
-        metavar="F",
-        help="part of the balloon's diameter that is lost (default with --balloon: 0.07, or 0.1 in "
-        "a lumen below 3 mm or of less than a third of the balloon)",
-    )
-    stent.add_argument(
-        "--redilate", type=number, metavar="D", help="then dilate the same stent to D, mm"
+        "--redilate", type=number, metavar="MM", help="then dilate the same stent to it (mm)"
     )
     add_device_more(stent)
-    stent.add_argument(
-        "--shortened",
-        action="store_true",
-        help="deploy it also where less than half of it can lie on the vessel",
-    )
-    stent.add_argument(
-        "--keep",
-        choices=KEPT,
-        help="what stays where it is when the stent shortens (default its center, or the end by "
-        "which it is placed)",
-    )
+    add_parameter(stent, OF_STENT["may_be_shortened"], False)
+    add_parameter(stent, OF_STENT["keeps"], None)
 
 
 def add_shape(command: argparse.ArgumentParser) -> None:
     """Where a stent is no cylinder."""
     shape = command.add_argument_group("shape")
-    shape.add_argument("--waist", type=number, metavar="D", help="where it stays narrow, mm")
-    shape.add_argument(
-        "--waist-position",
-        type=number,
-        metavar="F",
-        help="part of the length from the proximal end (default: where the vessel is narrowest)",
-    )
-    shape.add_argument(
-        "--waist-length", type=number, metavar="MM", help="of the waist (default: of the stent)"
-    )
+    for one in parameters_of(Waist).values():
+        add_parameter(shape, one, None)
     for name, end in (("start", "proximal"), ("end", "distal")):
         shape.add_argument(
             f"--flare-{name}",
@@ -79,13 +55,7 @@ def add_shape(command: argparse.ArgumentParser) -> None:
         metavar="F",
         help="CSV with rows fraction,diameter in place of --diameter",
     )
-    shape.add_argument(
-        "--cap-height",
-        type=number,
-        metavar="F",
-        default=1.0,
-        help="how far it pushes beyond its ends, over the radius: 1 is half a sphere (default 1)",
-    )
+    add_parameter(shape, parameters_of(Shape)["cap_height"], Shape().cap_height)
 
 
 def add_device_name(group: argparse._ActionsContainer) -> None:
@@ -98,13 +68,7 @@ def add_device_name(group: argparse._ActionsContainer) -> None:
 def add_device_more(stent: argparse._ActionsContainer) -> None:
     """Where devices are, and what one loses of its length."""
     add_device_table(stent)
-    stent.add_argument(
-        "--foreshortening",
-        type=number,
-        metavar="F",
-        help="part of the length that is lost on expansion (default: that of the device, 0.1 with "
-        "--length and no device, else 0)",
-    )
+    add_parameter(stent, OF_STENT["foreshortening_fraction"], None)
 
 
 def add_device_table(group: argparse._ActionsContainer) -> None:

@@ -10,18 +10,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..parameter import parameters_of
 from ..plan import (
     device_document,
-    device_from_document,
     device_named,
+    from_document,
     in_words,
     number,
     section,
     sequence,
     shape_document,
-    shape_from_document,
     text_value,
 )
+from ..stent import Device, Shape, StentEnd, Waist
 from ..validation import InputError, as_number
 
 DIAMETERS = ("diameter", "diameter_over_lumen", "diameter_over_reference")
@@ -31,14 +32,9 @@ PLACES = ("branch", "distance", "fraction", "lesion", "offset")
 """A branch and a distance (mm) or a fraction along it; a lesion and an offset (mm) from it."""
 
 SHAPE_PARTS = (
-    "shape.waist.diameter",
-    "shape.waist.position",
-    "shape.waist.length",
-    "shape.start.diameter",
-    "shape.start.length",
-    "shape.end.diameter",
-    "shape.end.length",
-    "shape.cap_height",
+    *(f"shape.waist.{name}" for name in parameters_of(Waist)),
+    *(f"shape.{end}.{name}" for end in ("start", "end") for name in parameters_of(StentEnd)),
+    *(f"shape.{name}" for name in parameters_of(Shape)),
 )
 NAMES = (*DIAMETERS, "length", *PLACES, "device", "shape", *SHAPE_PARTS)
 """Of everything that can be an axis."""
@@ -211,7 +207,7 @@ def _branch(value: Any, where: str) -> int | str:
 def _device(value: Any, where: str) -> Mapping[str, Any]:
     """The row of the table: a name may mean something else where the worker is."""
     if isinstance(value, Mapping):
-        found = device_document(device_from_document(plain(value), where))
+        found = device_document(from_document(Device, plain(value), where))
     else:
         try:
             found = device_document(device_named(text_value(value, where)))
@@ -222,7 +218,7 @@ def _device(value: Any, where: str) -> Mapping[str, Any]:
 
 
 def _shape(value: Any, where: str) -> Mapping[str, Any] | None:
-    return shape_document(shape_from_document(plain(value), where))
+    return None if value is None else shape_document(from_document(Shape, plain(value), where))
 
 
 def _two(value: Any, where: str) -> tuple[float, float]:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from numpy.typing import ArrayLike
 
 from ..field import FOLDS, CapsuleChain, RadiusShares
-from ..parameter import Parameter
+from ..parameter import Parameter, parameter, parameters_of
 from ..validation import Floats, InputError
 from .profiles import BLENDS, FALLOFFS, Profile, as_profile
 from .step_rule import StepRule
@@ -23,16 +23,12 @@ THINNEST_AND_WIDEST_RADIUS = (0.05, 100.0)
 CALIBRATIONS = ("axis", "paper", "none")
 
 
-def _parameter(does: str, **more: Any) -> dict[str, Parameter]:
-    return {"parameter": Parameter(does, **more)}
-
-
 def _length(does: str, least: float, most: float, **more: Any) -> dict[str, Parameter]:
-    return _parameter(does, unit="mm", least=least, most=most, **more)
+    return parameter(does, unit="mm", least=least, most=most, **more)
 
 
 def _choice(does: str, names: Iterable[str], option: str = "") -> dict[str, Parameter]:
-    return _parameter(does, names=tuple(names), option=option)
+    return parameter(does, names=tuple(names), option=option)
 
 
 _OWN_STEPS = " and ".join(f"{step:g} with {rule}" for rule, step in RULES.items())
@@ -136,11 +132,11 @@ class DeploymentSettings:
     )
     finish: bool = field(
         default=True,
-        metadata=_parameter("put the wall in contact on the true distance from the axis"),
+        metadata=parameter("put the wall in contact on the true distance from the axis"),
     )
     facet_compensation: bool = field(
         default=True,
-        metadata=_parameter(
+        metadata=parameter(
             "make up for what flat facets take of the lumen's diameter; needs finish",
             option="no-compensation",
         ),
@@ -166,18 +162,18 @@ class DeploymentSettings:
     )
     untangle: bool = field(
         default=True,
-        metadata=_parameter(
+        metadata=parameter(
             "take apart triangles that intersect anew, and retry with other gaps if that fails"
         ),
     )
     certify: bool = field(
-        default=True, metadata=_parameter("look for new self-intersections at the end")
+        default=True, metadata=parameter("look for new self-intersections at the end")
     )
 
     def __post_init__(self) -> None:
-        for name, parameter in self.parameters().items():
-            if parameter.least is not None:
-                self._set(name, parameter.number(getattr(self, name), name))
+        for name, one in self.parameters().items():
+            if one.is_number:
+                self._set(name, one.number(getattr(self, name), name))
         for name in ("rule", "calibration", "fold"):
             self.parameters()[name].choice(getattr(self, name), name)
         as_profile(self.falloff, FALLOFFS, "falloff")
@@ -186,7 +182,7 @@ class DeploymentSettings:
     @classmethod
     def parameters(cls) -> dict[str, Parameter]:
         """What each of them does and may be, by name, in their order."""
-        return {one.name: one.metadata["parameter"] for one in fields(cls)}
+        return parameters_of(cls)
 
     @classmethod
     def published(cls) -> DeploymentSettings:

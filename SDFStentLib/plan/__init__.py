@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from .device_file import device_vtp as device_vtp
     from .device_file import write_device as write_device
     from .devices import device_document as device_document
-    from .devices import device_from_document as device_from_document
     from .devices import device_named as device_named
     from .devices import device_table as device_table
     from .document import POINT_PLACEMENTS as POINT_PLACEMENTS
@@ -50,8 +49,8 @@ if TYPE_CHECKING:
     from .run import treatment_of as treatment_of
     from .shapes import read_profile as read_profile
     from .shapes import shape_document as shape_document
-    from .shapes import shape_from_document as shape_from_document
     from .steps import StepFiles as StepFiles
     from .today import Today as Today
+    from .typed import from_document as from_document
 
 list_contents(__name__)

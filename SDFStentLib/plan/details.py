@@ -7,18 +7,15 @@ nothing of a plan is lost on the way through it.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
 from typing import Any
 
 from ..stent import Balloon, Device, Placement, Shape, Stent
-from ..validation import InputError
-from .devices import device_document, device_from_document
-from .json_document import number, parsed, section, text_value, truth
-from .shapes import shape_document, shape_from_document
-
-KEYS = ("device", "balloon", "keeps", "shape", "may_be_shortened")
+from .devices import device_document
+from .json_document import parsed
+from .shapes import shape_document
+from .typed import from_document
 
 
 @dataclass(frozen=True)
@@ -43,25 +40,6 @@ def details_document(stent: Stent | StentDetails) -> dict[str, Any]:
     }
 
 
-def details_from_document(given: Mapping[str, Any], where: str) -> dict[str, Any]:
-    """The details in a document that may have them, as `Stent` takes them.
-
-    Raises
-    ------
-    InputError
-        Unknown keys in them, or values that do not belong there, with their place.
-    """
-    return {
-        "device": device_from_document(given.get("device"), f"{where}.device"),
-        "balloon": _balloon_from_document(given.get("balloon"), f"{where}.balloon"),
-        "keeps": text_value(given.get("keeps", "center"), f"{where}.keeps"),
-        "shape": shape_from_document(given.get("shape"), f"{where}.shape"),
-        "may_be_shortened": truth(
-            given.get("may_be_shortened", False), f"{where}.may_be_shortened"
-        ),
-    }
-
-
 def stent_details(stent: Stent | StentDetails) -> str:
     """What a stent is beyond sizes and place as JSON text; empty where that is nothing."""
     usual = details_document(StentDetails())
@@ -73,8 +51,7 @@ def stent_details(stent: Stent | StentDetails) -> str:
 def read_details(details: str) -> StentDetails:
     """What a text of `stent_details` says; `InputError` for one that cannot be read."""
     found = parsed(details, "stent details") if details else {}
-    given = section(found, "stent details", (), KEYS)
-    return StentDetails(**details_from_document(given, "stent details"))
+    return from_document(StentDetails, found, "stent details")
 
 
 def detailed_stent(
@@ -143,21 +120,6 @@ def details_words(details: str) -> str:
     if found.get("may_be_shortened"):
         words.append("shortened where the vessel ends")
     return ", ".join(words)
-
-
-def _balloon_from_document(value: Any, where: str) -> Balloon | None:
-    if value is None:
-        return None
-    given = section(value, where, ("diameter", "recoil_fraction"), ("reason",))
-    values: dict[str, Any] = {
-        key: float(number(given[key], f"{where}.{key}")) for key in ("diameter", "recoil_fraction")
-    }
-    if "reason" in given:
-        values["reason"] = text_value(given["reason"], f"{where}.reason")
-    try:
-        return Balloon(**values)
-    except InputError as error:
-        raise error.labeled(f"{where}: ") from error
 
 
 def _that_leaves(balloon: Balloon, diameter: float) -> Balloon:

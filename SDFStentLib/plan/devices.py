@@ -12,18 +12,11 @@ from typing import Any
 from ..files import read_content
 from ..stent import Device
 from ..validation import InputError, as_path, in_short
-from .json_document import in_words, number, parsed, section, sequence, text_value, truth
+from .json_document import in_words, parsed, section, sequence
+from .typed import from_document
 
 SCHEMA = "sdfstent-devices"
 SCHEMA_VERSION = 1
-
-KEYS = tuple(field.name for field in fields(Device))
-"""Of a row: the attributes of `Device`."""
-
-_TEXTS = ("family", "manufacturer", "cell", "source", "source_date", "note")
-_SWITCHES = ("generic", "verified")
-_NUMBERS = ("nominal_length", "foreshortening_fraction", "maximum_diameter")
-_RANGES = ("nominal_diameters", "reported_diameters", "reported_lengths")
 
 
 def device_table(path: str | os.PathLike[str] | None = None) -> tuple[Device, ...]:
@@ -64,42 +57,8 @@ def device_document(device: Device | None) -> dict[str, Any] | None:
     """A row of the table, without what is not known of it."""
     if device is None:
         return None
-    values = {key: getattr(device, key) for key in KEYS}
-    defaults = {field.name: field.default for field in fields(Device)}
-    return {key: _listed(value) for key, value in values.items() if value != defaults[key]}
-
-
-def device_from_document(value: Any, where: str) -> Device | None:
-    """A device from a row of the table; None from null.
-
-    Raises
-    ------
-    InputError
-        Unknown keys, or values that do not belong there, with their place.
-    """
-    if value is None:
-        return None
-    row = section(value, where, ("name",), KEYS[1:])
-    changes: dict[str, Any] = {"name": text_value(row["name"], f"{where}.name")}
-    for key in row:
-        at = f"{where}.{key}"
-        if key in _TEXTS:
-            changes[key] = text_value(row[key], at)
-        elif key in _SWITCHES or (key == "covered" and row[key] is not None):
-            changes[key] = truth(row[key], at)
-        elif row[key] is None:
-            continue
-        elif key in _NUMBERS:
-            changes[key] = float(number(row[key], at))
-        elif key in _RANGES or key == "sold_lengths":
-            changes[key] = _numbers(row[key], at)
-        elif key == "lengths":
-            pairs = sequence(row[key], at)
-            changes[key] = tuple(_numbers(pair, f"{at}[{i}]") for i, pair in enumerate(pairs))
-    try:
-        return Device(**changes)
-    except InputError as error:
-        raise error.labeled(f"{where}: ") from error
+    own = {field.name: (getattr(device, field.name), field.default) for field in fields(Device)}
+    return {key: _listed(value) for key, (value, default) in own.items() if value != default}
 
 
 @cache
@@ -133,20 +92,14 @@ def _rows_of(document: Any) -> tuple[Device, ...]:
         )
     rows: dict[str, Device] = {}
     for index, value in enumerate(sequence(table["devices"], "devices")):
-        device = device_from_document(value, f"devices[{index}]")
-        if device is None or device.name.casefold() in rows:
+        device = from_document(Device, value, f"devices[{index}]")
+        if device.name.casefold() in rows:
             raise InputError(
                 f"devices[{index}]: expected a device of another name than those before, got "
-                f"{in_words(None if device is None else device.name)}; rename it."
+                f"{in_words(device.name)}; rename it."
             )
         rows[device.name.casefold()] = device
     return tuple(rows.values())
-
-
-def _numbers(value: Any, where: str) -> tuple[float, ...]:
-    return tuple(
-        float(number(item, f"{where}[{i}]")) for i, item in enumerate(sequence(value, where))
-    )
 
 
 def _listed(value: Any) -> Any:

@@ -14,11 +14,10 @@ from ..files import read_content
 from ..stent import AlongAxis, BetweenPoints, InputFile, OfStent, Placement, Stent
 from ..units import MILLIMETERS, Frame
 from ..validation import InputError, as_path
-from .details import KEYS as DETAILS
-from .details import details_from_document
 from .document import POINT_PLACEMENTS, SCHEMA, SCHEMA_VERSION
 from .json_document import in_words, number, parsed, scaled, section, sequence, text_value, truth
 from .plan import Plan, method_parameters, plan_of_method
+from .typed import from_document
 
 MOST_STENTS = 1000
 """Of a plan, disabled ones too: far more than any patient gets."""
@@ -27,9 +26,6 @@ _PARTS = ("sdfstent_version", "inputs", "settings", "flow")
 """What a plan may have besides its stents."""
 
 _INPUT_KEYS = ("units", "frame", "surface", "centerline", "root", "reference")
-
-_STENT_KEYS = ("name", "enabled", "length", "foreshortening_fraction", *DETAILS)
-"""What a stent may have besides its diameter and its placement."""
 
 _PLACE_KEYS = ("center", "distal", "proximal", "from", "to", "axis", "stent")
 """What a placement may have."""
@@ -170,17 +166,10 @@ class _StentReader:
         return x, y, z
 
     def stent(self, value: Any, where: str) -> Stent:
-        stent = section(value, where, ("diameter", "placement"), _STENT_KEYS)
-        placement = self._placement(stent["placement"], f"{where}.placement")
-        changes: dict[str, Any] = {
-            key: None if stent.get(key) is None else _float(stent[key], f"{where}.{key}")
-            for key in ("length", "foreshortening_fraction")
-        }
-        diameter = _float(stent["diameter"], f"{where}.diameter")
-        changes["name"] = text_value(stent.get("name", ""), f"{where}.name")
-        changes |= details_from_document(stent, where)
-        changes["enabled"] = truth(stent.get("enabled", True), f"{where}.enabled")
-        return _named(where, lambda: Stent(diameter, placement=placement, **changes))
+        made = {}
+        if isinstance(value, Mapping) and "placement" in value:
+            made = {"placement": self._placement(value["placement"], f"{where}.placement")}
+        return from_document(Stent, value, where, **made)
 
     def _placement(self, value: Any, where: str) -> Placement:
         given = section(value, where, (), _PLACE_KEYS)
@@ -233,7 +222,7 @@ def _method(value: Any) -> dict[str, Any]:
         where, parameter = f"settings.{key}", parameters[key]
         if parameter.names:
             text_value(given[key], where)
-        elif parameter.least is None:
+        elif not parameter.is_number:
             truth(given[key], where)
         elif not (parameter.is_optional and given[key] is None):
             given[key] = _float(given[key], where)

@@ -9,10 +9,11 @@ been below 3 mm or the balloon more than 3 times as wide as it.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
+from ..parameter import check_parameters
 from ..validation import InputError, as_number
-from .device import MAXIMUM_DIAMETER
+from .device import MAXIMUM_DIAMETER, diameter_field, part_field
 
 USUAL_RECOIL = 0.07
 """Part of the balloon's diameter that is lost: mean of the source, whose SD is 0.04."""
@@ -35,25 +36,30 @@ AS_GIVEN = "as given"
 
 @dataclass(frozen=True)
 class Balloon:
-    """The balloon that expands a stent.
+    """The balloon that expands a stent, and where its recoil is from."""
 
-    Attributes
-    ----------
-    diameter : float
-        When it is full, mm.
-    recoil_fraction : float
-        Part of its diameter that the stent loses when it is let down, 0 to 0.5.
-    reason : str
-        Where the recoil is from.
-    """
-
-    diameter: float
-    recoil_fraction: float
+    diameter: float = field(
+        metadata=diameter_field(
+            "of the balloon; the lumen is what recoil leaves of it",
+            option="balloon",
+            called="balloon diameter",
+        )
+    )
+    recoil_fraction: float = field(
+        metadata=part_field(
+            f"part of the balloon's diameter that is lost; by default {USUAL_RECOIL:g}, or "
+            f"{RAISED_RECOIL:g} in a lumen below {NARROW_LUMEN:g} mm or of less than a third of "
+            "the balloon",
+            0,
+            MOST_RECOIL,
+            option="recoil",
+            called="recoil",
+        )
+    )
     reason: str = AS_GIVEN
 
     def __post_init__(self) -> None:
-        as_number(self.diameter, "balloon diameter", unit="mm", above=0, maximum=MAXIMUM_DIAMETER)
-        as_number(self.recoil_fraction, "recoil", minimum=0, maximum=MOST_RECOIL)
+        check_parameters(self)
 
     @property
     def is_given(self) -> bool:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..cautions import Caution
+from ..parameter import parameter
 from ..validation import InputError, as_number, in_short, printable
 
 MAXIMUM_DIAMETER = 100.0
@@ -22,6 +23,22 @@ MAXIMUM_LENGTH = 500.0
 
 LEAST_FORESHORTENING, MOST_FORESHORTENING = -0.2, 0.5
 """Parts of a nominal length that a stent can lose on expansion; below 0 it grows."""
+
+
+def diameter_field(does: str, **more: Any) -> Any:
+    """Metadata of a field that is a diameter, mm."""
+    return parameter(does, unit="mm", above=0, most=MAXIMUM_DIAMETER, **more)
+
+
+def length_field(does: str, **more: Any) -> Any:
+    """Metadata of a field that is a length, mm."""
+    return parameter(does, unit="mm", above=0, most=MAXIMUM_LENGTH, **more)
+
+
+def part_field(does: str, least: float, most: float, **more: Any) -> Any:
+    """Metadata of a field that is a part of something."""
+    return parameter(does, least=least, most=most, **more)
+
 
 CELLS = ("closed", "open", "hybrid", "unknown")
 """Kinds of cells between the struts."""

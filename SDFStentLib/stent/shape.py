@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 
+from ..parameter import check_parameters
 from ..validation import Floats, InputError, as_number, read_only
-from .device import MAXIMUM_DIAMETER, MAXIMUM_LENGTH
+from .device import MAXIMUM_DIAMETER, diameter_field, length_field, part_field
 
 SAMPLES = 201
 """Places at which a waist or an end is sampled; profiles are linear in between."""
@@ -19,49 +20,47 @@ FLATTEST_CAP = 0.1
 
 @dataclass(frozen=True)
 class Waist:
-    """A narrow place, as a lesion leaves it that does not give way.
+    """A narrow place, as a lesion leaves it that does not give way: a raised cosine."""
 
-    Attributes
-    ----------
-    diameter : float
-        Where it is narrowest, mm.
-    position : float, optional
-        Part of the stent's length from its proximal end, 0 to 1; left out, where the vessel is
-        narrowest.
-    length : float, optional
-        Of the whole waist, mm; left out, that of the stent.
-    """
-
-    diameter: float
-    position: float | None = None
-    length: float | None = None
+    diameter: float = field(
+        metadata=diameter_field("where it stays narrow", option="waist", called="waist")
+    )
+    position: float | None = field(
+        default=None,
+        metadata=part_field(
+            "part of the length from the proximal end; by default where the vessel is narrowest",
+            0,
+            1,
+            is_optional=True,
+            option="waist-position",
+            called="waist position",
+        ),
+    )
+    length: float | None = field(
+        default=None,
+        metadata=length_field(
+            "of the whole waist; by default that of the stent",
+            is_optional=True,
+            option="waist-length",
+            called="waist length",
+        ),
+    )
 
     def __post_init__(self) -> None:
-        as_number(self.diameter, "waist", unit="mm", above=0, maximum=MAXIMUM_DIAMETER)
-        if self.position is not None:
-            as_number(self.position, "waist position", minimum=0, maximum=1)
-        if self.length is not None:
-            as_number(self.length, "waist length", unit="mm", above=0, maximum=MAXIMUM_LENGTH)
+        check_parameters(self)
 
 
 @dataclass(frozen=True)
 class StentEnd:
-    """An end that is wider (flare) or narrower (taper) than the stent.
+    """An end that is wider (flare) or narrower (taper) than the stent."""
 
-    Attributes
-    ----------
-    diameter : float
-        At the very end, mm.
-    length : float
-        From the end to where the stent has its own diameter, mm.
-    """
-
-    diameter: float
-    length: float
+    diameter: float = field(metadata=diameter_field("at the very end", called="end of the stent"))
+    length: float = field(
+        metadata=length_field("to where it has its own diameter", called="length of the end")
+    )
 
     def __post_init__(self) -> None:
-        as_number(self.diameter, "end of the stent", unit="mm", above=0, maximum=MAXIMUM_DIAMETER)
-        as_number(self.length, "length of the end", unit="mm", above=0, maximum=MAXIMUM_LENGTH)
+        check_parameters(self)
 
 
 class DiametersAlong(NamedTuple):
@@ -95,9 +94,6 @@ class Shape:
         Its proximal and its distal end.
     table : tuple of (fraction, diameter)
         In place of these: diameters, mm, at parts of the length from 0 to 1, linear in between.
-    cap_height : float
-        How far the stent pushes beyond its ends, over the radius there: 1 is half a sphere, less
-        is flatter.
 
     Raises
     ------
@@ -109,10 +105,19 @@ class Shape:
     start: StentEnd | None = None
     end: StentEnd | None = None
     table: tuple[tuple[float, float], ...] = ()
-    cap_height: float = 1.0
+    cap_height: float = field(
+        default=1.0,
+        metadata=part_field(
+            "how far it pushes beyond its ends, over the radius there: 1 is half a sphere",
+            FLATTEST_CAP,
+            1,
+            option="cap-height",
+            called="cap height",
+        ),
+    )
 
     def __post_init__(self) -> None:
-        as_number(self.cap_height, "cap height", minimum=FLATTEST_CAP, maximum=1)
+        check_parameters(self)
         if not self.table:
             return
         others = [name for name in ("waist", "start", "end") if getattr(self, name) is not None]

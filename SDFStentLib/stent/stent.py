@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY, dataclass, field
 
 from ..cautions import Caution
-from ..validation import InputError, as_number, check_is_a, printable
+from ..parameter import check_parameters, parameter
+from ..validation import InputError, check_is_a, printable
 from .balloon import Balloon, check_lumen
 from .device import (
     LEAST_FORESHORTENING,
-    MAXIMUM_DIAMETER,
-    MAXIMUM_LENGTH,
     MOST_FORESHORTENING,
     Device,
+    diameter_field,
+    length_field,
+    part_field,
 )
 from .placement import (
     PLACEMENT_NAMES,
@@ -79,30 +81,59 @@ class Stent(ByValue):
         known.
     """
 
-    diameter: float
+    diameter: float = field(
+        metadata=diameter_field(
+            "of the lumen that is deployed; with a recoil, that of the balloon",
+            option="diameter",
+            called="stent diameter",
+        )
+    )
     _: KW_ONLY
     placement: Placement
-    length: float | None = None
-    foreshortening_fraction: float | None = None
+    length: float | None = field(
+        default=None,
+        metadata=length_field(
+            "nominal length; along a curve about its middle, none between two points",
+            is_optional=True,
+            option="length",
+            called="stent length",
+        ),
+    )
+    foreshortening_fraction: float | None = field(
+        default=None,
+        metadata=part_field(
+            "part of the nominal length that is lost on expansion; by default with a length that "
+            f"of the device, or {DEFAULT_FORESHORTENING:g} without a device; else 0",
+            LEAST_FORESHORTENING,
+            MOST_FORESHORTENING,
+            is_optional=True,
+            option="foreshortening",
+            called="foreshortening",
+        ),
+    )
     device: Device | None = None
     balloon: Balloon | None = None
-    keeps: str = "center"
+    keeps: str = field(
+        default="center",
+        metadata=parameter(
+            "what stays where it is when the stent shortens; one that is placed by an end keeps "
+            "that",
+            names=KEPT,
+            option="keep",
+        ),
+    )
     shape: Shape | None = None
-    may_be_shortened: bool = False
+    may_be_shortened: bool = field(
+        default=False,
+        metadata=parameter(
+            "deploy it also where less than half of it can lie on the vessel", option="shortened"
+        ),
+    )
     name: str = ""
     enabled: bool = True
 
     def __post_init__(self) -> None:
-        as_number(self.diameter, "stent diameter", unit="mm", above=0, maximum=MAXIMUM_DIAMETER)
-        if self.foreshortening_fraction is not None:
-            as_number(
-                self.foreshortening_fraction,
-                "foreshortening",
-                minimum=LEAST_FORESHORTENING,
-                maximum=MOST_FORESHORTENING,
-            )
-        if self.length is not None:
-            as_number(self.length, "stent length", unit="mm", above=0, maximum=MAXIMUM_LENGTH)
+        check_parameters(self)
         if self.balloon is not None:
             check_is_a(self.balloon, Balloon, "balloon")
             check_lumen(self.balloon, self.diameter)
