@@ -106,7 +106,7 @@ def pytest_collection_finish() -> None:
 
 gc.disable()  # nothing is thrown away while test files are collected
 # Before the test files import them.
-for name in set(phantoms.__all__) - {"Opening", "Phantom", "Throat", "Vessel"}:
+for name in set(phantoms.__all__) - {"Opening", "Phantom", "Throat", "TrueVessel"}:
     once = made_once(getattr(phantoms, name))
     for module in (phantoms, makers):
         if hasattr(module, name):

@@ -166,11 +166,8 @@ def as_number(
     above: float | None = None,
     minimum: float | None = None,
     maximum: float | None = None,
-    remedy: str = "choose such a number",
 ) -> float:
     """A finite float inside its range; the bounds `minimum`, `maximum` belong to the range.
-
-    `remedy` is what the message says to do.
 
     Raises
     ------
@@ -181,7 +178,9 @@ def as_number(
     try:
         number = math.nan if isinstance(value, str | bytes) else float(value)
     except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{name}: expected {wanted}, got {in_short(value)}; {remedy}.") from None
+        raise InputError(
+            f"{name}: expected {wanted}, got {in_short(value)}; choose such a number."
+        ) from None
     outside = (
         not np.isfinite(number)
         or (above is not None and number <= above)
@@ -189,7 +188,7 @@ def as_number(
         or (maximum is not None and number > maximum)
     )
     if isinstance(value, bool) or outside:
-        raise InputError(f"{name}: expected {wanted}, got {in_short(value)}; {remedy}.")
+        raise InputError(f"{name}: expected {wanted}, got {in_short(value)}; choose such a number.")
     return number
 
 

@@ -12,7 +12,7 @@ from SDFStentLib.phantoms.axis import narrowing, planar_axis
 from SDFStentLib.phantoms.field import Tube, TubeUnion
 from SDFStentLib.phantoms.junction import branching_tube
 from SDFStentLib.phantoms.mesh import swept_tube
-from SDFStentLib.phantoms.value import Vessel, assembled
+from SDFStentLib.phantoms.value import TrueVessel, assembled
 
 
 class Known(NamedTuple):
@@ -81,7 +81,7 @@ def tube_case(seed: int, count: int) -> Case:
     patch = swept_tube(axis, radius, edge)
     noise = random.choice([0.0, 0.01, 0.02]) * narrowest
     points = with_noise(patch.points, patch.triangles, noise, random)
-    made = assembled("tube", patch, (Vessel("tube", axis, radius),), [])
+    made = assembled("tube", patch, (TrueVessel("tube", axis, radius),), [])
     known = [Known(axis.point(c)[0], 100 * d, 2 * h) for c, h, d in lesions]
     return Case(Surface(points, patch.triangles), made.centerline, known)
 
@@ -119,8 +119,8 @@ def bifurcation_case(seed: int, where: str | None, fineness: float = 0.3) -> Cas
 
     lesions = [] if lesion is None else [(*lesion, depth)]
     vessels = (
-        Vessel("main", main, narrowed(healthy, lesions)),
-        Vessel("side", side, lambda at: np.full(np.shape(at), right), before),
+        TrueVessel("main", main, narrowed(healthy, lesions)),
+        TrueVessel("side", side, lambda at: np.full(np.shape(at), right), before),
     )
     edge = fineness * min(right, (1 - depth) * left)
     union = TubeUnion([Tube(v.axis, v.radius) for v in vessels], 0.3 * right, 4 * edge)

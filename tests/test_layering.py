@@ -41,7 +41,7 @@ USES = {
     "vessel": "geometry centerline measure",
     "treatment": "geometry centerline certificate measure stent deformation vessel",
     "plan": "geometry files stent deformation treatment",
-    "report": "certificate geometry measure stent files treatment vessel plan",
+    "report": "geometry measure stent files treatment vessel plan",
     "cohort": "geometry centerline stent files treatment vessel plan report",
     "cli": "files stent phantoms vessel treatment plan report cohort",
 }

@@ -46,7 +46,9 @@ def corner_angles(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     return np.degrees(np.arccos(np.clip(cosine, -1, 1)))
 
 
-def nearest_on_axis(vessel: phantoms.Vessel, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def nearest_on_axis(
+    vessel: phantoms.TrueVessel, points: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Arc length of the nearest axis point and the distance to it, on a fine sampling."""
     from scipy.spatial import KDTree
 

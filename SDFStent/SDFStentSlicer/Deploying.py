@@ -2,6 +2,9 @@
 
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
+from SDFStentLib.geometry import Precision
+from SDFStentLib.treatment import Treatment
+
 from . import Dependencies, Plans, Results
 from .Portions import inPortions, working
 from .Stenting import Stenting
@@ -41,21 +44,23 @@ def steps(shown, signature, vessel, inputs, mayGoOn=lambda: False):
 def _begun(parameterNode, vessel, inputs):
     """Where the stents go; yields None until it is known, then returns the `Stenting`."""
     hasTree = parameterNode.centerline is not None
-    given = (
+    planned = (
         vessel.surface,
-        inputs.centerline(parameterNode) if hasTree else None,
         Plans.plannedOf(parameterNode),
+        inputs.centerline(parameterNode) if hasTree else None,
         Plans.settingsOf(parameterNode),
     )
+    how = {
+        "straightening_fraction": parameterNode.method.straightening / 100,
+        "precision": Precision(dtype=vtk_to_numpy(vessel.polyData.GetPoints().GetData()).dtype),
+        "faces": vessel.faces,
+    }
     further = {
-        "straightening": parameterNode.method.straightening / 100,
-        "dtype": vtk_to_numpy(vessel.polyData.GetPoints().GetData()).dtype,
         "places": Dependencies.places(parameterNode),
         "search": inputs.lesions(parameterNode) if hasTree else None,
-        "faces": vessel.faces,
         "remark": vessel.remark,
     }
-    return (yield from inPortions(lambda: Stenting(*given, **further)))
+    return (yield from inPortions(lambda: Stenting(Treatment(*planned, **how), **further)))
 
 
 def measured(shown):

@@ -2,12 +2,9 @@
 
 from typing import NamedTuple
 
-import numpy as np
-
-from SDFStentLib.geometry import Precision
 from SDFStentLib.measure import displacements, face_stretches
 from SDFStentLib.stent import OfStent, Stent, StentAxis, redilated
-from SDFStentLib.treatment import Treatment, treated_lesions
+from SDFStentLib.treatment import treated_lesions
 
 from .Portions import inPortions
 
@@ -38,39 +35,18 @@ class Stenting:
     `steps`.
     """
 
-    def __init__(
-        self,
-        surface,
-        centerline,
-        planned,
-        settings,
-        *,
-        straightening=0.0,
-        dtype=np.float32,
-        places=(),
-        search=None,
-        faces=None,
-        remark="",
-    ):
-        """`planned` is a list of `Stent`; `dtype` is the type in which the result is stored.
+    def __init__(self, treatment, *, places=(), search=None, remark=""):
+        """Of a `Treatment`.
 
-        `places` says for every stent by what the caller finds it again. `search` is the `LesionSearch` of the vessel, `faces`
-        are the surface's `NamedFaces`, `remark` what to know of it.
+        `places` says for every stent by what the caller finds it again. `search` is the `LesionSearch` of the vessel, `remark`
+        what to know of its surface.
         """
-        self.surface, self.points, self.centerline = surface, surface.points, centerline
+        self._treatment, self.surface = treatment, treatment.surface
+        self.points, self.centerline = treatment.surface.points, treatment.centerline
         self.recorded, self._axes = [], {}
         self.places, self.result = list(places), None
         self.search, self.lesions, self.remark = search, None, remark
         self.shownMap = self.shownStent = self.shownFlow = None
-        self._treatment = Treatment(
-            surface,
-            planned,
-            centerline,
-            settings,
-            straightening_fraction=straightening,
-            precision=Precision(dtype=np.dtype(dtype)),
-            faces=faces,
-        )
 
     def steps(self):
         """Deploy; yields a `TreatmentState` after every radius step.

@@ -54,7 +54,7 @@ def knownResults(theModule):
     What is measured is known by the surfaces before and after, by stents, centerline and settings. The library's own
     `Treatment`, with which results of the panel are compared, knows nothing.
     """
-    from SDFStentSlicer import Stenting
+    from SDFStentSlicer import Deploying, Stenting
 
     known, treated = {}, Stenting.treated_lesions
 
@@ -66,7 +66,7 @@ def knownResults(theModule):
             known[key] = treated(found, stents, after, before), found
         return known[key][0]
 
-    class KnownTreatment(Stenting.Treatment):
+    class KnownTreatment(Deploying.Treatment):
         def _key(self, *more):
             line = self.centerline
             tree = () if line is None else (line.points, line.inscribed_radius, line.parent)
@@ -101,7 +101,7 @@ def knownResults(theModule):
                 companions=companions,
             )
 
-    Stenting.Treatment, Stenting.treated_lesions = KnownTreatment, treatedOnce
+    Deploying.Treatment, Stenting.treated_lesions = KnownTreatment, treatedOnce
     return known
 
 

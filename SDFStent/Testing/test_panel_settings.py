@@ -158,7 +158,7 @@ def test_measuring_leaves_the_applications_thread_free(aLogic, theParameters, mo
     """What takes the time, of all three parts of it: else the window stands still."""
     import threading
 
-    from SDFStentSlicer import Stenting
+    from SDFStentSlicer import Deploying, Stenting
 
     ran = set()
 
@@ -169,7 +169,7 @@ def test_measuring_leaves_the_applications_thread_free(aLogic, theParameters, mo
 
         return call
 
-    treatment = Stenting.Treatment
+    treatment = Deploying.Treatment
     for name in ("survey", "result"):
         own = getattr(treatment, name)
         get = own.fget if isinstance(own, property) else own.func

@@ -21,7 +21,7 @@ PAIRS = 1 << 18
 """Nodes and segments compared at once: some ten MB."""
 
 
-class NearPairs(NamedTuple):
+class Bridges(NamedTuple):
     """Nodes near segments of which they are no end: distance, mm, and fraction along it."""
 
     nodes: Indices
@@ -29,9 +29,9 @@ class NearPairs(NamedTuple):
     fractions: Floats
     distances: Floats
 
-    def selected(self, which: NDArray[np.generic]) -> NearPairs:
+    def selected(self, which: NDArray[np.generic]) -> Bridges:
         """The pairs that a mask or an index array picks."""
-        return NearPairs(*(column[which] for column in self))
+        return Bridges(*(column[which] for column in self))
 
 
 class LineGraph(NamedTuple):
@@ -73,7 +73,7 @@ class LineGraph(NamedTuple):
         """The graph with edges added; loops and doubles are left out."""
         return self._replace(edges=_unique_edges(np.concatenate([self.edges, more])))
 
-    def bridged(self, bridges: NearPairs) -> LineGraph:
+    def bridged(self, bridges: Bridges) -> LineGraph:
         """The graph with each pair's node joined to its segment, which is split at the foot.
 
         The foot is the end of the segment where it falls on it, or the node itself where that
@@ -217,7 +217,7 @@ def near_pairs(
     *,
     nodes: Indices | None = None,
     edges: Indices | None = None,
-) -> NearPairs:
+) -> Bridges:
     """All nodes within the reach (of the wider end) of a segment of which they are no end.
 
     Dense points of wide vessels have hundreds of neighbors each: so many pairs are looked at in
@@ -241,7 +241,7 @@ def near_pairs(
         edges = np.arange(len(graph.edges))
     nothing = np.empty(0, dtype=np.int64)
     if not len(nodes) or not len(edges):
-        return NearPairs(nothing, nothing, np.empty(0), np.empty(0))
+        return Bridges(nothing, nothing, np.empty(0), np.empty(0))
     tree, ends = cKDTree(graph.points[nodes]), graph.edges[edges]
     starts, stops = graph.points[ends[:, 0]], graph.points[ends[:, 1]]
     limits = reach[ends].max(axis=1)
@@ -255,9 +255,9 @@ def near_pairs(
             other &= piece[near] != piece[ends[rows, 0]]
         near, rows = near[other], rows[other]
         squared, fractions = distances_to_segments(graph.points[near], starts[rows], stops[rows])
-        pairs = NearPairs(near, edges[rows], fractions, np.sqrt(squared))
+        pairs = Bridges(near, edges[rows], fractions, np.sqrt(squared))
         found.append(pairs.selected(pairs.distances <= limits[rows]))
-    return NearPairs(*(np.concatenate(column) for column in zip(*found, strict=True)))
+    return Bridges(*(np.concatenate(column) for column in zip(*found, strict=True)))
 
 
 def pairs_within(graph: LineGraph, reach: Floats, edges: Indices) -> int:

@@ -8,7 +8,7 @@ from time import perf_counter
 from typing import Any
 
 from ..files import check_suffix
-from ..plan import Alternative, Comparison, Plan, compare, load_plan
+from ..plan import Alternative, Plan, PlanComparison, compare, load_plan
 from ..report import (
     alternatives_picture,
     check_rendering,
@@ -55,7 +55,7 @@ class _Results:
 
     def __init__(self, hides_device: bool) -> None:
         self.hides_device = hides_device
-        self.comparison = Comparison(())
+        self.comparison = PlanComparison(())
         self.document: dict[str, Any] = {}
         self.pictures: list[bytes] | str = ""
 

@@ -27,7 +27,7 @@ from .deployment import GAP_RAMP
 from .event_steps import event_steps
 from .lumen import Expanded, finished
 from .motion import Motion
-from .proxy_sample import Near, Wall
+from .proxy_sample import Near, SampledWall
 from .proxy_weights import Spreading, moved_rows
 from .published_steps import published_steps
 from .settings import DeploymentSettings
@@ -91,7 +91,7 @@ class Proxy:
     def __init__(self, surface: Surface, inside: ArrayLike | None = None) -> None:
         self.surface = as_surface(surface)
         self._inside = None if inside is None else as_points(inside, "points in the lumen")
-        self._wall: Wall | None = None
+        self._wall: SampledWall | None = None
         self._levels: dict[int | None, _Level] = {}
 
     def deployed(
@@ -149,12 +149,12 @@ class Proxy:
         """Some points of the wall, evenly among all its vertices, mm."""
         return self._wall_with(axis).probes
 
-    def _wall_with(self, axis: Points) -> Wall:
+    def _wall_with(self, axis: Points) -> SampledWall:
         if self._wall is None:
-            self._wall = Wall(self.surface, axis if self._inside is None else self._inside)
+            self._wall = SampledWall(self.surface, axis if self._inside is None else self._inside)
         return self._wall
 
-    def _level(self, wall: Wall, near: Near) -> _Level:
+    def _level(self, wall: SampledWall, near: Near) -> _Level:
         """The finest sample that has few enough points there; the same for the same place."""
         key = None
         if near.count > SAMPLED:
@@ -165,13 +165,13 @@ class Proxy:
         return self._levels[key]
 
 
-def _taken(wall: Wall, rows: Indices, points: Points | None) -> Points:
+def _taken(wall: SampledWall, rows: Indices, points: Points | None) -> Points:
     """Rows of a wall, mm: as it was, or where all points of its surface are now."""
     # Those of the wall lie side by side in memory where they do in space.
     return wall.points[rows] if points is None else points[wall.vertices[rows]]
 
 
-def _made(wall: Wall, key: int | None) -> _Level:
+def _made(wall: SampledWall, key: int | None) -> _Level:
     if key is None:
         return _Level(np.arange(len(wall.vertices)), None, 0.0)
     spacing = 2 ** (key / 2)
@@ -247,7 +247,7 @@ def _rule(settings: DeploymentSettings, *, is_sample: bool) -> StepRule:
 
 
 def _carried(
-    wall: Wall, level: _Level, cells: Indices, displacement: Points
+    wall: SampledWall, level: _Level, cells: Indices, displacement: Points
 ) -> tuple[Indices, Points]:
     """Rows of the wall that move, and how far, mm."""
     if level.spreading is None:

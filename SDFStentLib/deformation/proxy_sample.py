@@ -33,7 +33,7 @@ class Near:
     """mm^2."""
 
 
-class Wall:
+class SampledWall:
     """The used vertices of a surface, cell by cell, with normals out of the lumen. Immutable.
 
     Parameters

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ..geometry import dot
 from ..validation import Indices, Points
-from .proxy_sample import Wall
+from .proxy_sample import SampledWall
 
 SUPPORT = 6
 """Points of the sample that a vertex follows; the next one is where their weights have faded."""
@@ -31,12 +31,12 @@ class Spreading:
 
     Parameters
     ----------
-    wall : Wall
+    wall : SampledWall
     sample : (p,) array
         Rows of the wall.
     """
 
-    def __init__(self, wall: Wall, sample: Indices) -> None:
+    def __init__(self, wall: SampledWall, sample: Indices) -> None:
         from scipy.spatial import cKDTree  # late: it costs half a second
 
         self._wall, self.sample = wall, sample

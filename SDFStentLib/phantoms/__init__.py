@@ -13,6 +13,6 @@ from .tree import vascular_tree as vascular_tree
 from .value import Opening as Opening
 from .value import Phantom as Phantom
 from .value import Throat as Throat
-from .value import Vessel as Vessel
+from .value import TrueVessel as TrueVessel
 
 list_contents(__name__)

@@ -7,7 +7,7 @@ import numpy as np
 from ..geometry import boundary_edges, connected, dot, edges, is_manifold
 from ..validation import Flags, Floats, Indices, InputError, Points, Triangles
 from .field import Rim, TubeUnion
-from .mesh import Patch, flipped, with_cap
+from .mesh import FacedMesh, flipped, with_cap
 
 COARSEST_CELL = 2.0
 """mm; the search for the surface starts with cells of at least this size."""
@@ -22,7 +22,7 @@ RELAXATIONS = 24
 """Rounds of smoothing; fewer leave short edges, more no longer change the angles."""
 
 
-def branching_tube(union: TubeUnion, edge_length: float, *, is_repaired: bool = False) -> Patch:
+def branching_tube(union: TubeUnion, edge_length: float, *, is_repaired: bool = False) -> FacedMesh:
     """Closed mesh of a union of tubes: wall with face id 1, flat caps from 2 in order of rims.
 
     Parameters
@@ -45,7 +45,7 @@ def branching_tube(union: TubeUnion, edge_length: float, *, is_repaired: bool = 
         points[loop] = _on_circle(points[loop], rim)
     points, triangles = _relaxed(union, points, triangles, list(zip(loops, rims, strict=True)))
 
-    patch = Patch(points, triangles, np.ones(len(triangles), dtype=np.int64))
+    patch = FacedMesh(points, triangles, np.ones(len(triangles), dtype=np.int64))
     for number, (loop, rim) in enumerate(zip(loops, rims, strict=True)):
         patch = with_cap(patch, loop, rim.outward, number + 2)
     return patch

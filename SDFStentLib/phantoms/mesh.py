@@ -15,7 +15,7 @@ ROW_HEIGHT = np.sqrt(0.75)
 """Height of an equilateral triangle over its side."""
 
 
-class Patch(NamedTuple):
+class FacedMesh(NamedTuple):
     """Points, triangles and one face id per triangle."""
 
     points: Points
@@ -25,7 +25,7 @@ class Patch(NamedTuple):
 
 def swept_tube(
     axis: Axis, radius: Callable[[Floats], Floats], edge_length: float, first_face_id: int = 1
-) -> Patch:
+) -> FacedMesh:
     """A closed tube of circles across the axis: wall, cap at the start, cap at the end.
 
     All circles have as many points, so that edges shrink with the radius and triangles stay
@@ -51,7 +51,7 @@ def swept_tube(
         + np.sin(angles)[..., None] * np.cross(tangent, normal)[:, None]
     )
     rings = axis.point(stations)[:, None] + radius(stations)[:, None, None] * radial
-    wall = Patch(
+    wall = FacedMesh(
         rings.reshape(-1, 3),
         _staggered_rows(len(stations), count),
         np.full(2 * count * (len(stations) - 1), first_face_id, dtype=np.int64),
@@ -61,12 +61,12 @@ def swept_tube(
     return with_cap(wall, last + np.arange(count), tangent[-1], first_face_id + 2)
 
 
-def with_cap(patch: Patch, rim: Indices, outward: Floats, face_id: int) -> Patch:
+def with_cap(patch: FacedMesh, rim: Indices, outward: Floats, face_id: int) -> FacedMesh:
     """The patch with a flat cap over a round rim, made of rings of near-uniform triangles.
 
     Parameters
     ----------
-    patch : Patch
+    patch : FacedMesh
         What the rim belongs to.
     rim : (k,) array
         Indices of the rim's points, on a circle, in order around it.
@@ -83,7 +83,7 @@ def with_cap(patch: Patch, rim: Indices, outward: Floats, face_id: int) -> Patch
     plane = np.stack([first, np.cross(outward, first)])
     inner, triangles = disc((loop - center) @ plane.T)
     numbers = np.r_[rim, len(patch.points) + np.arange(len(inner))]
-    return Patch(
+    return FacedMesh(
         np.vstack([patch.points, center + inner @ plane]),
         np.vstack([patch.triangles, numbers[triangles]]),
         np.r_[patch.face_ids, np.full(len(triangles), face_id, dtype=np.int64)],

@@ -16,14 +16,14 @@ from ..validation import Floats, InputError, as_number, read_only
 from .axis import Axis, helical_axis, narrowing, planar_axis
 from .field import Tube, TubeUnion
 from .junction import branching_tube
-from .mesh import Patch, swept_tube
-from .value import Opening, Phantom, Throat, Vessel, assembled, ends_of
+from .mesh import FacedMesh, swept_tube
+from .value import Opening, Phantom, Throat, TrueVessel, assembled, ends_of
 
 __all__ = [
     "Opening",
     "Phantom",
     "Throat",
-    "Vessel",
+    "TrueVessel",
     "arch_with_coarctation",
     "bent_tube",
     "branching_pulmonary_artery",
@@ -130,13 +130,16 @@ def hairpin_tube(
     return _single("hairpin tube", planar_axis(pieces), _constant(radius), edge_length)
 
 
+ASCENDING_LENGTH = 30.0
+"""Of the arch, mm."""
+
+
 def arch_with_coarctation(
     radius: float = 7.0,
     throat_radius: float = 3.2,
     edge_length: float = 1.0,
     *,
     arch_radius: float = 18.0,
-    ascending_length: float = 30.0,
     descending_length: float = 70.0,
 ) -> Phantom:
     """The aorta of a child as a candy cane, with a coarctation just after the arch.
@@ -149,9 +152,9 @@ def arch_with_coarctation(
     as_number(arch_radius, "arch_radius", unit="mm", above=1.2 * _size(radius, "radius"))
     as_number(descending_length, "descending_length", unit="mm", minimum=24)
     arch = np.pi * arch_radius
-    throat = _size(ascending_length, "ascending_length") + arch + 14
+    throat = ASCENDING_LENGTH + arch + 14
     axis = planar_axis(
-        [(ascending_length, 0.0), (arch, 1 / arch_radius), (descending_length, 0.0)],
+        [(ASCENDING_LENGTH, 0.0), (arch, 1 / arch_radius), (descending_length, 0.0)],
         toward=(-0.5, -1.0, 0.0),
     )
     profile = _narrowed(radius, throat, 10.0, depth)
@@ -197,8 +200,8 @@ def branching_pulmonary_artery(edge_length: float = 0.9) -> Phantom:
         return _between(2.6, 3.5, arc_length, 0.0, 8.0)
 
     vessels = (
-        Vessel("main and left pulmonary artery", main, main_and_left),
-        Vessel("right pulmonary artery", side, right, joint=junction),
+        TrueVessel("main and left pulmonary artery", main, main_and_left),
+        TrueVessel("right pulmonary artery", side, right, joint=junction),
     )
     tubes = [Tube(vessel.axis, vessel.radius) for vessel in vessels]
     union = TubeUnion(tubes, blend_width=2.0, beyond=4 * edge_length)
@@ -232,14 +235,18 @@ def tube_with_neighbor(
     as_number(length, "length", unit="mm", minimum=16)
     _check_edge_length(edge_length, 0.6 * radius)
     vessels = (
-        Vessel("treated", planar_axis([(length, 0.0)]), _narrowed(radius, length / 2, 8.0, 0.4)),
-        Vessel("neighbor", planar_axis([(length, 0.0)], start=(apart, 0, 0)), _constant(radius)),
+        TrueVessel(
+            "treated", planar_axis([(length, 0.0)]), _narrowed(radius, length / 2, 8.0, 0.4)
+        ),
+        TrueVessel(
+            "neighbor", planar_axis([(length, 0.0)], start=(apart, 0, 0)), _constant(radius)
+        ),
     )
     first, second = (
         swept_tube(vessel.axis, vessel.radius, edge_length, 3 * number + 1)
         for number, vessel in enumerate(vessels)
     )
-    patch = Patch(
+    patch = FacedMesh(
         np.vstack([first.points, second.points]),
         np.vstack([first.triangles, second.triangles + len(first.points)]),
         np.r_[first.face_ids, second.face_ids],
@@ -256,7 +263,7 @@ def _single(
     throat: float | None = None,
 ) -> Phantom:
     """A phantom of one swept tube."""
-    vessel = Vessel(name, axis, radius)
+    vessel = TrueVessel(name, axis, radius)
     _check_edge_length(edge_length, float(radius(axis.sampled(0.1)).min()))
     patch = swept_tube(axis, radius, edge_length)
     return assembled(name, patch, (vessel,), ends_of(vessel, 2), throat)

@@ -13,7 +13,7 @@ from ..validation import Floats, Indices, Points, as_number, read_only
 from .axis import narrowing, planar_axis
 from .field import FieldValues, Tube, TubeUnion
 from .junction import branching_tube
-from .value import CENTERLINE_SPACING, Opening, Phantom, Vessel
+from .value import CENTERLINE_SPACING, Opening, Phantom, TrueVessel
 
 ROOT_RADIUS = 5.0
 """mm."""
@@ -124,7 +124,7 @@ def _layout(outlets: int) -> list[_Branch]:
     return branches
 
 
-def _vessel(number: int, branch: _Branch, depth: float) -> Vessel:
+def _vessel(number: int, branch: _Branch, depth: float) -> TrueVessel:
     axis = planar_axis(
         [(branch.length, 0.0)], start=branch.start, heading=branch.heading, toward=branch.aside
     )
@@ -133,11 +133,11 @@ def _vessel(number: int, branch: _Branch, depth: float) -> Vessel:
     def radius(at: Floats) -> Floats:
         return branch.radius * narrowing(at, branch.length / 2, half, depth)
 
-    return Vessel(f"branch {number}", axis, radius)
+    return TrueVessel(f"branch {number}", axis, radius)
 
 
 def _centerline(
-    layout: list[_Branch], vessels: tuple[Vessel, ...], radii_at: Callable[[Points], Floats]
+    layout: list[_Branch], vessels: tuple[TrueVessel, ...], radii_at: Callable[[Points], Floats]
 ) -> Centerline:
     points, parent, last = [vessels[0].axis.point(0.0)], [np.array([-1])], {-1: 0}
     for number, (branch, vessel) in enumerate(zip(layout, vessels, strict=True)):

@@ -13,14 +13,14 @@ from ..centerline import Centerline
 from ..geometry import NamedFaces, Surface
 from ..validation import Floats, Points, Triangles, read_only
 from .axis import Axis, inscribed_radii
-from .mesh import Patch
+from .mesh import FacedMesh
 
 CENTERLINE_SPACING = 0.5
 """Of the centerline points, mm."""
 
 
 @dataclass(frozen=True, eq=False)
-class Vessel:
+class TrueVessel:
     """One tube of a phantom: its axis and the radius of its cross section by arc length.
 
     `joint` is the arc length of the first vessel, mm, at which it leaves that; None: it does not.
@@ -67,7 +67,7 @@ class Phantom:
     centerline : Centerline
         Points on the exact axes from inlet to outlets. Its inscribed radius is that of the
         largest sphere inside the exact wall; caps are not counted as wall.
-    vessels : tuple of Vessel
+    vessels : tuple of TrueVessel
         The exact axes and section radii.
     openings : tuple of Opening
         In order of the face ids.
@@ -79,7 +79,7 @@ class Phantom:
     surface: Surface
     face_ids: NDArray[np.int64]
     centerline: Centerline
-    vessels: tuple[Vessel, ...]
+    vessels: tuple[TrueVessel, ...]
     openings: tuple[Opening, ...]
     throat: Throat | None = None
 
@@ -109,8 +109,8 @@ class Phantom:
 
 def assembled(
     name: str,
-    patch: Patch,
-    vessels: tuple[Vessel, ...],
+    patch: FacedMesh,
+    vessels: tuple[TrueVessel, ...],
     openings: Sequence[Opening],
     throat: float | None = None,
 ) -> Phantom:
@@ -118,7 +118,7 @@ def assembled(
 
     Parameters
     ----------
-    patch : Patch
+    patch : FacedMesh
         The closed surface.
     throat : float, optional
         Arc length of the first vessel at which it is narrowest.
@@ -134,7 +134,7 @@ def assembled(
     )
 
 
-def ends_of(vessel: Vessel, first_face_id: int, prefix: str = "") -> list[Opening]:
+def ends_of(vessel: TrueVessel, first_face_id: int, prefix: str = "") -> list[Opening]:
     """The two openings of a tube; face ids count on from the given one."""
     stations = np.array([0.0, vessel.axis.length])
     centers, tangents = vessel.axis.point(stations), vessel.axis.tangent(stations)
@@ -151,7 +151,7 @@ def ends_of(vessel: Vessel, first_face_id: int, prefix: str = "") -> list[Openin
     ]
 
 
-def _throat(vessel: Vessel, arc_length: float) -> Throat:
+def _throat(vessel: TrueVessel, arc_length: float) -> Throat:
     ends = vessel.radius(np.array([0.0, vessel.axis.length]))
     return Throat(
         vessel=0,
@@ -162,7 +162,7 @@ def _throat(vessel: Vessel, arc_length: float) -> Throat:
     )
 
 
-def _centerline(vessels: Sequence[Vessel]) -> Centerline:
+def _centerline(vessels: Sequence[TrueVessel]) -> Centerline:
     """Points along the exact axes; a side vessel hangs on the point where it leaves the first."""
     joints = {vessel.joint for vessel in vessels if vessel.joint is not None}
     stops = sorted({0.0, vessels[0].axis.length, *joints})

@@ -10,7 +10,7 @@ from ..late import list_contents
 if TYPE_CHECKING:
     from .axis import read_axis_file as read_axis_file
     from .comparison import Alternative as Alternative
-    from .comparison import Comparison as Comparison
+    from .comparison import PlanComparison as PlanComparison
     from .comparison import compare as compare
     from .comparison import comparison_inputs as comparison_inputs
     from .details import StentDetails as StentDetails

@@ -43,7 +43,7 @@ class Alternative:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class PlanComparison:
     """Alternatives for one vessel, in the order in which they were given."""
 
     alternatives: tuple[Alternative, ...]
@@ -70,7 +70,7 @@ def compare(
     inputs: Mapping[str, InputFiles] | None = None,
     accept_changed_inputs: bool = False,
     progress: Callable[[float, str], None] | None = None,
-) -> Comparison:
+) -> PlanComparison:
     """Carry out several plans of one patient; one that fails keeps no other from being seen.
 
     The vessel is read once, and its lesions are found once, for all plans that name the same files.
@@ -104,7 +104,7 @@ def compare(
                 progress((place + fraction) / len(plans), name)
 
         done.append(_carried_out(name, as_read(plan, inputs[name]), inputs[name], show))
-    comparison = Comparison(tuple(done))
+    comparison = PlanComparison(tuple(done))
     if not comparison.results:
         first = comparison.alternatives[0]
         raise DeploymentError(

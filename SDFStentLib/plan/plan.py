@@ -115,11 +115,8 @@ def _as_range(flow: Any) -> tuple[float, float]:
             f"flow: expected two numbers in mL/s, the least and the most, got {in_short(flow)}; "
             "give both, or none."
         ) from None
-    remedy = "give the least and the most that flows there, or no flow at all"
-    least = as_number(least, "flow", unit="mL/s", above=0, maximum=MOST_FLOW, remedy=remedy)
-    return least, as_number(
-        most, "flow at most", unit="mL/s", minimum=least, maximum=MOST_FLOW, remedy=remedy
-    )
+    least = as_number(least, "flow", unit="mL/s", above=0, maximum=MOST_FLOW)
+    return least, as_number(most, "flow at most", unit="mL/s", minimum=least, maximum=MOST_FLOW)
 
 
 def turned(stent: Stent) -> Stent:

@@ -9,7 +9,7 @@ from datetime import datetime, timezone
 from html import escape
 from typing import Any
 
-from ..plan import Comparison
+from ..plan import PlanComparison
 from ..validation import DeploymentError, check_is_a, printable
 from ..version import VERSION
 from .alternatives import Row, comparison_rows
@@ -55,7 +55,7 @@ td,th,p{-webkit-print-color-adjust:exact;print-color-adjust:exact}}
 """
 
 
-def comparison_document(comparison: Comparison) -> dict[str, Any]:
+def comparison_document(comparison: PlanComparison) -> dict[str, Any]:
     """A comparison as plain values: of every plan the whole report, as `plan_report` makes it.
 
     Raises
@@ -63,7 +63,7 @@ def comparison_document(comparison: Comparison) -> dict[str, Any]:
     InputError
         Something else than a comparison.
     """
-    check_is_a(comparison, Comparison, "comparison")
+    check_is_a(comparison, PlanComparison, "comparison")
     return {
         "schema": SCHEMA,
         "schema_version": SCHEMA_VERSION,
@@ -87,7 +87,9 @@ def comparison_json(document: Mapping[str, Any]) -> str:
     return json.dumps(document, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
 
 
-def comparison_pictures(comparison: Comparison, *, hides_device: bool = False) -> list[bytes] | str:
+def comparison_pictures(
+    comparison: PlanComparison, *, hides_device: bool = False
+) -> list[bytes] | str:
     """Of every sheet of the page its picture, or the sentence that says why there is none.
 
     Empty for a sheet on which no plan could be carried out. `hides_device` as of

@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from html import escape
 from typing import Any
 
-from ..certificate import CERTIFIED, NOT_CERTIFIED
 from ..validation import printable
 from .branches import apposition_table, branch_table, stretches_of
 from .changes import change_rows, setting_rows
@@ -102,35 +101,7 @@ def certificate_sentence(certificate: Mapping[str, Any] | None) -> tuple[bool, s
     """Whether the surface may be used as it is, and the sentence that says so."""
     if not certificate:
         return False, "The deployed surface was not checked."
-    if "sentence" in certificate and "passed" in certificate:
-        return bool(certificate["passed"]), str(certificate["sentence"])
-    crossings = certificate.get("self_intersections")
-    new = _count(crossings.get("new") if isinstance(crossings, Mapping) else crossings)
-    inverted = _count(certificate.get("inverted_triangles"))
-    faults = [
-        f"is {'not ' if certificate.get(name) is False else 'not known to be '}{name}"
-        for name in ("watertight", "manifold")
-        if not certificate.get(name)
-    ]
-    if new is None:
-        faults.append("was not tested for self-intersections")
-    elif new:
-        faults.append(f"has {new} new self-intersecting triangle{'s' if new > 1 else ''}")
-    if inverted:
-        faults.append(f"has {inverted} inverted triangle{'s' if inverted > 1 else ''}")
-    if not faults and certificate.get("passed", True):
-        return True, f"{CERTIFIED}: watertight, manifold, no inverted, no new crossing triangles."
-    said = f"the deployed surface {', '.join(faults) or 'failed its check'}"
-    if certificate.get("passed"):
-        return True, f"{CERTIFIED}, against the input: {said}, which the input was as well."
-    return False, f"{NOT_CERTIFIED}: {said}."
-
-
-def _count(value: Any) -> int | None:
-    """A number, or the length of a list of triangles."""
-    if isinstance(value, Sequence) and not isinstance(value, str):
-        return len(value)
-    return None if value is None else int(value)
+    return bool(certificate["passed"]), str(certificate["sentence"])
 
 
 def _lumen(document: Mapping[str, Any], title: str, stent: Mapping[str, Any]) -> str:
