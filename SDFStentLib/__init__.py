@@ -15,9 +15,8 @@ The main path, in six statements (`examples/` and the README have them with numb
 imported when they are first asked for.
 """
 
-from typing import TYPE_CHECKING
-
-from .late import list_contents
+import importlib
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .centerline import Centerline as Centerline
@@ -58,4 +57,33 @@ if TYPE_CHECKING:
     from .vessel import find_lesions as find_lesions
     from .vessel import lesion_after as lesion_after
 
-list_contents(__name__)
+_CONTENTS = {
+    "centerline": "Centerline",
+    "certificate": "certify check_surface",
+    "deformation": "Deployment DeploymentSettings deploy",
+    "field": "CapsuleChain",
+    "files": "read_axis read_centerline read_surface write_centerline write_surface",
+    "geometry": "Precision Surface",
+    "measure": "diameter_profile",
+    "plan": "Plan compare load_plan run_plan save_plan",
+    "report": "before_after_picture plan_report write_report",
+    "stent": "AlongAxis AtCenter AtDistalEnd AtProximalEnd BetweenPoints Device Stent stent_axis",
+    "treatment": "Treatment",
+    "validation": "DeploymentError InputError",
+    "version": "__version__",
+    "vessel": "find_lesions lesion_after",
+}
+"""The names of every room above, for late imports: type checkers take them from there."""
+
+_ROOM_OF = {name: room for room, names in _CONTENTS.items() for name in names.split()}
+__all__ = sorted(_ROOM_OF)
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _ROOM_OF:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(importlib.import_module(f".{_ROOM_OF[name]}", __name__), name)
+
+
+def __dir__() -> list[str]:
+    return __all__

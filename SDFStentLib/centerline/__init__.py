@@ -1,10 +1,7 @@
 """One tree of a vessel from any lines that a file may hold."""
 
-from ..late import list_contents
 from .centerline import Centerline as Centerline
 from .junctions import JunctionChoice as JunctionChoice
 from .path import CenterlinePath as CenterlinePath
 from .path import Location as Location
 from .point_tree import points_between as points_between
-
-list_contents(__name__)

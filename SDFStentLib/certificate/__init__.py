@@ -1,6 +1,5 @@
 """Proof that a surface is sound, and that a deployment left it so."""
 
-from ..late import list_contents
 from .certificate import CERTIFIED as CERTIFIED
 from .certificate import NOT_CERTIFIED as NOT_CERTIFIED
 from .certificate import Certificate as Certificate
@@ -18,5 +17,3 @@ from .promises import Place as Place
 from .promises import WallCheck as WallCheck
 from .surface_check import SurfaceCheck as SurfaceCheck
 from .surface_check import check_surface as check_surface
-
-list_contents(__name__)

@@ -3,13 +3,6 @@
 What is named here is imported when it is first asked for: signals are taken before anything else.
 """
 
-from typing import TYPE_CHECKING
-
-from ..late import list_contents
-
-if TYPE_CHECKING:
-    from .shell import main as main
-    from .signals import INTERRUPTED as INTERRUPTED
-    from .signals import end_at_once as end_at_once
-
-list_contents(__name__)
+from .shell import main as main
+from .signals import INTERRUPTED as INTERRUPTED
+from .signals import end_at_once as end_at_once

@@ -3,25 +3,18 @@
 What is named here is imported when it is first asked for: workers set their threads before NumPy.
 """
 
-from typing import TYPE_CHECKING
-
-from ..late import list_contents
-
-if TYPE_CHECKING:
-    from .cases import Case as Case
-    from .cases import cases_of as cases_of
-    from .document import load_sweep as load_sweep
-    from .document import sweep_from_document as sweep_from_document
-    from .estimate import Estimate as Estimate
-    from .estimate import estimated as estimated
-    from .executors import worker_count as worker_count
-    from .manifest import write_manifest as write_manifest
-    from .reader import Cohort as Cohort
-    from .runner import run_sweep as run_sweep
-    from .tally import Tally as Tally
-    from .tally import duration_in_words as duration_in_words
-    from .tally import last_tally as last_tally
-    from .value import Patient as Patient
-    from .value import Sweep as Sweep
-
-list_contents(__name__)
+from .cases import Case as Case
+from .cases import cases_of as cases_of
+from .document import load_sweep as load_sweep
+from .document import sweep_from_document as sweep_from_document
+from .estimate import Estimate as Estimate
+from .estimate import estimated as estimated
+from .executors import worker_count as worker_count
+from .manifest import write_manifest as write_manifest
+from .reader import Cohort as Cohort
+from .runner import run_sweep as run_sweep
+from .tally import Tally as Tally
+from .tally import duration_in_words as duration_in_words
+from .tally import last_tally as last_tally
+from .value import Patient as Patient
+from .value import Sweep as Sweep

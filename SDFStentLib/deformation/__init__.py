@@ -1,6 +1,5 @@
 """The wall follows one stent, radius step by radius step, to the prescribed lumen."""
 
-from ..late import list_contents
 from .deployment import Deployment as Deployment
 from .deployment import deploy as deploy
 from .profiles import BLENDS as BLENDS
@@ -11,5 +10,3 @@ from .settings import RULES as RULES
 from .settings import DeploymentSettings as DeploymentSettings
 from .values import DeploymentResult as DeploymentResult
 from .values import DeploymentState as DeploymentState
-
-list_contents(__name__)

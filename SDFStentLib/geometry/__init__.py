@@ -1,6 +1,5 @@
 """Polylines and triangle surfaces: what can be said of them without knowing a vessel."""
 
-from ..late import list_contents
 from .bends import frames as frames
 from .bends import minimum_bend_radius as minimum_bend_radius
 from .bends import tangents as tangents
@@ -67,5 +66,3 @@ from .topology import is_manifold as is_manifold
 from .topology import paired_sides as paired_sides
 from .topology import surface_topology as surface_topology
 from .topology import vertex_neighbors as vertex_neighbors
-
-list_contents(__name__)

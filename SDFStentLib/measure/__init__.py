@@ -1,6 +1,5 @@
 """How wide a lumen is, what a stent covers, and how far tissue was stretched."""
 
-from ..late import list_contents
 from .apposition import Apposition as Apposition
 from .apposition import FreeStretch as FreeStretch
 from .apposition import apposition as apposition
@@ -77,5 +76,3 @@ from .vessel_ends import line_seeds as line_seeds
 from .vessel_ends import vessel_ends as vessel_ends
 from .vessel_parts import VesselParts as VesselParts
 from .vessel_parts import vessel_parts as vessel_parts
-
-list_contents(__name__)

@@ -1,6 +1,5 @@
 """Synthetic vessels whose axes, radii and openings are known exactly."""
 
-from ..late import list_contents
 from .phantoms import arch_with_coarctation as arch_with_coarctation
 from .phantoms import bent_tube as bent_tube
 from .phantoms import branching_pulmonary_artery as branching_pulmonary_artery
@@ -14,5 +13,3 @@ from .value import Opening as Opening
 from .value import Phantom as Phantom
 from .value import Throat as Throat
 from .value import TrueVessel as TrueVessel
-
-list_contents(__name__)

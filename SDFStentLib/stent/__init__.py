@@ -1,6 +1,5 @@
 """A stent: its size, where it goes, and the axis that follows from both."""
 
-from ..late import list_contents
 from .balloon import MOST_RECOIL as MOST_RECOIL
 from .balloon import RAISED_RECOIL as RAISED_RECOIL
 from .balloon import USUAL_RECOIL as USUAL_RECOIL
@@ -44,5 +43,3 @@ from .straightened import TurnedWay as TurnedWay
 from .straightened import straight_way as straight_way
 from .straightened import straightened as straightened
 from .straightened import turned_way as turned_way
-
-list_contents(__name__)

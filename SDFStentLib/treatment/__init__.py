@@ -1,6 +1,5 @@
 """Several stents in order, each in the vessel that the earlier ones left, and measured."""
 
-from ..late import list_contents
 from .coverage import size_cautions as size_cautions
 from .in_lumen import ON_WALL as ON_WALL
 from .lesions import Residual as Residual
@@ -33,5 +32,3 @@ from .value import TreatmentResult as TreatmentResult
 from .value import TreatmentState as TreatmentState
 from .value import label_of as label_of
 from .vessel import Vessel as Vessel
-
-list_contents(__name__)

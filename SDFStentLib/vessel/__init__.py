@@ -1,6 +1,5 @@
 """What is on a tree of vessels: where one goes on and another begins, and where it is narrow."""
 
-from ..late import list_contents
 from .lesion_measuring import lesions_after as lesions_after
 from .lesion_value import HealthyPlace as HealthyPlace
 from .lesion_value import Lesion as Lesion
@@ -11,5 +10,3 @@ from .lesions import lesions_within as lesions_within
 from .marked_reference import lesion_against as lesion_against
 from .marked_reference import lesions_against as lesions_against
 from .narrowings import SMALLEST_DEGREE as SMALLEST_DEGREE
-
-list_contents(__name__)

@@ -1,6 +1,5 @@
 """One file per format: bytes to arrays and polydata, and back."""
 
-from ...late import list_contents
 from .markups import decode_markups as decode_markups
 from .markups import encode_markups as encode_markups
 from .markups import new_markups as new_markups
@@ -17,5 +16,3 @@ from .vtk_files import encode_legacy as encode_legacy
 from .vtk_files import encode_vtp as encode_vtp
 from .vtk_files import encode_vtu as encode_vtu
 from .vtk_files import read_vtk_polydata as read_vtk_polydata
-
-list_contents(__name__)

@@ -1,7 +1,4 @@
 """Pictures of the vessel before and after, drawn by VTK in a process of its own."""
 
-from ...late import list_contents
 from .alternatives import alternatives_picture as alternatives_picture
 from .picture import before_after_picture as before_after_picture
-
-list_contents(__name__)
