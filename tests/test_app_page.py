@@ -413,22 +413,6 @@ def test_a_click_on_the_centerline_places_the_handle_and_the_mouse_drags_it(a_vi
     assert np.linalg.norm(moved - before) > 2
 
 
-def test_two_clicks_on_the_centerline_place_a_stent_between_them(a_visit):
-    a_visit.add_stent()
-    a_visit.named("placementComboBox").select_option("Between two points")
-    place = a_visit.named("placeWidget")
-    place.click()
-    for share in (0.95, 0.5):
-        playwright.expect(place).to_have_attribute("aria-pressed", "true")
-        a_visit.page.mouse.click(*a_visit.seen(is_centerline, share))
-    playwright.expect(place).to_have_attribute("aria-pressed", "false")
-    placed, turn = a_visit.placed()
-    ends = np.array([placed["from"], placed["to"]]) * turn
-    line = branching_pulmonary_artery().centerline
-    assert max(np.linalg.norm(line.project(end).point - end) for end in ends) < 1e-4
-    assert np.linalg.norm(ends[1] - ends[0]) > 5
-
-
 def test_a_wrong_file_is_a_sentence_and_the_page_goes_on(a_visit, the_folder):
     a_visit.named("opening").evaluate("one => { one.open = true; }")
     for path, sentence in (

@@ -410,9 +410,6 @@ def test_a_recoil_of_ones_own_goes_with_either_way_to_give_the_balloon(a_folder)
         assert stent["lumen_diameter_mm"] == pytest.approx(5.7)
         assert (stent["balloon_diameter_mm"], stent["recoil_fraction"]) == (6, 0.05)
         assert stent["recoil_reason"] == "as given"
-    (plain,) = reported()
-    assert plain["balloon_diameter_mm"] is plain["recoil_fraction"] is None
-    assert plain["lumen_diameter_mm"] == 6
 
 
 def test_redilate_deploys_the_same_stent_again_with_its_new_length(a_folder, capsys):
@@ -451,26 +448,19 @@ def test_a_staged_plan_gives_the_result_of_today_and_the_later_one(a_folder, cap
     assert sentence in said
     assert sentence in Path("r.html").read_text(encoding="utf-8")
     assert first["foreshortening_reason"] == second["foreshortening_reason"] != "as given"
-    reported()
+    (plain,) = reported()
     assert json.loads(Path("r.json").read_text(encoding="utf-8"))["today"] is None
+    assert plain["balloon_diameter_mm"] is plain["recoil_fraction"] is None
+    assert plain["lumen_diameter_mm"] == 6
 
 
 def test_files_and_page_show_a_stent_that_is_dilated_again_once(a_folder, capsys):
     files = ["--export-device", "d.vtp", "--export-0d", "z.json", "--report", "r.html"]
-    first, second = reported("--redilate", "8", *files)
+    first, second = reported("--balloon", "6.5", "--redilate", "8", *files, diameter=None)
     assert (first["dilated_again_as"], second["redilates"]) == (2, 1)
     assert set(device_file("d.vtp")[2]["Stent"]) == {2}
     vessels = json.loads(Path("z.json").read_text(encoding="utf-8"))["vessels"]
     assert [one["vessel_name"] for one in vessels] == ["stent 2, before", "stent 2, after"]
-    page = Path("r.html").read_text(encoding="utf-8")
-    assert "dilated again as stent 2." in page
-    assert "Not in contact all round" not in page
-    assert "Stent 1: The stent does not touch" not in capsys.readouterr().out
-
-
-def test_the_page_tells_balloon_recoil_and_redilation(a_folder):
-    more = ["--balloon", "6.5", "--redilate", "8", "--report", "r.html"]
-    assert deploy(*more, diameter=None) == 0
     page = Path("r.html").read_text(encoding="utf-8")
     for words in (
         "<td>Balloon diameter</td><td>6.50 mm</td>",
@@ -478,8 +468,11 @@ def test_the_page_tells_balloon_recoil_and_redilation(a_folder):
         "<td>Prescribed lumen diameter</td><td>6.04 mm</td>",
         "<td>Reference diameter of the lesion</td><td>5.9",
         "<td>Redilation</td><td>of stent 1</td>",
+        "dilated again as stent 2.",
     ):
         assert words in page, words
+    assert "Not in contact all round" not in page
+    assert "Stent 1: The stent does not touch" not in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

@@ -22,15 +22,6 @@ def pair(first, second):
 
 
 @settings(max_examples=100, deadline=None, derandomize=True)
-@given(DISTANCE, DISTANCE, WIDTH)
-def test_the_smooth_minimum_is_the_papers_first_form(first, second, k):
-    gap = abs(first - second)
-    lowered = k / 4 * (1 - gap / k) ** 2 if gap <= k else 0
-    value = smooth_minimum(*pair(first, second), k).value[0]
-    assert value == pytest.approx(min(first, second) - lowered, abs=ROUNDING)
-
-
-@settings(max_examples=100, deadline=None, derandomize=True)
 @given(DISTANCE, DISTANCE, st.one_of(st.just(0.0), WIDTH))
 def test_the_smooth_minimum_is_the_papers_kernel_form_with_its_chain_rule(first, second, k):
     a, b = pair(first, second)
@@ -40,44 +31,6 @@ def test_the_smooth_minimum_is_the_papers_kernel_form_with_its_chain_rule(first,
     assert value[0] == pytest.approx(plain.distance[0], abs=ROUNDING)
     gradient = share[0] * along_first[0] + (1 - share[0]) * along_second[0]
     np.testing.assert_allclose(gradient, plain.gradient[0], atol=1e-10)
-
-
-@settings(max_examples=60, deadline=None, derandomize=True)
-@given(DISTANCE, DISTANCE, WIDTH)
-def test_the_share_is_the_derivative_of_the_value(first, second, k):
-    h = 1e-5
-    value = lambda x, y: smooth_minimum(*pair(x, y), k).value[0]  # noqa: E731
-    share = smooth_minimum(*pair(first, second), k).share[0]
-    # A central difference of a function that is quadratic but for two joints: the error there
-    # is at most h / (4 k).
-    close = 1e-9 / h + h / (4 * k)
-    assert (value(first, second + h) - value(first, second - h)) / (2 * h) == pytest.approx(
-        1 - share, abs=close
-    )
-    assert (value(first + h, second) - value(first - h, second)) / (2 * h) == pytest.approx(
-        share, abs=close
-    )
-
-
-@settings(max_examples=60, deadline=None, derandomize=True)
-@given(DISTANCE, DISTANCE, WIDTH, DISTANCE)
-def test_the_smooth_minimum_commutes_with_a_shift_and_with_its_arguments(first, second, k, shift):
-    value = smooth_minimum(*pair(first, second), k).value[0]
-    shifted = smooth_minimum(*pair(first + shift, second + shift), k).value[0]
-    swapped = smooth_minimum(*pair(second, first), k).value[0]
-    assert shifted == pytest.approx(value + shift, abs=ROUNDING)
-    assert swapped == pytest.approx(value, abs=ROUNDING)
-
-
-@settings(max_examples=60, deadline=None, derandomize=True)
-@given(DISTANCE, DISTANCE, WIDTH)
-def test_the_smooth_minimum_stays_within_a_quarter_width_below_the_minimum(first, second, k):
-    value = smooth_minimum(*pair(first, second), k).value[0]
-    assert min(first, second) - k / 4 - ROUNDING <= value <= min(first, second) + ROUNDING
-
-
-def test_equal_distances_are_lowered_by_exactly_a_quarter_of_the_width():
-    assert smooth_minimum(*pair(3.0, 3.0), 0.4).value[0] == pytest.approx(2.9, abs=1e-15)
 
 
 def test_without_width_it_is_the_hard_minimum_and_the_first_of_equals_wins():
@@ -109,19 +62,6 @@ def test_the_default_fall_off_is_the_papers():
     distance = np.linspace(-2, 9, 200)
     weight = FALLOFFS["compact"](np.clip(distance / 6.5, 0, 1))
     np.testing.assert_allclose(weight, fall_off(distance, 6.5), atol=1e-15)
-
-
-def test_a_profile_may_be_a_function():
-    def cubic(x):
-        return (1 - x) ** 3
-
-    assert as_profile(cubic, FALLOFFS, "falloff") is cubic
-    assert as_profile("cosine", FALLOFFS, "falloff") is FALLOFFS["cosine"]
-
-
-def test_an_unknown_profile_is_refused_with_the_known_ones():
-    with pytest.raises(InputError, match="blend: expected one of linear, quadratic, exponential"):
-        as_profile("cubic", BLENDS, "blend")
 
 
 @pytest.mark.parametrize(

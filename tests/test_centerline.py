@@ -251,8 +251,7 @@ REAL_FILES = [  # file, scale to mm, inlet, longest and shortest way to an outle
 
 
 @pytest.mark.parametrize(("name", "scale", "inlet", "ways"), REAL_FILES)
-@pytest.mark.parametrize("reversed_lines", [False, True])
-@pytest.mark.parametrize("with_radius", [True, False])
+@pytest.mark.parametrize(("reversed_lines", "with_radius"), [(False, False), (True, True)])
 def test_real_centerlines_have_one_inlet_and_two_outlets(
     data_dir, name, scale, inlet, ways, reversed_lines, with_radius
 ):
@@ -324,17 +323,6 @@ def test_branches_leaves_and_ancestry_of_a_fork():
         assert length(tree.points[chain]) == pytest.approx(tree.arc_length[leaf])
 
 
-def test_arc_length_does_not_depend_on_the_order_of_points():
-    tree = a_fork()
-    order = np.random.default_rng(2).permutation(len(tree.points))
-    new_index = np.append(np.argsort(order), -1)
-    shuffled = Centerline(
-        tree.points[order], tree.inscribed_radius[order], new_index[tree.parent[order]]
-    )
-    np.testing.assert_allclose(shuffled.arc_length, tree.arc_length[order], atol=ROUNDING)
-    assert len(shuffled.branches) == 3
-
-
 def test_projection_falls_on_segments_and_mixes_the_radius():
     tree = unbranched([[0, 0, 0], [10, 0, 0]], [2.0, 4.0])
     place = tree.project([2.5, 3, 0])
@@ -389,29 +377,6 @@ def test_arc_lengths_along_a_line_of_descent_add_up(one, other):
     middle = tree.project(tree.path(root, place).points[0] * (1 - other) + other * place.point)
     ways = tree.path(root, middle).length + tree.path(middle, place).length
     assert ways >= tree.path(root, place).length - 1e-7
-
-
-@settings(max_examples=25, deadline=None)
-@given(st.integers(0, 10_000), st.floats(1e-2, 1e2))
-def test_rigid_motion_and_scaling_commute_with_building_and_paths(seed, scale):
-    rng = np.random.default_rng(seed)
-    q, r = np.linalg.qr(rng.normal(size=(3, 3)))
-    rotation, shift = q * np.sign(np.diag(r)), rng.normal(size=3) * 50
-    points, lines = stacked(fork_lines())
-    tree = a_fork()
-    moved = Centerline.from_lines(
-        scale * points @ rotation.T + shift, lines, scale * fork_radius(points)
-    )
-    np.testing.assert_array_equal(moved.parent, tree.parent)
-    np.testing.assert_allclose(
-        moved.points, scale * tree.points @ rotation.T + shift, atol=1e-9 * max(scale, 1) * 100
-    )
-    center = scale * rotation @ np.array([1.0, 2, -30]) + shift
-    path = moved.path_around(center, 30 * scale)
-    expected = tree.path_around([1, 2, -30], 30)
-    np.testing.assert_allclose(
-        path.points, scale * expected.points @ rotation.T + shift, atol=1e-6 * max(scale, 1)
-    )
 
 
 def test_a_path_around_a_point_has_half_on_either_side_and_follows_the_wide_daughter():
@@ -524,7 +489,7 @@ def test_repeated_points_zero_segments_and_duplicate_lines_change_nothing():
 grid_points = st.lists(st.tuples(*[st.integers(0, 3)] * 3), min_size=2, max_size=12)
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(grid_points, st.data())
 def test_whatever_the_lines_the_answer_is_one_tree_or_a_sentence(points, data):
     indices = st.integers(0, len(points) - 1)

@@ -12,7 +12,7 @@ from SDFStentLib.files.centerline_files import (
     read_lines,
 )
 from SDFStentLib.files.formats.markups import new_markups
-from SDFStentLib.files.formats.vtk_files import encode_legacy, encode_vtp
+from SDFStentLib.files.formats.vtk_files import encode_vtp
 from SDFStentLib.files.polydata import (
     add_arrays,
     polydata_from_arrays,
@@ -88,12 +88,6 @@ def test_frames_are_brought_together_where_both_are_known(tmp_path):
     assert np.array_equal(in_frame_of(turned, "LPS").points, POINTS)
     unknown = read_lines(saved(tmp_path, [np.arange(20)]))
     assert in_frame_of(unknown, "RAS") is unknown
-
-
-def test_the_title_of_a_legacy_file_names_the_frame(tmp_path):
-    path = tmp_path / "c.vtk"
-    path.write_bytes(encode_legacy(polydata_from_lines(POINTS, [[0, 1]]), "x SPACE=RAS"))
-    assert read_lines(path).frame == "RAS"
 
 
 def test_the_polydata_is_a_copy_in_unit_and_frame_of_the_file(tmp_path):

@@ -7,6 +7,7 @@ import hashlib
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -18,7 +19,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from child_processes import INTERRUPTIBLE, PATIENCE
-from tube_files import PLACE, deploy
+from tube_files import PLACE, deploy, write_tube
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 
@@ -51,6 +52,24 @@ def cell_array(path, name):
     reader.SetFileName(str(path))
     reader.Update()
     return vtk_to_numpy(reader.GetOutput().GetCellData().GetArray(name))
+
+
+@pytest.fixture(scope="module")
+def deployed(tmp_path_factory):
+    """The tube's folder with a stented tube and the plan of it."""
+    folder = tmp_path_factory.mktemp("deployed")
+    write_tube(folder)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        assert deploy("--save-plan", "p.json", "--quiet") == 0
+    return folder
+
+
+@pytest.fixture
+def a_plan(deployed, tmp_path, monkeypatch):
+    """A copy of that folder, to work in."""
+    monkeypatch.chdir(tmp_path)
+    return shutil.copytree(deployed, tmp_path, dirs_exist_ok=True)
 
 
 def left_over(folder):
@@ -97,8 +116,7 @@ def assert_hashed(plan: str) -> None:
         assert file["sha256"] == hashlib.sha256(data).hexdigest()
 
 
-def test_the_plan_of_a_run_has_the_hashes_of_what_was_read(a_folder):
-    assert deploy("--save-plan", "p.json", "--quiet") == 0
+def test_the_plan_of_a_run_has_the_hashes_of_what_was_read(a_plan):
     document = json.loads(Path("p.json").read_text(encoding="utf-8"))
     for name in ("surface", "centerline"):
         document["inputs"][name].pop("sha256")
@@ -111,10 +129,9 @@ def test_the_plan_of_a_run_has_the_hashes_of_what_was_read(a_folder):
     assert all(entry["sha256"] for entry in report["inputs"])
 
 
-def test_the_same_plan_gives_the_same_file_from_the_shell_and_from_python(a_folder):
-    assert deploy("--save-plan", "p.json", "--quiet") == 0
+def test_the_same_plan_gives_the_same_file_from_the_shell_and_from_python(a_plan):
     assert main(["run", "p.json", "-o", "again", "--quiet"]) == 0
-    assert left_over(a_folder / "again") == {
+    assert left_over(a_plan / "again") == {
         "tube_stented.vtp", "line_stented.vtp", "report.json", "report.html", "plan.json"
     }  # fmt: skip
     assert Path("out.vtp").read_bytes() == Path("again/tube_stented.vtp").read_bytes()
@@ -200,10 +217,9 @@ def test_the_command_line_adds_its_options_to_the_sentences_of_the_library(a_ben
     assert "straighten the axis (--straighten F)." in capsys.readouterr().err
 
 
-def test_the_command_line_says_how_to_name_a_unit_and_to_accept_a_changed_file(a_folder, capsys):
+def test_the_command_line_says_how_to_name_a_unit_and_to_accept_a_changed_file(a_plan, capsys):
     main(["deploy", "tube.vtp", "--diameter", "0.6", "--axis", "axis.vtp", "-o", "o.vtp"])
     assert "the unit of the file (--units mm, cm or m) if it" in capsys.readouterr().err
-    assert deploy("--save-plan", "p.json") == 0
     Path("line.vtp").write_bytes(Path("axis.vtp").read_bytes())
     capsys.readouterr()
     assert main(["run", "p.json", "-o", "again"]) == 2
@@ -359,8 +375,7 @@ def test_an_unexpected_error_is_one_sentence_and_debug_shows_where(a_folder, cap
     assert left_over(a_folder) == set()
 
 
-def test_run_refuses_a_changed_input_unless_told_otherwise(a_folder, capsys):
-    assert deploy("--save-plan", "p.json", "--quiet") == 0
+def test_run_refuses_a_changed_input_unless_told_otherwise(a_plan, capsys):
     document = json.loads(Path("p.json").read_text(encoding="utf-8"))
     old = document["inputs"]["surface"]["sha256"]
     document["inputs"]["surface"]["sha256"] = "3" * 64
@@ -373,8 +388,7 @@ def test_run_refuses_a_changed_input_unless_told_otherwise(a_folder, capsys):
     assert main(["run", "p.json", "-o", "new", "--accept-changed-inputs", "--quiet"]) == 0
 
 
-def test_run_names_what_is_wrong_with_a_plan_or_its_folder(a_folder, capsys):
-    assert deploy("--save-plan", "p.json", "--quiet") == 0
+def test_run_names_what_is_wrong_with_a_plan_or_its_folder(a_plan, capsys):
     for arguments, words in (
         (["none.json", "-o", "new"], "none.json: no such file"),
         (["tube.vtp", "-o", "new"], "tube.vtp: expected a"),
@@ -533,13 +547,12 @@ def of_text(its_parser):
     ]
 
 
-def test_an_empty_name_is_refused_and_writes_nothing(a_folder, capsys):
-    assert deploy("--save-plan", "plan.json", "--quiet") == 0
-    before = sorted(os.listdir(a_folder))
+def test_an_empty_name_is_refused_and_writes_nothing(a_plan, capsys):
+    before = sorted(os.listdir(a_plan))
     tube, line = ["tube.vtp", "--units", "cm"], ["--centerline", "line.vtp"]
     whole = {
         "deploy": [*tube, *line, "--diameter", "6", *PLACE, "-o", "new.vtp"],
-        "run": ["plan.json", "-o", "new"],
+        "run": ["p.json", "-o", "new"],
         "measure": [*tube, *line],
         "check": tube,
         "demo": ["-o", "new"],
@@ -558,7 +571,7 @@ def test_an_empty_name_is_refused_and_writes_nothing(a_folder, capsys):
                 f"see sdfstent {command} --help.\n"
             )
             refused.append(name)
-    assert sorted(os.listdir(a_folder)) == before
+    assert sorted(os.listdir(a_plan)) == before
     assert refused.count("-o/--output") == 3
     assert {"--axis", "--centerline", "--figure", "--steps", "--report"} <= set(refused)
     assert {"--output-centerline", "--save-plan", "SURFACE", "PLAN"} <= set(refused)
@@ -692,7 +705,7 @@ def test_real_anatomies_get_their_diameter_in_every_centerline_form(data_dir, tm
 
 
 @pytest.mark.skipif(os.name == "nt", reason="closes streams with a POSIX shell")
-@pytest.mark.parametrize("closed", [">&-", "2>&-", ">&- 2>&-"])
+@pytest.mark.parametrize("closed", [">&-", ">&- 2>&-"])
 def test_a_closed_stream_is_no_reason_to_fail(a_folder, closed):
     command = [*COMMAND, "deploy", "tube.vtp", "--units", "cm", "--centerline", "line.vtp", *PLACE]
     command += ["--diameter", "6", "-o", "out.vtp"]

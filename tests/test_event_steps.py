@@ -17,7 +17,6 @@ EVENTS = PUBLISHED.with_changes(rule="events")
 CONVERGED = PUBLISHED.with_changes(step=0.0125)
 
 CASES = {
-    "aorta and iliac, 30 mm": ("aorta_iliac", 200, 30, None),
     "aorta and iliac, 36 mm, radius 12": ("aorta_iliac", 200, 36, 12.0),
     "pulmonary artery": ("pulmonary", 20, 25, None),
 }
@@ -64,9 +63,7 @@ def test_long_steps_are_closer_to_the_converged_limit_than_the_published_ones(da
     assert steps["events"] < steps["published"] / 3
 
 
-@pytest.mark.parametrize(
-    "name", ["stenosed_tube", "bent_tube", "branching_pulmonary_artery", "tube_with_neighbor"]
-)
+@pytest.mark.parametrize("name", ["stenosed_tube", "branching_pulmonary_artery"])
 def test_few_long_steps_do_where_whole_rings_touch_at_once(name):
     """Phantoms take the fewest and longest steps, with many contacts at one radius."""
     case = phantom_case(name)

@@ -89,7 +89,11 @@ def test_a_segment_is_written_with_its_faces_in_cm(a_folder, capsys):
     assert points_of(faces["inlet"])[:, 2] == pytest.approx(0.8, abs=1e-7)
     assert points_of(faces["outlet"])[:, 2] == pytest.approx(3.2, abs=1e-7)
     document = json.loads(Path("seg/segment.json").read_text(encoding="utf-8"))
-    surface = read_surface("seg/before/mesh-complete.exterior.vtp", "cm").surface
+    exterior = read_surface("seg/before/mesh-complete.exterior.vtp", "cm")
+    assert set(exterior.faces.names.values()) == {"inlet", "outlet", "wall"}
+    wall = read_surface("seg/before/mesh-surfaces/wall.vtp", "cm").faces
+    assert set(wall.names.values()) == {"wall"}
+    surface = exterior.surface
     volume = signed_volume(surface.points, surface.triangles) / 1000
     assert document["before"]["volume"] == pytest.approx(volume)
     assert document["after"] is None
@@ -120,6 +124,9 @@ def test_before_and_after_a_stent_lie_in_one_folder(a_folder, capsys):
     said = capsys.readouterr().out
     assert "Before: " in said
     assert "After: " in said
+    # A second run replaces the first, and leaves nothing of it.
+    assert extract() == 0
+    assert sorted(path.name for path in Path("seg").iterdir()) == ["before", "segment.json"]
 
 
 def test_a_treated_vessel_in_another_frame_is_a_sentence(a_folder, capsys):
@@ -147,27 +154,12 @@ def test_a_treated_vessel_that_is_another_one_is_a_sentence(a_folder, capsys, fa
     assert not Path("seg").exists()
 
 
-def test_the_names_of_faces_come_back_with_the_exterior(a_folder):
-    assert extract() == 0
-    faces = read_surface("seg/before/mesh-complete.exterior.vtp", "cm").faces
-    assert set(faces.names.values()) == {"inlet", "outlet", "wall"}
-    wall = read_surface("seg/before/mesh-surfaces/wall.vtp", "cm").faces
-    assert set(wall.names.values()) == {"wall"}
-
-
 def test_the_frame_is_kept(a_folder):
     data = read_surface("tube.vtp", "cm").polydata()
     set_frame_of_polydata(data, "LPS")
     Path("tube.vtp").write_bytes(encode_vtp(data))
     assert extract() == 0
     assert read_surface("seg/before/mesh-complete.exterior.vtp", "cm").frame == "LPS"
-
-
-def test_a_second_run_replaces_the_first_and_leaves_nothing_of_it(a_folder):
-    assert deploy(diameter="7") == 0
-    assert extract("--after", "out.vtp") == 0
-    assert extract() == 0
-    assert sorted(path.name for path in Path("seg").iterdir()) == ["before", "segment.json"]
 
 
 def test_files_of_others_are_not_replaced(a_folder, capsys):

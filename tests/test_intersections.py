@@ -206,59 +206,6 @@ def test_certain_answers_are_never_contradicted_by_exact_arithmetic():
 FLAT = [[0, 0, 0], [4, 0, 0], [0, 4, 0]]
 
 
-@pytest.mark.parametrize(
-    ("other", "meets"),
-    [
-        ([[1, 1, -1], [1, 1, 1], [9, 9, 1]], True),
-        ([[1, 1, 0], [1, 1, 3], [2, 1, 3]], True),
-        ([[2, 0, 0], [2, -1, 3], [3, -1, 3]], True),
-        ([[1, 1, 0], [2, 1, 0], [1, 2, 0]], True),
-        ([[-9, -9, 0], [20, -9, 0], [-9, 20, 0]], True),
-        ([[1, 1, 1e-12], [1, 1, 3], [2, 1, 3]], False),
-        ([[3, 3, 0], [5, 3, 0], [3, 5, 0]], False),
-        ([[0, 0, 1], [4, 0, 1], [0, 4, 1]], False),
-    ],
-    ids=["crosses", "corner on face", "corner on side", "lies within, coplanar",
-         "covers, coplanar", "just above", "beside, coplanar", "parallel"],
-)  # fmt: skip
-def test_two_separate_triangles(other, meets):
-    points = np.array(FLAT + other, dtype=float)
-    found = self_intersecting_triangles(points, [[0, 1, 2], [3, 4, 5]])
-    assert found.tolist() == ([0, 1] if meets else [])
-
-
-@pytest.mark.parametrize(
-    ("corners", "meets"),
-    [
-        ([[2, 2, -1], [2, 2, 1]], True),
-        ([[1, 1, 0], [1, 1, 3]], True),
-        ([[1, 2, 0], [2, 1, 0]], True),
-        ([[-1, 1, 0], [9, 1, 0]], True),
-        ([[-4, 0, 0], [0, -4, 0]], False),
-        ([[2, 2, 1], [2, 2, 3]], False),
-        ([[-1, -1, -1], [-1, -1, 1]], False),
-    ],
-    ids=["crosses beyond", "side along the face", "within, coplanar", "across, coplanar",
-         "opposite, coplanar", "above", "away"],
-)  # fmt: skip
-def test_two_triangles_with_one_shared_corner(corners, meets):
-    points = np.array(FLAT + corners, dtype=float)
-    found = self_intersecting_triangles(points, [[0, 1, 2], [0, 3, 4]])
-    assert found.tolist() == ([0, 1] if meets else [])
-
-
-@pytest.mark.parametrize(
-    ("corner", "meets"),
-    [([1, 1, 0], True), ([9, 9, 0], True), ([1, 1, 1e-9], False), ([2, -4, 0], False)],
-    ids=["folded flat", "folded flat over it", "nearly folded", "flat neighbor"],
-)
-def test_two_triangles_with_a_shared_side(corner, meets):
-    points = np.array([*FLAT, corner], dtype=float)
-    for second in ([1, 0, 3], [0, 1, 3], [3, 1, 0]):
-        found = self_intersecting_triangles(points, [[0, 1, 2], second])
-        assert found.tolist() == ([0, 1] if meets else [])
-
-
 def test_a_doubled_triangle_is_reported_whichever_way_it_turns():
     points = np.array(FLAT, dtype=float)
     assert self_intersecting_triangles(points, [[0, 1, 2], [2, 1, 0]]).tolist() == [0, 1]

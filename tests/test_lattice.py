@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import combinations
-
 import numpy as np
 import pytest
 
@@ -54,33 +52,6 @@ def edges_of(lattice):
     return lattice.lines[:, [0, -1]]
 
 
-def four_rings(edges):
-    """How many closed walks of four struts there are: cells of diamonds."""
-    neighbors = {}
-    for one, other in edges.tolist():
-        neighbors.setdefault(one, set()).add(other)
-        neighbors.setdefault(other, set()).add(one)
-    pairs = 0
-    for one, other in combinations(sorted(neighbors), 2):
-        common = len(neighbors[one] & neighbors[other])
-        pairs += common * (common - 1) // 2
-    return pairs // 2
-
-
-def parts(edges):
-    """How many pieces the struts make, by joining them one after another."""
-    owner = {int(point): int(point) for point in np.unique(edges)}
-
-    def root(point):
-        while owner[point] != point:  # Ends: every owner was joined to one before it.
-            point = owner[point]
-        return point
-
-    for one, other in edges.tolist():
-        owner[root(one)] = root(other)
-    return len({root(point) for point in owner})
-
-
 # Struts
 
 
@@ -128,24 +99,6 @@ def test_rings_are_evenly_spaced_and_alike(design):
     steps = np.arctan2(y, x) * design.crowns / np.pi
     np.testing.assert_allclose(steps, np.round(steps), atol=1e-9)
     assert len(np.unique(np.round(steps) % (2 * design.crowns))) == 2 * design.crowns
-
-
-@designs
-def test_struts_make_one_piece_with_the_euler_number_of_a_tube(design):
-    """Points, less struts, plus the cells that they enclose: 0 as for any tube."""
-    lattice = straight_lattice(18.0, 3.5, design)
-    edges = edges_of(lattice)
-    points = len(np.unique(edges))
-    assert parts(edges) == 1
-    # Independent loops of a connected net; one of them goes around the stent.
-    cells = len(edges) - points + 1 - 1
-    between = design.rings - 1
-    if design.cells == "closed":
-        assert cells == design.crowns * between == four_rings(edges)
-    else:
-        assert cells == design.crowns // design.link_every * between
-        assert four_rings(edges) == 0
-    assert points - len(edges) + cells == 0
 
 
 def test_the_number_of_rings_follows_from_length_and_radius():

@@ -10,8 +10,6 @@ from hypothesis import strategies as st
 from SDFStentLib.deformation import DeploymentSettings, deploy
 from SDFStentLib.deformation.own_wall import FOREIGN, own_share
 
-LINE = np.array([[0, 1], [1, 2], [2, 3], [3, 4]])
-
 
 def best_of_all_ways(count, sides, tissue, nearest):
     """By trying: the least tissue up to which vertices hang together with the nearest."""
@@ -24,23 +22,6 @@ def best_of_all_ways(count, sides, tissue, nearest):
                     reached |= {a, b}
         worst[list(reached)] = limit
     return 1 - np.minimum(worst / FOREIGN, 1)
-
-
-def test_free_wall_that_hangs_together_is_own_and_what_tissue_parts_is_not():
-    tissue = np.array([0, 0, 1.0, 0, 0])
-    np.testing.assert_array_equal(own_share(LINE, tissue, 0), [1, 1, 0, 0, 0])
-    np.testing.assert_array_equal(own_share(LINE, tissue, 4), [0, 0, 0, 1, 1])
-
-
-def test_a_bridge_with_a_little_tissue_parts_a_little():
-    tissue = np.array([0, 0, 0.25 * FOREIGN, 0, 0])
-    np.testing.assert_allclose(own_share(LINE, tissue, 0), [1, 1, 0.75, 0.75, 0.75])
-
-
-def test_a_way_round_without_tissue_joins_wholly():
-    ring = np.concatenate([LINE, [[4, 0]]])
-    tissue = np.array([0, 0, 0.5 * FOREIGN, 0, 0])
-    np.testing.assert_allclose(own_share(ring, tissue, 0), [1, 1, 0.5, 1, 1])
 
 
 @given(st.integers(0, 2**32 - 1))

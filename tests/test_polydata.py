@@ -2,40 +2,17 @@ import numpy as np
 import pytest
 from mesh_files import octahedron
 from vtkmodules.util.numpy_support import vtk_to_numpy
-from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
+from vtkmodules.vtkCommonDataModel import vtkPolyData
 
 from SDFStentLib.files.polydata import (
     add_arrays,
-    cells_from_array,
-    frame_of_polydata,
     inscribed_radius_from_polydata,
-    lines_from_polydata,
     polydata_from_arrays,
     polydata_from_lines,
     polydata_from_polygons,
-    set_frame_of_polydata,
     surface_from_polydata,
 )
 from SDFStentLib.validation import InputError
-
-
-@pytest.mark.parametrize("kind", [np.float32, np.float64])
-def test_arrays_go_to_polydata_and_back(kind):
-    points, triangles = octahedron()
-    polydata = polydata_from_arrays(points.astype(kind), triangles)
-    back = surface_from_polydata(polydata)
-    assert np.array_equal(back.points, points.astype(kind))
-    assert np.array_equal(back.triangles, triangles)
-    assert vtk_to_numpy(polydata.GetPoints().GetData()).dtype == kind
-
-
-def test_nothing_is_shared_with_the_polydata():
-    points, triangles = octahedron()
-    polydata = polydata_from_arrays(points, triangles)
-    read = surface_from_polydata(polydata)
-    points[0] += 1
-    vtk_to_numpy(polydata.GetPoints().GetData())[:] += 2
-    assert np.array_equal(read.points[0], points[0] - 1)
 
 
 def test_arrays_keep_name_type_and_values():
@@ -62,14 +39,6 @@ def test_arrays_that_do_not_fit_are_refused():
         polydata_from_arrays(points, triangles, {"d": np.zeros(6, complex)})
 
 
-def test_lines_come_in_cell_order_not_point_order():
-    polydata = polydata_from_lines(np.eye(3), [[2, 1, 0], [1, 0]])
-    points, lines = lines_from_polydata(polydata)
-    assert [line.tolist() for line in lines] == [[2, 1, 0], [1, 0]]
-    assert np.array_equal(points, np.eye(3))
-    assert lines_from_polydata(vtkPolyData())[1] == ()
-
-
 def test_the_radius_is_found_under_both_names_and_unknown_where_not_positive():
     polydata = polydata_from_lines(np.eye(3), [[0, 1, 2]])
     assert inscribed_radius_from_polydata(polydata) is None
@@ -78,13 +47,6 @@ def test_the_radius_is_found_under_both_names_and_unknown_where_not_positive():
     assert np.array_equal(inscribed_radius_from_polydata(polydata), expected, equal_nan=True)
     add_arrays(polydata, {"MaximumInscribedSphereRadius": np.array([4.0, 5, 6])}, None)
     assert np.array_equal(inscribed_radius_from_polydata(polydata), [4, 5, 6])
-
-
-def test_the_frame_tag_can_be_set_read_and_removed():
-    polydata = polydata_from_lines(np.eye(3), [[0, 1]])
-    for frame in ("RAS", "LPS", None):
-        set_frame_of_polydata(polydata, frame)
-        assert frame_of_polydata(polydata) == frame
 
 
 def test_other_cells_and_damaged_cells_are_refused():
@@ -99,14 +61,3 @@ def test_other_cells_and_damaged_cells_are_refused():
     torn = polydata_from_polygons(np.zeros((3, 3)), np.array([0, 3, 2, 3]), np.arange(3))
     with pytest.raises(InputError, match="cells do not fit together"):
         surface_from_polydata(torn)
-
-
-def test_cells_of_every_storage_are_read():
-    cells = vtkCellArray()
-    for corners in ([0, 1, 2], [2, 1, 3]):
-        cells.InsertNextCell(3, corners)
-    for convert in ("ConvertTo32BitStorage", "ConvertTo64BitStorage", "ConvertToSmallestStorage"):
-        getattr(cells, convert)()
-        read = cells_from_array(cells, 4, "cells")
-        assert read.corners.tolist() == [0, 1, 2, 2, 1, 3]
-        assert read.offsets.tolist() == [0, 3, 6]

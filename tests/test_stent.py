@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from trees import unbranched, with_radius
+from trees import unbranched
 
 from SDFStentLib.centerline.centerline import Centerline
 from SDFStentLib.geometry import length, minimum_bend_radius, resampled
@@ -140,28 +140,6 @@ def test_the_deployed_length_is_the_prescribed_one_or_is_said_to_be_shorter(at, 
     # Told to a tenth, what is less than that is nothing.
     assert bool(axis.warnings) == (axis.deployed_length < 2 * half - 0.1)
     assert (np.diff(axis.points[:, 2]) < 0).all()
-
-
-@settings(max_examples=25)
-@given(st.integers(0, 9999), st.floats(0.1, 10))
-def test_rigid_motion_and_scaling_commute_with_placement(seed, scale):
-    rng = np.random.default_rng(seed)
-    q, r = np.linalg.qr(rng.normal(size=(3, 3)))
-    rotation, shift = q * np.sign(np.diag(r)), rng.normal(size=3) * 50
-    fork = a_fork()
-    moved = with_radius(
-        fork.with_points(scale * fork.points @ rotation.T + shift), scale * fork.inscribed_radius
-    )
-    center = np.array([1.0, 1, -33])
-    here = stent_axis(Stent(6.0, placement=AtCenter(center), length=30), fork)
-    there = stent_axis(
-        Stent(6 * scale, placement=AtCenter(scale * rotation @ center + shift), length=30 * scale),
-        moved,
-    )
-    np.testing.assert_allclose(
-        there.points, scale * here.points @ rotation.T + shift, atol=1e-8 * max(scale, 1)
-    )
-    assert len(there.warnings) == len(here.warnings)
 
 
 # ---- junctions

@@ -153,30 +153,6 @@ def new_faults(before, after, triangles, precision=None):
     return Comparison(before, triangles, precision or Precision()).new_faults(after, everything)
 
 
-def test_what_was_wrong_before_is_no_new_fault():
-    flat, bent, triangles = a_folded_sheet()
-    assert len(new_faults(flat, bent, triangles))
-    assert new_faults(bent, bent + 0.001, triangles).tolist() == []
-
-
-def test_a_face_turned_over_in_the_plane_is_a_fault_though_nothing_crosses():
-    flat, triangles = a_sheet()
-    turned = flat.copy()
-    rng = np.random.default_rng(1)
-    turned[:, 2] += 1e-3 * rng.uniform(size=len(flat))
-    middle = len(flat) // 2
-    turned[middle, :2] += [0.3, 0.65]
-    found = new_faults(flat, turned, triangles)
-    assert np.isin(found, np.flatnonzero((triangles == middle).any(axis=1))).any()
-
-
-def test_a_face_without_area_is_a_fault():
-    flat, triangles = a_sheet()
-    collapsed = flat.copy()
-    collapsed[triangles[40, 0]] = collapsed[triangles[40, 1]]
-    assert 40 in new_faults(flat, collapsed, triangles)
-
-
 def test_what_is_left_after_the_last_round_is_named(monkeypatch):
     monkeypatch.setattr("SDFStentLib.deformation.untangle.ROUNDS", 0)
     flat, bent, triangles = a_folded_sheet()
@@ -184,20 +160,6 @@ def test_what_is_left_after_the_last_round_is_named(monkeypatch):
     left = faults.new_faults(outcome.positions, np.arange(len(triangles)))
     assert len(left)
     np.testing.assert_array_equal(outcome.faulty, left)
-
-
-def test_faults_are_judged_in_the_precision_of_the_stored_file():
-    """Two sheets 1e-4 mm apart are apart in double precision and one in half precision."""
-    points, triangles = a_sheet(6)
-    rng = np.random.default_rng(2)
-    gap = 1e-4 + 1e-5 * rng.uniform(size=len(points))
-    upper = points + np.column_stack([np.full(len(points), 0.21), 0 * gap, gap])
-    both = np.concatenate([points, upper])
-    faces = np.concatenate([triangles, triangles + len(points)])
-    apart = both + np.outer(np.arange(len(both)) >= len(points), [0, 0, 5.0])
-    assert len(new_faults(apart, both, faces)) == 0
-    # Half precision has steps of 0.002 at 3 mm.
-    assert len(new_faults(apart, both, faces, Precision(np.float16))) > 0
 
 
 def test_untangling_stops_when_it_gets_no_further_and_keeps_the_best_it_had():

@@ -12,7 +12,7 @@ from vtkmodules.vtkCommonCore import VTK_ID_TYPE, vtkLogger, vtkObject, vtkOutpu
 from vtkmodules.vtkIOLegacy import vtkPolyDataWriter
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
-from SDFStentLib.files.content import FileContent, read_content
+from SDFStentLib.files.content import read_content
 from SDFStentLib.files.formats.vtk_files import (
     encode_legacy,
     encode_vtp,
@@ -130,10 +130,6 @@ def test_cut_files_and_noise_never_crash_never_print_and_never_pass_for_another_
     assert run.returncode == 0
 
 
-def damaged(name, data):
-    return FileContent(name, data, "")
-
-
 @pytest.mark.parametrize(
     ("name", "data", "words"),
     [
@@ -175,12 +171,6 @@ def test_what_vtk_would_choke_on_is_said_first(tmp_path, name, data, words):
     path.write_bytes(data)
     with pytest.raises(InputError, match=words):
         read_vtk_polydata(read_content(path))
-
-
-def test_the_title_of_a_legacy_file_names_the_frame(tmp_path):
-    path = tmp_path / "a.vtk"
-    path.write_bytes(encode_legacy(surface_with_text(), "3D Slicer output. SPACE=RAS"))
-    assert read_vtk_polydata(read_content(path))[1] == "RAS"
 
 
 def test_messages_are_collected_and_the_process_is_left_as_it_was(capfd):

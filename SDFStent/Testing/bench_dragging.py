@@ -1,13 +1,12 @@
 """How well the panel follows a stent that is dragged, in the test host.
 
-usage: bench_dragging.py [SURFACE CENTERLINE] [--units cm] [--subdivisions N ...] [--no-tree] [--frames MS ...] [--struts] [--profile]
+usage: bench_dragging.py [SURFACE CENTERLINE] [--units cm] [--subdivisions N ...] [--no-tree] [--frames MS ...] [--profile]
 
 Per vessel: redeployments per second, each waited for; then a hand that does not wait, which moves 60 times a second: surface
 and number updates per second, the longest silence of the event loop from choosing the vessel to the full answer, and how long
 after the hand has stopped that comes. Undrawn, and with --frames also beside frames that take so many milliseconds each,
 during which nothing else advances, as in software: how many there are, and how many of them carry a new surface. The artery that is named, or else a synthetic one, then each of its
 triangles cut into four N times (--subdivisions, default 2; 0: not at all), and a phantom tree of about 300 branches where there is one. With
---struts also redeployments of stents that are drawn as struts, in turn with tubes. With
 --profile also, of the first vessel, drawn and undrawn, where the time goes: the library, the scene (MRML, normals, stent
 model), the drawing, the rest (panel, timers, conversion). Drawing is off-screen and, without a GPU, in software; "drawing
 alone" redraws an unchanged scene and is the limit that the machine sets, whatever the module does.
@@ -276,14 +275,6 @@ def redeployments(host, panel, places):
     )
 
 
-def asStrutsOrTubes(host, panel, places):
-    """Redeployments of both in turn."""
-    for isStruts in (True, False, True, False):
-        panel._parameterNode.showDevice = isStruts
-        print("  as struts" if isStruts else "  as tubes", end="")
-        redeployments(host, panel, places)
-
-
 def drag(host, panel, places, draw):
     """Move the handle, wait until the vessel has followed, draw once."""
     session, parameters = panel.session, panel._parameterNode
@@ -331,7 +322,6 @@ def main():
     parser.add_argument("--subdivisions", type=int, nargs="+", default=[2])
     parser.add_argument("--no-tree", dest="tree", action="store_false")
     parser.add_argument("--frames", type=float, nargs="+", default=[], metavar="MS")
-    parser.add_argument("--struts", action="store_true")
     parser.add_argument("--profile", action="store_true")
     arguments = parser.parse_args()
     host = Host.start()
@@ -353,8 +343,6 @@ def main():
         follow(host, panel, places, counters)
         for milliseconds in arguments.frames:
             followDrawn(host, panel, places, counters, milliseconds)
-        if arguments.struts:
-            asStrutsOrTubes(host, panel, places)
         if arguments.profile:
             profile(host, panel, places)
             arguments.profile = False

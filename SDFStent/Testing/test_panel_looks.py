@@ -84,8 +84,13 @@ def test_the_panel_fits_into_a_narrow_window(host, aStent):
     aStent.ui.nameEdit.text = long
     aStent.ui.diameterSlider.value = 2.0  # with a warning
     deploy(host, aStent)
-    for section in ("advanced", "plans", "segment"):
-        getattr(aStent.ui, section + "CollapsibleButton").collapsed = False
+    openSections(aStent)
+    device = aStent.ui.deviceComboBox.findText("begraft-besmooth-peripheral")
+    host.choose(aStent.ui.deviceComboBox, device)
+    aStent.ui.deviceShorteningCheckBox.checked = False
+    aStent.ui.balloonCheckBox.checked = True
+    host.processUntil(lambda: not aStent.recoil.isBusy, 60.0)
+    aStent.ui.waistSpinBox.value, aStent.ui.proximalEndSpinBox.value = 1.5, 10.0
     host.click(aStent.ui.duplicatePlanButton)
     deploy(host, aStent)
     host.choose(aStent.ui.placementComboBox, 4)

@@ -163,28 +163,3 @@ def test_shape_balloon_and_device_go_together(host, theSection):
     stent = planned(theSection)
     assert (stent.shape.waist.diameter, stent.balloon.diameter) == (6.0, 10.0)
     assert stent.device.name == "gore-vbx"
-
-
-def test_a_shape_survives_saving_and_loading_the_scene(host, theSection, aScene, tmp_path):
-    ui = theSection.ui
-    ui.waistSpinBox.value = 6.0
-    ui.waistPositionSpinBox.value = 0.0
-    ui.distalEndSpinBox.value = 9.5
-    host.choose(ui.capsComboBox, 1)
-    shape = planned(theSection).shape
-    host.saveAndLoad(tmp_path / "scene.mrb")
-    assert planned(theSection).shape == shape
-    assert (ui.waistSpinBox.value, ui.waistPositionSpinBox.value) == (6.0, 0.0)
-    assert ui.distalEndSpinBox.value == 9.5
-    assert ui.capsComboBox.currentText == "Flat"
-
-
-def test_the_open_section_fits_into_a_narrow_window(host, theSection, thePictures):
-    from test_panel_looks import WIDTH_IN_THE_HOST, neededWidth
-
-    ui = theSection.ui
-    ui.waistSpinBox.value = 6.0
-    ui.proximalEndSpinBox.value = 10.0
-    assert neededWidth(theSection) <= WIDTH_IN_THE_HOST
-    theSection.parent.resize(460, 1500)
-    host.grab(theSection.parent, thePictures / "shape.png")
