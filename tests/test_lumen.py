@@ -206,6 +206,35 @@ def test_wall_outside_the_stent_is_dragged_no_farther_than_it_was_away():
     assert (after < 2 * np.maximum(native, 0) + 1e-4).all()
 
 
+@pytest.mark.parametrize(("throat", "slope"), [(0.9, 16), (1.5, 16), (0.9, 8)])
+@pytest.mark.parametrize(("diameter", "length"), [(3.0, 14), (4.0, 22), (4.5, 14), (4.5, 22)])
+def test_a_lumen_that_a_stent_does_not_reach_is_not_widened(throat, slope, diameter, length):
+    """The wall of the slopes went out by up to a tenth, dragged by what the throat's wall did."""
+    made = phantom(
+        "stenosed_tube", radius=3.0, throat_radius=throat, edge_length=0.6, stenosis_length=slope
+    )
+    done = deployment_in(made, 20 - length / 2, length, diameter / 2, DeploymentSettings())
+    assert done.result.certificate.passed, done.result.certificate.sentence()
+    heights = np.linspace(20 - length / 2, 20 + length / 2, 4 * length + 1)
+    line = made.axis_at(heights)
+    before, after = (
+        2 * inscribed_spheres(points, made.triangles, line).radii
+        for points in (made.points, done.result.points)
+    )
+    assert (after > 0.97 * diameter).all()
+    is_unreached = before > 1.1 * diameter
+    assert is_unreached.any()
+    # The sphere beside a widened throat has more room on that side.
+    assert (after[is_unreached] < 1.06 * before[is_unreached]).all()
+
+
+@pytest.mark.parametrize(("diameter", "start"), [(4.5, 22), (5.0, 23), (6.0, 24), (6.0, 26)])
+def test_a_thin_stent_beside_a_junction_does_not_widen_it(diameter, start):
+    made = phantom("branching_pulmonary_artery")
+    done = deployment_in(made, start, 12, diameter / 2, DeploymentSettings())
+    assert done.result.certificate.passed, done.result.certificate.sentence()
+
+
 def test_far_beyond_the_ends_wall_stays_where_it_was_dragged(monkeypatch):
     drawn = stented_oval(2.9)[0].result.points
     without_drag_bound(monkeypatch)

@@ -15,7 +15,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..geometry import dot
+from ..field import fractions_of
+from ..geometry import arc_lengths, dot
 from ..validation import Points, Triangles
 from .motion import Motion
 
@@ -30,6 +31,17 @@ DRAG_BOUND = 2.0
 Any factor above 1 lets the bound begin without a step where the stent just reaches; 2 is none of
 its size, it has no unit: wall goes no farther out than it was from the stent.
 """
+
+UNREACHED_BOUND = 1.15
+"""The same round a lumen that the stent does not reach, from that lumen's wall.
+
+The wall of a slope is farther from the axis than the lumen there is wide; a lumen is that of its
+nearest wall. So at 45 degrees this widens it by 0.15 (1 - cos 45) of its radius, 4.4 %, and it may
+become wider by 5 %.
+"""
+
+UNREACHED = 0.1
+"""A lumen that is wider than the stent by this share is not reached; up to there by degrees."""
 
 NEGLIGIBLE = 1e-4
 """Facets that miss the radius by less than this share of it are fine enough as they are."""
@@ -113,11 +125,11 @@ def finished(motion: Motion, stent: Expanded) -> OnStent:
 def drawn_in(motion: Motion, positions: Points, own: OwnWall, stent: Expanded) -> OnStent:
     """Bring wall back that was dragged along ahead of the stent and ended outside of it.
 
-    A stent only pushes. Wall that it reaches has no cause to end up outside of it, but near contact
-    the published rule drags it ahead by up to some hundredths of the radius. A point out of contact
-    influences nobody, so this is the same as if its dragging had stopped there. It concerns only
-    the stented lumen's own wall. Beyond the ends, where dragging makes
-    the transition to the wall that rests, wall may lie as far out as it is beyond the end.
+    A stent only pushes. Wall that it reaches has no cause to end up outside of it, nor has wall
+    round a wider lumen to go out; but near contact the published rule drags both along. A point
+    out of contact influences nobody, so this is the same as if its dragging had stopped there. It
+    concerns only the stented lumen's own wall. Beyond the ends, where dragging makes the
+    transition to the wall that rests, wall may lie as far out as it is beyond the end.
 
     Parameters
     ----------
@@ -132,14 +144,15 @@ def drawn_in(motion: Motion, positions: Points, own: OwnWall, stent: Expanded) -
     positions, radius = positions.copy(), stent.radius
     moved = np.linalg.norm(positions[own.numbers] - own.start, axis=1)
     outside = motion.distance_at(motion.level - stent.level)[own.numbers]
-    # Whatever is too far out has moved by a certain share of that; the level tells it roughly.
-    surely = (1 - 1 / DRAG_BOUND) * (outside - motion.chain.smoothing_width)
-    may_be = (outside > 0) & (surely < moved) & (moved > 0)
+    may_be = (outside > 0) & (moved > 0)
     where, share = own.numbers[may_be], own.share[may_be]
-    native = stent_distance(motion, where, own.start[may_be], radius)
-    allowed = DRAG_BOUND * np.maximum(native - radius, 0)
-    allowed += _beyond_ends(motion, where, positions[where])
-    bound = radius + allowed + motion.offset[where]
+    start = own.start[may_be]
+    native = stent_distance(motion, where, start, radius)
+    lumen = np.maximum(_native_lumen(motion, own.start, start, radius), radius)
+    unreached = np.minimum((lumen / radius - 1) / UNREACHED, 1)
+    factor = DRAG_BOUND + (UNREACHED_BOUND - DRAG_BOUND) * unreached
+    allowed = lumen + factor * np.maximum(native - lumen, 0)
+    bound = allowed + _beyond_ends(motion, where, positions[where]) + motion.offset[where]
     distance = stent_distance(motion, where, positions[where], stent.radius)
     too_far = distance > bound * (1 + ROUNDING)
     where, bound = where[too_far], (distance + share * (bound - distance))[too_far]
@@ -147,6 +160,19 @@ def drawn_in(motion: Motion, positions: Points, own: OwnWall, stent: Expanded) -
         true_distance = stent_distance(motion, where, positions[where], stent.radius)
         positions[where] += (bound - true_distance)[:, None] * motion.outward[where]
     return OnStent(positions, where[bound <= (1 + NEGLIGIBLE) * radius])
+
+
+def _native_lumen(
+    motion: Motion, wall: Points, beside: Points, radius: float
+) -> NDArray[np.float64]:
+    """Distance (n,), mm, from the axis beside some points to the nearest of a wall."""
+    from scipy.spatial import cKDTree
+
+    nodes = motion.chain.nodes
+    nearest = cKDTree(wall).query(nodes)[0]
+    along = arc_lengths(nodes) / arc_lengths(nodes)[-1]
+    found = np.interp(fractions_of(beside, nodes), along, nearest)
+    return found + motion.chain.shortfall(beside, radius)
 
 
 def facets_compensated(
