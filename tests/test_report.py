@@ -189,7 +189,7 @@ def test_a_stent_without_a_lesion_has_no_percentage(lesions, covered, words, tab
 
 def test_the_page_tells_a_lesion_before_and_after_with_its_reference():
     text = PageReader(html_page(a_report().as_dict())).text
-    assert "Diameter stenosis, lesion 150 %none (25 % above reference)" in text
+    assert "Lesion 1, diameter stenosis50 %none (25 % above reference)" in text
     assert "Lesion 1 against healthy vessel proximal of it (8.0 mm)." in text
 
 

@@ -3,12 +3,11 @@
 import qt
 from slicer.i18n import tr as _
 
-from SDFStentLib.report import lesion_sentences
+from SDFStentLib.report import degree_text, lesion_sentences
 from SDFStentLib.vessel import SMALLEST_DEGREE
 
 from . import Clock
 from .Columns import fitColumns
-from .Results import degree
 from .SteppedRun import SteppedRun
 
 SETTLE_MS = 250
@@ -129,7 +128,7 @@ class LesionTable:
 def _texts(number, lesion):
     return (
         _("{number} ({branch})").format(number=number, branch=lesion.branch_name),
-        degree(lesion.percent_diameter),
+        degree_text(lesion.percent_diameter),
         f"{lesion.minimum_diameter:.1f} mm",
         f"{lesion.length:.0f} mm",
     )

@@ -9,16 +9,18 @@ from slicer.i18n import tr as _
 from SDFStentLib.certificate import NOT_CERTIFIED
 from SDFStentLib.report import (
     LEFT,
+    coverage_fact,
     ratio_sentence,
     residual_words,
     stent_balloon_sentences,
     stent_device_sentences,
+    stent_lesion_sentences,
     stent_pressure_sentences,
     stent_ratio_sentences,
 )
 from SDFStentLib.treatment import prescribed_diameters, residual_of, size_cautions, stent_ratios
 from SDFStentLib.validation import InputError, one_line
-from SDFStentLib.vessel import SMALLEST_DEGREE, lesions_within
+from SDFStentLib.vessel import lesions_within
 
 from . import Conversion, Display, Flow
 from .ParameterNode import SurfaceMap
@@ -195,33 +197,14 @@ def stentSummary(treated, lesions):
 
 def lesionLines(lesions, number):
     """The degree of the lesions that a stent covers, before and after, against the vessel's own healthy lumen."""
-    if lesions is None:
-        return [_("Lesions were not looked for: that takes a centerline.")]
-    covered = [one for one in lesions if number in one.stents]
-    if not covered:
-        percent = round(100 * SMALLEST_DEGREE)
-        return [_("It covers no lesion of {percent} % or more.").format(percent=percent)]
     return [
-        _(
-            "Lesion {number}, diameter stenosis: {before} \N{RIGHTWARDS ARROW} {after}, against {reference}"
-        ).format(
-            number=one.number,
-            before=degree(one.before.percent_diameter),
-            after=degree(one.after.percent_diameter),
-            reference=one.before.reference,
-        )
-        for one in covered
+        one.replace("->", "\N{RIGHTWARDS ARROW}") for one in stent_lesion_sentences(lesions, number)
     ]
 
 
 def branchLines(treated):
     """The branches near a stent: which are free, and how much of the others it covers; then where it hangs free."""
-    lines = [
-        _("{branch}: {coverage}").format(
-            branch=branch.name[:1].upper() + branch.name[1:], coverage=coverage(branch)
-        )
-        for branch in treated.branches
-    ]
+    lines = [str(coverage_fact(branch)) for branch in treated.branches]
     # None of one that is dilated again: it lies there as that.
     if treated.apposition is not None and treated.apposition.free_length > 0:
         lines.append(
@@ -230,24 +213,6 @@ def branchLines(treated):
             )
         )
     return lines
-
-
-def coverage(branch):
-    """What a stent does to an ostium, in words."""
-    if branch.is_free:
-        return _("free")
-    if branch.is_fully_covered:
-        return _("fully covered")
-    return _("{percent:.0f} % covered").format(percent=100 * branch.covered_share)
-
-
-def degree(percent):
-    """Percent stenosis in words; below 0 there is none."""
-    if not np.isfinite(percent):
-        return _("not known")
-    if round(percent) >= 0:
-        return f"{max(percent, 0.0):.0f} %"
-    return _("none ({percent:.0f} % wider than the reference)").format(percent=-percent)
 
 
 def _number(value):

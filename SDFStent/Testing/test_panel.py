@@ -304,15 +304,6 @@ def test_the_event_loop_gets_its_turn_all_through_a_full_deployment(
     assert len(set(ticks)) > 3  # and the user sees how far it is
 
 
-def test_a_negative_stenosis_is_told_in_words(theModule):
-    from SDFStentSlicer.Results import degree
-
-    assert degree(33.4) == "33 %"
-    assert degree(-0.4) == "0 %"
-    assert degree(-38.0) == "none (38 % wider than the reference)"
-    assert degree(float("nan")) == "not known"
-
-
 def test_warnings_stand_with_the_numbers(host, aStent):
     aStent.ui.diameterSlider.value = 2.0  # narrower than the vessel: nothing moves
     deploy(host, aStent)

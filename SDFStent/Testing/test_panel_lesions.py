@@ -92,7 +92,7 @@ def test_a_stent_elsewhere_covers_no_lesion_and_has_no_percentage(host, theInput
     parameters.stent.handle.SetNthControlPointPositionWorld(0, *place)
     theInputs.ui.diameterSlider.value, theInputs.ui.lengthSlider.value = 11.0, 8.0
     deploy(host, theInputs)
-    assert "It covers no lesion of 15 % or more." in theInputs.ui.lumenLabel.text
+    assert "This stent covers no lesion of 15 % or more." in theInputs.ui.lumenLabel.text
     assert "stenosis:" not in theInputs.ui.lumenLabel.text
 
 

@@ -39,8 +39,8 @@ from .neighbor_ways import NeighborWay as NeighborWay
 from .neighbor_ways import end_ways as end_ways
 from .open_segment import OpenSegment as OpenSegment
 from .open_segment import segment_between as segment_between
+from .ostia import FREE as FREE
 from .ostia import LISTED as LISTED
-from .ostia import NEARLY as NEARLY
 from .ostia import Ostium as Ostium
 from .ostia import find_ostia as find_ostia
 from .point_lumen import rough_radii as rough_radii

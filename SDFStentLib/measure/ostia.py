@@ -21,6 +21,9 @@ from .wall_map import RAYS, ray_angles
 LISTED = 10.0
 """Ostia so far beyond an end of the stent are found, mm."""
 
+FREE = "free"
+"""Of an ostium that nothing covers."""
+
 NEARLY = 0.01
 """Share of an ostium that does not count: it is free below, and covered above 1 less this."""
 
@@ -77,7 +80,7 @@ class Ostium:
     def coverage(self) -> str:
         """What the stent does to it, in two or three words."""
         if self.is_free:
-            return "free"
+            return FREE
         share = "fully" if self.is_fully_covered else f"{100 * self.covered_share:.0f} %"
         return f"{share} covered"
 

@@ -16,6 +16,8 @@ from .diameters import diameter_section as diameter_section
 from .diameters import diameter_table as diameter_table
 from .diameters import filed_point as filed_point
 from .diameters import lumen_sentence as lumen_sentence
+from .facts import Fact as Fact
+from .facts import coverage_fact as coverage_fact
 from .lesions import LEAST as LEAST
 from .lesions import LEFT as LEFT
 from .lesions import lesion_list as lesion_list
@@ -44,5 +46,6 @@ from .sizing import suggestion_section as suggestion_section
 from .sizing import suggestion_sentences as suggestion_sentences
 from .summary import deployment_sentences as deployment_sentences
 from .summary import deployment_summary as deployment_summary
+from .words import degree_text as degree_text
 from .zero_d import zero_d_cautions as zero_d_cautions
 from .zero_d import zero_d_document as zero_d_document

@@ -10,7 +10,6 @@ from .branches import (
     NONE_NEAR,
     again_words,
     branch_lumen_words,
-    ostium_words,
     stretch_sentence,
     stretches_of,
 )
@@ -198,7 +197,7 @@ def _beside(name: str) -> Callable[[Section], Lines]:
         stents = document["stents"]
         labels = dict(zip((one["number"] for one in stents), _labels(stents), strict=True))
         lines = tuple(
-            f"{labels[one['stent']]}{ostium_words(one)}; its lumen {branch_lumen_words(one)}"
+            f"{labels[one['stent']]}{one['coverage']}; its lumen {branch_lumen_words(one)}"
             for one in document["branches"]
             if one["name"] == name
         )

@@ -6,9 +6,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from html import escape
 from typing import Any
 
-from ..measure import LISTED, NEARLY, Apposition, NeighborLumen, Ostium
+from ..measure import FREE, LISTED, Apposition, NeighborLumen, Ostium
 from ..treatment import TreatedStent
 from ..units import MILLIMETERS
+from .facts import coverage_fact
 from .words import millimeters, number_text
 
 NONE_NEAR = f"No side branch was found within {LISTED:.0f} mm of the stent."
@@ -33,6 +34,7 @@ def branch_section(
 ) -> dict[str, Any]:
     """One ostium as a report has it; its lumen where the wall of the branch has moved."""
     lumen = next((n for n in neighbors if n.name == branch.name), None)
+    covered = coverage_fact(branch)
     return {
         "name": branch.name,
         "ostium_mm": branch.center,
@@ -40,7 +42,8 @@ def branch_section(
         "units": units,
         "ostium_start_mm": branch.start,
         "ostium_end_mm": branch.end,
-        "percent_covered": 100 * branch.covered_share,
+        "percent_covered": covered.value,
+        "coverage": covered.words,
         "lumen_before_mm": None if lumen is None else lumen.before,
         "lumen_after_mm": None if lumen is None else lumen.after,
     }
@@ -79,7 +82,9 @@ def branch_table(branches: Sequence[Mapping[str, Any]]) -> list[str]:
         f"<tr><td>{branch['stent']}</td><td>{escape(branch['name'])}</td>"
         f"<td class='n'>{millimeters(branch['ostium_start_mm'], 1, signed=True)}</td>"
         f"<td class='n'>{millimeters(branch['ostium_end_mm'], 1, signed=True)}</td>"
-        f"<td>{_covered(branch)}</td><td>{branch_lumen_words(branch)}</td></tr>"
+        f"<td class='{'free' if branch['coverage'] == FREE else 'covered'}'>"
+        f"{branch['coverage']}</td>"
+        f"<td>{branch_lumen_words(branch)}</td></tr>"
         for branch in branches
     )
     return [
@@ -106,21 +111,6 @@ def apposition_table(stretches: Sequence[Mapping[str, Any]]) -> list[str]:
         f"{rows}</table><p class='small'>From the proximal end of the stent. Across "
         "the ostium of a branch there is no wall to touch.</p>"
     ]
-
-
-def ostium_words(branch: Mapping[str, Any]) -> str:
-    """How much of an ostium is covered."""
-    percent = branch["percent_covered"]
-    if percent < 100 * NEARLY:
-        return "free"
-    if percent > 100 * (1 - NEARLY):
-        return "fully covered"
-    return f"{percent:.0f} % covered"
-
-
-def _covered(branch: Mapping[str, Any]) -> str:
-    words = ostium_words(branch)
-    return words if words == "free" else f"<b>{words}</b>"
 
 
 def branch_lumen_words(branch: Mapping[str, Any]) -> str:

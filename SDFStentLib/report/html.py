@@ -38,7 +38,7 @@ h2{font-size:17px;margin:28px 0 6px;border-bottom:1px solid #ccc}
 padding:4px 10px;background:#fff4f2}table{border-collapse:collapse;width:100%;margin:6px 0}
 th,td{text-align:left;padding:5px 10px;border-bottom:1px solid #e4e4e4;vertical-align:top}
 td.n,th.n{text-align:right;font-variant-numeric:tabular-nums}td.n{white-space:nowrap}
-td.n.degree{white-space:normal}
+td.n.degree{white-space:normal}td.covered{font-weight:bold}
 .place{min-width:9em}.first td{font-size:17px}
 .good{border-left:5px solid #777;background:#f4f4f4;padding:6px 10px}
 .bad{border-left:5px solid #b30000;background:#fff0ee;padding:6px 10px}

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Any
 
+from .facts import stenosis_fact
 from .lesions import COVERS_NONE, LEFT_BEYOND, NO_LESION, NOT_LOOKED_FOR
 from .words import degree_text, millimeters, point_words
 
@@ -22,13 +23,10 @@ def stent_lesions(document: Section, stent: Section) -> list[Section] | None:
 def lesion_rows(lesions: Sequence[Section]) -> list[tuple[str, str, str]]:
     """Name, before and after of the degrees of lesions."""
     return [
-        (
-            f"{words} stenosis, lesion {one['number']}",
-            degree_text(one[key]),
-            degree_text(one["after"][key]),
-        )
+        (before.label, before.words, degree_text(one["after"][f"percent_{kind}"]))
         for one in lesions
-        for words, key in (("Diameter", "percent_diameter"), ("Area", "percent_area"))
+        for kind in ("diameter", "area")
+        for before in [stenosis_fact(one["number"], one[f"percent_{kind}"], kind)]
     ]
 
 

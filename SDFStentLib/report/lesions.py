@@ -11,6 +11,7 @@ from typing import Any
 from ..treatment import Residual, TreatedLesion
 from ..units import MILLIMETERS
 from ..vessel import SMALL_VESSEL, SMALLEST_DEGREE, HealthyPlace, Lesion
+from .facts import stenosis_fact
 from .words import degree_text
 
 LEAST = f"{100 * SMALLEST_DEGREE:.0f} % or more"
@@ -156,10 +157,10 @@ def stent_lesion_sentences(lesions: Sequence[TreatedLesion] | None, stent: int) 
     if not covered:
         return [COVERS_NONE]
     return [
-        f"Lesion {one.number}: {degree_text(one.before.percent_diameter)} by diameter before, "
-        f"{degree_text(one.after.percent_diameter)} after; by area "
-        f"{degree_text(one.before.percent_area)} before, "
-        f"{degree_text(one.after.percent_area)} after; against {one.before.reference}."
+        f"{stenosis_fact(one.number, one.before.percent_diameter)} -> "
+        f"{degree_text(one.after.percent_diameter)}, by area "
+        f"{degree_text(one.before.percent_area)} -> {degree_text(one.after.percent_area)}, "
+        f"against {one.before.reference}."
         f"{LEFT_BEYOND if one.is_left_beyond else ''}"
         for one in covered
     ]
