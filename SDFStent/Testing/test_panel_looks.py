@@ -4,7 +4,7 @@ import slicer
 from panel_helpers import deploy, settle
 
 
-def test_the_progress_bar_is_there_while_a_deployment_runs(host, aStent):
+def test_the_progress_bar_is_there_while_a_deployment_runs(host, aStent, aStepAtATime):
     ui = aStent.ui
     aStent.parent.resize(520, 1300)  # Slicer's panel scrolls; this one would squeeze its sections
     host.process()

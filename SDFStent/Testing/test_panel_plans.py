@@ -432,7 +432,7 @@ def test_what_cannot_be_compared_is_a_sentence_and_leaves_no_folder(host, twoPla
     assert ui.comparePlansButton.text == "Compare..."
 
 
-def test_a_comparison_that_is_stopped_leaves_nothing(host, twoPlans, tmp_path):
+def test_a_comparison_that_is_stopped_leaves_nothing(host, twoPlans, tmp_path, aStepAtATime):
     import threading
 
     ui = twoPlans.ui

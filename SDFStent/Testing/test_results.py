@@ -44,7 +44,7 @@ def test_results_are_marked_when_a_handle_or_the_vessel_moves(host, aStent):
     assert isMarked(aStent)
 
 
-def test_a_cancelled_deployment_leaves_the_old_numbers_marked(host, aStent):
+def test_a_cancelled_deployment_leaves_the_old_numbers_marked(host, aStent, aStepAtATime):
     deploy(host, aStent)
     aStent.ui.diameterSlider.value = 7.0
     host.click(aStent.ui.deployButton)
