@@ -308,7 +308,7 @@ def test_an_old_file_is_swept_only_if_it_is_the_beginning_of_an_output(tmp_path,
 
 
 WINDOWS = """
-import fcntl, os, sys, types
+import fcntl, os, subprocess, sys, types
 system, unlink = types.ModuleType("msvcrt"), os.unlink
 system.LK_LOCK, system.LK_NBLCK = 1, 2
 def locking(descriptor, mode, count):

@@ -1,8 +1,8 @@
 """The shell: `sdfstent deploy`, `run`, `measure`, `check`, `suggest`, `devices` and the others.
 
-What is named here is imported when it is first asked for: signals are taken before anything else.
+Signals are taken before the commands are imported.
 """
 
-from .shell import main as main
+from .command import main as main
 from .signals import INTERRUPTED as INTERRUPTED
 from .signals import end_at_once as end_at_once
