@@ -14,7 +14,7 @@ app: .venv/ready-app
 # has one thread of BLAS: those of several processes wait for each other.
 # Bytecode is kept: every process that a test starts would compile the library anew.
 test: .venv/ready-test
-	@PYTHONDONTWRITEBYTECODE= OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 QT_QPA_PLATFORM=offscreen $(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile
+	@PYTHONDONTWRITEBYTECODE= OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 QT_QPA_PLATFORM=offscreen $(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile --no-loadscope-reorder
 
 lint: .venv/ready-lint
 	@$(BIN)/ruff check .

@@ -9,6 +9,8 @@ from functools import lru_cache, wraps
 from hashlib import sha256
 from types import SimpleNamespace
 
+import pytest
+
 from SDFStentLib import phantoms
 from SDFStentLib.phantoms import phantoms as makers
 from SDFStentLib.report import painting
@@ -41,6 +43,19 @@ def painted_once() -> Callable[..., subprocess.CompletedProcess]:
         return done
 
     return run
+
+
+LONGEST = (
+    "test_app_page", "test_documented_commands", "test_extract_command", "test_sweep_faults",
+    "test_cli", "test_sweep_clusters", "test_long_inputs", "test_memory", "test_loops",
+    "test_unexpected_errors", "test_compare", "test_balloons", "test_event_steps", "test_promises",
+)  # fmt: skip
+"""Files that take longest go first, so that at the end no process waits for another."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    rank = {name: number for number, name in enumerate(LONGEST)}
+    items.sort(key=lambda item: rank.get(item.path.stem, len(LONGEST)))
 
 
 # Before the test files import them.
