@@ -33,7 +33,7 @@ from ..report import (
 )
 from ..validation import DeploymentError, InputError, as_number
 from .console import Console
-from .method_options import method_of
+from .option_table import method_of
 from .outputs import Outputs
 from .place import check_place, inputs_of, plan_of
 from .stents import check_sizes, device_of, stents_of

@@ -1,28 +1,57 @@
-"""The options of every command."""
+"""The options of every command, as tables."""
 
 from __future__ import annotations
 
 import argparse
 
+from ..parameter import parameters_of
+from ..stent import Balloon, Shape, Stent, Waist
+from ..units import MILLIMETERS
 from ..version import VERSION
-from .app_options import add_app
-from .argument_types import number as _number
-from .argument_types import path as _path
-from .argument_types import whole as _whole
-from .common_options import (
-    add_json,
-    add_point,
-    add_points,
-    add_surface,
-    add_talk,
-    add_units,
-    add_vessel_marks,
-)
-from .method_options import add_method
+from .option_table import add_method, add_parameter, add_table
 from .parser import Parser, ShortHelp
-from .plan_options import add_acceptance, add_comparison, add_device_file
-from .stent_options import add_device_table, add_length, add_shape, add_size, add_stent, add_wishes
-from .sweep_options import add_sweep
+
+OF_STENT = parameters_of(Stent)
+
+SURFACE = "surface SURFACE  VTP, VTK, STL, PLY or OBJ\n"
+UNITS = f"--units {{{','.join(MILLIMETERS)}}} = mm  of the files (default mm)\n"
+JSON = "--json  print JSON instead of sentences\n"
+VERBOSE = "--verbose  say all of it\n"
+TALK = """\
+--quiet  say nothing but errors
+--debug  show where an error came from
+"""
+USUAL_PLACE = """\
+--centerline FILE  of the vessel, any form
+--center X Y Z  the middle of the stent
+"""
+OTHER_PLACES = """\
+--axis FILE  the curve is the stent axis
+--distal X Y Z  its distal end
+--proximal X Y Z  its proximal end
+--from X Y Z  one end
+--to X Y Z  the other end
+"""
+MARKS = """\
+--root X Y Z  the end of the centerline near this point is proximal (default: the tree tells)
+--reference X Y Z ...  healthy vessel that the lesion beside it is measured against; once or twice
+"""
+DEVICE = "--device NAME  one of `sdfstent devices`; sets its lengths\n"
+DEVICE_TABLE = "--device-table F  JSON with devices of your own, too\n"
+ACCEPTANCE = """\
+--accept-changed-inputs  go on although a file is not the one that the plan was made with
+"""
+HIDING = "--hide-device  pictures without the struts of the stents\n"
+OUTPUT = f"""\
+--figure F  diameters as .png or .svg
+--picture F  the vessel before and after as .png
+--export-0d F  vessel blocks for a 0D solver, as .json
+--export-device F  rings and struts of the stents, as .vtp
+--device-mesh F  with --export-device: this straight mesh, along z and centered, laid along the axis
+{HIDING}--steps DIR  the surface at every step, for ParaView
+--every MM  with --steps: only after so much of diameter
+--arrays  add displacement and stretch to the surface
+"""
 
 
 def parser() -> Parser:
@@ -40,31 +69,24 @@ def parser() -> Parser:
         dest="command", metavar="COMMAND", required=True, parser_class=Parser
     )
     first = _first_of_deploy()
-    _deploy(
-        commands.add_parser(
-            "deploy", help="deploy one stent", allow_abbrev=False, add_help=False, parents=[first]
-        ),
-        first,
+    deploy = commands.add_parser(
+        "deploy", help="deploy one stent", allow_abbrev=False, add_help=False, parents=[first]
     )
-    _run(commands.add_parser("run", help="carry out a plan of stents", allow_abbrev=False))
-    _compare(commands.add_parser("compare", help="plans side by side", allow_abbrev=False))
-    _measure(
-        commands.add_parser(
-            "measure", help="lesions of a vessel, and diameters along it", allow_abbrev=False
-        )
-    )
-    _suggest(commands.add_parser("suggest", help="a plan for a lesion", allow_abbrev=False))
-    _check(commands.add_parser("check", help="is a surface sound", allow_abbrev=False))
-    _centerline(
-        commands.add_parser(
-            "centerline", help="extract the centerline of a surface", allow_abbrev=False
-        )
-    )
-    add_sweep(commands.add_parser("sweep", help="many deployments", allow_abbrev=False))
-    _extract(commands.add_parser("extract", help="a segment for a flow solver", allow_abbrev=False))
-    _devices(commands.add_parser("devices", help="the device table", allow_abbrev=False))
-    _demo(commands.add_parser("demo", help="treat a synthetic patient", allow_abbrev=False))
-    add_app(commands.add_parser("app", help="plan stents in a browser", allow_abbrev=False))
+    _deploy(deploy, first)
+    for name, words, add in (
+        ("run", "carry out a plan of stents", _run),
+        ("compare", "plans side by side", _compare),
+        ("measure", "lesions of a vessel, and diameters along it", _measure),
+        ("suggest", "a plan for a lesion", _suggest),
+        ("check", "is a surface sound", _check),
+        ("centerline", "extract the centerline of a surface", _centerline),
+        ("sweep", "many deployments", _sweep),
+        ("extract", "a segment for a flow solver", _extract),
+        ("devices", "the device table", _devices),
+        ("demo", "treat a synthetic patient", _demo),
+        ("app", "plan stents in a browser", _app),
+    ):
+        add(commands.add_parser(name, help=words, allow_abbrev=False))
     return top
 
 
@@ -78,53 +100,53 @@ def _first_of_deploy() -> Parser:
         epilog="All options, such as other places, shapes, the method and more outputs: --help-all",
         add_help=False,
     )
-    add_surface(first)
+    add_table(first, SURFACE)
     group = first.add_argument_group("what everyone needs")
-    group.add_argument(
-        "-o", "--output", type=_path, metavar="OUT", required=True, help="surface to write"
-    )
+    add_table(group, "-o, --output OUT  surface to write", required=True)
     _add_usual_place(group)
-    group.add_argument(
-        "--at-lesion",
-        type=_whole,
-        metavar="N",
-        help="in place of --center: on that lesion, numbered as `measure` lists them",
+    add_table(
+        group,
+        "--at-lesion N  in place of --center: on that lesion, numbered as `measure` lists them",
     )
-    add_size(group)
-    add_units(group)
-    group.add_argument(
-        "--report",
-        type=_path,
-        metavar="F",
-        action="append",
-        default=[],
-        help=".json or .html; may be repeated",
-    )
-    group.add_argument(
-        "--save-plan", type=_path, metavar="F", help="what determines the result, for `run`"
+    add_parameter(group, OF_STENT["diameter"])
+    add_table(
+        group,
+        f"{DEVICE}{UNITS}--report F ...  .json or .html; may be repeated\n"
+        "--save-plan F  what determines the result, for `run`",
     )
     return first
 
 
 def _deploy(command: argparse.ArgumentParser, first: Parser) -> None:
     command.description = first.description
-    _add_other_places(command.add_argument_group("where"))
-    add_stent(command)
-    add_shape(command)
+    add_table(command.add_argument_group("where"), OTHER_PLACES + MARKS)
+    stent = command.add_argument_group("stent")
+    for one in parameters_of(Balloon).values():
+        add_parameter(stent, one)
+    add_table(stent, f"--redilate MM  then dilate the same stent to it (mm)\n{DEVICE_TABLE}")
+    for name, usual in (
+        ("foreshortening_fraction", None),
+        ("may_be_shortened", False),
+        ("keeps", None),
+    ):
+        add_parameter(stent, OF_STENT[name], usual)
+    shape = command.add_argument_group("shape")
+    for one in parameters_of(Waist).values():
+        add_parameter(shape, one)
+    for name, end in (("start", "proximal"), ("end", "distal")):
+        words = f"diameter of the {end} end, wider or narrower, and over which length"
+        add_table(shape, f"--flare-{name} D MM  {words}")
+    add_table(shape, "--profile F  CSV with rows fraction,diameter in place of --diameter")
+    add_parameter(shape, parameters_of(Shape)["cap_height"], Shape().cap_height)
     add_method(command)
-    out = command.add_argument_group("output")
-    out.add_argument(
-        "--output-centerline", type=_path, metavar="F", help="the centerline, moved along"
+    add_table(
+        command.add_argument_group("output"),
+        f"""\
+--output-centerline F  the centerline, moved along
+--flow LEAST MOST  mL/s; the pressure drop over the stented length is estimated for both, as a band
+{OUTPUT}""",
     )
-    out.add_argument(
-        "--flow",
-        type=_number,
-        nargs=2,
-        metavar=("LEAST", "MOST"),
-        help="mL/s; the pressure drop over the stented length is estimated for both, as a band",
-    )
-    _add_output(out)
-    add_talk(command, verbose=True)
+    add_table(command, VERBOSE + TALK)
     command.add_argument("-h", "--help", action=ShortHelp, const=first, help="the first of these")
     command.add_argument("--help-all", action="help", help="all of these")
 
@@ -134,18 +156,26 @@ def _run(command: argparse.ArgumentParser) -> None:
         "Carry out a plan: stents in order, in a surface. Writes the surface, the centerline, "
         "report.json, report.html and plan.json."
     )
-    command.add_argument("plan", type=_path, metavar="PLAN", help="JSON, see docs/plan.md")
-    command.add_argument(
-        "-o", "--output", type=_path, metavar="DIR", required=True, help="folder to write"
-    )
-    add_acceptance(command)
-    _add_output(command.add_argument_group("output"))
-    add_talk(command, verbose=True)
+    add_table(command, "plan PLAN  JSON, see docs/plan.md")
+    add_table(command, "-o, --output DIR  folder to write", required=True)
+    add_table(command, ACCEPTANCE)
+    add_table(command.add_argument_group("output"), OUTPUT)
+    add_table(command, VERBOSE + TALK)
 
 
 def _compare(command: argparse.ArgumentParser) -> None:
-    add_comparison(command)
-    add_talk(command, verbose=True)
+    command.description = (
+        "Carry out several plans of one patient and show them side by side: what every plan does "
+        "to lumen, lesions, branches and wall, with pictures by one camera, on one page."
+    )
+    add_table(command, "plans PLAN  two or more; JSON, see docs/plan.md", nargs="+")
+    page = "-o, --output DIR|PAGE.html  page to write, or folder for page and JSON"
+    add_table(command, page, required=True)
+    add_table(
+        command,
+        f"{ACCEPTANCE}--picture F  before and after every plan, as .png\n"
+        f"{HIDING}{JSON}{VERBOSE}{TALK}",
+    )
 
 
 def _measure(command: argparse.ArgumentParser) -> None:
@@ -153,26 +183,19 @@ def _measure(command: argparse.ArgumentParser) -> None:
         "Lesions of a vessel tree, the tightest first, and diameters along a part of it: of the "
         "largest inscribed sphere and of the circle with the area of the cross-section."
     )
-    add_surface(command)
+    add_table(command, SURFACE)
     place = command.add_argument_group("where")
     _add_usual_place(place)
-    _add_other_places(place)
-    command.add_argument(
-        "--spacing", type=_number, metavar="MM", default=1.0, help="of the stations (default 1)"
+    add_table(place, OTHER_PLACES + MARKS)
+    add_table(
+        command,
+        f"""\
+--spacing MM = 1  of the stations (default 1)
+{UNITS}--tables  the diameters along every branch, too
+{JSON}--csv F  write the table of lesions
+--smallest-vessel MM  count lesions in vessels below this diameter in one line (default 3)
+{VERBOSE}{TALK}""",
     )
-    add_units(command)
-    command.add_argument(
-        "--tables", action="store_true", help="the diameters along every branch, too"
-    )
-    add_json(command)
-    command.add_argument("--csv", type=_path, metavar="F", help="write the table of lesions")
-    command.add_argument(
-        "--smallest-vessel",
-        type=_number,
-        metavar="MM",
-        help="count lesions in vessels below this diameter in one line (default 3)",
-    )
-    add_talk(command, verbose=True)
 
 
 def _suggest(command: argparse.ArgumentParser) -> None:
@@ -180,21 +203,24 @@ def _suggest(command: argparse.ArgumentParser) -> None:
         "Propose a stent for a lesion: its diameters and lengths, the rule, and how they compare "
         "with the vessel; a proposal to discuss, research use only."
     )
-    add_surface(command)
-    command.add_argument("--centerline", type=_path, metavar="FILE", required=True, help="any form")
-    add_wishes(command)
-    add_vessel_marks(command)
-    add_units(command)
-    add_json(command)
-    add_talk(command)
+    add_table(command, SURFACE)
+    add_table(command, "--centerline FILE  any form", required=True)
+    add_table(
+        command,
+        f"""\
+-o, --output PLAN  to write (default SURFACE_plan.json)
+--lesion N ...  numbered as `measure` lists them; may be repeated (default 1, the tightest)
+--ratio R = 1  lumen over the smaller healthy vessel beside the lesion (default 1)
+--margin MM = 0  how far beyond both ends of the lesion (default 0)
+{DEVICE}{DEVICE_TABLE}""",
+    )
+    add_parameter(command, OF_STENT["foreshortening_fraction"])
+    add_table(command, MARKS + UNITS + JSON + TALK)
 
 
 def _check(command: argparse.ArgumentParser) -> None:
     command.description = "Topology and self-intersections of a surface."
-    add_surface(command)
-    add_units(command)
-    add_json(command)
-    add_talk(command)
+    add_table(command, SURFACE + UNITS + JSON + TALK)
 
 
 def _centerline(command: argparse.ArgumentParser) -> None:
@@ -202,16 +228,38 @@ def _centerline(command: argparse.ArgumentParser) -> None:
         "The centerlines of a bare surface, from its inlet to every outlet, by VMTK "
         "(https://vmtk.github.io). Ends are open or closed by flat caps."
     )
-    add_surface(command)
-    command.add_argument(
-        "-o", "--output", type=_path, metavar="F", required=True, help="VTP or VTK to write"
+    add_table(command, SURFACE)
+    add_table(command, "-o, --output F  VTP or VTK to write", required=True)
+    add_table(
+        command,
+        f"""\
+--inlet X Y Z  the end near this point is proximal (default: the largest)
+--outlet X Y Z ...  a line ends near this point; once or more (default: at every end)
+{UNITS}{TALK}""",
     )
-    add_point(command, "inlet", "the end near this point is proximal (default: the largest)")
-    add_points(
-        command, "outlet", "a line ends near this point; once or more (default: at every end)"
+
+
+def _sweep(command: argparse.ArgumentParser) -> None:
+    command.description = (
+        "Carry out many deployments: the cases of a sweep document, on all cores or on a Dask "
+        "cluster. Run again it goes on where it was interrupted. Exit codes: 0 every case is done "
+        "and certified; 3 some are not certified; 4 some failed, or the sweep had to stop; 130 "
+        "interrupted. What is whole is always kept."
     )
-    add_units(command)
-    add_talk(command)
+    add_table(command, "sweep SWEEP  JSON, see docs/cohorts.md", nargs="?")
+    add_table(
+        command,
+        f"""\
+-o, --output DIR  folder of the cohort
+--workers N  processes (default: one per core)
+--scheduler ADDRESS  of a Dask cluster, such as tcp://host:8786
+--time-limit S  seconds for each case on this machine: then its worker is ended, and it has failed
+  (default: that of the document, or none)
+--dry-run  tell how many cases, the first ones, and how long and large it will be
+--table DIR  write the manifest of a cohort again
+--status DIR  how far the sweep in a folder is
+{TALK}""",
+    )
 
 
 def _extract(command: argparse.ArgumentParser) -> None:
@@ -219,22 +267,25 @@ def _extract(command: argparse.ArgumentParser) -> None:
         "Cut the segment between two places of the centerline out of a vessel and close it by flat "
         "caps, with face files for SimVascular's solvers: in cm, inlet and outlets named."
     )
-    add_surface(command)
-    command.add_argument("--centerline", type=_path, metavar="FILE", required=True, help="any form")
-    add_point(command, "from", "one end of the segment", required=True)
-    add_point(command, "to", "the other end", required=True)
-    command.add_argument(
-        "-o", "--output", type=_path, metavar="DIR", required=True, help="folder to write"
+    add_table(command, SURFACE)
+    add_table(
+        command,
+        """\
+--centerline FILE  any form
+--from X Y Z  one end of the segment
+--to X Y Z  the other end
+-o, --output DIR  folder to write
+""",
+        required=True,
     )
-    command.add_argument(
-        "--close-branches", action="store_true", help="cut side branches off and close them"
+    add_table(
+        command,
+        f"""\
+--close-branches  cut side branches off and close them
+--after SURFACE2  the treated vessel, cut by the same planes
+--root X Y Z  the end of the centerline near this point is proximal
+{UNITS}{TALK}""",
     )
-    command.add_argument(
-        "--after", type=_path, metavar="SURFACE2", help="the treated vessel, cut by the same planes"
-    )
-    add_point(command, "root", "the end of the centerline near this point is proximal")
-    add_units(command)
-    add_talk(command)
 
 
 def _devices(command: argparse.ArgumentParser) -> None:
@@ -242,10 +293,8 @@ def _devices(command: argparse.ArgumentParser) -> None:
         "The devices that `deploy --device` knows, and what is known of one, with its source. "
         "Every number has one, or is that of a generic row; what is not known is not made up."
     )
-    command.add_argument("name", type=_path, nargs="?", metavar="NAME", help="tell all of this one")
-    add_device_table(command)
-    add_json(command)
-    add_talk(command)
+    add_table(command, "name NAME  tell all of this one", nargs="?")
+    add_table(command, DEVICE_TABLE + JSON + TALK)
 
 
 def _demo(command: argparse.ArgumentParser) -> None:
@@ -253,43 +302,37 @@ def _demo(command: argparse.ArgumentParser) -> None:
         "Treat a synthetic patient: a pulmonary artery whose left branch is narrowed by 40 % at "
         "its origin gets a stent across the bifurcation."
     )
-    command.add_argument("-o", "--output", type=_path, metavar="DIR", default="sdfstent-demo")
-    add_talk(command, verbose=True)
+    folder = "-o, --output DIR = sdfstent-demo  to write (default sdfstent-demo)\n"
+    add_table(command, folder + VERBOSE + TALK)
 
 
-def _add_usual_place(place: argparse._ActionsContainer) -> None:
-    place.add_argument("--centerline", type=_path, metavar="FILE", help="of the vessel, any form")
-    add_point(place, "center", "the middle of the stent")
-    add_length(place)
-
-
-def _add_other_places(place: argparse._ActionsContainer) -> None:
-    place.add_argument("--axis", type=_path, metavar="FILE", help="the curve is the stent axis")
-    for name, what in (
-        ("distal", "its distal end"),
-        ("proximal", "its proximal end"),
-        ("from", "one end"),
-        ("to", "the other end"),
-    ):
-        add_point(place, name, what)
-    add_vessel_marks(place)
-
-
-def _add_output(group: argparse._ArgumentGroup) -> None:
-    group.add_argument("--figure", type=_path, metavar="F", help="diameters as .png or .svg")
-    group.add_argument(
-        "--picture", type=_path, metavar="F", help="the vessel before and after as .png"
+def _app(command: argparse.ArgumentParser) -> None:
+    command.description = (
+        "Serve the panel of the Slicer module as a page for the browser, to this machine only "
+        "unless told otherwise. Ctrl-C ends it."
     )
-    group.add_argument(
-        "--export-0d", type=_path, metavar="F", help="vessel blocks for a 0D solver, as .json"
+    add_table(command, "input SURFACE|PLAN.json  what a page begins with", nargs="?")
+    add_table(
+        command,
+        f"""\
+--centerline F  of the surface
+{UNITS}--demo  begin with a synthetic patient instead
+--folder DIR ...  whose files pages may open, with those below; may be repeated. Without one: none
+""",
     )
-    add_device_file(group)
-    group.add_argument(
-        "--steps", type=_path, metavar="DIR", help="the surface at every step, for ParaView"
+    add_table(
+        command.add_argument_group("server"),
+        """\
+--host HOST = 127.0.0.1  address to listen at (default 127.0.0.1)
+--port N = 0  0, the default: one that is free
+--no-browser  only say the address, which has a secret in it
+--pages N = 8  open at the same time (default 8)
+--keep S = 30  that a closed page waits to be opened again (default 30)
+""",
     )
-    group.add_argument(
-        "--every", type=_number, metavar="MM", help="with --steps: only after so much of diameter"
-    )
-    group.add_argument(
-        "--arrays", action="store_true", help="add displacement and stretch to the surface"
-    )
+    add_table(command, TALK)
+
+
+def _add_usual_place(group: argparse._ActionsContainer) -> None:
+    add_table(group, USUAL_PLACE)
+    add_parameter(group, OF_STENT["length"])

@@ -1,0 +1,90 @@
+"""Options from tables of text, and from parameters of the method and of a stent."""
+
+from __future__ import annotations
+
+import argparse
+import re
+from typing import Any
+
+from ..parameter import Parameter
+from ..plan import Plan, method_parameters, plan_of_method
+from .argument_types import number, path, whole
+
+KINDS = {
+    **dict.fromkeys(("X", "MM", "D", "R", "S", "LEAST"), number),
+    **dict.fromkeys(("FILE", "F", "DIR", "OUT", "PLAN", "SWEEP", "SURFACE", "SURFACE2"), path),
+    "NAME": path,
+    "DIR|PAGE.html": path,
+    "SURFACE|PLAN.json": path,
+    "N": whole,
+}
+"""What a word is taken for, by what stands for it; any other is a text."""
+
+_ROW = re.compile(
+    r"(?P<flags>\S+(?:, --\S+)?)(?P<metavar>(?: [A-Z{][^\s=]*)*)"
+    r"(?: = (?P<default>\S+))?(?P<more> \.\.\.)?  +(?P<words>.+)"
+)
+
+
+def add_table(group: argparse._ActionsContainer, table: str, **more: Any) -> None:
+    """An option a line: `--name METAVAR = default ...  words`, dots where it may be repeated.
+
+    Without a metavar it is a switch, without dashes a positional argument; choices stand in braces.
+    An indented line goes on with the words. What argparse takes besides, such as `required`, goes
+    to all of them.
+    """
+    for line in re.sub(r"\n +", " ", table).strip().splitlines():
+        row = _ROW.fullmatch(line)
+        assert row is not None, line
+        flags, metavars = row["flags"].split(", "), tuple(row["metavar"].split())
+        given: dict[str, Any] = {"help": row["words"], **more}
+        if not metavars:
+            group.add_argument(*flags, action="store_true", **given)
+            continue
+        if metavars[0].startswith("{"):
+            given["choices"] = metavars[0].strip("{}").split(",")
+        else:
+            given["metavar"] = metavars if len(metavars) > 1 else metavars[0]
+            given["type"] = KINDS.get(metavars[0], str)
+        if len(metavars) > 1:
+            given["nargs"] = len(metavars)
+        if row["default"]:
+            given["default"] = given.get("type", str)(row["default"])
+        if row["more"]:
+            given = {"action": "append", "default": [], **given}
+        if flags == ["--from"]:  # `options.from` is no Python
+            given["dest"] = "from_point"
+        group.add_argument(*flags, **given)
+
+
+def add_parameter(
+    group: argparse._ActionsContainer, parameter: Parameter, default: Any = None, dest: str = ""
+) -> None:
+    """The option of a parameter; `dest` is its attribute where that is not the option's name."""
+    option = f"--{parameter.option}"
+    more: dict[str, Any] = {"dest": dest or parameter.option.replace("-", "_")}
+    if not (parameter.names or parameter.is_number):
+        words = f"do not {parameter.does}" if default else parameter.does
+        group.add_argument(option, action=f"store_{not default}".lower(), help=words, **more)
+        return
+    told = [parameter.unit, "" if default is None else f"default {default}".removesuffix(".0")]
+    words = " ".join([parameter.does, *[f"({', '.join(filter(None, told))})"][: any(told)]])
+    if parameter.names:
+        more["choices"] = parameter.names
+    else:
+        more |= {"type": number, "metavar": parameter.unit.upper() or "F"}
+    group.add_argument(option, default=default, help=words, **more)
+
+
+def add_method(command: argparse.ArgumentParser) -> None:
+    """How it is deployed: the parameters of the method that have an option, in their order."""
+    group = command.add_argument_group("method")
+    for name, parameter in method_parameters().items():
+        if parameter.option:
+            add_parameter(group, parameter, Plan().method[name], name)
+
+
+def method_of(options: argparse.Namespace) -> Plan:
+    """A plan without stents and files, with the parameters that were asked for."""
+    parameters = method_parameters().items()
+    return plan_of_method({name: getattr(options, name) for name, one in parameters if one.option})
