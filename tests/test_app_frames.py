@@ -6,6 +6,7 @@ import asyncio
 
 import numpy as np
 import pytest
+from child_processes import PATIENCE
 
 pytest.importorskip("trame_rca", reason="the extra app is not installed")
 
@@ -46,7 +47,7 @@ def sent(painted, during=None):
         assert not frames.isBehind
         frames.schedule_render()
         assert frames.isBehind
-        await asyncio.wait_for(isOver.wait(), 20)
+        await asyncio.wait_for(isOver.wait(), PATIENCE)
         await asyncio.sleep(0)
         assert not frames.isBehind
         await frames.close()
@@ -93,7 +94,7 @@ def test_what_is_begun_before_a_frame_goes_on_beside_it():
         frames = Frames(painted, begin)
         frames.set_push_callback(lambda *_: isOver.set())
         frames.schedule_render()
-        await asyncio.wait_for(isOver.wait(), 20)
+        await asyncio.wait_for(isOver.wait(), PATIENCE)
         assert frames.count == 1
         await frames.close()
         return order

@@ -76,7 +76,7 @@ const {state} = window.trame; const flush = state.flush.bind(state);
 window.attempts = 0; state.dirtyKeys.add('surfacePath');
 state.flush = async () => { window.attempts += 1; if (window.attempts > 3) await flush(); };
 button.click(); }"""
-PATIENCE_MS = 300_000
+PATIENCE_MS = 1_800_000
 """Nothing is waited for longer, and so long only for what fails: a busy machine takes its time."""
 playwright.expect.set_options(timeout=PATIENCE_MS)
 

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import json
-import os
 import shutil
-import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
+from child_processes import measured
 from deployment_cases import ANATOMIES, anatomy, leaf_path
 from vtkmodules.vtkFiltersModeling import vtkLinearSubdivisionFilter
 
@@ -20,33 +16,9 @@ from SDFStentLib.files.surface_files import read_surface
 from SDFStentLib.geometry.polyline import point_at
 from SDFStentLib.phantoms.phantoms import straight_tube
 
-resource = pytest.importorskip("resource", reason="memory is not measured on this system")
+pytest.importorskip("resource", reason="memory is not measured on this system")
 
-PROJECT = Path(__file__).resolve().parents[1]
 LIMIT_MB = 500
-
-MEASURED = """
-import json, resource, subprocess, sys
-run = subprocess.run(sys.argv[1:], capture_output=True, text=True)
-peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
-peak_mb = peak / (1e6 if sys.platform == "darwin" else 1e6 / 1024)
-print(json.dumps([run.returncode, peak_mb, run.stdout + run.stderr]))
-"""
-"""A process between: a child starts with the peak of its parent, and that of the tests is high."""
-
-
-def peak_of(folder, *arguments):
-    """Exit code, peak of resident memory in MB, and what a command has said."""
-    command = [sys.executable, "-m", "SDFStentLib", *map(str, arguments)]
-    run = subprocess.run(
-        [sys.executable, "-c", MEASURED, *command],
-        cwd=folder,
-        env={**os.environ, "PYTHONPATH": str(PROJECT)},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    return json.loads(run.stdout)
 
 
 def write_subdivided(data, path):
@@ -102,19 +74,19 @@ LINE = ["--centerline", "line.vtp"]
 
 def test_a_stent_is_deployed_certified_and_written_within_the_limit(a_vessel):
     folder, stent = a_vessel
-    code, peak_mb, said = peak_of(
-        folder, "deploy", *SURFACE, *LINE, *stent, "--length", 30, "-o", "out.vtp", "--arrays",
-        "--report", "r.json", "--output-centerline", "moved.vtp",
+    done = measured(
+        "deploy", *SURFACE, *LINE, *stent, "--length", 30, "-o", "out.vtp", "--arrays",
+        "--report", "r.json", "--output-centerline", "moved.vtp", folder=folder,
     )  # fmt: skip
-    assert code == 0, said
-    assert "Surface certified for meshing" in said
-    assert peak_mb < LIMIT_MB
+    assert done.code == 0, done.said
+    assert "Surface certified for meshing" in done.said
+    assert done.peak_mb < LIMIT_MB
 
 
 @pytest.mark.parametrize(
     "arguments", [["check", *SURFACE], ["measure", *SURFACE, *LINE, "--spacing", 30]]
 )
 def test_a_surface_is_checked_and_measured_within_the_limit(a_vessel, arguments):
-    code, peak_mb, said = peak_of(a_vessel[0], *arguments)
-    assert code == 0, said
-    assert peak_mb < LIMIT_MB
+    done = measured(*arguments, folder=a_vessel[0])
+    assert done.code == 0, done.said
+    assert done.peak_mb < LIMIT_MB

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import io
 import os
+import random
 import re
 import signal
 import socket
@@ -34,12 +35,17 @@ from SDFStentLib.cohort import Cohort, executors, run_sweep
 pytest.importorskip("distributed")
 
 AXES = {"diameter": {"from": 6, "to": 7, "steps": 10}}
+PLACES = "SDFStentLib.cohort.executors"
 
 
 def free_port():
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        return one.getsockname()[1]
+    """One that the system gives to nobody who asks for any, so that it stays free."""
+    ports = random.SystemRandom()
+    # Ends: most of them are free.
+    while True:
+        with socket.socket() as one, contextlib.suppress(OSError):
+            one.bind(("127.0.0.1", ports.randrange(15_000, 30_000)))
+            return one.getsockname()[1]
 
 
 class Cluster:
@@ -70,6 +76,12 @@ class Cluster:
         address = ["--host", "127.0.0.1", "--port", str(self.port)]
         return self.start("scheduler", *address, "--no-dashboard", "--no-show")
 
+    def answers(self):
+        with contextlib.suppress(OSError):
+            socket.create_connection(("127.0.0.1", self.port)).close()
+            return True
+        return False
+
     def start_worker(self):
         small = [
             "--nthreads",
@@ -91,8 +103,11 @@ class Cluster:
 @pytest.fixture
 def cluster(tmp_path):
     made = Cluster(tmp_path)
-    yield made
-    made.close()
+    try:
+        wait_for(made.answers)
+        yield made
+    finally:
+        made.close()
 
 
 @pytest.fixture(scope="module")
@@ -130,6 +145,8 @@ def test_a_cluster_gives_the_same_bytes_also_when_a_worker_and_the_scheduler_are
     """Begun without workers. Held at 2 cases the first is killed, held at 4 the scheduler."""
     write_sweep(tube_folder(tmp_path), axes=AXES, store="moved")
     environment = hold_at(tmp_path, 2)
+    with (tmp_path / "sitecustomize.py").open("a", encoding="utf-8") as file:
+        file.write(f"import {PLACES} as places\nplaces.SCHEDULER_SECONDS = {PATIENCE}\n")
     sweep = started(tmp_path, cluster.address, environment)
     wait_for(lambda: "no workers: they are waited for" in status_of(tmp_path))
     first = cluster.start_worker()
@@ -149,14 +166,27 @@ def test_a_cluster_gives_the_same_bytes_also_when_a_worker_and_the_scheduler_are
     assert bytes_of(tmp_path / "out") == wanted
 
 
+SOON_LOST = f"""
+import pathlib
+import {PLACES} as places
+
+def client(address, plain=places._client):
+    places.SCHEDULER_SECONDS = 2 if pathlib.Path("lost").exists() else {PATIENCE}
+    return plain(address)
+
+places._client = client
+"""
+
+
 def test_a_scheduler_that_is_lost_is_told_in_one_sentence(tmp_path, cluster):
     write_sweep(tube_folder(tmp_path), axes=AXES, store="moved")
     environment = hold_at(tmp_path, 2)
     with (tmp_path / "sitecustomize.py").open("a", encoding="utf-8") as file:
-        file.write("import SDFStentLib.cohort.executors as places\nplaces.SCHEDULER_SECONDS = 2\n")
+        file.write(SOON_LOST)
     cluster.start_worker()
     sweep = started(tmp_path, cluster.address, environment)
     wait_for(lambda: len(whole_cases(tmp_path)) == 2)
+    (tmp_path / "lost").touch()
     os.kill(cluster.scheduler.pid, signal.SIGKILL)
     _, error = sweep.communicate(timeout=PATIENCE)
     assert sweep.returncode == 4

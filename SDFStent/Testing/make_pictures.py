@@ -159,7 +159,7 @@ def main(folder):
     everything = vtk_to_numpy(vessel.GetPolyData().GetPoints().GetData())
     ui.vesselSelector.setCurrentNode(vessel)
     ui.centerlineSelector.setCurrentNode(centerline)
-    host.processUntil(lambda: not panel.lesions.isBusy, 60.0)
+    host.processUntil(lambda: not panel.lesions.isBusy)
     studio.look(everything, zoom=1.25)
     studio.take("tutorial-1-inputs.png", "inputs", "outputs")
 
@@ -197,7 +197,7 @@ def main(folder):
     ui.waistSpinBox.value = 5.5
     ui.proximalEndSpinBox.value = 8.0
     ui.flowLeastSpinBox.value, ui.flowMostSpinBox.value = 1.0, 2.0
-    host.processUntil(lambda: not panel.recoil.isBusy, 60.0)
+    host.processUntil(lambda: not panel.recoil.isBusy)
     host.click(ui.deployButton)
     settle(host, panel)
     studio.take("reference-device-shape.png", "device", "shape")

@@ -8,9 +8,9 @@ def theThroat():
     return branching_pulmonary_artery().throat.point
 
 
-def settle(host, panel, seconds=300.0):
+def settle(host, panel):
     """Let a panel run until nothing is under way or about to start."""
-    host.processUntil(lambda: not panel.session.isBusy, seconds)
+    host.processUntil(lambda: not panel.session.isBusy)
 
 
 def deploy(host, panel):

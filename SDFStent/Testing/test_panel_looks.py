@@ -89,7 +89,7 @@ def test_the_panel_fits_into_a_narrow_window(host, aStent):
     host.choose(aStent.ui.deviceComboBox, device)
     aStent.ui.deviceShorteningCheckBox.checked = False
     aStent.ui.balloonCheckBox.checked = True
-    host.processUntil(lambda: not aStent.recoil.isBusy, 60.0)
+    host.processUntil(lambda: not aStent.recoil.isBusy)
     aStent.ui.waistSpinBox.value, aStent.ui.proximalEndSpinBox.value = 1.5, 10.0
     host.click(aStent.ui.duplicatePlanButton)
     deploy(host, aStent)
@@ -112,6 +112,9 @@ def test_no_text_of_a_label_changes_the_width_of_the_panel(host, aStent):
     from PySide6 import QtWidgets
 
     openSections(aStent)
+    # What is found in the meantime would be shown, and laid out, between two texts.
+    host.processUntil(lambda: not (aStent.lesions.isBusy or aStent.recoil.isBusy))
+    settle(host, aStent)
     labels = [one for one in vars(aStent.ui).values() if isinstance(one, QtWidgets.QLabel)]
     labels = [one for one in labels if not (one.text.endswith(":") or one.text == "to")]
     assert {"statusLabel", "profileLabel", "lesionLabel"} <= {one.objectName for one in labels}

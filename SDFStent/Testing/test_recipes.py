@@ -41,7 +41,7 @@ def test_pictures_of_the_guide_exist():
 def test_the_pictures_can_be_made_again(tmp_path):
     script = ROOT / "SDFStent" / "Testing" / "make_pictures.py"
     done = subprocess.run(
-        [sys.executable, str(script), str(tmp_path)], capture_output=True, text=True, timeout=600
+        [sys.executable, str(script), str(tmp_path)], capture_output=True, text=True, timeout=3600
     )
     assert done.returncode == 0, done.stderr
     used = set(re.findall(r"\(images/([^)]+)\)", GUIDE))

@@ -174,7 +174,7 @@ class Host:
                 return
             self._sleep(round(1000 * left))
 
-    def processUntil(self, condition, seconds=300.0):
+    def processUntil(self, condition, seconds=1800.0):
         """Let Qt run until the condition holds; fails after `seconds`."""
         end = time.perf_counter() + seconds
         while not condition():
