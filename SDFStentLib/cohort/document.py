@@ -6,7 +6,7 @@ import os
 from collections.abc import Mapping
 from typing import Any
 
-from ..files import read_content
+from ..files import read_text
 from ..plan import (
     in_words,
     number,
@@ -40,10 +40,7 @@ def load_sweep(path: str | os.PathLike[str]) -> Sweep:
         does not belong there, with its place.
     """
     path = as_path(path)
-    try:
-        text = read_content(path, "a sweep in JSON").data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path}: expected a sweep in JSON, got no text in UTF-8.") from error
+    text = read_text(path, "a sweep in JSON")
     try:
         return sweep_from_document(parsed(text, "sweep"), os.path.dirname(os.path.abspath(path)))
     except InputError as error:

@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ..files import read_content
+from ..files import read_text
 from ..plan import (
     Plan,
     in_words,
@@ -36,8 +36,7 @@ def template_of(value: Any, folder: str) -> tuple[dict[str, Any], str]:
     if not isinstance(value, str):
         raise InputError(f"plan: expected a plan or the name of its file, got {in_words(value)}.")
     path = os.path.join(folder, value)
-    text = read_content(path, "a plan in JSON").data.decode("utf-8-sig", errors="replace")
-    found = parsed(text, path)
+    found = parsed(read_text(path, "a plan in JSON"), path)
     if not isinstance(found, Mapping):
         raise InputError(f"{path}: expected a plan, got {in_words(found)}.")
     return dict(found), os.path.dirname(path)

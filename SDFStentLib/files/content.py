@@ -53,6 +53,16 @@ def read_content(path: str | os.PathLike[str], wanted: str = "a mesh or a line")
     return FileContent(path, data, hashlib.sha256(data).hexdigest())
 
 
+def read_text(path: str | os.PathLike[str], wanted: str) -> str:
+    """The text of a file in UTF-8; `InputError` as of `read_content`, and for one that is none."""
+    try:
+        return read_content(path, wanted).data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError(
+            f"{path}: expected {wanted}, got no text in UTF-8; save it as that."
+        ) from error
+
+
 _BEGINNINGS = {
     b"# vtk DataFile": "a legacy VTK file (name it .vtk)",
     b"ply": "a PLY file (name it .ply)",

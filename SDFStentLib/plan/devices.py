@@ -9,7 +9,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from ..files import read_content
+from ..files import read_text
 from ..stent import Device
 from ..validation import InputError, as_path, in_short
 from .json_document import in_words, parsed, section, sequence
@@ -67,13 +67,7 @@ def _own_table() -> tuple[Device, ...]:
 
 
 def _table_of(path: Path) -> tuple[Device, ...]:
-    try:
-        text = read_content(path, "a device table in JSON").data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InputError(
-            f"{path}: expected a device table in JSON, got no text in UTF-8; save it as that."
-        ) from error
-    document = parsed(text, str(path))
+    document = parsed(read_text(path, "a device table in JSON"), str(path))
     try:
         return _rows_of(document)
     except InputError as error:

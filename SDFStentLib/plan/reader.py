@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..files import read_content
+from ..files import read_text
 from ..stent import AlongAxis, BetweenPoints, InputFile, OfStent, Placement, Stent
 from ..units import MILLIMETERS, Frame
 from ..validation import InputError, as_path
@@ -54,17 +54,8 @@ def load_plan(path: str | os.PathLike[str], *, accept_changed_inputs: bool = Fal
     from .axis import read_axis_file  # vtk, for plans that name a file only
 
     path = as_path(path)
-    if os.path.isfile(path) and os.path.getsize(path) == 0:
-        raise InputError(f"{path}: expected a plan in JSON, got an empty file; name another one.")
-    content = read_content(path)
     folder = os.path.dirname(os.path.abspath(path))
-    try:
-        text = content.data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InputError(
-            f"{path}: expected a plan in JSON, got no text in UTF-8; save it as that."
-        ) from error
-    document = parsed(text, str(path))
+    document = parsed(read_text(path, "a plan in JSON"), str(path))
 
     def read(file: InputFile, units: str, frame: Frame | None) -> AlongAxis:
         return read_axis_file(file, units, frame, accept_changed=accept_changed_inputs)

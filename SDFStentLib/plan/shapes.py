@@ -8,7 +8,7 @@ import os
 from dataclasses import asdict
 from typing import Any
 
-from ..files import read_content
+from ..files import read_text
 from ..stent import Shape
 from ..validation import InputError, as_path, in_short
 
@@ -26,12 +26,7 @@ def read_profile(path: str | os.PathLike[str]) -> tuple[tuple[float, float], ...
         A file that cannot be read, no such columns, or cells that are no numbers.
     """
     path = as_path(path)
-    try:
-        text = read_content(path, "rows of fraction,diameter").data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InputError(
-            f"{path}: expected rows of fraction,diameter, got no text; save it as text."
-        ) from error
+    text = read_text(path, "rows of fraction,diameter")
     try:
         # Whatever its lines end with.
         table = list(csv.reader(io.StringIO(text, newline=None)))
