@@ -54,10 +54,16 @@ def test_ways_leave_an_axis_as_each_of_them_does_by_itself(seed):
     found = list(LinesFromAxis(tree, axis, reach).leaving(distance, place, 5.0))
     # What does not come so near may be among them.
     found = [own for own in found if closest_points(own, place[None]).distances[0] < 5.0]
-    assert len(expected) > 1
-    assert len(found) == len(expected)
-    for own, line in zip(found, expected, strict=True):
-        np.testing.assert_allclose(own, line, rtol=0, atol=1e-12)
+    assert 1 <= len(found) < len(expected)
+    np.testing.assert_allclose(found[0], expected[0], rtol=0, atol=1e-12)
+    # Each is one of those expected, in their order; all others pass the place as one of them does.
+    left = iter(expected)
+    for own in found:
+        assert any(np.shape(own) == line.shape and np.allclose(own, line) for line in left)
+    passed = [closest_points(own, place[None]).points for own in found]
+    for line in expected:
+        nearest = closest_points(line, place[None]).points
+        assert min(np.abs(nearest - one).max() for one in passed) < 1e-12
 
 
 def test_ways_through_a_lumen_side_by_side_are_those_found_one_after_the_other():

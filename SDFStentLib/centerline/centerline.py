@@ -35,6 +35,7 @@ from .point_tree import (
     neighbor_table,
     points_between,
     resampled_tree,
+    run_starts,
     sums_to_root,
 )
 
@@ -157,7 +158,11 @@ class Centerline:
 
     def ancestry(self, index: int) -> Indices:
         """The points from the root down to `index`, both included."""
-        return ancestry_of(self.parent, index)
+        return ancestry_of(self.parent, index, self._run_starts)
+
+    @cached_property
+    def _run_starts(self) -> Indices:
+        return run_starts(self.parent)
 
     def project(self, point: ArrayLike) -> Location:
         """The nearest place on the centerline's segments.
@@ -224,7 +229,7 @@ class Centerline:
             The points lie on trees with different roots.
         """
         start, end = self._location(from_point), self._location(to_point)
-        nodes = points_between(self.parent, start.index, end.index)
+        nodes = points_between(self.ancestry(start.index), self.ancestry(end.index))
         if nodes is None:
             raise InputError(
                 "centerline path: expected two points of one vessel tree, got points on trees "

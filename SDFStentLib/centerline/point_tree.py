@@ -83,16 +83,19 @@ def sums_to_root(parent: Indices, values: Floats) -> Floats:
     return sums
 
 
-def ancestry_of(parent: Indices, index: int) -> Indices:
-    """The points from the root down to `index`, both included."""
+def run_starts(parent: Indices) -> Indices:
+    """The points (k,), ascending, that do not come right after their parents."""
+    return np.flatnonzero(np.r_[True, parent[1:] != np.arange(len(parent) - 1)])
+
+
+def ancestry_of(parent: Indices, index: int, starts: Indices | None = None) -> Indices:
+    """The points from the root down to `index`, both included; `run_starts` if known."""
     # Most points come right after their parents: such runs are taken as a whole.
-    begins = parent != np.arange(-1, len(parent) - 1)
-    begins[0] = True
-    firsts = np.flatnonzero(begins)
+    starts = run_starts(parent) if starts is None else starts
     runs, last = [], int(index)
     # Ends: parents are checked for circles.
     while last >= 0:
-        first = int(firsts[np.searchsorted(firsts, last, side="right") - 1])
+        first = int(starts[np.searchsorted(starts, last, side="right") - 1])
         runs.append(np.arange(first, last + 1))
         last = parent.item(first)
     return np.concatenate(runs[::-1])
@@ -133,13 +136,12 @@ def branches_of(parent: Indices) -> tuple[Indices, ...]:
     return tuple(found)
 
 
-def points_between(parent: Indices, start: int, end: int) -> Indices | None:
-    """The points passed on the way from a place above `start` to a place above `end`.
+def points_between(up: Indices, down: Indices) -> Indices | None:
+    """The points passed on the way from a place to another one, by the ancestries of both.
 
-    A place is on the segment from a point's parent to the point. Places on one segment have no
-    point between; None when the two have different roots.
+    A place is on the segment from a point's parent to the point, whose ancestry counts. Places on
+    one segment have no point between; None when the two have different roots.
     """
-    up, down = ancestry_of(parent, start), ancestry_of(parent, end)
     count = min(len(up), len(down))
     differs = np.flatnonzero(up[:count] != down[:count])
     shared = int(differs[0]) if len(differs) else count

@@ -79,7 +79,8 @@ class BranchWays:
         if self.centerline is None:
             return self._through(feet.points, ostia)
         reach = length(self.axis.points) + _OBLIQUE * float(feet.distances.max()) + MEASURED
-        lines = LinesFromAxis(self.centerline, self.axis.points, reach)
+        beside = _LEAVES * max(_size(ostium) for ostium in ostia)
+        lines = LinesFromAxis(self.centerline, self.axis.points, reach, beside)
         return [_past(ostium, lines) for ostium in ostia]
 
     def _through(self, feet: Points, ostia: Sequence[Ostium]) -> list[Points | None]:

@@ -151,12 +151,17 @@ def _shared(region: Mask, hit: Indices, parts: Indices) -> list[Mask]:
     """A region that leads to several parts of the surface, each cell to the nearest one."""
     if len(parts) == 1:
         return [region]
-    from scipy.ndimage import distance_transform_edt
+    from scipy.spatial import cKDTree
 
-    # Three turns side by side: the map is periodic.
-    turns = [distance_transform_edt(~np.tile(region & (hit == part), 3)) for part in parts]
-    nearest = np.argmin([turn[:, RAYS : 2 * RAYS] for turn in turns], axis=0)
-    return [region & (nearest == number) for number in range(len(parts))]
+    cells, away = np.argwhere(region), []
+    for part in parts:
+        row, ray = np.nonzero(region & (hit == part))
+        # Three turns side by side: the map is periodic.
+        turns = np.column_stack([np.tile(row, 3), np.r_[ray - RAYS, ray, ray + RAYS]])
+        away.append(cKDTree(turns).query(cells)[0])
+    nearest = np.full(region.shape, -1)
+    nearest[region] = np.argmin(away, axis=0)
+    return [nearest == number for number in range(len(parts))]
 
 
 def labels_round(mask: Mask) -> Indices:

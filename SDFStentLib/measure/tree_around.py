@@ -66,9 +66,13 @@ class LinesFromAxis:
         mm.
     reach : float
         How far from each end of the axis they go at least, mm.
+    beside : float, optional
+        No more is asked for as the distance up to which they do not leave the axis, mm.
     """
 
-    def __init__(self, tree: Centerline, axis: Points, reach: float) -> None:
+    def __init__(
+        self, tree: Centerline, axis: Points, reach: float, beside: float = np.inf
+    ) -> None:
         # Late: scipy costs what a first frame should not pay.
         from scipy.spatial import cKDTree
 
@@ -77,30 +81,41 @@ class LinesFromAxis:
         self._points = np.concatenate([tree.points, [stop.point for stop in stops]])
         # Distal ends first: of two that share a way the first one counts.
         order = sorted(ends, key=lambda node: (tree.parent[node] < 0, node))
+        up = [tree.ancestry(stop.index) for stop in stops]
+        down = {end: tree.ancestry(place_of(tree, end).index) for end in order}
         ways = []
-        for end, (number, stop) in product(order, enumerate(stops, start=len(tree.points))):
-            between = points_between(tree.parent, stop.index, place_of(tree, end).index)
+        for end, number in product(order, range(len(stops))):
+            between = points_between(up[number], down[end])
             if between is not None:
-                ways.append(np.r_[number, between, end])
+                ways.append(np.r_[len(tree.points) + number, between, end])
         counts = np.array([len(way) for way in ways])
         self._nodes, self._starts = np.concatenate(ways), np.cumsum(counts) - counts
         ahead = self._points.take(np.roll(self._nodes, -1), axis=0)
         step = norm(ahead - self._points.take(self._nodes, axis=0))
         step[self._starts - 1] = 0.0
         self._longest = float(step.max())
-        self._from_axis = cKDTree(resampled(axis, _FINE)).query(self._points)[0]
+        along = cKDTree(resampled(axis, _FINE))
+        self._from_axis = along.query(self._points, distance_upper_bound=beside)[0]
 
     def leaving(self, distance: float, place: Floats, near: float) -> Iterator[Points]:
-        """Those that may come near a place, each from where it leaves the axis for good, mm."""
+        """Those that may come near a place, each from where it leaves the axis for good, mm.
+
+        Of those that come along the same points there, the first one.
+        """
         rows = np.arange(len(self._nodes))
         beside = (self._from_axis < distance).take(self._nodes)
         last = np.maximum.reduceat(np.where(beside, rows, -1), self._starts)
         first = np.maximum(last, self._starts)
-        # No point of a line is farther from its nearest corner than half a step.
-        may = (norm(self._points - place) < near + self._longest / 2).take(self._nodes)
-        may &= rows >= np.repeat(first, np.diff(np.r_[self._starts, len(rows)]))
         ends = np.r_[self._starts[1:], len(rows)]
+        # Of a step that comes so near, both ends are no farther away.
+        may = (norm(self._points - place) < near + self._longest).take(self._nodes)
+        may &= rows >= np.repeat(first, ends - self._starts)
+        known = set()
         for line in np.flatnonzero(np.logical_or.reduceat(may, self._starts)):
-            own = without_repeats(self._points[self._nodes[first[line] : ends[line]]])
-            if len(own) > 1:
-                yield own
+            own = self._nodes[first[line] : ends[line]]
+            there = own[may[first[line] : ends[line]]].tobytes()
+            if there not in known:
+                known.add(there)
+                points = without_repeats(self._points[own])
+                if len(points) > 1:
+                    yield points
