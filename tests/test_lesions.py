@@ -227,7 +227,7 @@ def test_an_open_surface_has_the_lesions_of_the_closed_one():
     (closed,) = find_lesions(made.surface, made.centerline)
     (opened,) = find_lesions(Surface(made.points, wall), made.centerline)
     assert opened.percent_diameter == pytest.approx(closed.percent_diameter, abs=1e-6)
-    assert len(closed_surface(made.points, wall)[0]) == len(made.points) + 2
+    assert len(closed_surface(Surface(made.points, wall)).points) == len(made.points) + 2
 
 
 def without_caps(surface):

@@ -78,10 +78,10 @@ def named_branches(
 
     Arguments as of `branch_names`. A branch to several ends has one where all of them have.
     """
+    if faces is None or not faces.names:
+        return (None,) * len(centerline.branches)
     return tuple(
-        faces.branch_name(sorted(ids))
-        if faces is not None and ids and ids <= faces.names.keys()
-        else None
+        faces.branch_name(sorted(ids)) if ids and ids <= faces.names.keys() else None
         for ids in _leading_to(surface, centerline, faces)
     )
 

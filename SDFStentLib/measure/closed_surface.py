@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry import boundary_edges, component_labels
-from ..validation import Floats, Indices, Points, Triangles
+from ..geometry import Surface, boundary_edges, component_labels
+from ..validation import Floats, Indices, Points
 
 
 class Holes(NamedTuple):
@@ -23,18 +23,21 @@ class Holes(NamedTuple):
     """(h,) how far they are from it, at most, mm."""
 
 
-def closed_surface(points: Points, triangles: Triangles) -> tuple[Points, Triangles]:
+def closed_surface(surface: Surface) -> Surface:
     """The surface with a fan of triangles over every hole."""
-    holes = holes_of(points, triangles)
+    holes = holes_of(surface)
     if not len(holes.rim):
-        return points, triangles
-    fans = np.column_stack([holes.rim[:, ::-1], len(points) + holes.number])
-    return np.vstack([points, holes.middles]), np.vstack([triangles, fans])
+        return surface
+    fans = np.column_stack([holes.rim[:, ::-1], len(surface.points) + holes.number])
+    points = np.vstack([surface.points, holes.middles])
+    return Surface(points, np.vstack([surface.triangles, fans]))
 
 
-def holes_of(points: Points, triangles: Triangles) -> Holes:
+def holes_of(surface: Surface) -> Holes:
     """Where a surface is open."""
-    rim = boundary_edges(triangles)
+    points, known = surface.points, surface.known_topology
+    is_whole = known is not None and known.boundary_edge_count == 0
+    rim = np.empty((0, 2), np.int64) if is_whole else boundary_edges(surface.triangles)
     used, ends = np.unique(rim, return_inverse=True)
     ends = ends.reshape(-1, 2)
     label = component_labels(len(used), ends[:, 0], ends[:, 1])

@@ -200,7 +200,8 @@ def profile_of(
             surface, stations[part], centers, 2 * radii, measured.equivalent[part]
         )
     measured = measured._replace(equivalent=equivalent)
-    spheres = past_rounded_ends(points, np.delete(triangles, caps, axis=0), measured)
+    seen = np.delete(triangles, caps, axis=0) if len(caps) else triangles
+    spheres = past_rounded_ends(points, seen, measured)
 
     # A closed section round the station proves that it is inside; the few others are looked at.
     outside = np.flatnonzero(np.isnan(equivalent))

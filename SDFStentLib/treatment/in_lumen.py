@@ -30,9 +30,7 @@ class Lumen:
     @cached_property
     def closed(self) -> Surface:
         """The surface with its open ends closed."""
-        surface = self.surface
-        points, triangles = closed_surface(surface.points, surface.triangles)
-        return surface if triangles is surface.triangles else Surface(points, triangles)
+        return closed_surface(self.surface)
 
     @cached_property
     def _inside(self) -> ClosedSurface:

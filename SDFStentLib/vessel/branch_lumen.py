@@ -116,15 +116,15 @@ def _is_in_lumen(stations: Points, spheres: InscribedSpheres, surface: Surface) 
     A sphere at an open end looks out of it: what is so near to a hole is asked for by itself.
     """
     centers, radii = spheres
-    holes = holes_of(surface.points, surface.triangles)
+    holes = holes_of(surface)
     for middle, reach in zip(holes.middles, holes.radii, strict=True):
         radii = np.minimum(radii, np.linalg.norm(centers - middle, axis=1) - reach)
     holds = np.linalg.norm(stations - centers, axis=1) < radii
     holds_next = np.linalg.norm(stations[1:] - centers[:-1], axis=1) < radii[:-1]
     group = np.cumsum(np.r_[True, ~(holds[:-1] & holds_next)]) - 1
     first = np.searchsorted(group, np.arange(group[-1] + 1))
-    closed = closed_surface(surface.points, surface.triangles)
-    return np.asarray(is_inside(stations[first], *closed)[group])
+    closed = closed_surface(surface)
+    return np.asarray(is_inside(stations[first], closed.points, closed.triangles)[group])
 
 
 def _joined_nodes(centerline: Centerline) -> Indices:
