@@ -316,15 +316,6 @@ def test_a_stent_that_is_switched_off_is_skipped_and_named():
             Treatment(vessel.surface, stents, vessel.centerline)
 
 
-def test_a_stent_smaller_than_the_lumen_moves_nothing_and_says_so():
-    vessel = stenosed_tube()
-    stent = Stent(3.0, length=15, placement=AtCenter(vessel.throat.point))
-    result = Treatment(vessel.surface, [stent], vessel.centerline).result
-    assert len(result.indices) == 0
-    assert result.certificate.passed
-    assert any("Nothing moves: the stent of 3 mm" in str(text) for text in result.warnings)
-
-
 def test_a_stent_far_wider_than_the_vessel_or_away_from_it_is_refused():
     vessel = stenosed_tube()
     wide = Stent(60.0, length=15, placement=AtCenter(vessel.throat.point))

@@ -103,7 +103,7 @@ REFUSED = {
     "sweep listed.json --dry-run": f"axes.diameter[1]: {RANGE}1000",
     "sweep steps.json --dry-run": f"axes.diameter.from: {RANGE}-1000",
     f"{DEPLOY} --flow 1 1e308": FLOW,
-    f"{DEPLOY} --flow 1e308 1e308": "at most 10000 (mL/s), got 1e+308; give the least",
+    f"{DEPLOY} --flow 1e308 1e308": "at most 10000 (mL/s), got 1e+308; choose such a number",
     "run flow.json -o out": FLOW,
     f"demo -o {LONG}": "cannot be written (File name too long)",
     f"extract tube.vtp --units cm --centerline line.vtp --from 0 0 1 --to 0 0 3 -o {LONG}": (
