@@ -54,6 +54,11 @@ class DeploySession:
         """Whether something runs or is about to."""
         return self.isRunning or self._timer.isActive() or self._restTimer.isActive()
 
+    @property
+    def mayBeCancelled(self):
+        """Whether something runs, or begins by itself where nothing changes any more."""
+        return self.isRunning or self._restTimer.isActive()
+
     def isRenewing(self, standing):
         """Whether the results are being renewed, or will be without a click; `standing` is that of the parameter node."""
         if self.isRunning or self._restTimer.isActive():

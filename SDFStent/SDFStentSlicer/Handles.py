@@ -37,8 +37,6 @@ def createHandle(scene, label, points, className=POINTS):
         display.SetSelectedColor(*COLOR)
         display.SetPointLabelsVisibility(False)
         display.SetPropertiesLabelVisibility(False)
-        display.SetUseGlyphScale(False)
-        display.SetGlyphSize(2.5)
         display.SetSnapMode(display.SnapModeUnconstrained)  # not onto the wall in front of it
         display.SetOccludedVisibility(True)
         display.SetOccludedOpacity(0.7)

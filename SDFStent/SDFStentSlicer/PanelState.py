@@ -20,9 +20,9 @@ METHOD_SLIDERS = {
 class PanelState:
     """Brings the widgets into line with the parameters, the logic and the session."""
 
-    def __init__(self, ui, logic, session):
+    def __init__(self, ui, logic, session, height):
         self.ui = ui
-        self._logic, self._session = logic, session
+        self._logic, self._session, self._height = logic, session, height
         self._usualReach = {name: getattr(ui, name).maximum for name in METHOD_SLIDERS}
 
     def show(self, parameterNode):
@@ -77,7 +77,7 @@ class PanelState:
         self.ui.deployButton.toolTip = missing or _(
             "Expand the stents and show the stented vessel."
         )
-        self.ui.cancelButton.enabled = self._session.isBusy
+        self.ui.cancelButton.enabled = self._session.mayBeCancelled
         self.ui.progressBar.visible = isDeploying
         self.ui.resetButton.enabled = self.ui.expansionSlider.enabled = hasSteps and not running
         self.ui.stentEditor.enabled = count > 0
@@ -120,6 +120,7 @@ class PanelState:
         sentences = [standing.missing, parameterNode.status, changed if isOld else ""]
         self.ui.statusLabel.text = printable("\n".join(filter(None, sentences)))
         self.ui.statusLabel.visible = bool(self.ui.statusLabel.text)
+        self._height.fit()
 
 
 def _letReach(slider, usual, value):

@@ -17,6 +17,7 @@ from .GuiBinding import GuiBinding
 from .InputWatch import InputWatch
 from .LesionTable import LesionTable
 from .Logic import SDFStentLogic
+from .PanelHeight import PanelHeight
 from .PanelState import PanelState
 from .ParameterNode import CHOICE_LABELS
 from .PlanTable import PlanTable
@@ -55,7 +56,7 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
         uiWidget.setMRMLScene(slicer.mrmlScene)
         self.logic = self.logic or SDFStentLogic()
         self.session = DeploySession(self.logic, self._onStart, self._onProgress, self._onDone)
-        self._state = PanelState(self.ui, self.logic, self.session)
+        self._state = PanelState(self.ui, self.logic, self.session, PanelHeight(uiWidget))
         self.table = StentTable(self.ui, self._onSelectStent, self._onEnableStent)
         self.lesions = LesionTable(
             self.ui, self.logic.lesionSearch, self._onSelectLesion, self._prepare

@@ -2,6 +2,7 @@
 
 import slicer
 from panel_helpers import deploy, settle
+from sdfstent_host.module_panel import ModulePanel
 
 
 def test_the_progress_bar_is_there_while_a_deployment_runs(host, aStent, aStepAtATime):
@@ -291,3 +292,35 @@ def test_no_line_of_the_results_is_cut(host, aStent):
                 lambda: all(one.height >= one.heightForWidth(one.width) for one in labels), 60.0
             )
     area.takeWidget()
+
+
+def squeezed(ui):
+    """The names of what is visible and lower than it has to be."""
+    from PySide6 import QtWidgets
+
+    low = []
+    for name, widget in vars(ui).items():
+        if isinstance(widget, QtWidgets.QWidget) and widget.isVisible():
+            needed = widget.minimumSizeHint().height()
+            if isinstance(widget, QtWidgets.QLabel) and widget.wordWrap:
+                needed = widget.heightForWidth(widget.width)
+            if widget.height < needed:
+                low.append(name)
+    return low
+
+
+def test_no_text_squeezes_the_panel_on_a_later_visit(host, aStent):
+    shown = ModulePanel(host, aStent, 460, 800)
+    shown.visit()
+    shown.leave()
+    shown.visit()
+    aStent.ui.diameterSlider.value = 8.0
+    deploy(host, aStent)
+    host.processUntil(lambda: not squeezed(aStent.ui), 5.0)
+    host.choose(aStent.ui.placementComboBox, 4)
+    host.processUntil(lambda: not squeezed(aStent.ui), 5.0)
+    high = aStent.parent.height
+    aStent.ui.stentsCollapsibleButton.collapsed = True
+    host.processUntil(lambda: aStent.parent.height < high, 5.0)
+    assert not squeezed(aStent.ui)
+    shown.leave()

@@ -130,3 +130,16 @@ def test_nobody_is_told_to_click_a_button_that_cannot_be_clicked(host, aStent):
         "Add a stent, or switch one on.",
         "Changed since this deployment.",
     ]
+
+
+def test_nothing_can_be_cancelled_once_the_last_stent_is_gone(host, aStent):
+    aStent.ui.autoUpdateCheckBox.checked = True
+    settle(host, aStent)
+    host.click(aStent.ui.removeStentButton)
+    host.processUntil(lambda: not aStent.session.isBusy)
+    assert not aStent.ui.cancelButton.enabled
+
+
+def test_a_handle_is_as_large_in_the_view_of_a_large_tree_as_in_that_of_a_small_vessel(aStent):
+    display = aStent._parameterNode.stent.handle.GetDisplayNode()
+    assert display.GetUseGlyphScale()
