@@ -84,6 +84,8 @@ class Shortcut:
 
     def setContext(self, _context: Any) -> None: ...
 
+    def setEnabled(self, _isEnabled: bool) -> None: ...
+
     def connect(self, _signature: str, _function: Callable[[], Any]) -> None: ...
 
 
@@ -122,6 +124,8 @@ def install(application: Any) -> None:
         QUrl=types.SimpleNamespace(fromLocalFile=lambda path: path),
         QDesktopServices=types.SimpleNamespace(openUrl=lambda _path: None),  # the browser's
         QKeySequence=lambda key: key,
+        QCoreApplication=types.SimpleNamespace(sendPostedEvents=lambda _receiver, _kind: None),
+        QEvent=types.SimpleNamespace(LayoutRequest=76),
         Qt=types.SimpleNamespace(
             Checked=tables.CHECKED,
             Unchecked=tables.UNCHECKED,
@@ -131,6 +135,7 @@ def install(application: Any) -> None:
             ItemIsEnabled=32,
             Key_Delete=0,
             WidgetWithChildrenShortcut=0,
+            ApplicationShortcut=0,
         ),
     )
 
@@ -156,4 +161,7 @@ def _loaded(path: str) -> Any:
     top.setMRMLScene = lambda scene: [  # type: ignore[method-assign]
         panel.widgets[name].setMRMLScene(scene) for name in receivers
     ]
+    # The browser gives the page its height.
+    top.layout = lambda: types.SimpleNamespace(heightForWidth=lambda _width: 0)  # type: ignore[attr-defined]
+    top.width = 0  # type: ignore[attr-defined]
     return top

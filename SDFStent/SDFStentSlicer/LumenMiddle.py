@@ -7,6 +7,10 @@ from vtkmodules.vtkCommonDataModel import vtkGenericCell, vtkStaticCellLocator
 ROUNDS = 4
 """The line from the nearest wall through the last middle soon passes through the center of a round lumen."""
 
+LONGER = 1.5
+"""A line through the last middle that is so many times longer than the first one goes along the vessel: the wall nearest to a middle
+close to the vessel's end is the end."""
+
 BEYOND = 1e-4
 """A line begins so far behind the wall on which it begins, mm."""
 
@@ -29,11 +33,11 @@ def middleOn(polyData, ray):
     inward = [hit for hit, count in found if count % 2]
     if len(inward) != 1:
         return None
-    middle = (wall + inward[0]) / 2
+    middle, longest = (wall + inward[0]) / 2, LONGER * np.linalg.norm(inward[0] - wall)
     for _ in range(ROUNDS):
         wall, distance = _nearest(locator, middle)
         hit, count = _opposite(locator, wall, (middle - wall) / distance, reach)
-        if not count:
+        if not count or np.linalg.norm(hit - wall) > longest:
             break
         middle = (wall + hit) / 2
     return middle

@@ -2,6 +2,7 @@
 
 from typing import Any, NamedTuple
 
+import qt
 from vtkmodules.util.misc import calldata_type
 from vtkmodules.util.vtkConstants import VTK_INT
 
@@ -30,10 +31,18 @@ class Placing:
         self._clicks, self._placed, self._wasPersistent = [], 0, False
         # The view that has placed a point goes on with it once it has told everybody; there may be more clicks until then.
         self._timer = Clock.timer(self._take, 0)
+        self._escape = qt.QShortcut(qt.QKeySequence("Esc"), widget)
+        self._escape.setContext(qt.Qt.ApplicationShortcut)  # the mouse is in a view meanwhile
+        self._escape.setEnabled(False)
+        self._escape.connect("activated()", self._giveUp)
         widget.connect("activeMarkupsPlaceModeChanged(bool)", self._onMode)
+
+    def _giveUp(self):
+        self._widget.placeModeEnabled = False
 
     def _onMode(self, isPlacing):
         widget, node = self._widget, self._widget.currentNode()
+        self._escape.setEnabled(isPlacing)
         if isPlacing:
             self._node, self._view, self._clicks, self._placed = node, "", [], 0
             self._tags = [

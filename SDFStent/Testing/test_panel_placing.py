@@ -230,3 +230,30 @@ def test_place_that_is_given_up_leaves_everything_as_it_was(
     assert slicer.util.arrayFromMarkupsControlPoints(handle, world=True).tolist() == points
     assert handle.GetNumberOfDefinedControlPoints() == handle.GetNumberOfControlPoints()
     assert aStent.ui.statusLabel.text == told
+
+
+def test_escape_ends_place_wherever_the_focus_is(host, aStent, theView):  # noqa: F811
+    from PySide6 import QtCore, QtTest
+
+    handle, tree = aStent._parameterNode.stent.handle, treeOf(aStent)
+    points = slicer.util.arrayFromMarkupsControlPoints(handle, world=True).tolist()
+    aStent.parent.activateWindow()
+    place(host, aStent.ui.placeWidget)
+    theView.mouse("MouseMove", theView.pixel(wayTo(tree, tree.leaves[0])[3]))
+    aStent.ui.nameEdit.setFocus()
+    QtTest.QTest.keyClick(aStent.ui.nameEdit, QtCore.Qt.Key_Escape)
+    host.process()
+    assert not isPlacing()
+    assert slicer.util.arrayFromMarkupsControlPoints(handle, world=True).tolist() == points
+
+
+def test_the_middle_of_the_lumen_is_found_close_to_an_end_of_the_vessel(aStent):
+    from SDFStentSlicer.Dragging import Ray
+    from SDFStentSlicer.LumenMiddle import middleOn
+
+    tree, wall = treeOf(aStent), aStent._parameterNode.vessel.GetPolyData()
+    way = tree.points[tree.ancestry(tree.leaves[0])]
+    tree_length = tree.arc_length[tree.ancestry(tree.leaves[0])]
+    for point in way[(tree_length > 1.0) & (tree_length < tree.inscribed_radius[0])]:
+        found = middleOn(wall, Ray(point + [0.0, 100.0, 0.0], np.array([0.0, -1.0, 0.0])))
+        np.testing.assert_allclose(found, point, atol=0.3)
