@@ -252,8 +252,10 @@ def test_the_middle_of_the_lumen_is_found_close_to_an_end_of_the_vessel(aStent):
     from SDFStentSlicer.LumenMiddle import middleOn
 
     tree, wall = treeOf(aStent), aStent._parameterNode.vessel.GetPolyData()
-    way = tree.points[tree.ancestry(tree.leaves[0])]
-    tree_length = tree.arc_length[tree.ancestry(tree.leaves[0])]
-    for point in way[(tree_length > 1.0) & (tree_length < tree.inscribed_radius[0])]:
-        found = middleOn(wall, Ray(point + [0.0, 100.0, 0.0], np.array([0.0, -1.0, 0.0])))
+    chain, before = tree.ancestry(tree.leaves[0]), np.array([0.0, 100.0, 0.0])
+    at = tree.arc_length[chain]
+    close = tree.points[chain[(at > 1.0) & (at < tree.inscribed_radius[0])]]
+    assert len(close) > 2
+    for point in close:
+        found = middleOn(wall, Ray(point + before, -before / 100.0))
         np.testing.assert_allclose(found, point, atol=0.3)
