@@ -50,6 +50,8 @@ class BranchLumen(NamedTuple):
     diameter: Floats
     """(n,) inscribed diameter, mm; NaN where the centerline is outside of the lumen, and where the
     sphere may touch the cap of an in- or outlet."""
+    centers: Points
+    """(n, 3) of the spheres, mm; NaN where there is none."""
 
 
 def branch_lumens(surface: Surface, centerline: Centerline) -> tuple[BranchLumen, ...]:
@@ -76,8 +78,8 @@ def branch_lumens(surface: Surface, centerline: Centerline) -> tuple[BranchLumen
         )
     diameter[~is_in | ~(diameter > 0) | (END_REACH * spheres.radii > to_end)] = np.nan
     ends = np.cumsum([len(lumen.points) for lumen in lumens])[:-1]
-    pairs = zip(lumens, np.split(diameter, ends), strict=True)
-    return tuple(lumen._replace(diameter=values) for lumen, values in pairs)
+    columns = zip(lumens, np.split(diameter, ends), np.split(spheres.centers, ends), strict=True)
+    return tuple(lumen._replace(diameter=d, centers=c) for lumen, d, c in columns)
 
 
 def _unmeasured(centerline: Centerline) -> list[BranchLumen]:
@@ -91,7 +93,7 @@ def _unmeasured(centerline: Centerline) -> list[BranchLumen]:
         start, end = centerline.arc_length[branch[[0, -1]]]
         along = np.linspace(0.0, end - start, len(line))
         unknown = np.full(len(line), np.nan)
-        found.append(BranchLumen(number, nodes, float(start), line, along, unknown))
+        found.append(BranchLumen(number, nodes, float(start), line, along, unknown, line))
     return found
 
 

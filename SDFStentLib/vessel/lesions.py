@@ -6,6 +6,7 @@ A lesion is a property of the vessel. No stent takes part in what it measures.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -81,8 +82,9 @@ def find_lesions(
     named = named_branches(surface, centerline, checked_faces(faces, len(surface.triangles)))
     areas = _healthy_areas(surface, found)
     main = [_is_main(run, runs) for run in runs]
+    starts = centerline.arc_length[[branch[0] for branch in centerline.branches]]
     lesions = [
-        _begun(one, named, vessel_name(one.run, main[one.vessel]), *pair)
+        _begun(one, starts, named, vessel_name(one.run, main[one.vessel]), *pair)
         for one, pair in zip(found, areas, strict=True)
     ]
 
@@ -246,12 +248,16 @@ def _is_main(run: VesselRun, runs: Sequence[VesselRun]) -> bool:
 
 def _begun(
     found: _Found,
+    starts: Floats,
     named: Sequence[str | None],
     otherwise: str,
     proximal: HealthyPlace | None,
     distal: HealthyPlace | None,
 ) -> Lesion:
-    """A narrowing with its reference, and diameters along its line."""
+    """A narrowing with its reference, and diameters along its line.
+
+    Arc lengths become those of the centerline, on whose branches with `starts` (n,) it lies.
+    """
     run, narrow = found.run, found.narrow
     inner = (run.along > narrow.start) & (run.along < narrow.end)
     along = np.r_[narrow.start, run.along[inner], narrow.end]
@@ -260,13 +266,18 @@ def _begun(
     ends = np.interp([narrow.start, narrow.end], run.along[known], run.diameter[known])
     at = int(np.abs(run.along - narrow.narrowest).argmin())
     unknown = float("nan")
+    shift = float(starts[run.branch[at]] + run.branch_along[at] - run.along[at])
+    sides = [
+        None if side is None else replace(side, arc_length=side.arc_length + shift)
+        for side in (proximal, distal)
+    ]
     return Lesion(
         branch=int(run.branch[at]),
         branch_name=named[run.branch[at]] or otherwise,
         branch_arc_length=float(run.branch_along[at]),
-        arc_length=float(run.along[at]),
-        start=float(narrow.start),
-        end=float(narrow.end),
+        arc_length=float(run.along[at]) + shift,
+        start=float(narrow.start) + shift,
+        end=float(narrow.end) + shift,
         point=as_place(run.points[at]),
         minimum_diameter=unknown,
         reference_diameter=unknown,
@@ -274,9 +285,9 @@ def _begun(
         minimum_area=unknown,
         reference_area=unknown,
         percent_area=unknown,
-        proximal=proximal,
-        distal=distal,
-        reference=reference_words([proximal, distal]),
+        proximal=sides[0],
+        distal=sides[1],
+        reference=reference_words(sides),
         line=line,
         healthy=narrow.reference.at(along),
         diameters=np.r_[ends[0], run.diameter[inner], ends[1]],

@@ -61,6 +61,10 @@ HEALTHY_AGAIN = 0.78
 """Share of the other side's diameter from which a plateau between a lesion and the vessel's end at
 a junction is healthy; less is a throat of the lesion."""
 
+REGAINED = 0.5
+"""Share of what a narrowing lost that its vessel has regained where a plateau is healthy although
+a farther one is wider: healthy vessels widen, too. A valley between two throats has less."""
+
 
 class Plateau(NamedTuple):
     """Healthy vessel on one side of a narrowing."""
@@ -118,6 +122,8 @@ class _Sides(NamedTuple):
 
     along: Floats
     diameter: Floats
+    narrowest: Floats
+    """Its diameter where it is narrowest, mm."""
 
 
 def narrowings(run: VesselRun) -> list[Narrowing]:
@@ -173,12 +179,12 @@ def _sides(
     after = _nearest(along, diameter, plateaus, -1)
     own = before, after
     if run.parent >= 0:
-        before = _where_lost(own[0], own[1], own[1].diameter)
+        before = _where_lost(own[0], own[1], own[1].diameter, diameter)
     calibers = np.array([one.caliber for one in run.division])
     # A branch of which nothing is known leaves open what the others ask for.
     if len(calibers) and calibers.all():
         expected = float(np.sum(calibers**MURRAY_EXPONENT) ** (1 / MURRAY_EXPONENT))
-        after = _where_lost(own[1], own[0], np.fmin(expected, own[0].diameter))
+        after = _where_lost(own[1], own[0], np.fmin(expected, own[0].diameter), diameter)
     return before, after
 
 
@@ -188,14 +194,17 @@ def _nearest(along: Floats, diameter: Floats, plateaus: Floats, way: int) -> _Si
     width = np.where(np.isfinite(plateaus), plateaus, -np.inf)
     can_be = (distance >= 0) & (distance <= REFERENCE_REACH * width)
     widest = np.where(can_be, width, -np.inf).max(axis=1)
-    is_wide = can_be & (width >= NEARLY_WIDEST * widest[:, None])
+    half_way = diameter + REGAINED * (widest - diameter)
+    is_wide = can_be & (width >= np.fmin(NEARLY_WIDEST * widest, half_way)[:, None])
     nearest = np.where(is_wide, distance, np.inf).min(axis=1)
     # Its near end may be the foot of the narrowing: the widest place within its own length counts.
     found = np.isfinite(nearest)
-    is_wide[found] &= distance[found] <= (nearest[found] + PLATEAU * widest[found])[:, None]
-    nearest = np.where(is_wide, width, -np.inf).argmax(axis=1)
-    place = _typical(along, diameter, plateaus)[nearest]
-    return _Sides(np.where(found, along[place], np.nan), np.where(found, diameter[place], np.nan))
+    first = np.where(is_wide & (distance == nearest[:, None]), width, -np.inf).max(axis=1)
+    is_wide[found] &= distance[found] <= (nearest[found] + PLATEAU * first[found])[:, None]
+    chosen = np.where(is_wide, width, -np.inf).argmax(axis=1)
+    place = _typical(along, diameter, plateaus)[chosen]
+    columns = along[place], diameter[place], plateaus[chosen]
+    return _Sides(*(np.where(found, column, np.nan) for column in columns))
 
 
 def _typical(along: Floats, diameter: Floats, plateaus: Floats) -> Indices:
@@ -216,11 +225,16 @@ def _medians(diameter: Floats, chosen: Flags) -> Floats:
     return np.asarray(values[np.arange(len(chosen)), np.maximum(chosen.sum(axis=1) - 1, 0) // 2])
 
 
-def _where_lost(own: _Sides, other: _Sides, wanted: Floats) -> _Sides:
+def _where_lost(own: _Sides, other: _Sides, wanted: Floats, diameter: Floats) -> _Sides:
     """The side of an end at a junction: as wide as wanted, where no place there is healthy."""
-    is_lost = ~(own.diameter >= HEALTHY_AGAIN * np.fmin(wanted, other.diameter))
-    is_lost &= np.isfinite(wanted)
-    return _Sides(np.where(is_lost, np.nan, own.along), np.where(is_lost, wanted, own.diameter))
+    healthy = np.fmin(wanted, other.diameter)
+    half_way = diameter + REGAINED * (healthy - diameter)
+    is_healthy = (own.diameter >= HEALTHY_AGAIN * healthy) | (own.narrowest >= half_way)
+    is_lost = ~is_healthy & np.isfinite(wanted)
+    return own._replace(
+        along=np.where(is_lost, np.nan, own.along),
+        diameter=np.where(is_lost, wanted, own.diameter),
+    )
 
 
 def _degrees(
@@ -240,8 +254,8 @@ def _degrees(
     has_short = [(widest >= (1 - EDGE_DEGREE) * line) & (widest <= FLARE * line) for widest in ends]
     is_one_sided = np.isnan(before.along) & ~has_short[0] | np.isnan(after.along) & ~has_short[1]
     enough = np.where(is_one_sided, SMALLEST_ONE_SIDED, SMALLEST_DEGREE)
-    healthy = along[degree <= EDGE_DEGREE]
-    away = np.abs(along[:, None] - healthy).min(axis=1, initial=np.inf)
+    is_healthy = diameter >= (1 - EDGE_DEGREE) * line[:, None]
+    away = np.where(is_healthy, np.abs(along[:, None] - along), np.inf).min(axis=1)
     is_told = ~is_one_sided | (away <= ONE_SIDED_REACH * line)
     return degree, is_told & (degree >= enough) & (recovery >= SMALLEST_RECOVERY)
 

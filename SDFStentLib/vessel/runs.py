@@ -14,6 +14,7 @@ import numpy as np
 
 from ..validation import Flags, Floats, Indices, Points
 from .branch_lumen import BranchLumen
+from .stretches import Stretch, stretches
 
 MURRAY_EXPONENT = 7 / 3
 """Healthy diameters at a junction: D^(7/3) of the trunk is the sum of those of its branches, for
@@ -75,7 +76,7 @@ class VesselRun(NamedTuple):
 
 def vessel_runs(lumens: Sequence[BranchLumen]) -> list[VesselRun]:
     """The vessels of a tree, every branch in one of them, parents before what leaves them."""
-    tree = _Tree(lumens)
+    tree = _Tree(stretches(lumens))
     found: list[VesselRun] = []
     waiting = [(number, -1) for number in tree.roots]
     # Ends: every branch waits once at most.
@@ -88,16 +89,14 @@ def vessel_runs(lumens: Sequence[BranchLumen]) -> list[VesselRun]:
 
 
 class _Tree:
-    """Branches with their children, own diameters and calibers."""
+    """Stretches of lumen with their children, own diameters and calibers."""
 
-    def __init__(self, lumens: Sequence[BranchLumen]) -> None:
+    def __init__(self, lumens: Sequence[Stretch]) -> None:
         self.lumens = lumens
-        starting: dict[int, list[int]] = {}
+        self.children: list[list[int]] = [[] for _ in lumens]
+        self.roots: list[int] = []
         for number, lumen in enumerate(lumens):
-            starting.setdefault(lumen.nodes[0], []).append(number)
-        self.children = [starting.get(lumen.nodes[1], []) for lumen in lumens]
-        below = {child for children in self.children for child in children}
-        self.roots = [number for number in range(len(lumens)) if number not in below]
+            (self.roots if lumen.above < 0 else self.children[lumen.above]).append(number)
         self.own = [np.isfinite(lumen.diameter) for lumen in lumens]
         self._part()
         self.calibers, self.outlets = self._calibers(), self._outlets()
@@ -112,7 +111,7 @@ class _Tree:
     def _calibers(self) -> Floats:
         calibers = np.zeros(len(self.lumens))
         # Those farther from the root are known before those above.
-        for number in sorted(range(len(self.lumens)), key=lambda n: -self.lumens[n].start):
+        for number in reversed(range(len(self.lumens))):
             own = self.lumens[number].diameter[self.own[number]]
             usual = float(np.quantile(own, _USUAL)) if len(own) else 0.0
             calibers[number] = max([usual, *calibers[self.children[number]]])
@@ -120,7 +119,7 @@ class _Tree:
 
     def _outlets(self) -> list[int]:
         counts = [0] * len(self.lumens)
-        for number in sorted(range(len(self.lumens)), key=lambda n: -self.lumens[n].start):
+        for number in reversed(range(len(self.lumens))):
             counts[number] = sum(counts[child] for child in self.children[number]) or 1
         return counts
 
@@ -149,7 +148,7 @@ class _Tree:
         diameter = np.concatenate(
             [np.where(self.own[n], self.lumens[n].diameter, np.nan) for n in chain]
         )
-        along = np.concatenate([lumen.start + lumen.along for lumen in lumens])
+        along = np.concatenate([lumen.along for lumen in lumens])
         distance = along[-1] - along
         near = diameter[(distance <= LOCAL * diameter) & np.isfinite(diameter)]
         return float(np.quantile(near, _USUAL)) if len(near) else float(self.calibers[chain[-1]])
@@ -161,14 +160,18 @@ class _Tree:
         node = before.points[-1]
         ways = [
             node - before.points[int(np.searchsorted(before.along, before.along[-1] - reach))],
-            after.points[min(int(np.searchsorted(after.along, reach)), len(after.along) - 1)]
-            - node,
+            _point_after(after, reach) - node,
         ]
         lengths = [float(np.linalg.norm(way)) for way in ways]
         return float(ways[0] @ ways[1]) / max(lengths[0] * lengths[1], 1e-300)
 
 
-def _is_inside(lumen: BranchLumen, other: BranchLumen) -> Flags:
+def _point_after(lumen: Stretch, reach: float) -> Floats:
+    at = int(np.searchsorted(lumen.along, lumen.along[0] + reach))
+    return np.asarray(lumen.points[min(at, len(lumen.along) - 1)])
+
+
+def _is_inside(lumen: Stretch, other: Stretch) -> Flags:
     """Which stations (n,) of a branch lie in the lumen of another that meets it at its start."""
     node, radius = lumen.points[0], other.diameter / 2
     away = np.linalg.norm(other.points - node, axis=1)
@@ -178,7 +181,7 @@ def _is_inside(lumen: BranchLumen, other: BranchLumen) -> Flags:
         return found
     reach = _JUNCTION * radius[known][np.argmin(away[known])]
     wall = known & (away <= reach)
-    near = np.flatnonzero(lumen.along <= reach)
+    near = np.flatnonzero(lumen.along - lumen.along[0] <= reach)
     between = np.linalg.norm(lumen.points[near, None] - other.points[None, wall], axis=2)
     found[near] = (between < radius[wall]).any(axis=1)
     return found
@@ -195,19 +198,18 @@ def _run(tree: _Tree, first: int, parent: int, generation: int) -> tuple[VesselR
         chain.append(onward)
     division = tree.children[chain[-1]]
     lumens = [tree.lumens[number] for number in chain]
-    along = np.concatenate([lumen.start + lumen.along for lumen in lumens])
+    along = np.concatenate([lumen.along for lumen in lumens])
     # Where two branches join, the junction's own station is there twice.
     kept = np.r_[True, np.diff(along) > 0]
     diameter = np.concatenate([lumen.diameter for lumen in lumens])
     if parent >= 0:
-        is_own = tree.own[first]
-        diameter[: int(np.argmax(is_own)) if is_own.any() else len(is_own)] = np.nan
+        diameter[: _ostium(lumens[0], tree.own[first])] = np.nan
     run = VesselRun(
         np.concatenate([lumen.points for lumen in lumens])[kept],
         along[kept],
         diameter[kept],
-        np.concatenate([np.full(len(lumen.along), lumen.branch) for lumen in lumens])[kept],
-        np.concatenate([lumen.along for lumen in lumens])[kept],
+        np.concatenate([lumen.branch for lumen in lumens])[kept],
+        np.concatenate([lumen.branch_along for lumen in lumens])[kept],
         tuple(sides),
         tuple(_side_branch(tree, number) for number in division),
         parent,
@@ -218,6 +220,19 @@ def _run(tree: _Tree, first: int, parent: int, generation: int) -> tuple[VesselR
     return run, leaving + division
 
 
+def _ostium(lumen: Stretch, is_own: Flags) -> int:
+    """At which station a vessel leaves its parent, whose lumen is wide.
+
+    A throat at the ostium may lie within the parent's sphere, and is this vessel's all the same.
+    """
+    if not is_own.any():
+        return len(is_own)
+    first = int(np.argmax(is_own))
+    before = np.where(np.isfinite(lumen.diameter[:first]), lumen.diameter[:first], np.inf)
+    narrowest = int(np.argmin(before)) if first else 0
+    return narrowest if first and before[narrowest] < lumen.diameter[first] else first
+
+
 def _side_branch(tree: _Tree, number: int) -> SideBranch:
     lumen = tree.lumens[number]
-    return SideBranch(lumen.start, float(tree.calibers[number]), lumen.branch)
+    return SideBranch(float(lumen.along[0]), float(tree.calibers[number]), int(lumen.branch[-1]))

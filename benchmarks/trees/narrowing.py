@@ -103,7 +103,11 @@ def _depth(radius: float, random: np.random.Generator) -> float:
 
 
 def _ostial(tree: Tree, vessel: np.ndarray, random: np.random.Generator) -> Narrowing | None:
-    """Deepest where the branch leaves its parent's lumen; healthy only distally."""
+    """Deepest where the branch leaves its parent's lumen; healthy only distally.
+
+    There it has one caliber. On a slope every place is a different reference, and no operator
+    could tell which one was meant.
+    """
     fork = int(vessel[0])
     if fork == 0 or _is_widest(tree, fork, int(vessel[1])):
         return None
@@ -117,7 +121,7 @@ def _ostial(tree: Tree, vessel: np.ndarray, random: np.random.Generator) -> Narr
     if throat + length + pad > along[-1]:
         return None
     beyond = (along >= throat + length) & (along <= throat + length + pad)
-    if not _is_even(tree, vessel, along, (throat + length, throat + length + pad)):
+    if not _is_even(tree, vessel, along, (throat + length, throat + length + pad), slope=0):
         return None
     depth = _depth(float(np.median(radius[beyond])), random)
     share = np.clip((along - throat) / length, 0, 1)
@@ -191,13 +195,17 @@ def _bump(share: np.ndarray, flat: float) -> np.ndarray:
 
 
 def _is_even(
-    tree: Tree, vessel: np.ndarray, along: np.ndarray, window: tuple[float, float]
+    tree: Tree,
+    vessel: np.ndarray,
+    along: np.ndarray,
+    window: tuple[float, float],
+    slope: int = 1,
 ) -> bool:
-    """Whether a part of a vessel is of one caliber or tapers evenly; its branches are small."""
+    """Whether a part of a vessel tapers evenly, or is of one caliber; its branches are small."""
     begin, end = window
     inner = (along >= begin) & (along <= end)
     radius = tree.radius[vessel]
-    line = np.polynomial.Polynomial.fit(along[inner], radius[inner], 1)(along[inner])
+    line = np.polynomial.Polynomial.fit(along[inner], radius[inner], slope)(along[inner])
     if np.abs(radius[inner] / line - 1).max() > _UNEVEN:
         return False
     return all(_goes_on(tree, n) for n in vessel[inner].tolist() if len(tree.children[n]) > 1)

@@ -1,0 +1,181 @@
+"""Stretches of lumen between the places where lumens part, whatever lines run through them.
+
+Lines of a file may part long before their vessels do: then several run through one lumen. So the
+longest line from a root comes first, and of every further one only what lies beyond those of its
+spheres that are where spheres of lines before it are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ..geometry import dot, tangents
+from ..validation import Floats, Indices, Points
+from .branch_lumen import BranchLumen
+
+SAME_LUMEN = 0.5
+"""Radii of a sphere from its center, across its vessel, within which a sphere of the same lumen has
+its own: those of two vessels draw apart where one lumen becomes two."""
+
+_BESIDE = 0.6
+"""Distances of stations along a lumen within which one of another line lies beside one of it."""
+
+_DRIFT = 0.15
+"""Share of the way from where two lines parted by which one may be longer than the other: in bends,
+and where it wanders from side to side."""
+
+_AT_ONCE = 16
+"""Stations of a line that are looked at together: most lines part within a few."""
+
+
+class Stretch(NamedTuple):
+    """Stations along a lumen from a root, or from where it parts from another, to where it divides.
+
+    The first one lies in the lumen above, where there is one.
+    """
+
+    points: Points
+    """(n, 3) on the centerline, mm."""
+    along: Floats
+    """(n,) arc length from the root, mm; of lines in one lumen that of the first counts."""
+    diameter: Floats
+    """(n,) inscribed, mm; NaN where it is not known."""
+    branch: Indices
+    """(n,) index into `Centerline.branches`."""
+    branch_along: Floats
+    """(n,) arc length from the start of that branch, mm."""
+    above: int
+    """The stretch at whose end it begins; -1 at a root."""
+
+
+def stretches(lumens: Sequence[BranchLumen]) -> list[Stretch]:
+    """The stretches of a tree, every one after the one above it."""
+    firsts = np.cumsum([0, *(len(lumen.along) for lumen in lumens)]).tolist()
+    joined = _Joined(lumens)
+    # By node of the centerline the station there of a line that has been added.
+    at_node: dict[int, int] = {}
+    for chain in _chains(lumens):
+        start = at_node.setdefault(lumens[chain[0]].nodes[0], firsts[chain[0]])
+        line = [start]
+        for number in chain:
+            # The station at a junction is there once for every branch.
+            line += range(firsts[number] + 1, firsts[number + 1])
+            at_node[lumens[number].nodes[1]] = line[-1]
+        joined.add(line)
+    return joined.stretches()
+
+
+def _chains(lumens: Sequence[BranchLumen]) -> Iterator[list[int]]:
+    """Branches from a root or a fork to an end, longest ways first; each branch once."""
+    ending = {lumen.nodes[1]: number for number, lumen in enumerate(lumens)}
+    starting = {lumen.nodes[0] for lumen in lumens}
+    leaves = [number for number, lumen in enumerate(lumens) if lumen.nodes[1] not in starting]
+    taken: set[int] = set()
+    for leaf in sorted(leaves, key=lambda n: -(lumens[n].start + lumens[n].along[-1])):
+        chain = [leaf]
+        taken.add(leaf)
+        # Ends: at a root, or at a branch of a chain before.
+        while (above := ending.get(lumens[chain[-1]].nodes[0])) is not None and above not in taken:
+            chain.append(above)
+            taken.add(above)
+        yield chain[::-1]
+
+
+class _Joined:
+    """Stations of lines that have been added; those in the lumen of lines before stand for none."""
+
+    def __init__(self, lumens: Sequence[BranchLumen]) -> None:
+        self._columns = (
+            np.concatenate([lumen.points for lumen in lumens]),
+            np.concatenate([lumen.start + lumen.along for lumen in lumens]),
+            np.concatenate([lumen.diameter for lumen in lumens]),
+            np.concatenate([np.full(len(lumen.along), lumen.branch) for lumen in lumens]),
+            np.concatenate([lumen.along for lumen in lumens]),
+        )
+        self._centers = np.concatenate([lumen.centers for lumen in lumens])
+        self._ways = np.concatenate([tangents(lumen.points) for lumen in lumens])
+        self._radii = self._columns[2] / 2
+        self._spacings = np.concatenate(
+            [np.full(len(lumen.along), lumen.along[1] - lumen.along[0]) for lumen in lumens]
+        )
+        count = len(self._radii)
+        self._is_kept = np.zeros(count, dtype=bool)
+        self._stands = np.arange(count)
+        self._above = np.full(count, -1)
+        # Of the first station that a line has for itself: that of the line before it.
+        self._before = np.full(count, -1)
+
+    def add(self, line: Sequence[int]) -> None:
+        """A line from a root, or from a station of a line before, to an end."""
+        first = 0
+        if self._is_kept[self._stands[line[0]]]:
+            first = self._leave(line)
+        own = line[first:]
+        self._is_kept[own] = True
+        self._above[own[1:]] = own[:-1]
+        if first and own:
+            self._above[own[0]] = self._stands[line[first - 1]]
+            self._before[own[0]] = line[first - 1]
+
+    def _leave(self, line: Sequence[int]) -> int:
+        """Number of stations with which a line runs in the lumen of lines before."""
+        kept = np.flatnonzero(self._is_kept & np.isfinite(self._radii))
+        along = self._columns[1]
+        last = 0
+        for begin in range(1, len(line), _AT_ONCE):
+            some = np.array(line[begin : begin + _AT_ONCE])
+            same = self._in_lumens(some, kept)
+            both = along[some] - along[line[0]], along[same] - along[self._stands[line[0]]]
+            drift = np.maximum(self._spacings[same], self._spacings[some]) + _DRIFT * both[0]
+            same = np.where(np.abs(both[0] - both[1]) <= drift, same, -1)
+            for number, one in enumerate(some.tolist(), start=begin):
+                if same[number - begin] >= 0:
+                    self._stands[line[last + 1 : number + 1]] = same[number - begin]
+                    last = number
+                elif along[one] - along[line[last]] > self._radii[one]:
+                    # Where nothing is known, as at an inlet, the line may still be in that lumen.
+                    return last + 1
+        return last + 1
+
+    def _in_lumens(self, some: Indices, kept: Indices) -> Indices:
+        """Which of the kept stations is in the same lumen as each (k,) of some; -1 for none."""
+        away = self._centers[some][:, None] - self._centers[kept]
+        distance = np.linalg.norm(away, axis=2)
+        found = kept[np.where(np.isfinite(distance), distance, np.inf).argmin(axis=1)]
+        offset, ways = self._centers[some] - self._centers[found], self._ways[found]
+        ahead = dot(offset, ways)
+        across = np.linalg.norm(offset - ahead[:, None] * ways, axis=1)
+        is_same = np.abs(ahead) <= _BESIDE * self._spacings[found]
+        is_same &= across <= SAME_LUMEN * self._radii[found]
+        return np.where(is_same, found, -1)
+
+    def stretches(self) -> list[Stretch]:
+        """The stretches between the stations at which more than one line goes on."""
+        below: dict[int, list[int]] = {}
+        for station in np.flatnonzero(self._is_kept).tolist():
+            below.setdefault(int(self._above[station]), []).append(station)
+        found: list[Stretch] = []
+        waiting = [([station], -1) for station in below.get(-1, [])]
+        # Ends: every station is in one stretch, but for the first of those that go on.
+        while waiting:
+            which, above = waiting.pop(0)
+            # Ends: at the end of a line at the latest.
+            while len(onward := below.get(which[-1], [])) == 1:
+                which += onward
+            waiting += [([self._first_of(one), one], len(found)) for one in onward]
+            found.append(self._stretch(which, found, above))
+        return found
+
+    def _stretch(self, which: Sequence[int], found: Sequence[Stretch], above: int) -> Stretch:
+        points, along, diameter, branch, branch_along = (c[which] for c in self._columns)
+        if above >= 0:
+            along = along + (found[above].along[-1] - along[0])
+        return Stretch(points, along, diameter, branch, branch_along, above)
+
+    def _first_of(self, station: int) -> int:
+        """What comes before the first station of a stretch on its own line."""
+        before = int(self._before[station])
+        return before if before >= 0 else int(self._above[station])

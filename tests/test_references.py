@@ -1,0 +1,74 @@
+"""Against what a narrowing is measured: the nearest healthy vessel, and no throat or valley."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from SDFStentLib.vessel.narrowings import narrowings
+from SDFStentLib.vessel.runs import VesselRun, _ostium
+from SDFStentLib.vessel.stretches import Stretch
+
+SPACING = 0.5
+
+
+def vessel_along(diameter, parent=-1) -> VesselRun:
+    """A vessel along z."""
+    along = SPACING * np.arange(len(diameter))
+    columns = np.outer(along, [0.0, 0, 1]), along, diameter, np.zeros(len(along), dtype=np.int64)
+    return VesselRun(*columns, along, (), (), parent, parent + 1, 5.0, 1)
+
+
+def through(*places):
+    """Diameters on smooth steps through (arc length, diameter)."""
+    at, wide = np.array(places, dtype=float).T
+    along = np.arange(0.0, at[-1] + SPACING / 2, SPACING)
+    piece = np.clip(np.searchsorted(at, along, side="right") - 1, 0, len(at) - 2)
+    share = (along - at[piece]) / (at[piece + 1] - at[piece])
+    return wide[piece] + (wide[piece + 1] - wide[piece]) * share**2 * (3 - 2 * share)
+
+
+def reference_of(diameter, parent=-1) -> float:
+    (one,) = narrowings(vessel_along(diameter, parent))
+    return float(one.reference.at(np.array([one.narrowest]))[0])
+
+
+def test_a_vessel_that_widens_far_beyond_its_ostial_narrowing_is_measured_beside_it():
+    """It was told against the 5.2 mm of its widest part: 65 % instead of 50 %."""
+    widening = through((0, 1.8), (4, 3.6), (8, 3.6), (11, 5.2), (40, 5.2))
+    assert reference_of(widening, parent=0) == pytest.approx(3.6, abs=0.1)
+
+
+def test_both_sides_of_a_narrowing_count_where_one_goes_on_wider():
+    """Healthy vessel of 3.7 mm beside it passed for a throat of the wider one."""
+    widening = through((0, 3.7), (8, 3.7), (12, 2.0), (16, 4.0), (22, 4.2), (32, 5.5), (50, 5.5))
+    assert reference_of(widening, parent=0) == pytest.approx(3.9, abs=0.3)
+
+
+def test_a_valley_between_two_throats_is_no_healthy_vessel():
+    valley = through((0, 5), (15, 5), (20, 2), (23, 3), (28, 3), (31, 2), (36, 5), (60, 5))
+    assert reference_of(valley) == pytest.approx(5.0, abs=0.1)
+    (one,) = narrowings(vessel_along(valley))
+    assert one.start < 18
+    assert one.end > 33
+
+
+@pytest.mark.parametrize(
+    ("diameter", "is_own", "first"),
+    [
+        # The lumen of the parent goes over into that of the branch.
+        ([6.0, 5.5, 4.5, 4.0, 4.0], [0, 0, 0, 1, 1], 3),
+        # Its throat lies where the parent's sphere still reaches.
+        ([6.0, 5.5, 1.2, 2.0, 4.0], [0, 0, 0, 1, 1], 2),
+        ([6.0, np.nan, 4.0], [0, 0, 1], 2),
+        ([6.0, 5.0], [0, 0], 2),
+        ([4.0, 4.0], [1, 1], 0),
+    ],
+)
+def test_a_vessel_begins_at_its_throat_though_that_lies_in_the_sphere_of_its_parent(
+    diameter, is_own, first
+):
+    count = len(diameter)
+    zeros = np.zeros(count, dtype=np.int64)
+    one = Stretch(np.zeros((count, 3)), np.arange(count), np.array(diameter), zeros, zeros, 0)
+    assert _ostium(one, np.array(is_own, dtype=bool)) == first

@@ -1,0 +1,72 @@
+"""Lines that run through one lumen are one vessel, however early the file parts them."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from lesion_cases import bifurcation_case
+
+from SDFStentLib.centerline.centerline import Centerline
+from SDFStentLib.vessel.branch_lumen import branch_lumens
+from SDFStentLib.vessel.lesions import find_lesions
+from SDFStentLib.vessel.runs import vessel_runs
+from SDFStentLib.vessel.stretches import stretches
+
+
+@pytest.fixture(scope="module")
+def divided():
+    """A trunk that divides, without a lesion."""
+    return bifurcation_case(22, None, fineness=0.4)
+
+
+def parted(centerline: Centerline, shares: tuple[float, float]) -> Centerline:
+    """A line to each outlet, moved aside by so much of the radius from a little after the inlet."""
+    ways = [centerline.ancestry(int(leaf)) for leaf in centerline.leaves]
+    if ways[0][0] != centerline.roots[0]:
+        ways = [way[::-1] for way in ways]
+    pieces = []
+    for way, share in zip(ways, shares, strict=True):
+        aside = share * centerline.inscribed_radius[way]
+        aside *= np.clip(centerline.arc_length[way] / 10.0, 0, 1)
+        pieces.append(centerline.points[way] + aside[:, None] * np.array([0.0, 1.0, 0.0]))
+    ends = np.cumsum([0, *map(len, pieces)])
+    lines = [np.arange(first, last) for first, last in pairwise(ends)]
+    return Centerline.from_lines(np.concatenate(pieces), lines)
+
+
+@pytest.mark.parametrize("shares", [(0.15, -0.15), (0.3, 0.0)])
+def test_lines_that_part_far_above_the_division_part_where_the_lumens_do(divided, shares):
+    known = stretches(branch_lumens(divided.surface, divided.centerline))
+    early = parted(divided.centerline, shares)
+    lumens = branch_lumens(divided.surface, early)
+    trunk, *branches = stretches(lumens)
+    assert len(known) == 3
+    assert [one.above for one in branches] == [0, 0]
+    # The file's lines part before half of the trunk is over.
+    assert min(lumen.start for lumen in lumens if lumen.start > 0) < 0.5 * known[0].along[-1]
+    radius = np.nanmedian(known[0].diameter) / 2
+    assert trunk.along[-1] == pytest.approx(known[0].along[-1], abs=1.5 * radius)
+    for one in branches:
+        assert one.along[0] == trunk.along[-1]
+        assert (np.diff(one.along) > 0).all()
+
+
+def test_what_is_told_does_not_depend_on_where_lines_part():
+    case = bifurcation_case(22, "ostium", fineness=0.4)
+    (known,) = find_lesions(case.surface, case.centerline)
+    (found,) = find_lesions(case.surface, parted(case.centerline, (0.15, -0.15)))
+    assert found.percent_diameter == pytest.approx(known.percent_diameter, abs=1.0)
+    assert np.linalg.norm(np.subtract(found.point, known.point)) < 0.1 * known.length
+
+
+def test_vessels_are_those_of_lines_that_part_where_the_lumens_do(divided):
+    early = parted(divided.centerline, (0.15, -0.15))
+    known, found = (
+        vessel_runs(branch_lumens(divided.surface, line)) for line in (divided.centerline, early)
+    )
+    assert [run.outlets for run in found] == [run.outlets for run in known]
+    assert [run.parent for run in found] == [run.parent for run in known]
+    calibers = [run.caliber for run in found]
+    assert calibers == pytest.approx([run.caliber for run in known], rel=0.02)
