@@ -189,6 +189,10 @@ def _with_section(lesion: Lesion, along: Floats, areas: Floats) -> Lesion:
         unknown = float("nan")
         return replace(lesion, minimum_area=unknown, reference_area=unknown, percent_area=unknown)
     smallest = _tightest(areas, wanted)
+    circle = np.pi / 4 * lesion.minimum_diameter**2
+    if not areas[smallest] <= OWN_SECTION**2 * circle:
+        # No section at the throat is this vessel's alone, as where a branch leaves there.
+        return replace(lesion, minimum_area=unknown, reference_area=unknown, percent_area=unknown)
     return replace(
         lesion,
         minimum_area=float(areas[smallest]),

@@ -34,7 +34,8 @@ _ASLANT = 2.0
 """An axis that goes aslant meets the section within so many radii of its middle."""
 
 _SECTIONS = 5
-"""Sections along healthy vessel, of whose areas the median is taken."""
+"""Sections along healthy vessel, of whose areas the smallest is taken: branches that leave, and
+lines that go aslant, only make them larger."""
 
 SMALL_VESSEL = 3.0
 """Healthy diameter below which lesions come last, mm: pulmonary artery stents in the device table
@@ -335,7 +336,7 @@ def _along_plateau(run: VesselRun, side: Plateau) -> tuple[Points, Points]:
 
 def _healthy(run: VesselRun, side: Plateau, sections: Floats) -> HealthyPlace:
     own = sections[sections <= OWN_SECTION * side.diameter]
-    area = float(np.pi / 4 * np.median(own) ** 2) if len(own) else float("nan")
+    area = float(np.pi / 4 * own.min() ** 2) if len(own) else float("nan")
     return HealthyPlace(as_place(_at(run, side.arc_length)), side.arc_length, side.diameter, area)
 
 
