@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,12 +18,6 @@ from SDFStentLib.files import polydata
 from SDFStentLib.files.formats import vtk_files as vtk_formats
 from SDFStentLib.files.surface_files import read_surface
 from SDFStentLib.phantoms.phantoms import stenosed_tube
-from SDFStentLib.plan.document import save_plan
-from SDFStentLib.plan.plan import Plan
-from SDFStentLib.plan.reader import load_plan
-from SDFStentLib.plan.run import input_file, read_input_files, run_plan
-from SDFStentLib.stent import Stent
-from SDFStentLib.stent.placement import AtCenter, BetweenPoints
 
 REACH = 3.0 + 6.5 + 0.4
 """Radius of the stent, influence distance and tissue gap, mm."""
@@ -110,9 +103,6 @@ def coordinates(data):
     return vtk_to_numpy(data.GetPoints().GetData())
 
 
-# Nothing is lost ----------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("more", [(), ("--arrays",)])
 def test_deploying_keeps_arrays_ids_and_untouched_points_bit_by_bit(a_vessel, tmp_path, more):
     out = tmp_path / "out.vtp"
@@ -147,43 +137,3 @@ def test_deploying_keeps_arrays_ids_and_untouched_points_bit_by_bit(a_vessel, tm
         stored = (before.points + displacement) / 10
         # Half a unit in the last place of single precision at 16 cm.
         assert np.abs(stored - new).max() < 1e-6
-
-
-# The same everywhere ------------------------------------------------------------------------------
-
-
-def test_a_plan_of_several_stents_has_the_same_bits_from_the_shell_and_from_python(
-    a_vessel, tmp_path
-):
-    inputs = read_input_files(a_vessel / "vessel.vtp", a_vessel / "line.vtp", "cm")
-    plan = Plan(
-        stents=(
-            Stent(6.0, placement=AtCenter([11.0, -7, 147]), length=13.0, name="erster"),
-            Stent(6.6, placement=BetweenPoints([11.0, -7, 150], [11.0, -7, 161]), name="zweiter"),
-            Stent(9.0, placement=AtCenter([11.0, -7, 150]), length=9.0, enabled=False),
-        ),
-        surface=input_file(inputs.surface),
-        centerline=input_file(inputs.line_file),
-        units="cm",
-    )
-    document = a_vessel / "Plan für später.json"
-    save_plan(plan, document)
-    done = run(command("run", document.name, "-o", tmp_path, "--verbose"), a_vessel)
-    assert done.returncode == 0, done.stderr
-    assert "Stents 1 and 2 overlap" in done.stderr
-
-    result = run_plan(load_plan(document))
-    result.write_surface(tmp_path / "python.vtp")
-    result.write_centerline(tmp_path / "python_line.vtp")
-    for shell, python in (
-        ("vessel_stented.vtp", "python.vtp"),
-        ("line_stented.vtp", "python_line.vtp"),
-    ):
-        assert (tmp_path / shell).read_bytes() == (tmp_path / python).read_bytes()
-    # Before they are rounded for the file as well: this process computes it a second time.
-    again = run_plan(load_plan(document))
-    assert again.treatment.points.tobytes() == result.treatment.points.tobytes()
-    # The document that `run` writes is the plan again, from its new folder.
-    moved = run_plan(load_plan(tmp_path / "plan.json"))
-    assert moved.treatment.points.tobytes() == result.treatment.points.tobytes()
-    assert Path(moved.plan.surface.path).samefile(a_vessel / "vessel.vtp")
