@@ -23,7 +23,7 @@ from SDFStentLib.report.comparison import comparison_pictures
 from SDFStentLib.report.drawing import Words
 from SDFStentLib.report.picture.alternatives import alternatives_scene
 from SDFStentLib.treatment import vessel
-from SDFStentLib.validation import DeploymentError
+from SDFStentLib.validation import DeploymentError, InputError
 
 PROJECT = Path(__file__).parents[1]
 
@@ -332,6 +332,12 @@ def test_a_page_without_picture_says_why(a_folder, monkeypatch):
     page = comparison_page(comparison_document(result), pictures)
     assert "No OpenGL here." in page
     assert Page(page).images == 0
+
+
+@pytest.mark.parametrize("plans", [None, [], {}, {"a": 1, "b": 2}, {1: None, 2: None}])
+def test_wrong_types_are_refused_in_a_sentence(plans):
+    with pytest.raises(InputError, match="expected"):
+        compare(plans)
 
 
 def test_lesions_that_no_plan_changes_share_one_row():
