@@ -305,7 +305,7 @@ def test_an_estimate_is_measured_and_leaves_nothing(folder):
     sweep = sweep_in(folder, store="moved")
     found = estimated(sweep, list(cases_of(sweep)))
     assert (found.tried, found.failed) == (3, 0)
-    assert 0 < found.case_seconds < 60
+    assert found.case_seconds > 0
     assert 4_000 < found.case_bytes < 200_000
     assert found.seconds(1000, 1, 2) == pytest.approx(500 * found.case_seconds + found.read_seconds)
     assert sorted(folder.iterdir()) == before
