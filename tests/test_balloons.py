@@ -26,7 +26,7 @@ from SDFStentLib.plan.document import plan_text
 from SDFStentLib.plan.plan import Plan
 from SDFStentLib.plan.reader import load_plan, plan_from_document
 from SDFStentLib.plan.run import run_plan
-from SDFStentLib.report import stent_branch_sentences
+from SDFStentLib.report.branches import stent_branch_sentences
 from SDFStentLib.stent import (
     AlongAxis,
     AtCenter,

@@ -22,8 +22,8 @@ from SDFStentLib.stent import (
     design_of,
     stent_axis,
     stent_lattice,
-    straight_lattice,
 )
+from SDFStentLib.stent.lattice import straight_lattice
 from SDFStentLib.treatment.profile import with_profile
 from SDFStentLib.validation import InputError
 

@@ -22,8 +22,9 @@ from SDFStentLib.phantoms.phantoms import stenosed_tube, straight_tube
 from SDFStentLib.plan import load_plan, run_plan
 from SDFStentLib.report import ratio_sentence
 from SDFStentLib.stent import Stent, stent_axis
-from SDFStentLib.treatment import SizingWishes, Vessel, size_ratios, suggested
+from SDFStentLib.treatment import SizingWishes, Vessel, suggested
 from SDFStentLib.treatment.placing import uncovered_length
+from SDFStentLib.treatment.ratios import size_ratios
 from SDFStentLib.treatment.widths import beside_lesion, healthy_vessel
 from SDFStentLib.validation import InputError
 from SDFStentLib.vessel import HealthyPlace

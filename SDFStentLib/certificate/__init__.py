@@ -1,6 +1,5 @@
 """Proof that a surface is sound, and that a deployment left it so."""
 
-from .certificate import CERTIFIED as CERTIFIED
 from .certificate import NOT_CERTIFIED as NOT_CERTIFIED
 from .certificate import Certificate as Certificate
 from .certificate import certificate_of as certificate_of

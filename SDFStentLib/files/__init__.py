@@ -16,7 +16,6 @@ from .centerline_files import read_lines as read_lines
 from .centerline_output import check_line_output as check_line_output
 from .centerline_output import write_centerline as write_centerline
 from .centerline_output import write_extracted_lines as write_extracted_lines
-from .content import read_content as read_content
 from .content import read_text as read_text
 from .extraction import ExtractedLines as ExtractedLines
 from .extraction import check_vmtk as check_vmtk

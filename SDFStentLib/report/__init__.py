@@ -2,7 +2,6 @@
 
 from .balloons import balloon_sentences as balloon_sentences
 from .balloons import stent_balloon_sentences as stent_balloon_sentences
-from .branches import stent_branch_sentences as stent_branch_sentences
 from .comparison import comparison_document as comparison_document
 from .comparison import comparison_json as comparison_json
 from .comparison import comparison_page as comparison_page
@@ -15,7 +14,6 @@ from .diameters import MeasuredLine as MeasuredLine
 from .diameters import diameter_section as diameter_section
 from .diameters import diameter_table as diameter_table
 from .diameters import filed_point as filed_point
-from .diameters import lumen_sentence as lumen_sentence
 from .facts import Fact as Fact
 from .facts import coverage_fact as coverage_fact
 from .lesions import LEAST as LEAST
@@ -37,7 +35,6 @@ from .report import Report as Report
 from .report import write_report as write_report
 from .report import write_report_figure as write_report_figure
 from .segments import SEGMENT_FILES as SEGMENT_FILES
-from .segments import segment_document as segment_document
 from .segments import segment_sentences as segment_sentences
 from .segments import write_segment as write_segment
 from .sizing import ratio_sentence as ratio_sentence

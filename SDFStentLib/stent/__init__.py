@@ -1,6 +1,5 @@
 """A stent: its size, where it goes, and the axis that follows from both."""
 
-from .balloon import MOST_RECOIL as MOST_RECOIL
 from .balloon import RAISED_RECOIL as RAISED_RECOIL
 from .balloon import USUAL_RECOIL as USUAL_RECOIL
 from .balloon import WIDE_BALLOON as WIDE_BALLOON
@@ -8,7 +7,6 @@ from .balloon import Balloon as Balloon
 from .balloon import balloon_by_rule as balloon_by_rule
 from .beside import beside as beside
 from .beside import placement_points as placement_points
-from .device import CELLS as CELLS
 from .device import MAXIMUM_DIAMETER as MAXIMUM_DIAMETER
 from .device import MAXIMUM_LENGTH as MAXIMUM_LENGTH
 from .device import Device as Device
@@ -17,7 +15,6 @@ from .lattice import LatticeDesign as LatticeDesign
 from .lattice import design_of as design_of
 from .lattice import laid_along as laid_along
 from .lattice import stent_lattice as stent_lattice
-from .lattice import straight_lattice as straight_lattice
 from .placement import AlongAxis as AlongAxis
 from .placement import AtCenter as AtCenter
 from .placement import AtDistalEnd as AtDistalEnd

@@ -1,7 +1,6 @@
 """Several stents in order, each in the vessel that the earlier ones left, and measured."""
 
 from .coverage import size_cautions as size_cautions
-from .in_lumen import ON_WALL as ON_WALL
 from .lesions import Residual as Residual
 from .lesions import TreatedLesion as TreatedLesion
 from .lesions import residual_of as residual_of
@@ -14,7 +13,6 @@ from .profile import prescribed_diameters as prescribed_diameters
 from .ratios import SEEN_RATIOS as SEEN_RATIOS
 from .ratios import Seen as Seen
 from .ratios import SizeRatios as SizeRatios
-from .ratios import size_ratios as size_ratios
 from .ratios import stent_ratios as stent_ratios
 from .ratios import treated_ratios as treated_ratios
 from .segments import ExtractedSegment as ExtractedSegment
