@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 
 from SDFStentLib.centerline import Centerline
-from SDFStentLib.geometry import closest_points, length, without_repeats
-from SDFStentLib.measure import inscribed
+from SDFStentLib.geometry import closest_points, is_inside, length, without_repeats
+from SDFStentLib.measure import extended_axis, find_ostia, inscribed
 from SDFStentLib.measure.lumen_way import through_lumen
+from SDFStentLib.measure.neighbor_ways import BranchWays
 from SDFStentLib.measure.tree_around import LinesFromAxis, ends_around, place_of
 from SDFStentLib.phantoms import vascular_tree
+from SDFStentLib.plan import read_input_files
 
 
 def a_tree(seed: int) -> Centerline:
@@ -93,3 +95,23 @@ def test_ways_through_a_lumen_do_not_depend_on_how_spheres_are_searched(monkeypa
     for way, other in zip(usual, through_lumen(made.surface, axes, 20.0), strict=True):
         assert len(way) == len(other)
         np.testing.assert_allclose(way, other, atol=1e-2)
+
+
+def test_no_step_of_a_way_leads_out_of_the_lumen(data_dir, monkeypatch):
+    """From a branch into a far wider vessel: half of its radius on was outside."""
+    inputs = read_input_files(
+        *(data_dir / f"su0243_{name}_mm.vtp" for name in ("surface", "centerline"))
+    )
+    surface, tree = inputs.vessel.surface, inputs.vessel.centerline
+    axis = extended_axis(surface, tree.path_around([9.3, -77.5, -55.5], 25.0).points)
+    ostia, asked = find_ostia(surface, axis), []
+    plain = inscribed.SphereSearch.spheres
+
+    def noted(search, centers, directions, until):
+        asked.append(centers)
+        return plain(search, centers, directions, until)
+
+    monkeypatch.setattr(inscribed.SphereSearch, "spheres", noted)
+    assert any(way is not None for way in BranchWays(surface, axis, None).into(ostia))
+    # The first ones are the middles of openings, in the lumen or not.
+    assert is_inside(np.concatenate(asked[1:]), surface.points, surface.triangles).all()

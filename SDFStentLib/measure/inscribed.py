@@ -153,6 +153,10 @@ class SphereSearch:
         self._surface = LocalSurface(surface.points, surface.triangles, around)
         self._surface.cover(around, np.full(len(around), reach))
 
+    def distances(self, places: Points) -> Floats:
+        """From some places (n, 3) to the surface, mm."""
+        return self._surface.distances(places)
+
     def spheres(self, centers: Points, directions: Points, until: Until) -> InscribedSpheres:
         """`inscribed_spheres` at places (n, 3), each climbed to straight from its place.
 

@@ -6,12 +6,16 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..geometry import Surface, cut, length, norm
+from ..geometry import Surface, cut, dot, length, norm
 from ..validation import Floats, Points
 from .inscribed import SphereSearch, Until
 
 _STEP = 0.5
 """Step, as a fraction of the radius."""
+
+_WITHIN = 0.9
+"""Share of a sphere's radius within which a way goes on: where it has come through an opening into
+a wider vessel, half of that vessel's radius may lead out of the lumen."""
 
 _NARROWEST = 0.05
 """Inscribed radius below which a lumen ends, mm."""
@@ -36,31 +40,43 @@ def through_lumen(surface: Surface, axes: Sequence[Points], reach: float) -> lis
     last = np.array([axis[-1] for axis in axes])
     search = SphereSearch(surface, last, reach)
     along = np.array([axis[-1] - axis[-2] for axis in axes])
-    radii = search.spheres(last, along / norm(along)[:, None], Until(_CLOSELY)).radii
+    middles, radii = search.spheres(last, along / norm(along)[:, None], Until(_CLOSELY))
     goes_on = np.flatnonzero(radii > _NARROWEST)
     heading = np.zeros((len(axes), 3))
     for way in goes_on.tolist():
         heading[way] = heading_of(axes[way], float(radii[way]))
+    # The sphere of an axis that ends in an opening may lie beside its end.
+    room = np.maximum(_room(last - middles, heading, radii), _WITHIN * search.distances(last))
+    goes_on = goes_on[room[goes_on] > _NARROWEST]
     travelled = np.zeros(len(axes))
-    # Ends: every step of a way goes on by half the narrowest radius at least, or what is left.
+    # Ends: every step goes on by half the narrowest radius at least, the room, or what is left.
     while len(goes_on):
-        step = np.minimum(_STEP * radii[goes_on], reach - travelled[goes_on])
+        whole = _STEP * radii[goes_on]
+        step = np.minimum(np.minimum(whole, room[goes_on]), reach - travelled[goes_on])
         ahead = last[goes_on] + step[:, None] * heading[goes_on]
         centers, wide = search.spheres(ahead, heading[goes_on], Until(_CLOSELY))
         # A sphere that shrinks so fast stands before the end of the vessel.
         is_open = wide > radii[goes_on] - 0.5 * step
-        goes_on, step, wide = goes_on[is_open], step[is_open], wide[is_open]
+        goes_on, whole, wide = goes_on[is_open], whole[is_open], wide[is_open]
         # Half the way to the middle: the way bends no faster than the vessel.
         following = (ahead[is_open] + centers[is_open]) / 2
         moved = following - last[goes_on]
         travelled[goes_on] += norm(moved)
-        turned = heading[goes_on] + 0.5 * moved / step[:, None]
+        turned = heading[goes_on] + 0.5 * moved / whole[:, None]
         heading[goes_on], radii[goes_on] = turned / norm(turned)[:, None], wide
         last[goes_on] = following
+        room[goes_on] = _room(following - centers[is_open], heading[goes_on], wide)
         for way, place in zip(goes_on.tolist(), following, strict=True):
             found[way].append(place)
-        goes_on = goes_on[(wide > _NARROWEST) & (travelled[goes_on] < reach - _NOTHING)]
+        goes_on = goes_on[(room[goes_on] > _NARROWEST) & (travelled[goes_on] < reach - _NOTHING)]
     return [np.reshape(way, (-1, 3)) for way in found]
+
+
+def _room(offset: Points, heading: Points, radii: Floats) -> Floats:
+    """How far (n,) a way may go on in a sphere from an offset to its middle; 0 beside it."""
+    along = dot(offset, heading)
+    left = along**2 - dot(offset, offset) + (_WITHIN * radii) ** 2
+    return np.where(left > 0, np.sqrt(np.maximum(left, 0.0)) - along, 0.0)
 
 
 def heading_of(axis: Points, window: float) -> Floats:
