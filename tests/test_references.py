@@ -53,6 +53,12 @@ def test_a_valley_between_two_throats_is_no_healthy_vessel():
     assert one.end > 33
 
 
+@pytest.mark.parametrize(("end", "count"), [(3.5, 1), (8.0, 0)])
+def test_a_mild_narrowing_at_an_ostium_is_told_if_it_ends_soon(end, count):
+    """Healthy branches begin as narrow, and widen slowly."""
+    assert len(narrowings(vessel_along(through((0, 3.4), (end, 5), (40, 5)), parent=0))) == count
+
+
 @pytest.mark.parametrize(
     ("diameter", "is_own", "first"),
     [

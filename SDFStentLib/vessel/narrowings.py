@@ -25,6 +25,13 @@ SMALLEST_ONE_SIDED = 0.36
 begin narrower than they go on. One of 70 ends has one place of 43 %, and beside
 it nothing above 35 %, that nobody narrowed."""
 
+SMALLEST_FOCAL = 0.30
+"""The same where the vessel is healthy within `FOCAL`: in 96 trees hardly a vessel that nobody
+narrowed begins so; within half as much again 30 do."""
+
+FOCAL = 0.8
+"""Diameters within which a focal narrowing at an ostium ends."""
+
 SMALLEST_RECOVERY = 0.10
 """A narrowing is at least so much narrower than the narrower one of its two references: beyond it
 the vessel is wider again. Where it is not, the vessel tapers or divides."""
@@ -253,9 +260,10 @@ def _degrees(
     ends = np.maximum.accumulate(diameter), np.maximum.accumulate(diameter[::-1])[::-1]
     has_short = [(widest >= (1 - EDGE_DEGREE) * line) & (widest <= FLARE * line) for widest in ends]
     is_one_sided = np.isnan(before.along) & ~has_short[0] | np.isnan(after.along) & ~has_short[1]
-    enough = np.where(is_one_sided, SMALLEST_ONE_SIDED, SMALLEST_DEGREE)
     is_healthy = diameter >= (1 - EDGE_DEGREE) * line[:, None]
     away = np.where(is_healthy, np.abs(along[:, None] - along), np.inf).min(axis=1)
+    one_sided = np.where(away <= FOCAL * line, SMALLEST_FOCAL, SMALLEST_ONE_SIDED)
+    enough = np.where(is_one_sided, one_sided, SMALLEST_DEGREE)
     is_told = ~is_one_sided | (away <= ONE_SIDED_REACH * line)
     return degree, is_told & (degree >= enough) & (recovery >= SMALLEST_RECOVERY)
 
