@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from deployment_cases import phantom
 
+from SDFStentLib.vessel.lesion_measuring import _with_section
+from SDFStentLib.vessel.lesions import find_lesions
 from SDFStentLib.vessel.narrowings import narrowings
 from SDFStentLib.vessel.runs import VesselRun, _ostium
 from SDFStentLib.vessel.stretches import Stretch
@@ -51,6 +54,20 @@ def test_a_valley_between_two_throats_is_no_healthy_vessel():
     (one,) = narrowings(vessel_along(valley))
     assert one.start < 18
     assert one.end > 33
+
+
+@pytest.mark.parametrize(("throat", "is_known"), [(1.1, True), (np.nan, False)])
+def test_no_area_is_told_without_a_section_at_the_throat(throat, is_known):
+    """The smallest of the sections beside it was told: 49 % by diameter, 39 % by area."""
+    made = phantom("stenosed_tube", edge_length=0.8)
+    (lesion,) = find_lesions(made.surface, made.centerline)
+    along = np.linspace(0.0, lesion.length, 5)
+    circle = np.pi / 4 * lesion.minimum_diameter**2
+    areas = circle * np.array([4.0, 3.0, throat, 3.0, 4.0])
+    told = _with_section(lesion, along, areas)
+    assert (
+        np.isfinite([told.minimum_area, told.percent_area, told.reference_area]).all() == is_known
+    )
 
 
 @pytest.mark.parametrize(("end", "count"), [(3.5, 1), (8.0, 0)])

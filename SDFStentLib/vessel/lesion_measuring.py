@@ -184,15 +184,12 @@ def _own_areas(
 
 def _with_section(lesion: Lesion, along: Floats, areas: Floats) -> Lesion:
     """With the smallest of the areas at some arc lengths from its start."""
-    wanted = _wanted(lesion, along)
-    if not np.isfinite(areas * wanted).any():
-        unknown = float("nan")
+    wanted, unknown = _wanted(lesion, along), float("nan")
+    largest = OWN_SECTION**2 * np.pi / 4 * lesion.minimum_diameter**2
+    # Where a branch leaves at the throat, no section there is this vessel's alone.
+    if not (np.isfinite(wanted) & (areas <= largest)).any():
         return replace(lesion, minimum_area=unknown, reference_area=unknown, percent_area=unknown)
     smallest = _tightest(areas, wanted)
-    circle = np.pi / 4 * lesion.minimum_diameter**2
-    if not areas[smallest] <= OWN_SECTION**2 * circle:
-        # No section at the throat is this vessel's alone, as where a branch leaves there.
-        return replace(lesion, minimum_area=unknown, reference_area=unknown, percent_area=unknown)
     return replace(
         lesion,
         minimum_area=float(areas[smallest]),
