@@ -147,6 +147,8 @@ class DeploySession:
         )
         if not (wasQuiet and self._isQuiet):  # else nothing else can be done than before
             self._onStart()
+        if live:
+            self._run.advance()
 
     def _finished(self, error):
         standing = self._parameterNode and self._standing()

@@ -57,6 +57,10 @@ class SteppedRun:
         self._iterator, self._leftAt = iterator, _application.clock()
         self._timer.start()
 
+    def advance(self):
+        """Take a turn now: until the timer's first one a frame may be drawn, of what is known already."""
+        self._tick()
+
     @property
     def isRunning(self):
         """Whether a run is under way."""

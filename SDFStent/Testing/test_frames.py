@@ -118,3 +118,28 @@ def test_half_of_the_frames_of_a_drag_carry_a_new_surface(host, virtual, frame, 
     assert np.mean(carried[3:]) >= 0.5  # what a frame costs has to be seen first
     assert len(told) >= 2.0 * virtual.now
     assert max(turns) <= Clock.QtTimer.TURN_S[1] + step
+
+
+def test_a_preview_is_shown_by_the_turn_that_hears_of_the_change(host, aStent, monkeypatch):
+    """In the application there is a frame in every turn while a hand drags: with a turn between, it shows nothing new."""
+    from SDFStentSlicer.Previewing import Previewing
+
+    aStent.ui.autoUpdateCheckBox.checked = True
+    settle(host, aStent)
+    parameters = aStent._parameterNode
+    tree, handle = aStent.logic.centerlineOf(parameters), parameters.stent.handle
+    way = tree.points[tree.ancestry(tree.leaves[0])]
+    shown, show, turns, end = [], Previewing._show, 0, time.perf_counter() + 40.0
+    monkeypatch.setattr(
+        Previewing, "_show", staticmethod(lambda *args: (shown.append(1), show(*args)))
+    )
+    with host.drawing(0.1):
+        while len(shown) < 10 and time.perf_counter() < end:  # Ends: with the time at the latest.
+            place = way[len(way) // 3 + 2 * len(shown)]
+            if not np.allclose(handle.GetNthControlPointPositionWorld(0), place):
+                handle.SetNthControlPointPositionWorld(0, *place)
+            host.process()
+            turns += 1
+    settle(host, aStent)
+    assert len(shown) >= 10
+    assert turns < 15
