@@ -52,18 +52,20 @@ def close_side_branches(ends: SegmentEnds, states: Sequence[OpenSegment]) -> Clo
     lumen = _lumen(ends.opened)
     sides = _sides_within(ends, lumen)
     kept = tuple(states)
-    cuts: list[Points] = []
+    closed: set[int] = set()
     seen: set[bytes] = set()
     # The nearest places first, so that no branch is cut before what it comes from.
-    for step, side in merge(*(_steps(ends, side) for side in sides), key=lambda one: one[0].along):
+    steps = (_steps(ends, sides, number) for number in range(len(sides)))
+    for step, number in merge(*steps, key=lambda one: one[0].along):
         key = np.round([step.place, step.direction], 6).tobytes()
-        if key in seen or any(_is_on(side, cut) for cut in cuts):
+        if number in closed or key in seen:
             continue
         seen.add(key)  # branches that have not parted share their places
         plane = _plane(ends, step, lumen)
         found = None if plane is None else _all_cut(kept, plane)
         if found is not None:
-            kept, cuts = found, [*cuts, step.place]
+            kept = found
+            closed.update(i for i, side in enumerate(sides) if _is_on(side, step.place))
     rest = _lumen(kept[0])
     left = [side for side in sides if _ends_in(side, rest)]
     return ClosedBranches(kept, tuple(_named(ends, left)))
@@ -93,8 +95,8 @@ def _ends_in(side: Points, lumen: ClosedSurface) -> bool:
     return bool(lumen.contains(point_at(side, [length(side) - INSIDE]))[0])
 
 
-def _steps(ends: SegmentEnds, side: Points) -> Iterator[tuple[Step, Points]]:
-    return ((step, side) for step in ends.finder.steps(side))
+def _steps(ends: SegmentEnds, sides: Sequence[Points], number: int) -> Iterator[tuple[Step, int]]:
+    return ((step, number) for step in ends.finder.steps(sides[number]))
 
 
 def _plane(ends: SegmentEnds, step: Step, lumen: ClosedSurface) -> CutPlane | None:
