@@ -58,7 +58,7 @@ FLAT, SLIVER_DEG = 1e-4, 1.0
 """Height over the longest edge, and smallest angle, that no certified triangle may newly have, or
 not without a word."""
 
-UNTOLD = 0.98
+UNTOLD = sweep.DOUBTFUL
 """Inscribed over prescribed diameter from which on a caution has to name it."""
 
 
@@ -227,16 +227,20 @@ def _prescribed(axis: StentAxis, nodes: np.ndarray, radius: float) -> np.ndarray
         return np.full(len(nodes), radius)
     fine = resampled(axis.points, 0.2)
     radii = axis.profile.at(np.linspace(0, 1, len(fine))) / 2
-    _, first, second = frames(fine).swapaxes(0, 1)
+    along, first, second = frames(fine).swapaxes(0, 1)
     turn = np.linspace(0, 2 * np.pi, RAYS, endpoint=False)[:, None, None]
-    rings = fine + radii[:, None] * (np.cos(turn) * first + np.sin(turn) * second)
+    round_axis = np.cos(turn) * first + np.sin(turn) * second
+    rings = fine + radii[:, None] * round_axis
     rings = rings.reshape(-1, 3)
     distance, place = cKDTree(fine).query(rings)
     wall = rings[distance > 0.999 * radii[place]]
     inside = cKDTree(wall).query(nodes)[0]
-    for end, wide in ((fine[0], radii[0]), (fine[-1], radii[-1])):
-        reach = np.linalg.norm(nodes - end, axis=1) + axis.profile.cap_height * wide
-        inside = np.minimum(inside, reach)
+    part = np.linspace(0, 1, RAYS)[:, None, None]
+    for end, ahead in ((0, -along[0]), (-1, along[-1])):
+        # Rings of the cap: half an ellipsoid, nearer than its own middle where the axis bends.
+        height = axis.profile.cap_height * np.sqrt(1 - part**2) * ahead
+        cap = fine[end] + radii[end] * (height + part * round_axis[:, end])
+        inside = np.minimum(inside, cKDTree(cap.reshape(-1, 3)).query(nodes)[0])
     return inside
 
 

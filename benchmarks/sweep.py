@@ -79,6 +79,9 @@ STRAIGHTENING = (0.0, 0.5, 1.0)
 NARROW = 0.97
 """Inscribed over prescribed diameter below which nothing may be certified."""
 
+DOUBTFUL = 0.98
+"""The same from which on the largest sphere near a station is searched."""
+
 MOST_TETRAHEDRA = 2.0
 """Over those of the untreated vessel; more would say that TetGen had to refine crumpled faces."""
 
@@ -353,7 +356,7 @@ def narrowest(before: Surface, after: np.ndarray, nodes: np.ndarray, radii: np.n
         is_cap |= is_near & is_ahead & (np.abs(normals @ direction) > 0.86)
     wall = before.triangles[~is_cap]
     width = wall_distances(after, wall, nodes) / radii
-    doubtful = np.flatnonzero(width < NARROW)
+    doubtful = np.flatnonzero(width < DOUBTFUL)
     if len(doubtful):
         spheres = widest_spheres(after, wall, nodes)[doubtful]
         width[doubtful] = np.maximum(width[doubtful], spheres / radii[doubtful])
