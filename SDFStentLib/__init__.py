@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from .files import write_surface as write_surface
     from .geometry import Precision as Precision
     from .geometry import Surface as Surface
-    from .measure import diameter_profile as diameter_profile
+    from .lumen import diameter_profile as diameter_profile
     from .plan import Plan as Plan
     from .plan import compare as compare
     from .plan import load_plan as load_plan
@@ -64,7 +64,7 @@ _CONTENTS = {
     "field": "CapsuleChain",
     "files": "read_axis read_centerline read_surface write_centerline write_surface",
     "geometry": "Precision Surface",
-    "measure": "diameter_profile",
+    "lumen": "diameter_profile",
     "plan": "Plan compare load_plan run_plan save_plan",
     "report": "before_after_picture plan_report write_report",
     "stent": "AlongAxis AtCenter AtDistalEnd AtProximalEnd BetweenPoints Device Stent stent_axis",

@@ -15,7 +15,7 @@ import numpy as np
 from SDFStentLib import phantoms
 from SDFStentLib.deformation import Deployment, DeploymentSettings
 from SDFStentLib.geometry import Surface
-from SDFStentLib.measure import inscribed_spheres
+from SDFStentLib.lumen import inscribed_spheres
 from SDFStentLib.phantoms import Phantom
 
 from .common import Found, aorta_case, markdown, progress, run_alone

@@ -49,11 +49,7 @@ from SDFStentLib.geometry import (  # noqa: E402
     arc_lengths,
     cut,
 )
-from SDFStentLib.measure import (  # noqa: E402
-    InscribedSpheres,
-    inscribed_spheres,
-    open_at_ends,
-)
+from SDFStentLib.lumen import InscribedSpheres, inscribed_spheres, open_at_ends  # noqa: E402
 from SDFStentLib.stent import (  # noqa: E402
     AlongAxis,
     Stent,

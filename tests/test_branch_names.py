@@ -22,9 +22,8 @@ from SDFStentLib.files import (
 )
 from SDFStentLib.files.formats.mdl_faces import LARGEST, mdl_face_names
 from SDFStentLib.geometry import NamedFaces
-from SDFStentLib.measure import branch_names
 from SDFStentLib.validation import InputError
-from SDFStentLib.vessel import find_lesions
+from SDFStentLib.vessel import branch_names, find_lesions
 
 MODEL = """<?xml version="1.0" encoding="UTF-8" ?>
 <format version="1.0" />

@@ -9,8 +9,8 @@ from SDFStentLib import phantoms
 from SDFStentLib.deformation.deployment import Deployment, deploy
 from SDFStentLib.field import CapsuleChain
 from SDFStentLib.geometry import Surface
-from SDFStentLib.measure import caps_across, inscribed_spheres
-from SDFStentLib.measure.caps import bulged_caps
+from SDFStentLib.lumen import caps_across, inscribed_spheres
+from SDFStentLib.lumen.caps import bulged_caps
 from SDFStentLib.stent import AlongAxis, Shape, Stent, Waist
 from SDFStentLib.treatment import Preview, Treatment, axis_in_vessel
 from SDFStentLib.validation import InputError

@@ -10,10 +10,10 @@ from trees import unbranched
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.files.surface_files import read_surface
 from SDFStentLib.geometry import Surface, arc_lengths, resampled, tangents
-from SDFStentLib.measure import closed_ends
-from SDFStentLib.measure.caps import flat_caps
-from SDFStentLib.measure.metrics import diameter_profile, profile_of
-from SDFStentLib.measure.stations import measured_at
+from SDFStentLib.lumen import closed_ends
+from SDFStentLib.lumen.caps import flat_caps
+from SDFStentLib.lumen.metrics import diameter_profile, profile_of
+from SDFStentLib.lumen.stations import measured_at
 from SDFStentLib.stent import AtCenter, Stent
 from SDFStentLib.treatment import Treatment
 

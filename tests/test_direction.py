@@ -11,7 +11,7 @@ from deployment_cases import ANATOMIES, anatomy
 from SDFStentLib.cli.shell import main
 from SDFStentLib.files import polydata
 from SDFStentLib.files.formats import vtk_files as vtk_formats
-from SDFStentLib.measure.cross_section import winding_numbers
+from SDFStentLib.lumen.cross_section import winding_numbers
 from SDFStentLib.phantoms.phantoms import stenosed_tube
 from SDFStentLib.plan.reader import load_plan
 from SDFStentLib.stent import Stent, stent_axis

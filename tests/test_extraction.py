@@ -19,7 +19,6 @@ from SDFStentLib.files import (
     write_extracted_lines,
 )
 from SDFStentLib.geometry import Surface, norm, resampled
-from SDFStentLib.measure import line_seeds
 from SDFStentLib.phantoms import (
     arch_with_coarctation,
     branching_pulmonary_artery,
@@ -27,6 +26,7 @@ from SDFStentLib.phantoms import (
     straight_tube,
 )
 from SDFStentLib.validation import DeploymentError, InputError
+from SDFStentLib.vessel import line_seeds
 
 HAS_VMTK = importlib.util.find_spec("vmtk") is not None
 needs_vmtk = pytest.mark.skipif(

@@ -18,14 +18,10 @@ from SDFStentLib.geometry import (
     tangents,
 )
 from SDFStentLib.geometry.distance import closest_points_on_triangles
-from SDFStentLib.measure.cross_section import (
-    _lumen_area,
-    equivalent_diameters,
-    winding_numbers,
-)
-from SDFStentLib.measure.inscribed import Until, inscribed_spheres
-from SDFStentLib.measure.stations import measured_at
-from SDFStentLib.measure.wall_map import cuts_across, near_wall, rays_from
+from SDFStentLib.lumen.cross_section import _lumen_area, equivalent_diameters, winding_numbers
+from SDFStentLib.lumen.spheres.inscribed import Until, inscribed_spheres
+from SDFStentLib.lumen.stations import measured_at
+from SDFStentLib.lumen.wall_map import cuts_across, near_wall, rays_from
 from SDFStentLib.phantoms import (
     branching_pulmonary_artery,
     hairpin_tube,

@@ -12,7 +12,7 @@ import pytest
 
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.geometry import Surface
-from SDFStentLib.measure import known_lumen, measured_at, measured_once, open_at_ends
+from SDFStentLib.lumen import known_lumen, measured_at, measured_once, open_at_ends
 from SDFStentLib.phantoms import stenosed_tube
 from SDFStentLib.stent import AtCenter, Stent
 from SDFStentLib.treatment import Treatment

@@ -19,7 +19,7 @@ from SDFStentLib.files.formats import vtk_files as vtk_formats
 from SDFStentLib.files.surface_files import read_surface
 from SDFStentLib.geometry import Surface
 from SDFStentLib.geometry.polyline import resampled_to
-from SDFStentLib.measure.inscribed import inscribed_spheres
+from SDFStentLib.lumen.spheres.inscribed import inscribed_spheres
 from SDFStentLib.phantoms.phantoms import branching_pulmonary_artery, stenosed_tube, straight_tube
 from SDFStentLib.report.html import html_page
 from SDFStentLib.stent import Stent, stent_axis

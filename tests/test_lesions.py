@@ -16,9 +16,9 @@ from SDFStentLib.deformation.deployment import deploy
 from SDFStentLib.field import CapsuleChain
 from SDFStentLib.geometry import Surface
 from SDFStentLib.geometry.polyline import cut
-from SDFStentLib.measure.caps import flat_caps
-from SDFStentLib.measure.closed_surface import closed_surface
-from SDFStentLib.measure.inscribed import inscribed_spheres
+from SDFStentLib.lumen.caps import flat_caps
+from SDFStentLib.lumen.closed_surface import closed_surface
+from SDFStentLib.lumen.spheres.inscribed import inscribed_spheres
 from SDFStentLib.phantoms.axis import planar_axis
 from SDFStentLib.phantoms.mesh import swept_tube
 from SDFStentLib.validation import InputError

@@ -15,8 +15,8 @@ from trees import unbranched
 from SDFStentLib.cli.demo import _written_patient
 from SDFStentLib.geometry.distance import SurfaceIndex
 from SDFStentLib.geometry.polyline import resampled
-from SDFStentLib.measure import inscribed
-from SDFStentLib.measure.local_surface import LocalSurface
+from SDFStentLib.lumen.spheres import inscribed
+from SDFStentLib.lumen.spheres.local_surface import LocalSurface
 from SDFStentLib.phantoms.phantoms import branching_pulmonary_artery, stenosed_tube
 from SDFStentLib.validation import InputError
 
@@ -64,7 +64,7 @@ def test_a_station_on_a_vertex_of_a_closed_end_is_measured(the_patient, command)
 
 GROWTH = """
 import numpy as np
-from SDFStentLib.measure.local_surface import LocalSurface
+from SDFStentLib.lumen.spheres.local_surface import LocalSurface
 from SDFStentLib.phantoms import stenosed_tube
 from SDFStentLib.geometry.polyline import resampled
 from SDFStentLib.validation import InputError

@@ -15,7 +15,7 @@ from SDFStentLib.deformation.lumen import OnStent
 from SDFStentLib.deformation.settings import DeploymentSettings
 from SDFStentLib.field.capsule_chain import CapsuleChain, radius_correction
 from SDFStentLib.geometry import Surface
-from SDFStentLib.measure.inscribed import inscribed_spheres
+from SDFStentLib.lumen.spheres.inscribed import inscribed_spheres
 
 DEFAULT = DeploymentSettings(certify=False)
 

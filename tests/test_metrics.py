@@ -8,12 +8,12 @@ from deployment_cases import phantom
 
 from SDFStentLib.geometry import Surface, length, resampled, tangents
 from SDFStentLib.geometry.distance import SurfaceIndex, closest_points_on_triangles
-from SDFStentLib.measure import inscribed
-from SDFStentLib.measure.cross_section import equivalent_diameters
-from SDFStentLib.measure.inscribed import Until, inscribed_spheres
-from SDFStentLib.measure.metrics import DiameterProfile, diameter_profile
-from SDFStentLib.measure.stretch import displacements, face_stretches
-from SDFStentLib.measure.wall_points import WallPoints
+from SDFStentLib.lumen.cross_section import equivalent_diameters
+from SDFStentLib.lumen.metrics import DiameterProfile, diameter_profile
+from SDFStentLib.lumen.spheres import inscribed
+from SDFStentLib.lumen.spheres.inscribed import Until, inscribed_spheres
+from SDFStentLib.lumen.spheres.wall_points import WallPoints
+from SDFStentLib.lumen.stretch import displacements, face_stretches
 from SDFStentLib.phantoms import branching_pulmonary_artery
 from SDFStentLib.validation import InputError
 

@@ -8,7 +8,7 @@ from plain_measuring import nearest_points
 
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.geometry import cut, resampled, tangents
-from SDFStentLib.measure import known_lumen, measured_after, measured_at, moved_wall
+from SDFStentLib.lumen import known_lumen, measured_after, measured_at, moved_wall
 from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube
 from SDFStentLib.stent import AtCenter, Stent
 from SDFStentLib.treatment import Treatment, treated_lesions

@@ -12,7 +12,8 @@ from tube_files import deploy
 
 from SDFStentLib.cli.shell import main
 from SDFStentLib.deformation import DeploymentSettings
-from SDFStentLib.measure import Blood, DiameterProfile, pressure_band, vessel_block
+from SDFStentLib.flow import Blood, pressure_band, vessel_block
+from SDFStentLib.lumen import DiameterProfile
 from SDFStentLib.phantoms import straight_tube
 from SDFStentLib.plan import load_plan, plan_from_document
 from SDFStentLib.report import zero_d_cautions, zero_d_document
@@ -87,7 +88,7 @@ def test_a_tube_has_the_resistance_of_poiseuille_and_the_inertance_of_its_blood(
 )
 def test_the_band_holds_what_the_solver_gave(forms, solver, is_narrowed):
     """The left pulmonary artery that was compared with a solver (domain facts, 3.7)."""
-    from SDFStentLib.measure.pressure import band_of
+    from SDFStentLib.flow.pressure import band_of
 
     low, high = band_of(forms, is_narrowed=is_narrowed)
     assert low < solver < high

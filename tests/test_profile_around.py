@@ -7,7 +7,7 @@ import pytest
 from test_closed_ends import LENGTH, RADIUS, a_capped_duct, a_circle
 
 from SDFStentLib.geometry import Surface, closest_points, cut
-from SDFStentLib.measure import (
+from SDFStentLib.lumen import (
     ExtendedAxis,
     axis_stations,
     diameter_profile,

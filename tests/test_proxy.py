@@ -14,7 +14,7 @@ from SDFStentLib.deformation.proxy import SAMPLED
 from SDFStentLib.deformation.proxy_weights import linear_weights
 from SDFStentLib.field import CapsuleChain
 from SDFStentLib.geometry import Surface, dot, face_normals, resampled
-from SDFStentLib.measure import diameter_profile, rough_radii
+from SDFStentLib.lumen import diameter_profile, rough_radii
 from SDFStentLib.stent import AlongAxis, AtCenter, Stent
 from SDFStentLib.treatment import Preview, Treatment
 from SDFStentLib.validation import DeploymentError, InputError

@@ -13,9 +13,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from SDFStentLib.measure.apposition import Apposition, FreeStretch
-from SDFStentLib.measure.metrics import DiameterProfile
-from SDFStentLib.measure.ostia import Ostium
+from SDFStentLib.lumen.metrics import DiameterProfile
 from SDFStentLib.report.drawing import Box, Disc, Line, Words
 from SDFStentLib.report.html import certificate_sentence, html_page
 from SDFStentLib.report.lesions import treated_lesion_section
@@ -31,7 +29,9 @@ from SDFStentLib.report.words import millimeters, number_text
 from SDFStentLib.stent.placement import Placement
 from SDFStentLib.treatment.lesions import TreatedLesion
 from SDFStentLib.validation import DeploymentError, InputError
+from SDFStentLib.vessel.apposition import Apposition, FreeStretch
 from SDFStentLib.vessel.lesion_value import HealthyPlace, Lesion
+from SDFStentLib.vessel.ostia import Ostium
 
 CLEAN = {
     "passed": True,

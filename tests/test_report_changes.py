@@ -15,7 +15,7 @@ from vtkmodules.vtkFiltersVerdict import vtkMeshQuality
 from SDFStentLib import phantoms
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.files import polydata_from_arrays
-from SDFStentLib.measure import triangle_sizes
+from SDFStentLib.lumen import triangle_sizes
 from SDFStentLib.plan import Plan, PlanResult, read_input_files, treatment_of
 from SDFStentLib.report import plan_report
 from SDFStentLib.report.changes import setting_rows

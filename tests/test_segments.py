@@ -29,8 +29,7 @@ from SDFStentLib.geometry import (
     point_at,
     signed_volume,
 )
-from SDFStentLib.measure import branch_names
-from SDFStentLib.measure.caps import flat_caps
+from SDFStentLib.lumen.caps import flat_caps
 from SDFStentLib.phantoms import (
     arch_with_coarctation,
     branching_pulmonary_artery,
@@ -43,6 +42,7 @@ from SDFStentLib.phantoms import (
 from SDFStentLib.stent import AtCenter, Stent
 from SDFStentLib.treatment import Treatment, Vessel, extract_segment
 from SDFStentLib.validation import DeploymentError, InputError
+from SDFStentLib.vessel import branch_names
 
 
 def vessel_of(phantom):

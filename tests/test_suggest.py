@@ -17,7 +17,7 @@ from test_report import a_lesion
 
 from SDFStentLib.cli.shell import main
 from SDFStentLib.geometry import length
-from SDFStentLib.measure import DiameterProfile
+from SDFStentLib.lumen import DiameterProfile
 from SDFStentLib.phantoms.phantoms import stenosed_tube, straight_tube
 from SDFStentLib.plan import load_plan, run_plan
 from SDFStentLib.report import ratio_sentence

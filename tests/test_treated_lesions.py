@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from SDFStentLib.deformation import DeploymentSettings
-from SDFStentLib.measure import inscribed_spheres
+from SDFStentLib.lumen import inscribed_spheres
 from SDFStentLib.phantoms import stenosed_tube
 from SDFStentLib.phantoms.tree import vascular_tree
 from SDFStentLib.report import residual_words

@@ -58,7 +58,7 @@ def test_untangling_repairs_a_fold_without_the_tissue_gap(folding_case):
 
 
 def test_the_tissue_gap_leaves_the_stented_lumen_alone(folding_case):
-    from SDFStentLib.measure.inscribed import inscribed_spheres
+    from SDFStentLib.lumen.spheres.inscribed import inscribed_spheres
 
     diameters = []
     for gap in (0.0, 0.4):

@@ -9,7 +9,7 @@ import pytest
 
 from SDFStentLib.certificate import check_surface
 from SDFStentLib.geometry.faces import signed_volume
-from SDFStentLib.measure.inscribed import inscribed_spheres
+from SDFStentLib.lumen.spheres.inscribed import inscribed_spheres
 from SDFStentLib.phantoms import vascular_tree
 from SDFStentLib.phantoms.tree import NARROWER, ROOT_RADIUS
 from SDFStentLib.validation import InputError

@@ -5,9 +5,9 @@ import pytest
 
 from SDFStentLib.files import read_surface
 from SDFStentLib.geometry import Surface, signed_volume
-from SDFStentLib.measure import line_seeds, vessel_ends
 from SDFStentLib.phantoms import arch_with_coarctation, branching_pulmonary_artery, straight_tube
 from SDFStentLib.validation import InputError
+from SDFStentLib.vessel import line_seeds, vessel_ends
 
 PULMONARY = branching_pulmonary_artery()
 

@@ -7,7 +7,7 @@ import numpy as np
 import slicer
 from slicer.i18n import tr as _
 
-from SDFStentLib.measure import displacements, face_stretches
+from SDFStentLib.lumen import displacements, face_stretches
 from SDFStentLib.treatment import Preview, PreviewState
 from SDFStentLib.validation import DeploymentError, InputError
 

@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from SDFStentLib.measure import displacements, face_stretches
+from SDFStentLib.lumen import displacements, face_stretches
 from SDFStentLib.stent import OfStent, Stent, StentAxis, redilated
 from SDFStentLib.treatment import treated_lesions
 

@@ -96,7 +96,7 @@ def test_there_is_no_upper_flow_while_the_flow_is_off(host, theTube):
 
 
 def test_a_branch_within_the_stent_takes_the_estimate_away(host, aStent):
-    from SDFStentLib.measure import Ostium
+    from SDFStentLib.vessel import Ostium
 
     ui, parameters = aStent.ui, aStent._parameterNode
     tree = aStent.logic.centerlineOf(parameters)

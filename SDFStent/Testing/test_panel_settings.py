@@ -126,7 +126,7 @@ def test_a_straightened_stent_is_measured_along_its_straightened_axis(aLogic, th
     """Shown and measured along one axis, that of the library; the preview takes it, too."""
     from SDFStentSlicer import Plans
 
-    from SDFStentLib.measure import diameter_profile
+    from SDFStentLib.lumen import diameter_profile
     from SDFStentLib.treatment import AxisChange, Preview, axis_in_vessel
 
     theParameters.method.straightening = 40.0

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..certificate import Comparison, MotionCheck
 from ..field import CapsuleChain
 from ..geometry import consistently_wound, dot, vertex_normals
-from ..measure import caps_across
+from ..lumen import caps_across
 from ..validation import DeploymentError, Points, Triangles
 from .draped import draped
 from .event_steps import event_steps

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 
 from ..field import CapsuleChain
 from ..geometry import Surface, as_surface
-from ..measure import looks_across
+from ..lumen import looks_across
 from ..validation import Indices, Points, as_points
 from .attempt import CAPS_WITHIN, WALL_CLEARANCE, away_from_wall, tissue_offset, within_reach
 from .deployment import GAP_RAMP

@@ -14,7 +14,7 @@ import numpy as np
 from ..certificate import NARROWER, WIDER, LumenCheck, MotionCheck, Place
 from ..field import CapsuleChain, fractions_of
 from ..geometry import Surface, may_meet_box, resampled, tangents
-from ..measure import (
+from ..lumen import (
     LocalSurface,
     Until,
     caps_across,

@@ -6,9 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from html import escape
 from typing import Any
 
-from ..measure import FREE, LISTED, Apposition, NeighborLumen, Ostium
 from ..treatment import TreatedStent
 from ..units import MILLIMETERS
+from ..vessel import FREE, LISTED, Apposition, NeighborLumen, Ostium
 from .facts import coverage_fact
 from .words import millimeters, number_text
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..geometry import NamedFaces
-from ..measure import triangle_sizes
+from ..lumen import triangle_sizes
 from ..plan import PlanResult, method_parameters
 from ..validation import Floats, Indices
 from .words import UNKNOWN, number_text, plain_label, plain_text

@@ -6,7 +6,7 @@ import math
 from typing import Any, NamedTuple
 
 from ..geometry import length
-from ..measure import DiameterProfile
+from ..lumen import DiameterProfile
 from ..treatment import TreatedStent
 from ..units import MILLIMETERS
 from ..validation import Points

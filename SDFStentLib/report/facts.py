@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ..measure import Ostium
+from ..vessel import Ostium
 from .words import degree_text
 
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Any
 
-from ..measure import ADULT, TOO_LOW, pressure_band
+from ..flow import ADULT, TOO_LOW, pressure_band
 from ..treatment import TreatedStent
 from ..validation import InputError
 

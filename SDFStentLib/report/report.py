@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..files import atomic_path, write_bytes
-from ..measure import REACH
+from ..lumen import REACH
 from ..validation import InputError, as_path, check_is_a
 from ..vessel import SMALLEST_DEGREE
 from .branches import branch_section, free_stretches

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..files import MeshComplete
-from ..measure import Segment
+from ..segment import Segment
 from ..treatment import ExtractedSegment
 from ..units import MILLIMETERS, Frame
 from .report import RESEARCH_USE

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..measure import Apposition, DiameterProfile, NeighborLumen, Ostium
+from ..lumen import DiameterProfile
 from ..validation import InputError, read_only
+from ..vessel import Apposition, NeighborLumen, Ostium
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from ..cautions import Caution
-from ..measure import ADULT, TURBULENCE, DiameterProfile, VesselBlock, vessel_block
+from ..flow import ADULT, TURBULENCE, VesselBlock, vessel_block
+from ..lumen import DiameterProfile
 from ..treatment import TreatmentResult
 from .pressure import flow_leaves
 from .report import RESEARCH_USE

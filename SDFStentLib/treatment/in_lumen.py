@@ -8,7 +8,7 @@ import numpy as np
 
 from ..centerline import Centerline
 from ..geometry import ClosedSurface, Surface, SurfaceIndex
-from ..measure import closed_surface
+from ..lumen import closed_surface
 from ..stent import Placement, placement_points
 from ..validation import InputError, Points
 

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..geometry import Surface, closest_points, tangents
-from ..measure import moved_wall
+from ..lumen import moved_wall
 from ..vessel import Lesion, lesions_after, lesions_within
 from .value import PlacedStent
 

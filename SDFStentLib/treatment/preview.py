@@ -16,7 +16,7 @@ import numpy as np
 from ..centerline import Centerline
 from ..deformation import DeploymentSettings, Proxy, ProxyState
 from ..geometry import Surface, resampled
-from ..measure import rough_radii
+from ..lumen import rough_radii
 from ..stent import Stent
 from ..validation import Indices, Points, as_number, read_only
 from .in_lumen import Lumen

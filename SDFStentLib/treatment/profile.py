@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..geometry import Surface, arc_lengths, nearest_distances
-from ..measure import off_caps
+from ..lumen import off_caps
 from ..stent import Stent, StentAxis
 from ..validation import Floats
 

@@ -10,21 +10,20 @@ import numpy as np
 from ..cautions import Caution
 from ..certificate import check_surface
 from ..geometry import ClosedSurface, Surface
-from ..measure import (
+from ..segment import (
     HOLE,
     CutPlane,
     OpenBranch,
     OpenSegment,
     Segment,
     SegmentEnds,
-    VesselParts,
     close_side_branches,
     closed_segment,
     segment_between,
     segment_ends,
-    vessel_parts,
 )
 from ..validation import DeploymentError, InputError, Points
+from ..vessel import VesselParts, vessel_parts
 from .vessel import Vessel
 from .warnings import WIDEST
 

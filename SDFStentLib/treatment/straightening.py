@@ -17,7 +17,7 @@ import numpy as np
 from ..cautions import Caution
 from ..centerline import Centerline
 from ..geometry import Surface, arc_lengths, resampled, smoothed_line
-from ..measure import LocalSurface
+from ..lumen import LocalSurface
 from ..stent import Stent, StentAxis, moved_axis, stent_axis, straight_way, turned_way
 from ..validation import Floats, Points
 from .in_lumen import Lumen

@@ -8,24 +8,14 @@ from weakref import WeakKeyDictionary
 
 from ..centerline import Centerline
 from ..geometry import NamedFaces, Surface
-from ..measure import (
-    Apposition,
+from ..lumen import (
     AxisStations,
-    BranchWays,
     DiameterProfile,
     ExtendedAxis,
-    NeighborLumen,
-    NeighborStations,
-    NeighborWay,
     OpenWall,
-    Ostium,
     Stations,
-    VesselStates,
-    apposition,
     axis_stations,
-    end_ways,
     extended_axis,
-    find_ostia,
     measured_after,
     measured_once,
     moved_wall,
@@ -33,6 +23,18 @@ from ..measure import (
     profile_around,
 )
 from ..validation import Floats, Points
+from ..vessel import (
+    Apposition,
+    BranchWays,
+    NeighborLumen,
+    NeighborStations,
+    NeighborWay,
+    Ostium,
+    VesselStates,
+    apposition,
+    end_ways,
+    find_ostia,
+)
 
 PROFILE_SPACING = 1.0
 """Distance of the stations at which diameters are measured, mm."""

@@ -22,14 +22,10 @@ from ..centerline import Centerline
 from ..certificate import Certificate, certify
 from ..deformation import Deployment, DeploymentSettings
 from ..geometry import NamedFaces, Precision, Surface, as_surface, checked_faces
-from ..measure import (
-    DiameterProfile,
-    VesselStates,
-    bulged_caps,
-    diameter_profile,
-)
+from ..lumen import DiameterProfile, bulged_caps, diameter_profile
 from ..stent import Stent
 from ..validation import Points, as_number, as_points, read_only
+from ..vessel import VesselStates
 from .stage import Stage, named_states
 from .straightening import AxisChange, axis_in_vessel
 from .surroundings import PROFILE_SPACING, Survey, surroundings, surveyed, surveyed_once

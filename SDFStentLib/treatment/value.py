@@ -17,16 +17,10 @@ from ..centerline import Centerline
 from ..certificate import Certificate
 from ..deformation import DeploymentResult, DeploymentState
 from ..geometry import Surface
-from ..measure import (
-    Apposition,
-    DiameterProfile,
-    FaceStretch,
-    NeighborLumen,
-    Ostium,
-    face_stretches,
-)
+from ..lumen import DiameterProfile, FaceStretch, face_stretches
 from ..stent import OfStent, Stent, StentAxis, redilated
 from ..validation import DeploymentError, InputError, Points
+from ..vessel import Apposition, NeighborLumen, Ostium
 
 
 @dataclass(frozen=True)

@@ -10,10 +10,10 @@ from functools import cached_property
 from ..centerline import Centerline
 from ..certificate import SurfaceCheck, check_surface
 from ..geometry import NamedFaces, Precision, Surface, length
-from ..measure import DiameterProfile, LineSeeds, branch_names, diameter_profile, line_seeds
+from ..lumen import DiameterProfile, diameter_profile
 from ..stent import AtCenter, AtDistalEnd, Stent
 from ..validation import Points
-from ..vessel import Lesion, find_lesions, lesions_against
+from ..vessel import Lesion, LineSeeds, branch_names, find_lesions, lesions_against, line_seeds
 from .placing import placement_at
 from .sizing import SizingWishes, Suggestion, suggested
 from .straightening import axis_in_vessel

@@ -18,9 +18,10 @@ from ..geometry import (
     point_at,
     resampled,
 )
-from ..measure import DiameterProfile, NeighborLumen, off_caps
+from ..lumen import DiameterProfile, off_caps
 from ..stent import StentAxis
 from ..validation import InputError, Points, as_points
+from ..vessel import NeighborLumen
 from .value import TreatedStent
 
 WIDEST = 4.0

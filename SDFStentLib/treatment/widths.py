@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..geometry import arc_lengths, closest_points, length
-from ..measure import DiameterProfile
+from ..lumen import DiameterProfile
 from ..validation import Flags, Floats
 from ..vessel import Lesion
 from .placing import NOTICED

@@ -1,5 +1,11 @@
 """What is on a tree of vessels: where one goes on and another begins, and where it is narrow."""
 
+from .apposition import Apposition as Apposition
+from .apposition import FreeStretch as FreeStretch
+from .apposition import apposition as apposition
+from .branch_names import branch_names as branch_names
+from .branch_names import named_branches as named_branches
+from .branch_names import size_words as size_words
 from .lesion_measuring import lesions_after as lesions_after
 from .lesion_value import HealthyPlace as HealthyPlace
 from .lesion_value import Lesion as Lesion
@@ -10,3 +16,19 @@ from .lesions import lesions_within as lesions_within
 from .marked_reference import lesion_against as lesion_against
 from .marked_reference import lesions_against as lesions_against
 from .narrowings import SMALLEST_DEGREE as SMALLEST_DEGREE
+from .neighbor_lumen import NeighborLumen as NeighborLumen
+from .neighbor_lumen import NeighborStations as NeighborStations
+from .neighbor_lumen import VesselStates as VesselStates
+from .neighbor_ways import BranchWays as BranchWays
+from .neighbor_ways import NeighborWay as NeighborWay
+from .neighbor_ways import end_ways as end_ways
+from .ostia import FREE as FREE
+from .ostia import LISTED as LISTED
+from .ostia import Ostium as Ostium
+from .ostia import find_ostia as find_ostia
+from .vessel_ends import LineSeeds as LineSeeds
+from .vessel_ends import VesselEnd as VesselEnd
+from .vessel_ends import line_seeds as line_seeds
+from .vessel_ends import vessel_ends as vessel_ends
+from .vessel_parts import VesselParts as VesselParts
+from .vessel_parts import vessel_parts as vessel_parts

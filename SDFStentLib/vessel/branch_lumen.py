@@ -10,7 +10,7 @@ import numpy as np
 
 from ..centerline import Centerline
 from ..geometry import Surface, is_inside, resampled, tangents
-from ..measure import InscribedSpheres, Until, closed_surface, holes_of, inscribed_spheres
+from ..lumen import InscribedSpheres, Until, closed_surface, holes_of, inscribed_spheres
 from ..validation import Flags, Floats, Indices, InputError, Points
 
 SAME_PLACE = 1e-9

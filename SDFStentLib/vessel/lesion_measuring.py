@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..geometry import Surface, arc_lengths, tangents
-from ..measure import InscribedSpheres, MovedWall, equivalent_diameters, inscribed_spheres
+from ..lumen import InscribedSpheres, MovedWall, equivalent_diameters, inscribed_spheres
 from ..validation import Flags, Floats, Points
 from .lesion_value import Lesion, Place
 

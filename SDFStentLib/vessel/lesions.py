@@ -22,9 +22,10 @@ from ..geometry import (
     point_at,
     tangents,
 )
-from ..measure import equivalent_diameters, named_branches, size_words
+from ..lumen import equivalent_diameters
 from ..validation import Floats, Points, as_points
 from .branch_lumen import branch_lumens
+from .branch_names import named_branches, size_words
 from .lesion_measuring import OWN_SECTION, as_place, lesions_after, measured
 from .lesion_value import HealthyPlace, Lesion, Place, reference_words
 from .narrowings import PLATEAU, Narrowing, Plateau, narrowings

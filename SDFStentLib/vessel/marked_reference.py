@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from ..centerline import Centerline
 from ..geometry import Surface, arc_lengths, as_surface, tangents
-from ..measure import equivalent_diameters, inscribed_spheres
+from ..lumen import equivalent_diameters, inscribed_spheres
 from ..validation import Floats, InputError, as_point
 from .lesion_measuring import as_place, measured
 from .lesion_value import HealthyPlace, Lesion, reference_words

@@ -21,7 +21,7 @@ from ..geometry import (
     section_around,
 )
 from ..validation import Floats, InputError, Points, read_only
-from .vessel_parts import VesselParts
+from ..vessel import VesselParts
 
 SPACING = 0.5
 """Between points of the centerline that stand for it, mm."""

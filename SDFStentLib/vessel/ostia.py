@@ -12,11 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..geometry import NamedFaces, Surface
+from ..lumen import RAYS, ExtendedAxis, Mask, Opening, Tube, expected_tube, openings, ray_angles
 from ..validation import Floats, Points, read_only
-from .expected_wall import Tube, expected_tube
-from .extended_axis import ExtendedAxis
-from .openings import Mask, Opening, openings
-from .wall_map import RAYS, ray_angles
 
 LISTED = 10.0
 """Ostia so far beyond an end of the stent are found, mm."""

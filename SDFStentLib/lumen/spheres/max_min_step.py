@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..validation import Floats, Indices
+from ...validation import Floats, Indices
 
 _PIVOTS = 100
 """Most exchanges of a row. With more to do the height is too high; the climb measures it anew."""

@@ -11,9 +11,9 @@ import numpy as np
 from ..centerline import Centerline, Location
 from ..geometry import length
 from ..validation import InputError, Points, as_point
+from ..vessel import VesselParts
 from .cut_planes import SAME, CutPlane, PlaneFinder
 from .open_segment import OpenSegment, bounds_a_segment, segment_between
-from .vessel_parts import VesselParts
 
 DIGITS = 4
 """Of the coordinates of a place in a sentence, which is chosen by typing them."""

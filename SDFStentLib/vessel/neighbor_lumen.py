@@ -10,12 +10,9 @@ import numpy as np
 
 from ..cautions import Caution
 from ..geometry import Surface, arc_lengths, cut, frames, length, resampled, tangents
+from ..lumen import FARTHEST, RAYS, SUSPECT, Stations, across_alone, near_wall, rays_from
 from ..validation import Floats, Indices, Points, read_only
-from .cut_sections import SUSPECT
-from .expected_wall import FARTHEST, across_alone
 from .neighbor_ways import DISTAL, PROXIMAL, SHORTEST, NeighborWay
-from .stations import Stations
-from .wall_map import RAYS, near_wall, rays_from
 
 NOTICEABLE = 0.05
 """Share of a diameter that is lost and worth a word."""

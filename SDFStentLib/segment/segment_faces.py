@@ -12,8 +12,8 @@ import numpy as np
 from ..centerline import Centerline
 from ..geometry import Surface, face_areas
 from ..validation import Floats, Indices, read_only
+from ..vessel import VesselParts
 from .cut_planes import SAME, CutPlane
-from .vessel_parts import VesselParts
 
 Kind = Literal["inlet", "outlet", "wall"]
 

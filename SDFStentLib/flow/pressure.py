@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..lumen import DiameterProfile
 from ..units import MOST_FLOW
 from ..validation import Floats, InputError, as_number
-from .metrics import DiameterProfile
 
 PASCAL_PER_MMHG = 133.322
 TURBULENCE = 1.52

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..geometry import Balls, NearPairs, norm
-from ..validation import Floats, Indices, Points
+from ...geometry import Balls, NearPairs, norm
+from ...validation import Floats, Indices, Points
 from .local_surface import LocalSurface
 
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from ..geometry import CutSurface, component_labels, cut_along, paired_sides, section_around
 from ..validation import Indices, InputError
+from ..vessel import VesselParts
 from .cut_planes import CutPlane
-from .vessel_parts import VesselParts
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..geometry import Surface, cut, dot, length, norm
 from ..validation import Floats, Points
-from .inscribed import SphereSearch, Until
+from .spheres import SphereSearch, Until
 
 _STEP = 0.5
 """Step, as a fraction of the radius."""

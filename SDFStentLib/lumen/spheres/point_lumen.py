@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..geometry import across, dot, norm, tangents
-from ..validation import Flags, Floats, InputError, Points, as_points
+from ...geometry import across, dot, norm, tangents
+from ...validation import Flags, Floats, InputError, Points, as_points
 from .max_min_step import LinearRows, largest_steps
 
 NEAREST = 64

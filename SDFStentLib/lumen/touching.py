@@ -8,8 +8,7 @@ import numpy as np
 
 from ..geometry import compacted, dot, may_meet_box
 from ..validation import Flags, Floats, Indices, Points, Triangles
-from .inscribed import InscribedSpheres
-from .local_surface import LocalSurface
+from .spheres import InscribedSpheres, LocalSurface
 
 ROUND = 0.98
 """Inscribed over equivalent diameter from which a sphere fills its section: no end is nearer."""

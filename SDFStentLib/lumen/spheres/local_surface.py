@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..geometry import NearPairs, SurfaceIndex, may_meet_box, nearest_distances
-from ..validation import Flags, Floats, Indices, Points, Triangles
+from ...geometry import NearPairs, SurfaceIndex, may_meet_box, nearest_distances
+from ...validation import Flags, Floats, Indices, Points, Triangles
 
 _AMPLY = 1.1
 """Factor on what the box is to grow by, against rounding."""

@@ -10,8 +10,8 @@ from ..geometry import Surface
 from ..validation import Floats, Points, Triangles
 from .closed_ends import OpenWall
 from .cross_section import equivalent_diameters
-from .inscribed import InscribedSpheres, inscribed_spheres
 from .moved_wall import MovedWall
+from .spheres import InscribedSpheres, inscribed_spheres
 from .stations import Stations, measured_at
 
 _BESIDE = 1.02

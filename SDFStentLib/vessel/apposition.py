@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..geometry import Surface, length, without_repeats
+from ..lumen import RAYS, Mask, near_wall, wall_map
 from ..validation import Floats, as_number, as_points, read_only
-from .openings import Mask
-from .wall_map import RAYS, near_wall, wall_map
 
 GAP = 0.3
 """Distance from stent to wall up to which they touch, mm: a strut is 0.1 to 0.3 mm thick."""

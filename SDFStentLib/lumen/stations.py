@@ -9,7 +9,7 @@ import numpy as np
 from ..geometry import Surface
 from ..validation import Floats, Indices, Points, Triangles
 from .cross_section import equivalent_diameters
-from .inscribed import InscribedSpheres, inscribed_spheres
+from .spheres import InscribedSpheres, inscribed_spheres
 
 
 class Stations(NamedTuple):

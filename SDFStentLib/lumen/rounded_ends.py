@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..geometry import arc_lengths, connected, face_normals, product
 from ..validation import Floats, Points, Triangles
 from .caps import flat_caps
-from .inscribed import InscribedSpheres, inscribed_spheres
+from .spheres import InscribedSpheres, inscribed_spheres
 from .stations import Stations
 from .touching import fills, part_near, touches
 

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..geometry import Surface, boundary_edges, compacted, component_labels, norm
+from ..lumen import flat_caps
 from ..validation import Indices, InputError, Points, as_points
-from .caps import flat_caps
 
 BESIDE = 10.0
 """A place that names an end is so near to it or to the wall, mm: a click beside it, no other

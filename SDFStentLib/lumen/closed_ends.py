@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..geometry import Surface, SurfaceIndex, arc_lengths, dot, may_meet_box, nearest_distances
 from ..validation import Flags, Floats, Indices, Points, Triangles
 from .caps import caps_across, flat_caps
-from .inscribed import InscribedSpheres, inscribed_spheres
+from .spheres import InscribedSpheres, inscribed_spheres
 from .stations import Stations
 from .touching import IN_SURFACE, TOUCH, part_near, touches
 

@@ -19,9 +19,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..geometry import Surface, across
-from ..geometry import tangents as polyline_tangents
-from ..validation import Floats, Indices, InputError, Points, Triangles, as_number, as_points
+from ...geometry import Surface, across
+from ...geometry import tangents as polyline_tangents
+from ...validation import Floats, Indices, InputError, Points, Triangles, as_number, as_points
 from .local_surface import LocalSurface
 from .max_min_step import largest_steps
 from .near_walls import Neighborhood

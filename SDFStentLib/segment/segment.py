@@ -17,9 +17,9 @@ from ..geometry import (
     signed_volume,
 )
 from ..validation import Floats, Indices, InputError, Points, Triangles, read_only
+from ..vessel import VesselParts
 from .open_segment import OpenSegment
 from .segment_faces import SegmentFace, segment_faces
-from .vessel_parts import VesselParts
 
 UNEVEN = 0.2
 """An open end is closed flat when its rim leaves its plane by less than so many radii."""

@@ -9,9 +9,8 @@ import numpy as np
 
 from ..centerline import Centerline
 from ..geometry import Surface, closest_points, cut, length
+from ..lumen import ExtendedAxis, through_lumen
 from ..validation import Points
-from .extended_axis import ExtendedAxis
-from .lumen_way import through_lumen
 from .ostia import Ostium
 from .tree_around import LinesFromAxis
 

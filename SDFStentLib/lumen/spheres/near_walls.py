@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..geometry import NearPairs, norm
-from ..validation import Floats, Indices, Points
+from ...geometry import NearPairs, norm
+from ...validation import Floats, Indices, Points
 from .local_surface import LocalSurface
 from .max_min_step import LinearRows
 from .wall_points import WallPoints

@@ -1,0 +1,8 @@
+"""The largest sphere inside a lumen round a place."""
+
+from .inscribed import InscribedSpheres as InscribedSpheres
+from .inscribed import SphereSearch as SphereSearch
+from .inscribed import Until as Until
+from .inscribed import inscribed_spheres as inscribed_spheres
+from .local_surface import LocalSurface as LocalSurface
+from .point_lumen import rough_radii as rough_radii
