@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from heapq import merge
+from itertools import takewhile
 from typing import NamedTuple
 
 import numpy as np
@@ -55,7 +56,7 @@ def close_side_branches(ends: SegmentEnds, states: Sequence[OpenSegment]) -> Clo
     closed: set[int] = set()
     seen: set[bytes] = set()
     # The nearest places first, so that no branch is cut before what it comes from.
-    steps = (_steps(ends, sides, number) for number in range(len(sides)))
+    steps = (_steps(ends, side, number, closed) for number, side in enumerate(sides))
     for step, number in merge(*steps, key=lambda one: one[0].along):
         key = np.round([step.place, step.direction], 6).tobytes()
         if number in closed or key in seen:
@@ -95,8 +96,12 @@ def _ends_in(side: Points, lumen: ClosedSurface) -> bool:
     return bool(lumen.contains(point_at(side, [length(side) - INSIDE]))[0])
 
 
-def _steps(ends: SegmentEnds, sides: Sequence[Points], number: int) -> Iterator[tuple[Step, int]]:
-    return ((step, number) for step in ends.finder.steps(sides[number]))
+def _steps(
+    ends: SegmentEnds, side: Points, number: int, closed: Collection[int]
+) -> Iterator[tuple[Step, int]]:
+    """Along a side branch, until it is closed."""
+    steps = takewhile(lambda _: number not in closed, ends.finder.steps(side))
+    return ((step, number) for step in steps)
 
 
 def _plane(ends: SegmentEnds, step: Step, lumen: ClosedSurface) -> CutPlane | None:
