@@ -9,11 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from SDFStentLib import phantoms
-from SDFStentLib.centerline.centerline import Centerline
-from SDFStentLib.files.centerline_files import read_centerline
-from SDFStentLib.files.surface_files import read_surface
-from SDFStentLib.geometry import Surface
-from SDFStentLib.geometry.polyline import cut
+from SDFStentLib.centerline import Centerline
+from SDFStentLib.files import read_centerline, read_surface
+from SDFStentLib.geometry import Surface, cut
 
 ANATOMIES = {
     "aorta_iliac": ("aorta_iliac_surface_cm.vtp", "aorta_iliac_centerline_cm.vtp", "cm"),
@@ -63,7 +61,7 @@ def leaf_path(vessel: Vessel, leaf: int = 0):
 
 def anatomy_case(folder, name, start, length, ratio=1.25, radius=None, leaf=0) -> Case:
     """A stent over an arc-length range of a path; by default `ratio` times the widest lumen."""
-    from SDFStentLib.geometry.polyline import arc_lengths
+    from SDFStentLib.geometry import arc_lengths
 
     vessel = anatomy(folder, name)
     path = leaf_path(vessel, leaf)

@@ -6,13 +6,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from SDFStentLib.centerline.centerline import Centerline
+from SDFStentLib.centerline import Centerline
 from SDFStentLib.geometry import Surface
+from SDFStentLib.phantoms import TrueVessel
 from SDFStentLib.phantoms.axis import narrowing, planar_axis
 from SDFStentLib.phantoms.field import Tube, TubeUnion
 from SDFStentLib.phantoms.junction import branching_tube
 from SDFStentLib.phantoms.mesh import swept_tube
-from SDFStentLib.phantoms.value import TrueVessel, assembled
+from SDFStentLib.phantoms.value import assembled
 
 
 class Known(NamedTuple):
@@ -49,7 +50,7 @@ def with_noise(points, triangles, amount, random):
     """Points displaced across the wall by up to `amount` mm."""
     if amount == 0:
         return points
-    from SDFStentLib.geometry.faces import vertex_normals
+    from SDFStentLib.geometry import vertex_normals
 
     shift = random.uniform(-amount, amount, len(points))
     return points + shift[:, None] * vertex_normals(points, triangles)

@@ -12,7 +12,7 @@ from pathlib import Path
 import psutil
 import pytest
 
-from SDFStentLib.cli.shell import main
+from SDFStentLib.cli import main
 from SDFStentLib.validation import InputError
 
 NEEDED = ("slicer", "trame", "trame_rca", "aiohttp")

@@ -14,14 +14,12 @@ from vtkmodules.vtkFiltersCore import vtkImplicitPolyDataDistance
 from SDFStentLib import phantoms
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.files import read_centerline, read_surface
-from SDFStentLib.lumen.extended_axis import extended_axis
-from SDFStentLib.lumen.metrics import diameter_profile
-from SDFStentLib.lumen.profile_around import axis_stations, profile_around
+from SDFStentLib.lumen import axis_stations, diameter_profile, extended_axis, profile_around
 from SDFStentLib.stent import AlongAxis, AtCenter, Stent, stent_axis
 from SDFStentLib.treatment import Treatment
 from SDFStentLib.treatment.warnings import is_same_branch, narrowed_neighbors
-from SDFStentLib.vessel import NeighborLumen
-from SDFStentLib.vessel.apposition import GAP, apposition
+from SDFStentLib.vessel import NeighborLumen, apposition
+from SDFStentLib.vessel.apposition import GAP
 
 
 def deployed(vessel, axis, diameter):

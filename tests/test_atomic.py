@@ -5,7 +5,7 @@ import subprocess
 import pytest
 from mesh_files import PROJECT, RUN_PYTHON
 
-from SDFStentLib.files.atomic import atomic_path, check_writable, write_bytes
+from SDFStentLib.files import atomic_path, check_writable, write_bytes
 from SDFStentLib.validation import InputError
 
 

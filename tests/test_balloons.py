@@ -17,15 +17,8 @@ from tube_files import deploy
 
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.geometry import arc_lengths, length, resampled
-from SDFStentLib.phantoms.phantoms import (
-    branching_pulmonary_artery,
-    stenosed_tube,
-    straight_tube,
-)
-from SDFStentLib.plan.document import plan_text
-from SDFStentLib.plan.plan import Plan
-from SDFStentLib.plan.reader import load_plan, plan_from_document
-from SDFStentLib.plan.run import run_plan
+from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube, straight_tube
+from SDFStentLib.plan import Plan, load_plan, plan_from_document, plan_text, run_plan
 from SDFStentLib.report.branches import stent_branch_sentences
 from SDFStentLib.stent import (
     AlongAxis,

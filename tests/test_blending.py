@@ -8,8 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from oracle import PlainField, fall_off, smin
 
-from SDFStentLib.deformation.profiles import BLENDS, FALLOFFS, as_profile
-from SDFStentLib.geometry.smoothing import smooth_minimum
+from SDFStentLib.deformation import BLENDS, FALLOFFS
+from SDFStentLib.deformation.profiles import as_profile
+from SDFStentLib.geometry import smooth_minimum
 from SDFStentLib.validation import InputError
 
 DISTANCE = st.floats(-20, 20, allow_nan=False)

@@ -12,7 +12,7 @@ from deployment_cases import ANATOMIES, anatomy
 
 from SDFStentLib import phantoms
 from SDFStentLib.cautions import TEMPLATES, Caution
-from SDFStentLib.cli.shell import main
+from SDFStentLib.cli import main
 from SDFStentLib.files import (
     add_arrays,
     encode_vtp,

@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 
 from SDFStentLib import phantoms
-from SDFStentLib.deformation.deployment import Deployment, deploy
+from SDFStentLib.deformation import Deployment, deploy
 from SDFStentLib.field import CapsuleChain
 from SDFStentLib.geometry import Surface
-from SDFStentLib.lumen import caps_across, inscribed_spheres
-from SDFStentLib.lumen.caps import bulged_caps
+from SDFStentLib.lumen import bulged_caps, caps_across, inscribed_spheres
 from SDFStentLib.stent import AlongAxis, Shape, Stent, Waist
 from SDFStentLib.treatment import Preview, Treatment, axis_in_vessel
 from SDFStentLib.validation import InputError

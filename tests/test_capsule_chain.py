@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from oracle import PlainField
 from oracle import field as fold_from_the_distal_end
 
-from SDFStentLib.field.capsule_chain import FOLDS, CapsuleChain, runs_forward
-from SDFStentLib.field.chain_field import Field
+from SDFStentLib.field import FOLDS, CapsuleChain, Field
+from SDFStentLib.field.capsule_chain import runs_forward
 from SDFStentLib.validation import InputError
 
 EXACT = 1e-9  # mm: what the issue demands; rounding leaves 1e-13

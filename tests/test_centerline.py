@@ -8,10 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from trees import unbranched, with_radius
 
-from SDFStentLib.centerline.centerline import Centerline
+from SDFStentLib.centerline import Centerline
 from SDFStentLib.centerline.point_tree import ancestry_of
-from SDFStentLib.geometry.polyline import length, resampled
-from SDFStentLib.geometry.segments import closest_on_segments
+from SDFStentLib.geometry import closest_on_segments, length, resampled
 from SDFStentLib.validation import InputError
 
 # Lengths up to 1000 mm: rounding of sums of a thousand terms stays below this, mm.

@@ -4,21 +4,19 @@ import numpy as np
 import pytest
 from mesh_files import assert_refused_by_name, octahedron
 
-from SDFStentLib.files.centerline_files import (
+from SDFStentLib.files import (
+    add_arrays,
     axis_of,
+    encode_vtp,
     in_frame_of,
+    polydata_from_arrays,
+    polydata_from_lines,
     read_axis,
     read_centerline,
     read_lines,
-)
-from SDFStentLib.files.formats.markups import new_markups
-from SDFStentLib.files.formats.vtk_files import encode_vtp
-from SDFStentLib.files.polydata import (
-    add_arrays,
-    polydata_from_arrays,
-    polydata_from_lines,
     set_frame_of_polydata,
 )
+from SDFStentLib.files.formats.markups import new_markups
 from SDFStentLib.validation import InputError
 
 POINTS = np.array([[i, 0.1 * i * i, 2.0] for i in range(20)])

@@ -4,11 +4,18 @@ import numpy as np
 import pytest
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
-from SDFStentLib.files.centerline_files import in_frame_of, read_axis, read_lines
-from SDFStentLib.files.centerline_output import check_line_output, write_centerline
+from SDFStentLib.files import (
+    add_arrays,
+    check_line_output,
+    encode_vtp,
+    in_frame_of,
+    polydata_from_lines,
+    read_axis,
+    read_lines,
+    set_frame_of_polydata,
+    write_centerline,
+)
 from SDFStentLib.files.formats.markups import new_markups
-from SDFStentLib.files.formats.vtk_files import encode_vtp
-from SDFStentLib.files.polydata import add_arrays, polydata_from_lines, set_frame_of_polydata
 from SDFStentLib.validation import InputError
 
 POINTS = np.array([[i / 3, 0.1 * i * i, 2.0] for i in range(20)])

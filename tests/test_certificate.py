@@ -7,14 +7,13 @@ import json
 import numpy as np
 import pytest
 
-from SDFStentLib.certificate.certificate import certify
+from SDFStentLib.certificate import certify, check_surface
 from SDFStentLib.certificate.face_quality import (
     degenerate_triangles,
     inverted_triangles,
     smallest_angles,
 )
 from SDFStentLib.certificate.spots import spots_of
-from SDFStentLib.certificate.surface_check import check_surface
 from SDFStentLib.geometry import Precision, Surface
 from SDFStentLib.validation import InputError
 

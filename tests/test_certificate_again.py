@@ -8,11 +8,9 @@ import numpy as np
 import pytest
 from deployment_cases import phantom
 
-from SDFStentLib.certificate.certificate import certify
-from SDFStentLib.certificate.comparison import Comparison
+from SDFStentLib.certificate import Comparison, certify, check_surface
 from SDFStentLib.certificate.slivers import Slivers
-from SDFStentLib.certificate.surface_check import check_surface
-from SDFStentLib.deformation.settings import DeploymentSettings
+from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.geometry import Precision, Surface
 
 

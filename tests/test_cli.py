@@ -25,22 +25,23 @@ from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 
 import SDFStentLib.cli.demo
 import SDFStentLib.cli.deploy
-from SDFStentLib.certificate.certificate import Certificate
+from SDFStentLib.certificate import Certificate
+from SDFStentLib.cli import main
 from SDFStentLib.cli.argument_types import number as _number
 from SDFStentLib.cli.argument_types import whole as _whole
 from SDFStentLib.cli.console import Console
 from SDFStentLib.cli.options import parser
 from SDFStentLib.cli.outputs import Outputs
-from SDFStentLib.cli.shell import main
-from SDFStentLib.deformation.settings import DeploymentSettings
-from SDFStentLib.files import polydata
-from SDFStentLib.files.formats import vtk_files as vtk_formats
-from SDFStentLib.files.model_faces import set_face_names
-from SDFStentLib.files.surface_files import read_surface
-from SDFStentLib.phantoms.phantoms import branching_pulmonary_artery, stenosed_tube
-from SDFStentLib.plan import StepFiles
-from SDFStentLib.plan.reader import load_plan
-from SDFStentLib.plan.run import run_plan
+from SDFStentLib.deformation import DeploymentSettings
+from SDFStentLib.files import (
+    encode_vtp,
+    polydata_from_arrays,
+    polydata_from_lines,
+    read_surface,
+    set_face_names,
+)
+from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube
+from SDFStentLib.plan import StepFiles, load_plan, run_plan
 from SDFStentLib.validation import DeploymentError, InputError
 
 PROJECT = Path(__file__).resolve().parents[1]
@@ -188,16 +189,16 @@ def a_bent_fork(tmp_path, monkeypatch):
     vessel = branching_pulmonary_artery()
     tree = vessel.centerline
     lines = [tree.ancestry(int(leaf)) for leaf in tree.leaves]
-    corner = polydata.polydata_from_lines(
+    corner = polydata_from_lines(
         [vessel.axis_at(20)[0] + shift for shift in ([0, 0, -4], [0, 0, 0], [0, 4, 1])],
         [np.arange(3)],
     )
     for name, data in (
-        ("fork", polydata.polydata_from_arrays(vessel.points, vessel.triangles)),
-        ("lines", polydata.polydata_from_lines(tree.points, lines)),
+        ("fork", polydata_from_arrays(vessel.points, vessel.triangles)),
+        ("lines", polydata_from_lines(tree.points, lines)),
         ("corner", corner),
     ):
-        (tmp_path / f"{name}.vtp").write_bytes(vtk_formats.encode_vtp(data))
+        (tmp_path / f"{name}.vtp").write_bytes(encode_vtp(data))
     monkeypatch.chdir(tmp_path)
     return [f"{value:.4f}" for value in vessel.axis_at(19)[0]]
 
@@ -249,21 +250,21 @@ def bad_files(folder):
     (folder / "noise.stl").write_bytes(bytes(range(256)) * 20)
     (folder / "folder").mkdir()
     vessel = stenosed_tube(edge_length=1.0)
-    broken = polydata.polydata_from_arrays(vessel.points / 10, vessel.triangles)
+    broken = polydata_from_arrays(vessel.points / 10, vessel.triangles)
     vtk_to_numpy(broken.GetPoints().GetData())[7] = np.nan
     one = [[0.0, 0, 2.0], [0.0, 0, 2.0]]
     shifted = vessel.centerline.points / 10 + np.array([20.0, 0, 0])
     for name, data in (
         ("nan", broken),
-        ("one", polydata.polydata_from_lines(one, [np.arange(2)])),
-        ("away", polydata.polydata_from_lines(shifted, [np.arange(len(shifted))])),
+        ("one", polydata_from_lines(one, [np.arange(2)])),
+        ("away", polydata_from_lines(shifted, [np.arange(len(shifted))])),
         (
             "millimeters",
-            polydata.polydata_from_lines(shifted * 10 - np.array([200.0, 0, 0]),
+            polydata_from_lines(shifted * 10 - np.array([200.0, 0, 0]),
                                          [np.arange(len(shifted))]),
         ),
     ):  # fmt: skip
-        (folder / f"{name}.vtp").write_bytes(vtk_formats.encode_vtp(data))
+        (folder / f"{name}.vtp").write_bytes(encode_vtp(data))
 
 
 @pytest.mark.parametrize(
@@ -431,8 +432,8 @@ def test_check_tells_sound_surfaces_from_others(a_folder, capsys):
     points = vessel.points.copy()
     points[np.argmin(np.abs(points[:, 2] - 20) - points[:, 0] * 1e-6)] += (40.0, 0, 0)
     crossed = np.where(np.arange(len(points))[:, None] % 50 == 3, -points, points)
-    data = polydata.polydata_from_arrays(crossed, vessel.triangles)
-    Path("bad.vtp").write_bytes(vtk_formats.encode_vtp(data))
+    data = polydata_from_arrays(crossed, vessel.triangles)
+    Path("bad.vtp").write_bytes(encode_vtp(data))
     assert main(["check", "bad.vtp", "--json"]) == 3
     document = json.loads(capsys.readouterr().out)
     assert document["self_intersecting_triangles"]
@@ -463,15 +464,15 @@ def test_without_opengl_the_report_comes_and_a_picture_is_refused_at_once(
 def test_an_axis_alone_tells_the_branches_that_the_stent_covers(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     made = branching_pulmonary_artery()
-    surface = polydata.polydata_from_arrays(
+    surface = polydata_from_arrays(
         made.points, made.triangles, cell_arrays={"ModelFaceID": made.face_ids}
     )
     set_face_names(surface, made.faces.names)
     for name, positions in (("across", (14, 30)), ("distal", (50, 58))):
         points = made.axis_at(np.linspace(*positions, 30))
-        line = polydata.polydata_from_lines(points, [np.arange(30)])
-        Path(f"{name}.vtp").write_bytes(vtk_formats.encode_vtp(line))
-    Path("artery.vtp").write_bytes(vtk_formats.encode_vtp(surface))
+        line = polydata_from_lines(points, [np.arange(30)])
+        Path(f"{name}.vtp").write_bytes(encode_vtp(line))
+    Path("artery.vtp").write_bytes(encode_vtp(surface))
     for axis, words in (
         ("across", "1 covered: right pulmonary artery (fully)"),
         ("distal", "No side branch was found within 10 mm of the stent."),

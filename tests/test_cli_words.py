@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from tube_files import deploy
 
-from SDFStentLib.cli.shell import main
+from SDFStentLib.cli import main
 
 LONG = ["--center", "0", "0", "2", "--length", "44"]
 SU0243 = ["su0243_surface_mm.vtp", "--centerline", "su0243_centerline_mm.vtp"]

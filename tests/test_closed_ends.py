@@ -8,12 +8,10 @@ from scipy.spatial.transform import Rotation
 from trees import unbranched
 
 from SDFStentLib.deformation import DeploymentSettings
-from SDFStentLib.files.surface_files import read_surface
+from SDFStentLib.files import read_surface
 from SDFStentLib.geometry import Surface, arc_lengths, resampled, tangents
-from SDFStentLib.lumen import closed_ends
-from SDFStentLib.lumen.caps import flat_caps
-from SDFStentLib.lumen.metrics import diameter_profile, profile_of
-from SDFStentLib.lumen.stations import measured_at
+from SDFStentLib.lumen import closed_ends, diameter_profile, flat_caps, measured_at
+from SDFStentLib.lumen.metrics import profile_of
 from SDFStentLib.stent import AtCenter, Stent
 from SDFStentLib.treatment import Treatment
 
@@ -169,7 +167,7 @@ def test_open_and_capped_tubes_have_one_profile():
 )
 def test_the_inlet_of_a_patient_is_not_narrow(data_dir, surface, line):
     from SDFStentLib.centerline.point_tree import ancestry_of
-    from SDFStentLib.files.centerline_files import read_centerline
+    from SDFStentLib.files import read_centerline
 
     vessel = read_surface(data_dir / f"{surface}_surface_cm.vtp", units="cm")
     tree = read_centerline(data_dir / f"{line}_centerline_cm.vtp", units="cm")

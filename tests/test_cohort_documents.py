@@ -11,7 +11,7 @@ import sys
 import pytest
 from mesh_files import PROJECT
 
-from SDFStentLib.cli.shell import main
+from SDFStentLib.cli import main
 from SDFStentLib.cohort import Cohort, sweep_from_document
 
 TEXT = (PROJECT / "docs" / "cohorts.md").read_text(encoding="utf-8")

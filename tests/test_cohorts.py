@@ -17,7 +17,7 @@ from SDFStentLib.cohort import Cohort, cases_of, estimated, run_sweep, write_man
 from SDFStentLib.cohort.moved import decoded, encoded
 from SDFStentLib.cohort.store import Store
 from SDFStentLib.files import encode_vtp, polydata_from_arrays
-from SDFStentLib.phantoms.phantoms import stenosed_tube
+from SDFStentLib.phantoms import stenosed_tube
 from SDFStentLib.stent import AtCenter, InputFile
 
 

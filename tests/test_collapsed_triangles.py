@@ -9,8 +9,7 @@ import pytest
 from child_processes import installed
 from mesh_files import octahedron, open_tube
 
-from SDFStentLib.files import polydata, read_surface
-from SDFStentLib.files.formats import vtk_files as vtk_formats
+from SDFStentLib.files import encode_vtp, polydata_from_arrays, polydata_from_lines, read_surface
 from SDFStentLib.phantoms import stenosed_tube
 
 ALONG_CAPS = ["--diameter", "8.6", "--tissue-gap", "0", "--capsule", "20"]
@@ -27,8 +26,8 @@ def heights(surface):
 
 
 def write(path, points, triangles):
-    data = polydata.polydata_from_arrays(np.asarray(points, np.float32), np.asarray(triangles))
-    path.write_bytes(vtk_formats.encode_vtp(data))
+    data = polydata_from_arrays(np.asarray(points, np.float32), np.asarray(triangles))
+    path.write_bytes(encode_vtp(data))
 
 
 def strip(turns, count=24):
@@ -55,8 +54,8 @@ def coarse_tube(tmp_path_factory):
     vessel = stenosed_tube(edge_length=1.5)
     write(folder / "tube.vtp", vessel.points, vessel.triangles)
     line = vessel.centerline.points
-    data = polydata.polydata_from_lines(line, [np.arange(len(line))])
-    (folder / "axis.vtp").write_bytes(vtk_formats.encode_vtp(data))
+    data = polydata_from_lines(line, [np.arange(len(line))])
+    (folder / "axis.vtp").write_bytes(encode_vtp(data))
     return folder
 
 
@@ -181,8 +180,8 @@ def test_a_certificate_tells_of_winding_that_the_input_had(tmp_path, kind):
         points = np.vstack([points, strip_points * 2 + [0, 0, 20]])
         words = "one-sided"
     write(tmp_path / "tube.vtp", points, triangles)
-    data = polydata.polydata_from_lines([[0, 0, 10], [0, 0, 30]], [np.arange(2)])
-    (tmp_path / "axis.vtp").write_bytes(vtk_formats.encode_vtp(data))
+    data = polydata_from_lines([[0, 0, 10], [0, 0, 30]], [np.arange(2)])
+    (tmp_path / "axis.vtp").write_bytes(encode_vtp(data))
     run = installed(
         "deploy", "tube.vtp", "--axis", "axis.vtp", "--diameter", "9", "-o", "out.vtp",
         "--report", "out.json", folder=tmp_path,

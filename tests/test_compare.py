@@ -13,13 +13,12 @@ import numpy as np
 import pytest
 from tube_files import write_tube
 
-from SDFStentLib.cli.shell import main
+from SDFStentLib.cli import main
 from SDFStentLib.files import encode_vtp, polydata_from_arrays
 from SDFStentLib.phantoms import straight_tube
 from SDFStentLib.plan import compare, comparison, load_plan
-from SDFStentLib.report import comparison_document, comparison_page, painting
+from SDFStentLib.report import comparison_document, comparison_page, comparison_pictures, painting
 from SDFStentLib.report.alternatives import comparison_rows
-from SDFStentLib.report.comparison import comparison_pictures
 from SDFStentLib.report.drawing import Words
 from SDFStentLib.report.picture.alternatives import alternatives_scene
 from SDFStentLib.treatment import vessel

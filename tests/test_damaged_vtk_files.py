@@ -7,8 +7,7 @@ import pytest
 from mesh_files import octahedron
 from polydata_cases import legacy_bytes, xml_bytes
 
-from SDFStentLib.files.polydata import polydata_from_arrays, set_frame_of_polydata
-from SDFStentLib.files.surface_files import read_surface
+from SDFStentLib.files import polydata_from_arrays, read_surface, set_frame_of_polydata
 from SDFStentLib.validation import InputError
 
 

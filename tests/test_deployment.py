@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from deployment_cases import anatomy_case, hairpin, phantom, phantom_case
 
+from SDFStentLib.deformation import Deployment, DeploymentSettings, deploy
 from SDFStentLib.deformation.attempt import Attempt
-from SDFStentLib.deformation.deployment import GAP_RAMP, Deployment, deploy
-from SDFStentLib.deformation.settings import DeploymentSettings
-from SDFStentLib.field.capsule_chain import CapsuleChain
-from SDFStentLib.geometry.precision import Precision
+from SDFStentLib.deformation.deployment import GAP_RAMP
+from SDFStentLib.field import CapsuleChain
+from SDFStentLib.geometry import Precision
 from SDFStentLib.validation import InputError
 
 DEFAULT = DeploymentSettings()
@@ -202,7 +202,7 @@ def test_without_companions_the_array_is_empty(case):
 
 
 def test_the_certificate_is_about_the_points_that_are_returned(case):
-    from SDFStentLib.certificate.certificate import certify
+    from SDFStentLib.certificate import certify
 
     result = deployment_of(case, precision=Precision(np.float32, 0.1)).result
     again = certify(case.surface, result.points, precision=Precision(np.float32, 0.1))

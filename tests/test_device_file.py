@@ -11,7 +11,7 @@ from tube_files import deploy
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 
-from SDFStentLib.cli.shell import main
+from SDFStentLib.cli import main
 from SDFStentLib.files import encode_vtp, polydata_from_arrays, read_surface
 from SDFStentLib.phantoms import straight_tube
 

@@ -14,19 +14,20 @@ from test_plan import SCHEMA, a_document
 from trees import unbranched
 from tube_files import PLACE, deploy
 
-from SDFStentLib.cli.shell import main
+from SDFStentLib.cli import main
 from SDFStentLib.geometry import resampled
-from SDFStentLib.plan.devices import (
+from SDFStentLib.plan import (
+    Plan,
     device_document,
     device_named,
     device_table,
+    from_document,
+    load_plan,
+    plan_from_document,
+    plan_text,
+    run_plan,
 )
-from SDFStentLib.plan.document import plan_text
-from SDFStentLib.plan.plan import Plan
-from SDFStentLib.plan.reader import load_plan, plan_from_document
-from SDFStentLib.plan.run import run_plan
-from SDFStentLib.plan.typed import from_document
-from SDFStentLib.report.devices import device_sentence, planned_device_sentences
+from SDFStentLib.report import device_sentence, planned_device_sentences
 from SDFStentLib.stent import AlongAxis, AtCenter, Balloon, BetweenPoints, Device, Stent, stent_axis
 from SDFStentLib.validation import InputError
 

@@ -8,15 +8,13 @@ import numpy as np
 import pytest
 from deployment_cases import ANATOMIES, anatomy
 
-from SDFStentLib.cli.shell import main
-from SDFStentLib.files import polydata
-from SDFStentLib.files.formats import vtk_files as vtk_formats
-from SDFStentLib.lumen.cross_section import winding_numbers
-from SDFStentLib.phantoms.phantoms import stenosed_tube
-from SDFStentLib.plan.reader import load_plan
-from SDFStentLib.stent import Stent, stent_axis
-from SDFStentLib.stent.placement import AtCenter, AtDistalEnd, BetweenPoints
-from SDFStentLib.treatment.straightening import axis_in_vessel
+from SDFStentLib.cli import main
+from SDFStentLib.files import encode_vtp, polydata_from_arrays, polydata_from_lines
+from SDFStentLib.lumen import winding_numbers
+from SDFStentLib.phantoms import stenosed_tube
+from SDFStentLib.plan import load_plan
+from SDFStentLib.stent import AtCenter, AtDistalEnd, BetweenPoints, Stent, stent_axis
+from SDFStentLib.treatment import axis_in_vessel
 from SDFStentLib.validation import InputError
 
 
@@ -27,11 +25,11 @@ def tube(tmp_path_factory):
     made = stenosed_tube(edge_length=1.0)
     points = made.centerline.points
     for name, data in (
-        ("tube", polydata.polydata_from_arrays(made.points, made.triangles)),
-        ("down", polydata.polydata_from_lines(points, [np.arange(len(points))])),
-        ("up", polydata.polydata_from_lines(points[::-1], [np.arange(len(points))])),
+        ("tube", polydata_from_arrays(made.points, made.triangles)),
+        ("down", polydata_from_lines(points, [np.arange(len(points))])),
+        ("up", polydata_from_lines(points[::-1], [np.arange(len(points))])),
     ):
-        (folder / f"{name}.vtp").write_bytes(vtk_formats.encode_vtp(data))
+        (folder / f"{name}.vtp").write_bytes(encode_vtp(data))
     return folder
 
 

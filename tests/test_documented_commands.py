@@ -18,7 +18,7 @@ import pytest
 from child_processes import INTERRUPTIBLE, PATIENCE
 from mesh_files import PROJECT
 
-from SDFStentLib.cli.shell import main
+from SDFStentLib.cli import main
 from SDFStentLib.phantoms import branching_pulmonary_artery
 
 DOCUMENTS = [PROJECT / "README.md", *sorted((PROJECT / "docs").glob("*.md"))]

@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 from deployment_cases import anatomy_case, phantom_case
 
-from SDFStentLib.deformation.deployment import Deployment
+from SDFStentLib.deformation import Deployment, DeploymentSettings
 from SDFStentLib.deformation.event_steps import event_steps
 from SDFStentLib.deformation.motion import Motion
-from SDFStentLib.deformation.settings import DeploymentSettings
-from SDFStentLib.field.capsule_chain import CapsuleChain
+from SDFStentLib.field import CapsuleChain
 
 PUBLISHED = DeploymentSettings.published().with_changes(certify=False)
 EVENTS = PUBLISHED.with_changes(rule="events")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from SDFStentLib.cli.shell import main
+from SDFStentLib.cli import main
 
 EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("*.py"))
 

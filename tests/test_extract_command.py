@@ -16,7 +16,7 @@ from vtkmodules.vtkCommonCore import vtkIntArray
 from vtkmodules.vtkCommonDataModel import VTK_TETRA
 from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLUnstructuredGridReader
 
-from SDFStentLib.cli.shell import main
+from SDFStentLib.cli import main
 from SDFStentLib.files import (
     MeshComplete,
     VolumeMesh,

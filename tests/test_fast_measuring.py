@@ -18,10 +18,17 @@ from SDFStentLib.geometry import (
     tangents,
 )
 from SDFStentLib.geometry.distance import closest_points_on_triangles
-from SDFStentLib.lumen.cross_section import _lumen_area, equivalent_diameters, winding_numbers
-from SDFStentLib.lumen.spheres.inscribed import Until, inscribed_spheres
-from SDFStentLib.lumen.stations import measured_at
-from SDFStentLib.lumen.wall_map import cuts_across, near_wall, rays_from
+from SDFStentLib.lumen import (
+    Until,
+    equivalent_diameters,
+    inscribed_spheres,
+    measured_at,
+    near_wall,
+    rays_from,
+    winding_numbers,
+)
+from SDFStentLib.lumen.cross_section import _lumen_area
+from SDFStentLib.lumen.wall_map import cuts_across
 from SDFStentLib.phantoms import (
     branching_pulmonary_artery,
     hairpin_tube,

@@ -10,13 +10,11 @@ from deployment_cases import anatomy_case, phantom
 from mesh_files import open_tube
 from scipy.spatial import KDTree
 
-from SDFStentLib.deformation.deployment import deploy
-from SDFStentLib.deformation.settings import DeploymentSettings
-from SDFStentLib.field.capsule_chain import CapsuleChain
+from SDFStentLib.deformation import DeploymentSettings, deploy
+from SDFStentLib.field import CapsuleChain
 from SDFStentLib.geometry import Surface
-from SDFStentLib.stent import Stent
-from SDFStentLib.stent.placement import AlongAxis, AtCenter
-from SDFStentLib.treatment.treatment import Treatment
+from SDFStentLib.stent import AlongAxis, AtCenter, Stent
+from SDFStentLib.treatment import Treatment
 from SDFStentLib.validation import DeploymentError
 
 SETTINGS = DeploymentSettings()

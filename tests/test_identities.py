@@ -9,8 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from SDFStentLib.deformation.deployment import Deployment, deploy
-from SDFStentLib.deformation.settings import DeploymentSettings
+from SDFStentLib.deformation import Deployment, DeploymentSettings, deploy
 from SDFStentLib.field import CapsuleChain
 from SDFStentLib.geometry import Surface
 
@@ -267,7 +266,7 @@ def test_an_open_surface_moves_as_the_closed_one_where_the_wall_is_the_same(name
 
 
 def test_the_finer_resampling_of_the_same_axis_gives_the_same_deployment(case):
-    from SDFStentLib.geometry.polyline import resampled_to
+    from SDFStentLib.geometry import resampled_to
 
     finer = deployed(case, DEFAULT, axis=resampled_to(case.axis, 2001))
     # Capsules are resampled from the given line; chords of 0.1 mm against 0.01 mm differ in
@@ -284,7 +283,7 @@ def test_the_finer_resampling_of_the_same_axis_gives_the_same_deployment(case):
     blend=st.sampled_from(["linear", "quadratic", "exponential"]),
 )
 def test_no_wall_is_left_inside_a_finished_stent(radius, start, length, falloff, blend):
-    from SDFStentLib.geometry.polyline import cut
+    from SDFStentLib.geometry import cut
 
     made = phantom_case("bent_tube")
     from deployment_cases import phantom

@@ -13,33 +13,33 @@ import numpy as np
 import pytest
 from deployment_cases import ANATOMIES, anatomy, phantom
 
-from SDFStentLib.cli.shell import main
-from SDFStentLib.files import polydata
-from SDFStentLib.files.formats import vtk_files as vtk_formats
-from SDFStentLib.files.surface_files import read_surface
-from SDFStentLib.geometry import Surface
-from SDFStentLib.geometry.polyline import resampled_to
-from SDFStentLib.lumen.spheres.inscribed import inscribed_spheres
-from SDFStentLib.phantoms.phantoms import branching_pulmonary_artery, stenosed_tube, straight_tube
+from SDFStentLib.cli import main
+from SDFStentLib.files import (
+    add_arrays,
+    encode_vtp,
+    polydata_from_arrays,
+    polydata_from_lines,
+    read_surface,
+)
+from SDFStentLib.geometry import Surface, resampled_to
+from SDFStentLib.lumen import inscribed_spheres
+from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube, straight_tube
 from SDFStentLib.report.html import html_page
-from SDFStentLib.stent import Stent, stent_axis
-from SDFStentLib.stent.placement import AtDistalEnd
+from SDFStentLib.stent import AtDistalEnd, Stent, stent_axis
 from SDFStentLib.treatment import placement_at, treated_lesions
-from SDFStentLib.vessel.lesions import find_lesions, lesions_within
+from SDFStentLib.vessel import find_lesions, lesions_within
 
 LENGTHS = (8.0, 12.0, 20.0, 30.0, 40.0)
 
 
 def written(folder, name, vessel):
     """A vessel and its centerline in files, cm; the options that name them."""
-    surface = polydata.polydata_from_arrays(vessel.points / 10, vessel.triangles)
+    surface = polydata_from_arrays(vessel.points / 10, vessel.triangles)
     tree = vessel.centerline
-    line = polydata.polydata_from_lines(
-        tree.points / 10, [tree.ancestry(int(leaf)) for leaf in tree.leaves]
-    )
-    polydata.add_arrays(line, {"MaximumInscribedSphereRadius": tree.inscribed_radius / 10}, {})
+    line = polydata_from_lines(tree.points / 10, [tree.ancestry(int(leaf)) for leaf in tree.leaves])
+    add_arrays(line, {"MaximumInscribedSphereRadius": tree.inscribed_radius / 10}, {})
     for part, data in (("", surface), ("_line", line)):
-        (folder / f"{name}{part}.vtp").write_bytes(vtk_formats.encode_vtp(data))
+        (folder / f"{name}{part}.vtp").write_bytes(encode_vtp(data))
     return [str(folder / f"{name}.vtp"), "--centerline", str(folder / f"{name}_line.vtp"),
             "--units", "cm"]  # fmt: skip
 
@@ -375,7 +375,7 @@ def test_an_axis_that_is_half_outside_gets_its_sentence_in_deploy_and_run(tube, 
     """Of 60 mm of tube; `run` dropped the sentence."""
     axis, plan = tmp_path / "axis.vtp", tmp_path / "plan.json"
     line = np.linspace([0, 0, 2.0], [0, 0, 9.0], 71)
-    axis.write_bytes(vtk_formats.encode_vtp(polydata.polydata_from_lines(line, [np.arange(71)])))
+    axis.write_bytes(encode_vtp(polydata_from_lines(line, [np.arange(71)])))
     words = ["deploy", tube[0], "--units", "cm", "--axis", axis, "--diameter", 6]
     assert main([str(w) for w in [*words, "-o", tmp_path / "o.vtp", "--save-plan", plan]]) in (0, 3)
     assert "42 % of its points lie outside of" in capsys.readouterr().err

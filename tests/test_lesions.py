@@ -11,19 +11,16 @@ from deployment_cases import ANATOMIES, anatomy, phantom
 from lesion_cases import bifurcation_case, tapering, tube_case
 from trees import unbranched, with_radius
 
-from SDFStentLib.centerline.centerline import Centerline
-from SDFStentLib.deformation.deployment import deploy
+from SDFStentLib.centerline import Centerline
+from SDFStentLib.deformation import deploy
 from SDFStentLib.field import CapsuleChain
-from SDFStentLib.geometry import Surface
-from SDFStentLib.geometry.polyline import cut
-from SDFStentLib.lumen.caps import flat_caps
-from SDFStentLib.lumen.closed_surface import closed_surface
-from SDFStentLib.lumen.spheres.inscribed import inscribed_spheres
+from SDFStentLib.geometry import Surface, cut
+from SDFStentLib.lumen import closed_surface, flat_caps, inscribed_spheres
 from SDFStentLib.phantoms.axis import planar_axis
 from SDFStentLib.phantoms.mesh import swept_tube
 from SDFStentLib.validation import InputError
-from SDFStentLib.vessel.lesions import _found, _once, find_lesions, lesion_after, lesions_within
-from SDFStentLib.vessel.marked_reference import lesion_against
+from SDFStentLib.vessel import find_lesions, lesion_after, lesion_against, lesions_within
+from SDFStentLib.vessel.lesions import _found, _once
 from SDFStentLib.vessel.narrowings import narrowings
 from SDFStentLib.vessel.runs import SideBranch, VesselRun
 

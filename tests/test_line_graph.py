@@ -7,8 +7,7 @@ import tracemalloc
 import numpy as np
 import pytest
 
-from SDFStentLib.centerline import line_graph, overlaps
-from SDFStentLib.centerline.centerline import Centerline
+from SDFStentLib.centerline import Centerline, line_graph, overlaps
 from SDFStentLib.centerline.line_graph import LineGraph, near_pairs
 from SDFStentLib.geometry import distances_to_segments
 

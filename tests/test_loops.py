@@ -13,11 +13,10 @@ from child_processes import PATIENCE
 from trees import unbranched
 
 from SDFStentLib.cli.demo import _written_patient
-from SDFStentLib.geometry.distance import SurfaceIndex
-from SDFStentLib.geometry.polyline import resampled
+from SDFStentLib.geometry import SurfaceIndex, resampled
+from SDFStentLib.lumen import LocalSurface
 from SDFStentLib.lumen.spheres import inscribed
-from SDFStentLib.lumen.spheres.local_surface import LocalSurface
-from SDFStentLib.phantoms.phantoms import branching_pulmonary_artery, stenosed_tube
+from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube
 from SDFStentLib.validation import InputError
 
 PROJECT = Path(__file__).resolve().parents[1]

@@ -10,12 +10,11 @@ from deployment_cases import AXES, arc, phantom, phantom_case, straight
 from oracle import capsule_distance
 from oracle import field as plain_field
 
-from SDFStentLib.deformation.deployment import Deployment, deploy
+from SDFStentLib.deformation import Deployment, DeploymentSettings, deploy
 from SDFStentLib.deformation.lumen import OnStent
-from SDFStentLib.deformation.settings import DeploymentSettings
-from SDFStentLib.field.capsule_chain import CapsuleChain, radius_correction
+from SDFStentLib.field import CapsuleChain, radius_correction
 from SDFStentLib.geometry import Surface
-from SDFStentLib.lumen.spheres.inscribed import inscribed_spheres
+from SDFStentLib.lumen import inscribed_spheres
 
 DEFAULT = DeploymentSettings(certify=False)
 

@@ -10,11 +10,15 @@ from child_processes import measured
 from deployment_cases import ANATOMIES, anatomy, leaf_path
 from vtkmodules.vtkFiltersModeling import vtkLinearSubdivisionFilter
 
-from SDFStentLib.files import polydata
-from SDFStentLib.files.formats import vtk_files as vtk_formats
-from SDFStentLib.files.surface_files import read_surface
-from SDFStentLib.geometry.polyline import point_at
-from SDFStentLib.phantoms.phantoms import straight_tube
+from SDFStentLib.files import (
+    add_arrays,
+    encode_vtp,
+    polydata_from_arrays,
+    polydata_from_lines,
+    read_surface,
+)
+from SDFStentLib.geometry import point_at
+from SDFStentLib.phantoms import straight_tube
 
 pytest.importorskip("resource", reason="memory is not measured on this system")
 
@@ -30,7 +34,7 @@ def write_subdivided(data, path):
     count = split.GetOutput().GetNumberOfPolys()
     # 300,000 within 2 %, so that the limit is tried and nothing else.
     assert count == pytest.approx(300_000, rel=0.02)
-    path.write_bytes(vtk_formats.encode_vtp(split.GetOutput()))
+    path.write_bytes(encode_vtp(split.GetOutput()))
 
 
 @pytest.fixture(scope="module")
@@ -55,16 +59,16 @@ def an_aorta(data_folder, folder):
 
 def a_tube(folder):
     made = straight_tube(radius=8.0, length=80.0, edge_length=0.74)
-    data = polydata.polydata_from_arrays(
+    data = polydata_from_arrays(
         (made.points / 10).astype(np.float32),
         made.triangles,
         cell_arrays={"ModelFaceID": made.face_ids},
     )
     write_subdivided(data, folder / "surface.vtp")
     tree = made.centerline
-    line = polydata.polydata_from_lines(tree.points / 10, [np.arange(len(tree.points))])
-    polydata.add_arrays(line, {"MaximumInscribedSphereRadius": tree.inscribed_radius / 10}, {})
-    (folder / "line.vtp").write_bytes(vtk_formats.encode_vtp(line))
+    line = polydata_from_lines(tree.points / 10, [np.arange(len(tree.points))])
+    add_arrays(line, {"MaximumInscribedSphereRadius": tree.inscribed_radius / 10}, {})
+    (folder / "line.vtp").write_bytes(encode_vtp(line))
     return ["--center", 0, 0, 4, "--diameter", 20]
 
 

@@ -6,14 +6,19 @@ import numpy as np
 import pytest
 from deployment_cases import phantom
 
-from SDFStentLib.geometry import Surface, length, resampled, tangents
-from SDFStentLib.geometry.distance import SurfaceIndex, closest_points_on_triangles
-from SDFStentLib.lumen.cross_section import equivalent_diameters
-from SDFStentLib.lumen.metrics import DiameterProfile, diameter_profile
+from SDFStentLib.geometry import Surface, SurfaceIndex, length, resampled, tangents
+from SDFStentLib.geometry.distance import closest_points_on_triangles
+from SDFStentLib.lumen import (
+    DiameterProfile,
+    Until,
+    diameter_profile,
+    displacements,
+    equivalent_diameters,
+    face_stretches,
+    inscribed_spheres,
+)
 from SDFStentLib.lumen.spheres import inscribed
-from SDFStentLib.lumen.spheres.inscribed import Until, inscribed_spheres
 from SDFStentLib.lumen.spheres.wall_points import WallPoints
-from SDFStentLib.lumen.stretch import displacements, face_stretches
 from SDFStentLib.phantoms import branching_pulmonary_artery
 from SDFStentLib.validation import InputError
 

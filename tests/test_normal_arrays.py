@@ -3,9 +3,9 @@ import pytest
 from mesh_files import octahedron
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 
+from SDFStentLib.files import polydata_from_arrays
 from SDFStentLib.files.normal_arrays import refresh_normals
-from SDFStentLib.files.polydata import polydata_from_arrays
-from SDFStentLib.geometry.faces import face_normals, vertex_normals
+from SDFStentLib.geometry import face_normals, vertex_normals
 
 
 def squeezed(points):

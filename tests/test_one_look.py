@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from SDFStentLib import AtCenter, Stent, Surface, Treatment, validation
-from SDFStentLib.cli.shell import main
+from SDFStentLib.cli import main
 from SDFStentLib.files import (
     add_arrays,
     encode_vtp,

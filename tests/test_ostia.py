@@ -13,12 +13,12 @@ from SDFStentLib import phantoms
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.files import read_centerline, read_surface
 from SDFStentLib.geometry import NamedFaces, Surface, closest_points, cut
-from SDFStentLib.lumen.extended_axis import ExtendedAxis, extended_axis
+from SDFStentLib.lumen import ExtendedAxis, extended_axis
 from SDFStentLib.phantoms.axis import planar_axis
 from SDFStentLib.phantoms.field import Tube, TubeUnion
 from SDFStentLib.phantoms.junction import branching_tube
 from SDFStentLib.stent import AtProximalEnd, BetweenPoints, Stent, stent_axis
-from SDFStentLib.vessel.ostia import find_ostia
+from SDFStentLib.vessel import find_ostia
 
 AORTA = ("vmtk_aorta_surface_mm.vtp", "mm")
 FORMS = {

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from deployment_cases import PHANTOM_STENTS, anatomy_case, phantom_case
 
-from SDFStentLib.deformation.deployment import deploy
+from SDFStentLib.deformation import deploy
 from SDFStentLib.field import CapsuleChain
-from SDFStentLib.geometry.faces import signed_volume
+from SDFStentLib.geometry import signed_volume
 
 pymeshlab = pytest.importorskip("pymeshlab")
 tetgen = pytest.importorskip("tetgen")
@@ -109,7 +109,7 @@ def test_a_stented_anatomy_is_sound_by_meshlab_and_tetgen(data_dir, name):
 
 
 def test_our_certificate_finds_the_faces_that_meshlab_finds(data_dir):
-    from SDFStentLib.deformation.settings import DeploymentSettings
+    from SDFStentLib.deformation import DeploymentSettings
 
     case = anatomy_case(data_dir, "aorta_iliac", 200, 36, radius=12.0)
     result = deploy(

@@ -8,7 +8,7 @@ from deployment_cases import phantom
 from mesh_files import open_tube
 
 from SDFStentLib.deformation.patch import Patch
-from SDFStentLib.field.capsule_chain import CapsuleChain
+from SDFStentLib.field import CapsuleChain
 from SDFStentLib.geometry import Surface
 
 

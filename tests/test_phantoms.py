@@ -9,13 +9,20 @@ import numpy as np
 import pytest
 
 from SDFStentLib import phantoms
-from SDFStentLib.certificate.intersections import self_intersecting_triangles
-from SDFStentLib.geometry.faces import face_areas, face_normals, signed_volume
-from SDFStentLib.geometry.topology import consistently_wound, edges, is_manifold, surface_topology
+from SDFStentLib.certificate import self_intersecting_triangles
+from SDFStentLib.geometry import (
+    consistently_wound,
+    edges,
+    face_areas,
+    face_normals,
+    is_manifold,
+    signed_volume,
+    surface_topology,
+)
+from SDFStentLib.phantoms import Phantom
 from SDFStentLib.phantoms.axis import helical_axis, planar_axis
 from SDFStentLib.phantoms.field import Tube, TubeUnion
 from SDFStentLib.phantoms.junction import branching_tube
-from SDFStentLib.phantoms.phantoms import Phantom
 from SDFStentLib.validation import InputError
 
 EDGE_LENGTH = {

@@ -12,28 +12,39 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from SDFStentLib.deformation.settings import DeploymentSettings
-from SDFStentLib.files import polydata
-from SDFStentLib.files.formats import vtk_files as vtk_formats
+from SDFStentLib.deformation import DeploymentSettings
+from SDFStentLib.files import (
+    encode_vtp,
+    polydata_from_arrays,
+    polydata_from_lines,
+    set_frame_of_polydata,
+)
 from SDFStentLib.geometry import Surface
-from SDFStentLib.phantoms.phantoms import branching_pulmonary_artery, stenosed_tube
-from SDFStentLib.plan.document import plan_document, plan_text, save_plan
-from SDFStentLib.plan.json_document import scaled, unscaled
-from SDFStentLib.plan.plan import Plan, method_parameters, turned
-from SDFStentLib.plan.reader import load_plan, plan_from_document
-from SDFStentLib.plan.run import run_plan
-from SDFStentLib.report.of_plan import plan_report
-from SDFStentLib.stent import Stent
-from SDFStentLib.stent.placement import (
+from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube
+from SDFStentLib.plan import (
+    Plan,
+    load_plan,
+    method_parameters,
+    plan_from_document,
+    plan_text,
+    run_plan,
+    save_plan,
+    scaled,
+    turned,
+)
+from SDFStentLib.plan.document import plan_document
+from SDFStentLib.plan.json_document import unscaled
+from SDFStentLib.report import plan_report
+from SDFStentLib.stent import (
     AlongAxis,
     AtCenter,
     AtDistalEnd,
     AtProximalEnd,
     BetweenPoints,
     InputFile,
+    Stent,
 )
-from SDFStentLib.treatment import size_cautions
-from SDFStentLib.treatment.treatment import Treatment
+from SDFStentLib.treatment import Treatment, size_cautions
 from SDFStentLib.treatment.warnings import overlap_length
 from SDFStentLib.validation import DeploymentError, InputError
 
@@ -93,11 +104,11 @@ def a_patient(tmp_path_factory):
     folder = tmp_path_factory.mktemp("patient")
     vessel = branching_pulmonary_artery(edge_length=1.1)
     tree = vessel.centerline
-    surface = polydata.polydata_from_arrays(vessel.points, vessel.triangles)
-    lines = polydata.polydata_from_lines(tree.points, [tree.ancestry(i) for i in tree.leaves])
-    axis = polydata.polydata_from_lines(vessel.axis_at(np.arange(20.0, 41.0)), [np.arange(21)])
+    surface = polydata_from_arrays(vessel.points, vessel.triangles)
+    lines = polydata_from_lines(tree.points, [tree.ancestry(i) for i in tree.leaves])
+    axis = polydata_from_lines(vessel.axis_at(np.arange(20.0, 41.0)), [np.arange(21)])
     for name, data in (("surface", surface), ("centerline", lines), ("axis", axis)):
-        (folder / f"{name}.vtp").write_bytes(vtk_formats.encode_vtp(data))
+        (folder / f"{name}.vtp").write_bytes(encode_vtp(data))
     return folder, vessel
 
 
@@ -355,7 +366,7 @@ def test_a_stent_far_wider_than_the_native_lumen_is_said_with_both_numbers(facto
 
 
 def test_a_bend_tighter_than_the_stent_is_said():
-    from SDFStentLib.phantoms.phantoms import bent_tube
+    from SDFStentLib.phantoms import bent_tube
 
     vessel = bent_tube(radius=3.0, bend_radius=4.0, angle_deg=120)
     middle = vessel.vessels[0].axis.length / 2
@@ -437,9 +448,9 @@ def test_a_changed_input_is_refused_naming_both_hashes_unless_accepted(a_patient
 def test_a_plan_in_the_other_frame_is_turned(a_patient):
     folder, vessel = a_patient
     stent = Stent(7.5, placement=BetweenPoints(*vessel.axis_at((20, 40))))
-    data = polydata.polydata_from_arrays(vessel.points, vessel.triangles)
-    polydata.set_frame_of_polydata(data, "RAS")
-    (folder / "ras.vtp").write_bytes(vtk_formats.encode_vtp(data))
+    data = polydata_from_arrays(vessel.points, vessel.triangles)
+    set_frame_of_polydata(data, "RAS")
+    (folder / "ras.vtp").write_bytes(encode_vtp(data))
     files = {
         "surface": InputFile(folder / "ras.vtp"),
         "centerline": InputFile(folder / "centerline.vtp"),

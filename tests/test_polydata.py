@@ -4,14 +4,14 @@ from mesh_files import octahedron
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 
-from SDFStentLib.files.polydata import (
+from SDFStentLib.files import (
     add_arrays,
     inscribed_radius_from_polydata,
     polydata_from_arrays,
     polydata_from_lines,
-    polydata_from_polygons,
     surface_from_polydata,
 )
+from SDFStentLib.files.polydata import polydata_from_polygons
 from SDFStentLib.validation import InputError
 
 

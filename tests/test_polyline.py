@@ -8,8 +8,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from SDFStentLib.geometry import bends, polyline
-from SDFStentLib.geometry.segments import PAIRS_PER_BLOCK, closest_on_segments
+from SDFStentLib.geometry import (
+    closest_on_segments,
+    frames,
+    minimum_bend_radius,
+    polyline,
+    tangents,
+)
+from SDFStentLib.geometry.segments import PAIRS_PER_BLOCK
 from SDFStentLib.validation import InputError
 
 CORNER = np.array([[0.0, 0, 0], [3, 0, 0], [3, 4, 0]])
@@ -109,21 +115,21 @@ def test_closest_points_in_blocks_match_dense_sampling():
 
 def test_tangents_of_an_arc_are_perpendicular_to_its_radius():
     arc = an_arc()
-    along = bends.tangents(arc)
+    along = tangents(arc)
     np.testing.assert_allclose(np.linalg.norm(along, axis=1), 1, atol=ROUNDING)
     np.testing.assert_allclose(np.einsum("ij,ij->i", along, arc)[1:-1], 0, atol=ROUNDING)
 
 
 def test_tangents_ignore_repeated_points_and_survive_a_turn_back():
     doubled = np.repeat(CORNER, 3, axis=0)
-    expected = np.repeat(bends.tangents(CORNER), 3, axis=0)
-    np.testing.assert_allclose(bends.tangents(doubled), expected, atol=ROUNDING)
-    back = bends.tangents([[0, 0, 0], [1, 0, 0], [0, 0, 0]])
+    expected = np.repeat(tangents(CORNER), 3, axis=0)
+    np.testing.assert_allclose(tangents(doubled), expected, atol=ROUNDING)
+    back = tangents([[0, 0, 0], [1, 0, 0], [0, 0, 0]])
     assert back.tolist() == [[1, 0, 0], [1, 0, 0], [-1, 0, 0]]
 
 
 def test_frames_are_right_handed_and_do_not_twist_in_a_plane():
-    result = bends.frames(an_arc(), first_normal=[0, 0, 1])
+    result = frames(an_arc(), first_normal=[0, 0, 1])
     identities = result @ np.swapaxes(result, 1, 2)
     np.testing.assert_allclose(identities, np.broadcast_to(np.eye(3), identities.shape), atol=1e-9)
     np.testing.assert_allclose(np.linalg.det(result), 1, atol=ROUNDING)
@@ -133,24 +139,24 @@ def test_frames_are_right_handed_and_do_not_twist_in_a_plane():
 def test_frames_find_a_normal_when_none_or_a_parallel_one_is_given():
     line = [[0, 0, 0], [2, 0, 0]]
     for wanted in (None, [1, 0, 0]):
-        assert abs(bends.frames(line, wanted)[0, 1, 0]) < ROUNDING
+        assert abs(frames(line, wanted)[0, 1, 0]) < ROUNDING
 
 
 @pytest.mark.parametrize("window", [None, 0.5, 3.0])
 def test_the_bend_radius_of_an_arc_is_its_radius(window):
     # Points on chords of a fine arc lie inside it by the chord height, 8e-5 mm at 0.08 mm steps,
     # which over a window of 0.5 mm turns into 4 * 8e-5 * (10 / 0.5)^2 = 0.13 mm.
-    assert bends.minimum_bend_radius(an_arc(), window) == pytest.approx(10, abs=0.13)
+    assert minimum_bend_radius(an_arc(), window) == pytest.approx(10, abs=0.13)
 
 
 def test_the_bend_radius_of_lines_corners_and_hairpins():
-    assert bends.minimum_bend_radius(CORNER[:2]) == np.inf
-    assert bends.minimum_bend_radius([[0, 0, 0], [1, 0, 0], [5, 0, 0]]) == np.inf
-    assert bends.minimum_bend_radius([[0, 0, 0], [1, 0, 0], [0.5, 0, 0]]) == 0
-    corner = bends.minimum_bend_radius([[0, 0, 0], [4, 0, 0], [4, 4, 0]], window=2.0)
+    assert minimum_bend_radius(CORNER[:2]) == np.inf
+    assert minimum_bend_radius([[0, 0, 0], [1, 0, 0], [5, 0, 0]]) == np.inf
+    assert minimum_bend_radius([[0, 0, 0], [1, 0, 0], [0.5, 0, 0]]) == 0
+    corner = minimum_bend_radius([[0, 0, 0], [4, 0, 0], [4, 4, 0]], window=2.0)
     # The corner is met to a sixteenth of the window, which is second order in the radius.
     assert corner == pytest.approx(2 / (2 * np.sin(np.pi / 4)), rel=1 / 16**2 * 2)
-    assert bends.minimum_bend_radius(an_arc(), window=1e-9) > 0
+    assert minimum_bend_radius(an_arc(), window=1e-9) > 0
 
 
 @pytest.mark.parametrize(
@@ -161,11 +167,11 @@ def test_the_bend_radius_of_lines_corners_and_hairpins():
         (lambda: polyline.resampled(CORNER[:1], 1), "expected at least 2 points, got 1"),
         (lambda: polyline.resampled(np.zeros((4, 3)), 1), "expected two different points, got 4"),
         (lambda: polyline.resampled_to(CORNER, 1), "count: expected at least 2 points, got 1"),
-        (lambda: bends.tangents(np.ones((2, 3))), "expected two different points"),
+        (lambda: tangents(np.ones((2, 3))), "expected two different points"),
         (lambda: polyline.cut(CORNER, 5, 5), "expected a start before the end"),
         (lambda: polyline.cut(CORNER, 8, 9), "on a polyline of 7 mm, got 8 to 9 mm"),
         (lambda: polyline.cut(CORNER, np.nan, 2), "expected a start before the end"),
-        (lambda: bends.minimum_bend_radius(CORNER, 0), "window: expected a number greater"),
+        (lambda: minimum_bend_radius(CORNER, 0), "window: expected a number greater"),
         (lambda: polyline.without_repeats(CORNER * np.nan), "got NaN or infinity"),
         (lambda: polyline.closest_point(CORNER, [0, 0, np.inf]), "query: expected finite"),
     ],
@@ -178,7 +184,7 @@ def test_unusable_input_gives_one_sentence(call, message):
 def test_nothing_changes_its_input():
     points = np.repeat(CORNER, 2, axis=0)
     before = points.copy()
-    for work in (polyline.without_repeats, bends.tangents, bends.frames):
+    for work in (polyline.without_repeats, tangents, frames):
         work(points)
     polyline.resampled(points, 1.0), polyline.cut(points, 1, 2)
     np.testing.assert_array_equal(points, before)

@@ -10,7 +10,7 @@ from scipy.integrate import quad
 from test_plan import SCHEMA, a_document
 from tube_files import deploy
 
-from SDFStentLib.cli.shell import main
+from SDFStentLib.cli import main
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.flow import Blood, pressure_band, vessel_block
 from SDFStentLib.lumen import DiameterProfile

@@ -13,11 +13,15 @@ from mesh_files import PROJECT
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkStringArray
 
-from SDFStentLib.field.capsule_chain import CapsuleChain
-from SDFStentLib.files import polydata
-from SDFStentLib.files.formats import vtk_files as vtk_formats
-from SDFStentLib.files.surface_files import read_surface
-from SDFStentLib.phantoms.phantoms import stenosed_tube
+from SDFStentLib.field import CapsuleChain
+from SDFStentLib.files import (
+    add_arrays,
+    encode_vtp,
+    polydata_from_arrays,
+    polydata_from_lines,
+    read_surface,
+)
+from SDFStentLib.phantoms import stenosed_tube
 
 REACH = 3.0 + 6.5 + 0.4
 """Radius of the stent, influence distance and tissue gap, mm."""
@@ -31,7 +35,7 @@ def a_vessel(tmp_path_factory):
     # Away from the origin, so that single precision shows.
     shift = np.array([11.0, -7.0, 130.0])
     points = ((made.points + shift) / 10).astype(np.float32)
-    data = polydata.polydata_from_arrays(
+    data = polydata_from_arrays(
         points,
         made.triangles,
         point_arrays={
@@ -51,11 +55,11 @@ def a_vessel(tmp_path_factory):
     when.SetName("TimeValue")
     data.GetFieldData().AddArray(name)
     data.GetFieldData().AddArray(when)
-    (folder / "vessel.vtp").write_bytes(vtk_formats.encode_vtp(data))
+    (folder / "vessel.vtp").write_bytes(encode_vtp(data))
     tree = made.centerline
-    line = polydata.polydata_from_lines((tree.points + shift) / 10, [np.arange(len(tree.points))])
-    polydata.add_arrays(line, {"MaximumInscribedSphereRadius": tree.inscribed_radius / 10}, {})
-    (folder / "line.vtp").write_bytes(vtk_formats.encode_vtp(line))
+    line = polydata_from_lines((tree.points + shift) / 10, [np.arange(len(tree.points))])
+    add_arrays(line, {"MaximumInscribedSphereRadius": tree.inscribed_radius / 10}, {})
+    (folder / "line.vtp").write_bytes(encode_vtp(line))
     return folder
 
 

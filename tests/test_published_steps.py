@@ -7,11 +7,10 @@ import oracle
 import pytest
 from deployment_cases import ANATOMIES, PHANTOM_STENTS, anatomy_case, phantom_case
 
-from SDFStentLib.deformation.deployment import Deployment
+from SDFStentLib.deformation import Deployment, DeploymentSettings
 from SDFStentLib.deformation.motion import Motion
 from SDFStentLib.deformation.published_steps import published_steps
-from SDFStentLib.deformation.settings import DeploymentSettings
-from SDFStentLib.field.capsule_chain import CapsuleChain
+from SDFStentLib.field import CapsuleChain
 
 EXACT = 1e-9  # mm: what the issue demands; rounding leaves 1e-13
 PUBLISHED = DeploymentSettings.published().with_changes(certify=False)

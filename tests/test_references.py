@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from deployment_cases import phantom
 
+from SDFStentLib.vessel import find_lesions
 from SDFStentLib.vessel.lesion_measuring import _with_section
-from SDFStentLib.vessel.lesions import find_lesions
 from SDFStentLib.vessel.narrowings import narrowings
 from SDFStentLib.vessel.runs import VesselRun, _ostium
 from SDFStentLib.vessel.stretches import Stretch

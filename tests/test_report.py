@@ -13,25 +13,18 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from SDFStentLib.lumen.metrics import DiameterProfile
+from SDFStentLib.lumen import DiameterProfile
+from SDFStentLib.report import Report, write_report, write_report_figure
 from SDFStentLib.report.drawing import Box, Disc, Line, Words
 from SDFStentLib.report.html import certificate_sentence, html_page
 from SDFStentLib.report.lesions import treated_lesion_section
 from SDFStentLib.report.plot import diameter_plot, figure
-from SDFStentLib.report.report import (
-    Report,
-    StentResult,
-    report_json,
-    write_report,
-    write_report_figure,
-)
+from SDFStentLib.report.report import StentResult, report_json
 from SDFStentLib.report.words import millimeters, number_text
-from SDFStentLib.stent.placement import Placement
-from SDFStentLib.treatment.lesions import TreatedLesion
+from SDFStentLib.stent import Placement
+from SDFStentLib.treatment import TreatedLesion
 from SDFStentLib.validation import DeploymentError, InputError
-from SDFStentLib.vessel.apposition import Apposition, FreeStretch
-from SDFStentLib.vessel.lesion_value import HealthyPlace, Lesion
-from SDFStentLib.vessel.ostia import Ostium
+from SDFStentLib.vessel import Apposition, FreeStretch, HealthyPlace, Lesion, Ostium
 
 CLEAN = {
     "passed": True,

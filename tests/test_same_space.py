@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 from mesh_files import octahedron, open_tube
 
-from SDFStentLib.files import read_surface
-from SDFStentLib.files.same_space import InsideTest, check_same_space, size_warnings
+from SDFStentLib.files import check_same_space, read_surface, size_warnings
+from SDFStentLib.files.same_space import InsideTest
 from SDFStentLib.geometry import Surface
 from SDFStentLib.validation import InputError
 
@@ -88,8 +88,7 @@ def test_the_lumen_counts_as_well_as_the_length():
 
 
 def test_real_vessels_are_seen_inside(data_dir):
-    from SDFStentLib.files.centerline_files import read_lines
-    from SDFStentLib.files.surface_files import read_surface
+    from SDFStentLib.files import read_lines, read_surface
 
     for vessel in ("pulmonary", "aorta_iliac"):
         surface = read_surface(data_dir / f"{vessel}_surface_cm.vtp", "cm")

@@ -29,7 +29,7 @@ from SDFStentLib.geometry import (
     point_at,
     signed_volume,
 )
-from SDFStentLib.lumen.caps import flat_caps
+from SDFStentLib.lumen import flat_caps
 from SDFStentLib.phantoms import (
     arch_with_coarctation,
     branching_pulmonary_artery,

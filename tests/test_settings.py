@@ -10,12 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from SDFStentLib.deformation.deployment import Deployment
-from SDFStentLib.deformation.profiles import BLENDS, FALLOFFS
-from SDFStentLib.deformation.settings import RULES, DeploymentSettings
+from SDFStentLib.deformation import BLENDS, FALLOFFS, RULES, Deployment, DeploymentSettings
 from SDFStentLib.field import CapsuleChain
 from SDFStentLib.parameter import parameters_of
-from SDFStentLib.phantoms.phantoms import straight_tube
+from SDFStentLib.phantoms import straight_tube
 from SDFStentLib.plan import method_parameters
 from SDFStentLib.stent import Balloon, Shape, Stent, StentEnd, Waist
 from SDFStentLib.validation import InputError

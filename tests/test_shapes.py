@@ -15,11 +15,7 @@ from tube_files import deploy
 from SDFStentLib.deformation import Deployment, DeploymentSettings
 from SDFStentLib.deformation import deploy as deployed
 from SDFStentLib.field import CapsuleChain, RadiusShares
-from SDFStentLib.plan.document import plan_text
-from SDFStentLib.plan.plan import Plan
-from SDFStentLib.plan.reader import load_plan, plan_from_document
-from SDFStentLib.plan.run import run_plan
-from SDFStentLib.plan.shapes import read_profile
+from SDFStentLib.plan import Plan, load_plan, plan_from_document, plan_text, read_profile, run_plan
 from SDFStentLib.stent import AlongAxis, AtCenter, Shape, Stent, StentEnd, Waist
 from SDFStentLib.treatment import Preview, Treatment
 from SDFStentLib.validation import InputError

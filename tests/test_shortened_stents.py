@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from SDFStentLib.cli.shell import main
+from SDFStentLib.cli import main
 
 SIZES = ["--units", "cm", "--diameter", "6", "--foreshortening", "0"]
 ALONG_LINE = ["--centerline", "line.vtp"]

@@ -12,7 +12,7 @@ from scipy.interpolate import CubicSpline
 from tube_files import deploy
 
 from SDFStentLib.centerline import Centerline
-from SDFStentLib.cli.shell import main
+from SDFStentLib.cli import main
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.geometry import arc_lengths, length, smoothed_line, tightest_bend
 from SDFStentLib.phantoms import hairpin_tube, straight_tube

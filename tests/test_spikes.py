@@ -16,18 +16,24 @@ from deployment_cases import anatomy, phantom
 from mesh_files import PROJECT
 
 from SDFStentLib.cautions import Caution
-from SDFStentLib.certificate import MotionCheck
-from SDFStentLib.certificate.certificate import Certificate
-from SDFStentLib.deformation.deployment import Deployment
+from SDFStentLib.certificate import Certificate, MotionCheck
+from SDFStentLib.deformation import Deployment, DeploymentSettings
 from SDFStentLib.deformation.lumen import largest_push
-from SDFStentLib.deformation.settings import DeploymentSettings
 from SDFStentLib.deformation.stent_checks import Expected, lumen_check, motion_check
-from SDFStentLib.field.capsule_chain import CapsuleChain
+from SDFStentLib.field import CapsuleChain
 from SDFStentLib.geometry import Surface, length
-from SDFStentLib.stent import Stent, StentAxis, stent_axis, straight_way
-from SDFStentLib.stent.placement import AlongAxis, AtCenter, AtDistalEnd, AtProximalEnd
-from SDFStentLib.treatment.straightening import AxisChange, axis_in_vessel, permitted
-from SDFStentLib.treatment.treatment import Treatment
+from SDFStentLib.stent import (
+    AlongAxis,
+    AtCenter,
+    AtDistalEnd,
+    AtProximalEnd,
+    Stent,
+    StentAxis,
+    stent_axis,
+    straight_way,
+)
+from SDFStentLib.treatment import AxisChange, Treatment, axis_in_vessel
+from SDFStentLib.treatment.straightening import permitted
 
 _spec = importlib.util.spec_from_file_location("judges", PROJECT / "benchmarks" / "judges.py")
 judges = importlib.util.module_from_spec(_spec)

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from trees import unbranched
 
-from SDFStentLib.centerline.centerline import Centerline
+from SDFStentLib.centerline import Centerline
 from SDFStentLib.geometry import length, minimum_bend_radius, resampled
 from SDFStentLib.stent import (
     AlongAxis,

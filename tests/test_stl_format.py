@@ -3,7 +3,7 @@ import pytest
 from mesh_files import octahedron
 
 from SDFStentLib.files.formats.stl import decode_stl, encode_stl
-from SDFStentLib.geometry.topology import surface_topology
+from SDFStentLib.geometry import surface_topology
 from SDFStentLib.validation import InputError
 
 

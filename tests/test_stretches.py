@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from lesion_cases import bifurcation_case
 
-from SDFStentLib.centerline.centerline import Centerline
+from SDFStentLib.centerline import Centerline
+from SDFStentLib.vessel import find_lesions
 from SDFStentLib.vessel.branch_lumen import branch_lumens
-from SDFStentLib.vessel.lesions import find_lesions
 from SDFStentLib.vessel.runs import vessel_runs
 from SDFStentLib.vessel.stretches import stretches
 

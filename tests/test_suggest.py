@@ -15,10 +15,10 @@ from deployment_cases import ANATOMIES, anatomy
 from test_devices import ROW, a_device, a_table
 from test_report import a_lesion
 
-from SDFStentLib.cli.shell import main
+from SDFStentLib.cli import main
 from SDFStentLib.geometry import length
 from SDFStentLib.lumen import DiameterProfile
-from SDFStentLib.phantoms.phantoms import stenosed_tube, straight_tube
+from SDFStentLib.phantoms import stenosed_tube, straight_tube
 from SDFStentLib.plan import load_plan, run_plan
 from SDFStentLib.report import ratio_sentence
 from SDFStentLib.stent import Stent, stent_axis
@@ -356,16 +356,15 @@ def test_what_cannot_be_suggested_is_said_and_nothing_is_written(a_folder, capsy
 
 
 def test_a_vessel_without_a_lesion_gets_no_plan(tmp_path, monkeypatch, capsys):
-    from SDFStentLib.files import polydata
-    from SDFStentLib.files.formats import vtk_files as vtk_formats
+    from SDFStentLib.files import encode_vtp, polydata_from_arrays, polydata_from_lines
 
     tube = straight_tube(edge_length=1.0)
     lines = [np.arange(len(tube.centerline.points))]
     for name, data in (
-        ("tube", polydata.polydata_from_arrays(tube.points, tube.triangles)),
-        ("line", polydata.polydata_from_lines(tube.centerline.points, lines)),
+        ("tube", polydata_from_arrays(tube.points, tube.triangles)),
+        ("line", polydata_from_lines(tube.centerline.points, lines)),
     ):
-        (tmp_path / f"{name}.vtp").write_bytes(vtk_formats.encode_vtp(data))
+        (tmp_path / f"{name}.vtp").write_bytes(encode_vtp(data))
     monkeypatch.chdir(tmp_path)
     assert main(["suggest", "tube.vtp", "--centerline", "line.vtp"]) == 2
     assert "none of 15 % or more was found; there is nothing to treat." in capsys.readouterr().err

@@ -7,8 +7,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from SDFStentLib.geometry import faces as surface
-from SDFStentLib.geometry import section, topology
+from SDFStentLib.geometry import (
+    face_areas,
+    face_normals,
+    is_inside,
+    oriented_triangles,
+    plane_section,
+    signed_volume,
+    topology,
+    vertex_normals,
+)
 from SDFStentLib.validation import InputError
 
 TETRAHEDRON = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
@@ -53,11 +61,11 @@ def _moebius(count=8):
 
 def test_areas_volume_and_normals_of_a_box():
     points, triangles = _box()
-    assert surface.face_areas(points, triangles).sum() == pytest.approx(22, rel=1e-14)
-    assert surface.signed_volume(points, triangles) == pytest.approx(6, rel=1e-14)
-    assert surface.signed_volume(points, triangles[:, ::-1]) == pytest.approx(-6, rel=1e-14)
+    assert face_areas(points, triangles).sum() == pytest.approx(22, rel=1e-14)
+    assert signed_volume(points, triangles) == pytest.approx(6, rel=1e-14)
+    assert signed_volume(points, triangles[:, ::-1]) == pytest.approx(-6, rel=1e-14)
     outward = points[triangles].mean(axis=1) - points.mean(axis=0)
-    normals = surface.face_normals(points, triangles)
+    normals = face_normals(points, triangles)
     assert np.allclose(np.abs(normals).max(axis=1), 1, rtol=0, atol=1e-15)
     assert np.all(np.einsum("ij,ij->i", normals, outward) > 0)
 
@@ -66,7 +74,7 @@ def test_vertex_normals_of_a_torus_point_away_from_its_core():
     points, triangles = _torus(96, 48)
     core = points * [1, 1, 0]
     core *= 3 / np.linalg.norm(core, axis=1)[:, None]
-    normals = surface.vertex_normals(points, triangles)
+    normals = vertex_normals(points, triangles)
     # The tube is 1 mm thick, so point minus core is the exact normal; faces turn by 7.5 degrees.
     assert np.allclose(normals, points - core, rtol=0, atol=0.02)
     assert np.allclose(np.linalg.norm(normals, axis=1), 1, rtol=0, atol=1e-14)
@@ -74,9 +82,9 @@ def test_vertex_normals_of_a_torus_point_away_from_its_core():
 
 def test_a_face_without_area_and_a_point_without_face_have_zero_normals():
     points = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0], [5, 5, 5.0]])
-    assert not surface.face_normals(points, np.array([[0, 1, 2]])).any()
-    assert not surface.vertex_normals(points, np.array([[0, 1, 2]])).any()
-    assert surface.face_areas(points, np.array([[0, 1, 2]])).tolist() == [0]
+    assert not face_normals(points, np.array([[0, 1, 2]])).any()
+    assert not vertex_normals(points, np.array([[0, 1, 2]])).any()
+    assert face_areas(points, np.array([[0, 1, 2]])).tolist() == [0]
 
 
 # ------------------------------------------------------------------------------------- topology
@@ -146,8 +154,8 @@ def test_any_mixture_of_windings_becomes_outward(seed):
     mixed = both.copy()
     turned = rng.random(len(both)) < rng.random()
     mixed[turned] = mixed[turned][:, ::-1]
-    oriented = surface.oriented_triangles(points, mixed)
-    agree = surface.face_normals(points, oriented) - surface.face_normals(points, both)
+    oriented = oriented_triangles(points, mixed)
+    agree = face_normals(points, oriented) - face_normals(points, both)
     assert np.array_equal(np.sort(oriented, axis=1), np.sort(both, axis=1))
     assert np.abs(agree).max() < 1e-12  # the same cross products from other corners
     assert topology.surface_topology(oriented).is_consistently_wound
@@ -159,9 +167,9 @@ def test_an_open_tube_is_turned_away_from_the_points_inside():
     bend = triangles[np.abs(angle) < 1.5]
     axis = 3 * np.c_[np.cos(np.linspace(-1.5, 1.5, 30)), np.sin(np.linspace(-1.5, 1.5, 30))]
     inside = np.c_[axis, np.zeros(30)]
-    expected = surface.face_normals(points, bend)
+    expected = face_normals(points, bend)
     for start in (bend, bend[:, ::-1]):
-        found = surface.face_normals(points, surface.oriented_triangles(points, start, inside))
+        found = face_normals(points, oriented_triangles(points, start, inside))
         assert np.abs(found - expected).max() < 1e-12  # the same cross products
 
 
@@ -169,7 +177,7 @@ def test_an_open_surface_keeps_the_winding_of_the_majority():
     points, triangles = _box()
     open_triangles = triangles[2:].copy()
     open_triangles[3] = open_triangles[3][::-1]
-    oriented = surface.oriented_triangles(points, open_triangles)
+    oriented = oriented_triangles(points, open_triangles)
     assert np.array_equal(np.delete(oriented, 3, axis=0), np.delete(open_triangles, 3, axis=0))
     assert topology.surface_topology(oriented).is_consistently_wound
 
@@ -178,7 +186,7 @@ def test_a_moebius_band_keeps_its_winding():
     points, triangles = _moebius()
     assert topology.is_manifold(triangles)
     assert not topology.surface_topology(triangles).is_consistently_wound
-    assert np.array_equal(surface.oriented_triangles(points, triangles), triangles)
+    assert np.array_equal(oriented_triangles(points, triangles), triangles)
 
 
 # -------------------------------------------------------------------------------------- sections
@@ -192,7 +200,7 @@ def _area(loop, normal):
 
 def test_a_cut_through_vertices_is_the_polygon_of_those_vertices():
     points, triangles = _torus(24, 12)
-    loops = section.plane_section(points, triangles, [0, 0, 0], [0, 1, 0])
+    loops = plane_section(points, triangles, [0, 0, 0], [0, 1, 0])
     assert sorted(len(loop.points) for loop in loops) == [12, 12]
     for loop in loops:
         assert loop.is_closed
@@ -202,7 +210,7 @@ def test_a_cut_through_vertices_is_the_polygon_of_those_vertices():
 
 def test_holes_run_clockwise():
     points, triangles = _torus(48, 24)
-    loops = section.plane_section(points, triangles, [0, 0, 0.01], [0, 0, 1])
+    loops = plane_section(points, triangles, [0, 0, 0.01], [0, 0, 1])
     areas = sorted(_area(loop, np.array([0, 0, 1])) for loop in loops)
     assert len(areas) == 2
     assert areas[0] == pytest.approx(-np.pi * 2**2, rel=0.02)  # polygon of 48 corners
@@ -212,19 +220,19 @@ def test_holes_run_clockwise():
 @pytest.mark.parametrize("height", [0.0, 0.5, 1.0, 3.0])
 def test_a_box_cut_at_any_height_gives_its_base_or_nothing(height):
     points, triangles = _box()
-    loops = section.plane_section(points, triangles, [0, 0, height], [0, 0, 2.0])
+    loops = plane_section(points, triangles, [0, 0, height], [0, 0, 2.0])
     # Points in the plane count as above it: the plane through the floor cuts nothing.
     areas = [_area(loop, np.array([0, 0, 1])) for loop in loops]
     assert areas == pytest.approx([] if height == 0 else [2.0], rel=1e-14)
 
 
 def test_a_plane_that_touches_a_corner_gives_no_loop():
-    assert section.plane_section(TETRAHEDRON_POINTS, TETRAHEDRON, [0, 0, 1], [0, 0, 1]) == []
+    assert plane_section(TETRAHEDRON_POINTS, TETRAHEDRON, [0, 0, 1], [0, 0, 1]) == []
 
 
 def test_a_cut_through_an_open_rim_is_an_open_polyline():
     points, triangles = _box()
-    loops = section.plane_section(points, triangles[2:], [0, 0, 1.0], [0, 0, 1])
+    loops = plane_section(points, triangles[2:], [0, 0, 1.0], [0, 0, 1])
     assert [loop.is_closed for loop in loops] == [False]
     ends = loops[0].points[[0, -1]]
     assert np.linalg.norm(ends[1] - ends[0]) == pytest.approx(2.0, rel=1e-14)  # the missing wall
@@ -239,7 +247,7 @@ def test_a_closed_surface_is_only_ever_cut_in_closed_loops(seed, normal):
     # Planes through a vertex with small whole normals run along edges and through many vertices.
     points, triangles = _torus(8, 8)
     origin = points[np.random.default_rng(seed).integers(len(points))]
-    loops = section.plane_section(points, triangles, origin, normal)
+    loops = plane_section(points, triangles, origin, normal)
     assert all(loop.is_closed for loop in loops)
     for loop in loops:
         heights = (loop.points - origin) @ (np.array(normal) / np.linalg.norm(normal))
@@ -250,11 +258,11 @@ def test_the_areas_of_many_cuts_add_up_to_the_volume():
     points, triangles = _torus(24, 12)
     normal = np.array([1.0, 2.0, 2.0]) / 3
     stations = np.linspace(-5, 5, 2001)
-    sections = [section.plane_section(points, triangles, s * normal, normal) for s in stations]
+    sections = [plane_section(points, triangles, s * normal, normal) for s in stations]
     areas = [_area(loop, normal) for loops in sections for loop in loops]
     # Trapezium rule over pieces of parabolas: 2000 steps leave about 1e-5.
     volume = np.sum(areas) * (stations[1] - stations[0])
-    assert volume == pytest.approx(surface.signed_volume(points, triangles), rel=1e-4)
+    assert volume == pytest.approx(signed_volume(points, triangles), rel=1e-4)
 
 
 # ---------------------------------------------------------------------------- inside or outside
@@ -266,21 +274,21 @@ def test_points_inside_a_torus():
     queries = rng.uniform(-4.2, 4.2, (3000, 3)) * [1, 1, 0.3]
     distance = np.hypot(np.hypot(queries[:, 0], queries[:, 1]) - 3, queries[:, 2])
     clear = np.abs(distance - 1) > 0.01  # the polygon torus lies up to 0.008 inside the round one
-    found = section.is_inside(queries, points, triangles)
+    found = is_inside(queries, points, triangles)
     assert np.array_equal(found[clear], distance[clear] < 1)
-    assert np.array_equal(section.is_inside(queries, points, triangles[:, ::-1]), found)
+    assert np.array_equal(is_inside(queries, points, triangles[:, ::-1]), found)
 
 
 def test_rays_through_vertices_and_edges_are_counted_once():
     points, triangles = _box((2.0, 2.0, 2.0))
     inside = [[1, 1, 1], [1, 1, 0.5], [0.5, 0.5, 1], [1.5, 0.5, 1]]
     outside = [[1, 1, -1], [1, 1, 3], [3, 1, 1], [-1, -1, -1], [1, 5, 1]]
-    found = section.is_inside(np.array(inside + outside), points, triangles)
+    found = is_inside(np.array(inside + outside), points, triangles)
     assert found.tolist() == [True] * 4 + [False] * 5
     ridge = np.vstack([points, [1, 1, 5]])
     roof = np.r_[triangles[:-2], [[1, 5, 8], [5, 7, 8], [7, 3, 8], [3, 1, 8]]]
     assert topology.surface_topology(roof).is_closed
-    assert section.is_inside(np.array([[1, 1, 1], [1, 1, 4], [1, 1, 6]]), ridge, roof).tolist() == [
+    assert is_inside(np.array([[1, 1, 1], [1, 1, 4], [1, 1, 6]]), ridge, roof).tolist() == [
         True,
         True,
         False,
@@ -293,8 +301,8 @@ def test_rays_through_vertices_and_edges_are_counted_once():
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda p, t: section.plane_section(p, t, [0, 0, 0], [0, 0, 0]), "the zero vector"),
-        (lambda p, t: section.plane_section(p, t, [0, 0], [0, 0, 1]), r"shape \(n, 3\)"),
+        (lambda p, t: plane_section(p, t, [0, 0, 0], [0, 0, 0]), "the zero vector"),
+        (lambda p, t: plane_section(p, t, [0, 0], [0, 0, 1]), r"shape \(n, 3\)"),
     ],
 )
 def test_bad_input_is_named(call, message):
@@ -308,10 +316,10 @@ def test_bad_input_is_named(call, message):
 
 def test_volume_of_a_closed_surface_a_kilometre_away_keeps_its_figures():
     points, triangles = _torus()
-    volume = surface.signed_volume(points, triangles)
+    volume = signed_volume(points, triangles)
     away = np.array([1e6, 1e6, -1e6])
     # Out there a coordinate is known to 1.2e-10 mm, a ten billionth of the torus' size.
-    assert surface.signed_volume(points + away, triangles) == pytest.approx(volume, rel=1e-9)
+    assert signed_volume(points + away, triangles) == pytest.approx(volume, rel=1e-9)
 
 
 def test_the_volume_of_an_open_surface_is_that_of_the_cone_from_the_middle_of_its_corners():
@@ -319,4 +327,4 @@ def test_the_volume_of_an_open_surface_is_that_of_the_cone_from_the_middle_of_it
     triangles = np.array([[0, 1, 2], [1, 3, 2]])
     middle = points[triangles].mean(axis=(0, 1))
     cones = [np.linalg.det(points[corners] - middle) / 6 for corners in triangles]
-    assert surface.signed_volume(points, triangles) == pytest.approx(sum(cones), rel=1e-12)
+    assert signed_volume(points, triangles) == pytest.approx(sum(cones), rel=1e-12)

@@ -5,16 +5,17 @@ import pytest
 from mesh_files import assert_refused_by_name, octahedron
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 
-from SDFStentLib.files.formats.obj import encode_obj
-from SDFStentLib.files.formats.stl import encode_stl
-from SDFStentLib.files.formats.vtk_files import encode_legacy, encode_vtp
-from SDFStentLib.files.polydata import (
+from SDFStentLib.files import (
+    encode_vtp,
     polydata_from_arrays,
     polydata_from_lines,
+    read_surface,
     set_frame_of_polydata,
     surface_from_polydata,
 )
-from SDFStentLib.files.surface_files import read_surface
+from SDFStentLib.files.formats.obj import encode_obj
+from SDFStentLib.files.formats.stl import encode_stl
+from SDFStentLib.files.formats.vtk_files import encode_legacy
 from SDFStentLib.validation import InputError
 
 

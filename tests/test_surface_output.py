@@ -6,15 +6,17 @@ from mesh_files import PROJECT, RUN_PYTHON, octahedron
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkIntArray, vtkStringArray
 
-from SDFStentLib.files.formats.vtk_files import encode_vtp
-from SDFStentLib.files.polydata import add_arrays, polydata_from_arrays, set_frame_of_polydata
-from SDFStentLib.files.surface_files import read_surface
-from SDFStentLib.files.surface_output import (
+from SDFStentLib.files import (
+    add_arrays,
     check_surface_output,
-    polydata_with_points,
+    encode_vtp,
+    polydata_from_arrays,
+    read_surface,
+    set_frame_of_polydata,
     write_surface,
 )
-from SDFStentLib.geometry.faces import face_normals, vertex_normals
+from SDFStentLib.files.surface_output import polydata_with_points
+from SDFStentLib.geometry import face_normals, vertex_normals
 from SDFStentLib.validation import InputError
 
 MOVED = np.array([4, 17])

@@ -29,7 +29,7 @@ from cohort_cases import (
 from mesh_files import PROJECT
 
 from SDFStentLib import InputError
-from SDFStentLib.cli.shell import main
+from SDFStentLib.cli import main
 from SDFStentLib.cohort import Cohort, executors, run_sweep
 
 pytest.importorskip("distributed")

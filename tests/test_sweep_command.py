@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from cohort_cases import bytes_of, tube_folder, write_sweep
 
-from SDFStentLib.cli.shell import main
+from SDFStentLib.cli import main
 from SDFStentLib.cohort import Tally
 
 

@@ -10,7 +10,7 @@ from SDFStentLib import InputError
 from SDFStentLib.cohort import cases_of
 from SDFStentLib.cohort.placing import Excluded, plan_of_case
 from SDFStentLib.geometry import closest_points
-from SDFStentLib.phantoms.phantoms import branching_pulmonary_artery
+from SDFStentLib.phantoms import branching_pulmonary_artery
 from SDFStentLib.plan import read_plan_inputs, treatment_of
 from SDFStentLib.treatment import axis_in_vessel
 
@@ -174,8 +174,13 @@ def test_a_place_needs_a_centerline(folder):
 
 def test_a_place_in_a_plan_of_the_other_frame_is_the_same_place(folder, tmp_path):
     """The surface tells RAS, the plan is in LPS: x and y of its points are negated."""
-    from SDFStentLib.files import encode_vtp, polydata_from_arrays, polydata_from_lines
-    from SDFStentLib.files.polydata import add_arrays, set_frame_of_polydata
+    from SDFStentLib.files import (
+        add_arrays,
+        encode_vtp,
+        polydata_from_arrays,
+        polydata_from_lines,
+        set_frame_of_polydata,
+    )
 
     vessel = branching_pulmonary_artery()
     wall = polydata_from_arrays(vessel.points, vessel.triangles)

@@ -7,8 +7,7 @@ import pytest
 
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.lumen import inscribed_spheres
-from SDFStentLib.phantoms import stenosed_tube
-from SDFStentLib.phantoms.tree import vascular_tree
+from SDFStentLib.phantoms import stenosed_tube, vascular_tree
 from SDFStentLib.report import residual_words
 from SDFStentLib.stent import AtCenter, Stent
 from SDFStentLib.treatment import Residual, Treatment, residual_of, treated_lesions

@@ -14,10 +14,10 @@ from tube_files import write_tube
 
 from SDFStentLib import AtCenter, InputError, Stent, Treatment, plan_report, run_plan, write_report
 from SDFStentLib.centerline import Centerline
-from SDFStentLib.phantoms.phantoms import branching_pulmonary_artery, stenosed_tube
+from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube
 from SDFStentLib.plan import Plan
 from SDFStentLib.stent import InputFile
-from SDFStentLib.treatment.value import label_of
+from SDFStentLib.treatment import label_of
 
 
 @pytest.fixture(scope="module")

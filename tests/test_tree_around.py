@@ -7,13 +7,11 @@ import pytest
 
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.geometry import closest_points, is_inside, length, without_repeats
-from SDFStentLib.lumen import extended_axis
-from SDFStentLib.lumen.lumen_way import through_lumen
+from SDFStentLib.lumen import extended_axis, through_lumen
 from SDFStentLib.lumen.spheres import inscribed
 from SDFStentLib.phantoms import vascular_tree
 from SDFStentLib.plan import read_input_files
-from SDFStentLib.vessel import find_ostia
-from SDFStentLib.vessel.neighbor_ways import BranchWays
+from SDFStentLib.vessel import BranchWays, find_ostia
 from SDFStentLib.vessel.tree_around import LinesFromAxis, ends_around, place_of
 
 

@@ -4,14 +4,14 @@ from mesh_files import octahedron
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
 
-from SDFStentLib.files.polydata import (
+from SDFStentLib.files import (
     add_arrays,
     polydata_from_arrays,
-    polydata_from_polygons,
     surface_from_polydata,
+    triangulated_polydata,
 )
-from SDFStentLib.files.triangulation import triangulated_polydata
-from SDFStentLib.geometry.faces import face_areas, face_normals
+from SDFStentLib.files.polydata import polydata_from_polygons
+from SDFStentLib.geometry import face_areas, face_normals
 from SDFStentLib.validation import InputError
 
 SQUARES = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0, 0], [2, 1, 0], [9, 9, 9.0]])

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from cohort_cases import bytes_of, document, sweep_in, tube_folder
 
-from SDFStentLib.cli.shell import main
+from SDFStentLib.cli import main
 from SDFStentLib.cohort import run_sweep
 
 COMMAND = str(Path(sys.executable).with_name("sdfstent"))

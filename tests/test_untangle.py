@@ -6,14 +6,12 @@ import numpy as np
 import pytest
 from deployment_cases import anatomy_case, phantom_case
 
-from SDFStentLib.certificate import Comparison
-from SDFStentLib.certificate.intersections import self_intersecting_triangles
-from SDFStentLib.deformation.deployment import Deployment
+from SDFStentLib.certificate import Comparison, self_intersecting_triangles
+from SDFStentLib.deformation import Deployment, DeploymentSettings
 from SDFStentLib.deformation.motion import Motion
-from SDFStentLib.deformation.settings import DeploymentSettings
 from SDFStentLib.deformation.untangle import IDLE_ROUNDS, Tangle, untangled
-from SDFStentLib.field.capsule_chain import CapsuleChain
-from SDFStentLib.geometry.precision import Precision
+from SDFStentLib.field import CapsuleChain
+from SDFStentLib.geometry import Precision
 
 DEFAULT = DeploymentSettings()
 PLAIN = DEFAULT.with_changes(tissue_gap=0, untangle=False)
@@ -58,7 +56,7 @@ def test_untangling_repairs_a_fold_without_the_tissue_gap(folding_case):
 
 
 def test_the_tissue_gap_leaves_the_stented_lumen_alone(folding_case):
-    from SDFStentLib.lumen.spheres.inscribed import inscribed_spheres
+    from SDFStentLib.lumen import inscribed_spheres
 
     diameters = []
     for gap in (0.0, 0.4):

@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 from deployment_cases import phantom
 
+from SDFStentLib.deformation import Deployment, DeploymentSettings, untangle
 from SDFStentLib.deformation import deployment as engine
-from SDFStentLib.deformation import untangle
-from SDFStentLib.deformation.deployment import RETRIES, Deployment
-from SDFStentLib.deformation.settings import DeploymentSettings
+from SDFStentLib.deformation.deployment import RETRIES
 from SDFStentLib.deformation.untangle import WAYS_TO_UNTANGLE
 from SDFStentLib.field import CapsuleChain
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from SDFStentLib.certificate import check_surface
-from SDFStentLib.geometry.faces import signed_volume
-from SDFStentLib.lumen.spheres.inscribed import inscribed_spheres
+from SDFStentLib.geometry import signed_volume
+from SDFStentLib.lumen import inscribed_spheres
 from SDFStentLib.phantoms import vascular_tree
 from SDFStentLib.phantoms.tree import NARROWER, ROOT_RADIUS
 from SDFStentLib.validation import InputError

@@ -12,14 +12,9 @@ from vtkmodules.vtkCommonCore import VTK_ID_TYPE, vtkLogger, vtkObject, vtkOutpu
 from vtkmodules.vtkIOLegacy import vtkPolyDataWriter
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
+from SDFStentLib.files import add_arrays, encode_vtp, polydata_from_arrays, surface_from_polydata
 from SDFStentLib.files.content import read_content
-from SDFStentLib.files.formats.vtk_files import (
-    encode_legacy,
-    encode_vtp,
-    read_vtk_polydata,
-    vtk_messages,
-)
-from SDFStentLib.files.polydata import add_arrays, polydata_from_arrays, surface_from_polydata
+from SDFStentLib.files.formats.vtk_files import encode_legacy, read_vtk_polydata, vtk_messages
 from SDFStentLib.validation import InputError
 
 

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from SDFStentLib.cli.shell import main
-from SDFStentLib.files import polydata
-from SDFStentLib.files.formats import vtk_files as vtk_formats
-from SDFStentLib.phantoms.phantoms import stenosed_tube
+from SDFStentLib.cli import main
+from SDFStentLib.files import add_arrays, encode_vtp, polydata_from_arrays, polydata_from_lines
+from SDFStentLib.phantoms import stenosed_tube
 
 PLACE = ["--center", "0", "0", "2", "--length", "20"]  # cm; the throat of the tube
 
@@ -15,18 +14,18 @@ PLACE = ["--center", "0", "0", "2", "--length", "20"]  # cm; the throat of the t
 def write_tube(folder):
     """The tube, its centerline and an axis through its throat."""
     vessel = stenosed_tube(edge_length=1.0)
-    surface = polydata.polydata_from_arrays(
+    surface = polydata_from_arrays(
         (vessel.points / 10).astype(np.float32),
         vessel.triangles,
         cell_arrays={"ModelFaceID": vessel.face_ids},
     )
     tree = vessel.centerline
     count = len(tree.points)
-    line = polydata.polydata_from_lines(tree.points / 10, [np.arange(count)])
-    polydata.add_arrays(line, {"MaximumInscribedSphereRadius": tree.inscribed_radius / 10}, {})
-    axis = polydata.polydata_from_lines([[0, 0, 1.2], [0, 0, 2.8]], [np.arange(2)])
+    line = polydata_from_lines(tree.points / 10, [np.arange(count)])
+    add_arrays(line, {"MaximumInscribedSphereRadius": tree.inscribed_radius / 10}, {})
+    axis = polydata_from_lines([[0, 0, 1.2], [0, 0, 2.8]], [np.arange(2)])
     for name, data in (("tube", surface), ("line", line), ("axis", axis)):
-        (folder / f"{name}.vtp").write_bytes(vtk_formats.encode_vtp(data))
+        (folder / f"{name}.vtp").write_bytes(encode_vtp(data))
 
 
 def deploy(*more, place=PLACE, surface="tube.vtp", line="line.vtp", out="out.vtp", diameter="6"):

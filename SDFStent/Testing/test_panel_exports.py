@@ -32,7 +32,7 @@ def written(host, panel, button, path):
 
 def ofShell(panel, folder, *options):
     """What `sdfstent run` writes for the plan of the panel."""
-    from SDFStentLib.cli.shell import main
+    from SDFStentLib.cli import main
 
     panel.logic.savePlan(folder / "plan.json", panel._parameterNode)
     words = ["run", str(folder / "plan.json"), "-o", str(folder / "out"), *map(str, options)]

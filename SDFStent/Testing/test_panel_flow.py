@@ -12,7 +12,7 @@ def theTube(host, aPanel, aScene):
     from SDFStentSlicer.SampleVessels import centerlinePolyData
 
     from SDFStentLib.files import polydata_from_arrays
-    from SDFStentLib.phantoms.phantoms import stenosed_tube
+    from SDFStentLib.phantoms import stenosed_tube
 
     made = stenosed_tube(edge_length=0.8)
     for selector, data in (

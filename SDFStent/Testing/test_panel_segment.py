@@ -45,7 +45,7 @@ def test_nothing_is_written_without_vessel_and_centerline(aPanel):
 def test_the_segment_is_that_of_sdfstent_extract(host, aSegment, tmp_path):
     """Of the same files and places, by the shell, before treatment; after it, of the panel's own wall."""
     from SDFStentLib import treatment
-    from SDFStentLib.cli.shell import main
+    from SDFStentLib.cli import main
 
     parameters, ui = aSegment._parameterNode, aSegment.ui
     for node in (parameters.vessel, parameters.centerline):

@@ -49,7 +49,7 @@ def ofFile(path):
 
 
 def shell(*arguments):
-    from SDFStentLib.cli.shell import main
+    from SDFStentLib.cli import main
 
     assert main([*map(str, arguments), "--quiet"]) == 0
 
