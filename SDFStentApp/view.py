@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 import slicer
 from trame_rca.rca import VtkRemoteControlledArea
-from trame_rca.view_adapter import RcaViewAdapter
 from vtkmodules.vtkCommonCore import vtkCommand
 from vtkmodules.vtkRenderingCore import vtkInteractorStyle3D, vtkRenderer, vtkRenderWindow
 from vtkmodules.vtkRenderingUI import vtkGenericRenderWindowInteractor
 
 from SDFStentLib.validation import InputError
 
+from .browser_input import BrowserInput
 from .frames import Frames
 
 NAME = "view"
@@ -66,11 +66,11 @@ class View:
         self.area = _Area(self.window, on_click, self.look_at_all)
         self._frames: Frames | None = None
 
-    def serve(self, on_frame: Callable[[], None]) -> RcaViewAdapter:
+    def serve(self, on_frame: Callable[[], None]) -> BrowserInput:
         """What sends the frames from now on; needs a running event loop. `on_frame()` is called before each that moves."""
         self._frames = Frames(self.area, on_frame)
         self.group.AddObserver(vtkCommand.UpdateEvent, lambda *_: self.draw())
-        adapter = RcaViewAdapter(
+        adapter = BrowserInput(
             self.area, NAME, scheduler=self._frames, do_schedule_render_on_interaction=False
         )
         adapter.max_pixel_count = MOST_PIXELS
