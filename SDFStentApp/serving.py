@@ -10,12 +10,15 @@ import asyncio
 import contextlib
 import hmac
 import ipaddress
+import logging
 import os
 import secrets
 import signal
 import sys
+import tempfile
 import webbrowser
 from collections.abc import Awaitable, Callable, Iterator
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import aiohttp
@@ -33,8 +36,11 @@ KEPT_HEADERS = {
     "Referrer-Policy": "no-referrer",
     # Vue compiles its templates; whatever a page does, it talks to nobody else.
     "Content-Security-Policy": "default-src 'self' 'unsafe-inline' 'unsafe-eval' blob: data:; "
-    "connect-src 'self' ws: wss: blob: data:; frame-ancestors 'none'; form-action 'self'; base-uri 'self'",
+    "connect-src 'self' blob: data:; frame-ancestors 'none'; form-action 'self'; base-uri 'self'",
 }
+WAY = (
+    '<!DOCTYPE html><meta http-equiv="refresh" content="0; url={address}"><title>SDF Stent</title>'
+)
 LARGEST_MESSAGE = 64 * 2**20
 HEARTBEAT_S = 30.0
 """So often a browser has to show that it is still there."""
@@ -62,12 +68,13 @@ class Server:
         self.pages: dict[str, PageProcess] = {}
         self._first: PageProcess | None = None
         self._client: aiohttp.ClientSession | None = None
+        self._way: Path | None = None
 
     async def run(self, stop: asyncio.Event) -> None:
         """Serve until told to stop; then every page has ended."""
         app = web.Application()
         app.router.add_route("*", "/{path:.*}", self._answer)
-        runner = web.AppRunner(app, access_log=None, shutdown_timeout=1.0)
+        runner = web.AppRunner(app, access_log=None, logger=_logger(), shutdown_timeout=1.0)
         await runner.setup()
         try:
             async with aiohttp.ClientSession(auto_decompress=False) as self._client:
@@ -90,7 +97,15 @@ class Server:
         self._say("Ctrl-C ends it.")
         self._first = self._start()  # it gets ready while the browser starts
         if self.settings.opens_browser and _has_screen():
-            asyncio.get_running_loop().run_in_executor(None, webbrowser.open, address)
+            self._show(address)
+
+    def _show(self, address: str) -> None:
+        """By a file that only its owner reads: everybody on this machine sees what a browser is started with."""
+        file, name = tempfile.mkstemp(suffix=".html")
+        self._way = Path(name)
+        with open(file, "w", encoding="utf-8") as way:
+            way.write(WAY.format(address=address))
+        asyncio.get_running_loop().run_in_executor(None, webbrowser.open, self._way.as_uri())
 
     def _start(self) -> PageProcess:
         page = PageProcess(self.settings.told, self.settings.kept_s, self._forget)
@@ -103,6 +118,8 @@ class Server:
             self._first = None
 
     async def _end_all(self) -> None:
+        if self._way is not None:
+            self._way.unlink(missing_ok=True)
         await asyncio.gather(*(page.end() for page in list(self.pages.values())))
 
     async def _answer(self, request: web.Request) -> web.StreamResponse:
@@ -140,6 +157,8 @@ class Server:
     async def _pass(self, request: web.Request, page: PageProcess, tail: str) -> web.StreamResponse:
         """Raises `_PageHasFailed` where it cannot be reached."""
         if request.headers.get("Upgrade", "").lower() == "websocket":
+            if not _is_own(request):
+                return _sentence(403, "Another site has asked for this page.")
             return await self._pass_messages(request, page, tail)
         return await self._pass_answer(request, page, tail or INDEX)
 
@@ -196,6 +215,25 @@ def _reaching() -> Iterator[None]:
         yield
     except (aiohttp.ClientConnectionError, RuntimeError) as error:
         raise _PageHasFailed from error
+
+
+def _is_own(request: web.Request) -> bool:
+    """Whether it was no other site that made the browser ask; only browsers say who did."""
+    origin = request.headers.get("Origin")
+    return origin is None or origin.partition("://")[2] == request.host
+
+
+def _logger() -> logging.Logger:
+    """Of the server; who does not speak HTTP is answered, and nobody else has to hear of it."""
+    logger = logging.getLogger("sdfstent.app")
+    logger.addFilter(
+        lambda record: (
+            not (
+                record.exc_info and isinstance(record.exc_info[1], aiohttp.http.HttpProcessingError)
+            )
+        )
+    )
+    return logger
 
 
 def _passed_on(request: web.Request, page: PageProcess) -> dict[str, str]:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import http.client
 import os
 import re
+import socket
+import stat
 import sys
 import time
 from pathlib import Path
@@ -67,6 +69,37 @@ def test_only_who_knows_the_token_is_answered_and_ctrl_c_leaves_nothing(a_server
     assert list(a_server.folder.iterdir()) == []
 
 
+def answers(server, *lines):
+    """What a server says, to the end, to who sends some lines."""
+    host, port = server.origin.removeprefix("http://").split(":")
+    with socket.create_connection((host, int(port)), timeout=PATIENCE) as wire:
+        wire.sendall(b"\r\n".join([line.encode() for line in lines]) + b"\r\n\r\n")
+        return wire.recv(4096).decode(errors="replace")
+
+
+def test_who_does_not_speak_http_is_answered_and_nobody_else_hears_of_it(a_server):
+    for line in ("GARBAGE", "GET / HTTP/9.9", f"GET /{'a' * 100_000} HTTP/1.1", "\x16\x03\x01"):
+        assert " 400 " in answers(a_server, line).splitlines()[0]
+    assert " 400 " in answers(a_server, "POST / HTTP/1.1", "Host: x", "Content-Length: -5")
+    assert a_server.interrupt() == ""
+
+
+def test_a_page_takes_no_messages_for_another_site(a_server):
+    _, _, address = get(a_server.address)
+    path = "/" + address.partition("://")[2].partition("/")[2].replace("index.html", "ws")
+    host = a_server.origin.removeprefix("http://")
+    asks = [
+        f"GET {path} HTTP/1.1", f"Host: {host}", "Upgrade: websocket", "Connection: Upgrade",
+        "Sec-WebSocket-Version: 13", "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==",
+    ]  # fmt: skip
+    for origin in ("http://elsewhere.org", "null", f"http://{host}.org", "http://localhost:1"):
+        said = answers(a_server, *asks, f"Origin: {origin}")
+        assert " 403 " in said.splitlines()[0], origin
+        assert "Another site has asked for this page." in said
+    for own in ([], [f"Origin: http://{host}"], [f"Origin: https://{host}"]):
+        assert " 101 " in answers(a_server, *asks, *own).splitlines()[0]
+
+
 def test_a_page_that_has_failed_is_another_one_at_once_when_it_is_loaded_again(a_server):
     _, _, address = get(a_server.address)
     for _time in range(3):
@@ -98,8 +131,13 @@ def test_a_server_that_is_killed_leaves_no_page_and_the_next_one_opens_the_brows
         if opened.exists() and opened.read_text(encoding="utf-8"):
             break
         time.sleep(0.1)
+    # Whoever lists the processes of this machine sees a file that only its owner can read.
+    way = Path(opened.read_text(encoding="utf-8").strip().removeprefix("file://"))
+    assert again.token not in str(way)
+    assert f"url={again.address}" in way.read_text(encoding="utf-8")
+    assert stat.S_IMODE(way.stat().st_mode) == 0o600
     again.close()
-    assert opened.read_text(encoding="utf-8") == f"{again.address}\n"
+    assert not way.exists()
 
 
 @pytest.mark.parametrize(
