@@ -88,9 +88,8 @@ def _delaunay(polygon: Floats, inner: Floats) -> Triangles | None:
 
 def _is_bounded_by(triangles: Triangles, count: int) -> bool:
     """Whether the border of the triangles is the polygon of the first points, side for side."""
-    sides = {
-        (int(a), int(b)) for row in triangles for a, b in zip(row, np.roll(row, -1), strict=True)
-    }
+    ends = np.roll(triangles, -1, axis=1)
+    sides = set(zip(triangles.ravel().tolist(), ends.ravel().tolist(), strict=True))
     border = {(a, b) for a, b in sides if (b, a) not in sides}
     return border == {(index, (index + 1) % count) for index in range(count)}
 

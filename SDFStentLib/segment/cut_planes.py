@@ -122,11 +122,11 @@ class PlaneFinder:
 
     def steps(self, line: Points) -> Iterator[Step]:
         """Places along a line (k, 3) and its direction there."""
-        along, total = 0.0, length(line)
+        along, at = 0.0, arc_lengths(line)
         # Ends: goes on by a tenth of the spacing at least.
-        while along < total - SAME:
+        while along < at[-1] - SAME:
             place = point_at(line, [along])[0]
-            rest = np.vstack([place, line[arc_lengths(line) > along]])
+            rest = np.vstack([place, line[at > along]])
             yield Step(along, place, self.direction(rest))
             along += max(STEP * float(self.wall.query(place)[0]), SPACING / 10)
 
@@ -140,7 +140,7 @@ class PlaneFinder:
         low, high = self.axis.points[starts], self.axis.points[ends]
         places = low + share * (high - low)
         away = places[norm(places - origin) > self.wall.query(origin)[0]]
-        return any(_is_round(section, place, normal) for place in away)
+        return _is_round(section, away, normal)
 
     def _is_elsewhere(self, section: SectionAround, origin: Points) -> bool:
         """Whether some of the border lies nearer to the centerline far along the tree."""
@@ -170,9 +170,10 @@ class PlaneFinder:
         return np.isfinite(distance)
 
 
-def _is_round(section: SectionAround, place: Points, normal: Floats) -> bool:
-    """Whether a section goes round a point of its plane."""
+def _is_round(section: SectionAround, places: Points, normal: Floats) -> bool:
+    """Whether a section goes round one of some points (k, 3) of its plane."""
     plane = across(normal[None])[0].T
-    (x, y), (end_x, end_y) = ((section.start - place) @ plane).T, ((section.end - place) @ plane).T
-    angle = np.arctan2(x * end_y - y * end_x, x * end_x + y * end_y).sum()
-    return bool(abs(angle) > np.pi)
+    starts, ends = ((rim - places[:, None]) @ plane for rim in (section.start, section.end))
+    (x, y), (end_x, end_y) = np.moveaxis(starts, 2, 0), np.moveaxis(ends, 2, 0)
+    angles = np.arctan2(x * end_y - y * end_x, x * end_x + y * end_y).sum(axis=1)
+    return bool((np.abs(angles) > np.pi).any())
