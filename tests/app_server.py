@@ -11,9 +11,7 @@ import urllib.request
 from pathlib import Path
 
 import psutil
-from child_processes import INTERRUPTIBLE, PATIENCE
-
-PROJECT = Path(__file__).resolve().parents[1]
+from child_processes import INTERRUPTIBLE, PATIENCE, PROJECT
 
 
 class AppServer:

@@ -11,6 +11,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
+PROJECT = Path(__file__).resolve().parents[1]
+COMMAND = Path(sys.executable).with_name("sdfstent")
 INTERRUPTIBLE: dict[str, Any] = (
     {} if os.name == "nt" else {"preexec_fn": partial(signal.signal, signal.SIGINT, signal.SIG_DFL)}
 )
@@ -20,17 +22,27 @@ PATIENCE = 1800
 """So many seconds are waited for what a busy machine does in a few: only a failure reaches them."""
 
 
-def installed(*arguments: object, folder: Path) -> subprocess.CompletedProcess[str]:
+def begun(*words: object, folder: Path = PROJECT, **more: Any) -> subprocess.Popen[str]:
+    """A process with its words, in a folder."""
+    streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    return subprocess.Popen([*map(str, words)], cwd=folder, **{**streams, **INTERRUPTIBLE, **more})
+
+
+def ended(process: subprocess.Popen[str]) -> subprocess.CompletedProcess[str]:
+    """What a process did."""
+    said = process.communicate(timeout=PATIENCE)
+    return subprocess.CompletedProcess(process.args, process.returncode, *said)
+
+
+def installed(*words: object, folder: Path, **more: Any) -> subprocess.CompletedProcess[str]:
     """What the installed command does in a folder, as a user starts it."""
-    command = Path(sys.executable).with_name("sdfstent")
-    return subprocess.run(
-        [command, *map(str, arguments)],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        timeout=PATIENCE,
-        check=False,
-    )
+    return ended(begun(COMMAND, *words, folder=folder, **more))
+
+
+def python(program: str, *words: object, **more: Any) -> subprocess.CompletedProcess[str]:
+    """What a program does in a process of its own, where a warning of numbers is an error."""
+    strict = ["-W", "error::RuntimeWarning"]
+    return ended(begun(sys.executable, *strict, "-c", program, *words, **more))
 
 
 _MEASURED = """
@@ -57,13 +69,4 @@ def measured(*arguments: object, folder: Path) -> Measured:
     By a process between: a child starts with the peak of its parent, that of the tests is high, and
     a parent knows the largest of all its children only.
     """
-    command = Path(sys.executable).with_name("sdfstent")
-    run = subprocess.run(
-        [sys.executable, "-c", _MEASURED, command, *map(str, arguments)],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        timeout=PATIENCE,
-        check=True,
-    )
-    return Measured(*json.loads(run.stdout))
+    return Measured(*json.loads(python(_MEASURED, COMMAND, *arguments, folder=folder).stdout))

@@ -9,8 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from child_processes import PATIENCE
-from mesh_files import PROJECT
+from child_processes import PATIENCE, PROJECT
 from tube_files import write_tube
 
 from SDFStentLib.cohort import sweep_from_document

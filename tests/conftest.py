@@ -5,13 +5,15 @@ from __future__ import annotations
 import importlib.util
 import os
 from pathlib import Path
+from subprocess import CompletedProcess
 from types import ModuleType
 
 import pytest
+from child_processes import PROJECT
 from hypothesis import HealthCheck, settings
-from mesh_files import PROJECT
 from tube_files import write_tube
 
+from SDFStentLib.cli import main
 from SDFStentLib.deformation import deployment as engine
 
 # How long an example takes says more about the machine than about the code.
@@ -40,6 +42,18 @@ def a_folder(tmp_path, monkeypatch):
     write_tube(tmp_path)
     monkeypatch.chdir(tmp_path)
     return tmp_path
+
+
+@pytest.fixture
+def shell(monkeypatch, capsys):
+    """Does in this process what the installed command does in a folder."""
+
+    def run(*words: object, folder: Path) -> CompletedProcess[str]:
+        monkeypatch.chdir(folder)
+        capsys.readouterr()
+        return CompletedProcess(words, main([*map(str, words)]), *capsys.readouterr())
+
+    return run
 
 
 @pytest.fixture(scope="module")

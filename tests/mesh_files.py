@@ -2,16 +2,10 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from SDFStentLib.validation import InputError
-
-PROJECT = Path(__file__).resolve().parents[1]
-RUN_PYTHON = [sys.executable, "-W", "error::RuntimeWarning", "-c"]
 
 
 def octahedron(radius=30.0, rounds=2):

@@ -6,7 +6,8 @@ import ast
 import re
 from pathlib import Path
 
-PROJECT = Path(__file__).resolve().parents[1]
+from child_processes import PROJECT
+
 APP = sorted((PROJECT / "SDFStentApp").glob("*.py"))
 SHARED = sorted(
     [

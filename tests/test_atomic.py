@@ -1,9 +1,8 @@
 import os
 import stat
-import subprocess
 
 import pytest
-from mesh_files import PROJECT, RUN_PYTHON
+from child_processes import python
 
 from SDFStentLib.files import atomic_path, check_writable, write_bytes
 from SDFStentLib.validation import InputError
@@ -87,9 +86,7 @@ try:
 except InputError as error:
     print(error)
 """
-    run = subprocess.run(
-        [*RUN_PYTHON, script, target], cwd=PROJECT, capture_output=True, text=True, check=True
-    )
+    run = python(script, target)
     assert "cannot be written (File too large); free space" in run.stdout
     assert target.read_bytes() == b"old"
     assert list(tmp_path.iterdir()) == [target]

@@ -8,7 +8,7 @@ import re
 import sys
 
 import pytest
-from mesh_files import PROJECT
+from child_processes import PROJECT
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -3,15 +3,14 @@
 import ast
 import re
 import string
-from pathlib import Path
 
 import numpy as np
 import pytest
+from child_processes import PROJECT
 
 from SDFStentLib.cautions import NO_REMEDIES, TEMPLATES, Caution
 from SDFStentLib.validation import InputError
 
-PROJECT = Path(__file__).parents[1]
 SOURCES = [
     path
     for folder in ("SDFStentLib", "SDFStent/SDFStentSlicer")

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import ast
 import hashlib
 import json
 import os
 import re
 import shutil
 import signal
-import subprocess
 import sys
 import time
 from base64 import b64encode
@@ -18,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from child_processes import INTERRUPTIBLE, PATIENCE
+from child_processes import COMMAND, PATIENCE, PROJECT, begun, ended
 from tube_files import PLACE, deploy, write_tube
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
@@ -43,9 +41,6 @@ from SDFStentLib.files import (
 from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube
 from SDFStentLib.plan import StepFiles, load_plan, run_plan
 from SDFStentLib.validation import DeploymentError, InputError
-
-PROJECT = Path(__file__).resolve().parents[1]
-COMMAND = [sys.executable, "-m", "SDFStentLib"]
 
 
 def cell_array(path, name):
@@ -225,15 +220,6 @@ def test_the_command_line_says_how_to_name_a_unit_and_to_accept_a_changed_file(a
     capsys.readouterr()
     assert main(["run", "p.json", "-o", "again"]) == 2
     assert "accept the changed one (--accept-changed-inputs)" in capsys.readouterr().err
-
-
-def test_no_sentence_of_the_library_names_an_option():
-    for path in sorted((PROJECT / "SDFStentLib").rglob("*.py")):
-        if path.parent.name == "cli":
-            continue
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.Constant) and isinstance(node.value, str):
-                assert not re.search(r"(^|[\s(])--[a-z]", node.value), (path.name, node.value)
 
 
 def test_a_certificate_that_fails_is_said_and_gives_three(a_folder, monkeypatch, capsys):
@@ -645,27 +631,12 @@ def test_a_bar_is_drawn_on_a_terminal_only_and_wiped(monkeypatch, capsys):
     assert drawn.endswith(" \r")
 
 
-def a_process(arguments, folder, variables=None, **more):
-    environment = {**os.environ, "PYTHONPATH": str(PROJECT), **(variables or {})}
-    return subprocess.Popen(
-        [*COMMAND, *arguments],
-        cwd=folder,
-        env=environment,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        **more,
-    )
-
-
 @pytest.mark.skipif(os.name == "nt", reason="no such signal there")
 def test_control_c_leaves_nothing_half_written(a_folder):
-    process = a_process(
-        ["deploy", "tube.vtp", "--units", "cm", "--centerline", "line.vtp", *PLACE,
-         "--diameter", "6", "-o", "out.vtp", "--step", "0.0005", "--rule", "published"],
-        a_folder,
-        {"PYTHONPROFILEIMPORTTIME": "1"},
-        **INTERRUPTIBLE,
+    process = begun(
+        COMMAND, "deploy", "tube.vtp", "--units", "cm", "--centerline", "line.vtp", *PLACE,
+        "--diameter", "6", "-o", "out.vtp", "--step", "0.0005", "--rule", "published",
+        folder=a_folder, env={**os.environ, "PYTHONPROFILEIMPORTTIME": "1"},
     )  # fmt: skip
     # Python tells of every import on stderr: with this one the command has begun.
     assert any("published_steps" in line for line in process.stderr)
@@ -678,7 +649,8 @@ def test_control_c_leaves_nothing_half_written(a_folder):
 
 
 def test_a_reader_that_has_seen_enough_is_no_error(a_folder):
-    process = a_process(["measure", "tube.vtp", "--units", "cm", "--axis", "axis.vtp"], a_folder)
+    words = ["measure", "tube.vtp", "--units", "cm", "--axis", "axis.vtp"]
+    process = begun(COMMAND, *words, folder=a_folder)
     process.stdout.close()
     process.wait(timeout=PATIENCE)
     assert process.returncode == 0
@@ -708,12 +680,9 @@ def test_real_anatomies_get_their_diameter_in_every_centerline_form(data_dir, tm
 @pytest.mark.skipif(os.name == "nt", reason="closes streams with a POSIX shell")
 @pytest.mark.parametrize("closed", [">&-", ">&- 2>&-"])
 def test_a_closed_stream_is_no_reason_to_fail(a_folder, closed):
-    command = [*COMMAND, "deploy", "tube.vtp", "--units", "cm", "--centerline", "line.vtp", *PLACE]
+    command = [COMMAND, "deploy", "tube.vtp", "--units", "cm", "--centerline", "line.vtp", *PLACE]
     command += ["--diameter", "6", "-o", "out.vtp"]
-    environment = {**os.environ, "PYTHONPATH": str(PROJECT)}
-    done = subprocess.run(
-        ["sh", "-c", f'"$@" {closed}', "sh", *command], env=environment, cwd=a_folder, check=False
-    )
+    done = ended(begun("sh", "-c", f'"$@" {closed}', "sh", *command, folder=a_folder))
     assert done.returncode == 0
     assert left_over(a_folder) == {"out.vtp"}
 

@@ -5,11 +5,10 @@ from __future__ import annotations
 import json
 import os
 import re
-import subprocess
 import sys
 
 import pytest
-from mesh_files import PROJECT
+from child_processes import PROJECT, begun, ended
 
 from SDFStentLib.cli import main
 from SDFStentLib.cohort import Cohort, sweep_from_document
@@ -36,10 +35,8 @@ def test_the_example_gives_its_table_and_its_plot(folder):
     document["sampling"]["count"] = 5
     (folder / "sweep.json").write_text(json.dumps(document), encoding="utf-8")
     (folder / "plot.py").write_text(block("python", "Two hundred cases"), encoding="utf-8")
-    environment = {**os.environ, "PYTHONPATH": str(PROJECT), "MPLBACKEND": "Agg"}
-    done = subprocess.run(
-        [sys.executable, "plot.py"], cwd=folder, env=environment, capture_output=True, text=True
-    )
+    environment = {**os.environ, "MPLBACKEND": "Agg"}
+    done = ended(begun(sys.executable, "plot.py", folder=folder, env=environment))
     assert done.returncode == 0, done.stderr
     columns = Cohort(folder / "cohort").columns
     certified = int((columns["certified"] == 1).sum())

@@ -6,7 +6,6 @@ import json
 
 import numpy as np
 import pytest
-from child_processes import installed
 from mesh_files import octahedron, open_tube
 
 from SDFStentLib.files import encode_vtp, polydata_from_arrays, polydata_from_lines, read_surface
@@ -60,8 +59,8 @@ def coarse_tube(tmp_path_factory):
 
 
 @pytest.mark.parametrize("more", [[], ["--length", "20"], ["--rule", "published"]])
-def test_no_certified_surface_has_a_triangle_that_lost_its_height(coarse_tube, more):
-    run = installed(
+def test_no_certified_surface_has_a_triangle_that_lost_its_height(shell, coarse_tube, more):
+    run = shell(
         "deploy", "tube.vtp", "--axis", "axis.vtp", *ALONG_CAPS, *more,
         "-o", "out.vtp", "--report", "out.json", folder=coarse_tube,
     )  # fmt: skip
@@ -84,8 +83,8 @@ def smallest_angles(surface):
     return np.rad2deg(np.arccos(np.clip(cosines, -1, 1))).min(axis=0)
 
 
-def test_triangles_that_became_slivers_are_counted_with_the_place_of_the_worst(coarse_tube):
-    run = installed(
+def test_triangles_that_became_slivers_are_counted_with_the_place_of_the_worst(shell, coarse_tube):
+    run = shell(
         "deploy", "tube.vtp", "--axis", "axis.vtp", *ALONG_CAPS, "--verbose",
         "-o", "out.vtp", "--report", "out.json", folder=coarse_tube,
     )  # fmt: skip
@@ -124,13 +123,13 @@ SOUND, WARNED, FAULTY = 0, 0, 3
     ],
     ids=["moebius", "ring", "twice", "thrice"],
 )  # fmt: skip
-def test_check_tells_whether_a_surface_has_two_sides(tmp_path, mesh, code, words, silent):
+def test_check_tells_whether_a_surface_has_two_sides(shell, tmp_path, mesh, code, words, silent):
     write(tmp_path / "mesh.vtp", *mesh)
-    run = installed("check", "mesh.vtp", folder=tmp_path)
+    run = shell("check", "mesh.vtp", folder=tmp_path)
     assert run.returncode == code, run.stdout
     assert words in run.stdout
     assert silent not in run.stdout
-    document = json.loads(installed("check", "mesh.vtp", "--json", folder=tmp_path).stdout)
+    document = json.loads(shell("check", "mesh.vtp", "--json", folder=tmp_path).stdout)
     assert document["orientable"] == (words != "one-sided")
     assert document["passed"] == (code == 0)
 
@@ -156,19 +155,19 @@ def _with_apex_at(height):
         (5e-2, SOUND, "no self-intersection"),
     ],
 )
-def test_check_tells_slivers_from_triangles_without_height(tmp_path, height, code, words):
+def test_check_tells_slivers_from_triangles_without_height(shell, tmp_path, height, code, words):
     write(tmp_path / "mesh.vtp", *_with_apex_at(height))
-    run = installed("check", "mesh.vtp", folder=tmp_path)
+    run = shell("check", "mesh.vtp", folder=tmp_path)
     assert run.returncode == code, run.stdout
     assert words in one_line(run.stdout)
-    document = json.loads(installed("check", "mesh.vtp", "--json", folder=tmp_path).stdout)
+    document = json.loads(shell("check", "mesh.vtp", "--json", folder=tmp_path).stdout)
     assert document["passed"] == (code == 0)
     if code == 0:
         assert ("below 1 degree" in " ".join(document["warnings"])) == ("degree" in words)
 
 
 @pytest.mark.parametrize("kind", ["moebius", "turned"])
-def test_a_certificate_tells_of_winding_that_the_input_had(tmp_path, kind):
+def test_a_certificate_tells_of_winding_that_the_input_had(shell, tmp_path, kind):
     points, triangles = open_tube(radius=4.0, length=40.0)
     if kind == "turned":
         triangles = triangles.copy()
@@ -182,7 +181,7 @@ def test_a_certificate_tells_of_winding_that_the_input_had(tmp_path, kind):
     write(tmp_path / "tube.vtp", points, triangles)
     data = polydata_from_lines([[0, 0, 10], [0, 0, 30]], [np.arange(2)])
     (tmp_path / "axis.vtp").write_bytes(encode_vtp(data))
-    run = installed(
+    run = shell(
         "deploy", "tube.vtp", "--axis", "axis.vtp", "--diameter", "9", "-o", "out.vtp",
         "--report", "out.json", folder=tmp_path,
     )  # fmt: skip
@@ -208,9 +207,9 @@ NARROW = ["--center", "2.533416986465454", "3.3830726146698", "-9.02489852905273
     ],
 )
 def test_a_lumen_that_is_noticeably_too_narrow_is_told_with_its_place(
-    data_dir, tmp_path, more, is_told
+    shell, data_dir, tmp_path, more, is_told
 ):
-    run = installed(
+    run = shell(
         "deploy", data_dir / "aorta_iliac_surface_cm.vtp", "--units", "cm",
         "--centerline", data_dir / "aorta_iliac_centerline_cm.vtp", *NARROW, *more, "--verbose",
         "-o", "out.vtp", "--report", "out.json", folder=tmp_path,

@@ -7,10 +7,10 @@ import re
 import runpy
 from functools import partial
 from html.parser import HTMLParser
-from pathlib import Path
 
 import numpy as np
 import pytest
+from child_processes import PROJECT
 from tube_files import write_tube
 
 from SDFStentLib.cli import main
@@ -23,8 +23,6 @@ from SDFStentLib.report.drawing import Words
 from SDFStentLib.report.picture.alternatives import alternatives_scene
 from SDFStentLib.treatment import vessel
 from SDFStentLib.validation import DeploymentError, InputError
-
-PROJECT = Path(__file__).parents[1]
 
 INPUTS = {
     "units": "cm",

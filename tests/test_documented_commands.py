@@ -9,20 +9,15 @@ import runpy
 import shlex
 import shutil
 import signal
-import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
-from child_processes import INTERRUPTIBLE, PATIENCE
-from mesh_files import PROJECT
+from child_processes import COMMAND, PATIENCE, PROJECT, begun, installed
 
 from SDFStentLib.cli import main
 from SDFStentLib.phantoms import branching_pulmonary_artery
 
 DOCUMENTS = [PROJECT / "README.md", *sorted((PROJECT / "docs").glob("*.md"))]
-COMMAND = shutil.which("sdfstent", path=str(Path(sys.executable).parent))
 
 COMMANDS = (
     *("app", "centerline", "check", "compare", "demo", "deploy"),
@@ -157,16 +152,9 @@ def folder(prepared, tmp_path):
     return shutil.copytree(prepared, tmp_path / "documents")
 
 
-def ended(folder, arguments):
-    """The command once it is done."""
-    return subprocess.run(
-        [COMMAND, *arguments], cwd=folder, capture_output=True, text=True, timeout=PATIENCE
-    )
-
-
 def assert_runs(folder, arguments):
     """Exit code 0, and an output where one is named."""
-    done = ended(folder, arguments)
+    done = installed(*arguments, folder=folder)
     assert done.returncode == 0, (arguments, done.stderr)
     assert done.stdout
     if "-o" in arguments:
@@ -177,7 +165,7 @@ def assert_asks_for_vmtk(folder, arguments):
     """Where VMTK cannot be had; where it is there, the command runs like all others."""
     if importlib.util.find_spec("vmtk"):
         return assert_runs(folder, arguments)
-    done = ended(folder, arguments)
+    done = installed(*arguments, folder=folder)
     assert done.returncode == 2
     assert "pip install" in done.stderr
 
@@ -187,14 +175,7 @@ def assert_starts_and_ends(folder, arguments):
     pytest.importorskip("trame")
     if "--port" in arguments:
         arguments[arguments.index("--port") + 1] = "0"
-    process = subprocess.Popen(
-        [COMMAND, *arguments, *({"--no-browser"} - {*arguments})],
-        cwd=folder,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        **INTERRUPTIBLE,
-    )
+    process = begun(COMMAND, *arguments, *({"--no-browser"} - {*arguments}), folder=folder)
     line = process.stdout.readline()
     process.send_signal(signal.SIGINT)
     _, error = process.communicate(timeout=PATIENCE)

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from child_processes import PROJECT
 from deployment_cases import ANATOMIES
-from mesh_files import PROJECT
 from tube_files import deploy
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkIntArray

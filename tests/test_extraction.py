@@ -2,11 +2,10 @@
 
 import importlib.util
 import os
-import subprocess
-import sys
 
 import numpy as np
 import pytest
+from child_processes import PROJECT, installed
 from scipy.spatial import cKDTree
 from tube_files import write_tube
 
@@ -36,13 +35,7 @@ needs_vmtk = pytest.mark.skipif(
 
 def command(*words, **environment):
     """The shell in a process of its own."""
-    return subprocess.run(
-        [sys.executable, "-m", "SDFStentLib", *map(str, words)],
-        capture_output=True,
-        text=True,
-        env={**os.environ, **environment},
-        check=False,
-    )
+    return installed(*words, folder=PROJECT, env={**os.environ, **environment})
 
 
 def extracted(surface, *places):

@@ -5,14 +5,12 @@ from __future__ import annotations
 import ast
 import importlib
 import re
-import subprocess
-import sys
 from functools import cache
 from pathlib import Path
 
 import pytest
+from child_processes import PROJECT, python
 
-PROJECT = Path(__file__).parents[1]
 LIBRARY = PROJECT / "SDFStentLib"
 FLOORS = (
     ("validation", "parameter", "cautions", "units", "version"),
@@ -89,12 +87,18 @@ def tree_of(path: Path) -> ast.Module:
 
 
 @cache
+def nodes_of(path: Path) -> tuple[ast.AST, ...]:
+    """All of a file, looked at by many rules."""
+    return tuple(ast.walk(tree_of(path)))
+
+
+@cache
 def imports_of(path: Path) -> dict[str, set[str]]:
     """Modules of the library that a file imports, at its top or late, and the names from each."""
     is_inside = path.is_relative_to(LIBRARY)
     package = path.relative_to(LIBRARY).parts[:-1] if is_inside else ()
     found: dict[str, set[str]] = {}
-    for node in ast.walk(tree_of(path)):
+    for node in nodes_of(path):
         if not isinstance(node, ast.ImportFrom):
             continue
         module = node.module or ""
@@ -113,7 +117,7 @@ def imports_of(path: Path) -> dict[str, set[str]]:
 
 def outside_of(path: Path) -> set[str]:
     found = set()
-    for node in ast.walk(tree_of(path)):
+    for node in nodes_of(path):
         if isinstance(node, ast.Import):
             found |= {alias.name.split(".")[0] for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
@@ -132,7 +136,7 @@ def table(room: str):
 def names_of(room: str) -> list[str]:
     """What a table of contents imports as itself, which type checkers take for its public names."""
     path = LIBRARY.joinpath(*room.split("."), "__init__.py")
-    made = [node for node in ast.walk(tree_of(path)) if isinstance(node, ast.ImportFrom)]
+    made = [node for node in nodes_of(path) if isinstance(node, ast.ImportFrom)]
     return [one.name for node in made for one in node.names if one.name == one.asname]
 
 
@@ -203,7 +207,7 @@ def test_nobody_outside_of_a_room_imports_from_inside_it():
 def test_nobody_imports_the_library_by_another_way_than_from_a_table_of_contents():
     found = []
     for path in FILES + OUTSIDERS:
-        for node in ast.walk(tree_of(path)):
+        for node in nodes_of(path):
             words = []
             if isinstance(node, ast.Import):
                 words = [alias.name for alias in node.names if "SDFStentLib." in alias.name]
@@ -244,10 +248,7 @@ def test_the_method_imports_neither_vtk_nor_scipy_spatial():
         "from SDFStentLib import Deployment, Treatment;"
         "print([m for m in sys.modules if m.startswith(('vtk', 'scipy.spatial'))])"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", program], cwd=PROJECT, capture_output=True, text=True, check=True
-    )
-    assert done.stdout.strip() == "[]"
+    assert python(program).stdout.strip() == "[]"
 
 
 def test_a_table_of_contents_names_what_there_is_and_dir_shows_it():
@@ -340,3 +341,47 @@ def test_the_version_is_that_of_the_project():
 def test_no_shipped_file_grows_beyond_its_limit():
     lines = {name_of(path): len(path.read_text(encoding="utf-8").splitlines()) for path in FILES}
     assert not {name: count for name, count in lines.items() if count > 350}
+
+
+def test_every_while_says_why_it_ends():
+    for path in FILES + sorted((PROJECT / "SDFStent" / "SDFStentSlicer").rglob("*.py")):
+        lines = path.read_text(encoding="utf-8").splitlines()
+        for node in nodes_of(path):
+            if isinstance(node, ast.While):
+                above = node.lineno - 2
+                while lines[above - 1].lstrip().startswith("#"):
+                    above -= 1
+                assert lines[above].lstrip().startswith("# Ends"), f"{path}:{node.lineno}"
+
+
+def test_no_sentence_of_the_library_names_an_option():
+    for path in FILES:
+        for node in nodes_of(path) if room_of(module_of(path)) != "cli" else ():
+            if isinstance(node, ast.Constant) and isinstance(node.value, str):
+                assert not re.search(r"(^|[\s(])--[a-z]", node.value), (path.name, node.value)
+
+
+ARGUMENTS = {"read_text": 1, "write_text": 2, "open": 4}
+"""With so many arguments the last one is the encoding."""
+
+
+def without_encoding(call: ast.Call) -> bool:
+    """Whether a call opens a text file in the encoding of the machine."""
+    name = getattr(call.func, "id", getattr(call.func, "attr", None))
+    if name not in ARGUMENTS or (name == "open" and not isinstance(call.func, ast.Name)):
+        return False
+    modes = [word.value for word in call.args if isinstance(word, ast.Constant)]
+    is_binary = name == "open" and any("b" in str(mode) for mode in modes[-1:])
+    keywords = {keyword.arg for keyword in call.keywords}
+    return not (is_binary or len(call.args) >= ARGUMENTS[name] or "encoding" in keywords)
+
+
+def test_every_text_file_is_opened_with_its_encoding():
+    folders = ("SDFStentLib", "SDFStent", "tests", "examples", "benchmarks", "docs")
+    assert not [
+        f"{path.relative_to(PROJECT)}:{node.lineno}"
+        for folder in folders
+        for path in (PROJECT / folder).rglob("*.py")
+        for node in nodes_of(path)
+        if isinstance(node, ast.Call) and without_encoding(node)
+    ]

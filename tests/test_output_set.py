@@ -9,10 +9,9 @@ import shutil
 import signal
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
-from mesh_files import PROJECT
+from child_processes import PROJECT, installed, python
 
 from SDFStentLib.cli.outputs import Outputs
 from SDFStentLib.files import output_set
@@ -82,10 +81,7 @@ def prepare(folder):
 
 
 def run(folder, at, program=WRITER):
-    return subprocess.run(
-        [sys.executable, "-c", program, str(folder), str(at)],
-        cwd=PROJECT, capture_output=True, text=True, check=False,
-    )  # fmt: skip
+    return python(program, folder, at)
 
 
 @pytest.fixture
@@ -263,8 +259,7 @@ def test_the_command_obeys_no_folder_from_elsewhere(a_folder):
     found = victims(a_folder)
     before = found()
     words = ["measure", "tube.vtp", "--units", "cm", "--centerline", "line.vtp"]
-    command = [Path(sys.executable).with_name("sdfstent"), *words, "--csv", "results/l.csv"]
-    done = subprocess.run(command, capture_output=True, text=True)
+    done = installed(*words, "--csv", "results/l.csv", folder=a_folder)
     assert done.returncode == 0, done.stderr
     assert (results / "l.csv").is_file()
     assert found() == before
@@ -381,10 +376,7 @@ os.kill(os.getpid(), int(sys.argv[1]))
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_during_the_imports_ends_in_a_sentence(number):
-    done = subprocess.run(
-        [sys.executable, "-c", SIGNALLED, str(int(number))],
-        cwd=PROJECT, capture_output=True, text=True, check=False,
-    )  # fmt: skip
+    done = python(SIGNALLED, int(number))
     assert done.returncode == 130
     assert done.stderr == "sdfstent: interrupted; nothing was written.\n"
 

@@ -2,14 +2,8 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
-
 import numpy as np
 import pytest
-from child_processes import PATIENCE
-from mesh_files import PROJECT
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkStringArray
 
@@ -63,28 +57,11 @@ def a_vessel(tmp_path_factory):
     return folder
 
 
-def command(*arguments):
-    return [sys.executable, "-m", "SDFStentLib", *map(str, arguments)]
-
-
 def deploy(diameter, out, *more):
-    return command(
+    return (
         "deploy", "vessel.vtp", "--units", "cm", "--centerline", "line.vtp",
         "--center", 1.1, -0.7, 15, "--length", 20, "--diameter", diameter, "-o", out, *more,
     )  # fmt: skip
-
-
-def run(arguments, folder):
-    return subprocess.run(
-        arguments,
-        cwd=folder,
-        env={**os.environ, "PYTHONPATH": str(PROJECT)},
-        capture_output=True,
-        text=True,
-        encoding="utf-8",
-        timeout=PATIENCE,
-        check=False,
-    )
 
 
 def arrays_of(data):
@@ -108,9 +85,11 @@ def coordinates(data):
 
 
 @pytest.mark.parametrize("more", [(), ("--arrays",)])
-def test_deploying_keeps_arrays_ids_and_untouched_points_bit_by_bit(a_vessel, tmp_path, more):
+def test_deploying_keeps_arrays_ids_and_untouched_points_bit_by_bit(
+    shell, a_vessel, tmp_path, more
+):
     out = tmp_path / "out.vtp"
-    done = run(deploy(6, out, *more), a_vessel)
+    done = shell(*deploy(6, out, *more), folder=a_vessel)
     assert done.returncode == 0, done.stderr
     before = read_surface(a_vessel / "vessel.vtp", "cm")
     after = read_surface(out, "cm")

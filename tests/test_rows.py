@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import os
-import subprocess
-import sys
 
 import numpy as np
 import pytest
+from child_processes import python
 
 from SDFStentLib.__main__ import ONE_THREAD
 from SDFStentLib.geometry import product
@@ -37,7 +36,5 @@ print([os.environ[name] for name in {ONE_THREAD}])
 """
     clean = {name: value for name, value in os.environ.items() if name not in ONE_THREAD}
     environment = clean if wanted is None else {**clean, ONE_THREAD[0]: wanted}
-    said = subprocess.run(
-        [sys.executable, "-c", script], env=environment, capture_output=True, check=True
-    ).stdout.decode()
+    said = python(script, env=environment).stdout
     assert str([wanted or "1", "1", "1"]) in said

@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from child_processes import PROJECT
 from deployment_cases import anatomy, phantom
-from mesh_files import PROJECT
 
 from SDFStentLib.cautions import Caution
 from SDFStentLib.certificate import Certificate, MotionCheck

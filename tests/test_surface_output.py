@@ -1,8 +1,7 @@
-import subprocess
-
 import numpy as np
 import pytest
-from mesh_files import PROJECT, RUN_PYTHON, octahedron
+from child_processes import python
+from mesh_files import octahedron
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkIntArray, vtkStringArray
 
@@ -212,13 +211,7 @@ for path in sys.argv[2:]:
     except ValueError as error:
         print(error)
 """
-    run = subprocess.run(
-        [*RUN_PYTHON, script, surface.path, *paths],
-        cwd=PROJECT,
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+    run = python(script, surface.path, *paths)
     said = run.stdout.splitlines()
     for path, sentence in zip(paths, said, strict=True):
         assert sentence.startswith(str(path))

@@ -12,10 +12,9 @@ import socket
 import subprocess
 import sys
 from concurrent.futures import Future, ThreadPoolExecutor
-from pathlib import Path
 
 import pytest
-from child_processes import INTERRUPTIBLE, PATIENCE
+from child_processes import COMMAND, PATIENCE, PROJECT, begun
 from cohort_cases import (
     bytes_of,
     hold_at,
@@ -26,7 +25,6 @@ from cohort_cases import (
     whole_cases,
     write_sweep,
 )
-from mesh_files import PROJECT
 
 from SDFStentLib import InputError
 from SDFStentLib.cli import main
@@ -34,7 +32,7 @@ from SDFStentLib.cohort import Cohort, executors, run_sweep
 
 pytest.importorskip("distributed")
 
-AXES = {"diameter": {"from": 6, "to": 7, "steps": 10}}
+SWEEP = {"axes": {"diameter": {"from": 6, "to": 7, "steps": 4}}, "store": "moved"}
 PLACES = "SDFStentLib.cohort.executors"
 
 
@@ -53,10 +51,13 @@ class Cluster:
 
     def __init__(self, folder):
         self.folder, self.port, self.processes = folder, free_port(), []
+        tube_folder(folder)
+        write_sweep(folder, **SWEEP)
         path = f"{folder}{os.pathsep}{PROJECT}"
         self.environment = {**os.environ, "PYTHONPATH": path, "OMP_NUM_THREADS": "1"}
         self.address = f"tcp://127.0.0.1:{self.port}"
         self.scheduler = self.start_scheduler()
+        wait_for(self.answers)
 
     def start(self, *words):
         log = (self.folder / "cluster.log").open("a", encoding="utf-8")
@@ -83,15 +84,12 @@ class Cluster:
         return False
 
     def start_worker(self):
-        small = [
-            "--nthreads",
-            "1",
-            "--no-dashboard",
-            "--death-timeout",
-            str(PATIENCE),
-            "--no-nanny",
-        ]
+        small = ["--nthreads", "1", "--no-dashboard", "--no-nanny"]
         return self.start("worker", self.address, "--death-timeout", str(PATIENCE), *small)
+
+    def kill_scheduler(self):
+        os.kill(self.scheduler.pid, signal.SIGKILL)
+        self.scheduler.wait()
 
     def close(self):
         for process in self.processes:
@@ -102,33 +100,13 @@ class Cluster:
 
 @pytest.fixture
 def cluster(tmp_path):
-    made = Cluster(tmp_path)
-    try:
-        wait_for(made.answers)
+    with contextlib.closing(Cluster(tmp_path)) as made:
         yield made
-    finally:
-        made.close()
-
-
-@pytest.fixture(scope="module")
-def wanted(tmp_path_factory):
-    """The files of the sweep that ran through in this process."""
-    folder = tube_folder(tmp_path_factory.mktemp("wanted"))
-    with ThreadPoolExecutor(1) as thread:
-        run_sweep(sweep_in(folder, axes=AXES, store="moved"), folder / "out", executor=thread)
-    return bytes_of(folder / "out")
 
 
 def started(folder, address, environment):
     words = ["sweep", "sweep.json", "-o", "out", "--scheduler", address]
-    return subprocess.Popen(
-        [Path(sys.executable).with_name("sdfstent"), *words],
-        cwd=folder,
-        env=environment,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
+    return begun(COMMAND, *words, folder=folder, env=environment)
 
 
 def status_of(folder):
@@ -139,31 +117,30 @@ def status_of(folder):
     return words.getvalue()
 
 
-def test_a_cluster_gives_the_same_bytes_also_when_a_worker_and_the_scheduler_are_killed(
-    tmp_path, cluster, wanted
-):
-    """Begun without workers. Held at 2 cases the first is killed, held at 4 the scheduler."""
-    write_sweep(tube_folder(tmp_path), axes=AXES, store="moved")
-    environment = hold_at(tmp_path, 2)
-    with (tmp_path / "sitecustomize.py").open("a", encoding="utf-8") as file:
+def test_a_cluster_gives_the_same_bytes_also_when_a_worker_and_the_scheduler_are_killed(cluster):
+    """Begun without workers. Held at 1 case the first is killed, held at 2 the scheduler."""
+    folder = cluster.folder
+    environment = hold_at(folder, 1)
+    with (folder / "sitecustomize.py").open("a", encoding="utf-8") as file:
         file.write(f"import {PLACES} as places\nplaces.SCHEDULER_SECONDS = {PATIENCE}\n")
-    sweep = started(tmp_path, cluster.address, environment)
-    wait_for(lambda: "no workers: they are waited for" in status_of(tmp_path))
+    sweep = started(folder, cluster.address, environment)
+    wait_for(lambda: "no workers: they are waited for" in status_of(folder))
     first = cluster.start_worker()
-    wait_for(lambda: len(whole_cases(tmp_path)) == 2)
+    wait_for(lambda: len(whole_cases(folder)) == 1)
     cluster.start_worker()
     os.kill(first.pid, signal.SIGKILL)
-    hold_at(tmp_path, 4)
-    wait_for(lambda: len(whole_cases(tmp_path)) == 4)
-    os.kill(cluster.scheduler.pid, signal.SIGKILL)
-    cluster.scheduler.wait()
+    hold_at(folder, 2)
+    wait_for(lambda: len(whole_cases(folder)) == 2)
+    cluster.kill_scheduler()
     cluster.start_scheduler()
     cluster.start_worker()  # those of the old one have ended with it
-    let_go(tmp_path)
+    let_go(folder)
     out, error = sweep.communicate(timeout=PATIENCE)
     assert sweep.returncode == 0, error
-    assert "10 of 10 cases: 10 certified for meshing." in out
-    assert bytes_of(tmp_path / "out") == wanted
+    assert "4 of 4 cases: 4 certified for meshing." in out
+    with ThreadPoolExecutor(1) as thread:
+        run_sweep(sweep_in(folder, **SWEEP), folder / "here", executor=thread)
+    assert bytes_of(folder / "out") == bytes_of(folder / "here")
 
 
 SOON_LOST = f"""
@@ -178,16 +155,16 @@ places._client = client
 """
 
 
-def test_a_scheduler_that_is_lost_is_told_in_one_sentence(tmp_path, cluster):
-    write_sweep(tube_folder(tmp_path), axes=AXES, store="moved")
-    environment = hold_at(tmp_path, 2)
-    with (tmp_path / "sitecustomize.py").open("a", encoding="utf-8") as file:
+def test_a_scheduler_that_is_lost_is_told_in_one_sentence(cluster):
+    folder = cluster.folder
+    environment = hold_at(folder, 1)
+    with (folder / "sitecustomize.py").open("a", encoding="utf-8") as file:
         file.write(SOON_LOST)
     cluster.start_worker()
-    sweep = started(tmp_path, cluster.address, environment)
-    wait_for(lambda: len(whole_cases(tmp_path)) == 2)
-    (tmp_path / "lost").touch()
-    os.kill(cluster.scheduler.pid, signal.SIGKILL)
+    sweep = started(folder, cluster.address, environment)
+    wait_for(lambda: len(whole_cases(folder)) == 1)
+    (folder / "lost").touch()
+    cluster.kill_scheduler()
     _, error = sweep.communicate(timeout=PATIENCE)
     assert sweep.returncode == 4
     assert error == (
@@ -224,10 +201,7 @@ def test_the_program_that_keeps_a_cluster_keeps_it_until_it_is_ended(tmp_path):
     (tmp_path / "dask_jobqueue.py").write_text(STAND_IN, encoding="utf-8")
     write_sweep(tube_folder(tmp_path), axes={"diameter": [6]}, store="moved")
     environment = {**os.environ, "PYTHONPATH": f"{tmp_path}{os.pathsep}{PROJECT}"}
-    command = [sys.executable, "cluster.py"]
-    kept = subprocess.Popen(
-        command, cwd=tmp_path, env=environment, stdout=subprocess.PIPE, text=True, **INTERRUPTIBLE
-    )
+    kept = begun(sys.executable, "cluster.py", folder=tmp_path, env=environment, stderr=None)
     try:
         address = kept.stdout.readline().strip()
         sweep = started(tmp_path, address, environment)

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import json
 import math
-import subprocess
-import sys
 import tracemalloc
 
 import numpy as np
 import pytest
+from child_processes import PROJECT, python
 from cohort_cases import PLAN, document, sweep_in, tube_folder, write_sweep
-from mesh_files import PROJECT
 from scipy import stats
 
 from SDFStentLib import InputError
@@ -126,14 +124,7 @@ def test_names_of_cases_are_the_same_in_another_process_and_another_folder(folde
         "import sys; from SDFStentLib.cohort import cases_of, load_sweep\n"
         "print(*[case.id for case in cases_of(load_sweep(sys.argv[1]))])"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", program, path],
-        cwd=PROJECT,
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert done.stdout.split() == names
+    assert python(program, path).stdout.split() == names
 
 
 @pytest.mark.parametrize(

@@ -6,8 +6,6 @@ import json
 import os
 import re
 import signal
-import subprocess
-import sys
 import threading
 import time
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
@@ -16,7 +14,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from child_processes import INTERRUPTIBLE, PATIENCE
+from child_processes import COMMAND, PATIENCE, PROJECT, begun, installed, python
 from cohort_cases import (
     bytes_of,
     hold_at,
@@ -27,7 +25,6 @@ from cohort_cases import (
     whole_cases,
     write_sweep,
 )
-from mesh_files import PROJECT
 
 from SDFStentLib import DeploymentError, InputError
 from SDFStentLib.cli.sweep import _Watcher
@@ -36,9 +33,9 @@ from SDFStentLib.cohort.store import Store
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="signals and limits of POSIX")
 
-AXES = {"diameter": {"from": 6, "to": 7, "steps": 8}}
-COMMAND = str(Path(sys.executable).with_name("sdfstent"))
-RUN = [COMMAND, "sweep", "sweep.json", "-o"]
+COUNT = 5
+AXES = {"diameter": {"from": 6, "to": 7, "steps": COUNT}}
+ALL = f"{COUNT} of {COUNT} cases"
 
 
 @pytest.fixture
@@ -60,16 +57,8 @@ def wanted(tmp_path_factory):
 
 def started(folder, *more, environment=None):
     """A sweep in a process of its own, leader of a group as under a shell."""
-    return subprocess.Popen(
-        [*RUN, "out", *more],
-        cwd=folder,
-        env=environment or {**os.environ, "PYTHONPATH": str(PROJECT)},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-        **INTERRUPTIBLE,
-    )
+    words = ["sweep", "sweep.json", "-o", "out", *more]
+    return begun(COMMAND, *words, folder=folder, env=environment, start_new_session=True)
 
 
 def children_of(pid):
@@ -121,14 +110,14 @@ def test_a_sweep_interrupted_three_times_ends_with_the_same_bytes_and_leaves_no_
         assert returned == code
         kept = len(whole_cases(there))
         if code == 130:
-            kept_words = f"{kept} of 8 cases are kept in out, run it again to go on."
+            kept_words = f"{kept} of {COUNT} cases are kept in out, run it again to go on."
             assert error == f"sdfstent: interrupted; {kept_words}\n"
         wait_for(lambda children=children: not any(map(is_alive, children)))
-        assert before < kept < 8
+        assert before < kept < COUNT
     let_go(there)
     code, out, error = ended(started(there, "--workers", "1"))
     assert (code, error) == (0, "")
-    assert "8 of 8 cases: 8 certified for meshing." in out
+    assert f"{ALL}: {COUNT} certified for meshing." in out
     assert bytes_of(there / "out") == wanted
 
 
@@ -145,6 +134,11 @@ def changed(folder, *lines):
     """Every process of a sweep begins with these lines of Python, too."""
     with (folder / "sitecustomize.py").open("a", encoding="utf-8") as file:
         file.write("\n".join(["", *lines, ""]))
+
+
+def with_changes(folder):
+    """The environment of such processes."""
+    return {**os.environ, "PYTHONPATH": f"{folder}{os.pathsep}{PROJECT}"}
 
 
 def with_a_worker_stopped(folder, *more, lines=()):
@@ -165,18 +159,19 @@ def with_a_worker_stopped(folder, *more, lines=()):
 
 def test_a_sweep_with_a_worker_that_does_not_answer_can_be_interrupted(there):
     process, children = with_a_worker_stopped(there)
-    wait_for(lambda: len(whole_cases(there)) > 3)
+    wait_for(lambda: len(whole_cases(there)) > 2)
     process.send_signal(signal.SIGTERM)
     code, _, error = ended(process)
     assert code == 130
-    assert error.startswith(f"sdfstent: interrupted; {len(whole_cases(there))} of 8 cases are kept")
+    kept = len(whole_cases(there))
+    assert error.startswith(f"sdfstent: interrupted; {kept} of {COUNT} cases are kept")
     assert not any(map(is_alive, children))
 
 
 @pytest.mark.parametrize(
     ("line", "words"),
     [
-        ("", "interrupted; {} of 8 cases are kept in out"),
+        ("", f"interrupted; {{}} of {COUNT} cases are kept in out"),
         # As on a disk that does not answer.
         ("runner.write_manifest = lambda _: time.sleep(6000)", "ended; what is whole is kept"),
     ],
@@ -215,18 +210,18 @@ def test_a_case_that_takes_longer_than_the_limit_has_failed_and_the_others_go_on
         "watch.monotonic = lambda: time.monotonic() + 10_000 * pathlib.Path('late').exists()",
     )
     process, children = with_a_worker_stopped(there, *limit, lines=lines)
-    wait_for(lambda: last_tally(there / "out")[0].finished == 7)
+    wait_for(lambda: last_tally(there / "out")[0].finished == COUNT - 1)
     (there / "late").touch()
     code, out, error = ended(process)
     assert (code, error) == (4, "")
-    assert "8 of 8 cases: 7 certified for meshing, 1 failed" in out
+    assert f"{ALL}: {COUNT - 1} certified for meshing, 1 failed" in out
     assert not any(map(is_alive, children))
     columns = Cohort(there / "out").columns
     (reason,) = columns["reason"][columns["status"] == "failed"]
     assert reason.startswith("it took longer than the time limit of 9000 s")
     code, out, _ = ended(started(there, *limit, "--workers", "2"))
     assert code == 0
-    assert "8 of 8 cases: 8 certified" in out
+    assert f"{ALL}: {COUNT} certified" in out
 
 
 def test_time_without_a_case_is_told_once_in_a_while():
@@ -259,15 +254,14 @@ def test_a_minute_without_a_case_is_told_by_the_command(there):
     ("function", "words"),
     [
         ("_prepare", "what was whole before is kept in out"),
-        ("_Run.left", "3 of 8 cases are kept in out"),
+        ("_Run.left", "2 of 3 cases are kept in out"),
     ],
 )
 def test_an_early_interruption_does_not_say_that_nothing_is_kept(there, function, words):
-    sweep = sweep_in(there, axes={"diameter": [6, 6.5, 7]}, store="moved")
+    sweep = sweep_in(there, axes={"diameter": [6, 6.5]}, store="moved")
     with ThreadPoolExecutor(1) as thread:
         run_sweep(sweep, there / "out", executor=thread)
-    document = {"diameter": [6, 6.5, 7, 7.1, 7.2, 7.3, 7.4, 7.5]}
-    write_sweep(there, axes=document, store="moved")
+    write_sweep(there, axes={"diameter": [6, 6.5, 7]}, store="moved")
     changed(
         there,
         "import pathlib, time",
@@ -277,8 +271,7 @@ def test_an_early_interruption_does_not_say_that_nothing_is_kept(there, function
         "    time.sleep(6000)",
         f"runner.{function} = slowly",
     )
-    environment = {**os.environ, "PYTHONPATH": f"{there}{os.pathsep}{PROJECT}"}
-    process = started(there, environment=environment)
+    process = started(there, environment=with_changes(there))
     wait_for((there / "begun").exists)
     process.send_signal(signal.SIGINT)
     code, _, error = ended(process)
@@ -377,31 +370,23 @@ def test_workers_that_are_gone_before_their_pool_is_told_end_it_without_a_word(
     assert not lost_threads
 
 
-def test_a_case_that_kills_its_worker_fails_alone(there, monkeypatch):
+def test_a_case_that_kills_its_worker_fails_alone(there):
     """A limit of memory that one case alone exceeds, as a mesh too large for the machine does."""
-    (there / "sitecustomize.py").write_text(
-        "import os, SDFStentLib.cohort.worker as worker\n"
-        "plain = worker.plan_of_case\n"
-        "def deadly(plan, number, parameters, *more):\n"
-        "    if abs(parameters['diameter'] - 6.142857) < 1e-5:\n"
-        "        os.kill(os.getpid(), 9)\n"
-        "    return plain(plan, number, parameters, *more)\n"
-        "worker.plan_of_case = deadly\n",
-        encoding="utf-8",
+    changed(
+        there,
+        "import os, SDFStentLib.cohort.worker as worker",
+        "plain = worker.plan_of_case",
+        "def deadly(plan, number, parameters, *more):",
+        "    if parameters['diameter'] == 6.25:",
+        "        os.kill(os.getpid(), 9)",
+        "    return plain(plan, number, parameters, *more)",
+        "worker.plan_of_case = deadly",
     )
-    monkeypatch.setenv("PYTHONPATH", f"{there}{os.pathsep}{PROJECT}")
-    process = subprocess.Popen(
-        [*RUN, "out", "--workers", "1"],
-        cwd=there,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    code, out, error = ended(process)
+    code, out, error = ended(started(there, "--workers", "1", environment=with_changes(there)))
     assert (code, error) == (4, "")
-    assert "8 of 8 cases: 7 certified for meshing, 1 failed" in out
+    assert f"{ALL}: {COUNT - 1} certified for meshing, 1 failed" in out
     columns = Cohort(there / "out").columns
-    assert columns["status"].tolist() == ["done", "failed", *["done"] * 6]
+    assert columns["status"].tolist() == ["done", "failed", *["done"] * (COUNT - 2)]
     assert columns["reason"][1].startswith("its worker ended without a word")
 
 
@@ -413,15 +398,15 @@ def test_a_damaged_patient_in_the_middle_fails_and_the_others_finish(tmp_path):
         for name, file in (("A", "tube.vtp"), ("B", "bad.vtp"), ("C", "none.vtp"))
     ]
     people.append({**people[0], "name": "D", "root": [0, 0, 4]})
-    write_sweep(tmp_path, axes={"diameter": [6, 6.5]}, patients=people)
+    write_sweep(tmp_path, axes={"diameter": [6]}, patients=people)
     code, out, _ = ended(started(tmp_path, "--workers", "1"))
     assert code == 4
-    assert "8 of 8 cases: 4 certified for meshing, 4 failed" in out
+    assert "4 of 4 cases: 2 certified for meshing, 2 failed" in out
     columns = Cohort(tmp_path / "out").columns
-    assert columns["patient"].tolist() == [name for name in ("A", "B", "C", "D") for _ in "12"]
-    assert columns["status"].tolist() == ["done"] * 2 + ["failed"] * 4 + ["done"] * 2
-    assert columns["reason"][2].startswith("bad.vtp: ")
-    assert columns["reason"][4].startswith("none.vtp: ")
+    assert columns["patient"].tolist() == ["A", "B", "C", "D"]
+    assert columns["status"].tolist() == ["done", "failed", "failed", "done"]
+    assert columns["reason"][1].startswith("bad.vtp: ")
+    assert columns["reason"][2].startswith("none.vtp: ")
 
 
 def test_failed_cases_are_done_again_when_the_patient_is_there(tmp_path):
@@ -466,11 +451,7 @@ def test_files_that_cannot_be_written_stop_the_sweep_where_no_disk_can_be_mounte
         "resource.setrlimit(resource.RLIMIT_FSIZE, (3000, 3000))\n"
         "run_sweep(load_sweep('sweep.json'), 'out', executor=ThreadPoolExecutor(1))\n"
     )
-    environment = {**os.environ, "PYTHONPATH": str(PROJECT)}
-    done = subprocess.run(
-        [sys.executable, "-c", program], cwd=there, env=environment, capture_output=True, text=True
-    )
-    last = done.stderr.splitlines()[-1]
+    last = python(program, folder=there).stderr.splitlines()[-1]
     assert "StoreError: " in last
     assert "out: cannot be written (File too large); free space" in last
     assert not whole_cases(there)
@@ -482,10 +463,7 @@ def test_a_second_sweep_into_the_same_folder_is_refused_while_the_first_one_runs
     code, _, error = ended(started(there, "--workers", "1"))
     assert code == 2
     assert "expected a folder where no sweep is running, another one is" in error
-    status = [COMMAND, "sweep", "--status", "out"]
-    seen = subprocess.run(status, cwd=there, env={**os.environ, "PYTHONPATH": str(PROJECT)},
-                          capture_output=True, text=True, check=True)  # fmt: skip
-    assert seen.stdout.startswith("Running: ")
+    assert installed("sweep", "--status", "out", folder=there).stdout.startswith("Running: ")
     let_go(there)
     code, _, error = ended(first)
     assert (code, error) == (0, "")

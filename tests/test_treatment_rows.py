@@ -9,7 +9,7 @@ import re
 
 import numpy as np
 import pytest
-from mesh_files import PROJECT
+from child_processes import PROJECT
 from tube_files import write_tube
 
 from SDFStentLib import AtCenter, InputError, Stent, Treatment, plan_report, run_plan, write_report

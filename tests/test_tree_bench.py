@@ -6,7 +6,7 @@ import sys
 
 import numpy as np
 import pytest
-from mesh_files import PROJECT
+from child_processes import PROJECT
 
 sys.path.insert(0, str(PROJECT))
 

@@ -1,12 +1,11 @@
 import os
-import subprocess
 import textwrap
 from pathlib import Path
 
 import numpy as np
 import pytest
-from child_processes import PATIENCE
-from mesh_files import PROJECT, RUN_PYTHON, octahedron
+from child_processes import python
+from mesh_files import octahedron
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonCore import VTK_ID_TYPE, vtkLogger, vtkObject, vtkOutputWindow
 from vtkmodules.vtkIOLegacy import vtkPolyDataWriter
@@ -113,13 +112,7 @@ def test_cut_files_and_noise_never_crash_never_print_and_never_pass_for_another_
                 raise AssertionError(f"noise passed for {path.suffix}")
         print("done")
     """)
-    run = subprocess.run(
-        [*RUN_PYTHON, script, tmp_path, *paths],
-        cwd=PROJECT,
-        capture_output=True,
-        text=True,
-        timeout=PATIENCE,
-    )
+    run = python(script, tmp_path, *paths)
     assert run.stderr == ""
     assert run.stdout == "done\n"
     assert run.returncode == 0

@@ -109,6 +109,12 @@ def test_what_is_not_deployed_is_said_and_branches_are_closed_when_asked_for(
         assert any(plane["closed"] for plane in document["planes"]) == isClosed
         volumes.append(document["before"]["volume"])
     assert volumes[1] < volumes[0]
+    # A script has the same of the logic.
+    assert (
+        aSegment.logic.extractSegment(aSegment._parameterNode, tmp_path) == tmp_path / "segment 3"
+    )
+    walls = [exterior(tmp_path / f"segment {number}" / "before").points for number in (2, 3)]
+    np.testing.assert_array_equal(*walls)
 
 
 def test_with_no_markups_it_is_the_vessel_round_the_selected_stent(host, aSegment, tmp_path):
