@@ -110,7 +110,7 @@ TEMPLATES = {
         "the descending aorta (Heart 2003;89:905)."
     ),
     "ratio-stenosis": (
-        "The balloon is {ratio:.1f} times as wide as the stenosis of {stenosis_mm:.1f} mm; above "
+        "The balloon is {ratio:.2f} times as wide as the stenosis of {stenosis_mm:.2f} mm; above "
         "{high:g} the recoil was more than 10 %."
     ),
     "lesion-uncovered": (

@@ -115,8 +115,8 @@ def test_the_wide_half_of_a_vessel_is_the_free_half():
 @pytest.mark.parametrize(
     ("with_tree", "with_faces", "name"),
     [
-        (True, True, "side branch of 15.3 mm at 19 mm"),
-        (True, False, "side branch of 15.3 mm at 19 mm"),
+        (True, True, "branch of 15.3 mm at 19 mm"),
+        (True, False, "branch of 15.3 mm at 19 mm"),
         (False, True, "side branch of 14.6 mm at 19 mm"),
         (False, False, "side branch of 14.6 mm at 19 mm"),
     ],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -55,7 +56,8 @@ def edge_near(surface, center, within=12.0):
 
 
 def ostia_of(surface, axis, centerline=None, **options):
-    return find_ostia(surface, extended_axis(surface, axis, centerline), **options)
+    way = extended_axis(surface, axis, centerline)
+    return find_ostia(surface, way, centerline=centerline, **options)
 
 
 @pytest.mark.parametrize("angle_deg", [90.0, 60.0, 45.0])
@@ -268,3 +270,51 @@ def test_the_way_beyond_a_stent_goes_on_along_the_centerline_and_ends_with_it():
     whole = extended_axis(tube.surface, axis, tube.centerline, reach=100)
     assert whole.before == pytest.approx(15, abs=0.1)
     assert isinstance(whole, ExtendedAxis)
+
+
+def test_the_way_before_a_stent_goes_on_to_the_root_and_not_straight_on_into_the_other_branch():
+    """The vessel that a stented one comes from was told as a branch that the stent covers."""
+    patch, fork = a_tee(side_radius=4.0), (0, 0, 30)
+    ways = ((22, 0, 30), fork), (fork, (0, 0, 55)), (fork, (0, 0, 5))
+    trunk, up, down = (np.linspace(*ends, 23) for ends in ways)
+    points = np.concatenate([trunk, up[1:], down[1:]])
+    parent = np.arange(len(points)) - 1
+    parent[len(trunk) + len(up) - 1] = len(trunk) - 1
+    tree = Centerline(points, np.full(len(points), np.nan), parent)
+    surface, axis = Surface(patch.points, patch.triangles), np.linspace((0, 0, 31), (0, 0, 45), 15)
+    extended = extended_axis(surface, axis, tree)
+    np.testing.assert_allclose(extended.points[0], (19, 0, 30), atol=0.1)
+    (other,) = find_ostia(surface, extended)
+    assert other.name.endswith("before the stent")
+
+
+def a_bent_path(patch):
+    """The centerline up a tee's main vessel and round into its branch, and the one straight on."""
+    up, on = np.linspace((0, 0, 0), (0, 0, 30), 31), np.linspace((0, 0, 31), (0, 0, 60), 30)
+    side = np.linspace((1, 0, 30), (22, 0, 30), 22)
+    points = np.concatenate([up, on, side])
+    parent = np.arange(len(points)) - 1
+    parent[len(up) + len(on)] = len(up) - 1
+    return Surface(patch.points, patch.triangles), Centerline(points, np.full(83, np.nan), parent)
+
+
+@pytest.mark.parametrize("start", [24.0, 27.0, 30.0])
+def test_the_vessel_that_a_stented_one_comes_from_is_no_branch(start):
+    """Round a bend rays look back along the vessel's own lumen: it was "fully covered"."""
+    surface, tree = a_bent_path(a_tee(side_radius=3.5))
+    way = tree.path(tree.project(np.array([0, 0, start])), np.array([15.0, 0, 30])).points
+    (onward,) = ostia_of(surface, way, tree)
+    np.testing.assert_allclose(onward.outlets, [(0, 0, 60)], atol=0.01)
+
+
+@pytest.mark.parametrize("start", [1.0, 4.0, 8.0])
+def test_in_a_model_of_flat_ends_what_leads_to_none_is_no_branch(start):
+    """The far wall of a wide trunk, seen from its branch, was told as one of 7.4 mm."""
+    surface, tree = a_bent_path(a_tee(radius=9.0))
+    way = np.linspace((start, 0, 30), (20, 0, 30), 20)
+    (onward,) = ostia_of(surface, way, tree)
+    np.testing.assert_allclose(onward.outlets, [(0, 0, 60)], atol=0.01)
+    assert onward.name.startswith("branch of"), "the trunk is no side branch of its branch"
+    # A centerline that ends elsewhere does not tell what vessels end in.
+    tree = replace(tree, points=np.where(tree.points == 60, 45.0, tree.points))
+    assert [len(one.outlets) for one in ostia_of(surface, way, tree)] == [0, 1]

@@ -172,6 +172,14 @@ def test_a_stent_is_held_against_the_healthy_vessel_at_its_ends_and_where_that_i
     np.testing.assert_allclose(healthy, found, equal_nan=True)
 
 
+@pytest.mark.parametrize(("trunk", "proximal"), [(20.0, math.nan), (8.0, 8.0)])
+def test_the_lumen_of_the_junction_at_which_a_lesion_begins_is_no_healthy_vessel(trunk, proximal):
+    """A stent of a branch of 3.7 mm was held against the 10.3 mm of the trunk at its ostium."""
+    native = a_native_lumen(*[trunk] * 8, *[9.0] * 2, *[4.0] * 11, *[8.0] * 10)
+    healthy = healthy_vessel(native, 20.0, [a_lesion_of(None, 8.0)])
+    np.testing.assert_allclose(healthy, (proximal, 8.0, 8.0), equal_nan=True)
+
+
 def test_a_device_gives_its_own_length_and_one_that_is_too_short_is_refused(a_vessel):
     """A suggestion never leaves its own lesion uncovered."""
     row = {"nominal_length": 14, "lengths": [[4, 14], [8, 13]], "name": "own"}

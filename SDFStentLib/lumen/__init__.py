@@ -47,6 +47,5 @@ from .triangle_sizes import TriangleSizes as TriangleSizes
 from .triangle_sizes import triangle_sizes as triangle_sizes
 from .wall_map import RAYS as RAYS
 from .wall_map import near_wall as near_wall
-from .wall_map import ray_angles as ray_angles
 from .wall_map import rays_from as rays_from
 from .wall_map import wall_map as wall_map

@@ -79,6 +79,15 @@ class Tube:
         """(n, RAYS) where the wall leaves the vessel."""
         return np.asarray(self.wall.distance > LEAVES * self.expected)
 
+    @property
+    def places(self) -> Floats:
+        """(n, RAYS, 3) points of the expected wall; where it is infinite, of the axis."""
+        angles = ray_angles()
+        directions = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        rays = np.einsum("rk,nkj->nrj", directions, self.wall.frames[:, 1:])
+        expected = np.where(np.isfinite(self.expected), self.expected, 0.0)
+        return np.asarray(self.wall.centers[:, None] + expected[..., None] * rays)
+
 
 def expected_tube(surface: Surface, axis: Points) -> Tube:
     """The vessel round an axis.

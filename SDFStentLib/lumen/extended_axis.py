@@ -57,8 +57,8 @@ def extended_axis(
 ) -> ExtendedAxis:
     """The axis led on along the centerline, without one through the middle of the lumen.
 
-    At a junction the way goes on in the straightest direction. It ends where vessel or
-    centerline end.
+    At a junction the way goes on to the root, or from there on in the straightest direction. It
+    ends where vessel or centerline end.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ def _along_tree(tree: Centerline, axis: Points, reach: float) -> Points:
     radius = place.inscribed_radius if place.inscribed_radius > 0 else 1.0
     heading = heading_of(axis, radius)
     above = int(tree.parent[place.index])
-    sides = [(above, place.index), (place.index, above)]
+    sides = [(place.index, above), (above, place.index)]
     ends = [tree.points[_ahead(tree, *side, radius)] for side in sides]
     came_from, node = sides[int(np.argmax([(end - place.point) @ heading for end in ends]))]
     way, travelled = [place.point], 0.0
@@ -112,8 +112,9 @@ def _along_tree(tree: Centerline, axis: Points, reach: float) -> Points:
         onward = _onward(tree, came_from, node)
         if travelled >= reach or not onward:
             break
-        came_from, after = node, onward[0]
-        if len(onward) > 1:
+        above = int(tree.parent[node])
+        came_from, after = node, above if above in onward else onward[0]
+        if len(onward) > 1 and after != above:
             ahead = heading_of(np.array(way), radius) if travelled > radius else heading
             after = onward[_straightest(tree, node, onward, ahead, 2 * radius)]
         node = after

@@ -21,6 +21,12 @@ BEYOND = 1.3
 FAR = 2.0
 """if it leads farther away than so many, or to an end of the model."""
 
+NO_ENDS: Points = np.empty((0, 3))
+
+_ON_WALL = 0.9
+"""Expected radii from the middle at which an opening lies in the wall; nearer it is within the
+lumen, seen from a part of the vessel that is bent round."""
+
 
 class Opening(NamedTuple):
     """A part of a tube's wall at which the lumen goes on into another vessel."""
@@ -33,18 +39,22 @@ class Opening(NamedTuple):
     """and the triangles of each."""
 
 
-def openings(surface: Surface, tube: Tube) -> list[Opening]:
-    """Where the wall of a tube opens into other vessels, in no order; see `find_ostia`."""
+def openings(surface: Surface, tube: Tube, ends: Points = NO_ENDS) -> list[Opening]:
+    """Where the wall of a tube opens into other vessels, in no order; see `find_ostia`.
+
+    Where all ends (k, 3) of the centerline lie in flat caps, so do those of every vessel.
+    """
     if not tube.is_open.any():
         return []
     parts = _parts_beyond(surface, tube)
     caps = _caps_beyond(surface, tube, parts.of_triangle)
-    leads = parts.is_far.copy()
+    leads = parts.is_far & (not _are_flat(surface, ends))
     leads[[cap.part for cap in caps]] = True
+    places = tube.places
     regions = _regions(tube, np.where(leads[parts.of_triangle], parts.of_triangle, -1))
     found = []
     for part, region in regions.items():
-        if parts.is_onward[part] and not _leads_aside(tube, region):
+        if parts.is_onward[part] and not _leads_aside(tube, region, places[region]):
             continue
         own = [cap for cap in caps if cap.part == part]
         centers = np.reshape([cap.center for cap in own], (-1, 3))
@@ -52,13 +62,29 @@ def openings(surface: Surface, tube: Tube) -> list[Opening]:
     return found
 
 
-def _leads_aside(tube: Tube, region: Mask) -> bool:
+def _are_flat(surface: Surface, ends: Points) -> bool:
+    """Whether there are ends (k, 3) of vessels, all of them in flat caps."""
+    caps = [surface.points[surface.triangles[cap.faces]].reshape(-1, 3) for cap in caps_of(surface)]
+    if not len(ends) or not caps:
+        return False
+    middles = np.array([corners.mean(axis=0) for corners in caps])
+    radii = [
+        np.linalg.norm(own - middle, axis=1).max()
+        for own, middle in zip(caps, middles, strict=True)
+    ]
+    away = np.linalg.norm(ends[:, None] - middles, axis=2)
+    return bool((away < radii).any(axis=1).all())
+
+
+def _leads_aside(tube: Tube, region: Mask, places: Points) -> bool:
     """Whether an opening leads far from a vessel that hangs together with what it leads to.
 
-    Else it is the vessel itself beyond its end, or a branch of which only a part is in reach.
+    Else it is the vessel itself beyond its end, or a branch of which only a part is in reach. The
+    opening's places (k, 3) are those on the expected wall.
     """
     is_far = tube.wall.distance > FAR * tube.expected
-    return bool(is_far[region].any() and not region[[0, -1]].any())
+    is_in_wall = np.median(_seen_from(places, tube)[0]) > _ON_WALL
+    return bool(is_in_wall and is_far[region].any() and not region[[0, -1]].any())
 
 
 class _Parts(NamedTuple):

@@ -24,5 +24,5 @@ def prescribed_words(treated: TreatedStent) -> str:
     """The prescribed diameter, or the smallest and the largest one."""
     profile = treated.axis.profile
     if profile is None or profile.diameters.min() == profile.widest:
-        return f"{treated.stent.diameter:g} mm"
+        return f"{round(treated.stent.diameter, 2):g} mm"
     return f"{profile.diameters.min():.2f} to {profile.widest:.2f} mm"

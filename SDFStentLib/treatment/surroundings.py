@@ -129,8 +129,7 @@ def surveyed(
         By which branches are named.
     """
     extended = extended_axis(found, axis, centerline)
-    inlet = None if centerline is None else centerline.points[centerline.roots[0]]
-    branches = find_ostia(found, extended, faces, inlet)
+    branches = find_ostia(found, extended, faces, centerline)
     ways = BranchWays(found, extended, centerline).into(branches)
     into = [
         NeighborWay(ostium.name, way)

@@ -68,6 +68,7 @@ def healthy_vessel(
         widest = float(lumen[own].max())
         return HealthyVessel(math.nan, math.nan, widest)
     reference, is_deep = _references(native.centers[known], lesions)
+    lumen = np.where(_in_junction(native.centers[known], lumen, lesions), np.nan, lumen)
     known_best = np.where(np.isnan(reference), lumen, reference)
     at_end, part = (
         np.where(np.isnan(reference), _widest_near(along, known_best, reach * lumen), reference)
@@ -78,9 +79,9 @@ def healthy_vessel(
         # A reference that is that of a wider vessel is bounded by what is measured beyond the end.
         beyond = way * (along - along[end])
         near = (beyond >= 0) & (beyond <= at_end[end])
-        measured = math.inf if is_deep[end] else float(lumen[near].max())
-        ends.append(min(float(at_end[end]), measured))
-    return HealthyVessel(ends[0], ends[1], min(*ends, float(part[own].min())))
+        measured = math.inf if is_deep[end] else np.fmax.reduce(lumen[near], initial=np.nan)
+        ends.append(float(np.fmin(at_end[end], measured)))
+    return HealthyVessel(ends[0], ends[1], float(np.fmin.reduce([*ends, *part[own]])))
 
 
 def _references(places: Floats, lesions: Sequence[Lesion]) -> tuple[Floats, Flags]:
@@ -98,7 +99,19 @@ def _references(places: Floats, lesions: Sequence[Lesion]) -> tuple[Floats, Flag
     return found, is_deep
 
 
+def _in_junction(places: Floats, lumen: Floats, lesions: Sequence[Lesion]) -> Flags:
+    """Which spheres (n,) are those of a junction, for a lesion begins or ends at it within them."""
+    ends = [
+        lesion.line[end]
+        for lesion in lesions
+        for side, end in ((lesion.proximal, 0), (lesion.distal, -1))
+        if side is None
+    ]
+    away = np.linalg.norm(places[:, None] - np.reshape(ends, (-1, 3)), axis=2)
+    return np.asarray((away < lumen[:, None] / 2).any(axis=1))
+
+
 def _widest_near(along: Floats, widths: Floats, reach: Floats) -> Floats:
-    """By station (n,) the greatest of some widths within a reach, mm."""
+    """By station (n,) the greatest known one of some widths within a reach, mm."""
     near = np.abs(along[:, None] - along[None, :]) <= reach[:, None]
-    return np.asarray(np.where(near, widths[None, :], -np.inf).max(axis=1))
+    return np.asarray(np.fmax.reduce(np.where(near, widths[None, :], np.nan), axis=1))

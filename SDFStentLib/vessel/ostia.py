@@ -11,8 +11,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..centerline import Centerline
 from ..geometry import NamedFaces, Surface
-from ..lumen import RAYS, ExtendedAxis, Mask, Opening, Tube, expected_tube, openings, ray_angles
+from ..lumen import RAYS, ExtendedAxis, Mask, Opening, Tube, expected_tube, openings
 from ..validation import Floats, Points, read_only
 
 LISTED = 10.0
@@ -93,7 +94,7 @@ def find_ostia(
     surface: Surface,
     axis: ExtendedAxis,
     faces: NamedFaces | None = None,
-    inlet: Points | None = None,
+    centerline: Centerline | None = None,
 ) -> tuple[Ostium, ...]:
     """The ostia of a stent and up to `LISTED` mm beyond its ends, from proximal to distal.
 
@@ -105,21 +106,26 @@ def find_ostia(
         Of the stent.
     faces : NamedFaces, optional
         Of the surface; those with names name the branches.
-    inlet : (3,) array, optional
-        The root of the centerline: what leads there is no branch, but the vessel from which this
-        one comes.
+    centerline : Centerline, optional
+        What leads to its root is no branch, but the vessel from which this one comes. Where all of
+        its ends lie in flat caps, what leads to no cap is no vessel.
     """
     tube = expected_tube(surface, axis.points)
-    wall, places = _faces_of_wall(tube, faces), _places(tube)
+    wall, places, ends = _faces_of_wall(tube, faces), tube.places, np.empty((0, 3))
+    if centerline is not None:
+        ends = centerline.points[[centerline.roots[0], *centerline.leaves]]
     found = []
-    for opening in openings(surface, tube):
+    for opening in openings(surface, tube, ends):
         ids = () if faces is None else {faces.most(own) for own in opening.caps} - wall
         ostium = _ostium(tube, places, axis, opening, tuple(sorted(ids)))
         if ostium.end > -LISTED and ostium.start < axis.stent_length + LISTED:
             found.append(ostium)
     found.sort(key=lambda ostium: (ostium.start, ostium.end))
+    at_end = int(np.searchsorted(tube.wall.arc_length, axis.before + axis.stent_length))
+    caliber = 2 * float(np.median(tube.expected[min(at_end, len(tube.expected) - 1)]))
     return tuple(
-        replace(ostium, name=_name(ostium, axis.stent_length, faces, inlet)) for ostium in found
+        replace(ostium, name=_name(ostium, axis.stent_length, caliber, faces, ends[:1]))
+        for ostium in found
     )
 
 
@@ -158,15 +164,6 @@ def _ostium(
     )
 
 
-def _places(tube: Tube) -> Floats:
-    """(n, RAYS, 3) points of the expected wall."""
-    angles = ray_angles()
-    directions = np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    rays = np.einsum("rk,nkj->nrj", directions, tube.wall.frames[:, 1:])
-    expected = np.where(np.isfinite(tube.expected), tube.expected, 0.0)
-    return np.asarray(tube.wall.centers[:, None] + expected[..., None] * rays)
-
-
 def _inner(region: Mask) -> Mask:
     """Cells whose four neighbors belong to the region as well."""
     padded = np.pad(region, ((1, 1), (0, 0)))
@@ -175,10 +172,11 @@ def _inner(region: Mask) -> Mask:
 
 
 def _name(
-    ostium: Ostium, stent_length: float, faces: NamedFaces | None, inlet: Points | None
+    ostium: Ostium, stent_length: float, caliber: float, faces: NamedFaces | None, inlet: Points
 ) -> str:
+    """What an ostium is called; one wider than the stented vessel is that of no side branch."""
     diameter = 2 * np.sqrt(ostium.area / np.pi)
-    if inlet is not None and len(ostium.outlets):
+    if len(inlet) and len(ostium.outlets):
         away = np.linalg.norm(ostium.outlets - inlet, axis=1)
         if away.min() < max(diameter, _AT_INLET):
             return PARENT
@@ -192,6 +190,6 @@ def _name(
         place = f"{middle - stent_length:.0f} mm beyond the stent"
     else:
         place = f"at {middle:.0f} mm"
-    count = len(ostium.outlets)
-    ends = f" ({count} outlets)" if count > 1 else ""
-    return f"side branch of {diameter:.1f} mm {place}{ends}"
+    kind = "side branch" if diameter < caliber else "branch"
+    ends = f" with {len(ostium.outlets)} outlets" if len(ostium.outlets) > 1 else ""
+    return f"{kind} of {diameter:.1f} mm{ends} {place}"
