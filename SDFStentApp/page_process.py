@@ -7,6 +7,7 @@ import contextlib
 import json
 import os
 import secrets
+import signal
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
@@ -38,6 +39,7 @@ class PageProcess:
         self._kept_s, self._on_end = kept_s, on_end
         self._process: asyncio.subprocess.Process | None = None
         self._workshop = tempfile.TemporaryDirectory(prefix="sdfstent-page-")
+        self._starting = asyncio.ensure_future(_started(self._workshop.name))
         self._visitors = 0
         self._leaving: asyncio.TimerHandle | None = None
         loop = asyncio.get_running_loop()
@@ -64,13 +66,17 @@ class PageProcess:
 
     async def end(self) -> None:
         """End it and wait until it is gone."""
-        if self._process is None or self._process.stdin is None:
-            self._life.cancel()
-        else:
-            self._process.stdin.close()
+        # A start that is given up half-way leaves a child that nobody waits for.
+        await asyncio.wait([self._starting])
+        if self._starting.exception() is None:
+            process = self._starting.result()
+            assert process.stdin is not None
+            if self._process is None:
+                _kill(process)  # it has not been told anything yet
+            process.stdin.close()
             done, _ = await asyncio.wait([self._life], timeout=END_WITHIN_S)
             if not done:
-                self._process.kill()
+                _kill(process)
         await asyncio.gather(self._life, return_exceptions=True)
 
     def _leave_after(self, seconds: float) -> None:
@@ -81,7 +87,7 @@ class PageProcess:
 
     async def _live(self, told: dict[str, Any]) -> None:
         try:
-            self._process = process = await _started(self._workshop.name)
+            self._process = process = await asyncio.shield(self._starting)
             assert process.stdin is not None
             assert process.stdout is not None
             process.stdin.write(json.dumps(told).encode() + b"\n")
@@ -102,20 +108,26 @@ class PageProcess:
                 )
             )
             self._port.exception()  # nobody may have asked yet
-            process.kill()
+            _kill(process)
 
     async def _over(self) -> None:
         """Whatever happened: the process is gone, and the server hears of it."""
         if self._leaving is not None:
             self._leaving.cancel()
         if self._process is not None and self._process.returncode is None:
-            self._process.kill()
+            _kill(self._process)
             await self._process.wait()
         self._workshop.cleanup()
         if not self._port.done():
             self._port.set_exception(RuntimeError("The page was closed before it was ready."))
             self._port.exception()
         self._on_end(self)
+
+
+def _kill(process: asyncio.subprocess.Process) -> None:
+    """By its number: `Process.kill` may take the end of one that has ended by itself from asyncio, which then warns."""
+    with contextlib.suppress(ProcessLookupError):
+        os.kill(process.pid, getattr(signal, "SIGKILL", signal.SIGTERM))
 
 
 async def _started(workshop: str) -> asyncio.subprocess.Process:
