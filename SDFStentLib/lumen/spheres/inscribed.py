@@ -19,12 +19,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...geometry import Surface, across
+from ...geometry import Surface, across, norm
 from ...geometry import tangents as polyline_tangents
 from ...validation import Floats, Indices, InputError, Points, Triangles, as_number, as_points
 from .local_surface import LocalSurface
 from .max_min_step import largest_steps
 from .near_walls import Neighborhood
+from .neighbors import are_stuck, rooms
 from .wall_points import WallPoints
 
 _FIRST_BOX, _SMALLEST_BOX, _LARGEST_BOX = 0.05, 0.005, 0.5
@@ -49,6 +50,9 @@ _ROUGHLY, _FINER = 100, 30
 
 _SOME = 64
 """Stations that tell how fine the surface is."""
+
+_GLANCES = 30
+"""Steps of a look from one sphere to another, each as long as the wall is away."""
 
 _ON_WALL = 1e-9
 """An axis point nearer to the wall than this, mm, lies on it: rounding tells no direction away."""
@@ -112,9 +116,10 @@ def inscribed_spheres(
     Notes
     -----
     The maximum is the one that a climb from the axis point reaches. In a cross-section with
-    several pockets it is the pocket of the axis, and where a flat lumen has a rough wall the
-    result may stay below the largest sphere by about the height of the roughness. Near a junction
-    the sphere grows into it as far as the plane allows.
+    several pockets it is the pocket of the axis, unless the spheres of the stations before and
+    behind tell of more room in its plane: then it is searched anew from there. Where a flat lumen
+    has a rough wall the result may stay below the largest sphere by about the height of the
+    roughness. Near a junction the sphere grows into it as far as the plane allows.
 
     Raises
     ------
@@ -134,6 +139,7 @@ def inscribed_spheres(
     for block in _parts(centers):
         spheres = _largest_spheres(surface, centers[block], axes[block], until.at(block))
         found.centers[block], found.radii[block] = spheres
+    _free_stuck(surface, found, centers, directions, until)
     return found
 
 
@@ -164,6 +170,45 @@ class SphereSearch:
         """
         begin = InscribedSpheres(centers, self._surface.distances(centers))
         return _climb(self._surface, begin, across(directions), until, first_box=WAY_BOX)
+
+
+def _free_stuck(
+    surface: LocalSurface,
+    found: InscribedSpheres,
+    stations: Points,
+    directions: Points,
+    until: Until,
+) -> None:
+    """Search those that their neighbors contradict anew, from where these leave room."""
+    sides = rooms(stations, directions, *found)
+    stuck = np.flatnonzero(are_stuck(found.radii, *sides) & (found.radii <= until.enough))
+    if not len(stuck):
+        return
+    both = np.r_[stuck, stuck]
+    starts = np.concatenate([side.places[stuck] for side in sides])
+    anew = _largest_spheres(surface, starts, across(directions[both]), until.at(both))
+    # What is larger as seen from one side only may be another vessel's.
+    radii = np.where(np.isnan(anew.radii), np.inf, anew.radii).reshape(2, -1)
+    smaller = anew.at(np.arange(len(stuck)) + len(stuck) * radii.argmin(axis=0))
+    free = _see_each_other(surface, smaller, found.at(stuck))
+    found.centers[stuck[free]], found.radii[stuck[free]] = smaller.at(free)
+
+
+def _see_each_other(
+    surface: LocalSurface, spheres: InscribedSpheres, others: InscribedSpheres
+) -> Indices:
+    """Numbers (k,) of the pairs of spheres between whose centers there is no wall."""
+    offset = others.centers - spheres.centers
+    gone, whole = spheres.radii.copy(), norm(offset)
+    found = gone > whole - others.radii
+    for _ in range(_GLANCES):
+        left = np.flatnonzero(~found & (gone < whole))
+        if not len(left):
+            break
+        places = spheres.centers[left] + (gone[left] / whole[left])[:, None] * offset[left]
+        gone[left] += surface.distances(places)
+        found[left] = gone[left] > whole[left] - others.radii[left]
+    return np.flatnonzero(found)
 
 
 def _parts(centers: Points) -> Iterator[Indices]:
