@@ -386,11 +386,17 @@ def test_a_path_around_a_point_has_half_on_either_side_and_follows_the_wide_daug
     assert [choice.rule for choice in path.choices] == ["widest"]
 
 
-def test_without_radius_the_longest_daughter_is_followed():
+def test_without_radius_the_longest_of_daughters_as_straight_is_followed():
     tree = with_radius(a_fork(), np.full(len(a_fork().points), np.nan))
     path = tree.path_around([0, 1, -30], 30)
     assert path.points[-1][0] < 0
-    assert [choice.rule for choice in path.choices] == ["longest"]
+    assert [choice.rule for choice in path.choices] == ["straightest"]
+
+
+def test_without_radius_the_straightest_daughter_is_followed_though_it_is_shorter():
+    tree = Centerline.from_lines(*stacked([a_line(INLET, 1.5 * FORK), a_line(FORK, LONG_OUTLET)]))
+    path = tree.path_around([0, 1, -30], 30)
+    np.testing.assert_allclose(path.points[-1], [0, 0, -45], atol=ROUNDING)
 
 
 def test_a_point_on_a_daughter_keeps_to_it_and_chooses_nothing():

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from deployment_cases import phantom
 
+from SDFStentLib.centerline import Stretch
 from SDFStentLib.vessel import find_lesions
 from SDFStentLib.vessel.lesion_measuring import _with_section
 from SDFStentLib.vessel.narrowings import narrowings
 from SDFStentLib.vessel.runs import VesselRun, _ostium
-from SDFStentLib.vessel.stretches import Stretch
 
 SPACING = 0.5
 

@@ -153,11 +153,11 @@ def test_at_a_junction_downstream_the_widest_branch_is_followed_and_said():
     assert "place it between two points to choose another one." in str(axis.warnings[0])
 
 
-def test_without_radii_the_longest_branch_is_followed_and_said():
+def test_without_radii_the_straightest_branch_is_followed_and_said():
     stent = Stent(6.0, placement=AtProximalEnd([0, 0, -35]), length=20)
     axis = stent_axis(stent, a_fork(known_radius=False))
     assert axis.points[-1, 0] < 0
-    assert "follows the longest branch" in str(axis.warnings[0])
+    assert "follows the straightest branch" in str(axis.warnings[0])
 
 
 @pytest.mark.parametrize("place", [AtCenter, AtDistalEnd, AtProximalEnd])

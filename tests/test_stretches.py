@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 from lesion_cases import bifurcation_case
 
-from SDFStentLib.centerline import Centerline
+from SDFStentLib.centerline import Centerline, joined_lumens
 from SDFStentLib.vessel import find_lesions
 from SDFStentLib.vessel.branch_lumen import branch_lumens
 from SDFStentLib.vessel.runs import vessel_runs
-from SDFStentLib.vessel.stretches import stretches
 
 
 @pytest.fixture(scope="module")
@@ -21,7 +20,9 @@ def divided():
     return bifurcation_case(22, None, fineness=0.4)
 
 
-def parted(centerline: Centerline, shares: tuple[float, float]) -> Centerline:
+def parted(
+    centerline: Centerline, shares: tuple[float, float], *, has_radius: bool = False
+) -> Centerline:
     """A line to each outlet, moved aside by so much of the radius from a little after the inlet."""
     ways = [centerline.ancestry(int(leaf)) for leaf in centerline.leaves]
     if ways[0][0] != centerline.roots[0]:
@@ -33,15 +34,16 @@ def parted(centerline: Centerline, shares: tuple[float, float]) -> Centerline:
         pieces.append(centerline.points[way] + aside[:, None] * np.array([0.0, 1.0, 0.0]))
     ends = np.cumsum([0, *map(len, pieces)])
     lines = [np.arange(first, last) for first, last in pairwise(ends)]
-    return Centerline.from_lines(np.concatenate(pieces), lines)
+    radius = np.concatenate([centerline.inscribed_radius[way] for way in ways])
+    return Centerline.from_lines(np.concatenate(pieces), lines, radius if has_radius else None)
 
 
 @pytest.mark.parametrize("shares", [(0.15, -0.15), (0.3, 0.0)])
 def test_lines_that_part_far_above_the_division_part_where_the_lumens_do(divided, shares):
-    known = stretches(branch_lumens(divided.surface, divided.centerline))
+    known = joined_lumens(branch_lumens(divided.surface, divided.centerline)).stretches
     early = parted(divided.centerline, shares)
     lumens = branch_lumens(divided.surface, early)
-    trunk, *branches = stretches(lumens)
+    trunk, *branches = joined_lumens(lumens).stretches
     assert len(known) == 3
     assert [one.above for one in branches] == [0, 0]
     # The file's lines part before half of the trunk is over.

@@ -1,7 +1,13 @@
-"""One tree of a vessel from any lines that a file may hold."""
+"""One tree of a vessel from any lines that a file may hold, and which vessel goes on where."""
 
+from .branch_lumen import BranchLumen as BranchLumen
 from .centerline import Centerline as Centerline
 from .junctions import JunctionChoice as JunctionChoice
+from .lumen_tree import SAME_CALIBER as SAME_CALIBER
+from .lumen_tree import USUAL as USUAL
+from .lumen_tree import LumenTree as LumenTree
 from .path import CenterlinePath as CenterlinePath
 from .path import Location as Location
 from .point_tree import points_between as points_between
+from .stretches import Stretch as Stretch
+from .stretches import joined_lumens as joined_lumens

@@ -20,8 +20,9 @@ from ..validation import (
     as_points,
     read_only,
 )
+from .branch_lumen import BranchLumen, told_lumens
 from .from_lines import tree_from_lines
-from .junctions import JunctionChoice, Rule, chosen_by_place
+from .junctions import JunctionChoice
 from .path import CenterlinePath, Location
 from .point_tree import (
     NeighborTable,
@@ -38,6 +39,7 @@ from .point_tree import (
     run_starts,
     sums_to_root,
 )
+from .vessel_lines import LumenPlace, VesselLines
 
 SAME_PLACE = 1e-9
 """Distance up to which two places on a centerline are one, mm."""
@@ -172,7 +174,10 @@ class Centerline:
         InputError
             Not one finite point.
         """
-        ends = np.flatnonzero(self.parent >= 0)
+        return self._nearest(point, np.flatnonzero(self.parent >= 0))
+
+    def _nearest(self, point: ArrayLike, ends: Indices) -> Location:
+        """The nearest place on the segments that lead to some points."""
         starts = self.parent[ends]
         query = as_point(point, "point")[None]
         found = closest_on_segments(self.points[starts], self.points[ends], query)
@@ -184,9 +189,9 @@ class Centerline:
         if along - at[above] <= SAME_PLACE and self.parent[above] >= 0:
             # At a junction: on the segment above it, so that no branch is chosen by rounding.
             index, fraction = above, 1.0
-        point = read_only(found.points[0])
+        place = read_only(found.points[0])
         distance = float(found.distances[0])
-        return Location(point, distance, index, fraction, float(along), float(local))
+        return Location(place, distance, index, fraction, float(along), float(local))
 
     def point_at(self, branch: int, distance: float) -> Floats:
         """The place (3,) on a branch at a distance along it, mm.
@@ -218,6 +223,8 @@ class Centerline:
     ) -> CenterlinePath:
         """The way between the projections of two points, across junctions, in either direction.
 
+        A point from whose place a lumen leads to the other one is projected on the line there.
+
         Returns
         -------
         CenterlinePath
@@ -229,6 +236,10 @@ class Centerline:
             The points lie on trees with different roots.
         """
         start, end = self._location(from_point), self._location(to_point)
+        if start is not from_point:
+            start = self._on_line_to(end, start)
+        if end is not to_point:
+            end = self._on_line_to(start, end)
         nodes = points_between(self.ancestry(start.index), self.ancestry(end.index))
         if nodes is None:
             raise InputError(
@@ -245,23 +256,20 @@ class Centerline:
     def path_around(self, center: ArrayLike | Location, length: float) -> CenterlinePath:
         """Half of the length up towards the root and half down towards the outlets, mm.
 
-        Down a junction the path follows the widest branch, or the longest where a radius is
-        unknown; `choices` lists the junctions passed so. It ends where the centerline ends.
+        Along the line of the vessel in whose lumen the place lies, whichever line is the nearest.
+        Where that divides the path follows the widest branch, or the straightest where a radius is
+        unknown; `choices` lists the divisions passed so. It ends where the centerline ends.
         """
         half = as_number(length, "length", unit="mm", above=0) / 2
-        return self._path_through(self._location(center), half, half)
+        return self._path_through(center, half, half)
 
     def path_from_distal(self, distal: ArrayLike | Location, length: float) -> CenterlinePath:
         """From a distal end up towards the root; shorter where the centerline ends."""
-        return self._path_through(
-            self._location(distal), as_number(length, "length", unit="mm", above=0), 0.0
-        )
+        return self._path_through(distal, as_number(length, "length", unit="mm", above=0), 0.0)
 
     def path_from_proximal(self, proximal: ArrayLike | Location, length: float) -> CenterlinePath:
         """From a proximal end down towards the outlets; junctions as in `path_around`."""
-        return self._path_through(
-            self._location(proximal), 0.0, as_number(length, "length", unit="mm", above=0)
-        )
+        return self._path_through(proximal, 0.0, as_number(length, "length", unit="mm", above=0))
 
     def resampled(self, spacing: float) -> Centerline:
         """Equal arc length of about `spacing` (mm) along every branch, whose ends stay."""
@@ -276,27 +284,22 @@ class Centerline:
     def _location(self, place: ArrayLike | Location) -> Location:
         return place if isinstance(place, Location) else self.project(place)
 
-    def _path_through(self, place: Location, up: float, down: float) -> CenterlinePath:
-        """From `up` mm above the place to `down` mm below it."""
-        first, last = place.arc_length - up, place.arc_length + down
-        node = place.index if place.fraction > 0 else int(self.parent[place.index])
-        above = self.ancestry(int(self.parent[place.index]))
-        choices = chosen_by_place(
-            self.points[above],
-            self.inscribed_radius[above],
-            place.arc_length - self.arc_length[above],
-            self._child_counts[above] if down > 0 else np.zeros(len(above), dtype=np.int64),
-        )
-        # Ends: down a tree, whose parents are checked for circles.
-        while self.arc_length[node] < last - SAME_PLACE and self._child_counts[node]:
-            below = self.children(node)
-            if len(below) > 1:
-                below, by_radius = self._preferred(node, below)
-                rule: Rule = "widest" if by_radius else "longest"
-                choices.append(JunctionChoice(read_only(self.points[node]), rule))
-            node = int(below[0])
-        nodes = self.ancestry(node if self.parent[node] >= 0 else place.index)
+    def _path_through(self, place: ArrayLike | Location, up: float, down: float) -> CenterlinePath:
+        """From `up` mm above a place to `down` mm below it, along its vessel."""
+        near = self._location(place)
+        if not self.lumens:
+            return CenterlinePath(near.point[None], np.array([near.inscribed_radius]))
+        stretch = self._stretch_at(near)
+        nodes = self.ancestry(self._vessel_lines.end_of(stretch))
+        if near.index not in nodes:
+            near = self._nearest(near.point if isinstance(place, Location) else place, nodes[1:])
+        first, last = near.arc_length - up, near.arc_length + down
+        choices: list[JunctionChoice] = []
+        if down > 0:
+            choices += self._vessel_lines.choices(LumenPlace(stretch, near.arc_length), last)
         at = self.arc_length[nodes]
+        count = int(np.searchsorted(at, last - SAME_PLACE)) + 1
+        nodes, at = nodes[:count], at[:count]
         ends = np.clip([first, last], 0.0, at[-1])
         inner = nodes[(at > ends[0]) & (at < ends[1])]
         points, radius = interpolated(self.points[nodes], self.inscribed_radius[nodes], ends)
@@ -305,30 +308,36 @@ class Centerline:
         kept = kept_points(points)
         return CenterlinePath(points[kept], radius[kept], tuple(choices))
 
-    def _preferred(self, junction: int, below: Indices) -> tuple[Indices, bool]:
-        """Children from the preferred one on, and whether the radius decided."""
-        reaches = self._reaches[below]
-        radii = np.array([self._radius_beyond(junction, int(child)) for child in below])
-        by_radius = bool(np.isfinite(radii).all())
-        order = np.lexsort((reaches, radii)) if by_radius else np.argsort(reaches, kind="stable")
-        return below[order[::-1]], by_radius
+    def _on_line_to(self, end: Location, start: Location) -> Location:
+        """A place from which a lumen leads to another one, on the line that comes there."""
+        nodes = self.ancestry(end.index)
+        if not self.lumens or start.index in nodes or start.arc_length > end.arc_length:
+            return start
+        if not self._vessel_lines.is_above(self._stretch_at(start), self._stretch_at(end)):
+            return start
+        return self._nearest(start.point, nodes[1:])
+
+    def _stretch_at(self, place: Location) -> int:
+        branch = int(self._branch_of[place.index])
+        start = self.arc_length[self.branches[branch][0]]
+        return self._vessel_lines.stretch_at(branch, float(place.arc_length - start))
 
     @cached_property
-    def _reaches(self) -> Floats:
-        """Per point the largest arc length among the leaves below it, mm."""
-        reaches = self.arc_length.copy()
-        for leaf in self.leaves:
-            chain = self.ancestry(int(leaf))
-            reaches[chain] = np.maximum(reaches[chain], self.arc_length[leaf])
-        return reaches
+    def _branch_of(self) -> Indices:
+        """Index into `branches` of every point; where one has no length, of the one next to it."""
+        found = np.full(len(self.parent), -1)
+        for lumen in self.lumens:
+            found[self.branches[lumen.branch][1:]] = lumen.branch
+        for branch in sorted(self.branches, key=lambda one: self.arc_length[one[0]]):
+            found[branch] = np.where(found[branch] < 0, found[branch].max(), found[branch])
+        return found
 
-    def _radius_beyond(self, junction: int, child: int) -> float:
-        """Mean radius of a branch from one to three junction radii beyond its junction, mm.
+    @cached_property
+    def lumens(self) -> tuple[BranchLumen, ...]:
+        """Stations along all branches that have a length, as wide as the tree's points tell."""
+        tree = PointTree(self.points, self.inscribed_radius, self.parent)
+        return told_lumens(tree, self.branches, self.arc_length)
 
-        Nearer, the branches still share one sphere. A shorter branch counts with its last point.
-        """
-        branch = next(b for b in self.branches if b[0] == junction and b[1] == child)
-        radius, along = self.inscribed_radius[branch], self.arc_length[branch]
-        unit = self.inscribed_radius[junction]
-        beyond = (along >= along[0] + unit) & (along <= along[0] + 3.0 * unit)
-        return float(radius[beyond].mean() if beyond.any() else radius[-1])
+    @cached_property
+    def _vessel_lines(self) -> VesselLines:
+        return VesselLines(self.lumens)

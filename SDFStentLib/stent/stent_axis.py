@@ -177,25 +177,25 @@ def _along_centerline(stent: Stent, centerline: Centerline | None) -> Centerline
         )
     placement = stent.placement
     if isinstance(placement, BetweenPoints):
-        ends = [
-            _placed(centerline, placement.start, "stent start"),
-            _placed(centerline, placement.end, "stent end"),
-        ]
+        start = _placed(centerline, placement.start, "stent start")
+        end = _placed(centerline, placement.end, "stent end")
         # Proximal is the end nearer to the root, whichever was given first.
-        ends.sort(key=lambda place: place.arc_length)
-        return centerline.path(*ends)
+        if end.arc_length < start.arc_length:
+            return centerline.path(placement.end, placement.start)
+        return centerline.path(placement.start, placement.end)
     assert stent.length is not None  # Stent refuses these placements without one
     wanted = stent.length * (1.0 - stent.foreshortening)
     if isinstance(placement, AtCenter):
         # As it is packed, when it shortens towards one end.
         wanted = wanted if stent.keeps == "center" else max(wanted, stent.length)
-        return centerline.path_around(_placed(centerline, placement.point, "center"), wanted)
+        _placed(centerline, placement.point, "center")
+        return centerline.path_around(placement.point, wanted)
     if isinstance(placement, AtDistalEnd):
-        distal = _placed(centerline, placement.point, "distal end")
-        return centerline.path_from_distal(distal, wanted)
+        _placed(centerline, placement.point, "distal end")
+        return centerline.path_from_distal(placement.point, wanted)
     assert isinstance(placement, AtProximalEnd)
-    proximal = _placed(centerline, placement.point, "proximal end")
-    return centerline.path_from_proximal(proximal, wanted)
+    _placed(centerline, placement.point, "proximal end")
+    return centerline.path_from_proximal(placement.point, wanted)
 
 
 def _placed(centerline: Centerline, point: Floats, name: str) -> Location:

@@ -51,8 +51,17 @@ class Stretch(NamedTuple):
     """The stretch at whose end it begins; -1 at a root."""
 
 
-def stretches(lumens: Sequence[BranchLumen]) -> list[Stretch]:
-    """The stretches of a tree, every one after the one above it."""
+class JoinedLumens(NamedTuple):
+    """The stretches of a tree, and which of them every station of its branches lies in."""
+
+    stretches: list[Stretch]
+    """Every one after the one above it."""
+    of_station: list[Indices]
+    """(n,) per branch, index into the stretches."""
+
+
+def joined_lumens(lumens: Sequence[BranchLumen]) -> JoinedLumens:
+    """The lumens of branches, of which those that are one are told once."""
     firsts = np.cumsum([0, *(len(lumen.along) for lumen in lumens)]).tolist()
     joined = _Joined(lumens)
     # By node of the centerline the station there of a line that has been added.
@@ -65,7 +74,10 @@ def stretches(lumens: Sequence[BranchLumen]) -> list[Stretch]:
             line += range(firsts[number] + 1, firsts[number + 1])
             at_node[lumens[number].nodes[1]] = line[-1]
         joined.add(line)
-    return joined.stretches()
+    found, of_station = joined.stretches()
+    for lumen, first in zip(lumens, firsts, strict=False):
+        of_station[first] = of_station[at_node[lumen.nodes[0]]]
+    return JoinedLumens(found, np.split(of_station, firsts[1:-1]))
 
 
 def _chains(lumens: Sequence[BranchLumen]) -> Iterator[list[int]]:
@@ -123,6 +135,8 @@ class _Joined:
     def _leave(self, line: Sequence[int]) -> int:
         """Number of stations with which a line runs in the lumen of lines before."""
         kept = np.flatnonzero(self._is_kept & np.isfinite(self._radii))
+        if not len(kept):
+            return 1
         along = self._columns[1]
         last = 0
         for begin in range(1, len(line), _AT_ONCE):
@@ -152,12 +166,14 @@ class _Joined:
         is_same &= across <= SAME_LUMEN * self._radii[found]
         return np.where(is_same, found, -1)
 
-    def stretches(self) -> list[Stretch]:
-        """The stretches between the stations at which more than one line goes on."""
+    def stretches(self) -> tuple[list[Stretch], Indices]:
+        """The stretches between the stations at which more than one line goes on, and of every
+        station (n,) the one that it lies in."""
         below: dict[int, list[int]] = {}
         for station in np.flatnonzero(self._is_kept).tolist():
             below.setdefault(int(self._above[station]), []).append(station)
         found: list[Stretch] = []
+        of_station = np.full(len(self._stands), -1)
         waiting = [([station], -1) for station in below.get(-1, [])]
         # Ends: every station is in one stretch, but for the first of those that go on.
         while waiting:
@@ -166,8 +182,9 @@ class _Joined:
             while len(onward := below.get(which[-1], [])) == 1:
                 which += onward
             waiting += [([self._first_of(one), one], len(found)) for one in onward]
+            of_station[which if above < 0 else which[1:]] = len(found)
             found.append(self._stretch(which, found, above))
-        return found
+        return found, of_station[self._stands]
 
     def _stretch(self, which: Sequence[int], found: Sequence[Stretch], above: int) -> Stretch:
         points, along, diameter, branch, branch_along = (c[which] for c in self._columns)
