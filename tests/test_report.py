@@ -13,6 +13,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
+from SDFStentLib.geometry import Surface
 from SDFStentLib.lumen import DiameterProfile
 from SDFStentLib.report import Report, write_report, write_report_figure
 from SDFStentLib.report.drawing import Box, Disc, Line, Words
@@ -44,6 +45,7 @@ def a_profile(inscribed, wider=1.0):
 
 def a_lesion(minimum):
     """Against 8 mm; without a section round the centerline."""
+    no_wall = Surface([[0, 0, -9], [1, 0, -9], [0, 1, -9]], [[0, 1, 2]])
     return Lesion(
         branch=0,
         branch_name="branch 1",
@@ -55,15 +57,13 @@ def a_lesion(minimum):
         minimum_diameter=float(minimum),
         reference_diameter=8.0,
         percent_diameter=100 * (1 - minimum / 8),
-        minimum_area=math.nan,
-        reference_area=math.nan,
-        percent_area=math.nan,
         proximal=HealthyPlace((0.0, 0.0, 2.0), 2.0, 8.0, math.nan),
         distal=None,
         reference="healthy vessel proximal of it (8.0 mm)",
         line=np.array([[0.0, 0.0, 5.0], [0.0, 0.0, 15.0]]),
         healthy=np.array([8.0, 8.0]),
         diameters=np.array([math.nan, math.nan]),
+        surface=no_wall,
     )
 
 

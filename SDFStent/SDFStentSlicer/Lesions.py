@@ -6,6 +6,13 @@ from SDFStentLib.vessel import find_lesions
 from .Portions import inPortions
 
 
+def withSections(lesions):
+    """The same lesions, their sections cut: the application's thread would wait for those that it tells of."""
+    for lesion in lesions:
+        _cut = lesion.section
+    return lesions
+
+
 class LesionSearch:
     """The lesions of one vessel with one centerline. No nodes in here.
 
@@ -24,6 +31,6 @@ class LesionSearch:
             return
         try:
             self.remark, inputs = yield from self._inputs()
-            self.found = yield from inPortions(lambda: find_lesions(*inputs))
+            self.found = yield from inPortions(lambda: withSections(find_lesions(*inputs)))
         except InputError as error:
             self.found, self.sentence = (), str(error)

@@ -6,6 +6,7 @@ from SDFStentLib.lumen import displacements, face_stretches
 from SDFStentLib.stent import OfStent, Stent, StentAxis, redilated
 from SDFStentLib.treatment import treated_lesions
 
+from .Lesions import withSections
 from .Portions import inPortions
 
 
@@ -99,6 +100,9 @@ class Stenting:
             found = self.search.found
             self.lesions = yield from inPortions(
                 lambda: treated_lesions(found, result.stents, result.surface, self.surface)
+            )
+            yield from inPortions(
+                lambda: withSections([one.after for one in self.lesions if one.stents])
             )
 
     def at(self, percent):

@@ -68,10 +68,13 @@ def treated_lesions(
             tuple(stent.number for stent in stents if lesions_within([one], stent.axis.points))
             for one in pair
         )
-        percents = pair[1].percent_diameter, pair[1].percent_area
-        is_left = any(percent >= _LEAST_LEFT for percent in percents)
-        treated.append(TreatedLesion(number, *pair, covering, is_left and not left_in))
+        treated.append(TreatedLesion(number, *pair, covering, not left_in and _is_left(pair[1])))
     return tuple(treated)
+
+
+def _is_left(lesion: Lesion) -> bool:
+    """Whether something is left of it; areas are asked for where diameters leave that open."""
+    return lesion.percent_diameter >= _LEAST_LEFT or lesion.percent_area >= _LEAST_LEFT
 
 
 @dataclass(frozen=True)

@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 
+import numpy as np
+
+from ..geometry import Surface
 from ..validation import Floats, Points, read_only
+from .lesion_sections import LesionLine, Section, smallest_section
 
 Place = tuple[float, float, float]
 """A point, mm."""
@@ -51,12 +56,6 @@ class Lesion:
     reference_diameter: float
     """At the narrowest place."""
     percent_diameter: float
-    minimum_area: float
-    """Smallest cross-section, mm^2; it may lie elsewhere than the smallest diameter. NaN where
-    no closed section lies round the centerline."""
-    reference_area: float
-    """At the smallest section, mm^2."""
-    percent_area: float
     proximal: HealthyPlace | None
     distal: HealthyPlace | None
     """What it is measured against; None for a side that tells nothing, such as a junction."""
@@ -68,6 +67,8 @@ class Lesion:
     """(k,) diameters of the healthy vessel at these points, mm."""
     diameters: Floats
     """(k,) inscribed, at these points, mm; NaN where unknown."""
+    surface: Surface = field(repr=False)
+    """On which it is measured."""
     vessel: int = 0
     """Index of its vessel among those of the tree, from the root on."""
     generation: int = 0
@@ -76,6 +77,34 @@ class Lesion:
     def __post_init__(self) -> None:
         for name in ("line", "healthy", "diameters"):
             object.__setattr__(self, name, read_only(getattr(self, name)))
+
+    @cached_property
+    def section(self) -> Section:
+        """The smallest cross-section; cut when first asked for.
+
+        It may lie elsewhere than the smallest diameter. NaN where no closed section lies round the
+        centerline.
+        """
+        sides = [side for side in (self.proximal, self.distal) if side is not None]
+        ratios = [side.area / side.diameter**2 for side in sides if np.isfinite(side.area)]
+        ratio = float(np.mean(ratios)) if ratios else float("nan")
+        line = LesionLine(self.line, self.healthy, self.diameters, ratio)
+        return smallest_section(self.surface, line, self.minimum_diameter)
+
+    @property
+    def minimum_area(self) -> float:
+        """Of that section, mm^2."""
+        return self.section.area
+
+    @property
+    def reference_area(self) -> float:
+        """Of the healthy vessel there, mm^2."""
+        return self.section.reference
+
+    @property
+    def percent_area(self) -> float:
+        """By which the section is smaller."""
+        return self.section.percent
 
     @property
     def length(self) -> float:

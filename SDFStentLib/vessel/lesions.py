@@ -26,7 +26,8 @@ from ..lumen import equivalent_diameters
 from ..validation import Floats, Points, as_points
 from .branch_lumen import branch_lumens
 from .branch_names import named_branches, size_words
-from .lesion_measuring import OWN_SECTION, as_place, lesions_after, measured
+from .lesion_measuring import as_place, lesions_after, measured
+from .lesion_sections import OWN_SECTION
 from .lesion_value import HealthyPlace, Lesion, Place, reference_words
 from .narrowings import PLATEAU, Narrowing, Plateau, narrowings
 from .runs import VesselRun, vessel_runs
@@ -86,7 +87,7 @@ def find_lesions(
     main = [_is_main(run, runs) for run in runs]
     starts = centerline.arc_length[[branch[0] for branch in centerline.branches]]
     lesions = [
-        _begun(one, starts, named, vessel_name(one.run, main[one.vessel]), *pair)
+        _begun(one, starts, named, vessel_name(one.run, main[one.vessel]), *pair, surface)
         for one, pair in zip(found, areas, strict=True)
     ]
 
@@ -255,6 +256,7 @@ def _begun(
     otherwise: str,
     proximal: HealthyPlace | None,
     distal: HealthyPlace | None,
+    surface: Surface,
 ) -> Lesion:
     """A narrowing with its reference, and diameters along its line.
 
@@ -284,15 +286,13 @@ def _begun(
         minimum_diameter=unknown,
         reference_diameter=unknown,
         percent_diameter=unknown,
-        minimum_area=unknown,
-        reference_area=unknown,
-        percent_area=unknown,
         proximal=sides[0],
         distal=sides[1],
         reference=reference_words(sides),
         line=line,
         healthy=narrow.reference.at(along),
         diameters=np.r_[ends[0], run.diameter[inner], ends[1]],
+        surface=surface,
         vessel=found.vessel,
         generation=run.generation,
     )
