@@ -46,9 +46,12 @@ def painted_once() -> Callable[..., subprocess.CompletedProcess]:
 
 
 LONGEST = (
-    "test_app_page", "test_documented_commands", "test_extract_command", "test_sweep_faults",
-    "test_cli", "test_sweep_clusters", "test_long_inputs", "test_memory", "test_loops",
-    "test_unexpected_errors", "test_compare", "test_balloons", "test_event_steps", "test_promises",
+    "test_app_page", "test_documented_commands", "test_sweep_faults", "test_extract_command",
+    "test_cli", "test_panel_looks", "test_panel_device", "test_segments", "test_panel",
+    "test_unexpected_errors", "test_sweep_clusters", "test_long_inputs", "test_outside_judges",
+    "test_panel_exports", "test_ostia", "test_logic", "test_memory", "test_compare", "test_cohorts",
+    "test_dragging_in_trees", "test_balloons", "test_panel_flow", "test_lesions",
+    "test_event_steps",
 )  # fmt: skip
 """Files that take longest go first, so that at the end no process waits for another."""
 

@@ -10,20 +10,11 @@ from pathlib import Path
 from typing import Any
 
 from child_processes import PATIENCE, PROJECT
-from tube_files import write_tube
+from tube_files import plan_of, write_tube
 
 from SDFStentLib.cohort import sweep_from_document
 
-PLAN = {
-    "schema": "sdfstent-plan",
-    "version": 2,
-    "inputs": {
-        "units": "cm",
-        "surface": {"file": "tube.vtp"},
-        "centerline": {"file": "line.vtp"},
-    },
-    "stents": [{"diameter": 6, "length": 10, "placement": {"center": [0, 0, 2]}}],
-}
+PLAN = plan_of({"diameter": 6, "length": 10, "placement": {"center": [0, 0, 2]}})
 
 
 def tube_folder(folder: Path) -> Path:

@@ -20,6 +20,7 @@ for name in ("slicer", "trame", "trame_rca", "aiohttp"):
 
 from app_server import AppServer, get  # noqa: E402
 from PIL import Image  # noqa: E402
+from polydata_cases import read_by_vtk  # noqa: E402
 
 from SDFStentLib.files import (  # noqa: E402
     add_arrays,
@@ -87,13 +88,8 @@ pytestmark = pytest.mark.skipif(
 
 def polydata_from_vtp(content, folder):
     """What is in such a file."""
-    from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
-
     (folder / "kept.vtp").write_bytes(content)
-    reader = vtkXMLPolyDataReader()
-    reader.SetFileName(str(folder / "kept.vtp"))
-    reader.Update()
-    return reader.GetOutput()
+    return read_by_vtk(folder / "kept.vtp")
 
 
 @pytest.fixture(scope="module")

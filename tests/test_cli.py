@@ -17,9 +17,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from child_processes import COMMAND, PATIENCE, PROJECT, begun, ended
+from polydata_cases import read_by_vtk
 from tube_files import PLACE, deploy, write_tube
 from vtkmodules.util.numpy_support import vtk_to_numpy
-from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 
 import SDFStentLib.cli.demo
 import SDFStentLib.cli.deploy
@@ -44,10 +44,7 @@ from SDFStentLib.validation import DeploymentError, InputError
 
 
 def cell_array(path, name):
-    reader = vtkXMLPolyDataReader()
-    reader.SetFileName(str(path))
-    reader.Update()
-    return vtk_to_numpy(reader.GetOutput().GetCellData().GetArray(name))
+    return vtk_to_numpy(read_by_vtk(Path(path)).GetCellData().GetArray(name))
 
 
 @pytest.fixture(scope="module")

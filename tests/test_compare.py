@@ -11,7 +11,7 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 from child_processes import PROJECT
-from tube_files import write_tube
+from tube_files import INPUTS, plan_of, write_tube
 
 from SDFStentLib.cli import main
 from SDFStentLib.files import encode_vtp, polydata_from_arrays
@@ -24,17 +24,7 @@ from SDFStentLib.report.picture.alternatives import alternatives_scene
 from SDFStentLib.treatment import vessel
 from SDFStentLib.validation import DeploymentError, InputError
 
-INPUTS = {
-    "units": "cm",
-    "surface": {"file": "tube.vtp"},
-    "centerline": {"file": "line.vtp"},
-}
 MIDDLE = {"center": [0, 0, 2]}  # cm; the throat of the tube
-
-
-def a_plan(*stents, **more):
-    document = {"schema": "sdfstent-plan", "version": 2, "inputs": INPUTS, "stents": stents}
-    return {**document, **more}
 
 
 def a_stent(diameter=6.0, length=20, **more):
@@ -42,9 +32,9 @@ def a_stent(diameter=6.0, length=20, **more):
 
 
 PLANS = {
-    "one": a_plan(a_stent()),
-    "wide": a_plan(a_stent(7.0), flow=[5, 20]),
-    "two": a_plan(
+    "one": plan_of(a_stent()),
+    "wide": plan_of(a_stent(7.0), flow=[5, 20]),
+    "two": plan_of(
         a_stent(6.0, 8, name="first", placement={"center": [0, 0, 1.7]}),
         a_stent(
             5.58, 8, name="second", placement={"center": [0, 0, 2.3]},
@@ -73,13 +63,6 @@ def a_run_folder(tmp_path_factory):
         for name in PLANS:
             assert main(["run", f"{name}.json", "-o", f"run_{name}", "--quiet"]) == 0
     return folder
-
-
-@pytest.fixture
-def a_folder(tmp_path, monkeypatch):
-    write_tube(tmp_path)
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
 
 
 class Page(HTMLParser):
@@ -222,7 +205,7 @@ def test_all_panels_have_one_camera_and_one_scale_of_colors(a_run_folder, monkey
 
 
 def test_five_plans_go_on_two_sheets_with_a_picture_each(a_folder):
-    plans = {f"plan {d}": a_plan(a_stent(d)) for d in (5, 5.5, 6, 6.5, 7)}
+    plans = {f"plan {d}": plan_of(a_stent(d)) for d in (5, 5.5, 6, 6.5, 7)}
     names = written(a_folder, **plans)
     assert main(["compare", *names, "-o", "page.html", "--quiet"]) == 0
     page = Page((a_folder / "page.html").read_text(encoding="utf-8"))
@@ -234,7 +217,7 @@ def test_five_plans_go_on_two_sheets_with_a_picture_each(a_folder):
 
 
 def test_a_plan_that_fails_is_a_column_that_says_why(a_folder, capsys):
-    outside = a_plan(a_stent(placement={"center": [3, 0, 2]}))
+    outside = plan_of(a_stent(placement={"center": [3, 0, 2]}))
     names = written(a_folder, one=PLANS["one"], outside=outside)
     assert main(["compare", *names, "-o", "out"]) == 3
     assert main(["run", "outside.json", "-o", "alone"]) == 2
@@ -249,7 +232,7 @@ def test_a_plan_that_fails_is_a_column_that_says_why(a_folder, capsys):
 
 
 def test_nothing_is_written_when_every_plan_fails(a_folder, capsys):
-    outside = a_plan(a_stent(placement={"center": [3, 0, 2]}))
+    outside = plan_of(a_stent(placement={"center": [3, 0, 2]}))
     names = written(a_folder, a=outside, b=outside)
     assert main(["compare", *names, "-o", "out"]) == 2
     assert "None of the plans could be carried out; a: " in capsys.readouterr().err
@@ -295,7 +278,7 @@ def test_two_plans_of_one_name_are_refused(a_folder, capsys):
 
 
 def test_a_plan_without_centerline_is_compared_and_its_lesions_were_not_looked_for(a_folder):
-    alone = a_plan({"diameter": 6.0, "placement": {"axis": {"file": "axis.vtp"}}})
+    alone = plan_of({"diameter": 6.0, "placement": {"axis": {"file": "axis.vtp"}}})
     alone["inputs"] = {key: value for key, value in INPUTS.items() if key != "centerline"}
     names = written(a_folder, one=PLANS["one"], alone=alone)
     assert main(["compare", *names, "-o", "out", "--quiet"]) == 0

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tube_files import deploy
+from polydata_cases import read_by_vtk
+from tube_files import deploy, plan_of
 from vtkmodules.util.numpy_support import vtk_to_numpy
-from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 
 from SDFStentLib.cli import main
 from SDFStentLib.files import encode_vtp, polydata_from_arrays, read_surface
@@ -17,10 +17,7 @@ from SDFStentLib.phantoms import straight_tube
 
 
 def read(path):
-    reader = vtkXMLPolyDataReader()
-    reader.SetFileName(str(path))
-    reader.Update()
-    data = reader.GetOutput()
+    data = read_by_vtk(Path(path))
     cells = data.GetCellData()
     arrays = {
         cells.GetArrayName(number): vtk_to_numpy(cells.GetArray(number))
@@ -48,17 +45,7 @@ def test_the_stents_of_a_plan_are_told_apart_and_open_cells_drawn_open(a_folder)
         {"diameter": 6, "length": 8, "placement": {"center": [0, 0, 1.7]}},
         {"diameter": 6.5, "length": 8, "placement": {"center": [0, 0, 2.4]}, "device": device},
     ]
-    plan = {
-        "schema": "sdfstent-plan",
-        "version": 2,
-        "inputs": {
-            "units": "cm",
-            "surface": {"file": "tube.vtp"},
-            "centerline": {"file": "line.vtp"},
-        },
-        "stents": stents,
-    }
-    Path("plan.json").write_text(json.dumps(plan), encoding="utf-8")
+    Path("plan.json").write_text(json.dumps(plan_of(*stents)), encoding="utf-8")
     assert main(["run", "plan.json", "-o", "out", "--export-device", "d.vtp", "--quiet"]) == 0
     data, points, arrays = read("d.vtp")
     assert np.unique(arrays["Stent"]).tolist() == [2, 3]

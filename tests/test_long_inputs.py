@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from child_processes import measured
 from cohort_cases import write_sweep
-from tube_files import write_tube
+from tube_files import plan_of, write_tube
 
 from SDFStentLib.cli import main
 from SDFStentLib.files import encode_vtp, polydata_from_lines, read_lines
@@ -132,13 +132,7 @@ STENT = {
 
 
 def write_plan(folder, stents):
-    inputs = {
-        "units": "cm",
-        "surface": {"file": "tube.vtp"},
-        "centerline": {"file": "line.vtp"},
-    }
-    plan = {"schema": "sdfstent-plan", "version": 2, "inputs": inputs, "stents": stents}
-    (folder / "plan.json").write_text(json.dumps(plan), encoding="utf-8")
+    (folder / "plan.json").write_text(json.dumps(plan_of(*stents)), encoding="utf-8")
 
 
 def test_thirty_stents_at_one_place_are_deployed_and_drawn(folder, in_time):

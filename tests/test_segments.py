@@ -93,12 +93,7 @@ def corners_of(segment, face):
 
 
 CASES = [
-    *(
-        (name, leaf, *part)
-        for name in ANATOMIES
-        for leaf in (0, 1)
-        for part in ((0.1, 0.9), (0.3, 0.95))
-    ),
+    (name, leaf, *part) for name in ANATOMIES for leaf, part in enumerate(((0.1, 0.9), (0.3, 0.95)))
 ]
 
 

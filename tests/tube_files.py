@@ -8,6 +8,11 @@ from SDFStentLib.cli import main
 from SDFStentLib.files import add_arrays, encode_vtp, polydata_from_arrays, polydata_from_lines
 from SDFStentLib.phantoms import stenosed_tube
 
+INPUTS = {
+    "units": "cm",
+    "surface": {"file": "tube.vtp"},
+    "centerline": {"file": "line.vtp"},
+}
 PLACE = ["--center", "0", "0", "2", "--length", "20"]  # cm; the throat of the tube
 
 
@@ -26,6 +31,12 @@ def write_tube(folder):
     axis = polydata_from_lines([[0, 0, 1.2], [0, 0, 2.8]], [np.arange(2)])
     for name, data in (("tube", surface), ("line", line), ("axis", axis)):
         (folder / f"{name}.vtp").write_bytes(encode_vtp(data))
+
+
+def plan_of(*stents, **more):
+    """The document of a plan for the tube."""
+    plan = {"schema": "sdfstent-plan", "version": 2, "inputs": INPUTS, "stents": [*stents]}
+    return {**plan, **more}
 
 
 def deploy(*more, place=PLACE, surface="tube.vtp", line="line.vtp", out="out.vtp", diameter="6"):
