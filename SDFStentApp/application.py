@@ -3,13 +3,22 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 import slicer
 from vtkmodules.util.misc import calldata_type
 from vtkmodules.util.vtkConstants import VTK_OBJECT
+from vtkmodules.vtkRenderingCore import vtkInteractorStyle3D, vtkRenderer, vtkRenderWindow
+
+DISPLAYABLE_MANAGERS = (
+    "vtkMRMLCameraDisplayableManager",
+    "vtkMRMLViewDisplayableManager",
+    "vtkMRMLModelDisplayableManager",
+    "vtkMRMLMarkupsDisplayableManager",
+    "vtkMRMLColorLegendDisplayableManager",
+    "vtkMRMLOrientationMarkerDisplayableManager",
+)
 
 LOGIC_CLASSES = {
     "Units": "vtkSlicerUnitsLogic",
@@ -72,20 +81,38 @@ class Application:
             if item:
                 hierarchy.RemoveItem(item, False, False)
 
-    def shown_in(self, renderer: Any, view: Any, names: Iterable[str]) -> Any:
-        """The group of displayable managers of such names that shows the scene in a renderer with an interactor, as a view node says."""
-        factory = slicer.vtkMRMLThreeDViewDisplayableManagerFactory.GetInstance()
-        factory.SetMRMLApplicationLogic(self.applicationLogic)
-        for name in names:
-            if not factory.IsDisplayableManagerRegistered(name):
-                factory.RegisterDisplayableManager(name)
-        group = slicer.vtkMRMLDisplayableManagerGroup()
-        group.Initialize(factory, renderer)
-        group.SetMRMLDisplayableNode(view)
-        return group
-
     def _make_color_folder(self) -> None:
         # The color logic logs an error unless this folder exists; slicer-core ships no color files.
         (Path(self.folder.name) / "share" / "ColorFiles").mkdir(parents=True)
         self.applicationLogic.SetHomeDirectory(self.folder.name)
         self.applicationLogic.SetShareDirectory("share")
+
+
+class ThreeDView:
+    """Draws the scene off screen by Slicer's own displayable managers, and hears of the mouse by an interactor."""
+
+    def __init__(self, application: Application, interactor: Any) -> None:
+        self.node = slicer.vtkMRMLViewNode()
+        self.node.SetName("View1")
+        self.node.SetLayoutName("1")
+        self.node.SetSingletonTag("1")  # stays when the scene is closed
+        self.node = application.scene.AddNode(self.node)
+        self.renderer, self.window = vtkRenderer(), vtkRenderWindow()
+        self.window.SetOffScreenRendering(True)
+        self.window.SetMultiSamples(0)
+        self.window.SetSize(800, 600)
+        self.window.AddRenderer(self.renderer)
+        self.interactor = interactor
+        interactor.SetRenderWindow(self.window)
+        factory = slicer.vtkMRMLThreeDViewDisplayableManagerFactory.GetInstance()
+        factory.SetMRMLApplicationLogic(application.applicationLogic)
+        for name in DISPLAYABLE_MANAGERS:
+            if not factory.IsDisplayableManagerRegistered(name):
+                factory.RegisterDisplayableManager(name)
+        self.group = slicer.vtkMRMLDisplayableManagerGroup()
+        self.group.Initialize(factory, self.renderer)
+        self.group.SetMRMLDisplayableNode(self.node)
+        self._style = slicer.vtkMRMLThreeDViewInteractorStyle()
+        self._style.SetDisplayableManagers(self.group)
+        self._style.SetInteractor(interactor)
+        interactor.SetInteractorStyle(vtkInteractorStyle3D())

@@ -6,9 +6,6 @@ import typing
 from collections.abc import Callable
 from typing import Any
 
-from .selectors import NodeComboBox
-from .widgets import CheckBox, ComboBox, Label, LineEdit, Number, Widget
-
 
 class Connector:
     """Widget on one side, a value on the other; `signal` is what the widget emits when the user changes it."""
@@ -24,7 +21,7 @@ class Connector:
         if self._callback is None and callback is not None:
             self.widget.connect(f"{self.signal}()", self._emit)
         elif callback is None:
-            self.widget.disconnect(self.signal, self._emit)
+            self.widget.disconnect(f"{self.signal}()", self._emit)
         self._callback = callback
 
     def _emit(self) -> None:
@@ -77,6 +74,10 @@ class OfComboBox(Connector):
 class OfText(Connector):
     signal, attribute = "textChanged", "text"
 
+    def write(self, value: Any) -> None:
+        if self.read() != value:  # else the cursor would jump
+            super().write(value)
+
 
 class OfLabel(OfText):
     def onChanged(self, callback: Callable[[], None] | None) -> None:
@@ -98,19 +99,22 @@ class OfNode(Connector):
         self.widget.setCurrentNode(value)
 
 
-CONNECTORS = (
-    (CheckBox, OfCheckBox),
-    (Number, OfNumber),
-    (ComboBox, OfComboBox),
-    (LineEdit, OfText),
-    (Label, OfLabel),
-    (NodeComboBox, OfNode),
-)
+CONNECTORS = {
+    "CheckBox": OfCheckBox,
+    "SpinBox": OfNumber,
+    "DoubleSpinBox": OfNumber,
+    "Number": OfNumber,
+    "ComboBox": OfComboBox,
+    "LineEdit": OfText,
+    "Label": OfLabel,
+    "NodeComboBox": OfNode,
+}
 
 
-def connector(widget: Widget, field: Any) -> Connector:
-    """The connector for a widget and a field of a parameter node."""
-    for widget_class, connector_class in CONNECTORS:
-        if isinstance(widget, widget_class):
-            return connector_class(widget, field)
-    raise LookupError(f"{widget.objectName}: there is no connector to {field.name}.")
+def connector(widget: Any, field: Any) -> Connector:
+    """The connector for a widget, of the page or of Qt, and a field of a parameter node."""
+    for one in type(widget).__mro__:
+        kind = CONNECTORS.get(one.__name__.removeprefix("Q"))
+        if kind is not None:
+            return kind(widget, field)
+    raise RuntimeError(f"{widget.objectName}: there is no connector to {field.name}.")

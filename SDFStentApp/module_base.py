@@ -44,13 +44,13 @@ class ScriptedLoadableModuleWidget:
 
     def __init__(self, parent: Any) -> None:
         self.moduleName = type(self).__name__.removesuffix("Widget")
-        self.parent, self.layout = parent, parent.layout
+        self.parent, self.layout = parent, parent.layout()
 
     def resourcePath(self, name: str) -> str:
-        return str(Path(self.parent.folder) / "Resources" / name)
+        return str(Path(slicer.util.modulePath(self.moduleName)).parent / "Resources" / name)
 
     def setup(self) -> None:
         """Nothing is there before the panel's own."""
 
     def onReload(self) -> None:
-        """A page is opened anew instead."""
+        slicer.util.reloadScriptedModule(self.moduleName)  # a page is opened anew instead

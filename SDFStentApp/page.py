@@ -12,6 +12,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
+import slicer
 from trame_server.utils.namespace import Translator
 
 from . import python_layer
@@ -26,9 +27,6 @@ from .view import View
 from .widgets import Button
 
 EDIT_EVERY_S, LOOK_AGAIN_S = 0.03, 0.005
-SEGMENT_ENDS = 2
-"""Points that are placed for a segment; a stent's handle has as many as its placement needs."""
-
 SHOW_EVERY_S = 0.05
 """A browser is sent what widgets show no more often, but at once what comes of a click."""
 
@@ -70,7 +68,6 @@ class Page:
         self._edits: dict[Any, Any] = {}
         self._edited_at = -1
         self._shown_results: tuple[Any, ...] = ()
-        self._placed = 0
         self._unseen = [str(self.uploads.folder)]
         self._kept: list[Kept] = []
         self._tasks: set[asyncio.Task[None]] = set()
@@ -91,7 +88,7 @@ class Page:
             if widget.edited:
                 self._follow(widget)
         for place in self._places():
-            place.connect("placing(bool)", self._on_placing)
+            place.connect("activeMarkupsPlaceModeChanged(bool)", self._on_placing)
 
     def _follow(self, widget: Any) -> None:
         name = value_of(widget)
@@ -401,14 +398,13 @@ class Page:
         return [one for one in widgets if isinstance(one, PlaceWidget)]
 
     def _on_placing(self, isPlacing: bool) -> None:
-        self._placed = 0
         with self.server.state as state:
             state.isPlacing = isPlacing
 
     def _on_click(self, x: float, y: float) -> bool:
         """Put the next point where the centerline is seen, while the user is placing."""
         self.take_edits()
-        place = next((one for one in self._places() if one.isPlacing), None)
+        place = next((one for one in self._places() if one.placeModeEnabled), None)
         if place is not None:
             self.attempt(lambda: self._put(place, x, y))
         return place is not None
@@ -417,18 +413,7 @@ class Page:
         from SDFStentSlicer import Conversion
 
         points, _lines, _radii = Conversion.centerlineLines(self.parameters.centerline)
-        point, node = self.view.nearest(points, x, y), place.currentNode()
-        isOfStent = place is self.panel.placeWidget
-        if self._placed == 0 and not isOfStent:
-            node.RemoveAllControlPoints()
-        self._placed += 1
-        if isOfStent:
-            node.SetNthControlPointPositionWorld(self._placed - 1, *point)
-            self.widget.logic.snapHandle(self.parameters, node)
-        else:
-            node.AddControlPointWorld(*point)
-        if self._placed >= (node.GetNumberOfControlPoints() if isOfStent else SEGMENT_ENDS):
-            place.isPlacing = False
+        place.currentNode().AddControlPointWorld(*self.view.nearest(points, x, y))
 
 
 def _panel(folder: Path) -> Any:
@@ -437,8 +422,9 @@ def _panel(folder: Path) -> Any:
     from SDFStentSlicer.Widget import SDFStentWidget
 
     Clock.use(python_layer.AsyncTimer)
+    slicer.util.modulePath = lambda _name: str(folder / "SDFStent.py")
     layout = SimpleNamespace(addWidget=lambda _widget: None)
-    widget = SDFStentWidget(SimpleNamespace(folder=folder, layout=layout, isEntered=True))
+    widget = SDFStentWidget(SimpleNamespace(layout=lambda: layout, isEntered=True))
     widget.setup()
     widget.enter()
     return widget

@@ -1,8 +1,7 @@
 """What the module needs of `slicer.parameterNodeWrapper`: typed fields of a scripted module node, bound to widgets.
 
 Covers what panels commonly use: int, float, str, bool, enum, node references and unions of them, parameter packs (nested by
-dotted names), lists, `WithinRange`, `Minimum`, `Choice`, `Default`; two-way binding to widgets, which `bindWith` says how to
-find. Storage keys follow the real one where it is simple; files are not meant to be exchanged.
+dotted names), lists, `WithinRange`, `Minimum`, `Choice`, `Default`; two-way binding to widgets. Storage keys follow the real one where it is simple; files are not meant to be exchanged.
 """
 
 import enum
@@ -13,6 +12,8 @@ from functools import cached_property
 
 import slicer
 from vtkmodules.vtkCommonCore import vtkCommand, vtkObject
+
+from .connectors import connector as connectorOf
 
 
 @dataclass(frozen=True)
@@ -139,14 +140,6 @@ class Field:
         return list(self.default) if isinstance(self.default, list) else self.default
 
 
-def bindWith(parameterOf, connector):
-    """Say how the widgets are bound: `parameterOf(widget)` names the parameter, `connector(widget, field)` connects both."""
-    _binding.parameterOf, _binding.connector = parameterOf, connector
-
-
-_binding = types.SimpleNamespace(parameterOf=lambda _widget: "", connector=None)
-
-
 def isPack(type_):
     return getattr(type_, "_is_parameterPack", False)
 
@@ -255,8 +248,9 @@ class WrapperMembers:
         return field.hint
 
     def connectGui(self, gui):
-        names = [(_binding.parameterOf(w), w) for w in vars(gui).values()]
-        bound = {n: _binding.connector(w, self._field(n)) for n, w in names if n}
+        widgets = [w for w in vars(gui).values() if hasattr(w, "property")]
+        names = [(w.property("SlicerParameterName"), w) for w in widgets]
+        bound = {n: connectorOf(w, self._field(n)) for n, w in names if n}
         for name, connector in bound.items():
             connector.write(self.getValue(name))
             connector.onChanged(self._callback(name, connector))

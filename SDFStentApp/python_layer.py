@@ -13,7 +13,7 @@ from typing import Any
 import slicer
 from vtkmodules.util import numpy_support
 
-from . import connectors, module_base, parameter_node, tables
+from . import module_base, parameter_node, tables
 from .ui_file import Panel
 
 
@@ -106,15 +106,11 @@ def install(application: Any) -> None:
     slicer.modules = types.SimpleNamespace()
     slicer.util.loadUI = _loaded
     slicer.util.childWidgetVariables = lambda top: top.panel
-    parameter_node.bindWith(lambda widget: getattr(widget, "parameter", ""), connectors.connector)
     if "vtk" not in sys.modules:
         sys.modules["vtk"] = sys.modules["vtk.util"] = vtk = Vtk("vtk")
         vtk.util, vtk.numpy_support = vtk, numpy_support
         sys.modules["vtk.util.numpy_support"] = numpy_support
-    _add("slicer.i18n", tr=lambda text: text, translate=lambda _context, text: text)
-    _add("slicer.ScriptedLoadableModule", **_classes(module_base, "Scripted"))
-    names = ("parameterNodeWrapper", "parameterPack", "WithinRange", "Minimum", "Choice", "Default")
-    _add("slicer.parameterNodeWrapper", **{n: getattr(parameter_node, n) for n in names})
+    install_packages()
     _add(
         "qt",
         QTableWidgetItem=tables.TableItem,
@@ -140,6 +136,16 @@ def install(application: Any) -> None:
     )
 
 
+def install_packages(*bases: type) -> None:
+    """Slicer's own Python packages; with more base classes where an application has them."""
+    _add("slicer.i18n", tr=lambda text: text, translate=lambda _context, text: text)
+    kinds = [one for name, one in vars(module_base).items() if name.startswith("Scripted")]
+    classes = {one.__name__: one for one in (*kinds, *bases)}
+    _add("slicer.ScriptedLoadableModule", __all__=list(classes), **classes)
+    names = ("parameterNodeWrapper", "parameterPack", "WithinRange", "Minimum", "Choice", "Default")
+    _add("slicer.parameterNodeWrapper", **{n: getattr(parameter_node, n) for n in names})
+
+
 def _add(name: str, **contents: Any) -> None:
     module = types.ModuleType(name)
     vars(module).update(contents)
@@ -148,19 +154,11 @@ def _add(name: str, **contents: Any) -> None:
         setattr(slicer, name.partition(".")[2], module)
 
 
-def _classes(module: types.ModuleType, start: str) -> dict[str, Any]:
-    return {name: cls for name, cls in vars(module).items() if name.startswith(start)}
-
-
 def _loaded(path: str) -> Any:
     """The top widget of a `.ui` file, as `slicer.util.loadUI` returns it."""
     panel = Panel(Path(path))
     top = panel.top.widget
     top.panel = panel  # type: ignore[attr-defined]
-    receivers = [c["receiver"] for c in panel.connections if c["slot"].startswith("setMRMLScene")]
-    top.setMRMLScene = lambda scene: [  # type: ignore[method-assign]
-        panel.widgets[name].setMRMLScene(scene) for name in receivers
-    ]
     # The browser gives the page its height.
     top.layout = lambda: types.SimpleNamespace(heightForWidth=lambda _width: 0)  # type: ignore[attr-defined]
     top.width = 0  # type: ignore[attr-defined]

@@ -85,7 +85,7 @@ class Table(Widget):
 
     columns = shown(())
 
-    def __init__(self, name: str, parameter: str = "") -> None:
+    def __init__(self, name: str = "", parameter: str = "") -> None:
         super().__init__(name, parameter)
         self._rows: list[list[TableItem | None]] = []
         self._selected = self._current = -1

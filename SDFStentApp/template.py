@@ -178,16 +178,14 @@ def _choice(widget: Widget, common: str, disabled: str) -> str:
     if isinstance(widget, ComboBox):
         options = f'<option v-for="(text, i) in {name}.items" :value="i">{{{{ text }}}}</option>'
         return f'<select v-model.number="{v}" {common} {disabled}>{options}</select>'
+    options = f'<option v-for="one in {name}.items" :value="one.id">{{{{ one.name }}}}</option>'
     if isinstance(widget, SegmentSelector):
-        options = f'<option v-for="one in {name}.items" :value="one">{{{{ one }}}}</option>'
         select = f'<select v-model="{v}" :title="{name}.tip" {disabled}>{options}</select>'
         return f'<label class="row" {common}>Segment: {select}</label>'
-    else:
-        options = (
-            f'<option v-if="{name}.none !== null" value="">{{{{ {name}.none }}}}</option>'
-            f'<option v-for="one in {name}.items" :value="one.id">{{{{ one.name }}}}</option>'
-            f'<option v-if="{name}.add" value="{NEW}">New points</option>'
-        )
+    options = (
+        f'<option v-if="{name}.none !== null" value="">{{{{ {name}.none }}}}</option>'
+        f'{options}<option v-if="{name}.add" value="{NEW}">New points</option>'
+    )
     return f'<select v-model="{v}" {common} {disabled}>{options}</select>'
 
 

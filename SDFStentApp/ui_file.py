@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -13,7 +13,7 @@ from .selectors import NodeComboBox, PlaceWidget, SegmentSelector
 from .tables import Table
 from .widgets import Widget
 
-CLASSES: dict[str, Callable[[str, str], Widget]] = {
+CLASSES: dict[str, Callable[[str], Widget]] = {
     "QLabel": widgets.Label,
     "QPushButton": widgets.Button,
     "QToolButton": widgets.Button,
@@ -63,10 +63,7 @@ class Cell(NamedTuple):
 
 
 class Panel:
-    """The widgets of a `.ui` file by name, as attributes as well, and the arrangement that begins with `top`.
-
-    `connections` are those between its widgets: sender, signal, receiver and slot.
-    """
+    """The widgets of a `.ui` file by name, as attributes as well, and the arrangement that begins with `top`."""
 
     def __init__(self, path: Path) -> None:
         root = ElementTree.parse(path).getroot()
@@ -74,20 +71,14 @@ class Panel:
         top = root.find("widget")
         assert top is not None
         self.top = self._placed(top)
-        self.connections = list(_connections(root))
+        connect(root, self.widgets.__getitem__)
 
     def _placed(self, element: ElementTree.Element) -> Placed:
         name, kind = element.get("name", ""), element.get("class", "")
         if kind not in CLASSES:
             raise LookupError(f"{name}: there is nothing in the page for a {kind}.")
-        values = {p.get("name", ""): _value(p) for p in element.findall("property")}
-        widget = CLASSES[kind](name, values.pop("SlicerParameterName", ""))
-        columns = [_text(column.find("property")) for column in element.findall("column")]
-        if columns:
-            values["columns"] = tuple(columns)
-        for key in sorted(values, key=lambda key: key not in ENDS_FIRST):
-            if hasattr(type(widget), key):
-                setattr(widget, key, values[key])
+        widget = CLASSES[kind](name)
+        fill(widget, element)
         self.widgets[name] = widget
         setattr(self, name, widget)
         layout = element.find("layout")
@@ -108,9 +99,24 @@ class Panel:
         return Arranged(ARRANGEMENTS[element.get("class", "")], tuple(cells))
 
 
-def _connections(root: ElementTree.Element) -> Iterator[dict[str, str]]:
+def fill(widget: Widget, element: ElementTree.Element) -> None:
+    """Give a widget what the file says of it."""
+    values = {p.get("name", ""): _value(p) for p in element.findall("property")}
+    widget.parameter = values.pop("SlicerParameterName", "")
+    columns = [_text(column.find("property")) for column in element.findall("column")]
+    if columns:
+        values["columns"] = tuple(columns)
+    for key in sorted(values, key=lambda key: key not in ENDS_FIRST):
+        if isinstance(getattr(type(widget), key, None), widgets.Shown):
+            setattr(widget, key, values[key])
+
+
+def connect(root: ElementTree.Element, named: Callable[[str], Any]) -> None:
+    """Make the connections between the widgets of a file."""
     for connection in root.findall("connections/connection"):
-        yield {part.tag: part.text or "" for part in connection}
+        part = {element.tag: element.text or "" for element in connection}
+        slot = getattr(named(part["receiver"]), part["slot"].partition("(")[0])
+        named(part["sender"]).connect(part["signal"], slot)
 
 
 def _value(element: ElementTree.Element) -> Any:

@@ -9,23 +9,15 @@ import numpy as np
 import slicer
 from trame_rca.rca import VtkRemoteControlledArea
 from vtkmodules.vtkCommonCore import vtkCommand
-from vtkmodules.vtkRenderingCore import vtkInteractorStyle3D, vtkRenderer, vtkRenderWindow
 from vtkmodules.vtkRenderingUI import vtkGenericRenderWindowInteractor
 
 from SDFStentLib.validation import InputError
 
+from .application import ThreeDView
 from .browser_input import BrowserInput
 from .frames import Frames
 
 NAME = "view"
-DISPLAYABLE_MANAGERS = (
-    "vtkMRMLCameraDisplayableManager",
-    "vtkMRMLViewDisplayableManager",
-    "vtkMRMLModelDisplayableManager",
-    "vtkMRMLMarkupsDisplayableManager",
-    "vtkMRMLColorLegendDisplayableManager",
-    "vtkMRMLOrientationMarkerDisplayableManager",
-)
 MOST_PIXELS = 700_000
 """Of a frame, however large and fine the screen is: each takes 60 bytes of the window's buffers."""
 
@@ -44,25 +36,16 @@ BACKGROUNDS = {
 }
 
 
-class View:
+class View(ThreeDView):
     """An off-screen view of a scene. `on_click(x, y)` gets a click instead of the scene where it returns true."""
 
     def __init__(self, application: Any, on_click: Callable[[float, float], bool]) -> None:
-        self.node = _view_node(application.scene)
-        self.renderer = vtkRenderer()
-        self.window = vtkRenderWindow()
-        self.window.SetOffScreenRendering(True)
+        super().__init__(application, vtkGenericRenderWindowInteractor())
         self.window.ShowWindowOff()
-        self.window.SetMultiSamples(0)
-        self.window.SetSize(800, 600)
-        self.window.AddRenderer(self.renderer)
-        interactor = vtkGenericRenderWindowInteractor()
-        interactor.SetRenderWindow(self.window)
-        self.group = application.shown_in(self.renderer, self.node, DISPLAYABLE_MANAGERS)
-        self._style = slicer.vtkMRMLThreeDViewInteractorStyle()
-        self._style.SetDisplayableManagers(self.group)
-        self._style.SetInteractor(interactor)
-        interactor.SetInteractorStyle(vtkInteractorStyle3D())
+        self.node.SetBoxVisible(False)
+        self.node.SetAxisLabelsVisible(False)
+        self.node.SetOrientationMarkerType(self.node.OrientationMarkerTypeAxes)
+        self.node.SetOrientationMarkerSize(self.node.OrientationMarkerSizeSmall)
         self.area = _Area(self.window, on_click, self.look_at_all)
         self._frames: Frames | None = None
 
@@ -171,15 +154,3 @@ class _Area(VtkRemoteControlledArea):
             self._is_taken = kind != "LeftButtonRelease"
         else:
             super().process_interaction_event(event)
-
-
-def _view_node(scene: Any) -> Any:
-    node = slicer.vtkMRMLViewNode()
-    node.SetName("View1")
-    node.SetLayoutName("1")
-    node.SetSingletonTag("1")  # stays when the scene is closed
-    node.SetBoxVisible(False)
-    node.SetAxisLabelsVisible(False)
-    node.SetOrientationMarkerType(slicer.vtkMRMLAbstractViewNode.OrientationMarkerTypeAxes)
-    node.SetOrientationMarkerSize(slicer.vtkMRMLAbstractViewNode.OrientationMarkerSizeSmall)
-    return scene.AddNode(node)

@@ -11,10 +11,10 @@ from typing import Any
 
 def shown(default: Any, signal: str = "") -> Any:
     """An attribute that the page shows; where `signal` is named it is emitted with every new value."""
-    return _Shown(default, signal)
+    return Shown(default, signal)
 
 
-class _Shown:
+class Shown:
     def __init__(self, default: Any, signal: str) -> None:
         self.default, self.signal = default, signal
 
@@ -46,7 +46,7 @@ class Widget:
     text = shown("")
     wordWrap = shown(False)
 
-    def __init__(self, name: str, parameter: str = "") -> None:
+    def __init__(self, name: str = "", parameter: str = "") -> None:
         self.objectName, self.parameter = name, parameter
         self.shown: dict[str, Any] = {}
         self.on_change: Callable[[Widget], None] | None = None
@@ -89,8 +89,13 @@ class Widget:
         """A value as this widget takes it."""
         return value
 
-    def setMRMLScene(self, _scene: Any) -> None:
-        """Only selectors look at the scene."""
+    def property(self, name: str) -> Any:
+        """A property of the `.ui` file that Qt does not know."""
+        return self.parameter if name == "SlicerParameterName" else None
+
+    def setMRMLScene(self, scene: Any) -> None:
+        """Only selectors look at the scene; the panel lets them hear of it."""
+        self.emit("mrmlSceneChanged", scene)
 
     def state(self) -> dict[str, Any]:
         """What the page has to know, without `edited`."""
@@ -134,7 +139,7 @@ class Number(Widget):
     keyboardTracking, tracking = shown(True), shown(True)
     value = shown(0.0, "valueChanged")
 
-    def __init__(self, name: str, parameter: str = "", has_slider: bool = False) -> None:
+    def __init__(self, name: str = "", parameter: str = "", has_slider: bool = False) -> None:
         super().__init__(name, parameter)
         self.has_slider = has_slider
 

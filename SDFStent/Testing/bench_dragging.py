@@ -1,15 +1,13 @@
 """How well the panel follows a stent that is dragged, in the test host.
 
-usage: bench_dragging.py [SURFACE CENTERLINE] [--units cm] [--subdivisions N ...] [--no-tree] [--frames MS ...] [--profile]
+usage: bench_dragging.py [SURFACE CENTERLINE] [--units cm] [--subdivisions N ...] [--no-tree] [--frames MS ...]
 
 Per vessel: redeployments per second, each waited for; then a hand that does not wait, which moves 60 times a second: surface
 and number updates per second, the longest silence of the event loop from choosing the vessel to the full answer, and how long
 after the hand has stopped that comes. Undrawn, and with --frames also beside frames that take so many milliseconds each,
-during which nothing else advances, as in software: how many there are, and how many of them carry a new surface. The artery that is named, or else a synthetic one, then each of its
-triangles cut into four N times (--subdivisions, default 2; 0: not at all), and a phantom tree of about 300 branches where there is one. With
---profile also, of the first vessel, drawn and undrawn, where the time goes: the library, the scene (MRML, normals, stent
-model), the drawing, the rest (panel, timers, conversion). Drawing is off-screen and, without a GPU, in software; "drawing
-alone" redraws an unchanged scene and is the limit that the machine sets, whatever the module does.
+during which nothing else advances, as in software: how many there are, and how many of them carry a new surface. The artery that
+is named, or else a synthetic one, then each of its triangles cut into four N times (--subdivisions, default 2; 0: not at all),
+and a phantom tree of about 300 branches where there is one.
 """
 
 import argparse
@@ -29,52 +27,7 @@ MOVES = 60
 FOLLOWED_S = 10.0
 LONG = 120.0
 SYNTHETIC, TREE = "branching_pulmonary_artery", "vascular_tree"
-STEPS = 120
 LENGTHS = (6.0, 10.0, 14.0, 20.0)
-
-
-class Clock:
-    """Seconds per name."""
-
-    def __init__(self):
-        self.seconds = {}
-
-    def add(self, name, start):
-        self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - start
-
-    def timed(self, name, function):
-        def run(*arguments, **keywords):
-            start = time.perf_counter()
-            try:
-                return function(*arguments, **keywords)
-            finally:
-                self.add(name, start)
-
-        return run
-
-    def timedGenerator(self, name, function):
-        """The same for a generator: only the time inside it counts."""
-
-        def run(*arguments, **keywords):
-            iterator = function(*arguments, **keywords)
-            while True:
-                start = time.perf_counter()
-                try:
-                    value = next(iterator)
-                except StopIteration as end:
-                    return end.value
-                finally:
-                    self.add(name, start)
-                yield value
-
-        return run
-
-    def report(self, title, count, seconds):
-        shares = {name: value / seconds for name, value in self.seconds.items()}
-        shares["rest"] = 1 - sum(shares.values())
-        text = ", ".join(f"{name} {100 * share:.0f} %" for name, share in shares.items())
-        print(f"{title}: {count / seconds:.1f} per second ({text})")
-        self.seconds.clear()
 
 
 def theArtery(arguments):
@@ -275,45 +228,6 @@ def redeployments(host, panel, places):
     )
 
 
-def drag(host, panel, places, draw):
-    """Move the handle, wait until the vessel has followed, draw once."""
-    session, parameters = panel.session, panel._parameterNode
-    parameters.autoUpdate = True
-    for move, place in enumerate(places):
-        with slicer.util.NodeModify(parameters):
-            parameters.stent.length = LENGTHS[move % len(LENGTHS)]
-        parameters.stent.handle.SetNthControlPointPositionWorld(0, *place)
-        host.processUntil(lambda: not session.isRunning and not session._timer.isActive())
-        draw()
-
-
-def deploy(panel, places, draw):
-    """Deploy in full at a few places, up to the certificate, every radius step shown; returns how many there were."""
-    parameters, steps = panel._parameterNode, 0
-    for place in places:
-        parameters.stent.handle.SetNthControlPointPositionWorld(0, *place)
-        shown = 0.0
-        for fraction in panel.logic.steps(parameters):
-            if fraction > shown:
-                shown, steps = fraction, steps + 1
-                draw()
-            if fraction == 1.0:
-                break
-    return steps
-
-
-def step(panel, draw):
-    """Go back and forth over the expansion."""
-    for percent in np.abs(np.linspace(-100, 100, STEPS)):
-        panel.logic.showStep(panel._parameterNode, percent)
-        draw()
-
-
-def drawOnly(draw):
-    for _ in range(MOVES):
-        draw()
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("surface", nargs="?")
@@ -322,7 +236,6 @@ def main():
     parser.add_argument("--subdivisions", type=int, nargs="+", default=[2])
     parser.add_argument("--no-tree", dest="tree", action="store_false")
     parser.add_argument("--frames", type=float, nargs="+", default=[], metavar="MS")
-    parser.add_argument("--profile", action="store_true")
     arguments = parser.parse_args()
     host = Host.start()
     host.loadModule(Path(__file__).parents[1] / "SDFStent.py")
@@ -343,59 +256,8 @@ def main():
         follow(host, panel, places, counters)
         for milliseconds in arguments.frames:
             followDrawn(host, panel, places, counters, milliseconds)
-        if arguments.profile:
-            profile(host, panel, places)
-            arguments.profile = False
         host.closePanel(panel)
         host.newScene()
-
-
-def profile(host, panel, places):
-    """Where the time goes."""
-    view, mesh = host.application.view, panel._parameterNode.outputVessel.GetPolyData()
-    view.render(mesh.GetBounds())
-    print(f"drawn by {renderer(view.window)}, {' x '.join(map(str, view.window.GetSize()))} pixels")
-
-    from SDFStentSlicer import Results
-    from SDFStentSlicer.Previewing import PreviewedVessel, PreviewRun
-    from SDFStentSlicer.Stenting import Stenting
-    from SDFStentSlicer.SurfaceOutput import SurfaceOutput
-
-    clock = Clock()
-    PreviewedVessel.portions = clock.timedGenerator("library", PreviewedVessel.portions)
-    PreviewRun.lumens = clock.timedGenerator("numbers", PreviewRun.lumens)
-    SurfaceOutput.showChanged = clock.timed("scene", SurfaceOutput.showChanged)
-    Results.showStents = clock.timed("scene", Results.showStents)
-    Stenting.__init__ = clock.timed("library", Stenting.__init__)
-    Stenting.steps = clock.timedGenerator("library", Stenting.steps)
-    Stenting.at = clock.timed("library", Stenting.at)
-    SurfaceOutput.show = clock.timed("scene", SurfaceOutput.show)
-    Results.showEnd = clock.timed("scene", Results.showEnd)
-    draw = clock.timed("drawing", view.window.Render)
-    for title, count, work in (
-        ("redeployments, drawn", MOVES, lambda: drag(host, panel, places, draw)),
-        ("redeployments, not drawn", MOVES, lambda: drag(host, panel, places, lambda: None)),
-        ("radius steps computed and shown, drawn", 0, lambda: deploy(panel, places[::6], draw)),
-        (
-            "radius steps computed and shown, not drawn",
-            0,
-            lambda: deploy(panel, places[::6], lambda: None),
-        ),
-        ("radius steps shown, drawn", STEPS, lambda: step(panel, draw)),
-        ("radius steps shown, not drawn", STEPS, lambda: step(panel, lambda: None)),
-        ("drawing alone, nothing changed", MOVES, lambda: drawOnly(draw)),
-    ):
-        clock.seconds.clear()
-        start = time.perf_counter()
-        count = work() or count
-        clock.report(title, count, time.perf_counter() - start)
-        panel._parameterNode.autoUpdate = False
-        panel.session.cancel()
-
-
-def renderer(window):
-    lines = [line for line in window.ReportCapabilities().splitlines() if "renderer" in line]
-    return lines[0].partition(":")[2].strip() if lines else window.GetClassName()
 
 
 if __name__ == "__main__":

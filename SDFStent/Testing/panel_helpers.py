@@ -1,5 +1,7 @@
 """What several tests of the module ask for."""
 
+import numpy as np
+
 
 def theThroat():
     """The narrowest place of the pulmonary artery."""
@@ -11,6 +13,25 @@ def theThroat():
 def settle(host, panel):
     """Let a panel run until nothing is under way or about to start."""
     host.processUntil(lambda: not panel.session.isBusy)
+
+
+def planned(panel):
+    """The library's stents of the plan that the panel shows."""
+    from SDFStentSlicer import Plans
+
+    return Plans.plannedOf(panel._parameterNode)
+
+
+def pointsOf(node):
+    """Points of a model as they are now, (n, 3)."""
+    import slicer
+
+    return np.array(slicer.util.arrayFromModelPoints(node))
+
+
+def offered(selector):
+    """Names of the nodes that a selector offers."""
+    return [node.GetName() for node in selector.nodes()]
 
 
 def deploy(host, panel):

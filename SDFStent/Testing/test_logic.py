@@ -4,11 +4,7 @@ import numpy as np
 import pytest
 import slicer
 import vtk
-from panel_helpers import expanded, theThroat
-
-
-def pointsOf(node):
-    return np.array(slicer.util.arrayFromModelPoints(node))
+from panel_helpers import expanded, pointsOf, theThroat
 
 
 def test_the_lumen_gets_the_prescribed_diameter_and_the_input_stays(aLogic, theParameters):

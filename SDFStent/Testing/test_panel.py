@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 import slicer
-from panel_helpers import deploy, settle, theThroat
+from panel_helpers import deploy, pointsOf, settle, theThroat
 
 
 def test_looking_at_the_panel_makes_no_nodes(host, aScene, theModule):
@@ -131,7 +131,7 @@ def test_dragging_the_handle_redeploys_and_ends_with_the_final_place(host, aSten
         parameters.stent.handle.SetNthControlPointPositionWorld(0, *point)
         host.process(0.01)
     settle(host, aStent)
-    shown = np.array(slicer.util.arrayFromModelPoints(parameters.outputVessel))
+    shown = pointsOf(parameters.outputVessel)
     assert "(8.5 prescribed)" in aStent.ui.lumenLabel.text  # the full method came after the preview
     np.testing.assert_array_equal(shown, logic.deploy(parameters).points.astype(np.float32))
 
@@ -168,10 +168,10 @@ def test_cancel_stops_within_one_tick(host, aStent, aStepAtATime):
 def test_the_expansion_slider_goes_back_and_forth(host, aStent):
     deploy(host, aStent)
     parameters = aStent._parameterNode
-    original = np.array(slicer.util.arrayFromModelPoints(parameters.vessel))
-    final = np.array(slicer.util.arrayFromModelPoints(parameters.outputVessel))
+    original = pointsOf(parameters.vessel)
+    final = pointsOf(parameters.outputVessel)
     aStent.ui.expansionSlider.value = 80
-    between = np.array(slicer.util.arrayFromModelPoints(parameters.outputVessel))
+    between = pointsOf(parameters.outputVessel)
     assert 0 < np.abs(between - original).max() < np.abs(final - original).max()
     host.click(aStent.ui.resetButton)
     np.testing.assert_array_equal(

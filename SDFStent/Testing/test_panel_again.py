@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from panel_helpers import deploy, theThroat
+from panel_helpers import deploy, planned, theThroat
 
 
 @pytest.fixture
@@ -19,12 +19,6 @@ def again(host, panel, diameter):
     host.choose(panel.ui.placementComboBox, 5)
     panel.ui.diameterSlider.value = diameter
     host.process()
-
-
-def planned(panel):
-    from SDFStentSlicer import Plans
-
-    return Plans.plannedOf(panel._parameterNode)
 
 
 def test_a_stent_that_dilates_again_takes_the_handle_above_it_and_leaves_none(

@@ -4,8 +4,7 @@ import json
 
 import numpy as np
 import pytest
-import slicer
-from panel_helpers import deploy, theThroat
+from panel_helpers import deploy, planned, pointsOf, theThroat
 
 BENCH = {
     "name": "bench-16",
@@ -47,12 +46,6 @@ def chooseDevice(host, panel, name):
 def measured(host, panel):
     """Wait for a recoil by the rule."""
     host.processUntil(lambda: not panel.recoil.isBusy)
-
-
-def planned(panel):
-    from SDFStentSlicer import Plans
-
-    return Plans.plannedOf(panel._parameterNode)
 
 
 def test_the_first_screen_has_not_grown(host, aStent):
@@ -332,10 +325,10 @@ def test_dragging_a_balloon_is_previewed(host, theSection):
     measured(host, theSection)
     ui.autoUpdateCheckBox.checked = True
     host.processUntil(lambda: not theSection.session.isBusy)
-    before = np.array(slicer.util.arrayFromModelPoints(parameters.outputVessel))
+    before = pointsOf(parameters.outputVessel)
     ui.balloonSlider.value = 7.0
     host.processUntil(lambda: "(preview)" in ui.lumenLabel.text)
-    after = np.array(slicer.util.arrayFromModelPoints(parameters.outputVessel))
+    after = pointsOf(parameters.outputVessel)
     assert np.abs(after - before).max() > 0.3
     host.processUntil(lambda: not (theSection.session.isBusy or theSection.recoil.isBusy))
     assert "Balloon 7 mm, lumen 6.51 mm" in ui.lumenLabel.text

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import slicer
 import vtk
-from panel_helpers import deploy, saveAsFile, theThroat
+from panel_helpers import deploy, offered, pointsOf, saveAsFile, theThroat
 
 
 @pytest.fixture
@@ -35,10 +35,6 @@ def rename(panel, row, name):
 
 def isSeen(node):
     return bool(node.GetDisplayNode().GetVisibility())
-
-
-def pointsOf(node):
-    return np.array(slicer.util.arrayFromModelPoints(node))
 
 
 def test_a_plan_alone_can_be_duplicated_and_nothing_else(aPlan):
@@ -495,10 +491,6 @@ def test_the_folder_of_results_is_called_as_the_plan(host, aStent, aScene):
     hierarchy.SetItemName(hierarchy.GetItemParent(item), "mine")
     ui.planTable.item(0, 0).setText("widest")
     assert folderNames(aScene) == ["mine"]
-
-
-def offered(selector):
-    return [selector._box.itemText(index) for index in range(selector._box.count())]
 
 
 def test_results_are_not_offered_as_inputs(host, aStent, aScene):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from panel_helpers import deploy, settle
+from panel_helpers import deploy, planned, settle
 from test_panel_lesions import clickRow, found
 
 
@@ -12,12 +12,6 @@ def aLesion(host, theInputs):
     lesion = found(host, theInputs)[0]
     clickRow(host, theInputs.ui.lesionTable, 0)
     return theInputs, lesion
-
-
-def planned(panel):
-    from SDFStentSlicer import Plans
-
-    return Plans.plannedOf(panel._parameterNode)
 
 
 def smallerSide(lesion):

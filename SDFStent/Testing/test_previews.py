@@ -5,13 +5,12 @@ import threading
 
 import numpy as np
 import pytest
-import slicer
 import vtk
-from panel_helpers import expanded, settle, theThroat
+from panel_helpers import expanded, pointsOf, settle, theThroat
 
 
 def shown(parameters):
-    return np.array(slicer.util.arrayFromModelPoints(parameters.outputVessel))
+    return pointsOf(parameters.outputVessel)
 
 
 def previewed(logic, parameters):
@@ -76,7 +75,7 @@ def test_the_full_method_takes_no_preview_back_before_it_has_ended(host, aStent,
     from SDFStentSlicer.SurfaceOutput import SurfaceOutput
 
     parameters = aStent._parameterNode
-    native = np.array(slicer.util.arrayFromModelPoints(parameters.vessel))
+    native = pointsOf(parameters.vessel)
     moved, showChanged = [], SurfaceOutput.showChanged
 
     def recorded(self, *values):
@@ -169,7 +168,7 @@ def test_numbers_and_certificate_of_another_place_are_taken_away(host, aStent):
 
 
 def test_the_vessel_can_be_shown_without_stents_after_a_preview(aLogic, theParameters):
-    before = np.array(slicer.util.arrayFromModelPoints(theParameters.vessel))
+    before = pointsOf(theParameters.vessel)
     previewed(aLogic, theParameters)
     aLogic.reset(theParameters)
     np.testing.assert_array_equal(shown(theParameters), before)
@@ -179,7 +178,7 @@ def test_the_vessel_can_be_shown_without_stents_after_a_preview(aLogic, theParam
 @pytest.mark.parametrize("spoil", ["outside", "far away", "too wide"])
 def test_where_no_stent_can_be_the_vessel_is_shown_as_it_was_and_said_to_be(host, aStent, spoil):
     parameters, handle = aStent._parameterNode, aStent._parameterNode.stent.handle
-    before = np.array(slicer.util.arrayFromModelPoints(parameters.vessel))
+    before = pointsOf(parameters.vessel)
     aStent.ui.autoUpdateCheckBox.checked = True
     settle(host, aStent)
     assert np.abs(shown(parameters) - before).max() > 0.5

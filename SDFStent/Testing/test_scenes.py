@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import slicer
 import vtk
-from panel_helpers import deploy, expanded, settle, theThroat
+from panel_helpers import deploy, expanded, offered, pointsOf, settle, theThroat
 from vtk.util.numpy_support import vtk_to_numpy
 
 
@@ -113,23 +113,17 @@ def test_importing_into_a_scene_replaces_no_plan_and_makes_no_model_twice(
     deploy(host, aDeployment)
     assert models(aScene, "Stents") == models(aScene, "Stented vessel") == 2
     assert vesselsOfPlans(aDeployment) == ["Artery", "Saved"]
-    assert offeredPlans(aDeployment) == ["Plan 1", "Plan 1 (2)"]
+    assert offered(aDeployment.ui.parameterSetSelector) == ["Plan 1", "Plan 1 (2)"]
     assert aScene.ReadFromMRB(str(aSavedScene), False)
     host.process()
-    assert offeredPlans(aDeployment) == ["Plan 1", "Plan 1 (2)", "Plan 1 (3)"]
-
-
-def offeredPlans(panel):
-    """The names of the plans that the panel offers, in order."""
-    box = panel.ui.parameterSetSelector._box
-    return [box.itemText(index) for index in range(box.count() - 1)]
+    assert offered(aDeployment.ui.parameterSetSelector) == ["Plan 1", "Plan 1 (2)", "Plan 1 (3)"]
 
 
 def vesselsOfPlans(panel):
     """The vessels of the plans that the panel offers, in order; "" for none."""
     selector, vessels = panel.ui.parameterSetSelector, []
-    for index in range(selector._box.count() - 1):  # the last one makes another
-        selector._onActivated(index)
+    for node in selector.nodes():
+        selector.setCurrentNode(node)
         vessel = panel._parameterNode.vessel
         vessels.append(vessel.GetName() if vessel else "")
     return vessels
@@ -259,7 +253,7 @@ def test_a_deleted_handle_is_not_replaced_by_another_stents(host, aStent, aScene
 
 def test_the_output_is_made_again_after_it_was_deleted(host, aDeployment, aScene):
     other = addModel(aScene, "Somebody else's")
-    points = np.array(slicer.util.arrayFromModelPoints(other))
+    points = pointsOf(other)
     aScene.RemoveNode(aDeployment._parameterNode.outputVessel)
     deploy(host, aDeployment)
     assert "(8.5 prescribed)" in aDeployment.ui.lumenLabel.text
@@ -279,11 +273,6 @@ def test_the_output_selector_offers_only_outputs_that_nobody_else_uses(host, aDe
     assert first.outputVessel is not None
 
 
-def offered(selector):
-    names = [selector._box.itemText(i) for i in range(selector._box.count())]
-    return [name for name in names if name != "Create new at deployment"]
-
-
 def test_nothing_is_written_into_a_model_that_is_no_output_of_the_set(
     aLogic, theParameters, aScene
 ):
@@ -292,9 +281,9 @@ def test_nothing_is_written_into_a_model_that_is_no_output_of_the_set(
     second = aLogic.addParameterSet("Second")
     second.vessel, second.centerline = vessel, theParameters.centerline
     aLogic.addStent(second, diameter=9.0, length=10.0, handle=theParameters.stents[0].handle)
-    native = np.array(slicer.util.arrayFromModelPoints(vessel))
+    native = pointsOf(vessel)
     for wrong in (own, vessel, theParameters.outputStents, addModel(aScene, "Else")):
-        before = np.array(slicer.util.arrayFromModelPoints(wrong))
+        before = pointsOf(wrong)
         second.outputVessel = wrong
         aLogic.deploy(second)
         assert second.outputVessel is not wrong

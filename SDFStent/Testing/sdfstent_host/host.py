@@ -28,8 +28,8 @@ from PySide6 import QtCore, QtTest, QtWidgets
 
 from . import mrml, slicer_stand_in
 from .event_loop import Frames, deliverEvents
-from .qmrml_widgets import qMRMLWidget
 from .qt_stand_in import wrapped
+from .skins import qMRMLWidget
 
 LOOK_MS = 20
 """Between two looks at what is waited for, where no event comes. An application sleeps until there is one; who only looks again
@@ -146,6 +146,7 @@ class Host:
     def closePanel(self, panel):
         self.leave(panel)
         panel.cleanup()
+        panel.layout.itemAt(0).widget().setMRMLScene(None)  # as when it is destroyed
         self._panels.remove(panel)
         del self._rulers[panel]
         panel.parent.close()

@@ -8,14 +8,6 @@ import vtk
 
 from SDFStentApp import application
 
-DISPLAYABLE_MANAGERS = (
-    "vtkMRMLCameraDisplayableManager",
-    "vtkMRMLViewDisplayableManager",
-    "vtkMRMLModelDisplayableManager",
-    "vtkMRMLMarkupsDisplayableManager",
-    "vtkMRMLColorLegendDisplayableManager",
-)
-
 
 class ErrorLog:
     """Everything that VTK and MRML would write to the console since `clear`."""
@@ -72,25 +64,12 @@ class Application(application.Application):
         return remote, manager
 
 
-class View:
-    """An off-screen 3D view that shows the scene through the real displayable managers."""
+class View(application.ThreeDView):
+    """The 3D view, with a mouse of its own and pictures of it."""
 
     def __init__(self, application, size=(900, 675)):
-        self.node = _viewNode(application.scene)
-        self.renderer = vtk.vtkRenderer()
-        self.window = vtk.vtkRenderWindow()
-        self.window.SetOffScreenRendering(True)
-        self.window.SetMultiSamples(0)
+        super().__init__(application, vtk.vtkRenderWindowInteractor())
         self.window.SetSize(*size)
-        self.window.AddRenderer(self.renderer)
-        interactor = vtk.vtkRenderWindowInteractor()
-        interactor.SetRenderWindow(self.window)
-        self._interactor = interactor
-        self.group = application.shown_in(self.renderer, self.node, DISPLAYABLE_MANAGERS)
-        self._style = slicer.vtkMRMLThreeDViewInteractorStyle()
-        self._style.SetDisplayableManagers(self.group)
-        self._style.SetInteractor(interactor)
-        interactor.SetInteractorStyle(vtk.vtkInteractorStyle3D())
 
     def look(self, bounds, direction=(0.0, -1.0, 0.15), up=(0.0, 0.0, 1.0), zoom=1.4):
         """Point the camera at a box, along `direction`."""
@@ -111,8 +90,8 @@ class View:
 
     def mouse(self, event, pixel):
         """An event of the mouse at a pixel: `MouseMove`, `LeftButtonPress`, `LeftButtonRelease`."""
-        self._interactor.SetEventInformation(*(round(float(side)) for side in pixel))
-        self._interactor.InvokeEvent(f"{event}Event")
+        self.interactor.SetEventInformation(*(round(float(side)) for side in pixel))
+        self.interactor.InvokeEvent(f"{event}Event")
 
     def drag(self, pixels, onMove=lambda: None):
         """Press at the first pixel, move over the others and let go; the real widgets of markups hear of it, snapping included."""
@@ -162,11 +141,3 @@ class PlotView:
 
     def close(self):
         self._chart.RemoveObserver(self._tag)
-
-
-def _viewNode(scene):
-    node = slicer.vtkMRMLViewNode()
-    node.SetName("View1")
-    node.SetLayoutName("1")
-    node.SetSingletonTag("1")  # stays when the scene is closed
-    return scene.AddNode(node)

@@ -8,6 +8,8 @@ import types
 
 from PySide6 import QtCore, QtGui, QtWidgets
 
+from SDFStentApp.widgets import Widget
+
 # Virtual or static methods that share a property's name; PythonQt keeps the method.
 NOT_AS_ATTRIBUTE = {"sizeHint", "minimumSizeHint", "singleShot", "objectName"}
 _wrapped = {}
@@ -41,17 +43,16 @@ def wrapped(qtClass):
     """The class as PythonQt would show it; the same object each time."""
     if qtClass in _wrapped:
         return _wrapped[qtClass]
+    signals = Widget if issubclass(qtClass, Widget) else SignalStrings
     members = {
         "__doc__": qtClass.__doc__,
-        "connect": SignalStrings.connect,
-        "disconnect": SignalStrings.disconnect,
+        "connect": signals.connect,
+        "disconnect": signals.disconnect,
     }
     meta = qtClass.staticMetaObject
     for i in range(meta.propertyCount()):
         name = meta.property(i).name()
-        if name not in NOT_AS_ATTRIBUTE and not isinstance(
-            getattr(qtClass, name, None), QtCore.Property
-        ):
+        if name not in NOT_AS_ATTRIBUTE:
             members[name] = _attribute(name)
     members["objectName"] = members["name"] = _attribute("objectName")
     members["className"] = lambda self: qtClass.__name__
@@ -99,6 +100,6 @@ def qtModule():
 
 
 def ctkModule():
-    from . import ctk_widgets
+    from . import skins
 
-    return StandInModule("ctk", (ctk_widgets,))
+    return StandInModule("ctk", (types.SimpleNamespace(**skins.CTK),))

@@ -9,10 +9,9 @@ from pathlib import Path
 import slicer
 from PySide6 import QtWidgets
 
-from SDFStentApp import parameter_node
-from SDFStentApp.module_base import ScriptedLoadableModuleLogic
+from SDFStentApp import python_layer
 
-from . import connectors, qmrml_widgets, ui_loader
+from . import skins, ui_loader
 from .qt_stand_in import ctkModule, qtModule, wrapped
 
 PYTHON_LAYER = ("ScriptedLoadableModule", "i18n", "parameterNodeWrapper")
@@ -30,26 +29,6 @@ class ScriptedLoadableModule:
 
     def getDefaultModuleDocumentationLink(self, docPage=None):
         return ""
-
-
-class ScriptedLoadableModuleWidget:
-    def __init__(self, parent=None):
-        self.moduleName = type(self).__name__.removesuffix("Widget")
-        self.developerMode = False
-        self.parent = parent
-        self.layout = QtWidgets.QWidget.layout(parent)
-
-    def resourcePath(self, name):
-        return str(Path(slicer.util.modulePath(self.moduleName)).parent / "Resources" / name)
-
-    def setup(self):
-        pass
-
-    def cleanup(self):
-        pass
-
-    def onReload(self):
-        slicer.util.reloadScriptedModule(self.moduleName)
 
 
 class ScriptedLoadableModuleTest(unittest.TestCase):
@@ -137,21 +116,8 @@ class SampleDataLogic:
     sources = {}
 
     @classmethod
-    def registerCustomSampleDataSource(
-        cls,
-        category="Custom",
-        sampleName=None,
-        thumbnailFileName=None,
-        customDownloader=None,
-        **rest,
-    ):
-        source = types.SimpleNamespace(
-            category=category,
-            sampleName=sampleName,
-            thumbnailFileName=thumbnailFileName,
-            customDownloader=customDownloader,
-            **rest,
-        )
+    def registerCustomSampleDataSource(cls, category="Custom", **told):
+        source = types.SimpleNamespace(category=category, **told)
         if str(source) not in map(str, cls.sampleDataSourcesByCategory(category)):
             cls.sources.setdefault(category, []).append(source)
 
@@ -179,48 +145,20 @@ def install(application, files, checkout=None):
     slicer.app, slicer.selfTests = App(application), {}
     slicer.modules = types.SimpleNamespace()
     for name, logic in application.logics.items():
-        setattr(
-            slicer.modules,
-            name.lower(),
-            types.SimpleNamespace(logic=lambda logic=logic: logic, name=name),
-        )
-    for name, cls in qmrml_widgets.QMRML_WIDGETS.items():
+        module = types.SimpleNamespace(logic=lambda logic=logic: logic, name=name)
+        setattr(slicer.modules, name.lower(), module)
+    for name, cls in skins.SLICER.items():
         setattr(slicer, name, wrapped(cls))
-    qt.QFileDialog = _fileDialog(files)
+    names = ("getOpenFileName", "getOpenFileNames", "getSaveFileName", "getExistingDirectory")
+    answer = staticmethod(lambda *_: files.pop(0))
+    qt.QFileDialog = type("QFileDialog", (), dict.fromkeys(names, answer))
     slicer.util.openedUrls = []
     qt.QDesktopServices = types.SimpleNamespace(openUrl=slicer.util.openedUrls.append)
     _patchUtil()
     if checkout is None:
-        _installPythonLayer()
+        python_layer.install_packages(ScriptedLoadableModule, ScriptedLoadableModuleTest)
     else:
         _installPythonLayerOf(Path(checkout), ctk)
-
-
-def _installPythonLayer():
-    """Our own small look-alikes of Slicer's Python packages."""
-    parameter_node.bindWith(lambda w: w.property("SlicerParameterName"), connectors.connector)
-    base, i18n, parameters = (types.ModuleType(f"slicer.{name}") for name in PYTHON_LAYER)
-    for cls in (
-        ScriptedLoadableModule,
-        ScriptedLoadableModuleWidget,
-        ScriptedLoadableModuleLogic,
-        ScriptedLoadableModuleTest,
-    ):
-        setattr(base, cls.__name__, cls)
-    base.__all__ = [n for n in vars(base) if n.startswith("Scripted")]
-    i18n.tr, i18n.translate = (lambda text: text), (lambda context, text: text)
-    for name in (
-        "parameterNodeWrapper",
-        "parameterPack",
-        "WithinRange",
-        "Minimum",
-        "Choice",
-        "Default",
-    ):
-        setattr(parameters, name, getattr(parameter_node, name))
-    for name, stand_in in zip(PYTHON_LAYER, (base, i18n, parameters), strict=True):
-        sys.modules[stand_in.__name__] = stand_in
-        setattr(slicer, name, stand_in)
 
 
 def _installPythonLayerOf(checkout, ctk):
@@ -248,16 +186,6 @@ def _orElse(function, fallback):
             return getattr(self, name)
 
     return lookUp
-
-
-def _fileDialog(files):
-    class FileDialog:
-        getOpenFileName = staticmethod(lambda *_: files.pop(0))
-        getSaveFileName = staticmethod(lambda *_: files.pop(0))
-        getOpenFileNames = staticmethod(lambda *_: files.pop(0))
-        getExistingDirectory = staticmethod(lambda *_: files.pop(0))
-
-    return FileDialog
 
 
 def _module(name):
