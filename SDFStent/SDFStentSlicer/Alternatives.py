@@ -20,7 +20,7 @@ from . import (
     Showing,
 )
 from .NewFolders import inNewFolder
-from .ParameterNode import MethodParameters
+from .ParameterNode import MethodParameters, methodOf
 from .Portions import untilDone
 from .StentList import StentList
 
@@ -82,10 +82,7 @@ class Alternatives:
         with slicer.util.NodeModify(copy):
             for name in COPIED:
                 setattr(copy, name, getattr(parameterNode, name))
-            method = parameterNode.method
-            copy.method = MethodParameters(
-                **{name: getattr(method, name) for name in MethodParameters.allParameters}
-            )
+            copy.method = MethodParameters(**vars(methodOf(parameterNode)))
             StentList(copy).replace(_withOwnHandles(parameterNode), parameterNode.selected)
         return copy
 

@@ -189,6 +189,12 @@ def bringToMillimeters(node, units):
     storage.SetFileName(path)
 
 
+def inputStamp(parameterNode):
+    """A value that changes whenever the vessel or the centerline does."""
+    vessel, centerline = map(changeStamp, (parameterNode.vessel, parameterNode.centerline))
+    return vessel, segmentOf(parameterNode), centerline
+
+
 def changeStamp(node):
     """A value that changes whenever the node's content or its transform does; None for no node."""
     if node is None:

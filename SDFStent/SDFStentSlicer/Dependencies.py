@@ -120,16 +120,7 @@ def places(parameterNode):
 
 def _signature(parameterNode, stents):
     return (
-        Conversion.changeStamp(parameterNode.vessel),
-        Conversion.segmentOf(parameterNode),
-        Conversion.changeStamp(parameterNode.centerline),
+        Conversion.inputStamp(parameterNode),
         tuple(vars(methodOf(parameterNode)).values()),
-        tuple(
-            (
-                s.label,
-                *Sizes.sizesOf(s),
-                Conversion.changeStamp(s.handle),
-            )
-            for s in stents
-        ),
+        tuple((s.label, *Sizes.sizesOf(s), Conversion.changeStamp(s.handle)) for s in stents),
     )

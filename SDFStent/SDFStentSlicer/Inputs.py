@@ -88,7 +88,7 @@ class Inputs:
 
     def lesions(self, parameterNode):
         """The `LesionSearch` of vessel and centerline, the same object until one of them changes."""
-        stamp = self._stamp(parameterNode)
+        stamp = Conversion.inputStamp(parameterNode)
         if stamp != self._lesions[0]:
             self._lesions = (stamp, LesionSearch(lambda: self._bothInPortions(parameterNode)))
         return self._lesions[1]
@@ -109,7 +109,7 @@ class Inputs:
 
     def preview(self, parameterNode):
         """The `PreviewedVessel` of vessel and centerline, the same object until one of them changes."""
-        stamp = self._stamp(parameterNode)
+        stamp = Conversion.inputStamp(parameterNode)
         if stamp != self._preview[0]:
             node = parameterNode.centerline
             centerline = None if node is None else self.centerline(parameterNode)
@@ -139,15 +139,6 @@ class Inputs:
             diameters = native.diameters(way.points, SPACING).inscribed_diameter
         known = diameters[np.isfinite(diameters)]
         return float(round(np.quantile(known, AS_WIDE_AS), 1)) if len(known) else 8.0
-
-    @staticmethod
-    def _stamp(parameterNode):
-        """A value that changes whenever vessel or centerline do."""
-        return (
-            Conversion.changeStamp(parameterNode.vessel),
-            Conversion.segmentOf(parameterNode),
-            Conversion.changeStamp(parameterNode.centerline),
-        )
 
 
 def _endOfSlider(size):

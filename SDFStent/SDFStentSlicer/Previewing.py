@@ -7,7 +7,6 @@ import numpy as np
 import slicer
 from slicer.i18n import tr as _
 
-from SDFStentLib.lumen import displacements, face_stretches
 from SDFStentLib.treatment import Preview, PreviewState
 from SDFStentLib.validation import DeploymentError, InputError
 
@@ -151,9 +150,3 @@ class PreviewRun:
     def end(self):
         """The points after the stents, and every stent as a `DrawnStent`."""
         return self.points, self.tubes()
-
-    def map(self, name):
-        """Values of a surface map and whether they belong to the cells."""
-        if name == "Displacement":
-            return displacements(self.surface.points, self.points), False
-        return face_stretches(self.surface, self.points).area, True

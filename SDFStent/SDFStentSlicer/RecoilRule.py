@@ -63,6 +63,5 @@ def _standing(parameterNode):
         return whose, None
     length, handle = Sizes.lengthOf(stent), Conversion.changeStamp(stent.handle)
     place = (stent.placement, length, stent.wholeCurve, handle)
-    vessel = (Conversion.changeStamp(parameterNode.vessel), Conversion.segmentOf(parameterNode))
-    tree = Conversion.changeStamp(parameterNode.centerline)
-    return whose, (balloon.diameter, stent.foreshortening, place, vessel, tree)
+    inputs = Conversion.inputStamp(parameterNode)
+    return whose, (balloon.diameter, stent.foreshortening, place, inputs)

@@ -7,6 +7,7 @@ import slicer
 from slicer.i18n import tr as _
 
 from SDFStentLib.certificate import NOT_CERTIFIED
+from SDFStentLib.lumen import displacements, face_stretches
 from SDFStentLib.report import (
     LEFT,
     coverage_fact,
@@ -293,6 +294,13 @@ def showProfile(parameterNode, run):
     chart.SetTitle(_("Diameter along {label}").format(label=title))
 
 
+def mapOf(run, chosen):
+    """Values of a surface map and whether they belong to the cells."""
+    if chosen == SurfaceMap.DISPLACEMENT:
+        return displacements(run.surface.points, run.points), False
+    return face_stretches(run.surface, run.points).area, True
+
+
 def showMap(parameterNode, run):
     """The map that the parameters name, or none."""
     node, chosen = parameterNode.outputVessel, parameterNode.map
@@ -301,6 +309,6 @@ def showMap(parameterNode, run):
     if chosen == SurfaceMap.NONE:
         Display.showMap(node, "", None, False, "")
     else:
-        values, onCells = run.map(chosen.value)
+        values, onCells = mapOf(run, chosen)
         Display.showMap(node, chosen.value, values, onCells, chosen.label())
     run.shownMap = chosen

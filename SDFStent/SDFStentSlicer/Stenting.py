@@ -2,7 +2,6 @@
 
 from typing import NamedTuple
 
-from SDFStentLib.lumen import displacements, face_stretches
 from SDFStentLib.stent import OfStent, Stent, StentAxis, redilated
 from SDFStentLib.treatment import treated_lesions
 
@@ -126,12 +125,6 @@ class Stenting:
     def end(self):
         """The final points, and every stent as a `DrawnStent`."""
         return self.points, lying(list(self._axes.values()))
-
-    def map(self, name):
-        """Values of a surface map and whether they belong to the cells."""
-        if name == "Displacement":
-            return displacements(self.surface.points, self.points), False
-        return face_stretches(self.surface, self.points).area, True
 
     def _follow(self):
         """Take over surface and centerline from the last recorded state."""

@@ -213,13 +213,12 @@ def test_the_branches_near_a_stent_are_named_with_what_it_covers(aLogic, thePara
 
 def test_maps_color_the_output_with_a_legend(aLogic, theParameters):
     from SDFStentSlicer.ParameterNode import SurfaceMap
+    from SDFStentSlicer.Results import mapOf
 
     aLogic.deploy(theParameters)
     run, node = aLogic.lastRun(theParameters), theParameters.outputVessel
-    for chosen, expected in (
-        (SurfaceMap.DISPLACEMENT, run.map("Displacement")),
-        (SurfaceMap.AREA_STRETCH, run.map("AreaStretch")),
-    ):
+    for chosen in (SurfaceMap.DISPLACEMENT, SurfaceMap.AREA_STRETCH):
+        expected = mapOf(run, chosen)
         theParameters.map = chosen
         aLogic.updateDisplay(theParameters)
         assert node.GetDisplayNode().GetActiveScalarName() == chosen.value
