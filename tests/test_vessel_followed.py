@@ -8,6 +8,7 @@ from lesion_cases import bifurcation_case
 from test_stretches import parted
 
 from SDFStentLib.centerline import Centerline
+from SDFStentLib.cohort.placing import _Place
 from SDFStentLib.files import read_centerline, read_lines
 from SDFStentLib.geometry import closest_points, point_at
 from SDFStentLib.stent import (
@@ -129,6 +130,25 @@ def test_the_second_point_decides_for_a_side_branch(tree):
         found = ends_of(tree, BetweenPoints(start, end))
         np.testing.assert_allclose(found[1], end, atol=1e-9)
     assert elsewhere > 5
+
+
+def test_a_stent_that_is_placed_in_a_branch_leads_into_it(tree):
+    """However near to its begin, where the vessel from which it comes goes on elsewhere."""
+    by_end = 0
+    for points in tree.branches:
+        start, end = tree.arc_length[points[[0, -1]]]
+        if end - start < 6:
+            continue
+        way = tree.points[tree.ancestry(int(points[-1]))]
+        place = _Place(way, float(start) + 0.5, float(start), None)
+        placement = place.placement(10.0, tree)
+        by_end += isinstance(placement, AtDistalEnd)
+        _, distal = ends_of(tree, placement, 10.0 / 0.9)
+        wanted = tree.project(point_at(way, start + 5.5))
+        # Lines of one lumen are so far apart.
+        aside = np.nanmax([1.0, 0.6 * wanted.inscribed_radius])
+        assert np.linalg.norm(distal - wanted.point) < aside
+    assert by_end > 10
 
 
 @pytest.mark.parametrize("shares", [(0.15, -0.15), (0.3, 0.0)])

@@ -64,6 +64,18 @@ def told_lumens(
     return tuple(found)
 
 
+def branch_of_points(
+    lumens: Sequence[BranchLumen], branches: Sequence[Indices], arc_length: Floats
+) -> Indices:
+    """Index into the branches of every point of a tree; where one has no length, of the next."""
+    found = np.full(len(arc_length), -1)
+    for lumen in lumens:
+        found[branches[lumen.branch][1:]] = lumen.branch
+    for branch in sorted(branches, key=lambda one: arc_length[one[0]]):
+        found[branch] = np.where(found[branch] < 0, found[branch].max(), found[branch])
+    return found
+
+
 def _joined_nodes(branches: Sequence[Indices], arc_length: Floats) -> Indices:
     """For every point the one that stands for it: both ends of a branch without length are one."""
     joined = np.arange(len(arc_length))

@@ -20,7 +20,7 @@ from ..validation import (
     as_points,
     read_only,
 )
-from .branch_lumen import BranchLumen, told_lumens
+from .branch_lumen import BranchLumen, branch_of_points, told_lumens
 from .from_lines import tree_from_lines
 from .junctions import JunctionChoice
 from .path import CenterlinePath, Location
@@ -223,7 +223,7 @@ class Centerline:
     ) -> CenterlinePath:
         """The way between the projections of two points, across junctions, in either direction.
 
-        A point from whose place a lumen leads to the other one is projected on the line there.
+        It runs between `ends_of_path`.
 
         Returns
         -------
@@ -235,11 +235,7 @@ class Centerline:
         InputError
             The points lie on trees with different roots.
         """
-        start, end = self._location(from_point), self._location(to_point)
-        if start is not from_point:
-            start = self._on_line_to(end, start)
-        if end is not to_point:
-            end = self._on_line_to(start, end)
+        start, end = self.ends_of_path(from_point, to_point)
         nodes = points_between(self.ancestry(start.index), self.ancestry(end.index))
         if nodes is None:
             raise InputError(
@@ -252,6 +248,20 @@ class Centerline:
         )
         kept = kept_points(points)
         return CenterlinePath(points[kept], radius[kept])
+
+    def ends_of_path(
+        self, from_point: ArrayLike | Location, to_point: ArrayLike | Location
+    ) -> tuple[Location, Location]:
+        """Where the way between two places begins and ends, on the centerline.
+
+        A point from which a lumen leads to the other place is put on the line that comes there.
+        """
+        start, end = self._location(from_point), self._location(to_point)
+        if start is not from_point:
+            start = self._on_line_to(end, start)
+        if end is not to_point:
+            end = self._on_line_to(start, end)
+        return start, end
 
     def path_around(self, center: ArrayLike | Location, length: float) -> CenterlinePath:
         """Half of the length up towards the root and half down towards the outlets, mm.
@@ -325,12 +335,7 @@ class Centerline:
     @cached_property
     def _branch_of(self) -> Indices:
         """Index into `branches` of every point; where one has no length, of the one next to it."""
-        found = np.full(len(self.parent), -1)
-        for lumen in self.lumens:
-            found[self.branches[lumen.branch][1:]] = lumen.branch
-        for branch in sorted(self.branches, key=lambda one: self.arc_length[one[0]]):
-            found[branch] = np.where(found[branch] < 0, found[branch].max(), found[branch])
-        return found
+        return branch_of_points(self.lumens, self.branches, self.arc_length)
 
     @cached_property
     def lumens(self) -> tuple[BranchLumen, ...]:

@@ -21,6 +21,9 @@ from .axes import PLACES, SHAPE_PARTS
 from .sampling import Parameters
 from .value import Constraints
 
+NEAR = 1.0
+"""Distal ends so far apart are not at the same place of a branch, mm."""
+
 
 class Excluded(Exception):
     """A case that the constraints of its sweep rule out; the message says which."""
@@ -42,11 +45,15 @@ class _Place(NamedTuple):
         """(3,) mm."""
         return point_at(self.way, np.array([self.at]))[0]
 
-    def placement(self, deployed_length: float) -> Placement:
-        """By its middle; where that lies above the branch by its distal end, which is in it."""
+    def placement(self, deployed_length: float, tree: Centerline) -> Placement:
+        """By its middle; where that is not enough to lead into the branch, by its distal end."""
         distal = self.at + deployed_length / 2
-        if self.at < self.start < distal <= arc_lengths(self.way)[-1]:
-            return AtDistalEnd(point_at(self.way, np.array([distal]))[0])
+        if distal <= self.start or distal > arc_lengths(self.way)[-1]:
+            return AtCenter(self.point)
+        end = point_at(self.way, np.array([distal]))[0]
+        leads = tree.path_around(self.point, deployed_length).points[-1]
+        if self.at < self.start or np.linalg.norm(leads - end) > NEAR:
+            return AtDistalEnd(end)
         return AtCenter(self.point)
 
 
@@ -80,7 +87,7 @@ def plan_of_case(
     stent = _stent(base, parameters, diameter)
     if place is not None:
         assert stent.length is not None
-        placement = place.placement(stent.length * (1 - stent.foreshortening))
+        placement = place.placement(stent.length * (1 - stent.foreshortening), _tree(inputs))
         stent = replace(stent, placement=placement)
     _check(stent, place, constraints, plan, inputs)
     if place is not None and _is_turned(plan, inputs):

@@ -78,10 +78,7 @@ def segment_ends(
         an end of the surface or nothing closed. Other places that are told bound a segment.
     """
     tree = vessel.tree
-    places = (
-        tree.project(as_point(start, "segment start")),
-        tree.project(as_point(end, "segment end")),
-    )
+    places = tree.ends_of_path(as_point(start, "segment start"), as_point(end, "segment end"))
     way = tree.path(*places).points
     if length(way) <= SAME:
         raise InputError(
