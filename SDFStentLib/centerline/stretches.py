@@ -113,6 +113,7 @@ class _Joined:
         self._spacings = np.concatenate(
             [np.full(len(lumen.along), lumen.along[1] - lumen.along[0]) for lumen in lumens]
         )
+        self._is_known = np.isfinite(self._radii) & np.isfinite(self._centers).all(axis=1)
         count = len(self._radii)
         self._is_kept = np.zeros(count, dtype=bool)
         self._stands = np.arange(count)
@@ -134,7 +135,7 @@ class _Joined:
 
     def _leave(self, line: Sequence[int]) -> int:
         """Number of stations with which a line runs in the lumen of lines before."""
-        kept = np.flatnonzero(self._is_kept & np.isfinite(self._radii))
+        kept = np.flatnonzero(self._is_kept & self._is_known)
         if not len(kept):
             return 1
         along = self._columns[1]
@@ -157,8 +158,7 @@ class _Joined:
     def _in_lumens(self, some: Indices, kept: Indices) -> Indices:
         """Which of the kept stations is in the same lumen as each (k,) of some; -1 for none."""
         away = self._centers[some][:, None] - self._centers[kept]
-        distance = np.linalg.norm(away, axis=2)
-        found = kept[np.where(np.isfinite(distance), distance, np.inf).argmin(axis=1)]
+        found = kept[np.einsum("ijk,ijk->ij", away, away).argmin(axis=1)]
         offset, ways = self._centers[some] - self._centers[found], self._ways[found]
         ahead = dot(offset, ways)
         across = np.linalg.norm(offset - ahead[:, None] * ways, axis=1)
