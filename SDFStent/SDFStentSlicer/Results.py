@@ -1,6 +1,7 @@
 """What a deployment leaves in the scene: centerline, stents, table, plot, maps and the sentences of the panel."""
 
 import json
+import math
 
 import numpy as np
 import slicer
@@ -144,7 +145,9 @@ def summaryRow(run):
     isCertified = certificate is not None and certificate.passed
     return [
         _("{lumen} mm").format(lumen=_number(min(stent.after.minimum for stent in stents))),
-        _("not known") if left is None else f"{max(left.percent, 0.0):.0f} %",
+        _("not known")
+        if left is None or math.isnan(left.percent)
+        else f"{max(left.percent, 0.0):.0f} %",
         _("{count} of {all} covered").format(count=len(covered), all=len(branches))
         if branches
         else _("none near"),

@@ -15,7 +15,7 @@ from .branches import (
 )
 from .changes import stretch_words
 from .html import BEYOND, MINIMUM, certificate_sentence
-from .lesions import LEFT, LEFT_BEYOND, NO_LESION, NOT_LOOKED_FOR
+from .lesions import LEFT, NO_LESION, NOT_LOOKED_FOR, left_note
 from .pressure import pressure_words
 from .words import DIAMETERS, degree_text, device_words, millimeters, stent_titles, stent_words
 
@@ -164,9 +164,10 @@ def _left_of(place: int) -> Callable[[Section], Lines]:
         if document["lesions"] is None:
             return (NOT_LOOKED_FOR,)
         lesion = document["lesions"][place]
-        beyond = LEFT_BEYOND if lesion["is_left_beyond"] and lesion["stents"] else ""
+        is_beyond = bool(lesion["is_left_beyond"] and lesion["stents"])
+        note = left_note(lesion["after"]["percent_diameter"], is_beyond)
         covered = "" if lesion["stents"] else "; not stented"
-        return (f"{_degrees(lesion['after'])}{covered}.{beyond}",)
+        return (f"{_degrees(lesion['after'])}{covered}.{note}",)
 
     return told
 

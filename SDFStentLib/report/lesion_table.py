@@ -7,7 +7,7 @@ from html import escape
 from typing import Any
 
 from .facts import stenosis_fact
-from .lesions import COVERS_NONE, LEFT_BEYOND, NO_LESION, NOT_LOOKED_FOR
+from .lesions import COVERS_NONE, NO_LESION, NOT_LOOKED_FOR, left_note
 from .words import degree_text, millimeters, point_words
 
 Section = Mapping[str, Any]
@@ -38,7 +38,7 @@ def covered_words(lesions: Sequence[Section] | None) -> str:
         return COVERS_NONE
     return " ".join(
         f"Lesion {one['number']} against {one['reference']['words']}."
-        f"{LEFT_BEYOND if one.get('is_left_beyond') else ''}"
+        f"{left_note(one['after']['percent_diameter'], one.get('is_left_beyond', False))}"
         for one in lesions
     )
 

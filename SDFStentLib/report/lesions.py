@@ -12,13 +12,14 @@ from ..treatment import Residual, TreatedLesion
 from ..units import MILLIMETERS
 from ..vessel import SMALL_VESSEL, SMALLEST_DEGREE, HealthyPlace, Lesion
 from .facts import stenosis_fact
-from .words import degree_text
+from .words import UNKNOWN, degree_text
 
 LEAST = f"{100 * SMALLEST_DEGREE:.0f} % or more"
 NO_LESION = f"No lesion of {LEAST} was found."
 COVERS_NONE = f"This stent covers no lesion of {LEAST}."
 LEFT = "Left in the treated vessel"
 LEFT_BEYOND = " What is left is narrowest beyond the stent's ends."
+LINE_LOST = "the wall was moved past the line along which it is measured"
 NOT_LOOKED_FOR = "Lesions were not looked for: that takes a centerline of the vessel."
 
 COLUMNS = (
@@ -90,8 +91,8 @@ def residual_section(residual: Residual | None) -> dict[str, Any] | None:
         return None
     return {
         "words": residual_words(residual),
-        "percent_diameter": residual.percent,
-        "minimum_mm": residual.minimum,
+        "percent_diameter": _known(residual.percent),
+        "minimum_mm": _known(residual.minimum),
         "reference_mm": residual.reference,
         "place_mm": list(residual.point),
         "lesion": residual.lesion,
@@ -103,6 +104,8 @@ def residual_section(residual: Residual | None) -> dict[str, Any] | None:
 
 def residual_words(residual: Residual) -> str:
     """What is narrowest in the treated vessels, and where: to follow a colon."""
+    if math.isnan(residual.percent):
+        return f"{UNKNOWN}, as in lesion {residual.lesion}, {residual.place()}: {LINE_LOST}"
     sizes = f"{residual.minimum:.2f} of {residual.reference:.2f} mm"
     return f"{degree_text(residual.percent, sizes)}, {residual.place()}"
 
@@ -161,9 +164,16 @@ def stent_lesion_sentences(lesions: Sequence[TreatedLesion] | None, stent: int) 
         f"{degree_text(one.after.percent_diameter)}, by area "
         f"{degree_text(one.before.percent_area)} -> {degree_text(one.after.percent_area)}, "
         f"against {one.before.reference}."
-        f"{LEFT_BEYOND if one.is_left_beyond else ''}"
+        f"{left_note(one.after.percent_diameter, one.is_left_beyond)}"
         for one in covered
     ]
+
+
+def left_note(percent: float | None, is_left_beyond: bool) -> str:
+    """What else there is to say of what is left of a covered lesion, after a full stop."""
+    if percent is None or math.isnan(percent):
+        return f" What is left of it is {UNKNOWN}: {LINE_LOST}."
+    return LEFT_BEYOND if is_left_beyond else ""
 
 
 def degree_change(treated: TreatedLesion) -> str:
@@ -212,10 +222,10 @@ def _cell(value: Any) -> Any:
 def _degrees(lesion: Lesion) -> Mapping[str, Any]:
     return {
         "minimum": {
-            "diameter_mm": lesion.minimum_diameter,
+            "diameter_mm": _known(lesion.minimum_diameter),
             "area_mm2": _known(lesion.minimum_area),
         },
-        "percent_diameter": lesion.percent_diameter,
+        "percent_diameter": _known(lesion.percent_diameter),
         "percent_area": _known(lesion.percent_area),
     }
 

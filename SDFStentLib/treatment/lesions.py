@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -84,7 +83,7 @@ class Residual:
     Attributes
     ----------
     percent : float
-        By diameter.
+        By diameter; NaN where it is not known.
     minimum, reference : float
         Inscribed diameter there and that of the healthy vessel, mm.
     point : tuple of float
@@ -129,14 +128,15 @@ def residual_of(lesions: Sequence[TreatedLesion], stents: Sequence[PlacedStent])
     Returns
     -------
     Residual or None
-        None where no stent covers a lesion, or no diameter is known.
+        None where no stent covers a lesion. Of a lesion whose narrowest place is not known any more
+        the percentage and the minimum are NaN: it may be the worst.
     """
     treated = {one.before.vessel for one in lesions if one.stents}
     there = [one for one in lesions if one.before.vessel in treated]
-    known = [one for one in there if math.isfinite(one.after.percent_diameter)]
-    if not known:
+    if not there:
         return None
-    worst = max(known, key=lambda one: one.after.percent_diameter)
+    percents = [one.after.percent_diameter for one in there]
+    worst = there[int(np.argmax(np.where(np.isnan(percents), np.inf, percents)))]
     after, covering = worst.after, worst.stents or _nearest(worst, stents)
     spans = _spans(after, [stent for stent in stents if stent.number in covering])
     at = after.arc_length

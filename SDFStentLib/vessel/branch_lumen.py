@@ -42,7 +42,7 @@ def branch_lumens(surface: Surface, centerline: Centerline) -> tuple[BranchLumen
     until = Until(TOLERANCE, _SAFELY / END_REACH * to_end)
     spheres = inscribed_spheres(surface.points, surface.triangles, stations, directions, until)
     diameter = 2 * spheres.radii
-    is_in = _is_in_lumen(stations, spheres, surface)
+    is_in = are_in_lumen(stations, spheres, surface)
     if not (is_in & np.isfinite(diameter)).any():
         raise InputError(
             "lesions: expected a centerline inside of the surface, got one that is outside "
@@ -69,11 +69,13 @@ def _distances_to_ends(lumens: Sequence[BranchLumen]) -> list[Floats]:
     return found
 
 
-def _is_in_lumen(stations: Points, spheres: InscribedSpheres, surface: Surface) -> Flags:
+def are_in_lumen(stations: Points, spheres: InscribedSpheres, surface: Surface) -> Flags:
     """Which stations (n,) are inside; those that one sphere without any wall holds are on one side.
 
     A sphere at an open end looks out of it: what is so near to a hole is asked for by itself.
     """
+    if not len(stations):
+        return np.zeros(0, dtype=bool)
     centers, radii = spheres
     holes = holes_of(surface)
     for middle, reach in zip(holes.middles, holes.radii, strict=True):

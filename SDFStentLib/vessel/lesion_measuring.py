@@ -13,6 +13,7 @@ import numpy as np
 from ..geometry import Surface, arc_lengths, tangents
 from ..lumen import InscribedSpheres, MovedWall, inscribed_spheres
 from ..validation import Flags, Floats, Points
+from .branch_lumen import are_in_lumen
 from .lesion_sections import between_neighbors, cut_at, on_line, tightest
 from .lesion_value import Lesion, Place
 
@@ -55,6 +56,11 @@ def lesions_after(
     moved : MovedWall, optional
         From then to now: what it comes nowhere near is not measured again, and a lesion that it
         does not touch at all stays what it is.
+
+    Returns
+    -------
+    list of Lesion
+        Minima and percentages are NaN where a wall was moved past a lesion's line.
     """
     changed = {
         number: which
@@ -69,6 +75,10 @@ def lesions_after(
         diameters[which] = 2 * found.radii
         begun.append(replace(lesions[number], diameters=diameters))
     after = dict(zip(changed, measured(begun, surface), strict=True))
+    for number, lesion in after.items():
+        if (np.isnan(lesion.diameters) & np.isfinite(lesions[number].diameters)).any():
+            # Where nothing can be measured it may be narrower than elsewhere.
+            after[number] = _with_no_sphere(lesion)
     return [after.get(number, lesion) for number, lesion in enumerate(lesions)]
 
 
@@ -95,6 +105,8 @@ def _spheres(surface: Surface, lines: Sequence[tuple[Points, Points]]) -> list[I
         return []
     places, ways = (np.concatenate(column) for column in zip(*lines, strict=True))
     found = inscribed_spheres(surface.points, surface.triangles, places, ways)
+    # A wall that was moved past a place leaves it in tissue, or in another vessel.
+    found.radii[~are_in_lumen(places, found, surface)] = np.nan
     ends = np.cumsum([len(line) for line, _ in lines])[:-1]
     return [found.at(part) for part in np.split(np.arange(len(places)), ends)]
 
@@ -103,11 +115,15 @@ def _line(lesion: Lesion) -> tuple[Points, Points]:
     return lesion.line, tangents(lesion.line)
 
 
+def _with_no_sphere(lesion: Lesion) -> Lesion:
+    """With nothing known of its narrowest place, and so of its sections."""
+    return replace(lesion, minimum_diameter=float("nan"), percent_diameter=float("nan"))
+
+
 def _with_sphere(lesion: Lesion, along: Floats, spheres: InscribedSpheres) -> Lesion:
     """With the smallest of the spheres at some arc lengths from its start."""
     if not np.isfinite(spheres.radii).any():
-        unknown = float("nan")
-        return replace(lesion, minimum_diameter=unknown, percent_diameter=unknown)
+        return _with_no_sphere(lesion)
     references = np.interp(along, arc_lengths(lesion.line), lesion.healthy)
     narrowest = tightest(spheres.radii, references)
     minimum, at = 2 * float(spheres.radii[narrowest]), float(along[narrowest])

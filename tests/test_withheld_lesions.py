@@ -1,0 +1,95 @@
+"""What is left of a lesion where a wall has moved past its line: not known, and told so."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from SDFStentLib.centerline import Centerline
+from SDFStentLib.geometry import Surface
+from SDFStentLib.lumen import moved_wall
+from SDFStentLib.phantoms import stenosed_tube, straight_tube
+from SDFStentLib.report import residual_words
+from SDFStentLib.report.lesions import (
+    residual_section,
+    stent_lesion_sentences,
+    treated_lesion_section,
+)
+from SDFStentLib.stent import AtCenter, Stent
+from SDFStentLib.treatment import TreatedLesion, Treatment, residual_of, treated_lesions
+from SDFStentLib.vessel import Lesion, find_lesions, lesions_after
+
+
+class Tube(NamedTuple):
+    surface: Surface
+    centerline: Centerline
+    lesion: Lesion
+
+    def pushed_aside(self, far: float) -> Surface:
+        """Its lesion carried sideways by up to so many mm."""
+        points = self.surface.points.copy()
+        there = np.exp(-(((points[:, 2] - self.lesion.point[2]) / 8) ** 2))
+        points[:, 0] += np.where(points[:, 0] > -4, far * there, 0.0)
+        return Surface(points, self.surface.triangles)
+
+
+@pytest.fixture(scope="module")
+def tube():
+    """Beside it lies another vessel: spheres outside of the lumen do not get lost."""
+    made, other = stenosed_tube(3.0, 1.4, 60, edge_length=0.8), straight_tube(3.0, 60, 0.8)
+    points = np.vstack([made.points, other.points - [9.0, 0.0, 0.0]])
+    surface = Surface(points, np.vstack([made.triangles, other.triangles + len(made.points)]))
+    (lesion,) = find_lesions(surface, made.centerline)
+    return Tube(surface, made.centerline, lesion)
+
+
+@pytest.mark.parametrize("is_told_what_moved", [False, True])
+def test_a_lesion_whose_line_is_outside_of_the_lumen_has_no_diameter(tube, is_told_what_moved):
+    after = tube.pushed_aside(6.0)
+    moved = moved_wall(tube.surface, after) if is_told_what_moved else None
+    (left,) = lesions_after([tube.lesion], after, moved)
+    assert math.isnan(left.minimum_diameter)
+    assert math.isnan(left.percent_diameter)
+    assert math.isnan(left.percent_area)
+
+
+def test_a_line_that_stays_in_the_lumen_still_tells(tube):
+    (left,) = lesions_after([tube.lesion], tube.pushed_aside(0.8))
+    assert left.minimum_diameter == pytest.approx(tube.lesion.minimum_diameter, rel=0.02)
+
+
+def test_a_line_of_which_a_part_is_outside_has_no_narrowest_place(tube):
+    """Beside the throat it leaves the lumen: what it tells elsewhere is not the narrowest."""
+    points = tube.surface.points.copy()
+    beside = tube.lesion.point[2] + 3.0
+    there = np.exp(-(((points[:, 2] - beside) / 2) ** 2))
+    points[:, 0] += np.where(points[:, 0] > -4, 6.0 * there, 0.0)
+    (left,) = lesions_after([tube.lesion], Surface(points, tube.surface.triangles))
+    assert np.isfinite(left.diameters).sum() >= 2
+    assert math.isnan(left.minimum_diameter)
+
+
+def test_every_statement_says_that_it_is_not_known(tube):
+    lesion = tube.lesion
+    stent = Stent(5.0, placement=AtCenter(lesion.point), length=12.0)
+    placed = Treatment(tube.surface, [stent], tube.centerline).result.stents
+    (treated,) = treated_lesions([lesion], placed, tube.pushed_aside(6.0))
+    assert math.isnan(treated.after.percent_diameter)
+    assert treated.stents == (1,)
+    other = TreatedLesion(2, lesion, replace(lesion, percent_diameter=20.0), (1,))
+    section = treated_lesion_section(treated)["after"]
+    assert section["percent_diameter"] is None
+    assert section["minimum"]["diameter_mm"] is None
+    (sentence,) = stent_lesion_sentences([treated], 1)
+    assert "-> not known" in sentence
+    assert "the wall was moved past the line" in sentence
+    # The narrowest place left may be the one that is not known.
+    residual = residual_of([other, treated], placed)
+    assert math.isnan(residual.percent)
+    assert residual_words(residual).startswith("not known, as in lesion 1, within stent 1")
+    assert json.loads(json.dumps(residual_section(residual), allow_nan=False))["minimum_mm"] is None
