@@ -186,6 +186,19 @@ def test_a_daughter_curve_that_starts_beside_a_coarse_trunk_is_joined_to_its_seg
     np.testing.assert_array_equal(tree.points[tree.roots[0]], INLET)
 
 
+def test_sides_in_pieces_leave_the_trunk_where_they_are_nearest_to_it():
+    """Between points of the trunk, and both at once."""
+    trunk = np.column_stack([np.zeros((11, 2)), np.linspace(0.0, 40.0, 11)])
+    sides = [[[x, 0, z], [10 * x, 0, z + 9]] for x, z in ((1.0, 10.0), (-1.0, 22.0))]
+    lines = [np.arange(11), np.array([11, 12]), np.array([13, 14])]
+    tree = Centerline.from_lines(np.concatenate([trunk, *sides]), lines, np.full(15, 3.0))
+    assert len(tree.leaves) == 3
+    for x, z in ((10.0, 19.0), (-10.0, 31.0)):
+        tip = int(np.flatnonzero((tree.points == [x, 0, z]).all(axis=1))[0])
+        way = tree.points[tree.ancestry(tip)]
+        np.testing.assert_allclose(way[[-3, -2]], [[0, 0, z - 9], [x / 10, 0, z - 9]], atol=1e-9)
+
+
 def test_a_line_that_touches_the_inside_of_a_segment_is_joined_there_without_a_gap():
     points = np.array([[0.0, 0, 0], [10, 0, 0], [5, 0, 0], [5, 60, 0], [5, -60, 0]])
     tree = Centerline.from_lines(points, [[0, 1], [3, 2, 4]], np.full(5, 0.1))
