@@ -12,7 +12,7 @@ import pytest
 
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.geometry import Surface
-from SDFStentLib.lumen import moved_wall
+from SDFStentLib.lumen import measured_at, moved_wall
 from SDFStentLib.phantoms import stenosed_tube, straight_tube
 from SDFStentLib.report import residual_words
 from SDFStentLib.report.lesions import (
@@ -22,30 +22,43 @@ from SDFStentLib.report.lesions import (
 )
 from SDFStentLib.stent import AtCenter, Stent
 from SDFStentLib.treatment import TreatedLesion, Treatment, residual_of, treated_lesions
-from SDFStentLib.vessel import Lesion, find_lesions, lesions_after
+from SDFStentLib.vessel import (
+    Lesion,
+    NeighborStations,
+    NeighborWay,
+    VesselStates,
+    find_lesions,
+    lesions_after,
+)
 
 
 class Tube(NamedTuple):
     surface: Surface
     centerline: Centerline
     lesion: Lesion
+    count: int
+    """Points of its own."""
 
     def pushed_aside(self, far: float) -> Surface:
         """Its lesion carried sideways by up to so many mm."""
         points = self.surface.points.copy()
         there = np.exp(-(((points[:, 2] - self.lesion.point[2]) / 8) ** 2))
-        points[:, 0] += np.where(points[:, 0] > -4, far * there, 0.0)
+        points[:, 0] += np.where(np.arange(len(points)) < self.count, far * there, 0.0)
         return Surface(points, self.surface.triangles)
 
 
 @pytest.fixture(scope="module")
 def tube():
-    """Beside it lies another vessel: spheres outside of the lumen do not get lost."""
+    """Between other vessels: spheres outside of the lumen do not get lost."""
     made, other = stenosed_tube(3.0, 1.4, 60, edge_length=0.8), straight_tube(3.0, 60, 0.8)
-    points = np.vstack([made.points, other.points - [9.0, 0.0, 0.0]])
-    surface = Surface(points, np.vstack([made.triangles, other.triangles + len(made.points)]))
+    beside = [other.points + place for place in ([-9, 0, 0], [-1, 9, 0], [-1, -9, 0])]
+    first = len(made.points) + len(other.points) * np.arange(3)
+    points = np.vstack([made.points, *beside])
+    surface = Surface(
+        points, np.vstack([made.triangles, *(other.triangles + number for number in first)])
+    )
     (lesion,) = find_lesions(surface, made.centerline)
-    return Tube(surface, made.centerline, lesion)
+    return Tube(surface, made.centerline, lesion, len(made.points))
 
 
 @pytest.mark.parametrize("is_told_what_moved", [False, True])
@@ -68,7 +81,7 @@ def test_a_line_of_which_a_part_is_outside_has_no_narrowest_place(tube):
     points = tube.surface.points.copy()
     beside = tube.lesion.point[2] + 3.0
     there = np.exp(-(((points[:, 2] - beside) / 2) ** 2))
-    points[:, 0] += np.where(points[:, 0] > -4, 6.0 * there, 0.0)
+    points[:, 0] += np.where(np.arange(len(points)) < tube.count, 6.0 * there, 0.0)
     (left,) = lesions_after([tube.lesion], Surface(points, tube.surface.triangles))
     assert np.isfinite(left.diameters).sum() >= 2
     assert math.isnan(left.minimum_diameter)
@@ -93,3 +106,18 @@ def test_every_statement_says_that_it_is_not_known(tube):
     assert math.isnan(residual.percent)
     assert residual_words(residual).startswith("not known, as in lesion 1, within stent 1")
     assert json.loads(json.dumps(residual_section(residual), allow_nan=False))["minimum_mm"] is None
+
+
+def test_a_neighbor_whose_way_is_outside_of_the_lumen_has_no_diameter(tube):
+    after = tube.pushed_aside(6.0)
+    states = VesselStates(tube.surface, tube.surface, after, after)
+    middle = tube.lesion.point[2]
+    way = np.column_stack([np.zeros((9, 2)), np.linspace(middle - 4, middle + 4, 9)])
+    beside = NeighborStations(states, [NeighborWay("branch", way)])
+    assert len(beside.points)
+    measured = [
+        measured_at(surface, beside.points, beside.directions) for surface in (tube.surface, after)
+    ]
+    (lumen,) = beside.lumens(*measured)
+    assert math.isnan(lumen.after)
+    assert not lumen.is_narrowed

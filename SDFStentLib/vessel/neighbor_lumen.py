@@ -9,8 +9,26 @@ from typing import NamedTuple
 import numpy as np
 
 from ..cautions import Caution
-from ..geometry import Surface, arc_lengths, cut, frames, length, resampled, tangents
-from ..lumen import FARTHEST, RAYS, SUSPECT, Stations, across_alone, near_wall, rays_from
+from ..geometry import (
+    Surface,
+    arc_lengths,
+    cut,
+    frames,
+    is_inside,
+    length,
+    resampled,
+    tangents,
+)
+from ..lumen import (
+    FARTHEST,
+    RAYS,
+    SUSPECT,
+    Stations,
+    across_alone,
+    closed_surface,
+    near_wall,
+    rays_from,
+)
 from ..validation import Floats, Indices, Points, read_only
 from .neighbor_ways import DISTAL, PROXIMAL, SHORTEST, NeighborWay
 
@@ -110,6 +128,7 @@ class NeighborStations:
         moved = _Moved(states.found, states.left)
         self._parts = [part for way in ways if (part := moved.part_of(way)) is not None]
         surfaces = states.native, states.final
+        self._final = states.final
         self._worst = [_worst(part, surfaces) for part in self._parts]
         own = list(zip(self._parts, self._worst, strict=True))
         nothing = np.empty((0, 3))
@@ -120,6 +139,12 @@ class NeighborStations:
     def lumens(self, before: Stations, after: Stations) -> tuple[NeighborLumen, ...]:
         """The lumens, of which the stations are measured before any stent and after all."""
         measured = np.array([(2 * one.spheres.radii, one.equivalent) for one in (before, after)])
+        # Where no section goes round a station, the wall may have been moved past it.
+        doubtful = np.flatnonzero(np.isnan(after.equivalent))
+        if len(doubtful):
+            closed = closed_surface(self._final)
+            is_in = is_inside(self.points[doubtful], closed.points, closed.triangles)
+            measured[1, 0, doubtful[~is_in]] = np.nan
         ends = np.cumsum([len(at) for at in self._worst])[:-1]
         each = zip(self._parts, self._worst, np.split(measured, ends, axis=2), strict=False)
         return tuple(_lumen(part, at, pairs) for part, at, pairs in each)
