@@ -24,6 +24,7 @@ def of(data_dir, words):
     [
         ([], "18.0 mm (20 mm as packed, 10 % shorter once expanded: the usual share, assumed"),
         (["--foreshortening", "0.2"], "16.0 mm (20 mm as packed, 20 % shorter once expanded: as g"),
+        (["--foreshortening", "0.0661765"], "18.7 mm (20 mm as packed, 6.62 % shorter once expan"),
         (["--foreshortening", "0"], "20.0 mm.\n"),
     ],
 )

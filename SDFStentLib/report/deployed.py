@@ -35,7 +35,7 @@ def deployed_words(treated: TreatedStent) -> str:
     reason = shortening_reason(stent)
     if reason is not None and stent.foreshortening:
         percent = 100 * stent.foreshortening
-        change = f"{percent:g} % shorter" if percent > 0 else f"{-percent:g} % longer"
+        change = f"{abs(percent):.3g} % {'shorter' if percent > 0 else 'longer'}"
         told.append(f"{axis.nominal_length:g} mm as packed, {change} once expanded: {reason}")
         if axis.deployed_length < axis.prescribed_length - CUT:
             told.append(f"of {axis.prescribed_length:.1f} mm the rest lies beyond the centerline")
