@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import slicer
 from PySide6 import QtWidgets
-from PySide6.QtCore import QSize, Qt
+from PySide6.QtCore import QSignalBlocker, QSize, Qt
 from PySide6.QtWidgets import QSizePolicy
 from vtkmodules.vtkCommonCore import vtkCommand
 
@@ -52,20 +52,6 @@ class Signal:
     def __get__(self, widget, _owner):
         ways = (widget.connect, widget.disconnect)
         return SimpleNamespace(**{way.__name__: partial(way, self._signature) for way in ways})
-
-
-class Quiet:
-    """Blocks the signals of a part of a skin while the value is shown."""
-
-    def __init__(self, part):
-        self._part = part
-
-    def __enter__(self):
-        self._wasBlocked = self._part.blockSignals(True)
-        return self._part
-
-    def __exit__(self, *_error):
-        self._part.blockSignals(self._wasBlocked)
 
 
 class qMRMLWidget(Skin, widgets.Area, QtWidgets.QWidget):
@@ -131,13 +117,14 @@ class ctkSliderWidget(Skin, widgets.Number, QtWidgets.QWidget):
 
     def _show(self):
         span = self.maximum - self.minimum
-        with Quiet(self._spinBox) as box:
+        box, slider = self._spinBox, self._slider
+        with QSignalBlocker(box):
             box.setDecimals(self.decimals)
             box.setRange(self.minimum, self.maximum)
             box.setSingleStep(self.singleStep)
             box.setSuffix(self.suffix)
             box.setValue(self.value)
-        with Quiet(self._slider) as slider:
+        with QSignalBlocker(slider):
             slider.setValue(round(1000 * (self.value - self.minimum) / span) if span else 0)
 
 
@@ -161,11 +148,11 @@ class Selector(Skin):
             items.insert(0, (state.get("none") or "", ""))
         if state.get("add"):
             items.append((f"Create new {self.baseName or 'node'}", selectors.NEW))
-        with Quiet(self._box) as box:
-            box.clear()
+        with QSignalBlocker(self._box):
+            self._box.clear()
             for name, value in items:
-                box.addItem(name, value)
-            box.setCurrentIndex(box.findData(getattr(self, self.edited)))
+                self._box.addItem(name, value)
+            self._box.setCurrentIndex(self._box.findData(getattr(self, self.edited)))
 
 
 class qMRMLNodeComboBox(Selector, selectors.NodeComboBox, QtWidgets.QWidget):
@@ -232,9 +219,9 @@ class qSlicerMarkupsPlaceWidget(Skin, selectors.PlaceWidget, QtWidgets.QWidget):
     def _show(self):
         isComplete = self._node is not None and self._node.GetControlPointPlacementComplete()
         isPlacing = self._get()
-        with Quiet(self._button) as button:
-            button.setEnabled(self._node is not None and not isComplete)
-            button.setChecked(isPlacing)
+        with QSignalBlocker(self._button):
+            self._button.setEnabled(self._node is not None and not isComplete)
+            self._button.setChecked(isPlacing)
         if isPlacing != self._wasPlacing:
             self._wasPlacing = isPlacing
             self.emit("activeMarkupsPlaceModeChanged", isPlacing)
