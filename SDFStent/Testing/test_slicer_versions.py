@@ -4,38 +4,37 @@ import types
 import typing
 
 
-def writesOf(parameters, name, shown):
-    """Count what is written to every widget that shows a parameter now."""
-    for bound in parameters._bindings.values():
-        connector = bound[name]
+def writesOf(slider):
+    """The values that are written to a slider from now on."""
+    written, check = [], slider.checked_value
 
-        def counted(value, write=connector.write):
-            shown.append(value)
-            write(value)
+    def checked(name, value):
+        if name == "value":
+            written.append(value)
+        return check(name, value)
 
-        connector.write = counted
+    slider.checked_value = checked
+    return written
 
 
 def test_a_change_is_shown_once_however_often_the_panel_was_visited(host, aStent):
-    parameters, shown = aStent._parameterNode, []
+    parameters = aStent._parameterNode
     for _ in range(30):
         aStent.exit()
         aStent.enter()
     assert aStent._parameterNode is parameters
-    writesOf(parameters, "method.tissueGap", shown)
-    parameters.method.tissueGap = 1.5
-    assert aStent.ui.tissueGapSlider.value == 1.5
-    assert shown == [1.5]
+    written = writesOf(aStent.ui.expansionSlider)
+    parameters.expansion = 40.0
+    assert written == [40.0]
 
 
 def test_a_parameter_set_that_was_left_hears_of_nothing(host, aPanel):
-    parameters, shown = aPanel._parameterNode, []
-    writesOf(parameters, "showStents", shown)
+    parameters, written = aPanel._parameterNode, writesOf(aPanel.ui.expansionSlider)
     aPanel.exit()
-    parameters.showStents = False
-    assert shown == []
+    parameters.expansion = 40.0
+    assert written == []
     aPanel.enter()
-    assert not aPanel.ui.showStentCheckBox.checked
+    assert aPanel.ui.expansionSlider.value == 40.0
 
 
 def test_node_types_are_optional_in_the_way_that_every_python_tells_apart(theModule):
