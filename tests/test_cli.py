@@ -149,7 +149,7 @@ def test_the_same_plan_gives_the_same_file_from_the_shell_and_from_python(a_plan
 )
 def test_every_way_to_say_where_opens_the_throat(a_folder, place, line, capsys):
     assert deploy(place=place, line=line) == 0
-    found = re.search(r"Narrowest lumen: ([\d.]+) -> ([\d.]+) mm", capsys.readouterr().out)
+    found = re.search(r"Minimum lumen diameter: ([\d.]+) -> ([\d.]+) mm", capsys.readouterr().out)
     assert float(found[1]) < 3.7
     assert float(found[2]) > 5.8  # edges of 1 mm cut 3 % off the circle at the stent's ends
 

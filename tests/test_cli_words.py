@@ -81,7 +81,14 @@ def test_a_deployment_in_a_tree_takes_eight_lines_and_all_of_it_more(data_dir, a
     said = capfd.readouterr()
     out, err = said.out.splitlines(), said.err.splitlines()
     assert len(out) + len(err) <= 8
-    starts = ("Deployed: ", "Narrowest lumen: ", "Stenosis", "Branches: ", "Contact: ", "Surface ")
+    starts = (
+        "Deployed: ",
+        "Minimum lumen diameter: ",
+        "Stenosis",
+        "Branches: ",
+        "Contact with the wall: ",
+        "Surface ",
+    )
     assert [line.startswith(start) for line, start in zip(out, starts, strict=False)] == [True] * 6
     assert out[6].startswith("Wrote ")
     warnings = json.loads(Path("r.json").read_text(encoding="utf-8"))["warnings"]

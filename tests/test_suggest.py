@@ -327,7 +327,7 @@ def test_suggest_tells_the_rule_and_writes_a_plan_that_runs(a_folder, capsys):
     assert told["stent_to_adjacent"] == pytest.approx(1.0, abs=0.01)
     assert told["balloon_to_stenosis"] == pytest.approx(1.8, abs=0.05)
     page = Path("out/report.html").read_text(encoding="utf-8")
-    assert "<td>Lumen : healthy vessel where it is narrowest</td><td>1.0" in page
+    assert "<td>Stent : healthy vessel where that is narrowest</td><td>1.0" in page
 
 
 def test_suggest_prints_json_and_takes_a_device(a_folder, capsys):

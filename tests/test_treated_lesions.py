@@ -8,7 +8,7 @@ import pytest
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.lumen import inscribed_spheres
 from SDFStentLib.phantoms import stenosed_tube, vascular_tree
-from SDFStentLib.report import residual_words
+from SDFStentLib.report import residual_fact
 from SDFStentLib.stent import AtCenter, Stent
 from SDFStentLib.treatment import Residual, Treatment, residual_of, treated_lesions
 from SDFStentLib.vessel import find_lesions, lesion_sections
@@ -88,7 +88,7 @@ def test_what_is_left_is_the_narrowest_place_of_the_vessel_wherever_it_lies(shif
 )
 def test_what_is_left_has_one_bracket(percent, words):
     left = Residual(percent, 4.55, 6.0, (0.0, 0.0, 0.0), 1, "within", 1, 0.0)
-    assert residual_words(left) == f"{words}, within stent 1"
+    assert residual_fact(left).words == f"{words}, within stent 1"
 
 
 def test_without_a_covered_lesion_nothing_is_said_to_be_left():

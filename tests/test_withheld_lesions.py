@@ -14,7 +14,7 @@ from SDFStentLib.centerline import Centerline
 from SDFStentLib.geometry import Surface
 from SDFStentLib.lumen import measured_at, moved_wall
 from SDFStentLib.phantoms import stenosed_tube, straight_tube
-from SDFStentLib.report import residual_words
+from SDFStentLib.report import residual_fact
 from SDFStentLib.report.lesions import (
     residual_section,
     stent_lesion_sentences,
@@ -104,7 +104,7 @@ def test_every_statement_says_that_it_is_not_known(tube):
     # The narrowest place left may be the one that is not known.
     residual = residual_of([other, treated], placed)
     assert math.isnan(residual.percent)
-    assert residual_words(residual).startswith("not known, as in lesion 1, within stent 1")
+    assert residual_fact(residual).words.startswith("not known, as in lesion 1, within stent 1")
     assert json.loads(json.dumps(residual_section(residual), allow_nan=False))["minimum_mm"] is None
 
 

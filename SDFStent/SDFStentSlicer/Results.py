@@ -10,10 +10,11 @@ from slicer.i18n import tr as _
 from SDFStentLib.certificate import NOT_CERTIFIED
 from SDFStentLib.lumen import displacements, face_stretches
 from SDFStentLib.report import (
-    LEFT,
+    contact_fact,
     coverage_fact,
+    lumen_fact,
     ratio_sentence,
-    residual_words,
+    residual_fact,
     stent_balloon_sentences,
     stent_device_sentences,
     stent_lesion_sentences,
@@ -165,7 +166,7 @@ def showSummary(parameterNode, run):
     ]
     notes = dict.fromkeys(note for pressure in told for note in pressure[1:])  # once
     left = residual_of(run.lesions or (), run.result.stents)
-    headline = [] if left is None else [f"{LEFT}: {residual_words(left)}"]
+    headline = [] if left is None else [str(residual_fact(left))]
     parameterNode.lumenSummary = "\n\n".join([*headline, *summaries, *notes])
 
 
@@ -184,9 +185,7 @@ def stentSummary(treated, lesions):
             _("{name}, {diameter:.1f} mm").format(
                 name=one_line(planned.name), diameter=planned.diameter
             ),
-            _("Minimum lumen: {before} \N{RIGHTWARDS ARROW} {after} mm").format(
-                before=_number(before.minimum), after=_number(after.minimum)
-            ),
+            _arrowed(lumen_fact(before, after)),
             _(
                 "Mean \N{PLUS-MINUS SIGN} SD in the stent: {before} \N{RIGHTWARDS ARROW} {after} mm ({prescribed} prescribed)"
             ).format(before=_spread(before), after=_spread(after), prescribed=_prescribed(treated)),
@@ -201,9 +200,12 @@ def stentSummary(treated, lesions):
 
 def lesionLines(lesions, number):
     """The degree of the lesions that a stent covers, before and after, against the vessel's own healthy lumen."""
-    return [
-        one.replace("->", "\N{RIGHTWARDS ARROW}") for one in stent_lesion_sentences(lesions, number)
-    ]
+    return [_arrowed(one) for one in stent_lesion_sentences(lesions, number)]
+
+
+def _arrowed(told):
+    """A sentence or fact of the library with true arrows."""
+    return str(told).replace("->", "\N{RIGHTWARDS ARROW}")
 
 
 def branchLines(treated):
@@ -211,11 +213,7 @@ def branchLines(treated):
     lines = [str(coverage_fact(branch)) for branch in treated.branches]
     # None of one that is dilated again: it lies there as that.
     if treated.apposition is not None and treated.apposition.free_length > 0:
-        lines.append(
-            _("Not in contact with the wall all round: {free:.1f} of {length:.1f} mm").format(
-                free=treated.apposition.free_length, length=treated.apposition.length
-            )
-        )
+        lines.append(str(contact_fact(treated.apposition)))
     return lines
 
 

@@ -6,18 +6,17 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
-from .branches import (
-    NONE_NEAR,
-    again_words,
-    branch_lumen_words,
-    stretch_sentence,
-    stretches_of,
-)
+from .balloons import DIAMETERS
+from .branches import NONE_NEAR, again_words, branch_lumen_words
 from .changes import stretch_words
-from .html import BEYOND, MINIMUM, certificate_sentence
-from .lesions import LEFT, NO_LESION, NOT_LOOKED_FOR, left_note
+from .contact import stretch_sentence, stretches_of
+from .devices import device_words
+from .facts import ALL_ROUND, BEYOND, CONTACT, LEFT, MINIMUM
+from .html import certificate_sentence
+from .lesions import NO_LESION, NOT_LOOKED_FOR, left_note
 from .pressure import pressure_words
-from .words import DIAMETERS, degree_text, device_words, millimeters, stent_titles, stent_words
+from .stents import stent_titles, stent_words
+from .words import degree_text, degrees_text, millimeters
 
 Section = Mapping[str, Any]
 Lines = tuple[str, ...]
@@ -52,7 +51,7 @@ def comparison_rows(alternatives: Sequence[Section]) -> list[Row]:
         _per_stent(MINIMUM, documents, partial(_change, "")),
         _per_stent(BEYOND, documents, partial(_change, "beyond_")),
         *_branches(documents),
-        _per_stent_of("Contact with the wall", documents, _contact),
+        _per_stent_of(CONTACT, documents, _contact),
         _per_stent("Pressure", documents, _pressure),
         _per_stent("Device", documents, _device),
         *(_per_stent(title, documents, partial(_size, key)) for key, title in DIAMETERS.items()),
@@ -178,10 +177,7 @@ def _is_changed(lesion: Section) -> bool:
 
 
 def _degrees(lesion: Section) -> str:
-    return (
-        f"{degree_text(lesion['percent_diameter'])} by diameter, "
-        f"{degree_text(lesion['percent_area'])} by area"
-    )
+    return degrees_text(lesion["percent_diameter"], lesion["percent_area"])
 
 
 def _branches(documents: Sequence[Section | None]) -> list[Row]:
@@ -211,7 +207,7 @@ def _contact(document: Section, stent: Section) -> str:
     if "dilated_again_as" in stent:
         return again_words(stent["dilated_again_as"])
     free = stretches_of(document, stent)
-    return "; ".join(map(stretch_sentence, free)) or "all round"
+    return "; ".join(map(stretch_sentence, free)) or ALL_ROUND
 
 
 def _stretch(document: Section) -> Lines:

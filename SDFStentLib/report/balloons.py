@@ -7,8 +7,16 @@ from typing import Any
 
 from ..stent import OfStent, Stent
 from ..treatment import TreatedLesion, TreatedStent, treated_ratios
+from .facts import RATIOS, TO_HEALTHY
 from .sizing import ratio_section
-from .words import UNKNOWN
+from .words import UNKNOWN, millimeters, number_text
+
+DIAMETERS = {
+    "balloon_diameter_mm": "Balloon diameter",
+    "lumen_diameter_mm": "Prescribed lumen diameter",
+    "reference_diameter_mm": "Reference diameter of the lesion",
+}
+"""The three of a stent, as its section has them."""
 
 Covered = Sequence[TreatedLesion] | None
 
@@ -59,3 +67,30 @@ def _covered(treated: TreatedStent, lesions: Covered) -> list[TreatedLesion]:
 
 def _reference(covered: Sequence[TreatedLesion]) -> float | None:
     return covered[0].before.reference_diameter if covered else None
+
+
+def balloon_rows(told: dict[str, Any]) -> list[tuple[str, str]]:
+    """Name and value of balloon, lumen and reference; takes them out of a stent's fields."""
+    rows = []
+    if "redilates" in told:
+        rows.append(("Redilation", f"of stent {told.pop('redilates')}"))
+    balloon, share = told.pop("balloon_diameter_mm", None), told.pop("recoil_fraction", None)
+    reason = told.pop("recoil_reason", None)
+    if balloon is not None:
+        rows.append((DIAMETERS["balloon_diameter_mm"], millimeters(balloon)))
+    if share is not None:
+        rows.append(("Recoil", f"{100 * share:g} % of the balloon: {reason}"))
+    if "lumen_diameter_mm" in told:
+        digits = 1 if balloon is None else 2
+        lumen = millimeters(told.pop("lumen_diameter_mm"), digits)
+        rows.append((DIAMETERS["lumen_diameter_mm"], lumen))
+    if "reference_diameter_mm" in told:
+        reference = told.pop("reference_diameter_mm")
+        if reference is not None:
+            rows.append((DIAMETERS["reference_diameter_mm"], millimeters(reference)))
+    labels = {key: f"{TO_HEALTHY} {where}" for key, where in RATIOS.items()}
+    for key, words in {**labels, "balloon_to_stenosis": "Balloon : stenosis"}.items():
+        ratio = told.pop(key, None)
+        if ratio is not None:
+            rows.append((words, number_text(ratio, 2)))
+    return rows

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from ..stent import Device, Stent
@@ -53,7 +54,7 @@ def device_rows(device: Device) -> list[tuple[str, str]]:
         ("Largest diameter", _size(device.maximum_diameter)),
         ("Diameters in the source", _span(device.reported_diameters)),
         ("Lengths in the source", _span(device.reported_lengths)),
-        ("Source", source_words(device)),
+        ("Source", source_words(vars(device))),
         *([("Note", device.note)] if device.note else []),
     ]
 
@@ -94,7 +95,7 @@ def planned_device_sentences(stent: Stent) -> list[str]:
     device = stent.device
     if device is None:
         return []
-    source = source_words(device)
+    source = source_words(vars(device))
     if not device.generic:
         source = f"from its source: {', '.join(_known(device)) or 'no number'} ({source})"
     return [f"Device {device.name}: {_sizes(stent, device)}{source}."]
@@ -117,15 +118,31 @@ def _sizes(stent: Stent, device: Device) -> str:
     )
 
 
-def source_words(device: Device) -> str:
-    """Where its numbers are from, and whether anybody has verified them."""
-    if device.generic and not device.source:
-        return NO_SOURCE
-    if not device.source:
-        return UNKNOWN
-    date = f" ({device.source_date})" if device.source_date else ""
-    state = "verified" if device.verified else "unverified"
-    return f"{device.source}{date}; {state}"
+def source_words(row: Mapping[str, Any]) -> str:
+    """Where the numbers of a row, or of its section, are from, and whether they are verified."""
+    if not row.get("source"):
+        return NO_SOURCE if row.get("generic") else UNKNOWN
+    date = f" ({row['source_date']})" if row.get("source_date") else ""
+    return f"{row['source']}{date}; {'verified' if row.get('verified') else 'unverified'}"
+
+
+def section_device_rows(device: Mapping[str, Any] | None) -> list[tuple[str, str]]:
+    """Which device a section names, and where its numbers are from; nothing where it has none."""
+    if device is None:
+        return []
+    rows = [("Device", device_words(device))]
+    if device.get("source"):
+        rows.append(("Source of its numbers", source_words(device)))
+    if device.get("note"):
+        rows.append(("About it", str(device["note"])))
+    return rows
+
+
+def device_words(device: Mapping[str, Any]) -> str:
+    """Its name, and whose it is."""
+    names = (device.get("manufacturer"), device.get("family"))
+    who = " ".join(str(name) for name in names if name)
+    return f"{device['name']} ({who})" if who else str(device["name"])
 
 
 def _sold(device: Device) -> str:

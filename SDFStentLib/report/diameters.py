@@ -1,4 +1,4 @@
-"""Diameters along a line through a vessel, as a table, in a document, in a sentence."""
+"""Diameters along a line through a vessel, as a table and in a document."""
 
 from __future__ import annotations
 
@@ -7,10 +7,8 @@ from typing import Any, NamedTuple
 
 from ..geometry import length
 from ..lumen import DiameterProfile
-from ..treatment import TreatedStent
 from ..units import MILLIMETERS
 from ..validation import Points
-from .shapes import prescribed_words
 
 
 class MeasuredLine(NamedTuple):
@@ -57,16 +55,6 @@ def diameter_section(line: MeasuredLine) -> dict[str, Any]:
         "mean_mm": _known(profile.mean),
         "maximum_mm": _known(profile.maximum),
     }
-
-
-def lumen_sentence(stent: TreatedStent) -> str:
-    """What one stent did to the lumen."""
-    before, after = stent.before, stent.after
-    return (
-        f"Lumen over {stent.axis.deployed_length:.1f} mm: narrowest {before.minimum:.2f} mm "
-        f"before, {after.minimum:.2f} mm after; mean {before.mean:.2f} mm "
-        f"before, {after.mean:.2f} mm after; prescribed {prescribed_words(stent)}."
-    )
 
 
 def filed_point(point: Points, units: str) -> str:

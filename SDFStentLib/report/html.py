@@ -8,26 +8,17 @@ from html import escape
 from typing import Any
 
 from ..validation import printable
-from .branches import apposition_table, branch_table, stretches_of
+from .branches import branch_table
 from .changes import change_rows, setting_rows
+from .contact import apposition_table, stretches_of
 from .drawing import svg
-from .lesion_table import covered_words, lesion_rows, lesion_table, stent_lesions
-from .lesions import LEFT
+from .facts import LEFT
+from .lesions import lesion_table, stent_lesions
+from .lumen import first_numbers
 from .plot import diameter_plot
 from .pressure import pressure_part
-from .words import (
-    UNKNOWN,
-    input_rows,
-    millimeters,
-    number_text,
-    plain_label,
-    stent_rows,
-    stent_titles,
-    stent_words,
-)
-
-MINIMUM, BEYOND = "Minimum lumen diameter", "Minimum lumen beyond the ends"
-"""Of a stent."""
+from .stents import stent_rows, stent_titles, stent_words
+from .words import input_rows, number_text, plain_label
 
 _STYLE = """
 body{font:15px/1.45 system-ui,sans-serif;color:#1a1a1a;max-width:860px;margin:24px auto;
@@ -111,49 +102,8 @@ def _lumen(document: Mapping[str, Any], title: str, stent: Mapping[str, Any]) ->
     plot = diameter_plot(stent["diameters"], stretches_of(document, stent), again)
     return (
         f"<section><h2>{escape(heading)} before and after</h2><p>{escape(stent_words(stent))}</p>"
-        f"{_first_numbers(stent['diameters'], stent_lesions(document, stent))}"
+        f"{first_numbers(stent['diameters'], stent_lesions(document, stent))}"
         f"{svg(plot) if plot else '<p>No diameter could be measured.</p>'}</section>"
-    )
-
-
-def _first_numbers(
-    diameters: Mapping[str, Any], lesions: Sequence[Mapping[str, Any]] | None
-) -> str:
-    """What a clinician reads first."""
-    narrow, over = diameters["minimum_lumen"], diameters["over_stented_length"]
-    before, after = over["before"], over["after"]
-    rows = [
-        (
-            MINIMUM,
-            millimeters(narrow["before_mm"]),
-            millimeters(narrow["after_mm"]),
-        ),
-        (
-            BEYOND,
-            millimeters(narrow["beyond_before_mm"]),
-            millimeters(narrow["beyond_after_mm"]),
-        ),
-        *lesion_rows(lesions or ()),
-        ("Mean lumen diameter &plusmn; SD", _mean_sd(before), _mean_sd(after)),
-        ("Smallest to largest", _range(before), _range(after)),
-        (
-            "Mean equivalent diameter",
-            millimeters(before["equivalent_mean_mm"]),
-            millimeters(after["equivalent_mean_mm"]),
-        ),
-    ]
-    prescribed = [value for value in diameters["along"]["prescribed_mm"] if value is not None]
-    wanted = _span(prescribed)
-    lines = [
-        f"<tr class='first'><td>{name}</td><td class='n'>{old}</td><td class='n'>{new}</td></tr>"
-        for name, old, new in rows
-    ]
-    return (
-        "<table><tr><th>over the stented length</th><th class='n'>before</th>"
-        f"<th class='n'>after</th></tr>{''.join(lines)}</table><p class='small'>"
-        f"Prescribed lumen diameter: {wanted}. Mean after minus prescribed: "
-        f"{millimeters(over['mean_after_minus_prescribed_mm'], signed=True)}.<br>"
-        f"{escape(covered_words(lesions))}</p>"
     )
 
 
@@ -228,23 +178,3 @@ def _inputs(inputs: Sequence[Mapping[str, Any]], timings: Mapping[str, Any]) -> 
         for key, value in timings.items()
     )
     return f"<h2>Input files</h2>{tables}<p class='small'>Time: {times or 'not measured'}.</p>"
-
-
-def _mean_sd(statistics: Mapping[str, Any]) -> str:
-    if statistics["mean_mm"] is None:
-        return UNKNOWN
-    return f"{statistics['mean_mm']:.2f} &plusmn; {statistics['sd_mm']:.2f} mm"
-
-
-def _range(statistics: Mapping[str, Any]) -> str:
-    ends = (statistics["minimum_mm"], statistics["maximum_mm"])
-    return _span([value for value in ends if value is not None])
-
-
-def _span(values: Sequence[float]) -> str:
-    if not values:
-        return UNKNOWN
-    low, high = min(values), max(values)
-    if round(low, 2) == round(high, 2):
-        return f"{low:.2f} mm"
-    return f"{low:.2f} to {high:.2f} mm"

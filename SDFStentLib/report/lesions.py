@@ -6,21 +6,22 @@ import csv
 import io
 import math
 from collections.abc import Mapping, Sequence
+from html import escape
 from typing import Any
 
 from ..treatment import Residual, TreatedLesion
 from ..units import MILLIMETERS
 from ..vessel import SMALL_VESSEL, SMALLEST_DEGREE, HealthyPlace, Lesion
-from .facts import stenosis_fact
-from .words import UNKNOWN, degree_text
+from .facts import LINE_LOST, residual_fact, stenosis_fact
+from .words import UNKNOWN, degree_text, degrees_text, millimeters, point_words
 
 LEAST = f"{100 * SMALLEST_DEGREE:.0f} % or more"
 NO_LESION = f"No lesion of {LEAST} was found."
 COVERS_NONE = f"This stent covers no lesion of {LEAST}."
-LEFT = "Left in the treated vessel"
 LEFT_BEYOND = " What is left is narrowest beyond the stent's ends."
-LINE_LOST = "the wall was moved past the line along which it is measured"
 NOT_LOOKED_FOR = "Lesions were not looked for: that takes a centerline of the vessel."
+
+Section = Mapping[str, Any]
 
 COLUMNS = (
     "lesion",
@@ -90,7 +91,7 @@ def residual_section(residual: Residual | None) -> dict[str, Any] | None:
     if residual is None:
         return None
     return {
-        "words": residual_words(residual),
+        "words": residual_fact(residual).words,
         "percent_diameter": _known(residual.percent),
         "minimum_mm": _known(residual.minimum),
         "reference_mm": residual.reference,
@@ -102,20 +103,12 @@ def residual_section(residual: Residual | None) -> dict[str, Any] | None:
     }
 
 
-def residual_words(residual: Residual) -> str:
-    """What is narrowest in the treated vessels, and where: to follow a colon."""
-    if math.isnan(residual.percent):
-        return f"{UNKNOWN}, as in lesion {residual.lesion}, {residual.place()}: {LINE_LOST}"
-    sizes = f"{residual.minimum:.2f} of {residual.reference:.2f} mm"
-    return f"{degree_text(residual.percent, sizes)}, {residual.place()}"
-
-
 def lesion_sentences(number: int, lesion: Lesion, units: str = "mm") -> tuple[str, str]:
     """A lesion in two sentences: what it is, and what it is measured against."""
     place = ", ".join(f"{value:.4g}" for value in _filed(lesion.point, units))
     return (
-        f"Lesion {number}: {degree_text(lesion.percent_diameter)} by diameter, "
-        f"{degree_text(lesion.percent_area)} by area; {lesion.branch_name}, "
+        f"Lesion {number}: {degrees_text(lesion.percent_diameter, lesion.percent_area)}; "
+        f"{lesion.branch_name}, "
         f"{lesion.arc_length:.1f} mm from the proximal end, at ({place}) {units}; "
         f"{lesion.length:.1f} mm long; minimum {lesion.minimum_diameter:.2f} mm against "
         f"{lesion.reference_diameter:.2f} mm.",
@@ -180,6 +173,64 @@ def degree_change(treated: TreatedLesion) -> str:
     """A lesion's stenosis by diameter, before and after, in few words."""
     before, after = treated.before.percent_diameter, treated.after.percent_diameter
     return f"lesion {treated.number} {degree_text(before)} -> {degree_text(after)}"
+
+
+def stent_lesions(document: Section, stent: Section) -> list[Section] | None:
+    """The lesions that a stent covers; None when none were looked for."""
+    if stent["lesions"] is None or document["lesions"] is None:
+        return None
+    return [one for one in document["lesions"] if one["number"] in stent["lesions"]]
+
+
+def lesion_rows(lesions: Sequence[Section]) -> list[tuple[str, str, str]]:
+    """Name, before and after of the degrees of lesions."""
+    return [
+        (before.label, before.words, degree_text(one["after"][f"percent_{kind}"]))
+        for one in lesions
+        for kind in ("diameter", "area")
+        for before in [stenosis_fact(one["number"], one[f"percent_{kind}"], kind)]
+    ]
+
+
+def covered_words(lesions: Sequence[Section] | None) -> str:
+    """What a stent's lesions are measured against, or why there is no percentage."""
+    if lesions is None:
+        return NOT_LOOKED_FOR
+    if not lesions:
+        return COVERS_NONE
+    return " ".join(
+        f"Lesion {one['number']} against {one['reference']['words']}."
+        f"{left_note(one['after']['percent_diameter'], one.get('is_left_beyond', False))}"
+        for one in lesions
+    )
+
+
+def lesion_table(lesions: Sequence[Section] | None) -> list[str]:
+    """All lesions of the vessel, with what is left of each."""
+    if lesions is None:
+        return []
+    title = "<h2>Lesions of the vessel</h2>"
+    if not lesions:
+        return [f"{title}<p>{escape(NO_LESION)}</p>"]
+    rows = "".join(
+        f"<tr><td>{one['number']}</td><td class='place'>{escape(one['branch_name'])}, "
+        f"{millimeters(one['along_branch_mm'], 1)} along it; "
+        f"{point_words(one['place_mm'], one['units'])}</td>"
+        f"<td class='n'>{millimeters(one['extent']['length_mm'], 1)}</td>"
+        f"<td class='n'>{millimeters(one['minimum']['diameter_mm'])}</td>"
+        f"<td class='n'>{millimeters(one['reference']['diameter_mm'])}</td>"
+        f"<td class='n'>{degree_text(one['percent_diameter'])}</td>"
+        f"<td class='n degree'>{degree_text(one['after']['percent_diameter'])}</td>"
+        f"<td>{', '.join(map(str, one['stents'])) or 'none'}</td></tr>"
+        for one in lesions
+    )
+    return [
+        f"{title}<table><tr><th>lesion</th><th>narrowest at (x, y, z)</th>"
+        "<th class='n'>length</th><th class='n'>minimum diameter</th>"
+        "<th class='n'>reference diameter</th><th class='n'>diameter stenosis before</th>"
+        "<th class='n'>after</th><th>stent</th></tr>"
+        f"{rows}</table>"
+    ]
 
 
 def lesions_csv(lesions: Sequence[Lesion], units: str = "mm") -> str:

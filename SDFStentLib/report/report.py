@@ -16,7 +16,8 @@ from ..files import atomic_path, write_bytes
 from ..lumen import REACH
 from ..validation import InputError, as_path, check_is_a
 from ..vessel import SMALLEST_DEGREE
-from .branches import branch_section, free_stretches
+from .branches import branch_section
+from .contact import free_stretches
 from .stent_result import StentResult, stent_section
 
 SCHEMA = "sdfstent-report"

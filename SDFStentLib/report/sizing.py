@@ -17,6 +17,7 @@ from ..treatment import (
     treated_ratios,
 )
 from ..vessel import HealthyPlace
+from .facts import RATIOS, TO_HEALTHY
 from .words import UNKNOWN
 
 
@@ -89,12 +90,11 @@ def _has_length(row: Device, stent: Stent) -> bool:
 
 def ratio_sentence(ratios: SizeRatios) -> str:
     """The ratios with medians and ranges of their sources; that of the balloon if there is one."""
+    healthy = ratios.healthy
     told = [
         f"{ratios.diameter / width:.2f} {where} ({width:.1f} mm)"
-        for where, width in (
-            ("where that is narrowest", ratios.healthy.narrowest),
-            ("at the proximal end", ratios.healthy.proximal),
-            ("at the distal end", ratios.healthy.distal),
+        for where, width in zip(
+            RATIOS.values(), (healthy.narrowest, healthy.proximal, healthy.distal), strict=True
         )
         if not math.isnan(width)
     ]
@@ -103,7 +103,7 @@ def ratio_sentence(ratios: SizeRatios) -> str:
         balloon = (
             f"; balloon : stenosis {to_stenosis:.2f} (above 3.0 the recoil was more than 10 %)"
         )
-    return f"Stent : healthy vessel {', '.join(told) or UNKNOWN}; {SOURCES}{balloon}."
+    return f"{TO_HEALTHY} {', '.join(told) or UNKNOWN}; {SOURCES}{balloon}."
 
 
 def _seen() -> str:

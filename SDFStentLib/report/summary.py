@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import NamedTuple
 
@@ -12,20 +11,18 @@ from .balloons import stent_balloon_sentences
 from .branches import NONE_NEAR, again_words, stent_branch_sentences
 from .deployed import deployed_words
 from .devices import stent_device_sentences
-from .diameters import lumen_sentence
+from .facts import CONTACT, MINIMUM, contact_fact, lumen_fact, residual_fact
 from .lesions import (
     COVERS_NONE,
-    LEFT,
     NOT_LOOKED_FOR,
     degree_change,
-    residual_words,
     stent_lesion_sentences,
 )
+from .lumen import lumen_sentence
 from .pressure import stent_pressure_sentences
 from .shapes import prescribed_words
 from .sizing import stent_ratio_sentences
 from .today import today_sentences
-from .words import UNKNOWN
 
 LISTED = 4
 """Of stents, lesions and branches each; of more the number is told."""
@@ -44,7 +41,7 @@ def deployment_summary(result: PlanResult) -> Summary:
     stents = result.treatment.stents
     lines = [
         *today_sentences(result.today),
-        f"Narrowest lumen: {_of_each(_final(stents), _narrowest, len(stents) > 1)}.",
+        f"{MINIMUM}: {_of_each(_final(stents), _narrowest, len(stents) > 1)}.",
         _stenosis(result.lesions, result.residual),
         *_told(stents, result),
     ]
@@ -77,7 +74,7 @@ def deployment_sentences(result: PlanResult) -> Iterator[str]:
 def _told(stents: Sequence[TreatedStent], result: PlanResult) -> list[str]:
     """Branches and contact, in one line where pressures, which were asked for, need the other."""
     contact = _of_each([one for one in stents if _loose(one)], _loose, len(stents) > 1)
-    beside = [_branches(stents), *([f"Contact: {contact}."] if contact else [])]
+    beside = [_branches(stents), *([f"{CONTACT}: {contact}."] if contact else [])]
     flow = result.plan.flow
     if flow is None:
         return beside
@@ -112,11 +109,7 @@ def _deployed(one: TreatedStent) -> str:
 
 
 def _narrowest(one: TreatedStent) -> str:
-    before, after = (
-        f"{profile.minimum:.2f}" if math.isfinite(profile.minimum) else UNKNOWN
-        for profile in (one.before, one.after)
-    )
-    return f"{before} -> {after} mm, prescribed {prescribed_words(one)}"
+    return f"{lumen_fact(one.before, one.after).words}, prescribed {prescribed_words(one)}"
 
 
 def _stenosis(lesions: Sequence[TreatedLesion] | None, residual: Residual | None) -> str:
@@ -125,7 +118,7 @@ def _stenosis(lesions: Sequence[TreatedLesion] | None, residual: Residual | None
     covered = [one for one in lesions if one.stents]
     if not covered:
         return COVERS_NONE
-    left = "" if residual is None else f" {LEFT}: {residual_words(residual)}."
+    left = "" if residual is None else f" {residual_fact(residual)}."
     return f"Stenosis by diameter: {_listed([degree_change(one) for one in covered], '; ')}.{left}"
 
 
@@ -156,6 +149,4 @@ def _kind(what: str, names: Sequence[str]) -> Iterable[str]:
 def _loose(one: TreatedStent) -> str:
     """How much of a stent does not touch the wall; empty where all of it does."""
     found = one.apposition
-    if found is None or not found.stretches:
-        return ""
-    return f"not all round over {found.free_length:.1f} of {found.length:.1f} mm"
+    return contact_fact(found).words if found is not None and found.stretches else ""
