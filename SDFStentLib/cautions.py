@@ -113,10 +113,15 @@ TEMPLATES = {
         "The balloon is {ratio:.2f} times as wide as the stenosis of {stenosis_mm:.2f} mm; above "
         "{high:g} the recoil was more than 10 %."
     ),
+    "tapering-lesion": (
+        "A lumen of {lumen_mm:.2f} mm leaves a stenosis of {percent:.0f} %: the healthy vessel is "
+        "{reference_mm:.2f} mm wide there, and {narrowest_mm:.2f} mm where it is narrowest beside "
+        "the lesion; a tapered stent leaves less."
+    ),
     "lesion-uncovered": (
-        "Lesion {lesion} is not covered: {uncovered_mm:.1f} of its {lesion_mm:.1f} mm lie beyond "
-        "the ends of the stent, which is {deployed_mm:.1f} mm long{packed}; choose a longer one, "
-        "or another place."
+        "Lesion {lesion} is not wholly covered: {uncovered_mm:.1f} of its {lesion_mm:.1f} mm lie "
+        "beyond the ends of the stent, which is {deployed_mm:.1f} mm long{packed}; choose a longer "
+        "one, or another place."
     ),
     # A stent in the vessel
     "switched-off": "it is switched off and was not deployed.",
@@ -206,12 +211,12 @@ GRAVEST = (
     "lesion-uncovered",
     "shortened",
     "narrower",
-    "new-slivers",
     "narrowed",
     "overdilated",
     "neighbor-narrowed",
     "tight-bend",
     "cap-bulged",
+    "new-slivers",
 )
 """Kinds that come first where not all are told; others follow as they came."""
 

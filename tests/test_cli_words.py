@@ -44,7 +44,7 @@ def test_a_lesion_that_a_shortened_stent_does_not_cover_is_a_warning(
     a_folder, capsys, length, is_told
 ):
     assert deploy(place=["--center", "0", "0", "2", "--length", length]) in (0, 3)
-    found = re.search(r"Lesion 1 is not covered: ([\d.]+) of its", capsys.readouterr().err)
+    found = re.search(r"Lesion 1 is not wholly covered: ([\d.]+) of its", capsys.readouterr().err)
     assert (found is not None) == is_told
     assert not found or 0 < float(found[1]) < 40
 

@@ -258,7 +258,7 @@ def test_what_a_short_stent_leaves_is_said_to_lie_beyond_it(pulmonary, tmp_path,
     assert re.search(
         r"Left in the treated vessel: \d+ % .*, \d+ mm (before|beyond) stent 1\.", said
     )
-    assert "Lesion 1 is not covered: " in " ".join(report["warnings"])
+    assert "Lesion 1 is not wholly covered: " in " ".join(report["warnings"])
     assert report["lesions"][0]["is_left_beyond"]
     assert "What is left is narrowest beyond the stent's ends." in unescape(html_page(report))
     treated = read_surface(tmp_path / "out.vtp", units="cm")

@@ -15,14 +15,15 @@ from deployment_cases import ANATOMIES, anatomy
 from test_devices import ROW, a_device, a_table
 from test_report import a_lesion
 
+from SDFStentLib.centerline import Centerline
 from SDFStentLib.cli import main
 from SDFStentLib.geometry import length
 from SDFStentLib.lumen import DiameterProfile
 from SDFStentLib.phantoms import stenosed_tube, straight_tube
 from SDFStentLib.plan import load_plan, run_plan
 from SDFStentLib.report import ratio_sentence
-from SDFStentLib.stent import Stent, stent_axis
-from SDFStentLib.treatment import SizingWishes, Vessel, suggested
+from SDFStentLib.stent import AtCenter, Stent, stent_axis
+from SDFStentLib.treatment import SizingWishes, Suggestion, Vessel, placement_at, suggested
 from SDFStentLib.treatment.placing import uncovered_length
 from SDFStentLib.treatment.ratios import size_ratios
 from SDFStentLib.treatment.widths import beside_lesion, healthy_vessel
@@ -170,6 +171,35 @@ def test_a_stent_is_held_against_the_healthy_vessel_at_its_ends_and_where_that_i
     native = a_native_lumen(*widths)
     healthy = healthy_vessel(native, length, [a_lesion_of(8.0, 8.0)] if lesions else None)
     np.testing.assert_allclose(healthy, found, equal_nan=True)
+
+
+def test_a_stent_for_a_lesion_across_a_junction_warns_of_no_choice_there():
+    """The branch is the lesion's; the proposal itself was warned of when it was carried out."""
+    main, side = np.linspace((0, 0, 0), (0, 0, 60), 61), np.linspace((1, 0, 30), (20, 0, 30), 20)
+    parent = np.r_[np.arange(61) - 1, 30, np.arange(61, 80)]
+    tree = Centerline(np.concatenate([main, side]), np.full(81, 3.0), parent)
+    lesion = replace(
+        a_lesion_of(8.0, 8.0),
+        line=main[23:34],
+        start=23.0,
+        end=33.0,
+        arc_length=28.0,
+        point=(0, 0, 28),
+    )
+    place = placement_at(replace(lesion, healthy=np.full(11, 8.0)), tree, 10.0, 0.0)
+    axis = stent_axis(Stent(8.0, placement=place, length=10.0, foreshortening_fraction=0), tree)
+    assert axis.warnings == ()
+    np.testing.assert_allclose(axis.points[[0, -1], 2], [23, 33])
+
+
+@pytest.mark.parametrize(("proximal", "left"), [(4.0, "of 50 %: "), (7.0, "")])
+def test_what_a_lumen_leaves_of_a_lesion_in_a_tapering_vessel_is_told(proximal, left):
+    lesion = a_lesion_of(proximal, 8.0, minimum=3.0)
+    stent = Stent(proximal, placement=AtCenter(np.zeros(3)), length=12.0)
+    one = Suggestion(1, lesion, stent, None, size_ratios(lesion, proximal), "")
+    (told,) = [str(caution) for caution in one.cautions()] or [""]
+    assert left in told
+    assert bool(told) == bool(left)
 
 
 @pytest.mark.parametrize(("trunk", "proximal"), [(20.0, math.nan), (8.0, 8.0)])

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from SDFStentLib.centerline import Centerline
-from SDFStentLib.geometry import closest_points, is_inside, length, without_repeats
-from SDFStentLib.lumen import extended_axis, through_lumen
+from SDFStentLib.geometry import closest_points, is_inside, length, resampled, without_repeats
+from SDFStentLib.lumen import ExtendedAxis, extended_axis, through_lumen
 from SDFStentLib.lumen.spheres import inscribed
 from SDFStentLib.phantoms import vascular_tree
 from SDFStentLib.plan import read_input_files
-from SDFStentLib.vessel import BranchWays, find_ostia
+from SDFStentLib.vessel import BranchWays, Ostium, find_ostia
 from SDFStentLib.vessel.tree_around import LinesFromAxis, ends_around, place_of
 
 
@@ -57,15 +57,31 @@ def test_ways_leave_an_axis_as_each_of_them_does_by_itself(seed):
     # What does not come so near may be among them.
     found = [own for own in found if closest_points(own, place[None]).distances[0] < 5.0]
     assert 1 <= len(found) < len(expected)
-    np.testing.assert_allclose(found[0], expected[0], rtol=0, atol=1e-12)
-    # Each is one of those expected, in their order; all others pass the place as one of them does.
-    left = iter(expected)
+    # Each is one of those expected; all others pass the place as one of them does.
     for own in found:
-        assert any(np.shape(own) == line.shape and np.allclose(own, line) for line in left)
+        same = [line for line in expected if line.shape == own.shape]
+        assert any(np.allclose(own, line, rtol=0, atol=1e-12) for line in same)
     passed = [closest_points(own, place[None]).points for own in found]
     for line in expected:
         nearest = closest_points(line, place[None]).points
         assert min(np.abs(nearest - one).max() for one in passed) < 1e-12
+
+
+def test_the_way_into_a_branch_is_that_to_most_outlets_and_not_into_the_next_small_one():
+    """Of an artery of 11.7 mm to 37 outlets a stenosis of 2.6 mm was measured, which is not its."""
+    corners = [
+        [(0, 0, 0), (0, 0, 60)],
+        [(0, 0, 0), (0, 0, 30), (22, 0, 30)],
+        [(0, 0, 0), (0, 0, 30), (2, 0, 30), (12, 3, 30), (22, 3, 34)],
+        [(0, 0, 0), (0, 0, 30), (2, 0, 30), (12, 3, 30), (22, 3, 26)],
+    ]
+    lines = [resampled(np.array(corner, dtype=float), 0.5) for corner in corners]
+    rows = np.split(np.arange(sum(map(len, lines))), np.cumsum([len(one) for one in lines])[:-1])
+    tree = Centerline.from_lines(np.concatenate(lines), rows, inlet=lines[0][0])
+    axis = ExtendedAxis(lines[0], 20.0, 20.0)
+    opening = Ostium("branch", np.array([5.0, 0, 30]), 6.0, 14.0, 16 * np.pi, 1.0)
+    (way,) = BranchWays(vascular_tree(1, 1.0).surface, axis, tree).into([opening])
+    assert abs(way[-1][1] - 3) < 0.1
 
 
 def test_ways_through_a_lumen_side_by_side_are_those_found_one_after_the_other():

@@ -60,8 +60,8 @@ def placement_at(
     Returns
     -------
     AtCenter or AtDistalEnd
-        The second where the way down from the middle would go into another branch than the
-        lesion's, which is rarely the widest one.
+        The second where the way down from the middle chooses a branch at a junction within the
+        lesion, or goes into another one than the lesion's, which is rarely the widest.
 
     Raises
     ------
@@ -75,9 +75,16 @@ def placement_at(
     if 2 * half < extent:
         at = min(max(at, narrowest - half / 2), narrowest + half / 2)
     middle = point_at(lesion.line, at)
-    around = centerline.path_around(middle, 2 * half).points
-    within = max(extent - 2 * half, 0.0) + NOTICED
-    if lesions_within([lesion], around) and uncovered_length(lesion, [around]) <= within:
+    path = centerline.path_around(middle, 2 * half)
+    around, within = path.points, max(extent - 2 * half, 0.0) + NOTICED
+    # A junction within the lesion leaves no choice to tell of: its branch is the lesion's.
+    along = [centerline.project(choice.point).arc_length for choice in path.choices]
+    is_clear = not along or max(along) > lesion.end
+    if (
+        is_clear
+        and lesions_within([lesion], around)
+        and uncovered_length(lesion, [around]) <= within
+    ):
         return AtCenter(middle)
     if at + half <= extent:
         return AtDistalEnd(point_at(lesion.line, at + half))

@@ -29,7 +29,7 @@ from ..stent import (
     stent_axis,
 )
 from ..validation import InputError, as_number, printable
-from ..vessel import Lesion
+from ..vessel import SMALLEST_DEGREE, Lesion
 from .placing import NOTICED, placement_at, uncovered_length
 from .ratios import SizeRatios, size_ratios
 from .widths import HealthyVessel, beside_lesion
@@ -128,6 +128,12 @@ class Suggestion:
     def cautions(self) -> Iterator[Caution]:
         """What there is to say of its sizes."""
         yield from self.ratios.cautions()
+        lumen, reference = self.stent.diameter, self.lesion.reference_diameter
+        narrowest = beside_lesion(self.lesion).narrowest
+        if max(narrowest, lumen) <= (1 - SMALLEST_DEGREE) * reference:
+            widths = {"reference_mm": reference, "narrowest_mm": narrowest}
+            left = 100 * (1 - lumen / reference)
+            yield Caution("tapering-lesion", {"lumen_mm": lumen, "percent": left, **widths})
         yield from self.stent.device_cautions()
 
 

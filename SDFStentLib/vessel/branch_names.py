@@ -7,6 +7,7 @@ import numpy as np
 from ..centerline import Centerline
 from ..geometry import NamedFaces, Surface, face_areas, face_normals
 from ..validation import Floats, Indices, Points
+from .tree_around import outlets_of
 
 FLAT = 0.95
 """Length of the mean unit normal of a part of the model from which it is a cap, no wall."""
@@ -58,9 +59,7 @@ def size_words(caliber: float, start: float, outlets: int) -> str:
 
 def _by_size(tree: Centerline) -> list[str]:
     """`size_words` of every branch, by the radii that came with the centerline."""
-    outlets = np.zeros(len(tree.points), dtype=np.int64)
-    for leaf in tree.leaves:
-        outlets[tree.ancestry(int(leaf))] += 1
+    outlets = outlets_of(tree)
     return [
         size_words(
             2 * float(np.median(tree.inscribed_radius[branch])),

@@ -24,6 +24,9 @@ _OBLIQUE = 6.0
 """A branch's line is longer up to its opening by at most so many times the opening's distance from
 the axis: more would be a branch that leaves at less than 10 degrees."""
 
+_NEAR = 0.5
+"""Radii of an ostium from its middle within which a way leads through it and not beside it."""
+
 _LEAVES = 0.5
 """A way that is farther from the axis than so many radii of an ostium leaves the vessel there."""
 
@@ -91,7 +94,10 @@ class BranchWays:
 
 
 def _past(ostium: Ostium, lines: LinesFromAxis) -> Points | None:
-    """Of the lines from the axis the one that passes an opening nearest to its middle."""
+    """Of the lines from the axis the one to most outlets that passes an opening near its middle.
+
+    Where none does, that which passes nearest to it.
+    """
     best, nearest = None, _size(ostium) + _SAME
     for own in lines.leaving(_LEAVES * _size(ostium), ostium.center, nearest):
         found = closest_points(own, ostium.center[None])
@@ -99,6 +105,8 @@ def _past(ostium: Ostium, lines: LinesFromAxis) -> Points | None:
         if found.distances[0] < nearest - _SAME and length(own) - first > SHORTEST:
             nearest = float(found.distances[0])
             best = cut(own, first, first + MEASURED)
+            if nearest < _NEAR * _size(ostium):
+                break
     return best
 
 

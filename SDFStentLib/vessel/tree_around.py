@@ -9,7 +9,7 @@ import numpy as np
 
 from ..centerline import Centerline, Location, points_between
 from ..geometry import norm, resampled, without_repeats
-from ..validation import Floats, Points
+from ..validation import Floats, Indices, Points
 
 _FINE = 0.1
 """Distance of the points of an axis that tell how far from it something is, mm."""
@@ -48,6 +48,12 @@ def ends_around(tree: Centerline, start: Location, reach: float) -> set[int]:
     return found
 
 
+def outlets_of(tree: Centerline) -> Indices:
+    """To how many leaves every point of a tree leads."""
+    ways = [tree.ancestry(int(leaf)) for leaf in tree.leaves]
+    return np.bincount(np.concatenate(ways), minlength=len(tree.points))
+
+
 def place_of(tree: Centerline, index: int) -> Location:
     """A point of the tree as a place on it."""
     at, radius = float(tree.arc_length[index]), float(tree.inscribed_radius[index])
@@ -78,6 +84,7 @@ class LinesFromAxis:
 
         stops = [tree.project(stop) for stop in (axis[0], axis[-1])]
         ends = set().union(*(ends_around(tree, stop, reach) for stop in stops))
+        self._outlets = np.r_[outlets_of(tree), np.zeros(len(stops), dtype=np.int64)]
         self._points = np.concatenate([tree.points, [stop.point for stop in stops]])
         # Distal ends first: of two that share a way the first one counts.
         order = sorted(ends, key=lambda node: (tree.parent[node] < 0, node))
@@ -100,7 +107,7 @@ class LinesFromAxis:
     def leaving(self, distance: float, place: Floats, near: float) -> Iterator[Points]:
         """Those that may come near a place, each from where it leaves the axis for good, mm.
 
-        Of those that come along the same points there, the first one.
+        Those to most outlets come first; of those along the same points there, one.
         """
         rows = np.arange(len(self._nodes))
         beside = (self._from_axis < distance).take(self._nodes)
@@ -110,12 +117,12 @@ class LinesFromAxis:
         # Of a step that comes so near, both ends are no farther away.
         may = (norm(self._points - place) < near + self._longest).take(self._nodes)
         may &= rows >= np.repeat(first, ends - self._starts)
-        known = set()
+        known: dict[bytes, tuple[int, Indices]] = {}
         for line in np.flatnonzero(np.logical_or.reduceat(may, self._starts)):
             own = self._nodes[first[line] : ends[line]]
-            there = own[may[first[line] : ends[line]]].tobytes()
-            if there not in known:
-                known.add(there)
-                points = without_repeats(self._points[own])
-                if len(points) > 1:
-                    yield points
+            there = own[may[first[line] : ends[line]]]
+            known.setdefault(there.tobytes(), (-int(self._outlets[there[-1]]), own))
+        for _, own in sorted(known.values(), key=lambda way: way[0]):
+            points = without_repeats(self._points[own])
+            if len(points) > 1:
+                yield points
