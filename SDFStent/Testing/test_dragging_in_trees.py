@@ -32,6 +32,20 @@ def branched(rng):
     return Centerline(np.array(points), np.full(len(points), 2.0), np.array(parents))
 
 
+def sideBySide(rng):
+    """The same with a line to every outlet, moved aside by up to a third of the radius: lines part long before their vessels do."""
+    tree = branched(rng)
+    points, lines = [], []
+    for leaf in tree.leaves:
+        way = tree.points[tree.ancestry(leaf)]
+        aside = rng.normal(size=3)
+        aside *= 0.33 * 2.0 / np.linalg.norm(aside)
+        lines.append(np.arange(len(way)) + sum(map(len, points)))
+        points.append(way + np.clip(np.arange(len(way)) / 12, 0, 1)[:, None] * aside)
+    points = np.concatenate(points)
+    return Centerline.from_lines(points, lines, np.full(len(points), 2.0))
+
+
 def look(rng, focus):
     """Point the camera of the 3D view at a place from anywhere; returns its layout name, what a pixel is there, and two axes across."""
     node = slicer.util.getNodesByClass("vtkMRMLCameraNode")[0]
@@ -81,9 +95,10 @@ One picture does not tell vessels apart of which one lies behind the other, unti
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_a_handle_stays_on_the_vessel_that_the_hand_follows(host, aStent, seed):
+@pytest.mark.parametrize("grow", [branched, sideBySide])
+def test_a_handle_stays_on_the_vessel_that_the_hand_follows(host, aStent, grow, seed):
     rng = np.random.default_rng(seed)
-    tree = branched(rng)
+    tree = grow(rng)
     offs = [drag(rng, tree) for _ in range(DRAGS)]
     assert max(np.count_nonzero(off > ASIDE) for off in offs) * STEP < MOST_ASTRAY
     assert np.mean(np.concatenate(offs) > ASIDE) < 0.025
