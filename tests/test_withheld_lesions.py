@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
@@ -14,7 +15,7 @@ from SDFStentLib.centerline import Centerline
 from SDFStentLib.geometry import Surface
 from SDFStentLib.lumen import measured_at, moved_wall
 from SDFStentLib.phantoms import stenosed_tube, straight_tube
-from SDFStentLib.report import residual_fact
+from SDFStentLib.report import residual_fact, summary
 from SDFStentLib.report.lesions import (
     residual_section,
     stent_lesion_sentences,
@@ -24,6 +25,7 @@ from SDFStentLib.stent import AtCenter, Stent
 from SDFStentLib.treatment import TreatedLesion, Treatment, residual_of, treated_lesions
 from SDFStentLib.vessel import (
     Lesion,
+    NeighborLumen,
     NeighborStations,
     NeighborWay,
     VesselStates,
@@ -121,3 +123,10 @@ def test_a_neighbor_whose_way_is_outside_of_the_lumen_has_no_diameter(tube):
     (lumen,) = beside.lumens(*measured)
     assert math.isnan(lumen.after)
     assert not lumen.is_narrowed
+
+
+def test_the_summary_names_a_branch_whose_lumen_is_not_known():
+    way = np.array([[0.0, 0, 0], [0, 0, 5]])
+    lost = NeighborLumen("branch 2", way, 1.0, 4.1, math.nan, by_area=False)
+    told = summary._branches([SimpleNamespace(branches=(), neighbors=(lost,))])
+    assert told == "Branches: 1 with a lumen that is not known: branch 2."

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import NamedTuple
 
@@ -23,6 +24,7 @@ from .pressure import stent_pressure_sentences
 from .shapes import prescribed_words
 from .sizing import stent_ratio_sentences
 from .today import today_sentences
+from .words import UNKNOWN
 
 LISTED = 4
 """Of stents, lesions and branches each; of more the number is told."""
@@ -136,9 +138,16 @@ def _branches(stents: Sequence[TreatedStent]) -> str:
         for near in one.neighbors
         if near.is_narrowed
     ]
-    if not every and not narrowed:
+    lost = [
+        near.name
+        for one in stents
+        for near in one.neighbors
+        if math.isnan(near.after) and not math.isnan(near.before)
+    ]
+    if not every and not narrowed and not lost:
         return NONE_NEAR
     words = [*_kind("covered", covered), *_kind("narrowed", narrowed)]
+    words += _kind(f"with a lumen that is {UNKNOWN}", lost)
     return f"Branches: {'; '.join(words) or f'none of {len(every)} is covered or narrowed'}."
 
 

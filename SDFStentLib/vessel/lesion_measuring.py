@@ -70,7 +70,9 @@ def lesions_after(
     lines = [(_line(lesions[number]), which) for number, which in changed.items()]
     pieces = [(line[which], ways[which]) for (line, ways), which in lines]
     begun = []
-    for (number, which), found in zip(changed.items(), _spheres(surface, pieces), strict=True):
+    # A wall that was moved past a place leaves it in tissue, or in another vessel.
+    spheres = _spheres(surface, pieces, may_be_outside=True)
+    for (number, which), found in zip(changed.items(), spheres, strict=True):
         diameters = lesions[number].diameters.copy()
         diameters[which] = 2 * found.radii
         begun.append(replace(lesions[number], diameters=diameters))
@@ -99,14 +101,16 @@ def _changed(lesion: Lesion, moved: MovedWall | None) -> Flags | None:
     return np.asarray(changed | unknown)
 
 
-def _spheres(surface: Surface, lines: Sequence[tuple[Points, Points]]) -> list[InscribedSpheres]:
+def _spheres(
+    surface: Surface, lines: Sequence[tuple[Points, Points]], *, may_be_outside: bool = False
+) -> list[InscribedSpheres]:
     """Spheres at the points of some lines with their directions, all searched together."""
     if not lines:
         return []
     places, ways = (np.concatenate(column) for column in zip(*lines, strict=True))
     found = inscribed_spheres(surface.points, surface.triangles, places, ways)
-    # A wall that was moved past a place leaves it in tissue, or in another vessel.
-    found.radii[~are_in_lumen(places, found, surface)] = np.nan
+    if may_be_outside:
+        found.radii[~are_in_lumen(places, found, surface)] = np.nan
     ends = np.cumsum([len(line) for line, _ in lines])[:-1]
     return [found.at(part) for part in np.split(np.arange(len(places)), ends)]
 
