@@ -94,3 +94,14 @@ def test_a_vessel_begins_at_its_throat_though_that_lies_in_the_sphere_of_its_par
     zeros = np.zeros(count, dtype=np.int64)
     one = Stretch(np.zeros((count, 3)), np.arange(count), np.array(diameter), zeros, zeros, 0)
     assert _ostium(one, np.array(is_own, dtype=bool)) == first
+
+
+def test_a_shallow_place_beside_a_throat_does_not_lend_it_its_farther_reference():
+    """Vessel of 3.7 mm beside 4.2 and 4.6 passed for a lesion, and the throat for a part of it."""
+    beside = through(
+        (0, 4.3), (16, 4.2), (20, 3.7), (31, 3.65), (34, 3.7), (36.5, 3.75), (37.5, 1.9),
+        (40, 2.3), (42.5, 3.5), (44.5, 3.8), (50, 4.6), (52, 4.7), (54, 4.6), (60, 4.0), (75, 4.0),
+    )  # fmt: skip
+    throat = next(one for one in narrowings(vessel_along(beside)) if one.start < 37.5 < one.end)
+    assert throat.reference.at(np.array([37.5]))[0] == pytest.approx(3.75, abs=0.1)
+    assert throat.end - throat.start < 8

@@ -143,17 +143,22 @@ def narrowings(run: VesselRun) -> list[Narrowing]:
     plateaus[in_aneurysm(along, plateaus, REFERENCE_REACH)] = np.nan
     before, after = _sides(run, along, diameter, plateaus)
     degree, counts = _degrees(along, diameter, before, after)
+    throats = [
+        first + int(np.where(counts, diameter, np.inf)[first : last + 1].argmin())
+        for first, last in _parts(along, degree > EDGE_DEGREE, diameter / (1 - degree))
+        if counts[first : last + 1].any()
+    ]
     found: list[Narrowing] = []
-    for first, last in _parts(along, degree > EDGE_DEGREE, diameter / (1 - degree)):
-        inside = first + np.flatnonzero(counts[first : last + 1])
-        if not len(inside):
-            continue
-        at = int(inside[np.argmin(diameter[inside])])
-        reference = _reference(run, at, before, after)
-        one = _extent(along, diameter, at, reference)
-        if one is not None and not (found and one.start < found[-1].end):
+    # What lies in the narrowing round a deeper throat is measured against the reference of that.
+    for at in sorted(throats, key=lambda throat: -float(degree[throat])):
+        one = _extent(along, diameter, at, _reference(run, at, before, after))
+        if one is not None and not any(_overlap(one, other) for other in found):
             found.append(one)
-    return found
+    return sorted(found, key=lambda one: one.start)
+
+
+def _overlap(one: Narrowing, other: Narrowing) -> bool:
+    return one.start < other.end and other.start < one.end
 
 
 def _opening(along: Floats, diameter: Floats, has_ostium: bool, divides: bool) -> Floats:
