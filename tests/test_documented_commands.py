@@ -21,7 +21,7 @@ DOCUMENTS = [PROJECT / "README.md", *sorted((PROJECT / "docs").glob("*.md"))]
 
 COMMANDS = (
     *("app", "centerline", "check", "compare", "demo", "deploy"),
-    *("devices", "extract", "measure", "run", "suggest", "sweep"),
+    *("devices", "extract", "flow", "measure", "run", "suggest", "sweep"),
 )
 STENT = (19.0, 41.0)
 PLACES = {"--center": 30, "--from": 30, "--to": 45}

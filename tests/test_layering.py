@@ -17,8 +17,8 @@ FLOORS = (
     ("geometry",),
     ("field", "centerline", "certificate"),
     ("lumen", "stent", "files", "phantoms"),
-    ("deformation", "vessel", "flow"),
-    ("segment",),
+    ("deformation", "vessel"),
+    ("segment", "flow"),
     ("treatment",),
     ("plan",),
     ("report",),
@@ -38,13 +38,13 @@ USES = {
     "phantoms": "geometry centerline",
     "deformation": "geometry field certificate lumen",
     "vessel": "geometry centerline lumen",
-    "flow": "lumen",
+    "flow": "geometry centerline lumen vessel",
     "segment": "geometry centerline vessel",
     "treatment": "geometry centerline certificate lumen stent deformation vessel segment",
     "plan": "geometry files stent deformation treatment",
     "report": "geometry lumen stent files treatment vessel segment flow plan",
     "cohort": "geometry centerline stent files treatment vessel plan report",
-    "cli": "files stent phantoms vessel treatment plan report cohort",
+    "cli": "files stent phantoms vessel flow treatment plan report cohort",
 }
 """Which rooms a room knows, those on the ground left out: the fewer, the easier it is to change."""
 

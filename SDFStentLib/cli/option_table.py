@@ -11,7 +11,7 @@ from ..plan import Plan, method_parameters, plan_of_method
 from .argument_types import number, path, whole
 
 KINDS = {
-    **dict.fromkeys(("X", "MM", "D", "R", "S", "LEAST"), number),
+    **dict.fromkeys(("X", "MM", "D", "R", "S", "P", "W", "LEAST"), number),
     **dict.fromkeys(("FILE", "F", "DIR", "OUT", "PLAN", "SWEEP", "SURFACE", "SURFACE2"), path),
     "NAME": path,
     "DIR|PAGE.html": path,

@@ -8,6 +8,7 @@ from ..parameter import parameters_of
 from ..stent import Balloon, Shape, Stent, Waist
 from ..units import MILLIMETERS
 from ..version import VERSION
+from .flow_options import add_flow
 from .option_table import add_method, add_parameter, add_table
 from .parser import Parser, ShortHelp
 
@@ -82,6 +83,7 @@ def parser() -> Parser:
         ("centerline", "extract the centerline of a surface", _centerline),
         ("sweep", "many deployments", _sweep),
         ("extract", "a segment for a flow solver", _extract),
+        ("flow", "pressures and flows before and after", _flow),
         ("devices", "the device table", _devices),
         ("demo", "treat a synthetic patient", _demo),
         ("app", "plan stents in a browser", _app),
@@ -286,6 +288,12 @@ def _extract(command: argparse.ArgumentParser) -> None:
 --root X Y Z  the end of the centerline near this point is proximal
 {UNITS}{TALK}""",
     )
+
+
+def _flow(command: argparse.ArgumentParser) -> None:
+    add_table(command, SURFACE)
+    add_flow(command)
+    add_table(command, ACCEPTANCE + UNITS + VERBOSE + TALK)
 
 
 def _devices(command: argparse.ArgumentParser) -> None:

@@ -76,6 +76,10 @@ def _imported(name: str) -> Callable[[argparse.Namespace, Console], int]:
         from .extract import extract_command
 
         return extract_command
+    if name == "flow":
+        from .flow import flow_command
+
+        return flow_command
     if name == "devices":
         from .devices import devices_command
 

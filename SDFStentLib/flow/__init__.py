@@ -1,10 +1,40 @@
-"""What a narrowing costs: pressure, and blocks for a solver."""
+"""What flows through a tree of vessels, and what pressure it costs, before and after."""
 
-from .pressure import ADULT as ADULT
+from .answer import UNCERTAIN as UNCERTAIN
+from .answer import Band as Band
+from .answer import FlowAnswer as FlowAnswer
+from .answer import Moment as Moment
+from .answer import SpanDrop as SpanDrop
+from .answer import Vessels as Vessels
+from .answer import flow_answer as flow_answer
+from .answer import vessels_of as vessels_of
+from .blocks import Block as Block
+from .blocks import Method as Method
+from .blood import ADULT as ADULT
+from .blood import PASCAL_PER_MMHG as PASCAL_PER_MMHG
+from .blood import PER_ML as PER_ML
+from .blood import Blood as Blood
+from .channels import Channel as Channel
+from .channels import channels_after as channels_after
+from .channels import channels_of as channels_of
+from .known import Known as Known
+from .known import Wave as Wave
+from .known import flow_value as flow_value
+from .known import known_flow as known_flow
+from .known import read_wave as read_wave
+from .network import Network as Network
+from .network import Outlets as Outlets
+from .network import State as State
+from .network import network_of as network_of
+from .network import steady as steady
+from .outlets import Sides as Sides
 from .pressure import TOO_LOW as TOO_LOW
 from .pressure import TURBULENCE as TURBULENCE
-from .pressure import Blood as Blood
 from .pressure import PressureBand as PressureBand
 from .pressure import VesselBlock as VesselBlock
 from .pressure import pressure_band as pressure_band
 from .pressure import vessel_block as vessel_block
+from .spans import Drop as Drop
+from .svzerod import has_svzerod as has_svzerod
+from .svzerod import solved_by_svzerod as solved_by_svzerod
+from .svzerod import svzerod_document as svzerod_document

@@ -14,8 +14,8 @@ import numpy as np
 from ..lumen import DiameterProfile
 from ..units import MOST_FLOW
 from ..validation import Floats, InputError, as_number
+from .blood import ADULT, PASCAL_PER_MMHG, Blood
 
-PASCAL_PER_MMHG = 133.322
 TURBULENCE = 1.52
 """K_t of the loss behind a stenosis (Young and Tsai, J Biomech 1973;6:395)."""
 
@@ -26,18 +26,6 @@ TOO_LOW = {True: 1.66, False: 3.4}
 """By how much the forms may be too low. In a stenosis 1.46 to 1.664 (fits to computed flow in
 coronary arteries); without one the losses at the entry, which they lack, prevail: 2 to 3.4 times
 in the one stented artery that was compared with a solver."""
-
-
-class Blood(NamedTuple):
-    """Of an adult at the shear of large vessels, the values of the SimVascular examples."""
-
-    density: float = 1060.0
-    """kg/m^3."""
-    viscosity: float = 0.004
-    """Pa s."""
-
-
-ADULT = Blood()
 
 
 class VesselBlock(NamedTuple):

@@ -19,6 +19,9 @@ from .facts import contact_fact as contact_fact
 from .facts import coverage_fact as coverage_fact
 from .facts import lumen_fact as lumen_fact
 from .facts import residual_fact as residual_fact
+from .flow import flow_document as flow_document
+from .flow import flow_page as flow_page
+from .flow import flow_sentences as flow_sentences
 from .lesions import LEAST as LEAST
 from .lesions import lesion_list as lesion_list
 from .lesions import lesion_section as lesion_section

@@ -83,6 +83,15 @@ def html_page(document: Mapping[str, Any], picture: bytes | str | None = None) -
     return printable("\n".join(parts))
 
 
+def page(title: str, body: str) -> str:
+    """A page of its own in the same style, loading nothing from elsewhere."""
+    return (
+        "<!DOCTYPE html>\n<html lang='en'><head><meta charset='utf-8'>"
+        "<meta name='viewport' content='width=device-width'>"
+        f"<title>{escape(title)}</title><style>{_STYLE}</style></head><body>{body}</body></html>\n"
+    )
+
+
 def in_words(created: str) -> str:
     """A time of ISO 8601 as one reads it."""
     return created.replace("T", " ").replace("+00:00", " UTC").replace("Z", " UTC")

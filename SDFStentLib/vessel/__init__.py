@@ -3,6 +3,7 @@
 from .apposition import Apposition as Apposition
 from .apposition import FreeStretch as FreeStretch
 from .apposition import apposition as apposition
+from .branch_lumen import branch_lumens as branch_lumens
 from .branch_names import branch_names as branch_names
 from .branch_names import named_branches as named_branches
 from .branch_names import size_words as size_words

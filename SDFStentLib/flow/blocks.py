@@ -1,0 +1,147 @@
+"""What a stretch of vessel costs: friction, inertia, and the jet that a narrowing leaves behind.
+
+Formulas and their sources: docs/flow.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ..validation import Floats
+from .blood import Blood
+from .channels import Channel, Widths
+
+MIXING = 8.0
+"""Diameters of the vessel within which a jet loses all but 1/e of what it is faster than the mean:
+the jets of steady laminar flow behind two narrowings of known shape mix so (docs/flow.md)."""
+
+
+class Method(NamedTuple):
+    """What is taken for given in the equations, each with its uncertainty in `bands`."""
+
+    blood: Blood = Blood()
+    loss: float = 1.0
+    """Times the loss of a jet that mixes, by Borda and Carnot."""
+    power: float = 7 / 3
+    """Flow to an outlet goes with its diameter to this power, where nothing tells more."""
+    wider: float = 0.0
+    """By so much all diameters are larger, mm."""
+
+
+class Block(NamedTuple):
+    """One vessel of the network, in SI units.
+
+    What is lost of the total pressure is `resistance * Q + stenosis * Q * abs(Q)`, and
+    `inertance * dQ/dt` comes to it. The arrays (n,) are along its stations.
+    """
+
+    friction: Floats
+    """Resistance from its start to each station, Pa s/m^3."""
+    mixing: Floats
+    """Loss of jets from its start to each station, Pa s^2/m^6."""
+    jet: Floats
+    """Speed of the fastest blood over the flow, 1/m^2; 1 / area where there is no jet."""
+    area: Floats
+    """m^2."""
+    inertance: float
+    """Pa s^2/m^3."""
+    length: float
+    """m."""
+
+    @property
+    def resistance(self) -> float:
+        """Of all of it, Pa s/m^3."""
+        return float(self.friction[-1])
+
+    @property
+    def stenosis(self) -> float:
+        """Of all of it, Pa s^2/m^6."""
+        return float(self.mixing[-1])
+
+
+def outlets_of(channels: Sequence[Channel]) -> list[int]:
+    """The channels that end at an outlet."""
+    inner = {one.above for one in channels}
+    return [number for number in range(len(channels)) if number not in inner]
+
+
+def outlet_diameters(channels: Sequence[Channel], widths: Sequence[Widths]) -> Floats:
+    """Equivalent diameters (k,) of the last sections before the outlets, mm."""
+    found = []
+    for number in outlets_of(channels):
+        known = np.flatnonzero(np.isfinite(channels[number].section))
+        last = known[-1] if len(known) else -1
+        found.append(2 * float(np.sqrt(widths[number].area[last] / np.pi)))
+    return np.array(found)
+
+
+def shares_of(channels: Sequence[Channel], weights: Floats) -> Floats:
+    """By channel (n,) the share of the outlets' weights (k,) to which it leads."""
+    shares = np.zeros(len(channels))
+    shares[outlets_of(channels)] = weights / weights.sum()
+    # Those above come before those below.
+    for number in reversed(range(len(channels))):
+        if channels[number].above >= 0:
+            shares[channels[number].above] += shares[number]
+    return shares
+
+
+def blocks_of(
+    channels: Sequence[Channel], widths: Sequence[Widths], shares: Floats, method: Method
+) -> tuple[Block, ...]:
+    """The blocks of a tree.
+
+    Parameters
+    ----------
+    channels, widths : sequences
+    shares : (n,) array
+        Of the flow, which a jet needs to be known by where it comes into a branch.
+    method : Method
+    """
+    found: list[Block] = []
+    for number, (channel, size) in enumerate(zip(channels, widths, strict=True)):
+        excess = 0.0
+        if channel.above >= 0:
+            above = found[channel.above]
+            share = float(shares[number] / shares[channel.above])
+            # Blood that turns into branches slows down without loss; a jet goes on as it is.
+            excess = float(above.jet[-1] - 1 / above.area[-1]) / share
+        x = 1e-3 * (channel.along - channel.along[0])
+        found.append(_block(x, size.widened(method.wider), excess, method))
+    return tuple(found)
+
+
+def _block(x: Floats, size: Widths, excess: float, method: Method) -> Block:
+    """Of ellipses at places (n,), m; a jet comes in that is faster than the mean, 1/m^2."""
+    b, a = 0.5e-3 * size.narrow, 0.5e-3 * size.wide
+    area = np.pi * a * b
+    friction = 4 * method.blood.viscosity * (a**2 + b**2) / (np.pi * (a * b) ** 3)
+    jets = _jets(x, area, excess)
+    # Over a step the excess over the mean changes from one end's to the other's.
+    faster, slowed = jets - 1 / area, np.maximum(jets[:-1] - jets[1:], 0.0)
+    mixed = method.loss * method.blood.density * slowed * (faster[1:] + faster[:-1]) / 2
+    return Block(
+        friction=_summed((friction[1:] + friction[:-1]) / 2 * np.diff(x)),
+        mixing=_summed(mixed),
+        jet=jets,
+        area=area,
+        inertance=float(method.blood.density * np.trapezoid(1 / area, x)),
+        length=float(x[-1] - x[0]),
+    )
+
+
+def _jets(x: Floats, area: Floats, excess: float) -> Floats:
+    """Speed of a jet over the flow (n,): as fast as the mean at least, and slowing to it."""
+    mean = 1 / area
+    kept = np.exp(-np.diff(x) / (MIXING * np.sqrt(4 * area[1:] / np.pi)))
+    jets = mean + excess
+    for k in range(1, len(x)):
+        jets[k] = mean[k] + max(jets[k - 1] - mean[k], 0.0) * kept[k - 1]
+    return jets
+
+
+def _summed(steps: Floats) -> Floats:
+    return np.concatenate([[0.0], np.cumsum(steps)])

@@ -1,0 +1,193 @@
+"""Which outlets are of which main branch, and how they resist as the patient's pressures tell."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ..geometry import closest_points
+from ..units import Frame
+from ..validation import Flags, Floats, InputError, Points
+from .blocks import shares_of
+from .blood import PASCAL_PER_MMHG, PER_ML
+from .channels import Channel
+from .known import Known
+from .network import Network, Outlets, lost_to, steady
+
+MAIN = 0.1
+"""Share of the outlets, weighted, from which a branch is a main one: that of the narrowest left
+pulmonary artery of the anatomies, 20 % of the flow, is above it, and side branches are below."""
+
+FIRM = 1e4
+"""Without pressures outlets resist so many times more than the vessel: their shares are fixed."""
+
+SAMPLES = 24
+"""Flows of a wave at which pressures are averaged."""
+
+
+class Sides(NamedTuple):
+    """The two main branches; other outlets are of neither."""
+
+    names: tuple[str, str]
+    blocks: tuple[int, int]
+    """With which each begins."""
+    outlets: Flags
+    """(2, k) which are theirs."""
+    is_known: bool
+    """Whether the second one is known to be the right one."""
+
+
+def sides_of(
+    channels: Sequence[Channel],
+    network: Network,
+    weights: Floats,
+    *,
+    frame: Frame | None = None,
+    right: Points | None = None,
+) -> Sides | None:
+    """The main branches, left and right where that is known; None for a vessel without.
+
+    They begin at the first junction from the inlet of which a second branch leads to `MAIN`.
+
+    Parameters
+    ----------
+    channels : sequence of Channel
+    network : Network
+    weights : (k,) array
+        Of the outlets.
+    frame : Frame, optional
+        Of the patient, which tells where right is.
+    right : (3,) array, optional
+        A place in the right one, mm.
+    """
+    shares, number = shares_of(channels, weights), 0
+    # Ends: at an outlet.
+    while True:
+        below = [k for k, one in enumerate(channels) if one.above == number]
+        below.sort(key=lambda k: -shares[k])
+        if not below:
+            return None
+        if len(below) > 1 and shares[below[1]] >= MAIN:
+            break
+        number = below[0]
+    first, second = below[:2]
+    turned = _is_right(channels, network, (first, second), frame, right)
+    pair = (second, first) if turned else (first, second)
+    names = ("main branch 1", "main branch 2") if turned is None else ("left", "right")
+    return Sides(names, pair, network.leads_to[list(pair)], turned is not None)
+
+
+def _is_right(
+    channels: Sequence[Channel],
+    network: Network,
+    pair: tuple[int, int],
+    frame: Frame | None,
+    right: Points | None,
+) -> bool | None:
+    """Whether the first of two branches is the right one; None where nothing tells."""
+    if right is not None:
+        near = [closest_points(one.points, right[None]).distances[0] for one in channels]
+        number = int(np.argmin(near))
+        # Ends: at the root.
+        while number >= 0 and number not in pair:
+            number = channels[number].above
+        if number < 0:
+            x, y, z = right
+            raise InputError(
+                f"flow: expected a place in one of the two main branches, got ({x:.4g}, {y:.4g}, "
+                f"{z:.4g}) mm before they part; name a place beyond their junction."
+            )
+        return number == pair[0]
+    if frame is None:
+        return None
+    ends = np.array([channels[number].points[-1, 0] for number in network.outlet_blocks])
+    first, second = (float(ends[network.leads_to[number]].mean()) for number in pair)
+    return first > second if frame == "RAS" else first < second
+
+
+def fitted_outlets(network: Network, weights: Floats, sides: Sides | None, known: Known) -> Outlets:
+    """Outlets that give the known pressures and split at the known flow, before treatment.
+
+    Resistances go with 1 / weights, by a factor for the right and another for all others. Without
+    pressures they are `FIRM`, so that the flow is shared by the weights.
+
+    Raises
+    ------
+    InputError
+        Pressures that cannot drive the flow through this vessel.
+    """
+    is_right = np.zeros(len(weights), dtype=bool)
+    if known.split_right is not None:
+        assert sides is not None
+        is_right = sides.outlets[1]
+    shares = weights / weights.sum()
+    if known.split_right is not None:
+        for which, part in ((is_right, known.split_right), (~is_right, 1 - known.split_right)):
+            shares[which] *= part / shares[which].sum()
+    flow = PER_ML * known.mean
+    firm = _firm(network, shares, flow)
+    if not known.has_pressures:
+        return firm
+    assert known.inlet is not None
+    assert known.wedge is not None
+    whole = PASCAL_PER_MMHG * (known.inlet - known.wedge)
+    lost = lost_to(network, steady(network, firm, flow).flow)[network.outlet_blocks]
+    groups = [group for group in (~is_right, is_right) if group.any()]
+    left = [float(whole - np.average(lost[one], weights=shares[one])) for one in groups]
+    if min(left) <= 0:
+        raise _contradiction(known, whole - min(left))
+    return _fitted(network, shares, is_right, left, known)
+
+
+def _fitted(
+    network: Network, shares: Floats, is_right: Flags, left: Sequence[float], known: Known
+) -> Outlets:
+    """By a root search for the factors of the two groups."""
+    # Late: scipy costs what a first frame should not pay.
+    from scipy.optimize import root
+
+    assert known.inlet is not None
+    assert known.wedge is not None
+    pressure, split = known.inlet, known.split_right or 0.0
+    groups = [g for g in (~is_right, is_right) if g.any()]
+    flow = PER_ML * known.mean
+    flows = flow if known.wave is None else PER_ML * known.wave.sampled(SAMPLES)
+    wedge = PASCAL_PER_MMHG * known.wedge
+
+    def outlets(factors: Floats) -> Outlets:
+        resistance = 1 / (flow * shares)
+        for group, factor in zip(groups, factors, strict=True):
+            resistance[group] *= np.exp(factor)
+        return Outlets(resistance, wedge)
+
+    def missed(factors: Floats) -> Floats:
+        found = [steady(network, outlets(factors), float(one)) for one in np.atleast_1d(flows)]
+        inlet = np.mean([one.inlet for one in found]) / PASCAL_PER_MMHG
+        wrong = [float(inlet) / pressure - 1]
+        if len(groups) > 1:
+            to_right = sum(one.flow[network.outlet_blocks][is_right].sum() for one in found)
+            wrong.append(float(to_right / np.sum(flows)) - split)
+        return np.array(wrong)
+
+    found = root(missed, np.log(left), tol=1e-10)
+    if np.abs(missed(found.x)).max() > 1e-6:
+        raise _contradiction(known, PASCAL_PER_MMHG * (known.inlet - known.wedge) - min(left))
+    return outlets(found.x)
+
+
+def _firm(network: Network, shares: Floats, flow: float) -> Outlets:
+    """Outlets that share the flow whatever the vessel costs."""
+    lost = lost_to(network, flow * (network.leads_to @ shares)).max()
+    return Outlets(FIRM * max(float(lost), 1.0) / (flow * shares), 0.0)
+
+
+def _contradiction(known: Known, lost: float) -> InputError:
+    split = "" if known.split_right is None else f" with {100 * known.split_right:g} % to the right"
+    return InputError(
+        f"pressures: expected more than the vessel itself costs, got {known.inlet:g} at the inlet "
+        f"and {known.wedge:g} mmHg beyond the lungs, where {known.mean:.3g} mL/s{split} cost about "
+        f"{lost / PASCAL_PER_MMHG:.2g} mmHg on the way to the outlets; correct flow, split or "
+        "pressures."
+    )

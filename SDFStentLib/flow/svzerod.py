@@ -1,0 +1,144 @@
+"""A network as a document of SimVascular's 0D solver, and the solver in a process of its own."""
+
+from __future__ import annotations
+
+import csv
+import json
+import subprocess
+import sys
+from collections.abc import Sequence
+from importlib.util import find_spec
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+
+from ..validation import DeploymentError, Floats
+from .known import Known
+from .network import Network, Outlets
+
+CYCLES = 3
+"""The last one is told; nothing in a network with rigid walls remembers longer."""
+
+STEPS = 100
+"""Of a cycle."""
+
+TIME_LIMIT = 600.0
+"""s, for a solver that takes about one for a hundred outlets."""
+
+_BARYE, _R, _S = 10.0, 1e-5, 1e-11
+"""Of pressure, resistance and loss: one SI unit in cgs."""
+
+_RUN = "import sys, svzerod; svzerod.simulate(sys.argv[1]).to_csv(sys.argv[2], index=False)"
+
+
+def has_svzerod() -> bool:
+    """Whether the solver is installed."""
+    return find_spec("svzerod") is not None
+
+
+def svzerod_document(
+    network: Network, outlets: Outlets, known: Known, notice: str = ""
+) -> dict[str, Any]:
+    """All that `svzerod.simulate` needs, in cgs: mL/s, dyn/cm^2, dyn s/cm^5; steady or a wave."""
+    wave = known.wave
+    time = [0.0, 1.0] if wave is None else wave.time.tolist()
+    flow = [known.mean] * 2 if wave is None else wave.flow.tolist()
+    ends = network.outlet_blocks.tolist()
+    # A vessel on its own has no junctions; the solver takes an empty list.
+    return {
+        "description": {"notice": notice, "units": "cgs", "pressure": "total"},
+        "simulation_parameters": {
+            "number_of_cardiac_cycles": CYCLES,
+            "number_of_time_pts_per_cardiac_cycle": STEPS + 1,
+            "absolute_tolerance": 1e-8,
+        },
+        "boundary_conditions": [
+            {"bc_name": "INFLOW", "bc_type": "FLOW", "bc_values": {"Q": flow, "t": time}},
+            *(
+                {
+                    "bc_name": f"OUT{end}",
+                    "bc_type": "RESISTANCE",
+                    "bc_values": {"R": _R * resistance, "Pd": _BARYE * outlets.pressure},
+                }
+                for end, resistance in zip(ends, outlets.resistance.tolist(), strict=True)
+            ),
+        ],
+        "junctions": [
+            {
+                "junction_name": f"J{number}",
+                "junction_type": "NORMAL_JUNCTION",
+                "inlet_vessels": [number],
+                "outlet_vessels": below,
+            }
+            for number in range(len(network.blocks))
+            if (below := np.flatnonzero(network.above == number).tolist())
+        ],
+        "vessels": [_vessel(network, number, ends) for number in range(len(network.blocks))],
+    }
+
+
+def solved_by_svzerod(network: Network, outlets: Outlets, known: Known) -> tuple[Floats, Floats]:
+    """Inlet pressures (t,), Pa, and flows (t, n), m^3/s, at even times of the last cycle.
+
+    Raises
+    ------
+    DeploymentError
+        The solver is missing, dies, takes too long, or does not converge; with its last words.
+    """
+    with TemporaryDirectory(prefix="sdfstent-flow-") as folder:
+        question, answer = Path(folder) / "network.json", Path(folder) / "answer.csv"
+        document = svzerod_document(network, outlets, known)
+        question.write_text(json.dumps(document, allow_nan=False), encoding="utf-8")
+        command = [sys.executable, "-c", _RUN, str(question), str(answer)]
+        try:
+            done = subprocess.run(command, capture_output=True, timeout=TIME_LIMIT, check=False)
+        except subprocess.TimeoutExpired as error:
+            raise _failed(f"no answer in {TIME_LIMIT:g} s") from error
+        if done.returncode or not answer.is_file():
+            said = done.stderr.decode("utf-8", "replace").strip().splitlines() or ["nothing"]
+            raise _failed(f"exit code {done.returncode}, and it said: {said[-1]}")
+        with open(answer, encoding="utf-8", newline="") as file:
+            rows = list(csv.DictReader(file))
+    names = [_name(number) for number in range(len(network.blocks))]
+    flows = np.stack([_column(rows, name, "flow_in") for name in names], axis=1)
+    inlet = _column(rows, names[0], "pressure_in")
+    if not (np.isfinite(flows).all() and np.isfinite(inlet).all()):
+        raise _failed("numbers that are none: it did not converge")
+    # The end of a cycle is the begin of the next one.
+    return inlet[:-1] / _BARYE, 1e-6 * flows[:-1]
+
+
+def _vessel(network: Network, number: int, ends: Sequence[int]) -> dict[str, Any]:
+    block = network.blocks[number]
+    conditions = {"inlet": "INFLOW"} if network.above[number] < 0 else {}
+    conditions |= {"outlet": f"OUT{number}"} if number in ends else {}
+    return {
+        "vessel_id": number,
+        "vessel_name": _name(number),
+        "vessel_length": 100 * block.length,
+        "zero_d_element_type": "BloodVessel",
+        "zero_d_element_values": {
+            "R_poiseuille": _R * block.resistance,
+            "L": _R * block.inertance,
+            "C": 0.0,
+            "stenosis_coefficient": _S * block.stenosis,
+        },
+        **({"boundary_conditions": conditions} if conditions else {}),
+    }
+
+
+def _name(number: int) -> str:
+    return f"vessel{number}"
+
+
+def _column(rows: Sequence[dict[str, str]], name: str, column: str) -> Floats:
+    return np.array([float(row[column]) for row in rows if row["name"] == name])
+
+
+def _failed(words: str) -> DeploymentError:
+    return DeploymentError(
+        f"svzerod: expected an answer, got {words}. Install it anew (pip install svzerod), or give "
+        "the mean and the peak flow in place of a wave, which need no solver."
+    )

@@ -1,0 +1,287 @@
+"""Flow through networks: against closed forms, axisymmetric references, and svZeroDSolver."""
+
+import json
+
+import numpy as np
+import pytest
+
+from SDFStentLib.flow import (
+    Known,
+    Method,
+    Outlets,
+    Wave,
+    channels_of,
+    flow_answer,
+    flow_value,
+    known_flow,
+    read_wave,
+    solved_by_svzerod,
+    steady,
+    svzerod_document,
+    vessels_of,
+)
+from SDFStentLib.flow.blocks import blocks_of
+from SDFStentLib.flow.channels import Channel, Widths
+from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube, straight_tube
+from SDFStentLib.validation import DeploymentError, InputError
+
+MMHG = 133.322
+RHO, MU = 1060.0, 0.004
+
+
+def block(x, narrow, wide=None):
+    """Of ellipses along a straight vessel, mm."""
+    x, narrow = np.asarray(x, float), np.asarray(narrow, float)
+    line = np.column_stack([x, 0 * x, 0 * x])
+    none = np.zeros(len(x), dtype=np.int64)
+    channel = Channel(line, x, narrow, narrow, none, x, -1)
+    widths = Widths(narrow, narrow if wide is None else np.asarray(wide, float))
+    return blocks_of([channel], [widths], np.ones(1), Method())[0]
+
+
+def area(diameter):
+    return np.pi / 4 * (1e-3 * diameter) ** 2
+
+
+def throat(x, depth, middle=30.0, half=8.0, healthy=6.0):
+    """A raised cosine, as the phantom has it."""
+    return healthy * (1 - depth / 2 * (1 + np.cos(np.pi * np.clip((x - middle) / half, -1, 1))))
+
+
+def test_a_tube_costs_what_poiseuille_says_and_an_ellipse_what_white_says():
+    x = np.linspace(0, 40, 41)
+    tube = block(x, np.full(41, 6.0))
+    assert tube.resistance == pytest.approx(8 * MU * 0.04 / (np.pi * 0.003**4), rel=1e-12)
+    assert tube.inertance == pytest.approx(RHO * 0.04 / area(6.0), rel=1e-12)
+    assert tube.stenosis == 0.0
+    a, b = 0.004, 0.002
+    oval = block(x, np.full(41, 4.0), np.full(41, 8.0))
+    white = 4 * MU * 0.04 * (a**2 + b**2) / (np.pi * a**3 * b**3)
+    assert oval.resistance == pytest.approx(white, rel=1e-12)
+
+
+def test_a_sudden_expansion_before_a_long_vessel_loses_what_borda_and_carnot_say():
+    x = np.r_[0.0, 10.0, 10.0 + 1e-6, np.linspace(11, 600, 6000)]
+    lost = block(x, np.where(x <= 10, 3.0, 6.0)).stenosis
+    expected = RHO / 2 * (1 / area(3.0) - 1 / area(6.0)) ** 2
+    assert lost == pytest.approx(expected, rel=0.01)
+
+
+def test_a_vessel_that_widens_slowly_loses_nothing_but_friction():
+    x = np.linspace(0, 3000, 3001)
+    lost = block(x, np.linspace(3, 6, 3001)).stenosis
+    assert lost < 0.05 * RHO / 2 * (1 / area(3.0) - 1 / area(6.0)) ** 2
+
+
+def test_narrowings_on_both_sides_of_any_share_tell_nearly_the_same():
+    x = np.linspace(0, 200, 2001)
+    depths = np.linspace(0.01, 0.5, 246)  # 0.2 % apart, as 14.9 and 15.1 are
+    losses = np.array([block(x, throat(x, depth)).stenosis for depth in depths])
+    assert (np.diff(losses) > 0).all()
+    # It grows as smoothly as a power of the depth does.
+    at = np.searchsorted(depths, 0.15)
+    assert losses[at + 1] / losses[at - 1] < 1.1
+    assert np.abs(np.diff(np.log(losses[10:]), 2)).max() < 0.01
+
+
+REFERENCE = {0.5: {2: 0.34, 5: 1.37, 10: 4.57, 20: 18.7}, 0.7: {2: 2.90, 5: 14.7, 8: 37.4}}
+"""Recovered drops, mmHg, of an axisymmetric P2-P1 reference by narrowing and mL/s."""
+
+STATIC = {0.5: {2: 0.453, 5: 2.28, 10: 8.26, 20: 30.8}, 0.7: {2: 3.48, 5: 18.4, 8: 44.4}}
+"""Static drops over the stented length."""
+
+
+@pytest.mark.parametrize("depth", REFERENCE)
+def test_stenosed_tubes_cost_what_the_navier_stokes_equations_say(depth):
+    phantom = stenosed_tube(3.0, 3.0 * (1 - depth), 200.0, 0.5)
+    channels = channels_of(phantom.surface, phantom.centerline)
+    along, line = channels[0].along, channels[0].points
+    vessels = vessels_of(channels, None, [("throat", line[np.abs(along - 100) <= 11])])
+    for flow, recovered in REFERENCE[depth].items():
+        drop = flow_answer(vessels, known_flow(flow)).before["mean"].drops[0]
+        assert drop.recovered.value == pytest.approx(recovered, rel=0.15)
+        assert drop.recovered.low < recovered < drop.recovered.high
+        static = STATIC[depth][flow]
+        assert drop.maximal.value == pytest.approx(static, rel=0.15)
+        assert drop.maximal.low < static < drop.maximal.high
+
+
+@pytest.fixture(scope="module")
+def a_fork():
+    phantom = branching_pulmonary_artery()
+    channels = channels_of(phantom.surface, phantom.centerline)
+    right = next(one.center for one in phantom.openings if "right" in one.name)
+    return vessels_of(channels, None, [], right=right)
+
+
+PRESSURES = {"inlet": 30.0, "wedge": 10.0, "split_right": 0.7}
+
+
+def test_outlets_are_fitted_to_pressures_and_split(a_fork):
+    answer = flow_answer(a_fork, known_flow(40.0, **PRESSURES))
+    moment = answer.before["mean"]
+    assert moment.inlet.value == pytest.approx(30.0, rel=1e-5)
+    assert answer.sides.names == ("left", "right")
+    assert [one.value for one in moment.sides] == pytest.approx([0.3, 0.7], abs=1e-5)
+    # Mass, and energy from the inlet to every outlet, by hand.
+    network, outlets = answer.networks[0], answer.outlets
+    state = steady(network, outlets, 40e-6)
+    ends = network.outlet_blocks
+    assert state.flow[ends].sum() == pytest.approx(40e-6, rel=1e-9)
+    for end, resistance in zip(ends, outlets.resistance, strict=True):
+        pressure, number = outlets.pressure + resistance * state.flow[end], end
+        while number >= 0:
+            q = state.flow[number]
+            one = network.blocks[number]
+            pressure += (one.resistance + one.stenosis * q) * q
+            number = network.above[number]
+        assert pressure == pytest.approx(state.inlet, rel=1e-9)
+
+
+def test_without_pressures_the_split_is_as_given_and_no_pressure_is_told(a_fork):
+    answer = flow_answer(a_fork, known_flow(40.0, split_right=0.7))
+    moment = answer.before["mean"]
+    assert moment.inlet is None
+    assert [one.value for one in moment.sides] == pytest.approx([0.3, 0.7], abs=1e-3)
+
+
+@pytest.mark.parametrize("more", [PRESSURES, {}])
+def test_svzerod_runs_the_document_unchanged_and_says_the_same(a_fork, more):
+    svzerod = pytest.importorskip("svzerod")
+    known = known_flow(40.0, **more)
+    answer = flow_answer(a_fork, known)
+    network, outlets = answer.networks[0], answer.outlets
+    document = json.loads(json.dumps(svzerod_document(network, outlets, known)))
+    table = svzerod.simulate(document)
+    names = [one["vessel_name"] for one in document["vessels"]]
+    assert not any(set(name) & set(", ") for name in names)
+    state = steady(network, outlets, 40e-6)
+    for name, flow in zip(names, state.flow, strict=True):
+        rows = table[table.name == name]
+        assert 1e-6 * rows.flow_in.iloc[-1] == pytest.approx(flow, rel=1e-6)
+    first = table[table.name == names[0]]
+    assert first.pressure_in.iloc[-1] / 10 == pytest.approx(state.inlet, rel=1e-6)
+    inlet, flows = solved_by_svzerod(network, outlets, known)
+    assert inlet[-1] == pytest.approx(state.inlet, rel=1e-6)
+    assert flows[-1] == pytest.approx(state.flow, rel=1e-6)
+
+
+def half_sine(mean=40.0):
+    time = np.linspace(0, 0.8, 81)
+    flow = 5 + 100 * np.maximum(np.sin(2 * np.pi * time / 0.8), 0)
+    flow[-1] = flow[0]
+    return known_flow(mean, wave=Wave(time, flow), **PRESSURES)
+
+
+def test_over_a_wave_more_is_lost_than_at_its_mean_and_svzerod_agrees(a_fork):
+    pytest.importorskip("svzerod")
+    throat = a_fork.before[0].points, a_fork.before[-1].points
+    vessels = vessels_of(a_fork.before, None, [("all", np.vstack(throat))], right=a_fork.right)
+    at_mean = flow_answer(vessels, known_flow(40.0, **PRESSURES))
+    slow = flow_answer(vessels, half_sine())
+    solved = flow_answer(vessels, half_sine(), solved_by_svzerod)
+    drops = [one.before["mean"].drops[0].recovered.value for one in (at_mean, slow, solved)]
+    # The loss of jets goes with the square of the flow, friction does not.
+    assert drops[1] > 1.2 * drops[0]
+    assert drops[2] == pytest.approx(drops[1], rel=0.02)
+    assert solved.before["mean"].inlet.value == pytest.approx(30.0, rel=0.01)
+    assert solved.flows["peak"] > 2.5 * solved.flows["mean"]
+
+
+def test_a_solver_that_dies_or_does_not_converge_is_a_sentence(a_fork, monkeypatch):
+    known = known_flow(40.0, **PRESSURES)
+    answer = flow_answer(a_fork, known)
+    run = "SDFStentLib.flow.svzerod._RUN"
+    for code, words in (
+        ("import os; os._exit(3)", "exit code 3, and it said: nothing"),
+        ("raise RuntimeError('no convergence')", "it said: RuntimeError: no convergence"),
+        ("import no_such_package", "ModuleNotFoundError"),
+    ):
+        monkeypatch.setattr(run, code)
+        with pytest.raises(DeploymentError, match=words):
+            solved_by_svzerod(answer.networks[0], answer.outlets, known)
+
+
+@pytest.mark.parametrize(
+    ("text", "value"), [("41.7mL/s", 41.7), ("2.5L/min", 41.6667), (" 2.5 l/min", 41.6667)]
+)
+def test_a_flow_has_a_unit(text, value):
+    assert flow_value(text) == pytest.approx(value, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    "text", ["41.7", "fast", "4 L", "0mL/s", "-3mL/s", "1.2.3mL/s", "1e9L/min"]
+)
+def test_a_flow_without_a_unit_or_none_is_refused(text):
+    with pytest.raises(InputError, match="flow"):
+        flow_value(text)
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        ({"inlet": 10.0}, "that of the inlet alone"),
+        ({"wedge": 10.0}, "that of the wedge alone"),
+        ({"inlet": 9.0, "wedge": 10.0}, "contradict each other"),
+        ({"inlet": float("nan"), "wedge": 10.0}, "inlet pressure"),
+        ({"peak": 30.0}, "peak flow"),
+        ({"split_right": 1.0}, "below 1"),
+        ({"split_right": 80.0}, "split to the right"),
+    ],
+)
+def test_values_that_contradict_each_other_are_refused(more, words):
+    with pytest.raises(InputError, match=words):
+        known_flow(40.0, **more)
+
+
+def test_pressures_that_cannot_drive_the_flow_are_refused(a_fork):
+    with pytest.raises(InputError, match="expected more than the vessel itself costs"):
+        flow_answer(a_fork, known_flow(200.0, inlet=10.2, wedge=10.0))
+
+
+def test_a_split_needs_sides():
+    tube = straight_tube(edge_length=1.2)
+    vessels = vessels_of(channels_of(tube.surface, tube.centerline), None, [])
+    with pytest.raises(InputError, match="right branch is known"):
+        flow_answer(vessels, known_flow(40.0, split_right=0.7))
+    assert flow_answer(vessels, known_flow(40.0)).before["mean"].sides is None
+
+
+def write(folder, text):
+    path = folder / "wave.csv"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_a_wave_is_read_in_its_unit_and_scaled_to_the_mean(tmp_path):
+    path = write(tmp_path, "time_s,flow_L/min\n0.1,1\n0.3,5\n0.5,2\n0.9,1\n")
+    wave = read_wave(path)
+    assert wave.time == pytest.approx([0, 0.2, 0.4, 0.8])
+    assert wave.flow == pytest.approx(np.array([1, 5, 2, 1]) * 1000 / 60)
+    known = known_flow(40.0, wave=wave)
+    assert isinstance(known, Known)
+    assert known.wave.mean == pytest.approx(40.0)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("0,1\n1,5\n2,2\n3,1\n", "unit of the flow"),
+        ("s,mL/s\n0,1\n1,5\n2,2\n3,4\n", "a wave that closes"),
+        ("s,mL/s\n0,1\n1,5\n1,2\n3,1\n", "times that go up"),
+        ("s,mL/s\n0,1\n1,x\n2,2\n3,1\n", "rows of two numbers"),
+        ("s,mL/s\n0,-1\n1,-5\n2,-2\n3,-1\n", "mean flow is positive"),
+        ("", "unit of the flow"),
+    ],
+)
+def test_a_wave_that_is_none_is_refused(tmp_path, text, words):
+    with pytest.raises(InputError, match=words):
+        read_wave(write(tmp_path, text))
+
+
+def test_a_pressure_beyond_the_outlets_only_lifts_all_others(a_fork):
+    network = flow_answer(a_fork, known_flow(40.0)).networks[0]
+    resistance = np.full(len(network.outlet_blocks), 1e8)
+    low, high = (steady(network, Outlets(resistance, p), 40e-6) for p in (0.0, 1000.0))
+    assert high.inlet - low.inlet == pytest.approx(1000.0)
+    assert high.flow == pytest.approx(low.flow)
