@@ -19,8 +19,8 @@ from .blood import ADULT, PASCAL_PER_MMHG, Blood
 TURBULENCE = 1.52
 """K_t of the loss behind a stenosis (Young and Tsai, J Biomech 1973;6:395)."""
 
-NARROWED = 0.15
-"""Share by which a stretch is narrower than its ends from which it is a stenosis."""
+NARROWED = 0.3
+"""Share by which a stretch is narrower than its ends from which it is a stenosis and no less."""
 
 TOO_LOW = {True: 1.66, False: 3.4}
 """By how much the forms may be too low. In a stenosis 1.46 to 1.664 (fits to computed flow in
@@ -116,13 +116,16 @@ def pressure_band(profile: DiameterProfile, flow: float, blood: Blood = ADULT) -
     ]
     forms = [*(_steady(block, flow) for block in blocks), _bernoulli(blocks[0], flow)]
     ends = profile.inscribed_diameter[[0, -1]]
-    is_narrowed = profile.minimum < (1 - NARROWED) * float(ends.mean())
-    return PressureBand(flow, *band_of(forms, is_narrowed=is_narrowed))
+    return PressureBand(flow, *band_of(forms, 1 - profile.minimum / float(ends.mean())))
 
 
-def band_of(forms: Sequence[float], *, is_narrowed: bool) -> tuple[float, float]:
-    """Low and high end of what some closed forms say, for a stenosis or for a vessel without."""
-    return min(forms), TOO_LOW[is_narrowed] * max(forms)
+def band_of(forms: Sequence[float], narrowing: float) -> tuple[float, float]:
+    """Low and high end of what some closed forms say, by the share that a vessel is narrowed.
+
+    From a vessel without a stenosis to one what they are too low by changes evenly.
+    """
+    too_low = float(np.interp(narrowing, (0.0, NARROWED), (TOO_LOW[False], TOO_LOW[True])))
+    return min(forms), too_low * max(forms)
 
 
 def _steady(block: VesselBlock, flow: float) -> float:

@@ -42,7 +42,7 @@ def zero_d_document(result: TreatmentResult) -> dict[str, Any]:
         "density_g_cm3": ADULT.density / 1000,
         "viscosity_poise": ADULT.viscosity * 10,
         "vessels": [
-            {"vessel_name": f"stent {stent.number}, {name}", **_block(_measured(profile))}
+            {"vessel_name": f"stent_{stent.number}_{name}", **_block(_measured(profile))}
             for stent in result.final_stents
             for name, profile in (("before", stent.before), ("after", stent.after))
         ],
