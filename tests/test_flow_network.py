@@ -10,6 +10,7 @@ from SDFStentLib.flow import (
     Method,
     Outlets,
     Wave,
+    channels_after,
     channels_of,
     flow_answer,
     flow_value,
@@ -21,7 +22,7 @@ from SDFStentLib.flow import (
     vessels_of,
 )
 from SDFStentLib.flow.blocks import blocks_of
-from SDFStentLib.flow.channels import Channel, Widths
+from SDFStentLib.flow.channels import Channel, Widths, widths_of
 from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube, straight_tube
 from SDFStentLib.validation import DeploymentError, InputError
 
@@ -285,3 +286,40 @@ def test_a_pressure_beyond_the_outlets_only_lifts_all_others(a_fork):
     low, high = (steady(network, Outlets(resistance, p), 40e-6) for p in (0.0, 1000.0))
     assert high.inlet - low.inlet == pytest.approx(1000.0)
     assert high.flow == pytest.approx(low.flow)
+
+
+def test_an_outlet_outside_of_the_vessel_is_refused():
+    nowhere = np.full(5, np.nan)
+    line = np.column_stack([np.arange(5.0), np.zeros(5), np.zeros(5)])
+    branch = np.zeros(5, dtype=np.int64)
+    lost = Channel(line, np.arange(5.0), nowhere, nowhere, branch, np.arange(5.0), -1)
+    with pytest.raises(InputError, match="a lumen at the outlet near"):
+        widths_of([lost])
+
+
+def test_a_vessel_without_junctions_runs_in_svzerod():
+    svzerod = pytest.importorskip("svzerod")
+    tube = straight_tube(edge_length=1.2)
+    known = known_flow(40.0, inlet=20.0, wedge=8.0)
+    vessels = vessels_of(channels_of(tube.surface, tube.centerline), None, [])
+    answer = flow_answer(vessels, known)
+    table = svzerod.simulate(svzerod_document(answer.networks[0], answer.outlets, known))
+    assert table.pressure_in.iloc[-1] / 1333.22 == pytest.approx(20.0, rel=1e-6)
+
+
+def test_what_no_wall_moved_near_is_as_it_was_and_the_rest_is_as_measured_anew():
+    tube = stenosed_tube(edge_length=1.2)
+    points = tube.surface.points.copy()
+    along = np.abs(points[:, 2] - 20) < 9
+    radius = np.linalg.norm(points[along, :2], axis=1)
+    points[along, :2] *= (np.maximum(radius, 2.8) / np.maximum(radius, 1e-9))[:, None]
+    opened = tube.surface.with_points(points)
+    states = (tube.centerline, tube.centerline), (tube.surface, opened)
+    (before,) = channels_of(tube.surface, tube.centerline)
+    (after,) = channels_after([before], *states)
+    far = np.abs(before.along - 20) > 16
+    for name in ("points", "along", "inscribed", "section"):
+        assert np.array_equal(getattr(before, name)[far], getattr(after, name)[far], equal_nan=True)
+    middle = np.abs(before.along - 20) < 4
+    assert after.section[middle] == pytest.approx(5.6, rel=0.05), after.section[middle]
+    assert (after.inscribed[middle] > before.inscribed[middle] + 0.5).all()
