@@ -453,7 +453,7 @@ def test_files_and_page_show_a_stent_that_is_dilated_again_once(a_folder, capsys
     assert (first["dilated_again_as"], second["redilates"]) == (2, 1)
     assert set(device_file("d.vtp")[2]["Stent"]) == {2}
     vessels = json.loads(Path("z.json").read_text(encoding="utf-8"))["vessels"]
-    assert [one["vessel_name"] for one in vessels] == ["stent 2, before", "stent 2, after"]
+    assert [one["vessel_name"] for one in vessels] == ["stent_2_before", "stent_2_after"]
     page = Path("r.html").read_text(encoding="utf-8")
     for words in (
         "<td>Balloon diameter</td><td>6.50 mm</td>",
