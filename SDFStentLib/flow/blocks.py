@@ -13,6 +13,7 @@ import numpy as np
 from ..validation import Floats
 from .blood import Blood
 from .channels import Channel, Widths
+from .integral import integral_to
 
 MIXING = 8.0
 """Diameters of the vessel within which a jet loses all but 1/e of what it is faster than the mean:
@@ -20,7 +21,7 @@ the jets of steady laminar flow behind two narrowings of known shape mix so (doc
 
 
 class Method(NamedTuple):
-    """What is taken for given in the equations, each with its uncertainty in `bands`."""
+    """What is taken for given in the equations, how far to be wrong in `answer.UNCERTAIN`."""
 
     blood: Blood = Blood()
     loss: float = 1.0
@@ -124,11 +125,11 @@ def _block(x: Floats, size: Widths, excess: float, method: Method) -> Block:
     faster, slowed = jets - 1 / area, np.maximum(jets[:-1] - jets[1:], 0.0)
     mixed = method.loss * method.blood.density * slowed * (faster[1:] + faster[:-1]) / 2
     return Block(
-        friction=_summed((friction[1:] + friction[:-1]) / 2 * np.diff(x)),
-        mixing=_summed(mixed),
+        friction=integral_to(friction, x),
+        mixing=np.concatenate([[0.0], np.cumsum(mixed)]),
         jet=jets,
         area=area,
-        inertance=float(method.blood.density * np.trapezoid(1 / area, x)),
+        inertance=float(method.blood.density * integral_to(1 / area, x)[-1]),
         length=float(x[-1] - x[0]),
     )
 
@@ -141,7 +142,3 @@ def _jets(x: Floats, area: Floats, excess: float) -> Floats:
     for k in range(1, len(x)):
         jets[k] = mean[k] + max(jets[k - 1] - mean[k], 0.0) * kept[k - 1]
     return jets
-
-
-def _summed(steps: Floats) -> Floats:
-    return np.concatenate([[0.0], np.cumsum(steps)])

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..units import MOST_FLOW
 from ..validation import Floats, InputError, as_number, as_path
+from .integral import integral_to
 
 UNITS = {"ml/s": 1.0, "l/min": 1000 / 60}
 """Milliliters a second in the units that a flow may have."""
@@ -35,7 +36,7 @@ class Wave(NamedTuple):
     @property
     def mean(self) -> float:
         """mL/s."""
-        return float(np.trapezoid(self.flow, self.time) / self.time[-1])
+        return float(integral_to(self.flow, self.time)[-1] / self.time[-1])
 
     def sampled(self, count: int) -> Floats:
         """So many flows (count,) at even times of the cycle, mL/s."""

@@ -15,6 +15,7 @@ from ..lumen import DiameterProfile
 from ..units import MOST_FLOW
 from ..validation import Floats, InputError, as_number
 from .blood import ADULT, PASCAL_PER_MMHG, Blood
+from .integral import integral_to
 
 TURBULENCE = 1.52
 """K_t of the loss behind a stenosis (Young and Tsai, J Biomech 1973;6:395)."""
@@ -81,9 +82,9 @@ def vessel_block(arc_length: Floats, diameter: Floats, blood: Blood = ADULT) -> 
     ratio = max(healthy / narrowest - 1.0, 0.0)
     return VesselBlock(
         length=float(x[-1] - x[0]),
-        resistance=8 * np.pi * blood.viscosity * _integral(area**-2.0, x),
+        resistance=8 * np.pi * blood.viscosity * float(integral_to(area**-2.0, x)[-1]),
         stenosis=TURBULENCE * blood.density / (2 * healthy**2) * ratio**2,
-        inertance=blood.density * _integral(1 / area, x),
+        inertance=blood.density * float(integral_to(1 / area, x)[-1]),
         narrowest=narrowest,
     )
 
@@ -136,7 +137,3 @@ def _steady(block: VesselBlock, flow: float) -> float:
 def _bernoulli(block: VesselBlock, flow: float) -> float:
     """4 v^2 in mmHg, v in m/s, as echocardiography has it."""
     return 4 * (1e-6 * flow / block.narrowest) ** 2
-
-
-def _integral(values: Floats, x: Floats) -> float:
-    return float(0.5 * ((values[1:] + values[:-1]) * np.diff(x)).sum())
