@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from plain_measuring import nearest_points, plain_sphere
@@ -160,8 +162,28 @@ def test_ends_of_vessels_are_the_same_where_their_spheres_are_searched_to_the_en
         return inscribed_spheres(points, triangles, stations, directions, to_the_end)
 
     monkeypatch.setattr(branch_lumen, "inscribed_spheres", whole)
-    for one, exact in zip(fast, vessel_runs(branch_lumens(surface, tree)), strict=True):
+    unmeasured = surface.with_points(surface.points)
+    for one, exact in zip(fast, vessel_runs(branch_lumens(unmeasured, tree)), strict=True):
         np.testing.assert_allclose(one.diameter, exact.diameter, atol=1e-3)
+
+
+def test_a_tree_is_measured_once_for_whoever_asks(a_vessel_and_its_tree, monkeypatch):
+    surface, tree = a_vessel_and_its_tree
+    searches = []
+
+    def counted(*arguments):
+        searches.append(arguments)
+        return inscribed_spheres(*arguments)
+
+    monkeypatch.setattr(branch_lumen, "inscribed_spheres", counted)
+    unmeasured = surface.with_points(surface.points)
+    lumens = branch_lumens(unmeasured, tree)
+    assert branch_lumens(unmeasured, tree) is lumens
+    assert len(searches) == 1
+    again = replace(tree)
+    for one, other in zip(branch_lumens(unmeasured, again), lumens, strict=True):
+        np.testing.assert_array_equal(one.diameter, other.diameter)
+    assert len(searches) == 2
 
 
 def test_a_surface_goes_half_round_a_point_on_it():

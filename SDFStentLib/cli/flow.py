@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import argparse
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from ..files import check_suffix
 from ..flow import (
@@ -24,8 +23,9 @@ from ..flow import (
     svzerod_document,
     vessels_of,
 )
-from ..plan import InputFiles, as_planned, load_plan, read_input_files, treatment_of
+from ..plan import InputFiles, load_plan, read_input_files, run_plan
 from ..report import flow_document, flow_page, flow_sentences, lesions_by_size
+from ..stent import InputFile
 from ..treatment import TreatmentResult
 from ..validation import InputError, Points
 from ..vessel import SMALL_VESSEL
@@ -94,30 +94,33 @@ def _read(
     options: argparse.Namespace, console: Console
 ) -> tuple[InputFiles, TreatmentResult | None]:
     """The vessel, and what the plan makes of it."""
-    accept = options.accept_changed_inputs
-    plan = None
-    if options.plan is not None:
-        plan = load_plan(options.plan, accept_changed_inputs=accept)
-    if plan is None:
+    if options.plan is None:
         root = root_of(options)
         inputs = read_input_files(options.surface, options.centerline, options.units, root)
         console.warn(inputs.warnings, units=options.units)
         return inputs, None
-    inputs = read_input_files(
-        options.surface,
-        options.centerline,
-        plan.units,
-        None if plan.root is None else np.array(plan.root),
-        plan.frame,
-        reference=[np.array(place) for place in plan.reference],
+    accept = options.accept_changed_inputs
+    plan = load_plan(options.plan, accept_changed_inputs=accept)
+    # The files may lie elsewhere than when the plan was made.
+    surface, centerline = (
+        InputFile(path, None if file is None else file.sha256)
+        for path, file in (
+            (options.surface, plan.surface),
+            (options.centerline, plan.centerline),
+        )
     )
-    inputs = as_planned(plan, inputs, accept_changed_inputs=accept)
-    treatment = treatment_of(plan, inputs)
+    plan = replace(plan, surface=surface, centerline=centerline)
     with console.progress("Deploying") as show:
-        for state in treatment:
-            show(state.fraction, f"diameter {2 * state.deployment.radius:.1f} mm")
-    console.warn_shortly([*inputs.warnings, *treatment.result.warnings], LISTED, options.units)
-    return inputs, treatment.result
+        done = run_plan(
+            plan,
+            accept_changed_inputs=accept,
+            progress=lambda state: show(
+                state.fraction, f"diameter {2 * state.deployment.radius:.1f} mm"
+            ),
+        )
+    inputs, result = done.inputs, done.treatment
+    console.warn_shortly([*inputs.warnings, *result.warnings], LISTED, options.units)
+    return inputs, result
 
 
 def _answer(

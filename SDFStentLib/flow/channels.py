@@ -101,17 +101,11 @@ def channels_after(
     has_moved: Flags = (points != places).any(axis=1)
     # Twice a diameter holds the sphere and the wall round it that plays a part.
     reach = np.fmax(inscribed, sections)
-    seen = np.flatnonzero(np.isfinite(inscribed) & (has_moved | moved.comes_near(places, reach)))
-    inscribed[seen] = (
-        2
-        * inscribed_spheres(
-            surfaces[1].points, surfaces[1].triangles, places[seen], ways[seen]
-        ).radii
-    )
-    cut = np.flatnonzero(has_moved | moved.comes_near(places, reach))
-    sections[cut] = equivalent_diameters(
-        surfaces[1].points, surfaces[1].triangles, places[cut], ways[cut]
-    )
+    changed = has_moved | moved.comes_near(places, reach)
+    seen, cut = np.flatnonzero(changed & np.isfinite(inscribed)), np.flatnonzero(changed)
+    wall = surfaces[1].points, surfaces[1].triangles
+    inscribed[seen] = 2 * inscribed_spheres(*wall, places[seen], ways[seen]).radii
+    sections[cut] = equivalent_diameters(*wall, places[cut], ways[cut])
     ends = np.cumsum([len(line) for line in lines])[:-1]
     columns = zip(channels, lines, np.split(inscribed, ends), np.split(sections, ends), strict=True)
     return tuple(

@@ -37,7 +37,7 @@ class Network(NamedTuple):
     @property
     def outlet_blocks(self) -> Indices:
         """(k,) which blocks end at an outlet."""
-        return np.flatnonzero(~np.isin(np.arange(len(self.above)), self.above))
+        return _ends(self.above)
 
 
 class State(NamedTuple):
@@ -51,13 +51,17 @@ class State(NamedTuple):
 
 def network_of(blocks: tuple[Block, ...], above: Indices) -> Network:
     """A network from its blocks and what each begins at."""
-    ends = np.flatnonzero(~np.isin(np.arange(len(above)), above))
+    ends = _ends(above)
     leads_to = np.zeros((len(above), len(ends)), dtype=bool)
     leads_to[ends, np.arange(len(ends))] = True
     for number in reversed(range(len(above))):
         if above[number] >= 0:
             leads_to[above[number]] |= leads_to[number]
     return Network(blocks, above, leads_to)
+
+
+def _ends(above: Indices) -> Indices:
+    return np.flatnonzero(~np.isin(np.arange(len(above)), above))
 
 
 def steady(network: Network, outlets: Outlets, flow: float) -> State:

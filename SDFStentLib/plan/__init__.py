@@ -33,7 +33,6 @@ from .reader import load_plan as load_plan
 from .reader import plan_from_document as plan_from_document
 from .run import InputFiles as InputFiles
 from .run import PlanResult as PlanResult
-from .run import as_planned as as_planned
 from .run import as_read as as_read
 from .run import input_file as input_file
 from .run import read_input_files as read_input_files

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -23,8 +24,14 @@ TOLERANCE = 1e-4
 """Of the search for the spheres, mm; far below what a tenth of a diameter needs."""
 
 
+_known: WeakKeyDictionary[Surface, tuple[Centerline, tuple[BranchLumen, ...]]] = WeakKeyDictionary()
+"""Of the last centerline: lesions and flow ask for the same."""
+
+
 def branch_lumens(surface: Surface, centerline: Centerline) -> tuple[BranchLumen, ...]:
     """The lumen along all branches; branches without length are left out, their ends are one.
+
+    Measured once for a surface and its centerline, neither of which can change.
 
     Diameters are NaN where the centerline is outside of the lumen, and where the sphere may touch
     the cap of an in- or outlet.
@@ -34,6 +41,13 @@ def branch_lumens(surface: Surface, centerline: Centerline) -> tuple[BranchLumen
     InputError
         The whole centerline is outside of the surface.
     """
+    known = _known.get(surface)
+    if known is None or known[0] is not centerline:
+        known = _known[surface] = centerline, _measured(surface, centerline)
+    return known[1]
+
+
+def _measured(surface: Surface, centerline: Centerline) -> tuple[BranchLumen, ...]:
     lumens = centerline.lumens
     stations = np.concatenate([lumen.points for lumen in lumens])
     directions = np.concatenate([tangents(lumen.points) for lumen in lumens])
