@@ -13,7 +13,7 @@ import pytest
 
 from SDFStentLib import phantoms
 from SDFStentLib.phantoms import phantoms as makers
-from SDFStentLib.report import painting
+from SDFStentLib.report.picture import painting
 
 
 def made_once(make: Callable[..., phantoms.Phantom]) -> Callable[..., phantoms.Phantom]:

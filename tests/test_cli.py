@@ -429,7 +429,7 @@ def test_check_tells_sound_surfaces_from_others(a_folder, capsys):
 def test_without_opengl_the_report_comes_and_a_picture_is_refused_at_once(
     a_folder, monkeypatch, capsys
 ):
-    import SDFStentLib.report.painting as painting
+    import SDFStentLib.report.picture.painting as painting
 
     monkeypatch.setattr(painting, "PROGRAM", "raise SystemExit('no OpenGL here')")
     assert deploy("--report", "r.html") == 0

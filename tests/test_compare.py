@@ -17,10 +17,11 @@ from SDFStentLib.cli import main
 from SDFStentLib.files import encode_vtp, polydata_from_arrays
 from SDFStentLib.phantoms import straight_tube
 from SDFStentLib.plan import compare, comparison, load_plan
-from SDFStentLib.report import comparison_document, comparison_page, comparison_pictures, painting
+from SDFStentLib.report import comparison_document, comparison_page, comparison_pictures
 from SDFStentLib.report.alternatives import comparison_rows
-from SDFStentLib.report.drawing import Words
+from SDFStentLib.report.picture import painting
 from SDFStentLib.report.picture.alternatives import alternatives_scene
+from SDFStentLib.report.picture.drawing import Words
 from SDFStentLib.treatment import vessel
 from SDFStentLib.validation import DeploymentError, InputError
 

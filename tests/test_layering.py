@@ -68,7 +68,7 @@ VTK_GATE = {  # the only files that may import vtk themselves
     "files/model_faces.py", "files/normal_arrays.py", "files/same_space.py",
     "files/formats/vtk_files.py", "files/vmtk_process.py",
     "files/formats/stored_to_vtk.py", "files/formats/vtk_quiet.py",
-    "files/formats/lz4_blocks.py", "report/painter.py", "report/picture/panel.py",
+    "files/formats/lz4_blocks.py", "report/picture/painter.py", "report/picture/panel.py",
 }  # fmt: skip
 
 

@@ -15,11 +15,11 @@ from SDFStentLib import phantoms
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.files import encode_vtp, polydata_from_arrays
 from SDFStentLib.plan import Plan, PlanResult, read_input_files, treatment_of
-from SDFStentLib.report import before_after_picture, painting
-from SDFStentLib.report.drawing import Box, Disc, Drawing, Line, Words, svg
-from SDFStentLib.report.painting import painted
-from SDFStentLib.report.picture import picture
+from SDFStentLib.report import before_after_picture
+from SDFStentLib.report.picture import painting, picture
+from SDFStentLib.report.picture.drawing import Box, Disc, Drawing, Line, Words, svg
 from SDFStentLib.report.picture.marks import RED
+from SDFStentLib.report.picture.painting import painted
 from SDFStentLib.report.picture.picture import before_after_scene
 from SDFStentLib.report.picture.shapes import (
     WALL_COLOR,

@@ -15,12 +15,12 @@ import pytest
 
 from SDFStentLib.geometry import Surface
 from SDFStentLib.lumen import DiameterProfile
-from SDFStentLib.report import Report, write_report, write_report_figure
-from SDFStentLib.report.drawing import Box, Disc, Line, Words
+from SDFStentLib.report import Report, document_json, write_report, write_report_figure
 from SDFStentLib.report.html import certificate_sentence, html_page
 from SDFStentLib.report.lesions import treated_lesion_section
-from SDFStentLib.report.plot import diameter_plot, figure
-from SDFStentLib.report.report import StentResult, report_json
+from SDFStentLib.report.picture.drawing import Box, Disc, Line, Words
+from SDFStentLib.report.picture.plot import diameter_plot, figure
+from SDFStentLib.report.report import StentResult
 from SDFStentLib.report.words import millimeters, number_text
 from SDFStentLib.stent import Placement
 from SDFStentLib.treatment import TreatedLesion
@@ -131,7 +131,7 @@ class PageReader(HTMLParser):
 
 
 def test_the_document_names_its_schema_and_says_research_use_only():
-    document = json.loads(report_json(a_report()))
+    document = json.loads(document_json(a_report().as_dict()))
     assert (document["schema"], document["schema_version"]) == ("sdfstent-report", 1)
     assert document["notice"] == "Research use only, not a medical device."
 
@@ -187,7 +187,7 @@ def test_the_page_tells_a_lesion_before_and_after_with_its_reference():
 
 
 def test_what_is_not_known_is_null_and_never_nan():
-    text = report_json(with_gaps())
+    text = document_json(with_gaps().as_dict())
     assert "NaN" not in text
     assert "Infinity" not in text
     document = json.loads(text)
@@ -250,7 +250,7 @@ def test_another_suffix_is_refused_and_nothing_is_written(tmp_path):
 
 def test_the_page_made_from_the_written_json_is_the_same():
     report = a_report()
-    assert html_page(json.loads(report_json(report))) == html_page(report.as_dict())
+    assert html_page(json.loads(document_json(report.as_dict()))) == html_page(report.as_dict())
 
 
 def in_order(text, *words):
@@ -604,7 +604,7 @@ def test_the_page_holds_the_picture_or_says_why_there_is_none(tmp_path):
     assert PageReader(without).loads == []
     assert "no picture of the vessel. No <OpenGL>." in PageReader(without).text
     assert "picture" not in html_page(a_report().as_dict())
-    assert json.loads(report_json(a_report(picture=png))) == a_report().as_dict()
+    assert json.loads(document_json(a_report(picture=png).as_dict())) == a_report().as_dict()
 
 
 def test_certificates_and_numbers_of_any_kind_become_plain_values():

@@ -15,9 +15,9 @@ from SDFStentLib.files import (
 from SDFStentLib.plan import compare, comparison_inputs, save_plan
 from SDFStentLib.report import (
     comparison_document,
-    comparison_json,
     comparison_page,
     comparison_pictures,
+    document_json,
 )
 from SDFStentLib.stent import InputFile
 from SDFStentLib.validation import InputError
@@ -61,7 +61,7 @@ def steps(plans, folder):
         done = None
     for one in comparison.alternatives:
         save_plan(one.plan, folder / f"{one.name}.json")
-    texts = {DOCUMENT: comparison_json(document), PAGE: comparison_page(document, pictures)}
+    texts = {DOCUMENT: document_json(document), PAGE: comparison_page(document, pictures)}
     for name, text in texts.items():
         (folder / name).write_text(text, encoding="utf-8", errors="backslashreplace")
     return folder / PAGE

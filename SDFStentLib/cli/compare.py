@@ -13,9 +13,9 @@ from ..report import (
     alternatives_picture,
     check_rendering,
     comparison_document,
-    comparison_json,
     comparison_page,
     comparison_pictures,
+    document_json,
 )
 from ..validation import InputError
 from .console import Console
@@ -42,7 +42,7 @@ def compare_command(options: argparse.Namespace, console: Console) -> int:
     results.pictures = comparison_pictures(results.comparison, hides_device=options.hide_device)
     outputs.write()
     if options.json:
-        print(comparison_json(results.document), end="")
+        print(document_json(results.document), end="")
     else:
         _tell(results, console)
         console.say(f"Wrote {', '.join(outputs.names())} in {perf_counter() - start:.1f} s.")
@@ -68,7 +68,7 @@ class _Results:
         path.write_bytes(picture)
 
     def write_json(self, path: Path) -> None:
-        text = comparison_json(self.document)
+        text = document_json(self.document)
         path.write_text(text, encoding="utf-8", errors="backslashreplace")
 
 

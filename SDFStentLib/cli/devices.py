@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import argparse
-import json
 
 from ..plan import device_document, device_named, device_table
-from ..report import device_rows, device_sentence
+from ..report import device_rows, device_sentence, document_json
 from ..validation import one_line
 from .console import Console
 
@@ -19,7 +18,7 @@ def devices_command(options: argparse.Namespace, _console: Console) -> int:
         devices = (device_named(options.name, options.device_table),)
     if options.json:
         listed = [device_document(device) for device in devices]
-        print(json.dumps({"devices": listed}, indent=2, ensure_ascii=False, allow_nan=False))
+        print(document_json({"devices": listed}), end="")
     elif options.name is None:
         for device in devices:
             print(one_line(device_sentence(device)))

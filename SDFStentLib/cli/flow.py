@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -24,7 +23,7 @@ from ..flow import (
     vessels_of,
 )
 from ..plan import InputFiles, load_plan, read_input_files, run_plan
-from ..report import flow_document, flow_page, flow_sentences, lesions_by_size
+from ..report import document_json, flow_document, flow_page, flow_sentences, lesions_by_size
 from ..stent import InputFile
 from ..treatment import TreatmentResult
 from ..validation import InputError, Points
@@ -153,8 +152,7 @@ def _write(path: Path, document: dict[str, Any]) -> None:
     if path.suffix.lower() == ".html":
         path.write_text(flow_page(document), encoding="utf-8")
         return
-    text = json.dumps(document, indent=2, allow_nan=False, ensure_ascii=False)
-    path.write_text(text + "\n", encoding="utf-8")
+    path.write_text(document_json(document), encoding="utf-8")
 
 
 def _write_networks(folder: Path, answer: FlowAnswer) -> None:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import shlex
 from pathlib import Path
 
 from ..plan import InputFiles, Plan, device_table, save_plan
-from ..report import suggestion_section, suggestion_sentences
+from ..report import document_json, suggestion_section, suggestion_sentences
 from ..treatment import SizingWishes
 from ..validation import InputError
 from .console import Console
@@ -34,7 +33,7 @@ def suggest_command(options: argparse.Namespace, console: Console) -> int:
     devices = device_table(options.device_table)
     if options.json:
         listed = [suggestion_section(one, devices) for one in suggestions]
-        print(json.dumps({"suggestions": listed}, indent=2, allow_nan=False, ensure_ascii=False))
+        print(document_json({"suggestions": listed}), end="")
         return 0
     console.warn(inputs.warnings)
     for one in suggestions:

@@ -1,9 +1,6 @@
 """What is handed on: a document, a page, figures and pictures."""
 
-from .balloons import balloon_sentences as balloon_sentences
-from .balloons import stent_balloon_sentences as stent_balloon_sentences
 from .comparison import comparison_document as comparison_document
-from .comparison import comparison_json as comparison_json
 from .comparison import comparison_page as comparison_page
 from .comparison import comparison_pictures as comparison_pictures
 from .devices import device_rows as device_rows
@@ -30,10 +27,12 @@ from .lesions import lesions_by_size as lesions_by_size
 from .lesions import lesions_csv as lesions_csv
 from .lesions import stent_lesion_sentences as stent_lesion_sentences
 from .of_plan import plan_report as plan_report
-from .painting import check_rendering as check_rendering
 from .picture import alternatives_picture as alternatives_picture
 from .picture import before_after_picture as before_after_picture
+from .picture.painting import check_rendering as check_rendering
 from .pressure import stent_pressure_sentences as stent_pressure_sentences
+from .pressure import zero_d_cautions as zero_d_cautions
+from .pressure import zero_d_document as zero_d_document
 from .report import FIGURE_SUFFIXES as FIGURE_SUFFIXES
 from .report import Report as Report
 from .report import write_report as write_report
@@ -41,12 +40,13 @@ from .report import write_report_figure as write_report_figure
 from .segments import SEGMENT_FILES as SEGMENT_FILES
 from .segments import segment_sentences as segment_sentences
 from .segments import write_segment as write_segment
+from .sizing import balloon_sentences as balloon_sentences
 from .sizing import ratio_sentence as ratio_sentence
+from .sizing import stent_balloon_sentences as stent_balloon_sentences
 from .sizing import stent_ratio_sentences as stent_ratio_sentences
 from .sizing import suggestion_section as suggestion_section
 from .sizing import suggestion_sentences as suggestion_sentences
 from .summary import deployment_sentences as deployment_sentences
 from .summary import deployment_summary as deployment_summary
 from .words import degree_text as degree_text
-from .zero_d import zero_d_cautions as zero_d_cautions
-from .zero_d import zero_d_document as zero_d_document
+from .words import document_json as document_json

@@ -6,15 +6,14 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
-from .balloons import DIAMETERS
-from .branches import NONE_NEAR, again_words, branch_lumen_words
+from .branches import NONE_NEAR, again_words, branch_lumen_words, stretch_sentence, stretches_of
 from .changes import stretch_words
-from .contact import stretch_sentence, stretches_of
 from .devices import device_words
 from .facts import ALL_ROUND, BEYOND, CONTACT, LEFT, MINIMUM
 from .html import certificate_sentence
 from .lesions import NO_LESION, NOT_LOOKED_FOR, left_note
 from .pressure import pressure_words
+from .sizing import DIAMETERS
 from .stents import stent_titles, stent_words
 from .words import degree_text, degrees_text, millimeters
 

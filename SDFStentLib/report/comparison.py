@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from base64 import b64encode
 from collections.abc import Iterable, Mapping, Sequence
 from datetime import datetime, timezone
@@ -16,8 +15,9 @@ from .alternatives import Row, comparison_rows
 from .html import in_words
 from .of_plan import plan_report
 from .picture import alternatives_picture
-from .pressure import NOTE
-from .report import DEFINITIONS, RESEARCH_USE
+from .pressure import pressure_note
+from .report import DEFINITIONS
+from .words import RESEARCH_USE
 
 SCHEMA = "sdfstent-comparison"
 SCHEMA_VERSION = 1
@@ -80,11 +80,6 @@ def comparison_document(comparison: PlanComparison) -> dict[str, Any]:
             for one in comparison.alternatives
         ],
     }
-
-
-def comparison_json(document: Mapping[str, Any]) -> str:
-    """The document as JSON text."""
-    return json.dumps(document, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
 
 
 def comparison_pictures(
@@ -183,5 +178,5 @@ def _footnotes(alternatives: Sequence[Mapping[str, Any]]) -> str:
     said = [f"<b>{name}</b>: {escape(DEFINITIONS[name])}" for name in EXPLAINED]
     reports = [one["report"] for one in alternatives if one["report"] is not None]
     if any(stent["pressure"] for report in reports for stent in report["stents"]):
-        said.append(f"<b>pressure</b>: {escape(NOTE)}")
+        said.append(f"<b>pressure</b>: {escape(pressure_note())}")
     return f"<p class='small'>{'. '.join(said)}</p>"

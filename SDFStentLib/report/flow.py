@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from html import escape
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from ..flow import UNCERTAIN, Band, FlowAnswer, Moment
 from .html import page
-from .report import RESEARCH_USE
+from .words import RESEARCH_USE
+
+if TYPE_CHECKING:
+    from ..flow import Band, FlowAnswer, Moment
 
 FLOW_NOTE = (
     "A network of the vessel tree: friction of steady laminar flow in rigid elliptic sections, and "
     "the loss of jets behind narrowings; blood of 1060 kg/m3 and 4 mPa s. Pressures at the inlet "
     "are total ones. Recovered drops are what is lost for good, maximal ones reach to the lowest "
     "pressure in the narrowing. In brackets the range by uncertain "
-    f"{', '.join(name for name, _ in UNCERTAIN)}. No measured gradient, and no adaptation of the "
-    "lungs to the new flow."
+    "{}. No measured gradient, and no adaptation of the lungs to the new flow."
 )
 
 FIXED_SPLIT = (
@@ -147,5 +148,8 @@ def _number(value: float) -> str:
 
 
 def _notes(answer: FlowAnswer, is_quasi_steady: bool) -> list[str]:
+    from ..flow import UNCERTAIN  # late, as in `pressure`
+
+    note = FLOW_NOTE.format(", ".join(name for name, _ in UNCERTAIN))
     told = [] if answer.known.has_pressures else [FIXED_SPLIT]
-    return [*told, *([QUASI_STEADY] if is_quasi_steady else []), FLOW_NOTE]
+    return [*told, *([QUASI_STEADY] if is_quasi_steady else []), note]

@@ -8,14 +8,13 @@ from html import escape
 from typing import Any
 
 from ..validation import printable
-from .branches import branch_table
+from .branches import apposition_table, branch_table, stretches_of
 from .changes import change_rows, setting_rows
-from .contact import apposition_table, stretches_of
-from .drawing import svg
+from .diameters import first_numbers
 from .facts import LEFT
 from .lesions import lesion_table, stent_lesions
-from .lumen import first_numbers
-from .plot import diameter_plot
+from .picture.drawing import svg
+from .picture.plot import diameter_plot
 from .pressure import pressure_part
 from .stents import stent_rows, stent_titles, stent_words
 from .words import input_rows, number_text, plain_label

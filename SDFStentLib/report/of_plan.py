@@ -13,16 +13,15 @@ from ..treatment import TreatedLesion, TreatedStent, prescribed_diameters
 from ..units import MILLIMETERS
 from ..validation import check_is_a
 from ..version import VERSION
-from .balloons import diameters_section, redilation_section
 from .changes import change_section, settings_section
-from .deployed import shortening_reason
 from .devices import device_section
 from .lesions import residual_section, treated_lesion_section
 from .pressure import pressure_section
 from .report import Report
-from .shapes import shape_section
+from .sizing import diameters_section, redilation_section
 from .stent_result import StentResult
-from .today import today_section
+from .stents import shape_section, shortening_reason
+from .summary import today_section
 
 
 def plan_report(

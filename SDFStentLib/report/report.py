@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import os
 from collections.abc import Mapping, Sequence
@@ -16,13 +15,12 @@ from ..files import atomic_path, write_bytes
 from ..lumen import REACH
 from ..validation import InputError, as_path, check_is_a
 from ..vessel import SMALLEST_DEGREE
-from .branches import branch_section
-from .contact import free_stretches
+from .branches import branch_section, free_stretches
 from .stent_result import StentResult, stent_section
+from .words import RESEARCH_USE, document_json
 
 SCHEMA = "sdfstent-report"
 SCHEMA_VERSION = 1
-RESEARCH_USE = "Research use only, not a medical device."
 FIGURE_SUFFIXES = (".png", ".svg")
 
 DEFINITIONS = {
@@ -135,11 +133,6 @@ class Report:
         return {key: _plain(value, key) for key, value in document.items()}
 
 
-def report_json(report: Report) -> str:
-    """The report as JSON text; numbers that are not known are `null`, never NaN."""
-    return json.dumps(report.as_dict(), indent=2, allow_nan=False, ensure_ascii=False) + "\n"
-
-
 def write_report(report: Report, path: str | os.PathLike[str]) -> None:
     """Write the report to `path`: JSON or HTML by its suffix, whole or not at all.
 
@@ -151,7 +144,7 @@ def write_report(report: Report, path: str | os.PathLike[str]) -> None:
     check_is_a(report, Report, "report")
     suffix = as_path(path).suffix.lower()
     if suffix == ".json":
-        text = report_json(report)
+        text = document_json(report.as_dict())
     elif suffix in (".html", ".htm"):
         # Late, as below: a document needs neither the page nor the drawing.
         from .html import html_page
@@ -185,9 +178,9 @@ def write_report_figure(report: Report, path: str | os.PathLike[str]) -> None:
         )
     if not report.stents:
         raise InputError("figure: expected a report with at least one stent, got none.")
-    from .drawing import svg
-    from .painting import painted
-    from .plot import figure
+    from .picture.drawing import svg
+    from .picture.painting import painted
+    from .picture.plot import figure
 
     drawing = figure(report.as_dict())
     write_bytes(path, svg(drawing).encode() if suffix == ".svg" else painted(drawing))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -11,7 +10,7 @@ from ..files import MeshComplete
 from ..segment import Segment
 from ..treatment import ExtractedSegment
 from ..units import MILLIMETERS, Frame
-from .report import RESEARCH_USE
+from .words import RESEARCH_USE, document_json
 
 SUMMARY = "segment.json"
 SEGMENT_FILES = frozenset({SUMMARY, "before", "after"})
@@ -51,9 +50,8 @@ def write_segment(
         if segment is not None:
             faces = segment.named_faces
             MeshComplete(segment.surface, faces, segment.walls, frame).write(folder / name)
-    document = segment_document(found, inputs)
-    text = json.dumps(document, indent=2, allow_nan=False, ensure_ascii=False)
-    (folder / SUMMARY).write_text(text + "\n", encoding="utf-8")
+    text = document_json(segment_document(found, inputs))
+    (folder / SUMMARY).write_text(text, encoding="utf-8")
 
 
 def segment_document(found: ExtractedSegment, inputs: Mapping[str, Any]) -> dict[str, Any]:

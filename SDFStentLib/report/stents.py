@@ -1,13 +1,15 @@
-"""What a report's page tells of a stent: plain text, nothing escaped."""
+"""Which stent was deployed, and what a report's page tells of it: plain text, nothing escaped."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from .balloons import balloon_rows
+from ..plan import shape_document
+from ..stent import OfStent, Stent
+from ..treatment import TreatedStent
 from .devices import section_device_rows
-from .shapes import shape_rows
+from .sizing import balloon_rows
 from .words import (
     UNKNOWN,
     flat,
@@ -139,3 +141,83 @@ def _bend_text(radius: float | None, length: float | None, stent: Mapping[str, A
         f"{text}, of the circle through three points of the axis that are {millimeters(window, 1)} "
         f"apart ({'the stent radius' if window == diameter / 2 else 'half of its length'})"
     )
+
+
+def shape_section(treated: TreatedStent) -> dict[str, Any] | None:
+    """What makes a stent no cylinder, with the profile that came of it; None for a cylinder."""
+    shape, profile = treated.stent.shape, treated.axis.profile
+    if shape is None or profile is None:
+        return None
+    return {
+        **(shape_document(shape) or {}),
+        "fractions": profile.fractions,
+        "diameters_mm": profile.diameters,
+    }
+
+
+def prescribed_words(treated: TreatedStent) -> str:
+    """The prescribed diameter, or the smallest and the largest one."""
+    profile = treated.axis.profile
+    if profile is None or profile.diameters.min() == profile.widest:
+        return f"{round(treated.stent.diameter, 2):g} mm"
+    return f"{profile.diameters.min():.2f} to {profile.widest:.2f} mm"
+
+
+def shape_rows(shape: Mapping[str, Any] | None) -> list[tuple[str, str]]:
+    """Name and value of what makes a stent no cylinder."""
+    if shape is None:
+        return []
+    rows = []
+    waist = shape.get("waist")
+    if waist:
+        rows.append(("Waist", millimeters(waist["diameter"])))
+    for key, words in (("start", "Proximal end"), ("end", "Distal end")):
+        end = shape.get(key)
+        if end:
+            sizes = f"{millimeters(end['diameter'])} at the end, over {millimeters(end['length'])}"
+            rows.append((f"{words} of the stent", sizes))
+    if shape.get("table"):
+        rows.append(("Profile", f"a table of {len(shape['table'])} diameters"))
+    diameters = shape["diameters_mm"]
+    rows.append(("Prescribed along it", f"{min(diameters):.2f} to {max(diameters):.2f} mm"))
+    if shape.get("cap_height", 1) != 1:
+        rows.append(
+            ("Caps beyond its ends", f"{number_text(shape['cap_height'], 2)} of the radius")
+        )
+    return rows
+
+
+CUT = 0.1
+"""By so much less than prescribed, mm, a stent is told to be cut; as its warning has it."""
+
+
+def shortening_reason(stent: Stent) -> str | None:
+    """Why so much is taken off the length of a stent; None where no length was given."""
+    if stent.length is None and stent.foreshortening_fraction is None:
+        return None
+    if isinstance(stent.placement, OfStent) and not stent.foreshortening:
+        return None
+    if stent.foreshortening_fraction is not None:
+        return "as given"
+    if stent.device is None:
+        return "the usual share, assumed without a device"
+    return f"as known of {stent.device.name}"
+
+
+def deployed_words(treated: TreatedStent) -> str:
+    """A stent by its sizes, as deployed and as packed."""
+    stent, axis = treated.stent, treated.axis
+    name = "stent of" if stent.device is None else f"{stent.device.name},"
+    size = prescribed_words(treated).replace(" mm", "")
+    words = f"{name} {size} x {axis.deployed_length:.1f} mm"
+    told = []
+    if stent.balloon is not None:
+        told.append(f"balloon {stent.balloon.diameter:g} mm")
+    reason = shortening_reason(stent)
+    if reason is not None and stent.foreshortening:
+        percent = 100 * stent.foreshortening
+        change = f"{abs(percent):.3g} % {'shorter' if percent > 0 else 'longer'}"
+        told.append(f"{axis.nominal_length:g} mm as packed, {change} once expanded: {reason}")
+        if axis.deployed_length < axis.prescribed_length - CUT:
+            told.append(f"of {axis.prescribed_length:.1f} mm the rest lies beyond the centerline")
+    return f"{words} ({'; '.join(told)})" if told else words

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from ..plan import PlanResult
+from ..plan import PlanResult, Today
 from ..treatment import Residual, TreatedLesion, TreatedStent, label_of
-from .balloons import stent_balloon_sentences
 from .branches import NONE_NEAR, again_words, stent_branch_sentences
-from .deployed import deployed_words
 from .devices import stent_device_sentences
+from .diameters import lumen_sentence
 from .facts import CONTACT, MINIMUM, contact_fact, lumen_fact, residual_fact
 from .lesions import (
     COVERS_NONE,
@@ -19,11 +18,9 @@ from .lesions import (
     degree_change,
     stent_lesion_sentences,
 )
-from .lumen import lumen_sentence
 from .pressure import stent_pressure_sentences
-from .shapes import prescribed_words
-from .sizing import stent_ratio_sentences
-from .today import today_sentences
+from .sizing import stent_balloon_sentences, stent_ratio_sentences
+from .stents import deployed_words, prescribed_words
 from .words import UNKNOWN
 
 LISTED = 4
@@ -159,3 +156,45 @@ def _loose(one: TreatedStent) -> str:
     """How much of a stent does not touch the wall; empty where all of it does."""
     found = one.apposition
     return contact_fact(found).words if found is not None and found.stretches else ""
+
+
+def today_sentences(today: Today | None) -> list[str]:
+    """Lumen and stenosis before a stent is dilated again; none for a plan without a redilation."""
+    if today is None:
+        return []
+    lumens = [
+        f"stent {number} {UNKNOWN if math.isnan(width) else f'{width:.2f} mm'}"
+        for number, width in today.minimum_lumen.items()
+    ]
+    degrees = [degree_change(one) for one in today.lesions or () if one.stents]
+    stenosis = f"; stenosis by diameter: {'; '.join(degrees)}" if degrees else ""
+    return [
+        f"Today, before the redilation as stent {today.redilation}: narrowest lumen "
+        f"{', '.join(lumens)}{stenosis}. All else is of the later result."
+    ]
+
+
+def today_section(today: Today | None) -> dict[str, Any] | None:
+    """The same as values of JSON; null for a plan without a redilation."""
+    if today is None:
+        return None
+    return {
+        "before_stent": today.redilation,
+        "stents": [
+            {"number": number, "minimum_lumen_mm": width}
+            for number, width in today.minimum_lumen.items()
+        ],
+        "lesions": None
+        if today.lesions is None
+        else [
+            {
+                "number": one.number,
+                "stents": list(one.stents),
+                "minimum_diameter_mm": one.after.minimum_diameter,
+                "percent_diameter": one.after.percent_diameter,
+            }
+            for one in today.lesions
+            if one.stents
+        ],
+        "sentences": today_sentences(today),
+    }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 from ..units import MILLIMETERS
 
 UNKNOWN = "not known"
+RESEARCH_USE = "Research use only, not a medical device."
 
 _INPUT_WORDS = {
     "file": "File",
@@ -20,6 +22,11 @@ _INPUT_WORDS = {
     "frame": "Frame",
     "root_mm": "Root, its proximal end (x, y, z)",
 }
+
+
+def document_json(document: Mapping[str, Any]) -> str:
+    """Plain values as JSON text; numbers that are not known are `null`, never NaN."""
+    return json.dumps(document, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
 
 
 def input_rows(entry: Mapping[str, Any]) -> list[tuple[str, str]]:

@@ -10,10 +10,10 @@ from ...geometry import point_at
 from ...plan import PlanResult
 from ...treatment import TreatedStent
 from ...validation import InputError, check_is_a
-from ..drawing import GRAY, INK, Drawing, Line, Mark, Words
-from ..painting import painted
 from ..words import millimeters
+from .drawing import GRAY, INK, Drawing, Line, Mark, Words
 from .marks import color_limits, color_scale, curve, length_scale, section_marks
+from .painting import painted
 from .shapes import Lumen, Panel, lumen_of, panel_of, strut_curves, wall_diameters
 from .view import BOTTOM, HEIGHT, PANEL_WIDTH, TOP, best_view
 

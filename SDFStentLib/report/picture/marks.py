@@ -8,7 +8,7 @@ import numpy as np
 
 from ...geometry import point_at
 from ...validation import Points
-from ..drawing import Box, Line, Mark, Words
+from .drawing import Box, Line, Mark, Words
 from .shapes import Lumen, diameter_colors, section_ring
 from .view import PANEL_WIDTH, View, label_side
 

@@ -9,9 +9,9 @@ import numpy as np
 from ...plan import PlanResult
 from ...treatment import TreatedStent
 from ...validation import check_is_a
-from ..drawing import GRAY, INK, Drawing, Line, Mark, Words
-from ..painting import painted
+from .drawing import GRAY, INK, Drawing, Line, Mark, Words
 from .marks import color_limits, color_scale, curve, length_scale, section_marks
+from .painting import painted
 from .shapes import Panel, lumen_of, panel_of, strut_curves, wall_diameters
 from .view import BOTTOM, HEIGHT, PANEL_WIDTH, TOP, WIDTH, best_view
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from html import escape
 from typing import Literal, NamedTuple
 
-from ..validation import printable
+from ...validation import printable
 
 INK = "#212933"
 GRAY = "#6b7580"

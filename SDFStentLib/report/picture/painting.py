@@ -9,11 +9,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..validation import DeploymentError
+from ...validation import DeploymentError
 from .drawing import Drawing
 
 if TYPE_CHECKING:
-    from .picture.shapes import Panel
+    from .shapes import Panel
 
 PATIENCE = 600
 """Seconds after which the renderer counts as stuck."""
@@ -23,7 +23,7 @@ PACKAGES = "libegl1 libgl1 libgl1-mesa-dri"
 
 PROGRAM = (
     "import sys; sys.path.insert(0, sys.argv[1]); "
-    "from SDFStentLib.report.painter import main; main()"
+    "from SDFStentLib.report.picture.painter import main; main()"
 )
 
 
@@ -35,7 +35,7 @@ def painted(drawing: Drawing, panels: Sequence[Panel] = ()) -> bytes:
     DeploymentError
         Nothing here can render; the message names what to install.
     """
-    above = str(Path(__file__).resolve().parents[2])
+    above = str(Path(__file__).resolve().parents[3])
     try:
         done = subprocess.run(
             [sys.executable, "-c", PROGRAM, above],

@@ -6,10 +6,9 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from .branches import again_words
-from .contact import stretches_of
+from ..branches import again_words, stretches_of
+from ..stents import stent_titles
 from .drawing import GRAY, INK, Box, Disc, Drawing, Line, Mark, Words, shifted
-from .stents import stent_titles
 
 _WIDTH, _HEIGHT = 820, 380
 _LEFT, _RIGHT, _TOP, _BOTTOM = 62, 14, 62, 48

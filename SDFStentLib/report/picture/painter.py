@@ -19,11 +19,11 @@ from vtkmodules.vtkPythonContext2D import vtkPythonItem
 from vtkmodules.vtkRenderingContext2D import vtkContext2D, vtkContextActor, vtkPen
 from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow, vtkWindowToImageFilter
 
-from ..geometry import cut, length
-from ..validation import Points, one_line
+from ...geometry import cut, length
+from ...validation import Points, one_line
 from .drawing import Box, Disc, Drawing, Line, Words
-from .picture.panel import seen
-from .picture.shapes import Panel
+from .panel import seen
+from .shapes import Panel
 
 OVERSAMPLING = 2
 """Drawn this many times larger and averaged: depth peeling does not go with multisampling."""
