@@ -25,9 +25,9 @@ import SDFStentLib.cli.demo
 import SDFStentLib.cli.deploy
 from SDFStentLib.certificate import Certificate
 from SDFStentLib.cli import main
-from SDFStentLib.cli.argument_types import number as _number
-from SDFStentLib.cli.argument_types import whole as _whole
 from SDFStentLib.cli.console import Console
+from SDFStentLib.cli.option_table import number as _number
+from SDFStentLib.cli.option_table import whole as _whole
 from SDFStentLib.cli.options import parser
 from SDFStentLib.cli.outputs import Outputs
 from SDFStentLib.deformation import DeploymentSettings

@@ -18,9 +18,8 @@ from ..report import (
     document_json,
 )
 from ..validation import InputError
-from .console import Console
+from .console import Console, tell
 from .outputs import Outputs
-from .told import tell
 
 NOT_CERTIFIED = 3
 PAGES = (".html", ".htm")

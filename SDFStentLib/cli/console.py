@@ -6,10 +6,16 @@ import argparse
 import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
-from typing import Any, TextIO
+from typing import TYPE_CHECKING, Any, TextIO
 
 from ..cautions import Caution, by_gravity
 from ..validation import one_line
+
+if TYPE_CHECKING:
+    from ..plan import PlanResult
+
+LINES = 8
+"""Of a deployment on the screen, unless all of it is asked for."""
 
 _REMEDIES = (
     ("to", "to", " (--from, --to)"),
@@ -79,6 +85,26 @@ class Console:
             self._bar = None
             if bar:
                 bar.clear()
+
+
+def tell(
+    result: PlanResult, cautions: Iterable[Caution], console: Console, label: str = ""
+) -> None:
+    """Say what came of a deployment, the certificate last; the line of its files is the caller's.
+
+    Every sentence, warnings too, begins with `label`.
+    """
+    from ..report import deployment_sentences, deployment_summary
+
+    summary = deployment_summary(result)
+    console.say(label + summary.deployed)
+    labeled = [caution.labeled(label) for caution in cautions]
+    units = result.inputs.surface.units
+    # The first line and that of the files are told apart.
+    console.warn_shortly(labeled, LINES - 2 - len(summary.results), units)
+    told = deployment_sentences(result) if console.verbose else summary.results
+    for sentence in told:
+        console.say(label + sentence)
 
 
 def remedies_of(options: argparse.Namespace | None) -> dict[str, str]:

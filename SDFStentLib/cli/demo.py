@@ -35,9 +35,8 @@ from ..report import (
 )
 from ..stent import BetweenPoints, Stent, balloon_by_rule
 from ..validation import DeploymentError
-from .console import Console
+from .console import Console, tell
 from .outputs import Outputs
-from .told import tell
 
 BALLOON_DIAMETER = 7.5
 """Of the demo, mm: by its recoil it leaves the 7 mm of the healthy branch, as `suggest` has it."""

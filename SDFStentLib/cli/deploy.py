@@ -32,12 +32,11 @@ from ..report import (
     write_report_figure,
 )
 from ..validation import DeploymentError, InputError, as_number
-from .console import Console
+from .console import Console, tell
 from .option_table import method_of
 from .outputs import Outputs
 from .place import check_place, inputs_of, plan_of
 from .stents import check_sizes, device_of, stents_of
-from .told import tell
 
 NOT_CERTIFIED = 3
 

@@ -9,8 +9,7 @@ from ..stent import Balloon, Shape, Stent, Waist
 from ..units import MILLIMETERS
 from ..version import VERSION
 from .flow_options import add_flow
-from .option_table import add_method, add_parameter, add_table
-from .parser import Parser, ShortHelp
+from .option_table import Parser, ShortHelp, add_method, add_parameter, add_table
 
 OF_STENT = parameters_of(Stent)
 

@@ -65,7 +65,7 @@ def _imported(name: str) -> Callable[[argparse.Namespace, Console], int]:
 
         return measure_command if name == "measure" else check_command
     if name == "centerline":
-        from .centerline import centerline_command
+        from .extract import centerline_command
 
         return centerline_command
     if name == "compare":
@@ -81,7 +81,7 @@ def _imported(name: str) -> Callable[[argparse.Namespace, Console], int]:
 
         return flow_command
     if name == "devices":
-        from .devices import devices_command
+        from .suggest import devices_command
 
         return devices_command
     if name == "suggest":

@@ -1,4 +1,4 @@
-"""The command `suggest`."""
+"""The commands `suggest` and `devices`."""
 
 from __future__ import annotations
 
@@ -7,10 +7,16 @@ import os
 import shlex
 from pathlib import Path
 
-from ..plan import InputFiles, Plan, device_table, save_plan
-from ..report import document_json, suggestion_section, suggestion_sentences
+from ..plan import InputFiles, Plan, device_document, device_named, device_table, save_plan
+from ..report import (
+    device_rows,
+    device_sentence,
+    document_json,
+    suggestion_section,
+    suggestion_sentences,
+)
 from ..treatment import SizingWishes
-from ..validation import InputError
+from ..validation import InputError, one_line
 from .console import Console
 from .outputs import Outputs
 from .place import check_lesion_number, inputs_of, plan_of
@@ -50,3 +56,21 @@ def _numbers(options: argparse.Namespace, inputs: InputFiles) -> list[int]:
     for number in numbers:
         check_lesion_number(number, inputs, "--lesion", "there is nothing to treat")
     return numbers
+
+
+def devices_command(options: argparse.Namespace, _console: Console) -> int:
+    """List the devices that are known, or tell all that is known of one."""
+    if options.name is None:
+        devices = device_table(options.device_table)
+    else:
+        devices = (device_named(options.name, options.device_table),)
+    if options.json:
+        listed = [device_document(device) for device in devices]
+        print(document_json({"devices": listed}), end="")
+    elif options.name is None:
+        for device in devices:
+            print(one_line(device_sentence(device)))
+    else:
+        for name, text in device_rows(devices[0]):
+            print(one_line(f"{name}: {text}"))
+    return 0
