@@ -41,12 +41,12 @@ from .polyline import resampled_to as resampled_to
 from .polyline import segment_count as segment_count
 from .polyline import without_repeats as without_repeats
 from .precision import Precision as Precision
-from .ragged import blocks_of as blocks_of
-from .ragged import ranges as ranges
 from .rows import across as across
+from .rows import blocks_of as blocks_of
 from .rows import dot as dot
 from .rows import norm as norm
 from .rows import product as product
+from .rows import ranges as ranges
 from .section import ClosedSurface as ClosedSurface
 from .section import is_inside as is_inside
 from .section import plane_section as plane_section

@@ -1,10 +1,12 @@
-"""Arithmetic on the rows of arrays (n, 3): one vector per row."""
+"""Arithmetic on the rows of arrays (n, 3), and runs of different lengths in one array."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
-from ..validation import Floats
+from ..validation import Floats, Indices
 
 _PRODUCT = 1 << 17
 """Multiplications at a time; some libraries take more threads from twice as many on."""
@@ -49,3 +51,18 @@ def across(directions: Floats) -> Floats:
     first = np.cross(directions, axis)
     first /= np.linalg.norm(first, axis=1)[:, None]
     return np.stack([first, np.cross(directions, first)], axis=1)
+
+
+def blocks_of(counts: Indices, size: int) -> Iterator[Indices]:
+    """Consecutive indices whose counts add up to about `size`; those with count 0 left out."""
+    used = np.flatnonzero(counts)
+    number = np.cumsum(counts[used]) // size
+    for block in np.split(used, np.flatnonzero(np.diff(number)) + 1):
+        if len(block):
+            yield block
+
+
+def ranges(first: Indices, counts: Indices) -> Indices:
+    """`first[i], first[i] + 1, ...` (`counts[i]` of them) for every i, one after the other."""
+    ends = np.cumsum(counts)
+    return np.arange(ends[-1] if len(ends) else 0) + np.repeat(first - ends + counts, counts)

@@ -17,8 +17,7 @@ from ..validation import (
     Triangles,
     as_point,
 )
-from .ragged import blocks_of, ranges
-from .rows import dot, product
+from .rows import blocks_of, dot, product, ranges
 
 _BLOCK = 1 << 19
 """Pairs of query and triangle that are looked at together; some 50 MB of temporaries."""
