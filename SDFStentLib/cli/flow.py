@@ -22,7 +22,7 @@ from ..flow import (
     svzerod_document,
     vessels_of,
 )
-from ..plan import InputFiles, load_plan, read_input_files, run_plan
+from ..plan import InputFiles, Marks, load_plan, read_input_files, run_plan
 from ..report import document_json, flow_document, flow_page, flow_sentences, lesions_by_size
 from ..stent import InputFile
 from ..treatment import TreatmentResult
@@ -94,8 +94,8 @@ def _read(
 ) -> tuple[InputFiles, TreatmentResult | None]:
     """The vessel, and what the plan makes of it."""
     if options.plan is None:
-        root = root_of(options)
-        inputs = read_input_files(options.surface, options.centerline, options.units, root)
+        marks = Marks(root_of(options))
+        inputs = read_input_files(options.surface, options.centerline, options.units, marks)
         console.warn(inputs.warnings, units=options.units)
         return inputs, None
     accept = options.accept_changed_inputs

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..cautions import Caution
 from ..files import axis_of, in_frame_of, read_lines
-from ..plan import POINT_PLACEMENTS, InputFiles, Plan, input_file, read_input_files, scaled
+from ..plan import POINT_PLACEMENTS, InputFiles, Marks, Plan, input_file, read_input_files, scaled
 from ..report import LEAST
 from ..stent import AlongAxis, BetweenPoints, InputFile, Placement, Stent
 from ..units import MILLIMETERS, Frame
@@ -165,8 +165,7 @@ def inputs_of(options: argparse.Namespace) -> InputFiles:
         options.surface,
         options.centerline,
         options.units,
-        root_of(options),
-        reference=reference_of(options),
+        Marks(root_of(options), reference_of(options)),
     )
 
 

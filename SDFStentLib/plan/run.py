@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from time import perf_counter
+from typing import NamedTuple
 
 import numpy as np
 
@@ -164,20 +165,31 @@ def run_plan(
     return PlanResult(plan, inputs, treatment.result)
 
 
+class Marks(NamedTuple):
+    """Places (3,), mm, that the user marked on a vessel."""
+
+    root: Points | None = None
+    """The centerline's end nearest to it is its root."""
+    reference: tuple[Points, ...] = ()
+    """Healthy vessel, against which lesions are measured."""
+    frame: Frame | None = None
+    """Of both; None: the surface's."""
+
+    def in_frame(self, frame: Frame | None) -> Marks:
+        """The same places as a file of that frame has them."""
+        if None in (frame, self.frame) or frame == self.frame:
+            return self
+        root = None if self.root is None else flipped(self.root)
+        return Marks(root, tuple(flipped(place) for place in self.reference), frame)
+
+
 def read_input_files(
     surface: str | os.PathLike[str],
     centerline: str | os.PathLike[str] | None = None,
     units: str = "mm",
-    root: Points | None = None,
-    frame: Frame | None = None,
-    *,
-    reference: Sequence[Points] = (),
+    marks: Marks = Marks(),  # noqa: B008
 ) -> InputFiles:
     """Read a surface and its centerline, and check that they are in the same space.
-
-    The root of the centerline is its end nearest to `root`, (3,) mm, where that is given, and a
-    lesion is measured against the places `reference`. Both are in the frame `frame`; the
-    surface's where no frame is.
 
     Raises
     ------
@@ -188,15 +200,13 @@ def read_input_files(
     surface_file = read_surface(surface, units)
     line_file, tree = None, None
     warnings = surface_file.warnings
-    if frame is not None and surface_file.frame not in (None, frame):
-        root = None if root is None else flipped(root)
-        reference = [flipped(place) for place in reference]
+    marks = marks.in_frame(surface_file.frame)
     if centerline is not None:
         line_file = in_frame_of(read_lines(centerline, units), surface_file.frame)
-        tree = line_file.centerline(root)
+        tree = line_file.centerline(marks.root)
         warnings += line_file.warnings
         warnings += _same_space(surface_file, tree.points, os.fspath(centerline))
-    vessel = Vessel(surface_file.surface, tree, tuple(reference), surface_file.faces)
+    vessel = Vessel(surface_file.surface, tree, marks.reference, surface_file.faces)
     return InputFiles(surface_file, line_file, vessel, warnings, perf_counter() - start)
 
 
@@ -227,9 +237,11 @@ def plan_files(plan: Plan) -> InputFiles:
         plan.surface.path,
         None if center is None else center.path,
         plan.units,
-        None if plan.root is None else np.array(plan.root),
-        plan.frame,
-        reference=[np.array(place) for place in plan.reference],
+        Marks(
+            None if plan.root is None else np.array(plan.root),
+            tuple(np.array(place) for place in plan.reference),
+            plan.frame,
+        ),
     )
 
 
