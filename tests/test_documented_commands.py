@@ -32,6 +32,7 @@ STANDS_FOR = {
     "PLAN": "plan.json",
     "PLAN...": "other.json",
     "PLAN.json": "plan.json",
+    "NAMES.json": "names.json",
     "SWEEP": "sweep.json",
     "SWEEP.json": "sweep.json",
     "OUT": "out.vtp",
@@ -119,8 +120,9 @@ def prepared(tmp_path_factory):
     vessel = branching_pulmonary_artery()
     write_curve(made / "line.mrk.json", vessel.axis_at(np.arange(0.0, 61.0, 4.0)))
     write_curve(made / "axis.mrk.json", vessel.axis_at(np.linspace(*STENT, 6)))
-    devices = (PROJECT / "docs" / "devices.md").read_text(encoding="utf-8")
-    (made / "own.json").write_text(block_of_json(devices), encoding="utf-8")
+    for document, name in (("devices.md", "own.json"), ("cli.md", "names.json")):
+        text = (PROJECT / "docs" / document).read_text(encoding="utf-8")
+        (made / name).write_text(block_of_json(text), encoding="utf-8")
     write_sweep(made / "sweep.json", "sobol")
     write_sweep(made / "cube.json", "latin-hypercube")
     return made
@@ -264,6 +266,11 @@ def test_the_documents_show_every_command_in_every_way_to_write_it():
 )
 def test_curves_and_samples_that_need_more_of_scipy_run(folder, command):
     assert_runs(folder, arguments_of(f"sdfstent {command}"))
+
+
+def test_vessels_are_called_as_the_user_does(folder):
+    words = arguments_of("sdfstent measure SURFACE --centerline F --names NAMES.json")
+    assert "; LPA, " in installed(*words, folder=folder).stdout.splitlines()[1]
 
 
 def test_a_plan_with_a_curve_is_carried_out(folder):

@@ -9,6 +9,7 @@ from SDFStentLib.flow import (
     Known,
     Method,
     Outlets,
+    SideClues,
     Wave,
     channels_after,
     channels_of,
@@ -112,7 +113,7 @@ def a_fork():
     phantom = branching_pulmonary_artery()
     channels = channels_of(phantom.surface, phantom.centerline)
     right = next(one.center for one in phantom.openings if "right" in one.name)
-    return vessels_of(channels, None, [], right=right)
+    return vessels_of(channels, None, [], SideClues(right=right))
 
 
 PRESSURES = {"inlet": 30.0, "wedge": 10.0, "split_right": 0.7}
@@ -177,7 +178,7 @@ def half_sine(mean=40.0):
 def test_over_a_wave_more_is_lost_than_at_its_mean_and_svzerod_agrees(a_fork):
     pytest.importorskip("svzerod")
     throat = a_fork.before[0].points, a_fork.before[-1].points
-    vessels = vessels_of(a_fork.before, None, [("all", np.vstack(throat))], right=a_fork.right)
+    vessels = vessels_of(a_fork.before, None, [("all", np.vstack(throat))], a_fork.clues)
     at_mean = flow_answer(vessels, known_flow(40.0, **PRESSURES))
     slow = flow_answer(vessels, half_sine())
     solved = flow_answer(vessels, half_sine(), solved_by_svzerod)

@@ -55,6 +55,8 @@ def _begun(parameterNode, vessel, inputs):
         "precision": Precision(dtype=vtk_to_numpy(vessel.polyData.GetPoints().GetData()).dtype),
         "faces": vessel.faces,
     }
+    if hasTree:
+        how["given_names"], _misfit = yield from inputs.givenNamesInPortions(parameterNode)
     further = {
         "places": Dependencies.places(parameterNode),
         "search": inputs.lesions(parameterNode) if hasTree else None,

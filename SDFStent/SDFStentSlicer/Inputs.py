@@ -13,8 +13,10 @@ from SDFStentLib.files import (
     surface_from_polydata,
     triangulated_polydata,
 )
+from SDFStentLib.validation import InputError
+from SDFStentLib.vessel import given_names
 
-from . import Conversion, Handles
+from . import Conversion, Handles, Plans
 from .Lesions import LesionSearch
 from .PointNormals import cornersOf
 from .Portions import inPortions, untilDone
@@ -88,7 +90,7 @@ class Inputs:
 
     def lesions(self, parameterNode):
         """The `LesionSearch` of vessel and centerline, the same object until one of them changes."""
-        stamp = Conversion.inputStamp(parameterNode)
+        stamp = Conversion.inputStamp(parameterNode), Plans.namesOf(parameterNode)
         if stamp != self._lesions[0]:
             self._lesions = (stamp, LesionSearch(lambda: self._bothInPortions(parameterNode)))
         return self._lesions[1]
@@ -96,7 +98,20 @@ class Inputs:
     def _bothInPortions(self, parameterNode):
         vessel = yield from self.vesselInPortions(parameterNode)
         centerline = yield from self.centerlineInPortions(parameterNode)
-        return vessel.remark, (vessel.surface, centerline, vessel.faces)
+        given, misfit = yield from self.givenNamesInPortions(parameterNode)
+        remark = "\n".join(filter(None, (vessel.remark, misfit)))
+        return remark, (vessel.surface, centerline, vessel.faces, given)
+
+    def givenNamesInPortions(self, parameterNode):
+        """What the plan calls the centerline's branches, none where its names are of another vessel, and a sentence why or ""."""
+        vessel = yield from self.vesselInPortions(parameterNode)
+        tree = yield from self.centerlineInPortions(parameterNode)
+        names = Plans.namesOf(parameterNode)
+        how = vessel.surface, tree, names, vessel.faces
+        try:
+            return (yield from inPortions(lambda: given_names(*how))), ""
+        except InputError as error:
+            return (), str(error)
 
     def nativeLumenInPortions(self, parameterNode, stent):
         """Smallest inscribed diameter where a stent of the library lies, before it, mm; a generator as those above."""

@@ -121,7 +121,7 @@ class SDFStentLogic(
         """Set the method, and what a suggestion goes by, back to the defaults."""
         wishes = SizingWishes()
         with slicer.util.NodeModify(parameterNode):
-            parameterNode.planDocument = ""
+            Plans.forgetMethod(parameterNode)
             parameterNode.method = MethodParameters()
             parameterNode.suggestRatio = wishes.ratio
             parameterNode.suggestMargin = wishes.margin

@@ -55,7 +55,7 @@ def settingsOf(parameterNode, live=False):
     """
     method = methodOf(parameterNode)
     settings = (
-        DeploymentSettings.preview() if live else _plannedSettings(parameterNode.planDocument)
+        DeploymentSettings.preview() if live else _planned(parameterNode.planDocument).settings
     )
     changes = {name: getattr(method, field) for field, (name, _one) in METHOD_PARAMETERS.items()}
     changes["step"] = settings.step if live else method.step or None
@@ -79,7 +79,20 @@ def planOf(parameterNode, stents=None):
         settings=settingsOf(parameterNode),
         straightening_fraction=parameterNode.method.straightening / 100,
         flow=Flow.flowOf(parameterNode),
+        names=_namesIn(frame, namesOf(parameterNode)),
     )
+
+
+def namesOf(parameterNode):
+    """What the last plan calls the vessels: the library's `VesselName`, in RAS."""
+    plan = _planned(parameterNode.planDocument)
+    return _namesIn(plan.frame, plan.names)
+
+
+def forgetMethod(parameterNode):
+    """Forget the settings of the last plan, but not what it calls the vessels."""
+    names = namesOf(parameterNode)
+    parameterNode.planDocument = plan_text(Plan(frame="RAS", names=names)) if names else ""
 
 
 def remember(parameterNode):
@@ -127,7 +140,7 @@ def load(path, parameterNode):
         parameterNode.method = MethodParameters(**method)
         for name, value in flow.items():
             setattr(parameterNode, name, value)
-        parameterNode.planDocument = plan_text(plan)
+        parameterNode.planDocument = plan_text(replace(plan, frame=frame))
         StentList(parameterNode).replace(stents, 0 if stents else -1)
     if plan.frame is not None:
         return ""
@@ -187,6 +200,11 @@ def _inFrame(planned, frame):
     return turned(planned) if frame == "LPS" else planned
 
 
+def _namesIn(frame, names):
+    """Names from RAS to a frame, or back."""
+    return tuple(one.turned() for one in names) if frame == "LPS" else names
+
+
 def _methodOf(plan):
     """The plan's settings as the values of `MethodParameters`."""
     values = {field: plan.method[name] or 0.0 for field, (name, _one) in METHOD_PARAMETERS.items()}
@@ -203,8 +221,9 @@ def _checkRanges(values, name):
 
 
 @lru_cache(maxsize=8)
-def _plannedSettings(document):
-    return plan_from_document(json.loads(document)).settings if document else DeploymentSettings()
+def _planned(document):
+    """The last plan without its stents, which the panel has."""
+    return plan_from_document({**json.loads(document), "stents": []}) if document else Plan()
 
 
 def plannedStent(stent, number=None):

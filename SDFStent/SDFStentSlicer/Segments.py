@@ -34,7 +34,9 @@ class Segments:
         ends = _ends(parameterNode, run if isMeasured else None)
         vessel = self._inputs.vessel(parameterNode)
         line = self._inputs.centerline(parameterNode)
-        before = treatment.Vessel(vessel.surface, line, faces=vessel.faces)
+        given, _misfit = untilDone(self._inputs.givenNamesInPortions(parameterNode))
+        names = Plans.namesOf(parameterNode) if given else ()
+        before = treatment.Vessel(vessel.surface, line, faces=vessel.faces, names=names)
         after = None
         if isMeasured and not self.hasChanged(parameterNode):
             after = treatment.Vessel(run.result.surface, faces=vessel.faces)
@@ -42,15 +44,15 @@ class Segments:
             "surface": _named(parameterNode.vessel),
             "centerline": _named(parameterNode.centerline),
         }
-        wishes = treatment.SegmentWishes(
-            close_branches=parameterNode.closeBranches,
-            nearest=parameterNode.segmentEnds is None,  # nobody has chosen these places
-        )
+        how = {
+            "close_branches": parameterNode.closeBranches,
+            "nearest": parameterNode.segmentEnds is None,  # nobody has chosen these places
+        }
 
         def stepsInto(new):
             yield 0.0
             found = yield from working(
-                inPortions(lambda: treatment.extract_segment(before, *ends, wishes, after=after))
+                inPortions(lambda: treatment.extract_segment(before, *ends, after=after, **how))
             )
             write_segment(new, found, inputs, ("RAS", "RAS"))
             if parameterNode.parameterNode.GetScene() is not None:

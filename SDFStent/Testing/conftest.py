@@ -33,14 +33,14 @@ def knownLesions(theModule):
 
     search, known = Lesions.find_lesions, {}
 
-    def found(surface, centerline, faces=None):
+    def found(surface, centerline, faces=None, given=()):
         arrays = (surface.points, surface.triangles, centerline.points, centerline.inscribed_radius)
         key = (
             *(sha1(array.tobytes()).digest() for array in arrays),
-            repr(faces and sorted(faces.names.items())),
+            repr((faces and sorted(faces.names.items()), given)),
         )
         if key not in known:
-            known[key] = search(surface, centerline, faces)
+            known[key] = search(surface, centerline, faces, given)
         return tuple(list(known[key]))  # another one for every search, as without this
 
     Lesions.find_lesions = found
@@ -77,6 +77,7 @@ def knownResults(theModule):
                 self.straightening_fraction,
                 self.precision,
                 self.faces,
+                self.given_names,
             )
             hashes = [sha1(np.ascontiguousarray(array).tobytes()).digest() for array in arrays]
             return (*hashes, sha1(pickle.dumps(plan)).digest())

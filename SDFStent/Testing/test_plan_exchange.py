@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import slicer
-from panel_helpers import deploy, expanded, saveAsFile
+from panel_helpers import deploy, expanded, saveAsFile, theThroat
 
 from SDFStentLib.stent import OfStent
 
@@ -431,3 +431,35 @@ def test_a_stent_that_dilates_one_below_it_is_refused(aLogic, theParameters, aDe
     with pytest.raises(ValueError, match="stent 2: expected a stent above it to dilate again, got"):
         aLogic.loadPlan(aDetailedPlan, theParameters)
     assert aLogic.stentList(theParameters).values() == before
+
+
+def test_vessels_are_called_as_the_plan_does(aLogic, theParameters, tmp_path):
+    """In the list of lesions, in the report and in the plan that is saved, in either frame."""
+    throat = theThroat()
+    x, y, z = throat.tolist()
+    path = tmp_path / "plan.json"
+    aLogic.savePlan(path, theParameters)
+    document = json.loads(path.read_text(encoding="utf-8"))
+    for frame, place in (("RAS", [x, y, z]), ("LPS", [-x, -y, z])):
+        changes = {"frame": frame, "names": {"LPA": place}, "units": "mm"}
+        stents = [{**one, "enabled": False} for one in document["stents"]]
+        named = {**document, "inputs": document["inputs"] | changes, "stents": stents}
+        path.write_text(json.dumps(named), encoding="utf-8")
+        aLogic.loadPlan(path, theParameters)
+        search = aLogic.lesionSearch(theParameters)
+        list(search.portions())
+        assert [lesion.branch_name for lesion in search.found] == ["LPA"]
+        assert not search.remark
+        aLogic.restoreMethod(theParameters)
+        assert aLogic.lesionSearch(theParameters) is search
+        aLogic.savePlan(path, theParameters)
+        kept = json.loads(path.read_text(encoding="utf-8"))["inputs"]
+        factor = {"mm": 1, "cm": 10}[kept["units"]] * (-1 if kept["frame"] == "LPS" else 1)
+        np.testing.assert_allclose(factor * np.array(kept["names"]["LPA"][:2]), [x, y])
+    named["inputs"]["names"] = {"LPA": [500, 0, 0]}
+    path.write_text(json.dumps(named), encoding="utf-8")
+    aLogic.loadPlan(path, theParameters)
+    search = aLogic.lesionSearch(theParameters)
+    list(search.portions())
+    assert search.found[0].branch_name != "LPA"
+    assert "expected a place in a vessel" in search.remark

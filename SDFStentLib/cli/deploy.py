@@ -49,7 +49,8 @@ def deploy_command(options: argparse.Namespace, console: Console) -> int:
     has_length = options.length is not None or (device and device.nominal_length) is not None
     way = check_place(options, needed=True, has_length=has_length)
     assert way is not None
-    outputs = Outputs([options.surface, options.centerline, options.axis, options.device_mesh])
+    read = [options.surface, options.centerline, options.axis, options.names, options.device_mesh]
+    outputs = Outputs(read)
     job = _Job(options, console, outputs)
     check_surface_output(options.output)
     outputs.add(options.output, job.write_surface)

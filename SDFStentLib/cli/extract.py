@@ -14,13 +14,13 @@ from ..files import (
     extract_lines,
     write_extracted_lines,
 )
-from ..plan import InputFiles, Marks, read_input_files
+from ..plan import InputFiles, read_input_files
 from ..report import SEGMENT_FILES, filed_point, segment_sentences, write_segment
-from ..treatment import ExtractedSegment, SegmentWishes, extract_segment
+from ..treatment import ExtractedSegment, extract_segment
 from ..validation import InputError
 from .console import Console
 from .outputs import Outputs
-from .place import in_mm, root_of
+from .place import in_mm, names_of, root_of
 
 
 def extract_command(options: argparse.Namespace, console: Console) -> int:
@@ -29,12 +29,13 @@ def extract_command(options: argparse.Namespace, console: Console) -> int:
         in_mm(options.from_point, options.units, "--from"),
         in_mm(options.to, options.units, "--to"),
     )
-    outputs = Outputs([options.surface, options.centerline, options.after])
+    outputs = Outputs([options.surface, options.centerline, options.after, options.names])
     outputs.add_folder(
         options.output, lambda folder: _write(folder, found, read), SEGMENT_FILES.__contains__
     )
     units = options.units
-    read = [read_input_files(options.surface, options.centerline, units, Marks(root_of(options)))]
+    root, names = root_of(options), names_of(options)
+    read = [read_input_files(options.surface, options.centerline, units, root, names=names)]
     if options.after is not None:
         read.append(_treated(options, read[0]))
     for one in read:
@@ -42,8 +43,9 @@ def extract_command(options: argparse.Namespace, console: Console) -> int:
     found = extract_segment(
         read[0].vessel,
         *ends,
-        SegmentWishes(options.close_branches, units=units),
+        close_branches=options.close_branches,
         after=read[1].vessel if len(read) > 1 else None,
+        units=units,
     )
     console.warn(found.warnings, units=units)
     outputs.write()

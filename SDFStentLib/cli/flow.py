@@ -11,6 +11,7 @@ from ..files import check_suffix
 from ..flow import (
     FlowAnswer,
     Known,
+    SideClues,
     channels_after,
     channels_of,
     flow_answer,
@@ -22,7 +23,7 @@ from ..flow import (
     svzerod_document,
     vessels_of,
 )
-from ..plan import InputFiles, Marks, load_plan, read_input_files, run_plan
+from ..plan import InputFiles, load_names, load_plan, read_input_files, run_plan
 from ..report import document_json, flow_document, flow_page, flow_sentences, lesions_by_size
 from ..stent import InputFile
 from ..treatment import TreatmentResult
@@ -30,7 +31,7 @@ from ..validation import InputError, Points
 from ..vessel import SMALL_VESSEL
 from .console import Console
 from .outputs import Outputs
-from .place import in_mm, root_of
+from .place import in_mm, names_of, root_of
 
 LISTED = 3
 """Narrowings that are told on the screen."""
@@ -41,7 +42,8 @@ NETWORKS = ("before.json", "after.json")
 def flow_command(options: argparse.Namespace, console: Console) -> int:
     """Tell pressures and flows before and after a plan."""
     known = _known(options)
-    outputs = Outputs([options.surface, options.centerline, options.plan, options.wave])
+    read = [options.surface, options.centerline, options.plan, options.wave, options.names]
+    outputs = Outputs(read)
     if options.json:
         outputs.add(options.json, lambda path: _write(path, document))
     for path in options.report:
@@ -94,8 +96,9 @@ def _read(
 ) -> tuple[InputFiles, TreatmentResult | None]:
     """The vessel, and what the plan makes of it."""
     if options.plan is None:
-        marks = Marks(root_of(options))
-        inputs = read_input_files(options.surface, options.centerline, options.units, marks)
+        root, names = root_of(options), names_of(options)
+        files = options.surface, options.centerline
+        inputs = read_input_files(*files, options.units, root, names=names)
         console.warn(inputs.warnings, units=options.units)
         return inputs, None
     accept = options.accept_changed_inputs
@@ -108,7 +111,8 @@ def _read(
             (options.centerline, plan.centerline),
         )
     )
-    plan = replace(plan, surface=surface, centerline=centerline)
+    names = plan.names if options.names is None else load_names(options.names, plan.units)
+    plan = replace(plan, surface=surface, centerline=centerline, names=names)
     with console.progress("Deploying") as show:
         done = run_plan(
             plan,
@@ -143,8 +147,8 @@ def _answer(
         one = lesions[number - 1]
         lines.append((f"lesion {number}, {one.branch_name}", one.line))
     right = None if options.right is None else in_mm(options.right, options.units, "--right")
-    frame = inputs.surface.frame
-    return flow_answer(vessels_of(before, after, lines, frame=frame, right=right), known, solve)
+    sides = SideClues(inputs.surface.frame, right, vessel.given_names)
+    return flow_answer(vessels_of(before, after, lines, sides), known, solve)
 
 
 def _write(path: Path, document: dict[str, Any]) -> None:

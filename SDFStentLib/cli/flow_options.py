@@ -20,6 +20,7 @@ def add_flow(command: argparse.ArgumentParser) -> None:
         """\
 --plan PLAN  what is done to the vessel; without it only what is before is told
 --root X Y Z  the end of the centerline near this point is proximal; a plan has its own
+--names F  JSON: what vessels are called, each by a place in it or the face at its end
 """,
     )
     add_table(

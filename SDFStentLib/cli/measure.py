@@ -51,7 +51,7 @@ def measure_command(options: argparse.Namespace, console: Console) -> int:
         )
     if options.centerline is None and options.csv is not None:
         raise InputError("expected --centerline FILE with --csv, got none; give one.")
-    outputs = Outputs([options.surface, options.centerline, options.axis])
+    outputs = Outputs([options.surface, options.centerline, options.axis, options.names])
     if options.csv is not None:
         outputs.add(options.csv, lambda path: _write_text(path, table))
     spacing = as_number(options.spacing, "--spacing", unit="mm", above=0)

@@ -32,10 +32,11 @@ OTHER_PLACES = """\
 --from X Y Z  one end
 --to X Y Z  the other end
 """
-MARKS = """\
+NAMES = "--names F  JSON: what vessels are called, each by a place in it or the face at its end\n"
+MARKS = f"""\
 --root X Y Z  the end of the centerline near this point is proximal (default: the tree tells)
 --reference X Y Z ...  healthy vessel that the lesion beside it is measured against; once or twice
-"""
+{NAMES}"""
 DEVICE = "--device NAME  one of `sdfstent devices`; sets its lengths\n"
 DEVICE_TABLE = "--device-table F  JSON with devices of your own, too\n"
 ACCEPTANCE = """\
@@ -285,7 +286,7 @@ def _extract(command: argparse.ArgumentParser) -> None:
 --close-branches  cut side branches off and close them
 --after SURFACE2  the treated vessel, cut by the same planes
 --root X Y Z  the end of the centerline near this point is proximal
-{UNITS}{TALK}""",
+{NAMES}{UNITS}{TALK}""",
     )
 
 

@@ -12,9 +12,18 @@ from numpy.typing import NDArray
 
 from ..cautions import Caution
 from ..files import axis_of, in_frame_of, read_lines
-from ..plan import POINT_PLACEMENTS, InputFiles, Marks, Plan, input_file, read_input_files, scaled
+from ..plan import (
+    POINT_PLACEMENTS,
+    InputFiles,
+    Plan,
+    input_file,
+    load_names,
+    read_input_files,
+    scaled,
+)
 from ..report import LEAST
 from ..stent import AlongAxis, BetweenPoints, InputFile, Placement, Stent
+from ..treatment import VesselName
 from ..units import MILLIMETERS, Frame
 from ..validation import InputError
 
@@ -53,6 +62,8 @@ def check_place(
         raise InputError("expected --centerline FILE with --root, got none; give one.")
     if options.reference and options.centerline is None:
         raise InputError("expected --centerline FILE with --reference, got none; give one.")
+    if options.names and options.centerline is None:
+        raise InputError("expected --centerline FILE with --names, got none; give one.")
     given = [name for name in POINT_PLACEMENTS if getattr(options, name) is not None]
     if (options.from_point is None) != (options.to is None):
         raise InputError("expected both --from and --to, got one of them; give the other end.")
@@ -156,6 +167,7 @@ def plan_of(
         frame=inputs.surface.frame,
         root=None if root is None else tuple(root.tolist()),
         reference=tuple(tuple(place.tolist()) for place in reference_of(options)),
+        names=inputs.vessel.names,
     )
 
 
@@ -165,7 +177,9 @@ def inputs_of(options: argparse.Namespace) -> InputFiles:
         options.surface,
         options.centerline,
         options.units,
-        Marks(root_of(options), reference_of(options)),
+        root_of(options),
+        reference=reference_of(options),
+        names=names_of(options),
     )
 
 
@@ -177,6 +191,11 @@ def root_of(options: argparse.Namespace) -> NDArray[np.float64] | None:
 def reference_of(options: argparse.Namespace) -> tuple[NDArray[np.float64], ...]:
     """The places where the user marked healthy vessel, mm."""
     return tuple(in_mm(point, options.units, "--reference") for point in options.reference)
+
+
+def names_of(options: argparse.Namespace) -> tuple[VesselName, ...]:
+    """What the user calls the vessels."""
+    return () if options.names is None else load_names(options.names, options.units)
 
 
 def option_of(name: str) -> str:

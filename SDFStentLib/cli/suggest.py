@@ -28,7 +28,7 @@ def suggest_command(options: argparse.Namespace, console: Console) -> int:
     if options.device is None and options.device_table is not None:
         raise InputError("expected --device NAME with --device-table, got none; name one.")
     wishes = SizingWishes(options.ratio, options.margin, device_of(options), options.foreshortening)
-    outputs = Outputs([options.surface, options.centerline])
+    outputs = Outputs([options.surface, options.centerline, options.names])
     plan, name = Plan(), options.output or f"{Path(options.surface).stem}_plan.json"
     folder = os.path.dirname(os.path.abspath(name))
     outputs.add(name, lambda path: save_plan(plan, path, relative_to=folder))

@@ -25,7 +25,7 @@ from ..validation import InputError
 from .axes import DIAMETERS, PLACES, Axis
 from .value import Patient
 
-INPUT_KEYS = ("surface", "centerline", "units", "frame", "root", "reference")
+INPUT_KEYS = ("surface", "centerline", "units", "frame", "root", "reference", "names")
 """What a patient may have besides a name, as the inputs of a plan."""
 
 

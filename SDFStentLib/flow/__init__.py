@@ -27,6 +27,7 @@ from .network import Outlets as Outlets
 from .network import State as State
 from .network import network_of as network_of
 from .network import steady as steady
+from .outlets import SideClues as SideClues
 from .outlets import Sides as Sides
 from .pressure import TOO_LOW as TOO_LOW
 from .pressure import TURBULENCE as TURBULENCE

@@ -7,14 +7,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..units import Frame
 from ..validation import Floats, InputError, Points
 from .blocks import Method, blocks_of, outlet_diameters, shares_of
 from .blood import PASCAL_PER_MMHG, PER_ML, Blood
 from .channels import Channel, Widths, widths_of
 from .known import Known
 from .network import Network, Outlets, State, network_of, steady
-from .outlets import SAMPLES, Sides, fitted_outlets, sides_of
+from .outlets import NOTHING_KNOWN, SAMPLES, SideClues, Sides, fitted_outlets, sides_of
 from .spans import Piece, drop_over, pieces_along
 
 USUAL = Method()
@@ -87,22 +86,19 @@ class Vessels(NamedTuple):
     before: tuple[Channel, ...]
     after: tuple[Channel, ...] | None
     parts: tuple[tuple[str, tuple[Piece, ...]], ...]
-    frame: Frame | None = None
-    right: Points | None = None
-    """(3,) a place in the right main branch, mm."""
+    clues: SideClues = NOTHING_KNOWN
+    """To the main branches."""
 
 
 def vessels_of(
     before: tuple[Channel, ...],
     after: tuple[Channel, ...] | None,
     lines: Sequence[tuple[str, Points]],
-    *,
-    frame: Frame | None = None,
-    right: Points | None = None,
+    clues: SideClues = NOTHING_KNOWN,
 ) -> Vessels:
     """With the parts along some lines with names, mm."""
     parts = tuple((name, pieces_along(before, line)) for name, line in lines)
-    return Vessels(before, after, parts, frame, right)
+    return Vessels(before, after, parts, clues)
 
 
 def flow_answer(vessels: Vessels, known: Known, solve: Solve | None = None) -> FlowAnswer:
@@ -163,9 +159,7 @@ class _Case:
         weights = outlet_diameters(before, widths[0]) ** method.power
         shares = shares_of(before, weights)
         self.networks = [self._network(size, shares) for size in widths]
-        self.sides = sides_of(
-            before, self.networks[0], weights, frame=vessels.frame, right=vessels.right
-        )
+        self.sides = sides_of(before, self.networks[0], weights, vessels.clues)
         is_known = self.sides is not None and self.sides.is_known
         if known.split_right is not None and not is_known:
             return

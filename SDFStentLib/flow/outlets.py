@@ -27,6 +27,20 @@ SAMPLES = 24
 """Flows of a wave at which pressures are averaged."""
 
 
+class SideClues(NamedTuple):
+    """What tells the main branches apart."""
+
+    frame: Frame | None = None
+    """Of the patient, which tells where right is."""
+    right: Points | None = None
+    """(3,) a place in the right one, mm."""
+    names: Sequence[str | None] = ()
+    """What the user calls the branches of the centerline, each in its place."""
+
+
+NOTHING_KNOWN = SideClues()
+
+
 class Sides(NamedTuple):
     """The two main branches; other outlets are of neither."""
 
@@ -43,13 +57,12 @@ def sides_of(
     channels: Sequence[Channel],
     network: Network,
     weights: Floats,
-    *,
-    frame: Frame | None = None,
-    right: Points | None = None,
+    clues: SideClues = NOTHING_KNOWN,
 ) -> Sides | None:
     """The main branches, left and right where that is known; None for a vessel without.
 
-    They begin at the first junction from the inlet of which a second branch leads to `MAIN`.
+    Where the user names both they have these names. They begin at the first junction from the
+    inlet of which a second branch leads to `MAIN`.
 
     Parameters
     ----------
@@ -57,10 +70,7 @@ def sides_of(
     network : Network
     weights : (k,) array
         Of the outlets.
-    frame : Frame, optional
-        Of the patient, which tells where right is.
-    right : (3,) array, optional
-        A place in the right one, mm.
+    clues : SideClues, optional
     """
     shares, number = shares_of(channels, weights), 0
     # Ends: at an outlet.
@@ -73,9 +83,13 @@ def sides_of(
             break
         number = below[0]
     first, second = below[:2]
-    turned = _is_right(channels, network, (first, second), frame, right)
+    turned = _is_right(channels, network, (first, second), clues.frame, clues.right)
     pair = (second, first) if turned else (first, second)
     names = ("main branch 1", "main branch 2") if turned is None else ("left", "right")
+    if clues.names:
+        one, other = (clues.names[int(channels[number].branch[-1])] for number in pair)
+        if one and other and one != other:
+            names = one, other
     return Sides(names, pair, network.leads_to[list(pair)], turned is not None)
 
 

@@ -165,7 +165,7 @@ def _files_of(plan: Plan) -> tuple[object, ...]:
         None if file is None else os.path.realpath(file.path)
         for file in (plan.surface, plan.centerline)
     )
-    return (*paths, plan.units, plan.frame, plan.root, plan.reference)
+    return (*paths, plan.units, plan.frame, plan.root, plan.reference, plan.names)
 
 
 def _check_same_vessel(inputs: Mapping[str, InputFiles]) -> None:

@@ -23,6 +23,7 @@ from ..validation import InputError, as_path, check_is_a
 from .details import details_document
 from .json_document import json_text, text_value, unscaled
 from .plan import Plan
+from .vessel_names import names_document
 
 SCHEMA = "sdfstent-plan"
 SCHEMA_VERSION = 2
@@ -90,6 +91,7 @@ def plan_document(plan: Plan, folder: str | None = None) -> dict[str, Any]:
             "centerline": _file_document(plan.centerline, folder),
             "root": None if plan.root is None else _filed(plan.root, plan.units),
             "reference": [_filed(place, plan.units) for place in plan.reference],
+            "names": names_document(plan.names, plan.units),
         },
         "stents": [_stent_document(stent, plan.units, folder) for stent in plan.stents],
         "flow": None if plan.flow is None else list(plan.flow),

@@ -14,6 +14,7 @@ import numpy as np
 from ..deformation import DeploymentSettings
 from ..parameter import Parameter
 from ..stent import ByValue, InputFile, Stent
+from ..treatment import VesselName
 from ..units import MOST_FLOW, Frame, flipped, millimeters_per
 from ..validation import InputError, as_number, in_short
 from ..version import VERSION
@@ -50,6 +51,8 @@ class Plan(ByValue):
     reference : tuple of tuples of three floats
         One or two places of healthy vessel that the user marked, mm, in the frame `frame`; the
         lesion beside them is measured against them.
+    names : tuple of VesselName
+        What the user calls the vessels; places in mm, in the frame `frame`.
     flow : tuple of two floats, optional
         From the least to the most that flows through the stents, mL/s, for which the pressure
         drop is estimated.
@@ -68,6 +71,7 @@ class Plan(ByValue):
     root: tuple[float, float, float] | None = None
     reference: tuple[tuple[float, float, float], ...] = ()
     flow: tuple[float, float] | None = None
+    names: tuple[VesselName, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "stents", tuple(self.stents))

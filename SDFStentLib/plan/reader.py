@@ -18,6 +18,7 @@ from .document import POINT_PLACEMENTS, SCHEMA, SCHEMA_VERSION
 from .json_document import in_words, number, parsed, scaled, section, sequence, text_value, truth
 from .plan import Plan, method_parameters, plan_of_method
 from .typed import from_document
+from .vessel_names import read_names
 
 MOST_STENTS = 1000
 """Of a plan, disabled ones too: far more than any patient gets."""
@@ -25,7 +26,7 @@ MOST_STENTS = 1000
 _PARTS = ("sdfstent_version", "inputs", "settings", "flow")
 """What a plan may have besides its stents."""
 
-_INPUT_KEYS = ("units", "frame", "surface", "centerline", "root", "reference")
+_INPUT_KEYS = ("units", "frame", "surface", "centerline", "root", "reference", "names")
 
 _PLACE_KEYS = ("center", "distal", "proximal", "from", "to", "axis", "stent")
 """What a placement may have."""
@@ -100,6 +101,7 @@ def plan_from_document(
         "centerline": _file(inputs.get("centerline"), "inputs.centerline", folder),
         "root": None if inputs.get("root") is None else reader.place(inputs["root"], "inputs.root"),
         "reference": _each(inputs.get("reference", []), "inputs.reference", reader.place),
+        "names": read_names(inputs.get("names", {}), "inputs.names", reader.place),
         "flow": _flow(document.get("flow")),
     }
     method = _method(document.get("settings", {}))

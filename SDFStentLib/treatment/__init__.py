@@ -1,5 +1,6 @@
 """Several stents in order, each in the vessel that the earlier ones left, and measured."""
 
+from ..vessel import VesselName as VesselName
 from .coverage import size_cautions as size_cautions
 from .lesions import Residual as Residual
 from .lesions import TreatedLesion as TreatedLesion
@@ -16,7 +17,6 @@ from .ratios import SizeRatios as SizeRatios
 from .ratios import stent_ratios as stent_ratios
 from .ratios import treated_ratios as treated_ratios
 from .segments import ExtractedSegment as ExtractedSegment
-from .segments import SegmentWishes as SegmentWishes
 from .segments import extract_segment as extract_segment
 from .sizing import LONGEST_MARGIN as LONGEST_MARGIN
 from .sizing import RATIOS as RATIOS

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 from weakref import WeakKeyDictionary
 
@@ -32,6 +33,7 @@ from ..vessel import (
     Ostium,
     VesselStates,
     apposition,
+    branch_of,
     end_ways,
     find_ostia,
 )
@@ -65,6 +67,7 @@ class _Known(NamedTuple):
     axis: bytes
     centerline: Centerline | None
     faces: NamedFaces | None
+    given: Sequence[str | None]
     survey: Survey
 
 
@@ -89,7 +92,11 @@ class Surroundings(NamedTuple):
 
 
 def surveyed_once(
-    native: Surface, axis: Points, centerline: Centerline | None, faces: NamedFaces | None
+    native: Surface,
+    axis: Points,
+    centerline: Centerline | None,
+    faces: NamedFaces | None,
+    given: Sequence[str | None] = (),
 ) -> Survey:
     """`surveyed` of a first stent; not again where the last one of the vessel had the same axis.
 
@@ -101,10 +108,11 @@ def surveyed_once(
         and last.axis == rows
         and last.centerline is centerline
         and last.faces is faces
+        and last.given == given
     ):
         return last.survey
-    survey = surveyed(native, native, axis, centerline, faces)
-    _known[native] = _Known(rows, centerline, faces, survey)
+    survey = surveyed(native, native, axis, centerline, faces, given)
+    _known[native] = _Known(rows, centerline, faces, given, survey)
     return survey
 
 
@@ -114,6 +122,7 @@ def surveyed(
     axis: Points,
     centerline: Centerline | None,
     faces: NamedFaces | None,
+    given: Sequence[str | None] = (),
 ) -> Survey:
     """What is known of a stent's surroundings before it is deployed.
 
@@ -127,10 +136,17 @@ def surveyed(
         As the stent finds it. Without it branches are found, and followed through their lumen.
     faces : NamedFaces or None
         By which branches are named.
+    given : sequence of str or None
+        What the user calls them, by branch of the centerline; it comes first.
     """
     extended = extended_axis(found, axis, centerline)
     branches = find_ostia(found, extended, faces, centerline)
     ways = BranchWays(found, extended, centerline).into(branches)
+    if given and centerline is not None:
+        named = [_given_name(way, centerline, given) for way in ways]
+        branches = tuple(
+            replace(one, name=name or one.name) for one, name in zip(branches, named, strict=True)
+        )
     into = [
         NeighborWay(ostium.name, way)
         for ostium, way in zip(branches, ways, strict=True)
@@ -141,6 +157,11 @@ def surveyed(
     measured = measured_once(native, along.points, along.directions, wall)
     before = profile_around(native, along, measured, wall.caps)
     return Survey(extended, branches, (*end_ways(extended), *into), along, measured, before, wall)
+
+
+def _given_name(way: Points | None, tree: Centerline, given: Sequence[str | None]) -> str | None:
+    """What the user calls the vessel that a way (n, 3) leads into."""
+    return None if way is None else given[branch_of(tree, tree.project(way[0]))]
 
 
 def lumen_around(native: Surface, axis: Points, centerline: Centerline | None) -> DiameterProfile:

@@ -73,6 +73,8 @@ class Treatment:
         How the result will be stored.
     faces : NamedFaces, optional
         Of the surface; branches are called by them.
+    given_names : sequence of str or None
+        What the user calls the branches of the centerline, each in its place, as `Vessel` has it.
 
     Raises
     ------
@@ -92,6 +94,7 @@ class Treatment:
     companions: Points = field(default_factory=lambda: np.empty((0, 3)))
     precision: Precision = field(default_factory=Precision)
     faces: NamedFaces | None = None
+    given_names: Sequence[str | None] = ()
 
     def __post_init__(self) -> None:
         self.surface = as_surface(self.surface)
@@ -233,11 +236,13 @@ class Treatment:
         No state takes part in it: who has a thread to spare may ask for it there, once, while this
         one iterates.
         """
-        return surveyed_once(self.surface, self._first.axis.points, self.centerline, self.faces)
+        axis = self._first.axis.points
+        return surveyed_once(self.surface, axis, self.centerline, self.faces, self.given_names)
 
     def _surveyed(self, stage: Stage) -> Survey:
         found, axis = stage.deployment.surface, stage.axis.points
-        return surveyed(self.surface, found, axis, stage.centerline, self.faces)
+        how = stage.centerline, self.faces, self.given_names
+        return surveyed(self.surface, found, axis, *how)
 
     def _narrowed(self, stage: Stage, treated: TreatedStent) -> Iterator[Caution]:
         """Whether later stents pushed tissue into this one; measured only if it may be."""

@@ -13,7 +13,16 @@ from ..geometry import NamedFaces, Precision, Surface, length
 from ..lumen import DiameterProfile, diameter_profile
 from ..stent import AtCenter, AtDistalEnd, Stent
 from ..validation import Points
-from ..vessel import Lesion, LineSeeds, branch_names, find_lesions, lesions_against, line_seeds
+from ..vessel import (
+    Lesion,
+    LineSeeds,
+    VesselName,
+    branch_names,
+    find_lesions,
+    given_names,
+    lesions_against,
+    line_seeds,
+)
 from .placing import placement_at
 from .sizing import SizingWishes, Suggestion, suggested
 from .straightening import axis_in_vessel
@@ -33,12 +42,15 @@ class Vessel:
         Healthy vessel that the user marked, mm.
     faces : NamedFaces or None
         Of the wall; they name the branches.
+    names : tuple of VesselName
+        What the user calls its vessels; they come first.
     """
 
     surface: Surface
     centerline: Centerline | None = None
     reference: tuple[Points, ...] = ()
     faces: NamedFaces | None = None
+    names: tuple[VesselName, ...] = ()
 
     @property
     def root(self) -> Points | None:
@@ -50,7 +62,15 @@ class Vessel:
     def branch_names(self) -> tuple[str, ...]:
         """Of the centerline's branches, from that at the root on."""
         tree = self.centerline
-        return () if tree is None else branch_names(self.surface, tree, self.faces)
+        if tree is None:
+            return ()
+        return branch_names(self.surface, tree, self.faces, self.given_names)
+
+    @cached_property
+    def given_names(self) -> tuple[str | None, ...]:
+        """`given_names` of its branches, none without a centerline; errors as of that."""
+        tree = self.centerline
+        return () if tree is None else given_names(self.surface, tree, self.names, self.faces)
 
     @property
     def branches(self) -> dict[int, Points]:
@@ -68,11 +88,11 @@ class Vessel:
         Raises
         ------
         InputError
-            Places of the reference that cannot be one.
+            Places of the reference that cannot be one; as of `given_names`.
         """
         if self.centerline is None:
             return None
-        found = find_lesions(self.surface, self.centerline, self.faces)
+        found = find_lesions(self.surface, self.centerline, self.faces, self.given_names)
         if not self.reference:
             return found
         return lesions_against(found, self.reference, self.surface, self.centerline)

@@ -7,6 +7,8 @@ from .branch_lumen import branch_lumens as branch_lumens
 from .branch_names import branch_names as branch_names
 from .branch_names import named_branches as named_branches
 from .branch_names import size_words as size_words
+from .given_names import VesselName as VesselName
+from .given_names import given_names as given_names
 from .lesion_measuring import lesions_after as lesions_after
 from .lesion_value import HealthyPlace as HealthyPlace
 from .lesion_value import Lesion as Lesion
@@ -27,6 +29,7 @@ from .ostia import FREE as FREE
 from .ostia import LISTED as LISTED
 from .ostia import Ostium as Ostium
 from .ostia import find_ostia as find_ostia
+from .tree_around import branch_of as branch_of
 from .vessel_ends import LineSeeds as LineSeeds
 from .vessel_ends import VesselEnd as VesselEnd
 from .vessel_ends import line_seeds as line_seeds

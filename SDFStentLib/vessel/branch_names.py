@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ..centerline import Centerline
@@ -17,7 +19,10 @@ BESIDE = 2.0
 
 
 def branch_names(
-    surface: Surface, centerline: Centerline, faces: NamedFaces | None = None
+    surface: Surface,
+    centerline: Centerline,
+    faces: NamedFaces | None = None,
+    given: Sequence[str | None] = (),
 ) -> tuple[str, ...]:
     """One name for every branch, as `find_ostia` calls those whose ends the faces tell.
 
@@ -28,6 +33,8 @@ def branch_names(
         Of the same vessel.
     faces : NamedFaces, optional
         Of the surface.
+    given : sequence of str or None
+        What the user calls them, by branch, as `given_names` tells; it comes first.
 
     Returns
     -------
@@ -40,7 +47,9 @@ def branch_names(
     names = []
     by_size = _by_size(centerline)
     for number, ids in enumerate(_leading_to(surface, centerline, faces)):
-        if faces is None or not ids or (len(ids) > 1 and not ids <= faces.names.keys()):
+        if given and (own := given[number]) is not None:
+            names.append(own)
+        elif faces is None or not ids or (len(ids) > 1 and not ids <= faces.names.keys()):
             names.append(f"branch {number + 1} {by_size[number]}")
         else:
             names.append(faces.branch_name(sorted(ids)))
@@ -71,17 +80,21 @@ def _by_size(tree: Centerline) -> list[str]:
 
 
 def named_branches(
-    surface: Surface, centerline: Centerline, faces: NamedFaces | None = None
+    surface: Surface,
+    centerline: Centerline,
+    faces: NamedFaces | None = None,
+    given: Sequence[str | None] = (),
 ) -> tuple[str | None, ...]:
-    """For every branch the name that the faces of the model give it, None without one.
+    """For every branch the name that the user or the faces of the model give it, None without one.
 
     Arguments as of `branch_names`. A branch to several ends has one where all of them have.
     """
+    given = given or (None,) * len(centerline.branches)
     if faces is None or not faces.names:
-        return (None,) * len(centerline.branches)
+        return tuple(given)
     return tuple(
-        faces.branch_name(sorted(ids)) if ids and ids <= faces.names.keys() else None
-        for ids in _leading_to(surface, centerline, faces)
+        own or (faces.branch_name(sorted(ids)) if ids and ids <= faces.names.keys() else None)
+        for own, ids in zip(given, _leading_to(surface, centerline, faces), strict=True)
     )
 
 
@@ -89,12 +102,7 @@ def _leading_to(
     surface: Surface, centerline: Centerline, faces: NamedFaces | None
 ) -> list[set[int]]:
     """By branch the faces at the ends to which it leads; at the root that of its own end."""
-    caps = _caps(surface, faces) if faces is not None else {}
-    face_at = {
-        int(end): number
-        for end in (*centerline.roots, *centerline.leaves)
-        if (number := _cap_near(centerline.points[end], caps)) is not None
-    }
+    face_at = {} if faces is None else faces_at_ends(surface, centerline, faces)
     leads_to = _faces_beyond(centerline, face_at)
     found = []
     for branch in centerline.branches:
@@ -105,6 +113,16 @@ def _leading_to(
             ids = {face_at[start]} if start in face_at and len(centerline.branches) > 1 else set()
         found.append(ids)
     return found
+
+
+def faces_at_ends(surface: Surface, centerline: Centerline, faces: NamedFaces) -> dict[int, int]:
+    """By points of a centerline at which it ends: the face of the model there that is a cap."""
+    caps = _caps(surface, faces)
+    return {
+        int(end): number
+        for end in (*centerline.roots, *centerline.leaves)
+        if (number := _cap_near(centerline.points[end], caps)) is not None
+    }
 
 
 def _caps(surface: Surface, faces: NamedFaces) -> dict[int, tuple[Points, float]]:

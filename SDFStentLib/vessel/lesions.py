@@ -30,7 +30,7 @@ from .lesion_measuring import as_place, lesions_after, measured
 from .lesion_sections import OWN_SECTION
 from .lesion_value import HealthyPlace, Lesion, Place, reference_words
 from .narrowings import PLATEAU, Narrowing, Plateau, narrowings
-from .runs import VesselRun, vessel_runs
+from .runs import VesselRun, is_main, vessel_runs
 
 _ASLANT = 2.0
 """An axis that goes aslant meets the section within so many radii of its middle."""
@@ -43,17 +43,16 @@ SMALL_VESSEL = 3.0
 """Healthy diameter below which lesions come last, mm: pulmonary artery stents in the device table
 begin at 4 mm, and rows of a balloon at 2."""
 
-MAIN = 0.3
-"""Share of the caliber of the vessel at the root from which one that comes from it is a main one:
-both pulmonary arteries of the anatomies have more, what else leaves the trunk less."""
-
 SAME_WALL = 0.9
 """Share of the diameter of a narrowing from which the ostium of a branch that leaves there is no
 lesion of its own: stations are too far apart to tell more."""
 
 
 def find_lesions(
-    surface: Surface, centerline: Centerline, faces: NamedFaces | None = None
+    surface: Surface,
+    centerline: Centerline,
+    faces: NamedFaces | None = None,
+    given: Sequence[str | None] = (),
 ) -> tuple[Lesion, ...]:
     """All lesions of a vessel tree: of the main vessels first, then the tightest first.
 
@@ -67,6 +66,8 @@ def find_lesions(
         Vessels begin at its root.
     faces : NamedFaces, optional
         Of the surface; they name the branches.
+    given : sequence of str or None
+        `given_names`, which come before those.
 
     Returns
     -------
@@ -82,15 +83,15 @@ def find_lesions(
     """
     runs = vessel_runs(branch_lumens(as_surface(surface), centerline))
     found = _found(runs)
-    named = named_branches(surface, centerline, checked_faces(faces, len(surface.triangles)))
+    faces = checked_faces(faces, len(surface.triangles))
+    named = named_branches(surface, centerline, faces, given)
     areas = _healthy_areas(surface, found)
-    main = [_is_main(run, runs) for run in runs]
+    main = [is_main(run, runs) for run in runs]
     starts = centerline.arc_length[[branch[0] for branch in centerline.branches]]
-    lesions = []
-    for one, healthy in zip(found, areas, strict=True):
-        otherwise = vessel_name(one.run, main[one.vessel])
-        names = [name or otherwise for name in named]
-        lesions.append(_begun(one, healthy, names, starts, surface))
+    lesions = [
+        _begun(one, starts, named, vessel_name(one.run, main[one.vessel]), *pair, surface)
+        for one, pair in zip(found, areas, strict=True)
+    ]
 
     def rank(lesion: Lesion) -> tuple[bool, bool, float]:
         is_small = lesion.reference_diameter < SMALL_VESSEL
@@ -243,24 +244,18 @@ def _found(runs: Sequence[VesselRun]) -> list[_Found]:
     return [one for one in found if not any(one.is_part_of(other) for other in found)]
 
 
-def _is_main(run: VesselRun, runs: Sequence[VesselRun]) -> bool:
-    """Whether a vessel begins at the root, or is one of the large ones that come from that."""
-    if run.generation == 0:
-        return True
-    return run.generation == 1 and run.caliber >= MAIN * runs[run.parent].caliber
-
-
 def _begun(
     found: _Found,
-    healthy: Sequence[HealthyPlace | None],
-    names: Sequence[str],
     starts: Floats,
+    named: Sequence[str | None],
+    otherwise: str,
+    proximal: HealthyPlace | None,
+    distal: HealthyPlace | None,
     surface: Surface,
 ) -> Lesion:
     """A narrowing with its reference, and diameters along its line.
 
-    Arc lengths become those of the centerline, on whose branches with `names` and `starts` (n,) it
-    lies.
+    Arc lengths become those of the centerline, on whose branches with `starts` (n,) it lies.
     """
     run, narrow = found.run, found.narrow
     inner = (run.along > narrow.start) & (run.along < narrow.end)
@@ -273,11 +268,11 @@ def _begun(
     shift = float(starts[run.branch[at]] + run.branch_along[at] - run.along[at])
     sides = [
         None if side is None else replace(side, arc_length=side.arc_length + shift)
-        for side in healthy
+        for side in (proximal, distal)
     ]
     return Lesion(
         branch=int(run.branch[at]),
-        branch_name=names[run.branch[at]],
+        branch_name=named[run.branch[at]] or otherwise,
         branch_arc_length=float(run.branch_along[at]),
         arc_length=float(run.along[at]) + shift,
         start=float(narrow.start) + shift,

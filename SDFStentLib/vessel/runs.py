@@ -21,6 +21,10 @@ flow goes with D^(7/3) in arterial trees of several organs and species (exponent
 pmc.ncbi.nlm.nih.gov/articles/PMC2716468). Of four rules that of these authors agreed with
 coronary bifurcations of all types (Huo et al., doi:10.4244/EIJV7I11A206)."""
 
+MAIN = 0.3
+"""Share of the caliber of the vessel at the root from which one that comes from it is a main one:
+both pulmonary arteries of the anatomies have more, what else leaves the trunk less."""
+
 LOCAL = 4.0
 """Diameters above a junction over which the caliber of the vessel that comes is looked for."""
 
@@ -74,6 +78,13 @@ def vessel_runs(lumens: Sequence[BranchLumen]) -> list[VesselRun]:
         found.append(run)
         waiting += [(number, len(found) - 1) for number in leaving]
     return found
+
+
+def is_main(run: VesselRun, runs: Sequence[VesselRun]) -> bool:
+    """Whether a vessel begins at the root, or is one of the large ones that come from that."""
+    if run.generation == 0:
+        return True
+    return run.generation == 1 and run.caliber >= MAIN * runs[run.parent].caliber
 
 
 def _continuation(tree: LumenTree, chain: Sequence[int]) -> int | None:

@@ -62,6 +62,16 @@ def place_of(tree: Centerline, index: int) -> Location:
     return Location(tree.points[index], 0.0, tree.neighbors.of(index)[0], 0.0, at, radius)
 
 
+def branch_of(tree: Centerline, place: Location) -> int:
+    """The index of the branch of the centerline at a place."""
+    above = int(tree.parent[place.index])
+    return next(
+        number
+        for number, branch in enumerate(tree.branches)
+        if place.index in branch and above in branch
+    )
+
+
 class LinesFromAxis:
     """The ways from both ends of an axis into a tree. They share most of their points.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +11,8 @@ from ..cautions import in_file
 from ..centerline import Centerline, Location
 from ..geometry import NamedFaces, Surface, oriented_triangles
 from ..validation import Indices, Points
-from .branch_names import branch_names
+from .branch_names import branch_names, faces_at_ends
+from .tree_around import branch_of
 from .vessel_ends import vessel_ends
 
 MOSTLY = 0.5
@@ -36,23 +37,14 @@ class VesselParts(NamedTuple):
     units: str = "mm"
     """Of the file of the surface, in which places are told, too."""
 
-    def branch_of(self, place: Location) -> int:
-        """The index of the branch of the centerline at a place."""
-        above = int(self.tree.parent[place.index])
-        return next(
-            number
-            for number, branch in enumerate(self.tree.branches)
-            if place.index in branch and above in branch
-        )
-
     def branch_name(self, place: Location) -> str:
         """Of the branch of the centerline at a place."""
-        return self.branch_names[self.branch_of(place)]
+        return self.branch_names[branch_of(self.tree, place)]
 
     def said(self, point: Points) -> str:
         """A point (3,) in words: where it is, and how far along which branch."""
         place = self.tree.project(point)
-        branch = self.branch_of(place)
+        branch = branch_of(self.tree, place)
         x, y, z = point.tolist()
         along = place.arc_length - self.tree.arc_length[self.tree.branches[branch][0]]
         return (
@@ -62,12 +54,16 @@ class VesselParts(NamedTuple):
 
 
 def vessel_parts(
-    surface: Surface, tree: Centerline, faces: NamedFaces | None = None, units: str = "mm"
+    surface: Surface,
+    tree: Centerline,
+    faces: NamedFaces | None = None,
+    units: str = "mm",
+    given: Sequence[str | None] = (),
 ) -> VesselParts:
     """A vessel with its flat caps known, by the faces of the model where it has any.
 
-    `units` are those of its file. A flat cap that the model does not tell from the wall gets a
-    number of its own.
+    `units` are those of its file, `given` the names of branches as `branch_names` takes them. A
+    flat cap that the model does not tell from the wall gets a number of its own.
     """
     ids = np.ones(len(surface.triangles), np.int64) if faces is None else faces.ids.copy()
     caps = set()
@@ -81,14 +77,19 @@ def vessel_parts(
             number = int(ids.max()) + 1
             ids[end.faces] = number
         caps.add(number)
+    names = {} if faces is None else dict(faces.names)
+    if given:
+        at_end = faces_at_ends(surface, tree, NamedFaces(ids))
+        called = {at_end.get(int(branch[-1])): given[n] for n, branch in enumerate(tree.branches)}
+        names |= {face: name for face, name in called.items() if face is not None and name}
     outward = oriented_triangles(surface.points, surface.wound_triangles.copy(), tree.points)
     return VesselParts(
         Surface(surface.points, outward),
         tree,
         ids,
-        {} if faces is None else dict(faces.names),
+        names,
         frozenset(caps),
         np.array([end.center for end in ends]).reshape(-1, 3),
-        branch_names(surface, tree, faces),
+        branch_names(surface, tree, faces, given),
         units,
     )
