@@ -53,7 +53,7 @@ def measure_command(options: argparse.Namespace, console: Console) -> int:
         raise InputError("expected --centerline FILE with --csv, got none; give one.")
     outputs = Outputs([options.surface, options.centerline, options.axis, options.names])
     if options.csv is not None:
-        outputs.add(options.csv, lambda path: _write_text(path, table))
+        outputs.add(options.csv, lambda path: _write_lesions(path, inputs))
     spacing = as_number(options.spacing, "--spacing", unit="mm", above=0)
     smallest = SMALL_VESSEL if options.smallest_vessel is None else options.smallest_vessel
     smallest = as_number(smallest, "--smallest-vessel", unit="mm", minimum=0)
@@ -64,7 +64,6 @@ def measure_command(options: argparse.Namespace, console: Console) -> int:
         MeasuredLine(title, points, vessel.diameters(points, spacing)) for title, points in ways
     ]
     warnings += [gap.labeled(f"{line.title}: ") for line in lines for gap in line.profile.gaps]
-    table = lesions_csv(vessel.lesions or (), units)
     outputs.write()
     if options.json:
         document = _document(inputs, lines, warnings, smallest)
@@ -126,10 +125,11 @@ def _ways(
     """The lines to be measured with their titles, and warnings."""
     warnings = list(inputs.warnings)
     if way is None:
-        branches = inputs.vessel.branches if options.tables else {}
+        if not options.tables:
+            return [], warnings
         names = inputs.vessel.branch_names
-        titles = {n: names[n - 1][:1].upper() + names[n - 1][1:] for n in branches}
-        return [(titles[n], line) for n, line in branches.items()], warnings
+        titles = {n: names[n - 1][:1].upper() + names[n - 1][1:] for n in inputs.vessel.branches}
+        return [(titles[n], line) for n, line in inputs.vessel.branches.items()], warnings
     place = place_of(options, way, inputs.surface.frame)
     stent = Stent(
         _PROBE_DIAMETER,
@@ -152,8 +152,9 @@ def _ways(
     return [("Part", axis.points)], [*warnings, *place.warnings, *told]
 
 
-def _write_text(path: Path, text: str) -> None:
-    path.write_text(text, encoding="utf-8")
+def _write_lesions(path: Path, inputs: InputFiles) -> None:
+    table = lesions_csv(inputs.vessel.lesions or (), inputs.surface.units)
+    path.write_text(table, encoding="utf-8")
 
 
 def _document(

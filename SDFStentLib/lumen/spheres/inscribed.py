@@ -230,7 +230,7 @@ def _largest_spheres(
     surface: LocalSurface, starts: Points, axes: Floats, until: Until
 ) -> InscribedSpheres:
     """Climb among points of the wall, then on it, then make sure that no wall lies between."""
-    centers, bounds = _rough(surface, starts, axes)
+    centers, bounds = _rough(surface, starts, axes, until._replace(tolerance=_ROUGH_TOLERANCE))
     lost = np.isnan(bounds)
     centers[lost], bounds[lost] = starts[lost], surface.distances(starts[lost])
     box = np.where(lost, _FIRST_BOX, _SMALLEST_BOX)
@@ -248,8 +248,8 @@ def _largest_spheres(
     return InscribedSpheres(centers, radii)
 
 
-def _rough(surface: LocalSurface, starts: Points, axes: Floats) -> InscribedSpheres:
-    """Spheres among points of the wall, few first; radii are at least those to the wall.
+def _rough(surface: LocalSurface, starts: Points, axes: Floats, until: Until) -> InscribedSpheres:
+    """Spheres among points of the wall, few first; radii are no smaller than to the wall.
 
     NaN where that leads out of the surface, and everywhere where the wall has few triangles.
     """
@@ -265,7 +265,7 @@ def _rough(surface: LocalSurface, starts: Points, axes: Floats) -> InscribedSphe
         centers = np.where(np.isnan(radii)[:, None], starts, centers)
         begin = InscribedSpheres(centers, wall.distances(centers))
         box = 2 * _SMALLEST_BOX if number else _FIRST_BOX
-        centers, radii = _climb(wall, begin, axes, Until(_ROUGH_TOLERANCE), first_box=box)
+        centers, radii = _climb(wall, begin, axes, until, first_box=box)
     return InscribedSpheres(centers, radii)
 
 
