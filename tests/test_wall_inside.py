@@ -9,8 +9,11 @@ import pytest
 from deployment_cases import phantom
 
 from SDFStentLib.deformation import DeploymentSettings, deploy
+from SDFStentLib.deformation.wall_around import WallAround
 from SDFStentLib.deformation.wall_check import wall_check
 from SDFStentLib.field import CapsuleChain, RadiusShares
+from SDFStentLib.geometry import SurfaceIndex, tangents
+from SDFStentLib.lumen import inscribed_spheres
 
 
 def depth_of(surface, axis, radius):
@@ -107,3 +110,25 @@ def test_a_thin_stent_with_a_profile_from_which_all_wall_is_far_has_none_inside(
     nothing = np.empty((0, 3), dtype=np.int64)
     assert wall_check(np.zeros((3, 3)), nothing, chain, 1.0).depth == 0
     assert wall_check(np.full((3, 3), 9.0), np.array([[0, 1, 2]]), chain, 1.0).depth == 0
+
+
+@pytest.mark.parametrize("edge_length", [0.7, 1.2])
+def test_what_the_wall_tells_of_a_station_is_what_searches_find(edge_length):
+    tube = phantom("branching_pulmonary_artery", edge_length=edge_length)
+    points, triangles = tube.surface.points, tube.surface.triangles
+    line = tube.centerline
+    stations = line.path(line.points[line.roots[0]], line.points[line.leaves[0]]).points[8:-8]
+    exact = SurfaceIndex(points, triangles).distances(stations).distance
+    # Not even where the box is too small to hold what is nearest.
+    for reach in (30.0, 0.1):
+        around = WallAround(points, triangles, stations, reach)
+        np.testing.assert_array_equal(around.distances(stations), exact)
+
+    directions = tangents(stations)
+    spheres = inscribed_spheres(points, triangles, stations, directions)
+    room = WallAround(points, triangles, stations, 30.0).room(stations, directions)
+    holds = np.linalg.norm(spheres.centers - stations, axis=1) < spheres.radii
+    assert holds.mean() > 0.9
+    assert (room >= spheres.radii - 1e-9)[holds].all()
+    assert (room < 1.05 * spheres.radii).any()
+    assert (room > 1.05 * spheres.radii).any()

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..field import fractions_of
-from ..geometry import arc_lengths, dot
+from ..geometry import arc_lengths, dot, nearest_distances
 from ..validation import Points, Triangles
 from .motion import Motion
 
@@ -148,12 +148,17 @@ def drawn_in(motion: Motion, positions: Points, own: OwnWall, stent: Expanded) -
     where, share = own.numbers[may_be], own.share[may_be]
     start = own.start[may_be]
     native = stent_distance(motion, where, start, radius)
-    lumen = np.maximum(_native_lumen(motion, own.start, start, radius), radius)
-    unreached = np.minimum((lumen / radius - 1) / UNREACHED, 1)
-    factor = DRAG_BOUND + (UNREACHED_BOUND - DRAG_BOUND) * unreached
-    allowed = lumen + factor * np.maximum(native - lumen, 0)
+    distance = stent_distance(motion, where, positions[where], radius)
+    nearest = nearest_distances(motion.chain.nodes, own.start)
+    # The bound falls with the lumen up to the wall's own distance: the widest one has the least.
+    widest = np.maximum(nearest.max() + motion.chain.shortfall(start, radius), radius)
+    least = _allowed(np.minimum(widest, np.maximum(native, radius)), native, radius)
+    doubtful = np.flatnonzero(distance > (least + motion.offset[where]) * (1 - ROUNDING))
+    where, share, start = where[doubtful], share[doubtful], start[doubtful]
+    native, distance = native[doubtful], distance[doubtful]
+    lumen = np.maximum(_native_lumen(motion, nearest, start, radius), radius)
+    allowed = _allowed(lumen, native, radius)
     bound = allowed + _beyond_ends(motion, where, positions[where]) + motion.offset[where]
-    distance = stent_distance(motion, where, positions[where], stent.radius)
     too_far = distance > bound * (1 + ROUNDING)
     where, bound = where[too_far], (distance + share * (bound - distance))[too_far]
     for _ in range(FINISH_ROUNDS):
@@ -162,14 +167,23 @@ def drawn_in(motion: Motion, positions: Points, own: OwnWall, stent: Expanded) -
     return OnStent(positions, where[bound <= (1 + NEGLIGIBLE) * radius])
 
 
-def _native_lumen(
-    motion: Motion, wall: Points, beside: Points, radius: float
+def _allowed(
+    lumen: NDArray[np.float64], native: NDArray[np.float64], radius: float
 ) -> NDArray[np.float64]:
-    """Distance (n,), mm, from the axis beside some points to the nearest of a wall."""
-    from scipy.spatial import cKDTree
+    """How far (n,) from the axis wall may end in a lumen, from how far it was, all in mm."""
+    unreached = np.minimum((lumen / radius - 1) / UNREACHED, 1)
+    factor = DRAG_BOUND + (UNREACHED_BOUND - DRAG_BOUND) * unreached
+    return lumen + factor * np.maximum(native - lumen, 0)
 
+
+def _native_lumen(
+    motion: Motion, nearest: NDArray[np.float64], beside: Points, radius: float
+) -> NDArray[np.float64]:
+    """Distance (n,), mm, from the axis beside some points to the nearest of the wall.
+
+    From that of the nodes (m,), mm.
+    """
     nodes = motion.chain.nodes
-    nearest = cKDTree(wall).query(nodes)[0]
     along = arc_lengths(nodes) / arc_lengths(nodes)[-1]
     found = np.interp(fractions_of(beside, nodes), along, nearest)
     return found + motion.chain.shortfall(beside, radius)
@@ -247,10 +261,12 @@ def _cutting_edges(
     # At a straight axis no place of an edge is nearer than this.
     nearest = distance[ends].min(axis=1) ** 2 - dot(sides, sides) / 4
     wanted = radius + motion.offset[ends].min(axis=1)
-    ends, wanted = ends[nearest < wanted**2], wanted[nearest < wanted**2]
-    at_ends = [stent_distance(motion, one, positions[one], radius) for one in ends.T]
+    may_cut = np.flatnonzero(nearest < wanted**2)
+    ends, wanted = ends.take(may_cut, axis=0), wanted[may_cut]
+    used = np.unique(ends)
+    distance[used] = stent_distance(motion, used, positions[used], radius)
     middle = stent_distance(motion, ends[:, 0], _middles(positions, ends), radius)
-    inside = _edge_distance(np.stack(at_ends, axis=1), middle) < (1 - NEGLIGIBLE) * wanted
+    inside = _edge_distance(distance[ends], middle) < (1 - NEGLIGIBLE) * wanted
     return ends[inside]
 
 

@@ -15,7 +15,6 @@ from ..certificate import NARROWER, WIDER, LumenCheck, MotionCheck, Place
 from ..field import CapsuleChain, fractions_of
 from ..geometry import Surface, may_meet_box, resampled, tangents
 from ..lumen import (
-    LocalSurface,
     Until,
     caps_across,
     equivalent_diameters,
@@ -23,6 +22,7 @@ from ..lumen import (
     winding_numbers,
 )
 from ..validation import Floats, Points, Triangles
+from .wall_around import WallAround
 from .wall_check import wall_check
 
 COARSEST = np.sqrt(2.0)
@@ -33,7 +33,7 @@ ROUGH = 0.01
 too narrow, and the tolerance of spheres that may be too wide."""
 
 NEAR = 2.0
-"""Distance from the axis, in radii, of the triangles among which wide spheres are looked for."""
+"""Distance from the axis, in radii, of the triangles that are looked at first."""
 
 CAPS_WITHIN = 2.0
 """Distance from the stent's ends, in its radii, within which flat caps count as open."""
@@ -90,9 +90,10 @@ def lumen_check(
 ) -> LumenCheck:
     """Whether the lumen along a stent is the prescribed one.
 
-    The wall's distance from the axis is a lower bound of the inscribed sphere; only where that is
-    too little, the sphere itself is looked for. Flat caps of in- and outlets count as open. A
-    sphere climbs to where there is room, so the wall itself is looked at, too.
+    The wall's distance from the axis is a lower bound of the inscribed sphere, and wall on all
+    sides gives an upper one; only where these do not tell, the sphere itself is looked for. Flat
+    caps of in- and outlets count as open. A sphere climbs to where there is room, so the wall
+    itself is looked at, too.
 
     Parameters
     ----------
@@ -103,21 +104,19 @@ def lumen_check(
         The surface just before and after this stent, where there are others: these may be wider.
     """
     chain, radius, _ = stent
-    narrow = _narrowest(before, after, chain, radius)
-    widest, native, widest_at = _widest(*(own or (before, after)), stent)
-    near = _open_and_near(before, after.points, chain, radius)
-    wall = wall_check(after.points, near, chain, radius)
+    reach = NEAR * radius
+    around = own_around = WallAround(after.points, after.triangles, chain.nodes, reach)
+    narrow = _narrowest(before, after, around, chain, radius)
+    if own is not None:
+        own_around = WallAround(own[1].points, own[1].triangles, chain.nodes, reach)
+    widest, native, widest_at = _widest(*(own or (before, after)), own_around, stent)
+    # Flat caps across its ends that were there before are no wall.
+    is_cap = caps_across(before, chain.nodes, CAPS_WITHIN * radius)[around.faces]
+    is_wall = around.within(radius) & ~is_cap
+    wall = wall_check(around.points, around.triangles[is_wall], chain, radius)
     return LumenCheck(
         2 * narrow.wanted, 2 * narrow.width, narrow.at, 2 * widest, widest_at, 2 * native, wall
     )
-
-
-def _open_and_near(before: Surface, after: Points, chain: CapsuleChain, radius: float) -> Triangles:
-    """The triangles round a stent, without the flat caps across its ends that were there before."""
-    nodes, triangles = chain.nodes, before.triangles
-    low, high = nodes.min(axis=0) - radius, nodes.max(axis=0) + radius
-    is_near = may_meet_box(after, triangles, low, high)
-    return triangles[is_near & ~caps_across(before, nodes, CAPS_WITHIN * radius)]
 
 
 class _Narrowest(NamedTuple):
@@ -128,13 +127,16 @@ class _Narrowest(NamedTuple):
     at: Place
 
 
-def _narrowest(before: Surface, after: Surface, chain: CapsuleChain, radius: float) -> _Narrowest:
+def _narrowest(
+    before: Surface, after: Surface, around: WallAround, chain: CapsuleChain, radius: float
+) -> _Narrowest:
     stations, wanted = chain.nodes, chain.inscribed_radii(radius, chain.nodes, in_caps=True)
     points, triangles = after.points, after.triangles
-    width = LocalSurface(points, triangles, stations).distances(stations)
+    width = around.distances(stations)
     if (width < (1 - ROUGH) * wanted).any():
         triangles = triangles[~caps_across(before, stations, CAPS_WITHIN * radius)]
-        width = LocalSurface(points, triangles, stations).distances(stations)
+        around = WallAround(points, triangles, stations, NEAR * radius)
+        width = around.distances(stations)
     doubtful = np.flatnonzero(width < (1 - ROUGH) * wanted)
     if len(doubtful):
         directions = tangents(stations)[doubtful]
@@ -144,41 +146,48 @@ def _narrowest(before: Surface, after: Surface, chain: CapsuleChain, radius: flo
     if width[at] < (1 - NARROWER) * wanted[at]:
         return _Narrowest(float(width[at]), float(wanted[at]), _place(stations[at]))
     middle = len(stations) // 2
-    if _is_outside(
-        points, triangles, stations[[middle, 0, -1]], tangents(stations)[[middle, 0, -1]]
-    ):
+    three = [middle, 0, -1]
+    walls = (around.points, around.triangles), (points, triangles)
+    if _is_outside(walls, stations[three], tangents(stations)[three]):
         return _Narrowest(0.0, float(wanted[middle]), _place(stations[middle]))
     prescribed = float(wanted[at])
     return _Narrowest(min(float(width[at]), prescribed), prescribed, _place(stations[at]))
 
 
-def _widest(before: Surface, after: Surface, stent: Expected) -> tuple[float, float, Place]:
+def _widest(
+    before: Surface, after: Surface, around: WallAround, stent: Expected
+) -> tuple[float, float, Place]:
     """Largest sphere over what may be as wide, the latter, and the station; radii."""
     chain, radius, _ = stent
     # A sphere reaches over its neighbors at this distance, and need not be exact.
     stations = resampled(chain.nodes, radius / 2)
     directions = tangents(stations)
-    low, high = stations.min(axis=0) - NEAR * radius, stations.max(axis=0) + NEAR * radius
     points, triangles = after.points, after.triangles
-    near = triangles[may_meet_box(points, triangles, low, high)]
     prescribed = _beside_wider_parts(chain, radius, stations)
     least = float(prescribed[0])
-    if not len(near):
-        return least, least, _place(stations[0])
-    until = Until(ROUGH * radius)
-    found = inscribed_spheres(points, near, stations, directions, until).radii
-    wide = np.flatnonzero(found > (1 + WIDER) * prescribed)
+    nothing = least, least, _place(stations[0])
+    if not len(around.faces):
+        return nothing
+    most = (1 + WIDER) * prescribed
+    is_wide = around.room(stations, directions) > most
+    if is_wide.any():
+        # What a rough search finds depends on the stations beside, so it is for all of them.
+        low, high = stations.min(axis=0) - NEAR * radius, stations.max(axis=0) + NEAR * radius
+        near = triangles[may_meet_box(points, triangles, low, high)]
+        found = inscribed_spheres(points, near, stations, directions, Until(ROUGH * radius))
+        is_wide &= found.radii > most
+    wide = np.flatnonzero(is_wide)
     if not len(wide):
-        return least, least, _place(stations[0])
+        return nothing
     # Fewer triangles are never nearer; where there is doubt all of them are looked at.
     triangles = triangles[~caps_across(before, chain.nodes, CAPS_WITHIN * radius)]
-    found[wide] = inscribed_spheres(points, triangles, stations[wide], directions[wide]).radii
+    widths = inscribed_spheres(points, triangles, stations[wide], directions[wide]).radii
     native = inscribed_spheres(
         _united(before.points, chain, radius), triangles, stations[wide], directions[wide]
     ).radii
     native = np.fmax(native + _dragged(stent, stations[wide], native), prescribed[wide])
-    worst = int((found[wide] / native).argmax())
-    return float(found[wide[worst]]), float(native[worst]), _place(stations[wide[worst]])
+    worst = int((widths / native).argmax())
+    return float(widths[worst]), float(native[worst]), _place(stations[wide[worst]])
 
 
 def _beside_wider_parts(chain: CapsuleChain, radius: float, stations: Points) -> Floats:
@@ -230,14 +239,17 @@ def _united(before: Points, chain: CapsuleChain, radius: float) -> Points:
     return united
 
 
-def _is_outside(points: Points, triangles: Triangles, stations: Points, directions: Points) -> bool:
-    """Whether no station lies in a closed section of the lumen, nor otherwise inside."""
-    for station, direction in zip(stations, directions, strict=True):
-        section = equivalent_diameters(points, triangles, station[None], direction[None])
-        is_inside = np.isfinite(section[0])
-        if is_inside or winding_numbers(station[None], points, triangles)[0] >= INSIDE:
-            return False
-    return True
+def _is_outside(
+    walls: tuple[tuple[Points, Triangles], ...], stations: Points, directions: Points
+) -> bool:
+    """Whether no station lies in a closed section of the lumen, nor otherwise inside.
+
+    By the wall nearby first, at last by the whole of it.
+    """
+    if any(np.isfinite(equivalent_diameters(*wall, stations, directions)).any() for wall in walls):
+        return False
+    whole = walls[-1]
+    return all(winding_numbers(station[None], *whole)[0] < INSIDE for station in stations)
 
 
 def _place(point: Floats) -> Place:

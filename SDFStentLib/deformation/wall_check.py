@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..certificate import NARROWER, NOTICEABLY_NARROWER, WallCheck
 from ..field import CapsuleChain, fractions_of
-from ..geometry import closest_points, length, norm
+from ..geometry import closest_points, compacted, length, norm
 from ..validation import Floats, Points, Triangles
 
 PLACES = 5
@@ -61,8 +61,7 @@ def _doubtful(
     points: Points, triangles: Triangles, chain: CapsuleChain, radius: float
 ) -> Triangles:
     """The triangles that may lie inside."""
-    used, local = np.unique(triangles, return_inverse=True)
-    corners, local = points[used], local.reshape(-1, 3)
+    corners, local = compacted(points, triangles)
     # The nodes may be as far beside the axis; so may a distance from them.
     beside = float(closest_points(chain.nodes, chain.followed).distances.max())
     distance = chain.axis_distance(corners) - beside

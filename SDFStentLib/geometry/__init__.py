@@ -9,6 +9,7 @@ from .connected_parts import component_labels as component_labels
 from .connected_parts import connected as connected
 from .distance import NearPairs as NearPairs
 from .distance import SurfaceIndex as SurfaceIndex
+from .distance import closest_points_on_triangles as closest_points_on_triangles
 from .faces import NO_HEIGHT as NO_HEIGHT
 from .faces import compacted as compacted
 from .faces import face_areas as face_areas

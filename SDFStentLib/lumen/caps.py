@@ -66,6 +66,9 @@ class FlatCap(NamedTuple):
     """Ascending."""
     normal: NDArray[np.float64]
     """(3,) unit vector."""
+    low: NDArray[np.float64]
+    high: NDArray[np.float64]
+    """(3,) corners of the box round it, mm."""
 
 
 def flat_caps(points: Points, faces: Triangles) -> list[FlatCap]:
@@ -93,11 +96,16 @@ def flat_caps(points: Points, faces: Triangles) -> list[FlatCap]:
     parts = np.split(chosen, np.flatnonzero(np.diff(spots)) + 1) if len(chosen) else []
     means = [normals[own].mean(axis=0) for own in parts]
     caps = [
-        FlatCap(own, mean / length)
+        FlatCap(own, mean / length, *_box(points[faces[own]]))
         for own, mean in zip(parts, means, strict=True)
         if (length := np.linalg.norm(mean)) >= ONE_WAY
     ]
     return sorted(caps, key=lambda cap: int(cap.faces[0]))
+
+
+def _box(corners: Points) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Lowest and highest corner of the box round triangles (k, 3, 3)."""
+    return corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
 
 
 def caps_of(surface: Surface) -> list[FlatCap]:
@@ -123,8 +131,9 @@ def caps_across(surface: Surface, axis: Points, reach: float) -> NDArray[np.bool
     for end, inner in (axis[:2], axis[:-3:-1]):
         direction = (end - inner) / np.linalg.norm(end - inner)
         for cap in caps_of(surface):
-            if abs(cap.normal @ direction) > ACROSS:
-                # Only its own points: a tree has hundreds of caps.
+            # A tree has hundreds of caps.
+            is_near = (cap.low <= end + reach).all() and (cap.high >= end - reach).all()
+            if is_near and abs(cap.normal @ direction) > ACROSS:
                 corners = points[triangles[cap.faces]].reshape(-1, 3)
                 faces = np.arange(len(corners)).reshape(-1, 3)
                 if may_meet_box(corners, faces, end - reach, end + reach).any():

@@ -1,0 +1,129 @@
+"""The wall round a stent, and what it alone tells of the room along the stent."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+
+from ..geometry import (
+    across,
+    closest_points_on_triangles,
+    compacted,
+    dot,
+    may_meet_box,
+    norm,
+    product,
+)
+from ..lumen import LocalSurface
+from ..validation import Flags, Floats, Points, Triangles
+
+WITNESSES = 5000
+"""Points of the wall, about, by which the room round a station is judged."""
+
+SIDES, ASIDE = 12, np.deg2rad(45.0)
+"""Directions across the axis, and how far aside a witness may lie: so there is one within 60
+degrees of every direction across."""
+
+TOGETHER, PAIRS = 8, 4096
+"""Stations, each of which has a bit, and pairs with triangles that are looked at together."""
+
+ROUNDING = 1e-9
+"""Share of the square of a distance."""
+
+
+class WallAround:
+    """The triangles of a surface in the box round a stent, in numbers of their own.
+
+    Parameters
+    ----------
+    points, triangles : (n, 3) and (m, 3) arrays
+        Of the whole surface.
+    axis : (k, 3) array
+        mm.
+    reach : float
+        How far beyond the axis the box goes, mm.
+
+    Attributes
+    ----------
+    faces : (t,) array
+        Numbers of the triangles in the whole surface.
+    points, triangles : (p, 3) and (t, 3) arrays
+    """
+
+    def __init__(self, points: Points, triangles: Triangles, axis: Points, reach: float) -> None:
+        self._whole, self._reach = (points, triangles), reach
+        self._low, self._high = axis.min(axis=0), axis.max(axis=0)
+        is_near = may_meet_box(points, triangles, self._low - reach, self._high + reach)
+        self.faces = np.flatnonzero(is_near)
+        self.points, self.triangles = compacted(points, triangles.take(self.faces, axis=0))
+
+    def within(self, reach: float) -> Flags:
+        """Which of the triangles (t,) are in a smaller box."""
+        return may_meet_box(self.points, self.triangles, self._low - reach, self._high + reach)
+
+    def distances(self, stations: Points) -> Floats:
+        """Exact distance (k,) from stations on the axis to the whole surface, mm.
+
+        A triangle is nearest in the foot on its plane or on a side. So the square of its distance
+        is below that of its nearest corner by a third of the square of its longest side at most,
+        and few triangles are looked at.
+        """
+        found = np.full(len(stations), np.inf)
+        for first in range(0, len(stations) if len(self.points) else 0, TOGETHER):
+            some = slice(first, first + TOGETHER)
+            self._shorten(found[some], stations[some])
+        # What is out of the box is farther away than this.
+        if (found > self._reach).any():
+            return LocalSurface(*self._whole, stations).distances(stations)
+        return found
+
+    def room(self, stations: Points, directions: Points) -> Floats:
+        """No sphere that holds a station has a larger radius (k,), mm, its middle being across.
+
+        A middle at x from a station, in a direction that makes up to 60 degrees with that of a
+        witness at w, is x^2 - x w + w^2 or less from the witness, squared: less than w^2 where x
+        is less than w, else not more than x^2. There the sphere would not hold the station.
+
+        Parameters
+        ----------
+        stations, directions : (k, 3) arrays
+            On the axis, mm, and along it, of unit length.
+        """
+        witnesses = self.points[:: max(1, len(self.points) // WITNESSES)]
+        angles = np.linspace(0, 2 * np.pi, SIDES, endpoint=False)
+        circle = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        found = np.empty(len(stations))
+        for number, sides in enumerate(circle @ across(directions)):
+            offset = witnesses - stations[number]
+            away = norm(offset)
+            is_there = product(sides, offset.T) >= np.cos(ASIDE) * away
+            found[number] = np.where(is_there, away, np.inf).min(axis=1, initial=np.inf).max()
+        return found
+
+    @cached_property
+    def _slack(self) -> Floats:
+        """A third of the square (p,) of the longest side of the triangles at each point, mm^2."""
+        corners = [self.points.take(corner, axis=0) for corner in self.triangles.T]
+        sides = (corners[k] - corners[k - 1] for k in range(3))
+        longest = np.maximum.reduce([dot(side, side) for side in sides])
+        slack = np.zeros(len(self.points))
+        for corner in self.triangles.T:
+            np.maximum.at(slack, corner, longest / 3)
+        return slack
+
+    def _shorten(self, found: Floats, stations: Points) -> None:
+        """Set distances (k,) of up to eight stations, where there is wall."""
+        squares = np.stack([dot(offset, offset) for offset in (self.points - s for s in stations)])
+        nearest = squares.min(axis=1, keepdims=True) * (1 + ROUNDING)
+        bits = np.packbits(squares - self._slack <= nearest, axis=0)[0]
+        one, other, third = (bits.take(corner) for corner in self.triangles.T)
+        may_be = one | other | third
+        rows = np.flatnonzero(may_be)
+        station, row = np.nonzero(np.unpackbits(may_be[None, rows], axis=0, count=len(stations)))
+        for first in range(0, len(station), PAIRS):
+            pairs = slice(first, first + PAIRS)
+            places = stations.take(station[pairs], axis=0)
+            triangles = self.triangles.take(rows.take(row[pairs]), axis=0)
+            closest = closest_points_on_triangles(places, self.points.take(triangles, axis=0))
+            np.minimum.at(found, station[pairs], norm(places - closest))
