@@ -52,10 +52,12 @@ def certain_contact(first: Floats, second: Floats, shared: int) -> tuple[Flags, 
         apart = _is_beside_plane(pair[one], pair[other], shared, _SAFETY * size**3)
         left, pair, size = left[~apart], pair[..., ~apart], size[~apart]
     for one, other in ((slice(0, 3), slice(3, 6)), (slice(3, 6), slice(0, 3))):
+        if not len(left):
+            break
         apart = _is_beside_side(pair[one], pair[other], shared, 4 * _SAFETY * size**4)
         left, pair, size = left[~apart], pair[..., ~apart], size[~apart]
 
-    if shared == 2:
+    if shared == 2 or not len(left):
         is_open[left] = True
         return meets, is_open
     hits, misses = _piercings(pair[:3], pair[3:], shared, size)

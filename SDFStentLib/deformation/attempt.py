@@ -144,7 +144,10 @@ class Attempt:
         local = np.flatnonzero(np.isin(self.patch.faces, faulty))
         if not len(local):
             return 0
-        wound, _ = consistently_wound(self.patch.triangles)
+        wound = self.patch.triangles
+        # Only at seams are triangles joined here that are not on the surface.
+        if self.patch.has_seams or not task.is_known_consistently_wound:
+            wound, _ = consistently_wound(wound)
         comparison = Comparison(self.patch_start, wound, task.precision)
         wall, others = np.split(self.positions, [self.wall_count])
         folded = Tangle(self.patch.points(task.surface.points, wall), local)

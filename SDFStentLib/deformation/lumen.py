@@ -179,10 +179,7 @@ def _allowed(
 def _native_lumen(
     motion: Motion, nearest: NDArray[np.float64], beside: Points, radius: float
 ) -> NDArray[np.float64]:
-    """Distance (n,), mm, from the axis beside some points to the nearest of the wall.
-
-    From that of the nodes (m,), mm.
-    """
+    """Distance (n,) from the axis beside points to the nearest wall, by that (m,) of nodes, mm."""
     nodes = motion.chain.nodes
     along = arc_lengths(nodes) / arc_lengths(nodes)[-1]
     found = np.interp(fractions_of(beside, nodes), along, nearest)
@@ -207,8 +204,7 @@ def facets_compensated(
     between two of them. What remains is measured: see `metrics.py`.
     """
     cutting = _cutting_edges(motion, positions, triangles, radius)
-    on_stent = np.union1d(on_stent, cutting.ravel())
-    ends = edges_on_stent(triangles, on_stent, len(positions))
+    ends = edges_on_stent(triangles, np.concatenate([on_stent, cutting.ravel()]), len(positions))
     sides = positions.take(ends[:, 0], axis=0) - positions.take(ends[:, 1], axis=0)
     longest = dot(sides, sides).max(initial=0)
     # An edge between two points of a circle lies inside it by its length squared over 8 radii.
@@ -263,7 +259,9 @@ def _cutting_edges(
     wanted = radius + motion.offset[ends].min(axis=1)
     may_cut = np.flatnonzero(nearest < wanted**2)
     ends, wanted = ends.take(may_cut, axis=0), wanted[may_cut]
-    used = np.unique(ends)
+    is_used = np.zeros(len(positions), dtype=bool)
+    is_used[ends] = True
+    used = np.flatnonzero(is_used)
     distance[used] = stent_distance(motion, used, positions[used], radius)
     middle = stent_distance(motion, ends[:, 0], _middles(positions, ends), radius)
     inside = _edge_distance(distance[ends], middle) < (1 - NEGLIGIBLE) * wanted

@@ -100,6 +100,11 @@ class Patch:
         return normals if facing >= 0 else -normals
 
     @property
+    def has_seams(self) -> bool:
+        """Whether some vertices lie at the same coordinates."""
+        return bool((self.twin != np.arange(len(self.twin))).any())
+
+    @property
     def has_several_parts(self) -> bool:
         """Whether walls come in parts here; they may be joined outside the patch."""
         start, end = self.triangles[:, :2].T, self.triangles[:, 1:].T

@@ -132,14 +132,17 @@ def untangled(
     triangles, wall_count = comparison.triangles, int(np.count_nonzero(motion.touchable))
     after, bad = begin.positions.copy(), begin.faulty
     neighbors = vertex_neighbors(triangles, len(after))
-    held = motion.field_at(np.arange(wall_count), after[:wall_count]).distance
-    reached = motion.distance_at(level) + motion.offset
-    floor = np.minimum(held, reached[:wall_count])
+    # As far out as it was, or as the stent comes; looked at where it first moves.
+    floor = (motion.distance_at(level) + motion.offset)[:wall_count]
+    is_known = np.zeros(wall_count, dtype=bool)
     best, rounds, idle = begin, 0, 0
     # Ends: counted; the best state is kept.
     while len(bad) and rounds < ROUNDS and idle < IDLE_ROUNDS:
         group = grown(np.unique(triangles[bad]), neighbors, rounds // ROUNDS_PER_RING)
         group = group[group < wall_count]
+        new = group[~is_known[group]]
+        floor[new] = np.minimum(floor[new], motion.field_at(new, after[new]).distance)
+        is_known[new] = True
         smooth = _neighbor_mean(after, neighbors, group)
         target = after[group] + relaxation * (smooth - after[group])
         field = motion.field_at(group, target)

@@ -10,7 +10,6 @@ from ..geometry import (
     across,
     closest_points_on_triangles,
     compacted,
-    dot,
     may_meet_box,
     norm,
     product,
@@ -28,8 +27,8 @@ degrees of every direction across."""
 TOGETHER, PAIRS = 8, 4096
 """Stations, each of which has a bit, and pairs with triangles that are looked at together."""
 
-ROUNDING = 1e-9
-"""Share of the square of a distance."""
+ROUNDING = 1e-12
+"""Share of the square of the largest distance that takes part."""
 
 
 class WallAround:
@@ -54,6 +53,7 @@ class WallAround:
     def __init__(self, points: Points, triangles: Triangles, axis: Points, reach: float) -> None:
         self._whole, self._reach = (points, triangles), reach
         self._low, self._high = axis.min(axis=0), axis.max(axis=0)
+        self._middle = (self._low + self._high) / 2
         is_near = may_meet_box(points, triangles, self._low - reach, self._high + reach)
         self.faces = np.flatnonzero(is_near)
         self.points, self.triangles = compacted(points, triangles.take(self.faces, axis=0))
@@ -102,21 +102,26 @@ class WallAround:
         return found
 
     @cached_property
-    def _slack(self) -> Floats:
-        """A third of the square (p,) of the longest side of the triangles at each point, mm^2."""
-        corners = [self.points.take(corner, axis=0) for corner in self.triangles.T]
-        sides = (corners[k] - corners[k - 1] for k in range(3))
-        longest = np.maximum.reduce([dot(side, side) for side in sides])
-        slack = np.zeros(len(self.points))
+    def _corners(self) -> tuple[Points, Floats, Floats]:
+        """Points (3, p) from the middle of the box, mm; halves (p,) of their squares; and of a
+        third of the square of the longest side of the triangles there, with what rounding does."""
+        corners = np.ascontiguousarray((self.points - self._middle).T)
+        halves = np.einsum("ij,ij->j", corners, corners) / 2
+        ends = [corners.take(corner, axis=1) for corner in self.triangles.T]
+        sides = (ends[k] - ends[k - 1] for k in range(3))
+        longest = np.maximum.reduce([np.einsum("ij,ij->j", side, side) for side in sides])
+        slack = np.zeros(len(halves))
         for corner in self.triangles.T:
-            np.maximum.at(slack, corner, longest / 3)
-        return slack
+            np.maximum.at(slack, corner, longest / 6)
+        return corners, halves, slack + ROUNDING * halves.max()
 
     def _shorten(self, found: Floats, stations: Points) -> None:
         """Set distances (k,) of up to eight stations, where there is wall."""
-        squares = np.stack([dot(offset, offset) for offset in (self.points - s for s in stations)])
-        nearest = squares.min(axis=1, keepdims=True) * (1 + ROUNDING)
-        bits = np.packbits(squares - self._slack <= nearest, axis=0)[0]
+        corners, halves, slack = self._corners
+        # Half of the squares of the distances, but for the stations' own, the same for all.
+        squares = halves - product(stations - self._middle, corners)
+        nearest = squares.min(axis=1, keepdims=True)
+        bits = np.packbits(squares <= nearest + slack, axis=0)[0]
         one, other, third = (bits.take(corner) for corner in self.triangles.T)
         may_be = one | other | third
         rows = np.flatnonzero(may_be)

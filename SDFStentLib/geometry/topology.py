@@ -199,14 +199,17 @@ def vertex_neighbors(triangles: Triangles, point_count: int | None = None) -> Ve
         Number of points; by default up to the highest index in use. Points without a triangle
         have no neighbours.
     """
-    pairs = edges(triangles).vertices
-    pairs = pairs[pairs[:, 0] != pairs[:, 1]]
-    count = int(pairs.max(initial=-1)) + 1 if point_count is None else point_count
-    start = np.r_[pairs[:, 0], pairs[:, 1]]
-    end = np.r_[pairs[:, 1], pairs[:, 0]]
-    order = np.lexsort((end, start))
-    offsets = np.r_[0, np.cumsum(np.bincount(start, minlength=count))]
-    return VertexNeighbors(offsets, end[order])
+    start, end = triangles.ravel(), _side_ends(triangles)
+    count = int(triangles.max(initial=-1)) + 1 if point_count is None else point_count
+    has_length = start != end
+    start, end = start[has_length], end[has_length]
+    # Every side both ways; a side of two triangles stands twice and counts once.
+    keys = np.concatenate([start * count + end, end * count + start])
+    keys.sort()
+    is_first = np.ones(len(keys), dtype=bool)
+    np.not_equal(keys[1:], keys[:-1], out=is_first[1:])
+    start, end = np.divmod(keys[is_first], count)
+    return VertexNeighbors(np.r_[0, np.cumsum(np.bincount(start, minlength=count))], end)
 
 
 def consistently_wound(triangles: Triangles) -> tuple[Triangles, Indices]:
