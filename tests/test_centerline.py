@@ -71,30 +71,39 @@ def assert_is_the_fork(tree: Centerline, tolerance: float = 1e-6) -> None:
 # ---- the forms of design section 5
 
 
-def test_overlapping_lines_from_the_inlet_become_a_fork():
-    tree = a_fork()
-    assert_is_the_fork(tree)
-    assert set(tree.inscribed_radius) == {3.0, 4.0, 5.0}
-
-
-def test_points_stored_against_the_cells_and_out_of_order_become_the_same_fork():
-    points, lines = stacked(fork_lines())
-    order = np.random.default_rng(3).permutation(len(points))
+def shuffled(points: np.ndarray, lines: list[np.ndarray], order: np.ndarray):
+    """The same lines through points that are stored in another order."""
     position = np.argsort(order)
-    tree = Centerline.from_lines(
-        points[order], [position[line] for line in lines], fork_radius(points[order])
-    )
-    assert_is_the_fork(tree)
-    flipped = Centerline.from_lines(
-        points[::-1], [len(points) - 1 - line for line in lines], fork_radius(points[::-1])
-    )
-    assert_is_the_fork(flipped)
+    return points[order], [position[line] for line in lines]
 
 
-def test_lines_that_run_to_the_inlet_instead_of_from_it_have_the_same_root():
-    points, lines = stacked(fork_lines())
-    tree = Centerline.from_lines(points, [line[::-1] for line in lines], fork_radius(points))
-    assert_is_the_fork(tree)
+def forms() -> dict[str, tuple[np.ndarray, list[np.ndarray]]]:
+    """Points and lines of the one fork."""
+    wide, long = fork_lines()
+    points, lines = stacked([wide, long])
+    rng = np.random.default_rng(3)
+    tracts = [part for line in (wide, long) for part in (line[:30], line[29:45], line[44:])]
+    twice = [np.repeat(line, 2) for line in lines]
+    return {
+        "lines from the inlet": (points, lines),
+        "points out of order": shuffled(points, lines, rng.permutation(len(points))),
+        "points against the cells": shuffled(points, lines, np.arange(len(points))[::-1]),
+        "lines to the inlet": (points, [line[::-1] for line in lines]),
+        "a trunk sampled by each line": stacked([wide, fork_lines(0.77)[1]]),
+        "a trunk followed roughly": (points + 1e-3 * rng.normal(size=points.shape), lines),
+        "tracts that repeat a group per line": stacked(tracts),
+        "a gap below the local radius": stacked([wide, long[43:]]),
+        "repeats and lines that are there twice": (points, [*twice, lines[0][::-1], lines[1][:20]]),
+    }
+
+
+@pytest.mark.parametrize("form", forms())
+def test_every_form_of_the_fork_is_that_fork(form):
+    points, lines = forms()[form]
+    tree = Centerline.from_lines(points, lines, fork_radius(points))
+    is_rough = "roughly" in form
+    assert_is_the_fork(tree, tolerance=0.01 if is_rough else 1e-6)
+    assert is_rough or set(tree.inscribed_radius) == {3.0, 4.0, 5.0}
 
 
 @pytest.mark.parametrize("backward", [False, True])
@@ -123,18 +132,6 @@ def test_a_place_within_a_junction_s_sphere_says_which_branch_is_followed():
         assert tree.path_from_distal(place, 12.0).choices == ()
 
 
-def test_a_trunk_sampled_differently_by_each_line_is_one_trunk():
-    points, lines = stacked([fork_lines(1.0)[0], fork_lines(0.77)[1]])
-    assert_is_the_fork(Centerline.from_lines(points, lines, fork_radius(points)))
-
-
-def test_a_trunk_that_the_lines_follow_with_small_differences_is_one_trunk():
-    points, lines = stacked(fork_lines())
-    points = points + 1e-3 * np.random.default_rng(5).normal(size=points.shape)
-    tree = Centerline.from_lines(points, lines, fork_radius(points))
-    assert_is_the_fork(tree, tolerance=0.01)
-
-
 def test_two_point_cells_in_any_order_and_direction_become_the_same_fork():
     points, lines = stacked(fork_lines())
     trunk = 41
@@ -159,21 +156,6 @@ def test_two_point_cells_whose_first_point_is_no_end_start_at_the_widest_end():
     assert tree.points[tree.roots].tolist() == [[10, 0, 0]]
     unknown = Centerline.from_lines(points, [[0, 1], [0, 2]])
     assert unknown.points[unknown.roots].tolist() == [[0, 0, 0]]
-
-
-def test_tracts_that_repeat_a_group_per_centerline_become_one_tree():
-    tracts = []
-    for line in fork_lines():
-        tracts += [line[:30], line[29:45], line[44:]]
-    points, lines = stacked(tracts)
-    assert_is_the_fork(Centerline.from_lines(points, lines, fork_radius(points)))
-
-
-def test_pieces_are_joined_across_a_gap_below_the_local_radius():
-    wide, long = fork_lines()
-    points, lines = stacked([wide, long[43:]])  # 3 steps from the fork, radius 5 there
-    tree = Centerline.from_lines(points, lines, fork_radius(points))
-    assert_is_the_fork(tree)
 
 
 def test_a_daughter_curve_that_starts_beside_a_coarse_trunk_is_joined_to_its_segment():
@@ -493,15 +475,6 @@ def test_a_closed_loop_without_any_end_is_called_one(lines, inlet):
     square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
     with pytest.raises(InputError, match=r"a closed loop, .* at \([01], [01], 0\); take a part"):
         Centerline.from_lines(square, lines, inlet=inlet)
-
-
-def test_repeated_points_zero_segments_and_duplicate_lines_change_nothing():
-    points, lines = stacked(fork_lines())
-    repeated = [np.repeat(line, 2) for line in lines]
-    tree = Centerline.from_lines(
-        points, [*repeated, lines[0][::-1], lines[1][:20]], fork_radius(points)
-    )
-    assert_is_the_fork(tree)
 
 
 grid_points = st.lists(st.tuples(*[st.integers(0, 3)] * 3), min_size=2, max_size=12)

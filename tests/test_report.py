@@ -130,37 +130,28 @@ class PageReader(HTMLParser):
 # The document
 
 
-def test_the_document_names_its_schema_and_says_research_use_only():
+def test_the_document_holds_lumen_and_lesions_before_and_after():
     document = json.loads(document_json(a_report().as_dict()))
     assert (document["schema"], document["schema_version"]) == ("sdfstent-report", 1)
     assert document["notice"] == "Research use only, not a medical device."
-
-
-def test_the_document_holds_the_lumen_before_and_after():
-    diameters = a_report().as_dict()["diameters"]
-    assert diameters["minimum_lumen"] == {
-        "before_mm": 4.0,
-        "before_at_mm": 2.0,
-        "after_mm": 8.0,
-        "after_at_mm": 2.0,
-        "beyond_before_mm": None,
-        "beyond_after_mm": None,
-    }
+    diameters, (lesion,) = document["diameters"], document["lesions"]
+    narrowest = {"before_mm": 4.0, "before_at_mm": 2.0, "after_mm": 8.0, "after_at_mm": 2.0}
+    unknown = {"beyond_before_mm": None, "beyond_after_mm": None}
+    assert diameters["minimum_lumen"] == narrowest | unknown
     assert diameters["along"]["prescribed_mm"] == [8.5] * 5
-    assert diameters["over_stented_length"]["after"]["mean_mm"] == pytest.approx(8.24)
-    error = diameters["over_stented_length"]["mean_after_minus_prescribed_mm"]
-    assert error == pytest.approx(-0.26)
-
-
-def test_a_lesion_has_the_same_reference_before_and_after():
-    (lesion,) = a_report().as_dict()["lesions"]
+    over = diameters["over_stented_length"]
+    assert over["after"]["mean_mm"] == pytest.approx(8.24)
+    assert over["mean_after_minus_prescribed_mm"] == pytest.approx(-0.26)
     assert lesion["percent_diameter"] == pytest.approx(50)
     assert lesion["percent_area"] is None
     assert lesion["after"]["percent_diameter"] == pytest.approx(-25)
     assert lesion["reference"]["diameter_mm"] == 8
     assert lesion["extent"] == {"start_mm": 5.0, "end_mm": 15.0, "length_mm": 10.0}
     assert lesion["place"] == pytest.approx([0.1, 0.2, 1.0])
-    assert a_report().as_dict()["stents"][0]["lesions"] == [1]
+    assert document["stents"][0]["lesions"] == [1]
+    text = PageReader(html_page(document)).text
+    assert "Lesion 1, diameter stenosis50 %none (25 % above reference)" in text
+    assert "Lesion 1 against healthy vessel proximal of it (8.0 mm)." in text
 
 
 @pytest.mark.parametrize(
@@ -178,12 +169,6 @@ def test_a_stent_without_a_lesion_has_no_percentage(lesions, covered, words, tab
     assert words in PageReader(page).text
     assert "Diameter stenosis" not in page
     assert ("Lesions of the vessel" in page) == table
-
-
-def test_the_page_tells_a_lesion_before_and_after_with_its_reference():
-    text = PageReader(html_page(a_report().as_dict())).text
-    assert "Lesion 1, diameter stenosis50 %none (25 % above reference)" in text
-    assert "Lesion 1 against healthy vessel proximal of it (8.0 mm)." in text
 
 
 def test_what_is_not_known_is_null_and_never_nan():
@@ -235,22 +220,26 @@ def test_profiles_at_different_stations_are_refused():
 def test_the_suffix_decides_between_json_and_page(tmp_path):
     write_report(a_report(), tmp_path / "r.json")
     write_report(a_report(), tmp_path / "r.HTML")
-    assert json.loads((tmp_path / "r.json").read_text("utf-8")) == a_report().as_dict()
+    document = json.loads((tmp_path / "r.json").read_text("utf-8"))
+    assert document == a_report().as_dict()
     assert (tmp_path / "r.HTML").read_text("utf-8") == html_page(a_report().as_dict())
+    assert html_page(document) == html_page(a_report().as_dict())
 
 
-def test_another_suffix_is_refused_and_nothing_is_written(tmp_path):
-    with pytest.raises(InputError, match=r"ends in \.json or \.html, got '\.pdf'"):
-        write_report(a_report(), tmp_path / "r.pdf")
+def test_what_cannot_be_written_is_refused_and_leaves_no_file(tmp_path):
+    for write, report, name, words in (
+        (write_report, a_report(), "r.pdf", r"ends in \.json or \.html, got '\.pdf'"),
+        (write_report_figure, a_report(), "f.gif", r"ends in \.png or \.svg, got '\.gif'"),
+        (write_report_figure, a_report(stents=()), "f.png", "at least one stent, got none"),
+    ):
+        with pytest.raises(InputError, match=words):
+            write(report, tmp_path / name)
     assert list(tmp_path.iterdir()) == []
+    with pytest.raises(InputError, match=r"certificate\.faces: expected numbers.* got function"):
+        a_report(certificate={"faces": lambda: 0}).as_dict()
 
 
 # The page
-
-
-def test_the_page_made_from_the_written_json_is_the_same():
-    report = a_report()
-    assert html_page(json.loads(document_json(report.as_dict()))) == html_page(report.as_dict())
 
 
 def in_order(text, *words):
@@ -270,6 +259,7 @@ def test_a_failed_certificate_and_the_warnings_stand_before_every_table():
         "<svg",
     )
     assert page.count("Not certified") == 1
+    assert certificate_sentence(failed) == (False, failed["sentence"])
     assert in_order(
         html_page(a_report().as_dict()), "<p class='warn'>", "<p class='good'>Surface", "<table"
     )
@@ -321,9 +311,7 @@ def test_a_planned_stent_reads_in_words_units_and_percent():
         assert raw not in "".join([*rows, *rows.values()])
 
 
-@pytest.mark.parametrize(
-    "placement", [kind.__name__ for kind in Placement.__args__], ids=lambda name: name
-)
+@pytest.mark.parametrize("placement", [kind.__name__ for kind in Placement.__args__])
 def test_every_placement_has_words(placement):
     page = html_page(a_report(stents=(planned(placement=placement),)).as_dict())
     assert placement not in page
@@ -364,22 +352,17 @@ def test_headings_name_the_stent_and_its_number_in_the_plan():
     assert [branch["stent"] for branch in document["branches"]] == [2]
 
 
-def test_an_input_file_reads_in_words_under_its_role():
-    entry = {"role": "surface", "file": "a.vtp", "sha256": "0f", "triangles": 12000, "frame": None}
-    page = html_page(a_report(inputs=(entry,)).as_dict())
-    assert "<h3>Surface</h3>" in page
-    text = PageReader(page).text
-    for words in ("SHA-2560f", "Triangles12\N{THIN SPACE}000", "Framenot said by the file"):
-        assert words in text
-
-
-def test_the_page_is_well_formed_loads_nothing_and_escapes_names():
-    page = html_page(a_report().as_dict())
+def test_the_page_is_well_formed_loads_nothing_escapes_names_and_tells_files_in_words():
+    entry = {"role": "surface", "file": "a & b.vtp", "sha256": "0f", "triangles": 12000}
+    page = html_page(a_report(inputs=({**entry, "frame": None},)).as_dict())
     reader = PageReader(page)
-    assert reader.loads == []
-    assert reader.open == []
-    assert "generic <10>" in reader.text
-    assert "a & b.vtp" in reader.text
+    assert reader.loads == reader.open == []
+    assert "<h3>Surface</h3>" in page
+    for words in (
+        *("generic <10>", "a & b.vtp", "SHA-2560f", "Triangles12\N{THIN SPACE}000"),
+        "Framenot said by the file",
+    ):
+        assert words in reader.text
 
 
 def test_a_page_without_any_diameter_or_stent_still_says_so():
@@ -388,10 +371,6 @@ def test_a_page_without_any_diameter_or_stent_still_says_so():
     assert "nan" not in text.lower()
     bare = PageReader(html_page(a_report(stents=(), certificate=None, warnings=()).as_dict()))
     assert "was not checked" in bare.text
-
-
-def test_the_sentence_of_a_certificate_is_repeated_with_its_verdict():
-    assert certificate_sentence({"passed": False, "sentence": "It folds."}) == (False, "It folds.")
 
 
 # The plot
@@ -418,18 +397,8 @@ def test_the_curves_of_the_plot_are_the_measured_diameters():
     lines = [mark for mark in marks if isinstance(mark, Line) and len(mark.points) == 5]
     assert len(lines) == 5
     heights = np.array([[y for _, y in line.points] for line in lines])
-    expected = np.array(
-        [
-            diameters["along"][key]
-            for key in (
-                "equivalent_before_mm",
-                "equivalent_after_mm",
-                "mis_before_mm",
-                "mis_after_mm",
-                "prescribed_mm",
-            )
-        ]
-    )
+    drawn = ("equivalent_before", "equivalent_after", "mis_before", "mis_after", "prescribed")
+    expected = np.array([diameters["along"][f"{key}_mm"] for key in drawn])
     slope, floor = np.polyfit(expected.ravel(), heights.ravel(), 1)
     np.testing.assert_allclose(heights, floor + slope * expected, atol=1e-9)
     assert slope < 0, "larger diameters are drawn higher"
@@ -448,16 +417,9 @@ def around(profile, beyond=3):
 def with_surroundings():
     stent = a_report().stents[0]
     free = Apposition(np.arange(4) + 0.5, np.array([1, 1, 0, 0]), (FreeStretch(0, 2, 1, 0.5),), 4.0)
-    return a_report(
-        stents=(
-            replace(
-                stent,
-                around_before=around(stent.before),
-                around_after=around(stent.after),
-                apposition=free,
-            ),
-        )
-    )
+    before, after = around(stent.before), around(stent.after)
+    whole = replace(stent, around_before=before, around_after=after, apposition=free)
+    return a_report(stents=(whole,))
 
 
 def test_curves_go_on_beyond_the_stent_and_numbers_do_not():
@@ -515,14 +477,9 @@ def test_a_curve_is_interrupted_where_nothing_was_measured():
 
 
 def test_a_plot_of_nothing_says_so():
-    nothing = {key: [None] for key in ("mis_before_mm", "mis_after_mm", "prescribed_mm")}
-    along = {
-        **nothing,
-        "equivalent_before_mm": [None],
-        "equivalent_after_mm": [None],
-        "arc_length_mm": [0.0],
-    }
-    assert diameter_plot({"along": along}) is None
+    along = a_report().as_dict()["diameters"]["along"]
+    nothing = {key: [None] for key in along} | {"arc_length_mm": [0.0]}
+    assert diameter_plot({"along": nothing}) is None
 
 
 # The figure and the picture
@@ -553,14 +510,6 @@ def test_a_figure_says_where_nothing_could_be_measured():
     )
     marks = figure(a_report(stents=(stent,)).as_dict()).marks
     assert marks[0].text == "Stent: no diameter could be measured"
-
-
-def test_a_figure_that_cannot_be_drawn_is_refused_and_leaves_no_file(tmp_path):
-    with pytest.raises(InputError, match=r"ends in \.png or \.svg, got '\.gif'"):
-        write_report_figure(a_report(), tmp_path / "f.gif")
-    with pytest.raises(InputError, match="at least one stent, got none"):
-        write_report_figure(a_report(stents=()), tmp_path / "f.png")
-    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("zone", ["Z", "+00:00"])
@@ -614,8 +563,3 @@ def test_certificates_and_numbers_of_any_kind_become_plain_values():
 
     document = a_report(certificate=Certificate()).as_dict()
     assert document["certificate"] == {"watertight": True, "faces": [1, 2], "ids": [1, 3]}
-
-
-def test_a_value_without_a_place_in_json_is_refused_by_name():
-    with pytest.raises(InputError, match=r"certificate\.faces: expected numbers.* got function"):
-        a_report(certificate={"faces": lambda: 0}).as_dict()
