@@ -6,7 +6,7 @@ import pytest
 from test_devices import a_device
 from test_shapes import SHAPES
 
-from SDFStentLib.plan import detailed_stent, details_words, stent_details
+from SDFStentLib.plan import StentSizes, detailed_stent, details_words, stent_details
 from SDFStentLib.stent import AtCenter, Balloon, Stent
 from SDFStentLib.validation import InputError
 
@@ -14,14 +14,8 @@ PLACE = AtCenter([0.0, 0, 20])
 
 
 def again(stent: Stent, diameter: float | None = None) -> Stent:
-    return detailed_stent(
-        stent_details(stent),
-        diameter or stent.diameter,
-        placement=stent.placement,
-        length=stent.length,
-        foreshortening_fraction=stent.foreshortening,
-        name=stent.name,
-    )
+    sizes = StentSizes(diameter or stent.diameter, stent.length, stent.foreshortening)
+    return detailed_stent(stent_details(stent), sizes, stent.placement, stent.name)
 
 
 @pytest.mark.parametrize("name", SHAPES)
@@ -89,4 +83,4 @@ def test_the_details_in_words():
 )
 def test_details_that_cannot_be_read_are_said(text, words):
     with pytest.raises(InputError, match=words):
-        detailed_stent(text, 8.0, placement=PLACE, length=16, foreshortening_fraction=0.1)
+        detailed_stent(text, StentSizes(8.0, 16, 0.1), PLACE)

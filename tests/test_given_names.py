@@ -184,16 +184,16 @@ def test_places_of_a_plan_are_turned_with_its_frame(a_patient, artery):
 
 
 def test_the_left_artery_of_the_patient_of_the_paper(data_dir):
-    from SDFStentLib.plan import read_input_files
+    from SDFStentLib.plan import Marks, read_input_files
 
     files = [data_dir / f"su0243_{kind}_mm.vtp" for kind in ("surface", "centerline")]
     # As an operator would say it: at the tightest place, and in the trunk.
-    names = [
+    names = (
         VesselName("LPA", (9.3, -77.5, -55.5)),
         VesselName("RPA", (-7.3, -95.6, -58.3)),
         VesselName("MPA", (17.6, -108.1, -55.2)),
-    ]
-    vessel = read_input_files(*files, names=names).vessel
+    )
+    vessel = read_input_files(*files, marks=Marks(names=names)).vessel
     first, *others = vessel.lesions
     assert first.branch_name == "LPA"
     assert first.minimum_diameter == pytest.approx(2.62, abs=0.03)

@@ -40,7 +40,7 @@ from SDFStentLib.phantoms import (
     vascular_tree,
 )
 from SDFStentLib.stent import AtCenter, Stent
-from SDFStentLib.treatment import Treatment, Vessel, extract_segment
+from SDFStentLib.treatment import SegmentWishes, Treatment, Vessel, extract_segment
 from SDFStentLib.validation import DeploymentError, InputError
 from SDFStentLib.vessel import branch_names
 
@@ -61,11 +61,11 @@ def way_to(vessel, leaf=0):
     return tree.points[tree.ancestry(tree.leaves[leaf])]
 
 
-def segment_of(vessel, first, last, leaf=0, **options):
+def segment_of(vessel, first, last, leaf=0, **wishes):
     """Between two parts of the way to a leaf."""
     way = way_to(vessel, leaf)
     ends = point_at(way, np.array([first, last]) * length(way))
-    return extract_segment(vessel, *ends, **options)
+    return extract_segment(vessel, *ends, SegmentWishes(**wishes))
 
 
 def faces_of(segment):
@@ -244,7 +244,7 @@ def test_a_segment_over_a_bifurcation_has_its_inlet_at_the_root():
     np.testing.assert_allclose(faces["inlet"].center, vessel.centerline.points[0], atol=0.1)
     assert [face.kind for face in kept.faces] == ["inlet", "outlet", "outlet", "wall"]
     # Both branches end where the user said; with the trunk closed the first is the inlet.
-    closed = extract_segment(vessel, left, right, close_branches=True)
+    closed = extract_segment(vessel, left, right, SegmentWishes(close_branches=True))
     faces = faces_of(closed.before)
     assert set(faces) == {"inlet", "outlet", "wall", "closed"}
     np.testing.assert_array_equal(closed.planes[0].origin, vessel.centerline.project(left).point)
@@ -412,7 +412,7 @@ def test_a_hole_in_the_wall_is_no_outlet_and_is_said_to_be_there(is_capped):
     gone = hole if is_capped else hole | (middle[:, 2] > 39.99)
     vessel = Vessel(Surface(tube.points, tube.triangles[~gone]), tube.centerline)
     closed = extract_segment(Vessel(tube.surface, tube.centerline), [0, 0, 10], [0, 0, 30]).before
-    found = extract_segment(vessel, [0, 0, 10], [0, 0, 30], units="cm")
+    found = extract_segment(vessel, [0, 0, 10], [0, 0, 30], SegmentWishes(units="cm"))
     faces = {face.name: face for face in found.before.faces}
     assert set(faces) == {"inlet", "outlet", "wall", "hole"}
     assert faces["hole"].kind == "wall"
@@ -459,7 +459,7 @@ def test_refused_places_are_told_in_the_files_unit_and_along_their_branch(data_d
     way = way_to(vessel)
     ends = point_at(way, np.array([0.02, 0.5]) * length(way))
     with pytest.raises(InputError) as refused:
-        extract_segment(vessel, *ends, units="cm")
+        extract_segment(vessel, *ends, SegmentWishes(units="cm"))
     place = r"\((.*?)\) mm \(in the file (.*?) cm\), (.*?) mm along (.*?)"
     first, second = re.findall(place + r"[,.](?: |$)", str(refused.value))
     for told, expected in ((first, ends[0]), (second, None)):

@@ -44,15 +44,15 @@ class Segments:
             "surface": _named(parameterNode.vessel),
             "centerline": _named(parameterNode.centerline),
         }
-        how = {
-            "close_branches": parameterNode.closeBranches,
-            "nearest": parameterNode.segmentEnds is None,  # nobody has chosen these places
-        }
+        wishes = treatment.SegmentWishes(
+            close_branches=parameterNode.closeBranches,
+            nearest=parameterNode.segmentEnds is None,  # nobody has chosen these places
+        )
 
         def stepsInto(new):
             yield 0.0
             found = yield from working(
-                inPortions(lambda: treatment.extract_segment(before, *ends, after=after, **how))
+                inPortions(lambda: treatment.extract_segment(before, *ends, wishes, after=after))
             )
             write_segment(new, found, inputs, ("RAS", "RAS"))
             if parameterNode.parameterNode.GetScene() is not None:

@@ -8,7 +8,7 @@ import numpy as np
 from slicer.i18n import tr as _
 
 from SDFStentLib import stent as library
-from SDFStentLib.plan import detailed_stent, read_details
+from SDFStentLib.plan import StentSizes, detailed_stent, read_details
 from SDFStentLib.stent import dilated_again
 from SDFStentLib.validation import InputError
 
@@ -86,14 +86,12 @@ def stentAt(stent, placement, label=""):
     )
     isAgain = stent.placement == Placement.AGAIN
     isByDevice = stent.deviceShortening and (isAgain or detailsOf(stent).device is not None)
-    return detailed_stent(
-        stent.details,
+    sizes = StentSizes(
         stent.diameter,
-        placement=placement,
-        length=lengthOf(stent) if hasLength else None,
-        foreshortening_fraction=None if isByDevice else stent.foreshortening / 100,
-        name=label,
+        lengthOf(stent) if hasLength else None,
+        None if isByDevice else stent.foreshortening / 100,
     )
+    return detailed_stent(stent.details, sizes, placement, label)
 
 
 def somewhere(stent):

@@ -14,9 +14,9 @@ from ..files import (
     extract_lines,
     write_extracted_lines,
 )
-from ..plan import InputFiles, read_input_files
+from ..plan import InputFiles, Marks, read_input_files
 from ..report import SEGMENT_FILES, filed_point, segment_sentences, write_segment
-from ..treatment import ExtractedSegment, extract_segment
+from ..treatment import ExtractedSegment, SegmentWishes, extract_segment
 from ..validation import InputError
 from .console import Console
 from .outputs import Outputs
@@ -34,8 +34,8 @@ def extract_command(options: argparse.Namespace, console: Console) -> int:
         options.output, lambda folder: _write(folder, found, read), SEGMENT_FILES.__contains__
     )
     units = options.units
-    root, names = root_of(options), names_of(options)
-    read = [read_input_files(options.surface, options.centerline, units, root, names=names)]
+    marks = Marks(root_of(options), names=names_of(options))
+    read = [read_input_files(options.surface, options.centerline, units, marks)]
     if options.after is not None:
         read.append(_treated(options, read[0]))
     for one in read:
@@ -43,9 +43,8 @@ def extract_command(options: argparse.Namespace, console: Console) -> int:
     found = extract_segment(
         read[0].vessel,
         *ends,
-        close_branches=options.close_branches,
+        SegmentWishes(options.close_branches, units=units),
         after=read[1].vessel if len(read) > 1 else None,
-        units=units,
     )
     console.warn(found.warnings, units=units)
     outputs.write()

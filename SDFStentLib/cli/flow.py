@@ -23,7 +23,7 @@ from ..flow import (
     svzerod_document,
     vessels_of,
 )
-from ..plan import InputFiles, load_names, load_plan, read_input_files, run_plan
+from ..plan import InputFiles, Marks, load_names, load_plan, read_input_files, run_plan
 from ..report import document_json, flow_document, flow_page, flow_sentences, lesions_by_size
 from ..stent import InputFile
 from ..treatment import TreatmentResult
@@ -85,8 +85,7 @@ def _known(options: argparse.Namespace) -> Known:
         mean,
         peak=peak,
         wave=wave,
-        inlet=options.inlet_pressure,
-        wedge=options.wedge,
+        pressures=(options.inlet_pressure, options.wedge),
         split_right=options.split_right,
     )
 
@@ -96,9 +95,8 @@ def _read(
 ) -> tuple[InputFiles, TreatmentResult | None]:
     """The vessel, and what the plan makes of it."""
     if options.plan is None:
-        root, names = root_of(options), names_of(options)
-        files = options.surface, options.centerline
-        inputs = read_input_files(*files, options.units, root, names=names)
+        marks = Marks(root_of(options), names=names_of(options))
+        inputs = read_input_files(options.surface, options.centerline, options.units, marks)
         console.warn(inputs.warnings, units=options.units)
         return inputs, None
     accept = options.accept_changed_inputs

@@ -15,6 +15,7 @@ from ..files import axis_of, in_frame_of, read_lines
 from ..plan import (
     POINT_PLACEMENTS,
     InputFiles,
+    Marks,
     Plan,
     input_file,
     load_names,
@@ -177,9 +178,7 @@ def inputs_of(options: argparse.Namespace) -> InputFiles:
         options.surface,
         options.centerline,
         options.units,
-        root_of(options),
-        reference=reference_of(options),
-        names=names_of(options),
+        Marks(root_of(options), reference_of(options), names_of(options)),
     )
 
 

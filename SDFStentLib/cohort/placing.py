@@ -11,7 +11,7 @@ import numpy as np
 
 from ..centerline import Centerline
 from ..geometry import arc_lengths, point_at
-from ..plan import InputFiles, Plan, detailed_stent, stent_details
+from ..plan import InputFiles, Plan, StentSizes, detailed_stent, stent_details
 from ..stent import AtCenter, AtDistalEnd, Placement, Stent
 from ..treatment import AxisChange, axis_in_vessel
 from ..units import flipped
@@ -178,11 +178,9 @@ def _stent(base: Stent, parameters: Parameters, diameter: float) -> Stent:
     details = {key: value for key, value in details.items() if value is not None}
     return detailed_stent(
         json.dumps(details) if details else "",
-        diameter,
-        placement=base.placement,
-        length=length,
-        foreshortening_fraction=base.foreshortening_fraction,
-        name=base.name,
+        StentSizes(diameter, length, base.foreshortening_fraction),
+        base.placement,
+        base.name,
     )
 
 

@@ -92,11 +92,12 @@ def known_flow(
     *,
     peak: float | None = None,
     wave: Wave | None = None,
-    inlet: float | None = None,
-    wedge: float | None = None,
+    pressures: tuple[float | None, float | None] = (None, None),
     split_right: float | None = None,
 ) -> Known:
     """What is known, checked; a wave is scaled to a mean flow that is given as well.
+
+    The `pressures` are those at the inlet and beyond the lungs.
 
     Raises
     ------
@@ -113,6 +114,7 @@ def known_flow(
         if wave is not None:
             raise InputError("flow: expected a peak flow or a wave, got both; leave one out.")
         peak = as_number(peak, "peak flow", unit="mL/s", minimum=mean, maximum=MOST_FLOW)
+    inlet, wedge = pressures
     if (inlet is None) != (wedge is None):
         given, lacks = ("inlet", "wedge") if wedge is None else ("wedge", "inlet")
         raise InputError(

@@ -6,6 +6,7 @@ from .comparison import PlanComparison as PlanComparison
 from .comparison import compare as compare
 from .comparison import comparison_inputs as comparison_inputs
 from .details import StentDetails as StentDetails
+from .details import StentSizes as StentSizes
 from .details import detailed_stent as detailed_stent
 from .details import details_words as details_words
 from .details import read_details as read_details
@@ -32,6 +33,7 @@ from .plan import turned as turned
 from .reader import load_plan as load_plan
 from .reader import plan_from_document as plan_from_document
 from .run import InputFiles as InputFiles
+from .run import Marks as Marks
 from .run import PlanResult as PlanResult
 from .run import as_read as as_read
 from .run import input_file as input_file

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..stent import Balloon, Device, Placement, Shape, Stent
 from .devices import device_document
@@ -27,6 +27,14 @@ class StentDetails:
     keeps: str = "center"
     shape: Shape | None = None
     may_be_shortened: bool = False
+
+
+class StentSizes(NamedTuple):
+    """The sizes of a stent; as the attributes of `Stent`."""
+
+    diameter: float
+    length: float | None = None
+    foreshortening_fraction: float | None = None
 
 
 def details_document(stent: Stent | StentDetails) -> dict[str, Any]:
@@ -54,15 +62,7 @@ def read_details(details: str) -> StentDetails:
     return from_document(StentDetails, found, "stent details")
 
 
-def detailed_stent(
-    details: str,
-    diameter: float,
-    *,
-    placement: Placement,
-    length: float | None,
-    foreshortening_fraction: float | None,
-    **values: Any,
-) -> Stent:
+def detailed_stent(details: str, sizes: StentSizes, placement: Placement, name: str = "") -> Stent:
     """A stent of some sizes with the details of another one.
 
     Where the diameter is another than theirs the balloon follows it by the same recoil, and a table
@@ -73,7 +73,8 @@ def detailed_stent(
     ----------
     details : str
         As of `stent_details`.
-    diameter, placement, length, foreshortening_fraction, values
+    sizes : StentSizes
+    placement, name
         As of `Stent`.
 
     Raises
@@ -81,23 +82,18 @@ def detailed_stent(
     InputError
         Details that cannot be read, or that rule out the sizes.
     """
-    sizes: dict[str, Any] = {
-        "length": length,
-        "foreshortening_fraction": foreshortening_fraction,
-    }
     found = read_details(details)
     if found.device is not None and found.device.lengths:
-        sizes["foreshortening_fraction"] = None
+        sizes = sizes._replace(foreshortening_fraction=None)
     return Stent(
-        diameter,
+        **sizes._asdict(),
         placement=placement,
+        name=name,
         device=found.device,
-        balloon=None if found.balloon is None else _that_leaves(found.balloon, diameter),
+        balloon=None if found.balloon is None else _that_leaves(found.balloon, sizes.diameter),
         keeps=found.keeps,
-        shape=None if found.shape is None else _for_diameter(found.shape, diameter),
+        shape=None if found.shape is None else _for_diameter(found.shape, sizes.diameter),
         may_be_shortened=found.may_be_shortened,
-        **sizes,
-        **values,
     )
 
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from time import perf_counter
+from typing import NamedTuple
 
 import numpy as np
 
@@ -165,21 +166,34 @@ def run_plan(
     return PlanResult(plan, inputs, treatment.result)
 
 
+class Marks(NamedTuple):
+    """Places (3,), mm, that the user marked on a vessel."""
+
+    root: Points | None = None
+    """The centerline's end nearest to it is its root."""
+    reference: tuple[Points, ...] = ()
+    """Healthy vessel, against which lesions are measured."""
+    names: tuple[VesselName, ...] = ()
+    """By which vessels are called, each at a place."""
+    frame: Frame | None = None
+    """Of all of them; None: the surface's."""
+
+    def in_frame(self, frame: Frame | None) -> Marks:
+        """The same places as a file of that frame has them."""
+        if None in (frame, self.frame) or frame == self.frame:
+            return self
+        root = None if self.root is None else flipped(self.root)
+        reference = tuple(flipped(place) for place in self.reference)
+        return Marks(root, reference, tuple(one.turned() for one in self.names), frame)
+
+
 def read_input_files(
     surface: str | os.PathLike[str],
     centerline: str | os.PathLike[str] | None = None,
     units: str = "mm",
-    root: Points | None = None,
-    frame: Frame | None = None,
-    *,
-    reference: Sequence[Points] = (),
-    names: Sequence[VesselName] = (),
+    marks: Marks = Marks(),  # noqa: B008
 ) -> InputFiles:
     """Read a surface and its centerline, and check that they are in the same space.
-
-    The root of the centerline is its end nearest to `root`, (3,) mm, where that is given, and a
-    lesion is measured against the places `reference`. They and the places of `names`, by which
-    vessels are called, are in the frame `frame`; the surface's where no frame is.
 
     Raises
     ------
@@ -191,21 +205,18 @@ def read_input_files(
     surface_file = read_surface(surface, units)
     line_file, tree = None, None
     warnings = surface_file.warnings
-    if frame is not None and surface_file.frame not in (None, frame):
-        root = None if root is None else flipped(root)
-        reference = [flipped(place) for place in reference]
-        names = [one.turned() for one in names]
+    marks = marks.in_frame(surface_file.frame)
     if centerline is not None:
         line_file = in_frame_of(read_lines(centerline, units), surface_file.frame)
-        tree = line_file.centerline(root)
+        tree = line_file.centerline(marks.root)
         warnings += line_file.warnings
         warnings += _same_space(surface_file, tree.points, os.fspath(centerline))
-    elif names:
+    elif marks.names:
         raise InputError(
             "names: expected a centerline, which tells one vessel from another, got none; give "
             "one, or leave the names out."
         )
-    vessel = Vessel(surface_file.surface, tree, tuple(reference), surface_file.faces, tuple(names))
+    vessel = Vessel(surface_file.surface, tree, marks.reference, surface_file.faces, marks.names)
     _ = vessel.given_names  # names that cannot be meant fail here rather than in the end
     return InputFiles(surface_file, line_file, vessel, warnings, perf_counter() - start)
 
@@ -237,10 +248,12 @@ def plan_files(plan: Plan) -> InputFiles:
         plan.surface.path,
         None if center is None else center.path,
         plan.units,
-        None if plan.root is None else np.array(plan.root),
-        plan.frame,
-        reference=[np.array(place) for place in plan.reference],
-        names=plan.names,
+        Marks(
+            None if plan.root is None else np.array(plan.root),
+            tuple(np.array(place) for place in plan.reference),
+            plan.names,
+            plan.frame,
+        ),
     )
 
 

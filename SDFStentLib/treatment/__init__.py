@@ -17,6 +17,7 @@ from .ratios import SizeRatios as SizeRatios
 from .ratios import stent_ratios as stent_ratios
 from .ratios import treated_ratios as treated_ratios
 from .segments import ExtractedSegment as ExtractedSegment
+from .segments import SegmentWishes as SegmentWishes
 from .segments import extract_segment as extract_segment
 from .sizing import LONGEST_MARGIN as LONGEST_MARGIN
 from .sizing import RATIOS as RATIOS

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -30,6 +31,18 @@ from .warnings import WIDEST
 _SAME_VESSEL = "give the same vessel after its treatment, in the same unit"
 
 
+class SegmentWishes(NamedTuple):
+    """How a segment is cut."""
+
+    close_branches: bool = False
+    """Whether side branches are cut off and closed; else they are kept as long as they are."""
+    nearest: bool = False
+    """Whether an end where no plane meets only this vessel moves into the segment, as far as it
+    takes; a warning says so."""
+    units: str = "mm"
+    """Of the vessel's file, in which sentences tell places, too."""
+
+
 @dataclass(frozen=True)
 class ExtractedSegment:
     """A segment of a vessel, and of the same vessel after treatment."""
@@ -44,11 +57,9 @@ def extract_segment(
     vessel: Vessel,
     start: Points,
     end: Points,
+    wishes: SegmentWishes = SegmentWishes(),  # noqa: B008
     *,
-    close_branches: bool = False,
-    nearest: bool = False,
     after: Vessel | None = None,
-    units: str = "mm",
 ) -> ExtractedSegment:
     """Cut a segment between two places of a vessel out of it.
 
@@ -58,15 +69,9 @@ def extract_segment(
         With a centerline.
     start, end : (3,) arrays
         Places in it, mm.
-    close_branches : bool
-        Whether side branches are cut off and closed; else they are kept as long as they are.
-    nearest : bool
-        Whether an end where no plane meets only this vessel moves into the segment, as far as it
-        takes; a warning says so.
+    wishes : SegmentWishes, optional
     after : Vessel, optional
         The same vessel treated, which is cut by the planes of the untreated one.
-    units : str
-        Of the vessel's file, in which sentences tell places, too.
 
     Raises
     ------
@@ -78,18 +83,20 @@ def extract_segment(
     """
     if vessel.centerline is None:
         raise InputError("segment: expected a vessel with a centerline, got none; give one.")
-    parts = vessel_parts(vessel.surface, vessel.centerline, vessel.faces, units, vessel.given_names)
-    ends = segment_ends(parts, start, end, nearest=nearest)
+    parts = vessel_parts(
+        vessel.surface, vessel.centerline, vessel.faces, wishes.units, vessel.given_names
+    )
+    ends = segment_ends(parts, start, end, nearest=wishes.nearest)
     states: tuple[OpenSegment, ...] = (ends.opened,)
     if after is not None:
         states = (*states, _treated(ends.opened, _state_of(parts, vessel, after)))
     left: tuple[OpenBranch, ...] = ()
-    if close_branches:
+    if wishes.close_branches:
         states, left = close_side_branches(ends, states)
     before = _sound(closed_segment(states[0]), "segment")
     treated = [_sound(closed_segment(state), "treated segment") for state in states[1:]]
     made = (*_moved_ends(ends), *_open_branches(left))
-    if close_branches and not left:
+    if wishes.close_branches and not left:
         made = (*made, *_without_line(before, states[0].planes))
     warnings = (*made, *_holes(before), *_dead_ends(before, parts))
     return ExtractedSegment(states[0].planes, before, treated[0] if treated else None, warnings)

@@ -88,10 +88,11 @@ def find_lesions(
     areas = _healthy_areas(surface, found)
     main = [is_main(run, runs) for run in runs]
     starts = centerline.arc_length[[branch[0] for branch in centerline.branches]]
-    lesions = [
-        _begun(one, starts, named, vessel_name(one.run, main[one.vessel]), *pair, surface)
-        for one, pair in zip(found, areas, strict=True)
-    ]
+    lesions = []
+    for one, healthy in zip(found, areas, strict=True):
+        otherwise = vessel_name(one.run, main[one.vessel])
+        names = [name or otherwise for name in named]
+        lesions.append(_begun(one, healthy, names, starts, surface))
 
     def rank(lesion: Lesion) -> tuple[bool, bool, float]:
         is_small = lesion.reference_diameter < SMALL_VESSEL
@@ -246,16 +247,15 @@ def _found(runs: Sequence[VesselRun]) -> list[_Found]:
 
 def _begun(
     found: _Found,
+    healthy: Sequence[HealthyPlace | None],
+    names: Sequence[str],
     starts: Floats,
-    named: Sequence[str | None],
-    otherwise: str,
-    proximal: HealthyPlace | None,
-    distal: HealthyPlace | None,
     surface: Surface,
 ) -> Lesion:
     """A narrowing with its reference, and diameters along its line.
 
-    Arc lengths become those of the centerline, on whose branches with `starts` (n,) it lies.
+    Arc lengths become those of the centerline, on whose branches with `names` and `starts` (n,) it
+    lies.
     """
     run, narrow = found.run, found.narrow
     inner = (run.along > narrow.start) & (run.along < narrow.end)
@@ -268,11 +268,11 @@ def _begun(
     shift = float(starts[run.branch[at]] + run.branch_along[at] - run.along[at])
     sides = [
         None if side is None else replace(side, arc_length=side.arc_length + shift)
-        for side in (proximal, distal)
+        for side in healthy
     ]
     return Lesion(
         branch=int(run.branch[at]),
-        branch_name=named[run.branch[at]] or otherwise,
+        branch_name=names[run.branch[at]],
         branch_arc_length=float(run.branch_along[at]),
         arc_length=float(run.along[at]) + shift,
         start=float(narrow.start) + shift,
