@@ -17,7 +17,7 @@ from test_report import a_lesion
 
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.cli import main
-from SDFStentLib.geometry import length
+from SDFStentLib.geometry import length, tangents
 from SDFStentLib.lumen import DiameterProfile
 from SDFStentLib.phantoms import stenosed_tube, straight_tube
 from SDFStentLib.plan import load_plan, run_plan
@@ -171,6 +171,18 @@ def test_a_stent_is_held_against_the_healthy_vessel_at_its_ends_and_where_that_i
     native = a_native_lumen(*widths)
     healthy = healthy_vessel(native, length, [a_lesion_of(8.0, 8.0)] if lesions else None)
     np.testing.assert_allclose(healthy, found, equal_nan=True)
+
+
+def test_beyond_its_end_a_lesion_says_nothing_of_the_healthy_vessel():
+    """Rounding does not tell whether the end of its line is the nearest place there."""
+    random = np.random.default_rng(6)
+    for line in np.cumsum(random.normal((3, 0, 0), 1.0, (50, 12, 3)), axis=1):
+        away = np.linspace(0.5, 10.0, 20)
+        beyond = line[-1] + away[:, None] * tangents(line[-2:])[0]
+        widths = np.full(20, 8.0)
+        native = DiameterProfile(away - away[0], beyond, widths, widths)
+        lesion = replace(a_lesion_of(6.0, 6.0), line=line, healthy=np.full(12, 6.0))
+        assert healthy_vessel(native, 9.5, [lesion]) == (8.0, 8.0, 8.0)
 
 
 def test_a_stent_for_a_lesion_across_a_junction_warns_of_no_choice_there():

@@ -93,7 +93,8 @@ def _references(places: Floats, lesions: Sequence[Lesion]) -> tuple[Floats, Flag
         nearest = closest_points(lesion.line, places)
         along, whole = nearest.arc_lengths, length(lesion.line)
         healthy = np.interp(along, arc_lengths(lesion.line), lesion.healthy)
-        inside = (along > 0) & (along < whole) & (nearest.distances <= healthy / 2)
+        # Beyond an end of the line its end is the nearest, up to rounding.
+        inside = (along > _SAME) & (along < whole - _SAME) & (nearest.distances <= healthy / 2)
         found[inside] = np.fmin(found, healthy)[inside]
         is_deep |= inside & (np.minimum(along, whole - along) > NOTICED)
     return found, is_deep
