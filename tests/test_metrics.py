@@ -185,7 +185,7 @@ def test_spheres_are_the_same_whichever_stations_are_searched_together(monkeypat
     )
     surface = made.points, made.triangles
     together = inscribed_spheres(*surface, places, directions)
-    monkeypatch.setattr(inscribed, "_STATIONS", 1)
+    monkeypatch.setattr(inscribed, "_TRIANGLES", 1)
     alone = inscribed_spheres(*surface, places, directions)
     np.testing.assert_allclose(together.radii, alone.radii, atol=1e-3)
 

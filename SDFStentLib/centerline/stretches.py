@@ -157,8 +157,9 @@ class _Joined:
 
     def _in_lumens(self, some: Indices, kept: Indices) -> Indices:
         """Which of the kept stations is in the same lumen as each (k,) of some; -1 for none."""
-        away = self._centers[some][:, None] - self._centers[kept]
-        found = kept[np.einsum("ijk,ijk->ij", away, away).argmin(axis=1)]
+        # Column by column: NumPy takes several times longer over rows of three.
+        x, y, z = (column[some][:, None] - column[kept] for column in self._centers.T)
+        found = kept[(x * x + y * y + z * z).argmin(axis=1)]
         offset, ways = self._centers[some] - self._centers[found], self._ways[found]
         ahead = dot(offset, ways)
         across = np.linalg.norm(offset - ahead[:, None] * ways, axis=1)

@@ -241,7 +241,8 @@ def _cut_segments(wall: NearWall, centers: Points, along: Floats) -> _Segments:
     above = np.packbits(heights >= 0, axis=1)
     sides = [above.take(wall.triangles[:, k], axis=0) for k in range(3)]
     is_cut = (sides[0] ^ sides[1]) | (sides[1] ^ sides[2])
-    cut = np.flatnonzero(is_cut.any(axis=1))
+    # Over rows of a few bytes NumPy takes several times longer.
+    cut = np.flatnonzero(np.ascontiguousarray(is_cut.T).any(axis=0))
     station, row = np.nonzero(np.unpackbits(is_cut.take(cut, axis=0), axis=1, count=len(centers)).T)
     owner = cut.take(row)
     rows = wall.triangles.take(owner, axis=0)

@@ -39,8 +39,9 @@ Where spheres end does not depend on it."""
 _ROUGH_TOLERANCE = 1e-3
 """Of a search among a part of the triangles, mm."""
 
-_STATIONS = 1024
-"""Stations searched together: bounds the memory."""
+_TRIANGLES = 1 << 21
+"""Of the spheres that are searched together, about: bounds the memory, some 100 MB. The fewer parts
+the better: every step of a climb costs something, for however few stations."""
 
 _ROUNDS = 200
 """Most steps of a climb; one that is not done by then ends where it is, with the radius there."""
@@ -136,7 +137,7 @@ def inscribed_spheres(
     axes = across(directions)
     found = InscribedSpheres(np.empty_like(centers), np.empty(len(centers)))
     surface = LocalSurface(points, triangles, centers)
-    for block in _parts(centers):
+    for block in _parts(surface, centers):
         spheres = _largest_spheres(surface, centers[block], axes[block], until.at(block))
         found.centers[block], found.radii[block] = spheres
     _free_stuck(surface, found, centers, directions, until)
@@ -211,13 +212,14 @@ def _see_each_other(
     return np.flatnonzero(found)
 
 
-def _parts(centers: Points) -> Iterator[Indices]:
-    """Stations that are searched together: near each other, not too many."""
+def _parts(surface: LocalSurface, centers: Points) -> Iterator[Indices]:
+    """Stations that are searched together: near each other, with not too many triangles."""
     todo = [np.arange(len(centers))] if len(centers) else []
-    # Ends: parts are halved until they are small.
+    triangles = surface.triangles_round(centers) if todo else np.empty(0)
+    # Ends: parts are halved until they are small, or one station.
     while todo:
         part = todo.pop()
-        if len(part) <= _STATIONS:
+        if len(part) == 1 or triangles[part].sum() <= _TRIANGLES:
             yield part
             continue
         half = len(part) // 2

@@ -81,7 +81,8 @@ class LocalSurface:
         is_near = np.all((middles >= low) & (middles <= high), axis=1)
         # A triangle with equal sides whose corners lie on a circle of radius 1 has the area 1.3.
         area = 1.3 * float(np.median(radii[is_near] if is_near.any() else radii)) ** 2
-        return 4 * np.pi * reach**2 / max(area, 1e-300)
+        # Of a center far outside there are not more than there are.
+        return np.minimum(4 * np.pi * reach**2 / max(area, 1e-300), float(len(middles)))
 
     def cover(self, centers: Points, radii: Floats) -> None:
         """Hold all within the radii of the centres."""
