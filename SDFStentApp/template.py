@@ -46,7 +46,7 @@ SAVES = {"savePlanButton": "plan"}
 
 WRITES_FILE = {
     "saveDeviceButton": ("stents.vtp", "application/xml"),
-    "write0DButton": ("0d.json", "application/json"),
+    "write0DButton": ("network.json", "application/json"),
 }
 """Buttons that the panel answers with a question where to save, which the browser keeps under this name; and its type."""
 

@@ -157,13 +157,6 @@ TEMPLATES = {
         "Stents {first} and {second} overlap over {length_mm:.1f} mm of the second one's length; "
         "there the wider one determines the lumen."
     ),
-    "blocks-overlap": (
-        "The 0D blocks of stents {first} and {second} both have the {length_mm:.1f} mm of vessel "
-        "over which these overlap; in series, leave it out of one of them."
-    ),
-    "block-divides": (
-        "The 0D block of stent {number} is not one vessel: {leaves}; split it there."
-    ),
     "neighbor-narrowed": (
         "The lumen of {name} is narrowed from {before_mm:.2f} to {after_mm:.2f} mm ({diameter} "
         "diameter, {percent:.0f} %), {distance_mm:.0f} mm beyond {start}."

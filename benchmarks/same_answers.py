@@ -48,7 +48,7 @@ EVERYWHERE = {
     "deploy": "deploy {wall} --center {center} --length 12 --diameter {diameter} -o o.vtp --arrays"
     " --output-centerline l.vtp --report r.json --save-plan first.json --verbose",
     "between": "deploy {wall} --from {start} --to {end} --diameter {diameter} -o o.vtp"
-    " --report r.json --flow 5 9 --export-0d 0d.json --export-device d.vtp",
+    " --report r.json --mean-flow 9mL/s --export-0d networks --export-device d.vtp",
     "twice": "deploy {wall} --center {center} --length 14 --balloon {diameter} --redilate {wider}"
     " --keep proximal -o o.vtp --report r.json",
     "measure": "measure {wall} --tables --from {start} --to {end} --json",

@@ -26,8 +26,7 @@ import SDFStentLib.cli.deploy
 from SDFStentLib.certificate import Certificate
 from SDFStentLib.cli import main
 from SDFStentLib.cli.console import Console
-from SDFStentLib.cli.option_table import number as _number
-from SDFStentLib.cli.option_table import whole as _whole
+from SDFStentLib.cli.option_table import path as path_of_option
 from SDFStentLib.cli.options import parser
 from SDFStentLib.cli.outputs import Outputs
 from SDFStentLib.deformation import DeploymentSettings
@@ -527,7 +526,7 @@ def of_text(its_parser):
     return [
         action
         for action in its_parser._actions
-        if action.nargs != 0 and not action.choices and action.type not in (_number, _whole)
+        if action.nargs != 0 and not action.choices and action.type is path_of_option
     ]
 
 

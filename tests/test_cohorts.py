@@ -284,6 +284,23 @@ def test_several_stents_are_several_rows_of_one_case(folder, tmp_path):
     assert len(cohort.cases()) == 2
 
 
+def test_a_plan_that_knows_a_flow_adds_columns_of_it(folder, tmp_path):
+    flow = {"mean": 8.0, "inlet": 20.0, "wedge": 8.0}
+    sweep = sweep_in(folder, plan=PLAN | {"flow": flow}, axes={"diameter": [6, 6.5]})
+    run_sweep(sweep, tmp_path / "out", executor=Inline())
+    cohort = Cohort(tmp_path / "out")
+    columns = cohort.columns
+    assert columns["inlet_pressure_before_mmhg"] == pytest.approx([20, 20])
+    after = columns["inlet_pressure_after_mmhg"]
+    drop = columns["pressure_drop_after_mmhg"]
+    assert (after < 20).all()
+    assert (drop < 0.5 * columns["pressure_drop_before_mmhg"]).all()
+    for case, at, lost in zip(columns["case"], after, drop, strict=True):
+        told = cohort.report(str(case))["flow"]["after"]["mean"]
+        assert told["inlet_mmhg"]["value"] == pytest.approx(at)
+        assert told["narrowings"][0]["recovered_mmhg"]["value"] == pytest.approx(lost)
+
+
 def test_a_sweep_may_grow_in_its_folder_and_keeps_what_is_there(folder, tmp_path):
     out, axes = tmp_path / "out", {"diameter": {"uniform": [6, 7]}}
     for count, new in ((2, 2), (4, 2)):

@@ -34,7 +34,7 @@ def a_stent(diameter=6.0, length=20, **more):
 
 PLANS = {
     "one": plan_of(a_stent()),
-    "wide": plan_of(a_stent(7.0), flow=[5, 20]),
+    "wide": plan_of(a_stent(7.0), flow={"mean": 5, "peak": 20}),
     "two": plan_of(
         a_stent(6.0, 8, name="first", placement={"center": [0, 0, 1.7]}),
         a_stent(
@@ -147,8 +147,9 @@ def test_the_page_shows_the_numbers_of_every_run(a_run_folder):
         assert rows.get("Warnings", [""] * 3)[column].splitlines() == own["warnings"]
     assert "first: " in rows["Minimum lumen diameter"][2]
     assert rows["Balloon diameter"] == ["", "", "second: 6.00 mm\n"]
-    assert "at 20 mL/s" in rows["Pressure"][1]
-    assert (rows["Pressure"][0], rows["Pressure"][2]) == ("", "")
+    told = rows["Pressure and flow"]
+    assert "At the peak flow of 20 mL/s (1.2 L/min), drop over stent 1: recovered" in told[1]
+    assert (told[0], told[2]) == ("", "")
 
 
 def test_the_least_lumen_beyond_the_ends_is_that_of_the_stations_there(a_run_folder):

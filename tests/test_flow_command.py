@@ -1,13 +1,19 @@
-"""The command `flow` on the synthetic patient."""
+"""Flow before and after on the synthetic patient: the command, and plans that know a flow."""
 
 import json
 import subprocess
 import sys
 from pathlib import Path
 
+import jsonschema
 import pytest
+from test_plan import SCHEMA, a_document
+from tube_files import deploy
 
 from SDFStentLib.cli import main
+from SDFStentLib.flow import Known
+from SDFStentLib.plan import load_plan, plan_from_document, save_plan
+from SDFStentLib.validation import InputError
 
 
 @pytest.fixture(scope="module")
@@ -105,7 +111,7 @@ def test_bad_input_is_a_sentence_and_nothing_is_written(flow, capsys, more, word
 
 
 def test_a_solver_that_dies_leaves_nothing(flow, capsys, monkeypatch):
-    monkeypatch.setattr("SDFStentLib.cli.flow.has_svzerod", lambda: True)
+    monkeypatch.setattr("SDFStentLib.plan.flow.has_svzerod", lambda: True)
     monkeypatch.setattr("SDFStentLib.flow.svzerod._RUN", "import os; os._exit(9)")
     rows = "s,mL/s\n0,10\n0.2,120\n0.4,10\n0.8,10\n"
     Path("wave.csv").write_text(rows, encoding="utf-8")
@@ -115,7 +121,7 @@ def test_a_solver_that_dies_leaves_nothing(flow, capsys, monkeypatch):
 
 
 def test_without_svzerod_a_wave_is_taken_as_steady_flows_and_said_so(flow, capsys, monkeypatch):
-    monkeypatch.setattr("SDFStentLib.cli.flow.has_svzerod", lambda: False)
+    monkeypatch.setattr("SDFStentLib.plan.flow.has_svzerod", lambda: False)
     rows = "s,mL/s\n0,10\n0.2,120\n0.4,10\n0.8,10\n"
     Path("wave.csv").write_text(rows, encoding="utf-8")
     assert flow("--wave", "wave.csv", "--json", "f.json") == 0
@@ -126,3 +132,115 @@ def test_the_library_of_flow_needs_no_solver():
     """It is no dependency: nothing imports it before a wave is solved."""
     code = "import sys, SDFStentLib.flow; sys.exit('svzerod' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def read(path):
+    return json.loads(Path(path).read_text(encoding="utf-8"))
+
+
+PATIENT = {"mean": 50.0, "peak": 120.0, "inlet": 30.0, "wedge": 12.0, "split_right": 0.7}
+
+
+def test_a_plan_that_knows_a_flow_tells_what_the_command_tells(flow, patient, tmp_path, capsys):
+    """In shell, report, page and comparison; networks, too."""
+    documents = {"with": read(flow.plan) | {"flow": PATIENT}, "without": read(flow.plan)}
+    for name, document in documents.items():
+        # Beside the files that it names.
+        (patient / f"{name}.json").write_text(json.dumps(document), encoding="utf-8")
+    plan = str(patient / "with.json")
+    assert main(["run", plan, "-o", "out", "--export-0d", "nets"]) == 0
+    said = capsys.readouterr().out
+    told = [*PRESSURES, "--mean-flow", "50mL/s", "--peak-flow", "120mL/s"]
+    assert flow("--plan", flow.plan, *told, "--json", "f.json", "--export-0d", "nets2") == 0
+    own, other = read("out/report.json")["flow"], read("f.json")
+    assert own == {key: other[key] for key in own}
+    assert read("nets/after.json") == read("nets2/after.json")
+    value = own["after"]["mean"]["inlet_mmhg"]["value"]
+    line = next(one for one in said.splitlines() if one.startswith("At the mean flow of 50 mL/s"))
+    assert f"inlet pressure 30.0 -> {value:.1f} (" in line
+    assert "drop over stent 1 recovered" in line
+    page = Path("out/report.html").read_text(encoding="utf-8")
+    assert "<h2>Pressure and flow</h2>" in page
+    assert "No measured gradient" in page
+    jsonschema.validate(read("out/plan.json"), SCHEMA)
+    assert load_plan("out/plan.json").flow == Known(**PATIENT)
+    assert main(["compare", plan, str(patient / "without.json"), "-o", "page.html"]) == 0
+    page = Path("page.html").read_text(encoding="utf-8")
+    assert page.count("At the peak flow of 120 mL/s (7.2 L/min), inlet pressure") == 1
+
+
+def test_deploy_keeps_a_flow_in_its_plan(a_folder, capsys):
+    rows = "s,L/min\n0,1\n0.2,7\n0.4,1\n0.8,1\n"
+    Path("wave.csv").write_text(rows, encoding="utf-8")
+    files = ["--save-plan", "p.json", "--report", "r.json", "--export-0d", "nets"]
+    assert deploy("--wave", "wave.csv", "--mean-flow", "8mL/s", *files) == 0
+    kept = load_plan("p.json").flow
+    assert kept.mean == 8
+    assert kept.wave.time == (0, 0.2, 0.4, 0.8)
+    assert kept.wave.flow == pytest.approx((3.2, 22.4, 3.2, 3.2))
+    assert read("r.json")["flow"]["known"]["peak_flow_ml_s"] == pytest.approx(22.4)
+    before, after = (
+        read(f"nets/{name}.json")["vessels"][0]["zero_d_element_values"]
+        for name in ("before", "after")
+    )
+    assert after["stenosis_coefficient"] < 0.1 * before["stenosis_coefficient"]
+    jsonschema.validate(read("p.json"), SCHEMA)
+    save_plan(load_plan("p.json"), "again.json")
+    assert load_plan("again.json").flow == kept
+
+
+def test_without_a_flow_there_is_no_word_of_pressure(a_folder, capsys):
+    assert deploy("--report", "r.json", "--report", "r.html") == 0
+    assert "ressure" not in capsys.readouterr().out
+    assert read("r.json")["flow"] is None
+    assert "ressure" not in Path("r.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("more", "line", "words"),
+    [
+        (("--mean-flow", "0mL/s"), "line.vtp", "--mean-flow: expected a number greater than 0"),
+        (("--mean-flow", "5"), "line.vtp", "--mean-flow: expected a flow with its unit"),
+        (("--wedge", "5"), "line.vtp", "expected --mean-flow Q"),
+        (("--export-0d", "nets"), "line.vtp", "expected --mean-flow Q"),
+        (("--mean-flow", "5mL/s"), None, "flow: expected a centerline of the vessel tree"),
+        (("--mean-flow", "5mL/s", "--split-right", "0.5"), "line.vtp", "tells no sides"),
+    ],
+)
+def test_a_flow_that_cannot_be_is_refused_before_the_deployment(
+    a_folder, capsys, more, line, words
+):
+    place = ["--axis", "axis.vtp"] if line is None else ["--center", "0", "0", "2", "--length", "9"]
+    assert deploy(*more, line=line, place=place) == 2
+    assert words in capsys.readouterr().err
+    assert not Path("out.vtp").exists()
+
+
+@pytest.mark.parametrize(
+    ("flow", "words"),
+    [
+        ([5, 20], "flow: expected an object with mean"),
+        ({}, "flow: expected the key 'mean'"),
+        ({"mean": 0}, "flow: mean flow: expected a number greater than 0"),
+        ({"mean": "5"}, "flow.mean: expected a number"),
+        ({"mean": 5, "peak": 4}, "peak flow: expected a number at least 5"),
+        ({"mean": 5, "inlet": 9}, "that of the inlet alone"),
+        ({"mean": 5, "inlet": 9, "wedge": 12}, "contradict each other"),
+        ({"mean": 5, "split_right": 1}, "expected a share below 1"),
+        ({"mean": 5, "right": [1, 2]}, "flow.right: expected three numbers"),
+        ({"mean": 5, "wave": {"time": [0, 1], "flow": [1, 1]}}, "at least 4"),
+        ({"mean": 5, "wave": {"time": [0, 1, 2, 3], "flow": [1, 9, 1, 4]}}, "one that closes"),
+        ({"mean": 5, "wave": {"time": [0, 2, 1, 3], "flow": [1, 9, 1, 1]}}, "times that go up"),
+        ({"mean": 5, "wave": {"time": [0, 1, 2, 3], "flow": [1, -9, 1, 1]}}, "is positive"),
+    ],
+)
+def test_a_plan_with_a_flow_that_cannot_be_is_refused(flow, words):
+    with pytest.raises(InputError) as error:
+        plan_from_document({**a_document(), "flow": flow})
+    assert words in str(error.value)
+
+
+def test_an_exported_network_needs_a_plan_with_a_flow(flow, capsys):
+    assert main(["run", flow.plan, "-o", "out", "--export-0d", "nets"]) == 2
+    assert "expected a plan with a flow for --export-0d" in capsys.readouterr().err
+    assert not list(Path().iterdir())

@@ -6,21 +6,19 @@ import numpy as np
 import pytest
 
 from SDFStentLib.flow import (
+    FlowModel,
     Known,
     Method,
     Outlets,
-    SideClues,
     Wave,
     channels_after,
     channels_of,
-    flow_answer,
     flow_value,
     known_flow,
     read_wave,
     solved_by_svzerod,
     steady,
     svzerod_document,
-    vessels_of,
 )
 from SDFStentLib.flow.blocks import blocks_of
 from SDFStentLib.flow.channels import Channel, Widths, widths_of
@@ -98,9 +96,9 @@ def test_stenosed_tubes_cost_what_the_navier_stokes_equations_say(depth):
     phantom = stenosed_tube(3.0, 3.0 * (1 - depth), 200.0, 0.5)
     channels = channels_of(phantom.surface, phantom.centerline)
     along, line = channels[0].along, channels[0].points
-    vessels = vessels_of(channels, None, [("throat", line[np.abs(along - 100) <= 11])])
+    lines = [("throat", line[np.abs(along - 100) <= 11])]
     for flow, recovered in REFERENCE[depth].items():
-        drop = flow_answer(vessels, known_flow(flow)).before["mean"].drops[0]
+        drop = FlowModel(channels, known_flow(flow)).answer(None, lines).before["mean"].drops[0]
         assert drop.recovered.value == pytest.approx(recovered, rel=0.15)
         assert drop.recovered.low < recovered < drop.recovered.high
         static = STATIC[depth][flow]
@@ -113,14 +111,19 @@ def a_fork():
     phantom = branching_pulmonary_artery()
     channels = channels_of(phantom.surface, phantom.centerline)
     right = next(one.center for one in phantom.openings if "right" in one.name)
-    return vessels_of(channels, None, [], SideClues(right=right))
+    return channels, tuple(right.tolist())
 
 
-PRESSURES = {"pressures": (30.0, 10.0), "split_right": 0.7}
+def answer_of(a_fork, flow=40.0, **more):
+    channels, right = a_fork
+    return FlowModel(channels, known_flow(flow, right=right, **more)).answer()
+
+
+PRESSURES = {"inlet": 30.0, "wedge": 10.0, "split_right": 0.7}
 
 
 def test_outlets_are_fitted_to_pressures_and_split(a_fork):
-    answer = flow_answer(a_fork, known_flow(40.0, **PRESSURES))
+    answer = answer_of(a_fork, **PRESSURES)
     moment = answer.before["mean"]
     assert moment.inlet.value == pytest.approx(30.0, rel=1e-5)
     assert answer.sides.names == ("left", "right")
@@ -141,7 +144,7 @@ def test_outlets_are_fitted_to_pressures_and_split(a_fork):
 
 
 def test_without_pressures_the_split_is_as_given_and_no_pressure_is_told(a_fork):
-    answer = flow_answer(a_fork, known_flow(40.0, split_right=0.7))
+    answer = answer_of(a_fork, split_right=0.7)
     moment = answer.before["mean"]
     assert moment.inlet is None
     assert [one.value for one in moment.sides] == pytest.approx([0.3, 0.7], abs=1e-3)
@@ -150,8 +153,8 @@ def test_without_pressures_the_split_is_as_given_and_no_pressure_is_told(a_fork)
 @pytest.mark.parametrize("more", [PRESSURES, {}])
 def test_svzerod_runs_the_document_unchanged_and_says_the_same(a_fork, more):
     svzerod = pytest.importorskip("svzerod")
-    known = known_flow(40.0, **more)
-    answer = flow_answer(a_fork, known)
+    answer = answer_of(a_fork, **more)
+    known = answer.known
     network, outlets = answer.networks[0], answer.outlets
     document = json.loads(json.dumps(svzerod_document(network, outlets, known)))
     table = svzerod.simulate(document)
@@ -168,20 +171,25 @@ def test_svzerod_runs_the_document_unchanged_and_says_the_same(a_fork, more):
     assert flows[-1] == pytest.approx(state.flow, rel=1e-6)
 
 
-def half_sine(mean=40.0):
+def half_sine():
     time = np.linspace(0, 0.8, 81)
     flow = 5 + 100 * np.maximum(np.sin(2 * np.pi * time / 0.8), 0)
     flow[-1] = flow[0]
-    return known_flow(mean, wave=Wave(time, flow), **PRESSURES)
+    return Wave(tuple(time.tolist()), tuple(flow.tolist()))
 
 
 def test_over_a_wave_more_is_lost_than_at_its_mean_and_svzerod_agrees(a_fork):
     pytest.importorskip("svzerod")
-    throat = a_fork.before[0].points, a_fork.before[-1].points
-    vessels = vessels_of(a_fork.before, None, [("all", np.vstack(throat))], a_fork.clues)
-    at_mean = flow_answer(vessels, known_flow(40.0, **PRESSURES))
-    slow = flow_answer(vessels, half_sine())
-    solved = flow_answer(vessels, half_sine(), solved_by_svzerod)
+    channels, right = a_fork
+    lines = [("all", np.vstack([channels[0].points, channels[-1].points]))]
+    steady_one, slow_one = (
+        FlowModel(channels, known_flow(40.0, wave, right=right, **PRESSURES))
+        for wave in (None, half_sine())
+    )
+    at_mean = steady_one.answer(None, lines)
+    slow = slow_one.answer(None, lines)
+    solved = slow_one.answer(None, lines, solved_by_svzerod)
+    assert (slow.is_quasi_steady, solved.is_quasi_steady) == (True, False)
     drops = [one.before["mean"].drops[0].recovered.value for one in (at_mean, slow, solved)]
     # The loss of jets goes with the square of the flow, friction does not.
     assert drops[1] > 1.2 * drops[0]
@@ -191,8 +199,8 @@ def test_over_a_wave_more_is_lost_than_at_its_mean_and_svzerod_agrees(a_fork):
 
 
 def test_a_solver_that_dies_or_does_not_converge_is_a_sentence(a_fork, monkeypatch):
-    known = known_flow(40.0, **PRESSURES)
-    answer = flow_answer(a_fork, known)
+    answer = answer_of(a_fork, **PRESSURES)
+    known = answer.known
     run = "SDFStentLib.flow.svzerod._RUN"
     for code, words in (
         ("import os; os._exit(3)", "exit code 3, and it said: nothing"),
@@ -222,10 +230,10 @@ def test_a_flow_without_a_unit_or_none_is_refused(text):
 @pytest.mark.parametrize(
     ("more", "words"),
     [
-        ({"pressures": (10.0, None)}, "that of the inlet alone"),
-        ({"pressures": (None, 10.0)}, "that of the wedge alone"),
-        ({"pressures": (9.0, 10.0)}, "contradict each other"),
-        ({"pressures": (float("nan"), 10.0)}, "inlet pressure"),
+        ({"inlet": 10.0}, "that of the inlet alone"),
+        ({"wedge": 10.0}, "that of the wedge alone"),
+        ({"inlet": 9.0, "wedge": 10.0}, "contradict each other"),
+        ({"inlet": float("nan"), "wedge": 10.0}, "inlet pressure"),
         ({"peak": 30.0}, "peak flow"),
         ({"split_right": 1.0}, "below 1"),
         ({"split_right": 80.0}, "split to the right"),
@@ -238,15 +246,15 @@ def test_values_that_contradict_each_other_are_refused(more, words):
 
 def test_pressures_that_cannot_drive_the_flow_are_refused(a_fork):
     with pytest.raises(InputError, match="expected more than the vessel itself costs"):
-        flow_answer(a_fork, known_flow(200.0, pressures=(10.2, 10.0)))
+        answer_of(a_fork, 200.0, inlet=10.2, wedge=10.0)
 
 
 def test_a_split_needs_sides():
     tube = straight_tube(edge_length=1.2)
-    vessels = vessels_of(channels_of(tube.surface, tube.centerline), None, [])
+    channels = channels_of(tube.surface, tube.centerline)
     with pytest.raises(InputError, match="right branch is known"):
-        flow_answer(vessels, known_flow(40.0, split_right=0.7))
-    assert flow_answer(vessels, known_flow(40.0)).before["mean"].sides is None
+        FlowModel(channels, known_flow(40.0, split_right=0.7))
+    assert FlowModel(channels, known_flow(40.0)).answer().before["mean"].sides is None
 
 
 def write(folder, text):
@@ -269,7 +277,7 @@ def test_a_wave_is_read_in_its_unit_and_scaled_to_the_mean(tmp_path):
     ("text", "words"),
     [
         ("0,1\n1,5\n2,2\n3,1\n", "unit of the flow"),
-        ("s,mL/s\n0,1\n1,5\n2,2\n3,4\n", "a wave that closes"),
+        ("s,mL/s\n0,1\n1,5\n2,2\n3,4\n", "one that closes"),
         ("s,mL/s\n0,1\n1,5\n1,2\n3,1\n", "times that go up"),
         ("s,mL/s\n0,1\n1,x\n2,2\n3,1\n", "rows of two numbers"),
         ("s,mL/s\n0,-1\n1,-5\n2,-2\n3,-1\n", "mean flow is positive"),
@@ -282,7 +290,7 @@ def test_a_wave_that_is_none_is_refused(tmp_path, text, words):
 
 
 def test_a_pressure_beyond_the_outlets_only_lifts_all_others(a_fork):
-    network = flow_answer(a_fork, known_flow(40.0)).networks[0]
+    network = answer_of(a_fork).networks[0]
     resistance = np.full(len(network.outlet_blocks), 1e8)
     low, high = (steady(network, Outlets(resistance, p), 40e-6) for p in (0.0, 1000.0))
     assert high.inlet - low.inlet == pytest.approx(1000.0)
@@ -301,9 +309,8 @@ def test_an_outlet_outside_of_the_vessel_is_refused():
 def test_a_vessel_without_junctions_runs_in_svzerod():
     svzerod = pytest.importorskip("svzerod")
     tube = straight_tube(edge_length=1.2)
-    known = known_flow(40.0, pressures=(20.0, 8.0))
-    vessels = vessels_of(channels_of(tube.surface, tube.centerline), None, [])
-    answer = flow_answer(vessels, known)
+    known = known_flow(40.0, inlet=20.0, wedge=8.0)
+    answer = FlowModel(channels_of(tube.surface, tube.centerline), known).answer()
     table = svzerod.simulate(svzerod_document(answer.networks[0], answer.outlets, known))
     assert table.pressure_in.iloc[-1] / 1333.22 == pytest.approx(20.0, rel=1e-6)
 
@@ -324,3 +331,17 @@ def test_what_no_wall_moved_near_is_as_it_was_and_the_rest_is_as_measured_anew()
     middle = np.abs(before.along - 20) < 4
     assert after.section[middle] == pytest.approx(5.6, rel=0.05), after.section[middle]
     assert (after.inscribed[middle] > before.inscribed[middle] + 0.5).all()
+
+
+def test_channels_as_wide_as_before_keep_their_blocks_and_all_others_are_made_anew():
+    channels = channels_of(*(lambda p: (p.surface, p.centerline))(branching_pulmonary_artery()))
+    widths = widths_of(channels)
+    shares = np.array([1.0, *(0.5 for _ in channels[1:])])
+    before = blocks_of(channels, widths, shares, Method())
+    last = len(channels) - 1
+    wider = (*widths[:last], widths[last].widened(0.3))
+    anew = blocks_of(channels, wider, shares, Method())
+    kept = blocks_of(channels, wider, shares, Method(), [*before[:last], None])
+    assert all(one is old for one, old in zip(kept[:last], before, strict=False))
+    for one, other in zip(kept, anew, strict=True):
+        assert all(np.array_equal(*pair) for pair in zip(one, other, strict=True))

@@ -40,10 +40,10 @@ USES = {
     "vessel": "geometry centerline lumen",
     "flow": "geometry centerline lumen vessel",
     "segment": "geometry centerline vessel",
-    "treatment": "geometry centerline certificate lumen stent deformation vessel segment",
-    "plan": "geometry files stent deformation treatment",
+    "treatment": "geometry centerline certificate flow lumen stent deformation vessel segment",
+    "plan": "geometry files flow stent deformation treatment vessel",
     "report": "geometry lumen stent files treatment vessel segment flow plan",
-    "cohort": "geometry centerline stent files treatment vessel plan report",
+    "cohort": "geometry centerline flow stent files treatment vessel plan report",
     "cli": "files stent phantoms vessel flow treatment plan report cohort",
 }
 """Which rooms a room knows, those on the ground left out: the fewer, the easier it is to change."""

@@ -50,7 +50,7 @@ def made(folder):
     plan = document()["plan"] | {"stents": [stent]}
     (folder / "thin.json").write_text(json.dumps(plan), encoding="utf-8")
     shutil.copy(folder / "thin.json", folder / "same.json")
-    plan = document()["plan"] | {"flow": [1, HUGE]}
+    plan = document()["plan"] | {"flow": {"mean": 1, "peak": HUGE}}
     (folder / "flow.json").write_text(json.dumps(plan), encoding="utf-8")
 
 
@@ -84,7 +84,7 @@ def process(folder, command, **streams):
 
 NOT_A_TABLE = "csv: expected rows of fraction,diameter, got what is none (field larger than field"
 RANGE = "expected a number at least -1e+06 and at most 1e+06, got "
-FLOW = "flow at most: expected a number at least 1 and at most 10000 (mL/s), got 1e+308"
+FLOW = "peak flow: expected a number at least 1 and at most 10000 (mL/s), got 1e+308"
 REFUSED = {
     f"{PROFILE} field.csv": NOT_A_TABLE,
     f"{PROFILE} text.csv": NOT_A_TABLE,
@@ -96,8 +96,8 @@ REFUSED = {
     "sweep within.json --dry-run": f"axes.offset.within[0]: {RANGE}-1000",
     "sweep listed.json --dry-run": f"axes.diameter[1]: {RANGE}1000",
     "sweep steps.json --dry-run": f"axes.diameter.from: {RANGE}-1000",
-    f"{DEPLOY} --flow 1 1e308": FLOW,
-    f"{DEPLOY} --flow 1e308 1e308": "at most 10000 (mL/s), got 1e+308; choose such a number",
+    f"{DEPLOY} --mean-flow 1mL/s --peak-flow 1e308mL/s": "--peak-flow: expected a number",
+    f"{DEPLOY} --mean-flow 1e308mL/s": "at most 10000 (mL/s), got 1e+308; choose such a number",
     "run flow.json -o out": FLOW,
     f"demo -o {LONG}": "cannot be written (File name too long)",
     f"extract tube.vtp --units cm --centerline line.vtp --from 0 0 1 --to 0 0 3 -o {LONG}": (

@@ -80,6 +80,13 @@ class DeploySession:
         if not self._timer.isActive():
             self._timer.start()
 
+    def followFlow(self):
+        """Tell the results for another flow, where that was set; after what is under way."""
+        if not self.isBusy and self._logic.isFlowOld(self._parameterNode):
+            self._live = self._isQuiet = False
+            self._run.start(self._logic.tellFlow(self._parameterNode))
+            self._onStart()
+
     def cancel(self):
         """Stop at once; what is shown stays."""
         self._stop()
@@ -161,3 +168,5 @@ class DeploySession:
         self._isQuiet = self._live
         self._onDone(error, standing)
         self._rest()
+        if self._parameterNode is not None and error is None:
+            self.followFlow()

@@ -5,7 +5,7 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from SDFStentLib.geometry import Precision
 from SDFStentLib.treatment import Treatment
 
-from . import Dependencies, Plans, Results
+from . import Dependencies, Flow, Plans, Results
 from .Portions import inPortions, working
 from .Stenting import Stenting
 
@@ -73,6 +73,17 @@ def measured(shown):
     for _part in run.measure():
         yield 1.0
     Results.showMeasured(shown.parameterNode, run)
+    yield from told(shown)
+
+
+def told(shown):
+    """Pressures and flows of the last deployment, as far as they are known; an iterator as `SDFStentLogic.steps`."""
+    run, known = shown.run, Flow.toldFlow(shown.parameterNode)
+    if known == run.shownFlow:
+        return
+    for _part in run.findFlow(known):
+        yield 1.0
+    Results.showFlow(shown.parameterNode, run)
 
 
 def _expand(run, surface=None):

@@ -33,7 +33,9 @@ class ExportSection:
 
     def _onWrite0D(self):
         asked = qt.QFileDialog.getSaveFileName
-        self._ask(asked, _("Values for a 0D solver"), "0d.json", _("Values (*.json)"), "write0D")
+        self._ask(
+            asked, _("Network for a 0D solver"), "network.json", _("Network (*.json)"), "write0D"
+        )
 
     def _ask(self, asked, title, name, kinds, action):
         path = asked(self.ui.saveDeviceButton, title, name, kinds)

@@ -1,6 +1,6 @@
-"""What the last deployment is beside surface and numbers: the device as a file, and values for a 0D solver."""
+"""What the last deployment is beside surface and numbers: the device as a file, and networks for a 0D solver."""
 
-import json
+from pathlib import Path
 
 from slicer.i18n import tr as _
 
@@ -10,8 +10,9 @@ from SDFStentLib.files import (
     read_surface,
     write_bytes,
 )
+from SDFStentLib.flow import networks_of
 from SDFStentLib.plan import device_vtp
-from SDFStentLib.report import zero_d_cautions, zero_d_document
+from SDFStentLib.report import document_json
 from SDFStentLib.validation import InputError
 
 from . import Conversion, Display
@@ -32,13 +33,20 @@ class Exporting:
         _write(path, content, parameterNode)
 
     def write0D(self, path, parameterNode):
-        """Write values for the vessel blocks of a 0D solver, before and after, as `--export-0d` does; errors as above."""
-        check_suffix(path, _("values for a 0D solver"), (".json",))
-        result = self._deployed(parameterNode)
-        text = json.dumps(zero_d_document(result), indent=2, allow_nan=False) + "\n"
-        _write(path, text.encode(), parameterNode)
-        for caution in zero_d_cautions(result):
-            parameterNode.status += " " + caution.sentence()
+        """Write the stented vessel as a network for svZeroDSolver, and beside it that before, as `--export-0d` does; errors as above."""
+        check_suffix(path, _("a network"), (".json",))
+        self._deployed(parameterNode)
+        answer = self.lastRun(parameterNode).flow
+        if answer is None:
+            raise InputError(
+                _(
+                    "Results: expected a flow, without which there is no network, got none; set the flow first."
+                )
+            )
+        before, after = map(document_json, networks_of(answer))
+        path = Path(path)
+        _write(path.with_stem(f"{path.stem}_before"), before.encode(), parameterNode)
+        _write(path, after.encode(), parameterNode)
 
     def loadDeviceMesh(self, path, parameterNode):
         """Add a straight stent mesh from a file to the scene as it is in there, mm, and choose it; returns its node."""

@@ -1,36 +1,72 @@
-"""The range of flow for which pressure drops are estimated: L/min in the panel, mL/s in the library."""
+"""What is known of the patient's flow before treatment: L/min, mmHg and % in the panel, the library's `Known` in a plan."""
+
+import json
+from dataclasses import replace
 
 from slicer.i18n import tr as _
+
+from SDFStentLib.flow import Known
+from SDFStentLib.validation import InputError
 
 ML_PER_S = 1000 / 60
 """In one liter per minute."""
 
-UNIT = "L/min"
-"""In which the panel asks, and is answered."""
 
-
-def flowOf(parameterNode):
-    """The least and the most flow, mL/s; None where no pressure drop is wanted. They are the same where there is no most."""
-    least, most = parameterNode.flowLeast, parameterNode.flowMost
-    return (least * ML_PER_S, (most or least) * ML_PER_S) if least > 0 else None
+def knownOf(parameterNode):
+    """What is set, as the library has it; None where no flow is. Raises `InputError` for what contradicts itself."""
+    if parameterNode.flowMean <= 0:
+        return None
+    hasPressures = parameterNode.inletPressure > 0
+    return Known(
+        parameterNode.flowMean * ML_PER_S,
+        peak=parameterNode.flowPeak * ML_PER_S or None,
+        inlet=parameterNode.inletPressure if hasPressures else None,
+        wedge=parameterNode.wedgePressure if hasPressures else None,
+        split_right=parameterNode.splitRight / 100 or None,
+    )
 
 
 def toldFlow(parameterNode):
     """The same, and None while what is set contradicts itself."""
-    return None if refusal(parameterNode) else flowOf(parameterNode)
+    return None if refusal(parameterNode) else knownOf(parameterNode)
+
+
+def plannedFlow(parameterNode, place):
+    """The same for a plan; `place(point)` turns a place, mm in RAS, into the frame of the plan.
+
+    A plan tells where the right branch is, for a file may not tell: as soon as that is known.
+    """
+    known = knownOf(parameterNode)
+    if known is None or not parameterNode.rightBranch:
+        return known
+    return replace(known, right=place(json.loads(parameterNode.rightBranch)))
 
 
 def valuesOf(plan):
-    """The flow of a plan as values of the parameter node."""
-    least, most = (0.0, 0.0) if plan.flow is None else plan.flow
-    return {"flowLeast": least / ML_PER_S, "flowMost": most / ML_PER_S}
+    """The flow of a plan as values of the parameter node: the mean and the peak of a wave."""
+    known = plan.flow
+    if known is None:
+        return dict.fromkeys(
+            ("flowMean", "flowPeak", "inletPressure", "wedgePressure", "splitRight"), 0.0
+        )
+    return {
+        "flowMean": known.mean / ML_PER_S,
+        "flowPeak": (known.most or 0.0) / ML_PER_S,
+        "inletPressure": known.inlet or 0.0,
+        "wedgePressure": known.wedge or 0.0,
+        "splitRight": 100 * (known.split_right or 0.0),
+    }
 
 
 def refusal(parameterNode):
     """Why no plan can have this flow, as a sentence; "" when it can."""
-    least, most = parameterNode.flowLeast, parameterNode.flowMost
-    if not 0 < most < least:
-        return ""
-    return _(
-        "Results: expected a flow at most of {least:g} L/min or more, got {most:g} L/min; choose a larger one, or less for the first."
-    ).format(least=least, most=most)
+    mean, peak = parameterNode.flowMean, parameterNode.flowPeak
+    if 0 < peak < mean:
+        return _(
+            "Results: expected a peak flow of {mean:g} L/min or more, got {peak:g} L/min; choose a larger one, or none."
+        ).format(mean=mean, peak=peak)
+    try:
+        knownOf(parameterNode)
+    except InputError as error:
+        return _("Results: {sentence}").format(sentence=error)
+    return ""

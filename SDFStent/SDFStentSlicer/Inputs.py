@@ -98,9 +98,10 @@ class Inputs:
     def _bothInPortions(self, parameterNode):
         vessel = yield from self.vesselInPortions(parameterNode)
         centerline = yield from self.centerlineInPortions(parameterNode)
-        given, misfit = yield from self.givenNamesInPortions(parameterNode)
+        _given, misfit = yield from self.givenNamesInPortions(parameterNode)
         remark = "\n".join(filter(None, (vessel.remark, misfit)))
-        return remark, (vessel.surface, centerline, vessel.faces, given)
+        names = () if misfit else Plans.namesOf(parameterNode)
+        return remark, treatment.Vessel(vessel.surface, centerline, (), vessel.faces, names)
 
     def givenNamesInPortions(self, parameterNode):
         """What the plan calls the centerline's branches, none where its names are of another vessel, and a sentence why or ""."""

@@ -1,7 +1,7 @@
 """The lesions of a vessel: found once, off the application's thread."""
 
+from SDFStentLib.plan import flow_answer, flow_model
 from SDFStentLib.validation import InputError
-from SDFStentLib.vessel import find_lesions
 
 from .Portions import inPortions
 
@@ -21,16 +21,27 @@ class LesionSearch:
     """
 
     def __init__(self, inputs):
-        """`inputs()` is a generator that yields None in between and returns the remark and what `find_lesions` takes."""
+        """`inputs()` is a generator that yields None in between and returns the remark and the library's `Vessel`."""
         self._inputs = inputs
         self.found, self.sentence, self.remark = None, "", ""
+        self._vessel = self._model = None
 
     def portions(self):
         """Search; yields None until it is done. Does nothing when it is."""
         if self.found is not None:
             return
         try:
-            self.remark, inputs = yield from self._inputs()
-            self.found = yield from inPortions(lambda: withSections(find_lesions(*inputs)))
+            self.remark, self._vessel = yield from self._inputs()
+            vessel = self._vessel
+            self.found = yield from inPortions(lambda: withSections(vessel.lesions))
         except InputError as error:
             self.found, self.sentence = (), str(error)
+
+    def flow(self, known, result):
+        """The library's `FlowAnswer` for what is `known` of the flow, and a result; once `portions` was run to its end.
+
+        What is before treatment is kept from one result to the next. Raises as the library's `flow_model` and `flow_answer`.
+        """
+        if self._model is None or self._model.known != known:
+            self._model = flow_model(self._vessel, known, "RAS")
+        return flow_answer(self._model, self._vessel, result)

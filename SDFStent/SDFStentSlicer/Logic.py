@@ -15,6 +15,7 @@ from . import (
     Dependencies,
     Deploying,
     Display,
+    Flow,
     Layouts,
     Outputs,
     Plans,
@@ -193,6 +194,16 @@ class SDFStentLogic(
             yield from Deploying.steps(shown, signature, vessel, self._inputs, mayGoOn)
             yield from Deploying.measured(shown)
 
+    def isFlowOld(self, parameterNode):
+        """Whether the numbers are told for another flow than is set."""
+        run = self.lastRun(parameterNode)
+        isTold = run is not None and run.result is not None and parameterNode.certificateSummary
+        return isTold and Flow.toldFlow(parameterNode) != run.shownFlow
+
+    def tellFlow(self, parameterNode):
+        """Tell the numbers of the last deployment for the flow that is set; an iterator as `steps`."""
+        yield from Deploying.told(self._shownOf(parameterNode))
+
     def prepared(self, parameterNode):
         """Make what the first preview and deployment of a vessel need; an iterator as `steps`."""
         if parameterNode.vessel is not None and parameterNode.centerline is not None:
@@ -262,7 +273,6 @@ class SDFStentLogic(
             return
         Results.followDevice(parameterNode, run)
         Results.followSelection(parameterNode, run)
-        Results.followFlow(parameterNode, run)
         if run.shownMap != parameterNode.map:
             Results.showMap(parameterNode, run)
 

@@ -102,7 +102,10 @@ class PanelState:
         self.ui.savePlanButton.enabled = not missing
         self.ui.showPlotButton.enabled = parameterNode.outputChart is not None
         self.ui.showTableButton.enabled = parameterNode.outputTable is not None
-        self.ui.flowMostSpinBox.enabled = parameterNode.flowLeast > 0
+        hasFlow, hasPressure = parameterNode.flowMean > 0, parameterNode.inletPressure > 0
+        for name in ("flowPeakSpinBox", "splitRightSpinBox", "inletPressureSpinBox"):
+            getattr(self.ui, name).enabled = hasFlow
+        self.ui.wedgePressureSpinBox.enabled = hasFlow and hasPressure
         self.ui.warningLabel.visible = bool(parameterNode.warningSummary)
         self._tell(parameterNode, standing)
 

@@ -117,8 +117,11 @@ RANGES = {
         if one.unit
     },
     "straightening": Range(0.0, 100.0, "a straightening", " %"),
-    "flowLeast": Range(0.0, 60.0, "a flow", " L/min"),
-    "flowMost": Range(0.0, 60.0, "a flow at most", " L/min"),
+    "flowMean": Range(0.0, 60.0, "a mean flow", " L/min"),
+    "flowPeak": Range(0.0, 200.0, "a peak flow", " L/min"),
+    "inletPressure": Range(0.0, 300.0, "a pressure at the inlet", " mmHg"),
+    "wedgePressure": Range(0.0, 300.0, "a wedge pressure", " mmHg"),
+    "splitRight": Range(0.0, 99.0, "a share of the flow to the right", " %"),
     "suggestRatio": Range(*RATIOS, "a ratio to the adjacent vessel", ""),
     "suggestMargin": Range(0.0, LONGEST_MARGIN, "a margin"),
 }
@@ -214,8 +217,13 @@ class SDFStentParameterNode:
     autoUpdate: bool = False
     expansion: Annotated[float, WithinRange(0.0, 100.0)] = 100.0
     map: SurfaceMap = SurfaceMap.NONE
-    flowLeast: Annotated[float, _within("flowLeast")] = 0.0
-    flowMost: Annotated[float, _within("flowMost")] = 0.0
+    flowMean: Annotated[float, _within("flowMean")] = 0.0
+    flowPeak: Annotated[float, _within("flowPeak")] = 0.0
+    inletPressure: Annotated[float, _within("inletPressure")] = 0.0
+    wedgePressure: Annotated[float, _within("wedgePressure")] = 0.0
+    splitRight: Annotated[float, _within("splitRight")] = 0.0
+    rightBranch: str = ""
+    """A place in it, mm in RAS, as JSON, once the flow was found."""
     showStents: bool = True
     showDevice: bool = False
     deviceMesh: Optional[vtkMRMLModelNode]

@@ -78,7 +78,7 @@ def planOf(parameterNode, stents=None):
         frame=frame,
         settings=settingsOf(parameterNode),
         straightening_fraction=parameterNode.method.straightening / 100,
-        flow=Flow.flowOf(parameterNode),
+        flow=Flow.plannedFlow(parameterNode, lambda place: _placeInFrame(place, frame)),
         names=_namesIn(frame, namesOf(parameterNode)),
     )
 
@@ -114,7 +114,7 @@ def save(path, parameterNode):
 def load(path, parameterNode):
     """Replace stents and method by those of a plan document; its handles are made, the old ones stay in the scene.
 
-    Returns a sentence when the plan does not say in which frame its points are, else "".
+    Returns what there is to know of it, such as that the plan does not say in which frame its points are, or "".
     """
     plan = load_plan(path)
     frame = plan.frame or Conversion.fileFrame(parameterNode.vessel) or "RAS"
@@ -142,11 +142,13 @@ def load(path, parameterNode):
             setattr(parameterNode, name, value)
         parameterNode.planDocument = plan_text(replace(plan, frame=frame))
         StentList(parameterNode).replace(stents, 0 if stents else -1)
-    if plan.frame is not None:
-        return ""
-    return _("The plan does not name the frame of its points; {frame} is taken.").format(
-        frame=frame
-    )
+    told = []
+    if plan.flow is not None and plan.flow.wave is not None:
+        told.append(_("Of the wave of the plan's flow the mean and the peak are taken."))
+    if plan.frame is None:
+        words = _("The plan does not name the frame of its points; {frame} is taken.")
+        told.append(words.format(frame=frame))
+    return " ".join(told)
 
 
 class _Row(NamedTuple):
@@ -193,6 +195,12 @@ def _isAtOnce(stent, number, stents, rows):
         return False
     named = (stent.name, Sizes.nameAgain(rows[-1].stent.name), "")
     return stent.name in named[1:] and replace(again, name=stent.name) == stent
+
+
+def _placeInFrame(place, frame):
+    """A place from RAS to a frame, as a tuple."""
+    x, y, z = place
+    return (-x, -y, z) if frame == "LPS" else (x, y, z)
 
 
 def _inFrame(planned, frame):

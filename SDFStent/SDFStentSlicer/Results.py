@@ -12,20 +12,22 @@ from SDFStentLib.lumen import displacements, face_stretches
 from SDFStentLib.report import (
     contact_fact,
     coverage_fact,
+    flow_rows,
+    flow_section,
     lumen_fact,
     ratio_sentence,
     residual_fact,
     stent_balloon_sentences,
     stent_device_sentences,
     stent_lesion_sentences,
-    stent_pressure_sentences,
     stent_ratio_sentences,
+    stents_in,
 )
 from SDFStentLib.treatment import prescribed_diameters, residual_of, size_cautions, stent_ratios
 from SDFStentLib.validation import InputError, one_line
 from SDFStentLib.vessel import lesions_within
 
-from . import Conversion, Display, Flow
+from . import Conversion, Display
 from .ParameterNode import SurfaceMap
 
 SERIES = {
@@ -53,6 +55,7 @@ def clearNumbers(parameterNode, text=""):
     """Take away what was measured; `text` stands in its place."""
     parameterNode.lumenSummary = text
     parameterNode.certificateSummary = parameterNode.warningSummary = parameterNode.summaryRow = ""
+    parameterNode.rightBranch = ""
 
 
 def showStents(parameterNode, stents, isWhole=False):
@@ -157,23 +160,28 @@ def summaryRow(run):
 
 
 def showSummary(parameterNode, run):
-    """What there is to say of every stent, with the pressure drops at the flow that is set."""
-    run.shownFlow = flow = Flow.toldFlow(parameterNode)
-    told = [stent_pressure_sentences(treated, flow, Flow.UNIT) for treated in run.result.stents]
-    summaries = [
-        "\n".join([stentSummary(treated, run.lesions), *pressure[:1]])
-        for treated, pressure in zip(run.result.stents, told, strict=True)
-    ]
-    notes = dict.fromkeys(note for pressure in told for note in pressure[1:])  # once
+    """What there is to say of every stent, and of the flow where that is known."""
+    summaries = [stentSummary(treated, run.lesions) for treated in run.result.stents]
     left = residual_of(run.lesions or (), run.result.stents)
     headline = [] if left is None else [str(residual_fact(left))]
-    parameterNode.lumenSummary = "\n\n".join([*headline, *summaries, *notes])
+    parameterNode.lumenSummary = "\n\n".join([*headline, *summaries, *_flowParagraphs(run)])
 
 
-def followFlow(parameterNode, run):
-    """Tell the pressure drops of the last deployment at another flow, once that is set."""
-    isShown = run.result is not None and parameterNode.certificateSummary
-    if isShown and Flow.toldFlow(parameterNode) != run.shownFlow:
+def _flowParagraphs(run):
+    """Pressures and flows, and what has to be known of them; or why there are none."""
+    if run.flow is None:
+        return [run.flowRemark] if run.flowRemark else []
+    section = flow_section(run.flow)
+    rows = flow_rows(section, stents_in(section))
+    lines = [f"{label}: {words}" for label, words in rows]
+    return ["\n".join(lines), *section["notes"]]
+
+
+def showFlow(parameterNode, run):
+    """The numbers with another flow than before."""
+    right = None if run.flow is None else run.flow.right_place
+    with slicer.util.NodeModify(parameterNode):
+        parameterNode.rightBranch = "" if right is None else json.dumps(right)
         showSummary(parameterNode, run)
 
 

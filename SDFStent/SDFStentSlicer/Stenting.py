@@ -2,8 +2,11 @@
 
 from typing import NamedTuple
 
+from slicer.i18n import tr as _
+
 from SDFStentLib.stent import OfStent, Stent, StentAxis, redilated
 from SDFStentLib.treatment import treated_lesions
+from SDFStentLib.validation import DeploymentError, InputError
 
 from .Lesions import withSections
 from .Portions import inPortions
@@ -46,6 +49,7 @@ class Stenting:
         self.recorded, self._axes = [], {}
         self.places, self.result = list(places), None
         self.search, self.lesions, self.remark = search, None, remark
+        self.flow, self.flowRemark = None, ""
         self.shownMap = self.shownStent = self.shownFlow = None
 
     def steps(self):
@@ -103,6 +107,26 @@ class Stenting:
             yield from inPortions(
                 lambda: withSections([one.after for one in self.lesions if one.stents])
             )
+
+    def findFlow(self, known):
+        """Pressures and flows for what is known; yields None until they are found. Once `measure` was run to its end.
+
+        `flow` is the library's `FlowAnswer` then, or None, and `flowRemark` says why.
+        """
+        self.shownFlow, self.flow, self.flowRemark = known, None, ""
+        if known is None:
+            return
+        search, result = self.search, self.result
+        try:
+            if search is None:
+                raise InputError(
+                    _(
+                        "Results: expected a centerline to know the flow by, got none; choose it, or no flow."
+                    )
+                )
+            self.flow = yield from inPortions(lambda: search.flow(known, result))
+        except (InputError, DeploymentError) as error:
+            self.flowRemark = str(error)
 
     def at(self, percent):
         """All points at a percentage of the way, and a `DrawnStent` for every stent that is there by then.

@@ -237,8 +237,11 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
             self._attempt(lambda: self.logic.snapHandle(self._parameterNode, handle))
 
     def _requestUpdate(self):
-        if self._parameterNode is not None and self._parameterNode.autoUpdate:
+        if self._parameterNode is None:
+            return
+        if self._parameterNode.autoUpdate:
             self.session.request()
+        self.session.followFlow()
 
     # Deploying
 

@@ -29,9 +29,9 @@ def host():
 @pytest.fixture(scope="session", autouse=True)
 def knownLesions(theModule):
     """Look for the lesions of each vessel once: that takes as long as a deployment. A test that needs the search clears it."""
-    from SDFStentSlicer import Lesions
+    from SDFStentLib.treatment import vessel
 
-    search, known = Lesions.find_lesions, {}
+    search, known = vessel.find_lesions, {}
 
     def found(surface, centerline, faces=None, given=()):
         arrays = (surface.points, surface.triangles, centerline.points, centerline.inscribed_radius)
@@ -43,7 +43,7 @@ def knownLesions(theModule):
             known[key] = search(surface, centerline, faces, given)
         return tuple(list(known[key]))  # another one for every search, as without this
 
-    Lesions.find_lesions = found
+    vessel.find_lesions = found
     return known
 
 

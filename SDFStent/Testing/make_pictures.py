@@ -196,7 +196,7 @@ def main(folder):
     host.click(ui.suggestButton)
     ui.waistSpinBox.value = 5.5
     ui.proximalEndSpinBox.value = 8.0
-    ui.flowLeastSpinBox.value, ui.flowMostSpinBox.value = 1.0, 2.0
+    ui.flowMeanSpinBox.value = 2.5
     host.processUntil(lambda: not panel.recoil.isBusy)
     host.click(ui.deployButton)
     settle(host, panel)

@@ -53,7 +53,7 @@ def test_a_duplicate_is_a_whole_plan_of_its_own(host, aPlan):
     host.click(ui.copyStentButton)
     ui.waistSpinBox.value = 5.0
     ui.tissueGapSlider.value = 0.7
-    ui.flowLeastSpinBox.value = 1.5
+    ui.flowMeanSpinBox.value = 1.5
     first.deviceTable = "some.json"
     host.click(ui.duplicatePlanButton)
     second = aPlan._parameterNode

@@ -29,7 +29,7 @@ def thePlan(host, aStent, tmp_path):
     ui.recoilRuleCheckBox.checked = False
     ui.balloonSlider.value, ui.recoilSpinBox.value = 9.0, 8.0
     ui.waistSpinBox.value, ui.waistPositionSpinBox.value = 6.5, 40.0
-    ui.flowLeastSpinBox.value, ui.flowMostSpinBox.value = 1.2, 3.6
+    ui.flowMeanSpinBox.value, ui.flowPeakSpinBox.value = 1.2, 3.6
     deploy(host, aStent)
     path = tmp_path / "plan.json"
     aStent.logic.savePlan(path, parameters)
@@ -62,7 +62,8 @@ def test_the_panels_plan_gives_the_same_wall_in_library_and_shell(thePlan, tmp_p
     assert (stent.device.name, stent.balloon.diameter) == ("gore-vbx", 9.0)
     assert (stent.balloon.recoil_fraction, stent.foreshortening) == (0.08, 0.0)
     assert stent.shape.waist.position == 0.4
-    assert load_plan(path).flow == pytest.approx((20, 60))
+    flow = load_plan(path).flow
+    assert (flow.mean, flow.peak) == pytest.approx((20, 60))
     expected = ofThePanel(panel)
     native = ofFile(tmp_path / "artery.vtp")
     assert np.abs(expected - native).max() > 1
@@ -81,7 +82,7 @@ def test_the_shells_options_give_the_wall_of_the_panels_controls(thePlan, tmp_pa
     files = [tmp_path / "artery.vtp", "--centerline", tmp_path / "lines.vtp"]
     where = ["--center", *map(repr, place.tolist()), "--length", 14]
     size = ["--device", "gore-vbx", "--balloon", 9, "--recoil", 0.08]
-    shape = ["--waist", 6.5, "--waist-position", 0.4, "--flow", 20, 60]
+    shape = ["--waist", 6.5, "--waist-position", 0.4, "--mean-flow", "20mL/s"]
     out = ["-o", tmp_path / "shell.vtp", "--save-plan", tmp_path / "shell.json"]
     shell("deploy", *files, *where, *size, *shape, *out)
     expected = ofThePanel(panel)
@@ -99,14 +100,14 @@ def test_the_shells_plan_gives_the_wall_in_the_panel(host, thePlan, tmp_path):
     ui.balloonCheckBox.checked = False
     host.choose(ui.deviceComboBox, 0)
     ui.waistSpinBox.value = 0.0
-    ui.flowLeastSpinBox.value = 0.0
+    ui.flowMeanSpinBox.value = 0.0
     host.files.append(str(path))
     host.click(ui.loadPlanButton)
     assert (ui.balloonSlider.value, ui.recoilSpinBox.value) == (9.0, 8.0)
     assert (ui.deviceComboBox.currentText, ui.waistSpinBox.value) == ("gore-vbx", 6.5)
-    assert (ui.flowLeastSpinBox.value, ui.flowMostSpinBox.value) == pytest.approx((1.2, 3.6))
+    assert (ui.flowMeanSpinBox.value, ui.flowPeakSpinBox.value) == pytest.approx((1.2, 3.6))
     deploy(host, panel)
     np.testing.assert_allclose(ofThePanel(panel), expected, rtol=0, atol=1e-9)
     assert "Balloon 9 mm, lumen 8.28 mm after recoil of 8 % (as given)" in ui.lumenLabel.text
     assert "Device gore-vbx: 14 mm long as packed, 14.0 mm at 8.28 mm" in ui.lumenLabel.text
-    assert "Pressure drop" in ui.lumenLabel.text
+    assert "At the mean flow of 20 mL/s" in ui.lumenLabel.text

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import os
 from collections.abc import Sequence
 from dataclasses import replace
@@ -12,6 +11,7 @@ from time import perf_counter
 
 from ..cautions import Caution
 from ..files import SurfaceFile, check_line_output, check_suffix, check_surface_output, read_surface
+from ..flow import FlowAnswer
 from ..plan import (
     InputFiles,
     Plan,
@@ -33,6 +33,7 @@ from ..report import (
 )
 from ..validation import DeploymentError, InputError, as_number
 from .console import Console, tell
+from .flow_options import add_networks, known_of, no_flow
 from .option_table import method_of
 from .outputs import Outputs
 from .place import check_place, inputs_of, plan_of
@@ -49,8 +50,8 @@ def deploy_command(options: argparse.Namespace, console: Console) -> int:
     has_length = options.length is not None or (device and device.nominal_length) is not None
     way = check_place(options, needed=True, has_length=has_length)
     assert way is not None
-    read = [options.surface, options.centerline, options.axis, options.names, options.device_mesh]
-    outputs = Outputs(read)
+    read = [options.surface, options.centerline, options.axis, options.names]
+    outputs = Outputs([*read, options.device_mesh, options.wave])
     job = _Job(options, console, outputs)
     check_surface_output(options.output)
     outputs.add(options.output, job.write_surface)
@@ -68,8 +69,9 @@ def deploy_command(options: argparse.Namespace, console: Console) -> int:
         outputs.add(options.save_plan, lambda path: job.write_plan(path, options.save_plan))
     job.add_common()
 
-    flow = None if options.flow is None else tuple(options.flow)
-    method = replace(method_of(options), flow=flow)
+    method = replace(method_of(options), flow=known_of(options))
+    if options.export_0d and method.flow is None:
+        raise no_flow()
     inputs = inputs_of(options)
     job.plan = plan_of(options, method, stents_of(options, way, inputs, device), inputs)
     return job.done(inputs, start)
@@ -81,6 +83,11 @@ def run_command(options: argparse.Namespace, console: Console) -> int:
     plan = load_plan(options.plan, accept_changed_inputs=options.accept_changed_inputs)
     files = [plan.surface, plan.centerline, *(stent.axis_file for stent in plan.stents)]
     inputs = [options.plan, options.device_mesh, *(file.path for file in files if file)]
+    if options.export_0d and plan.flow is None:
+        raise InputError(
+            f"{options.plan}: expected a plan with a flow for --export-0d, got one without; add "
+            "its mean flow, see docs/plan.md, or leave --export-0d out."
+        )
     outputs = Outputs(inputs, options.output)
     job = _Job(options, console, outputs)
     job.plan = plan
@@ -125,9 +132,7 @@ class _Job:
         if picture:
             check_suffix(picture, "a picture", (".png",))
             self.outputs.add(picture, self.write_picture)
-        if self.options.export_0d:
-            check_suffix(self.options.export_0d, "values for a 0D solver", (".json",))
-            self.outputs.add(self.options.export_0d, self.write_0d)
+        add_networks(self.outputs, self.options.export_0d, self.flow)
         self.add_device()
         if picture or (figure and figure.lower().endswith(".png")):
             # Late, as below: most deployments draw nothing.
@@ -195,13 +200,11 @@ class _Job:
         """The diameters along the stents."""
         write_report_figure(self._report(), path)
 
-    def write_0d(self, path: Path) -> list[Caution]:
-        """Vessel blocks before and after; what has to be known of them."""
-        from ..report import zero_d_cautions, zero_d_document
-
-        text = json.dumps(zero_d_document(self._result.treatment), indent=2, allow_nan=False)
-        path.write_text(text + "\n", encoding="utf-8")
-        return list(zero_d_cautions(self._result.treatment))
+    def flow(self) -> FlowAnswer:
+        """Of a plan that has a flow."""
+        answer = self._result.flow
+        assert answer is not None
+        return answer
 
     def write_picture(self, path: Path) -> None:
         """The vessel before and after."""

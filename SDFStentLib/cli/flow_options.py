@@ -3,8 +3,18 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
+from pathlib import Path
 
+from ..flow import FlowAnswer, Known, flow_value, known_flow, networks_of, read_wave
+from ..report import document_json
+from ..validation import InputError
 from .option_table import add_table
+from .outputs import Outputs
+from .place import in_mm
+
+NETWORKS = ("before.json", "after.json")
+"""In the folder of `--export-0d`."""
 
 
 def add_flow(command: argparse.ArgumentParser) -> None:
@@ -23,8 +33,21 @@ def add_flow(command: argparse.ArgumentParser) -> None:
 --names F  JSON: what vessels are called, each by a place in it or the face at its end
 """,
     )
+    add_known(command)
     add_table(
-        command.add_argument_group("what is known before treatment"),
+        command.add_argument_group("output"),
+        """\
+--json F  all numbers
+--report F ...  .json or .html; may be repeated
+--export-0d DIR  the networks as before.json and after.json for svZeroDSolver
+""",
+    )
+
+
+def add_known(command: argparse.ArgumentParser) -> None:
+    """What is known of flow and pressures before treatment."""
+    add_table(
+        command.add_argument_group("what is known of flow before treatment"),
         """\
 --mean-flow Q  with its unit, such as 41.7mL/s or 2.5L/min
 --peak-flow Q  told apart from the mean
@@ -35,11 +58,51 @@ def add_flow(command: argparse.ArgumentParser) -> None:
 --right X Y Z  a place in the right main branch, where the frame of the file does not tell
 """,
     )
-    add_table(
-        command.add_argument_group("output"),
-        """\
---json F  all numbers
---report F ...  .json or .html; may be repeated
---export-0d DIR  the networks as before.json and after.json for svZeroDSolver
-""",
+
+
+def known_of(options: argparse.Namespace) -> Known | None:
+    """What the options tell of the patient's flow; None where they tell nothing.
+
+    Raises
+    ------
+    InputError
+        Values that contradict each other, or something else than a flow without a flow.
+    """
+    values = {
+        "inlet": options.inlet_pressure,
+        "wedge": options.wedge,
+        "split_right": options.split_right,
+    }
+    mean, peak = (
+        None if text is None else flow_value(text, name)
+        for text, name in ((options.mean_flow, "--mean-flow"), (options.peak_flow, "--peak-flow"))
     )
+    wave = None if options.wave is None else read_wave(options.wave, needs_unit=mean is None)
+    if mean is None and wave is None:
+        if {peak, options.right, *values.values()} != {None}:
+            raise no_flow()
+        return None
+    right = None
+    if options.right is not None:
+        x, y, z = in_mm(options.right, options.units, "--right").tolist()
+        right = (x, y, z)
+    return known_flow(mean, wave, peak=peak, right=right, **values)
+
+
+def no_flow() -> InputError:
+    """For what needs a flow and got none."""
+    return InputError(
+        "expected --mean-flow Q, such as 2.5L/min, or --wave F, got neither; give one."
+    )
+
+
+def add_networks(outputs: Outputs, folder: str | None, answer: Callable[[], FlowAnswer]) -> None:
+    """The folder of `--export-0d`, where it is wanted."""
+
+    def write(made: Path) -> None:
+        made.mkdir()
+        for name, document in zip(NETWORKS, networks_of(answer()), strict=False):
+            (made / name).write_text(document_json(document), encoding="utf-8")
+
+    if folder:
+        outputs.add_folder(folder, write, NETWORKS.__contains__)

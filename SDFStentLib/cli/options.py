@@ -8,7 +8,7 @@ from ..parameter import parameters_of
 from ..stent import Balloon, Shape, Stent, Waist
 from ..units import MILLIMETERS
 from ..version import VERSION
-from .flow_options import add_flow
+from .flow_options import add_flow, add_known
 from .option_table import Parser, ShortHelp, add_method, add_parameter, add_table
 
 OF_STENT = parameters_of(Stent)
@@ -46,7 +46,7 @@ HIDING = "--hide-device  pictures without the struts of the stents\n"
 OUTPUT = f"""\
 --figure F  diameters as .png or .svg
 --picture F  the vessel before and after as .png
---export-0d F  vessel blocks for a 0D solver, as .json
+--export-0d DIR  the vessel as networks for svZeroDSolver; needs a flow
 --export-device F  rings and struts of the stents, as .vtp
 --device-mesh F  with --export-device: this straight mesh, along z and centered, laid along the axis
 {HIDING}--steps DIR  the surface at every step, for ParaView
@@ -141,11 +141,11 @@ def _deploy(command: argparse.ArgumentParser, first: Parser) -> None:
     add_table(shape, "--profile F  CSV with rows fraction,diameter in place of --diameter")
     add_parameter(shape, parameters_of(Shape)["cap_height"], Shape().cap_height)
     add_method(command)
+    add_known(command)
     add_table(
         command.add_argument_group("output"),
         f"""\
 --output-centerline F  the centerline, moved along
---flow LEAST MOST  mL/s; the pressure drop over the stented length is estimated for both, as a band
 {OUTPUT}""",
     )
     add_table(command, VERBOSE + TALK)

@@ -18,6 +18,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any, NamedTuple
 
+from ..flow import FlowAnswer
 from ..plan import InputFiles, Plan, PlanResult, plan_text, read_plan_inputs, treatment_of
 from ..report import plan_report
 from ..validation import DeploymentError, InputError
@@ -89,6 +90,7 @@ def run_case(task: Task) -> Outcome:
     except Excluded as error:
         status, reason = "excluded", str(error)
     except (InputError, DeploymentError) as error:
+        result = None
         status, reason = "failed", str(error)
     except Exception as error:  # of whatever kind, the other cases go on
         result = None
@@ -129,8 +131,10 @@ def _inputs_of(plan: Plan) -> InputFiles:
     with _lock:  # threads of one worker wait rather than read twice
         if key not in _patients:
             try:
-                _patients[key] = read_plan_inputs(plan)
-                _ = _patients[key].vessel.lesions  # type: ignore[union-attr]
+                _patients[key] = read = read_plan_inputs(plan)
+                _ = read.vessel.lesions
+                if plan.flow is not None and read.vessel.centerline is not None:
+                    _ = read.vessel.channels
             except InputError as error:
                 _patients[key] = error
             if len(_patients) > KEPT:
@@ -143,7 +147,7 @@ def _inputs_of(plan: Plan) -> InputFiles:
 
 def _known(task: Task, status: str, reason: str, result: PlanResult | None) -> dict[str, Any]:
     """What the manifest tells of a case; no times."""
-    rows = [] if result is None else [_row(row) for row in result.treatment.to_dict()]
+    rows = [] if result is None else _rows(result)
     parameters = {name: label(value) for name, value in task.case.parameters.items()}
     return {
         "case": task.case.id,
@@ -154,6 +158,30 @@ def _known(task: Task, status: str, reason: str, result: PlanResult | None) -> d
         "sdfstent_version": VERSION,
         "rows": rows,
     }
+
+
+def _rows(result: PlanResult) -> list[dict[str, Any]]:
+    """A row per stent, with the flow where the plan knows of it."""
+    rows = [_row(row) for row in result.treatment.to_dict()]
+    if result.flow is None:
+        return rows
+    return [row | _row(_flow(result.flow, row["stent"])) for row in rows]
+
+
+def _flow(answer: FlowAnswer, number: int) -> dict[str, float]:
+    """Columns of a stent at the mean flow; null for one that lies within a later one."""
+    found = {}
+    for state, moments in (("before", answer.before), ("after", answer.after)):
+        assert moments is not None
+        at, name = moments["mean"], f"stent {number}"
+        part = answer.parts.index(name) if name in answer.parts else None
+        found[f"inlet_pressure_{state}_mmhg"] = math.nan if at.inlet is None else at.inlet.value
+        names = answer.sides.names if answer.sides else ()
+        for side, share in zip(names, at.sides or (), strict=True):
+            found[f"flow_{side.replace(' ', '_')}_{state}_percent"] = 100 * share.value
+        drop = math.nan if part is None else at.drops[part].recovered.value
+        found[f"pressure_drop_{state}_mmhg"] = drop
+    return found
 
 
 def _row(row: Mapping[str, Any]) -> dict[str, Any]:

@@ -3,11 +3,9 @@
 from .answer import UNCERTAIN as UNCERTAIN
 from .answer import Band as Band
 from .answer import FlowAnswer as FlowAnswer
+from .answer import FlowModel as FlowModel
 from .answer import Moment as Moment
 from .answer import SpanDrop as SpanDrop
-from .answer import Vessels as Vessels
-from .answer import flow_answer as flow_answer
-from .answer import vessels_of as vessels_of
 from .blocks import Block as Block
 from .blocks import Method as Method
 from .blood import ADULT as ADULT
@@ -29,13 +27,8 @@ from .network import network_of as network_of
 from .network import steady as steady
 from .outlets import SideClues as SideClues
 from .outlets import Sides as Sides
-from .pressure import TOO_LOW as TOO_LOW
-from .pressure import TURBULENCE as TURBULENCE
-from .pressure import PressureBand as PressureBand
-from .pressure import VesselBlock as VesselBlock
-from .pressure import pressure_band as pressure_band
-from .pressure import vessel_block as vessel_block
 from .spans import Drop as Drop
 from .svzerod import has_svzerod as has_svzerod
+from .svzerod import networks_of as networks_of
 from .svzerod import solved_by_svzerod as solved_by_svzerod
 from .svzerod import svzerod_document as svzerod_document

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -78,38 +79,27 @@ class FlowAnswer(NamedTuple):
     """Before, and after."""
     outlets: Outlets
     """As they fit what is known before treatment, and are kept for after."""
+    is_quasi_steady: bool
+    """Whether a wave was taken as a row of steady flows."""
+
+    @property
+    def right_place(self) -> tuple[float, float, float] | None:
+        """In the right main branch, mm; None where it is not known."""
+        if self.sides is None or not self.sides.is_known:
+            return None
+        x, y, z = self.sides.places[1].tolist()
+        return x, y, z
 
 
-class Vessels(NamedTuple):
-    """What the answer is about: channels before and after, and the parts that are asked for."""
-
-    before: tuple[Channel, ...]
-    after: tuple[Channel, ...] | None
-    parts: tuple[tuple[str, tuple[Piece, ...]], ...]
-    clues: SideClues = NOTHING_KNOWN
-    """To the main branches."""
-
-
-def vessels_of(
-    before: tuple[Channel, ...],
-    after: tuple[Channel, ...] | None,
-    lines: Sequence[tuple[str, Points]],
-    clues: SideClues = NOTHING_KNOWN,
-) -> Vessels:
-    """With the parts along some lines with names, mm."""
-    parts = tuple((name, pieces_along(before, line)) for name, line in lines)
-    return Vessels(before, after, parts, clues)
-
-
-def flow_answer(vessels: Vessels, known: Known, solve: Solve | None = None) -> FlowAnswer:
-    """Pressures and flows of a vessel, the outlets fitted before treatment and kept after it.
+class FlowModel:
+    """A vessel before treatment with outlets that fit what is known; kept while stents are tried.
 
     Parameters
     ----------
-    vessels : Vessels
+    channels : sequence of Channel
     known : Known
-    solve : callable, optional
-        What solves the network over a wave; without one its flows are taken as steady ones.
+    clues : SideClues
+        To the main branches; a place in the right one that is known comes first.
 
     Raises
     ------
@@ -117,62 +107,110 @@ def flow_answer(vessels: Vessels, known: Known, solve: Solve | None = None) -> F
         Values that contradict each other, a split without two main branches, or an outlet without
         vessel.
     """
-    usual = _Case(vessels, known, USUAL)
-    if known.split_right is not None and not (usual.sides and usual.sides.is_known):
-        raise InputError(
-            "split to the right: expected a vessel of which the right branch is known, got one "
-            "that tells no sides; name a place in the right branch, or leave the split out."
+
+    def __init__(
+        self, channels: Sequence[Channel], known: Known, clues: SideClues = NOTHING_KNOWN
+    ) -> None:
+        if known.right is not None:
+            clues = clues._replace(right=np.array(known.right))
+        self.channels, self.known, self._clues = tuple(channels), known, clues
+        self._widths = widths_of(channels)
+        self._usual = self._case(USUAL)
+
+    @cached_property
+    def _others(self) -> tuple[tuple[_Case, _Case], ...]:
+        """To both sides of the usual one."""
+        return tuple((self._case(low), self._case(high)) for _, (low, high) in UNCERTAIN)
+
+    def _case(self, method: Method) -> _Case:
+        return _Case(self.channels, self._widths, self.known, method, self._clues)
+
+    def answer(
+        self,
+        after: Sequence[Channel] | None = None,
+        lines: Sequence[tuple[str, Points]] = (),
+        solve: Solve | None = None,
+    ) -> FlowAnswer:
+        """Pressures and flows before treatment, and after it.
+
+        Parameters
+        ----------
+        after : sequence of Channel, optional
+            The channels in the treated vessel.
+        lines : sequence of names and (n, 3) arrays
+            Parts of the vessel whose drop is wanted, mm.
+        solve : callable, optional
+            What solves the network over a wave; without one its flows are taken as steady ones.
+        """
+        known, usual = self.known, self._usual
+        solve = None if known.wave is None else solve
+        parts = [pieces_along(self.channels, line) for _, line in lines]
+        widths = None if after is None else widths_of(after)
+
+        def values(case: _Case, solve: Solve | None = None) -> Floats:
+            return np.array([case.moments(one, parts, solve) for one in case.networks(widths)])
+
+        base = values(usual)
+        low, high = np.zeros_like(base), np.zeros_like(base)
+        for pair in self._others:
+            away = np.array([values(one) - base for one in pair])
+            low += np.minimum(away.min(axis=0), 0.0) ** 2
+            high += np.maximum(away.max(axis=0), 0.0) ** 2
+        value = base if solve is None else values(usual, solve)
+        spread = np.stack([value, value - np.sqrt(low), value + np.sqrt(high)], axis=-1)
+        flows = {"mean": known.mean} | ({} if known.most is None else {"peak": known.most})
+        states = [
+            {name: usual.moment(row) for name, row in zip(flows, state, strict=True)}
+            for state in spread
+        ]
+        return FlowAnswer(
+            known,
+            usual.sides,
+            tuple(name for name, _ in lines),
+            flows,
+            states[0],
+            states[1] if len(states) > 1 else None,
+            tuple(usual.networks(widths)),
+            usual.outlets,
+            known.wave is not None and solve is None,
         )
-    base = usual.values()
-    low, high = np.zeros_like(base), np.zeros_like(base)
-    for _, pair in UNCERTAIN:
-        away = np.array([_Case(vessels, known, one).values() - base for one in pair])
-        low += np.minimum(away.min(axis=0), 0.0) ** 2
-        high += np.maximum(away.max(axis=0), 0.0) ** 2
-    value = base if solve is None or known.wave is None else usual.values(solve)
-    spread = np.stack([value, value - np.sqrt(low), value + np.sqrt(high)], axis=-1)
-    names = ("mean",) if spread.shape[1] == 1 else ("mean", "peak")
-    moments = [
-        {name: usual.moment(row) for name, row in zip(names, state, strict=True)}
-        for state in spread
-    ]
-    peak = known.peak if known.wave is None else float(known.wave.flow.max())
-    return FlowAnswer(
-        known,
-        usual.sides,
-        tuple(name for name, _ in vessels.parts),
-        {"mean": known.mean} | ({} if peak is None else {"peak": peak}),
-        moments[0],
-        moments[1] if len(moments) > 1 else None,
-        tuple(usual.networks),
-        usual.outlets,
-    )
 
 
 class _Case:
-    """The networks of a vessel by one method."""
+    """A vessel's network and outlets by one method."""
 
-    def __init__(self, vessels: Vessels, known: Known, method: Method) -> None:
-        self.vessels, self.known, self.method = vessels, known, method
-        before = vessels.before
-        widths = [widths_of(state) for state in (before, vessels.after) if state is not None]
-        weights = outlet_diameters(before, widths[0]) ** method.power
-        shares = shares_of(before, weights)
-        self.networks = [self._network(size, shares) for size in widths]
-        self.sides = sides_of(before, self.networks[0], weights, vessels.clues)
-        is_known = self.sides is not None and self.sides.is_known
-        if known.split_right is not None and not is_known:
-            return
-        self.outlets = fitted_outlets(self.networks[0], weights, self.sides, known)
+    def __init__(
+        self,
+        channels: Sequence[Channel],
+        widths: Sequence[Widths],
+        known: Known,
+        method: Method,
+        clues: SideClues,
+    ) -> None:
+        self.channels, self.widths, self.known, self.method = channels, widths, known, method
+        weights = outlet_diameters(channels, widths) ** method.power
+        self.shares = shares_of(channels, weights)
+        self.above = np.array([one.above for one in channels])
+        blocks = blocks_of(channels, widths, self.shares, method)
+        self.network = network_of(blocks, self.above)
+        self.sides = sides_of(channels, self.network, weights, clues)
+        if known.split_right is not None and not (self.sides and self.sides.is_known):
+            raise InputError(
+                "split to the right: expected a vessel of which the right branch is known, got one "
+                "that tells no sides; name a place in the right branch, or leave the split out."
+            )
+        self.outlets = fitted_outlets(self.network, weights, self.sides, known)
 
-    def _network(self, widths: Sequence[Widths], shares: Floats) -> Network:
-        channels = self.vessels.before
-        above = np.array([one.above for one in channels])
-        return network_of(blocks_of(channels, widths, shares, self.method), above)
-
-    def values(self, solve: Solve | None = None) -> Floats:
-        """By state, moment and quantity: inlet, both shares, and two drops for every part."""
-        return np.array([self._moments(network, solve) for network in self.networks])
+    def networks(self, after: Sequence[Widths] | None) -> list[Network]:
+        """Before, and with the widths after."""
+        if after is None:
+            return [self.network]
+        kept = [
+            block if all(map(np.array_equal, old, new)) else None
+            for block, old, new in zip(self.network.blocks, self.widths, after, strict=True)
+        ]
+        blocks = blocks_of(self.channels, after, self.shares, self.method, kept)
+        return [self.network, self.network._replace(blocks=blocks)]
 
     def moment(self, row: Floats) -> Moment:
         """From the values of one moment with their bands (q, 3)."""
@@ -184,18 +222,22 @@ class _Case:
             drops,
         )
 
-    def _moments(self, network: Network, solve: Solve | None) -> list[Floats]:
+    def moments(
+        self, network: Network, parts: Sequence[Sequence[Piece]], solve: Solve | None
+    ) -> list[Floats]:
+        """By moment and quantity: inlet, both shares, and two drops for every part."""
         known = self.known
         if known.wave is None:
             flows = [known.mean] if known.peak is None else [known.mean, known.peak]
-            return [self._at(network, steady(network, self.outlets, PER_ML * q)) for q in flows]
+            states = [steady(network, self.outlets, PER_ML * q) for q in flows]
+            return [self._at(network, parts, state) for state in states]
         if solve is None:
-            sampled = PER_ML * np.append(known.wave.sampled(SAMPLES), known.wave.flow.max())
+            sampled = PER_ML * np.append(known.wave.sampled(SAMPLES), known.wave.peak)
             states = [steady(network, self.outlets, float(q)) for q in sampled]
         else:
             inlets, through = solve(network, self.outlets, known)
             states = [State(*one) for one in zip(through, inlets.tolist(), strict=True)]
-        every = np.array([self._at(network, one) for one in states])
+        every = np.array([self._at(network, parts, one) for one in states])
         mean = every[:SAMPLES] if solve is None else every
         # Of the flow to a side counts how much goes there in a cycle.
         into = np.array([one.flow[0] for one in states])[: len(mean)]
@@ -203,14 +245,14 @@ class _Case:
         averaged[1:3] = (mean[:, 1:3] * into[:, None]).sum(axis=0) / into.sum()
         return [averaged, every[int(np.argmax([one.flow[0] for one in states]))]]
 
-    def _at(self, network: Network, state: State) -> Floats:
+    def _at(self, network: Network, parts: Sequence[Sequence[Piece]], state: State) -> Floats:
         found = [state.inlet / PASCAL_PER_MMHG, np.nan, np.nan]
         if self.sides is not None:
             through = float(state.flow[0])
             found[1:] = [
                 float(state.flow[k]) / through if through else np.nan for k in self.sides.blocks
             ]
-        for _, pieces in self.vessels.parts:
+        for pieces in parts:
             drop = drop_over(pieces, network, state.flow, self.method)
             found += [drop.recovered / PASCAL_PER_MMHG, drop.maximal / PASCAL_PER_MMHG]
         return np.array(found)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import csv
+import math
 import os
 import re
-from typing import NamedTuple
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -22,21 +24,59 @@ MOST_PRESSURE = 300.0
 CLOSED = 0.05
 """Share of a wave's range by which its last flow may differ from its first."""
 
+LEAST_ROWS = 4
+"""Of a wave."""
+
 _FLOW = re.compile(r"\s*([-+]?[\d.]+(?:e[-+]?\d+)?)\s*([a-z]+/[a-z]+)?\s*", re.IGNORECASE)
 
 
-class Wave(NamedTuple):
+@dataclass(frozen=True)
+class Wave:
     """Flow over one cycle; the last time is the first of the next one."""
 
-    time: Floats
-    """(n,) s, from 0."""
-    flow: Floats
-    """(n,) mL/s; the last one is the first."""
+    time: tuple[float, ...]
+    """s, from 0."""
+    flow: tuple[float, ...]
+    """mL/s; the last one is the first."""
+
+    def __post_init__(self) -> None:
+        time, flow = np.array(self.time), np.array(self.flow)
+        if len(time) != len(flow) or len(time) < LEAST_ROWS:
+            raise InputError(
+                f"wave: expected as many times as flows, at least {LEAST_ROWS}, got {len(time)} "
+                f"and {len(flow)}; correct them."
+            )
+        if not np.isfinite([time, flow]).all() or (np.diff(time) <= 0).any():
+            raise InputError("wave: expected times that go up, got others; sort the rows.")
+        if abs(flow[-1] - flow[0]) > CLOSED * np.ptp(flow):
+            raise InputError(
+                f"wave: expected one that closes, got {flow[0]:g} at its begin and {flow[-1]:g} "
+                "at its end; end it with the flow with which it begins."
+            )
+        flow[-1] = flow[0]
+        object.__setattr__(self, "time", tuple((time - time[0]).tolist()))
+        object.__setattr__(self, "flow", tuple(flow.tolist()))
+        if self.mean <= 0:
+            raise InputError(
+                f"wave: expected one whose mean flow is positive, got {self.mean:g}; flow into "
+                "the vessel is positive."
+            )
 
     @property
     def mean(self) -> float:
         """mL/s."""
-        return float(integral_to(self.flow, self.time)[-1] / self.time[-1])
+        time = np.array(self.time)
+        return float(integral_to(np.array(self.flow), time)[-1] / time[-1])
+
+    @property
+    def peak(self) -> float:
+        """mL/s."""
+        return max(self.flow)
+
+    def scaled(self, mean: float) -> Wave:
+        """The same shape with another mean flow, mL/s."""
+        factor = mean / self.mean
+        return Wave(self.time, tuple(factor * one for one in self.flow))
 
     def sampled(self, count: int) -> Floats:
         """So many flows (count,) at even times of the cycle, mL/s."""
@@ -44,25 +84,90 @@ class Wave(NamedTuple):
         return np.interp(at, self.time, self.flow)
 
 
-class Known(NamedTuple):
-    """Of a patient before treatment; make it by `known_flow`."""
+@dataclass(frozen=True)
+class Known:
+    """Of a patient before treatment. Immutable; `InputError` for values that contradict.
+
+    Attributes
+    ----------
+    mean : float
+        Flow into the vessel, mL/s.
+    peak : float, optional
+        Flow, mL/s.
+    wave : Wave, optional
+        In place of the peak; it is scaled to the mean flow.
+    inlet, wedge : float, optional
+        Mean pressures in the main artery and beyond the outlets, mmHg; both or none.
+    split_right : float, optional
+        Share of the flow to the right, in (0, 1).
+    right : tuple of three floats, optional
+        A place in the right main branch, mm, where the frame does not tell where right is.
+    """
 
     mean: float
-    """mL/s."""
-    peak: float | None
-    """mL/s."""
-    wave: Wave | None
-    inlet: float | None
-    """Mean pressure in the main artery, mmHg."""
-    wedge: float | None
-    """Beyond the outlets, mmHg."""
-    split_right: float | None
-    """Share of the flow to the right, in (0, 1)."""
+    peak: float | None = None
+    wave: Wave | None = None
+    inlet: float | None = None
+    wedge: float | None = None
+    split_right: float | None = None
+    right: tuple[float, float, float] | None = None
+
+    def __post_init__(self) -> None:
+        mean = as_number(self.mean, "mean flow", unit="mL/s", above=0, maximum=MOST_FLOW)
+        _set(self, mean=mean)
+        wave = self.wave
+        if wave is not None and not math.isclose(wave.mean, mean, rel_tol=1e-12):
+            _set(self, wave=wave.scaled(mean))
+        if self.peak is not None:
+            if wave is not None:
+                raise InputError("flow: expected a peak flow or a wave, got both; leave one out.")
+            peak = as_number(self.peak, "peak flow", unit="mL/s", minimum=mean, maximum=MOST_FLOW)
+            _set(self, peak=peak)
+        _check_pressures(self)
+        if self.split_right is not None:
+            split = as_number(self.split_right, "split to the right", above=0, maximum=1)
+            if split == 1:
+                raise InputError(
+                    "split to the right: expected a share below 1, got 1; leave it out where only "
+                    "one lung has flow."
+                )
+            _set(self, split_right=split)
 
     @property
     def has_pressures(self) -> bool:
         """Without them the outlets take fixed shares."""
         return self.inlet is not None
+
+    @property
+    def most(self) -> float | None:
+        """The peak flow, mL/s, as given or of the wave; None where it is not known."""
+        return self.peak if self.wave is None else self.wave.peak
+
+
+def _set(value: Any, **fields: Any) -> None:
+    """Fields of a frozen value that is being made."""
+    for name, one in fields.items():
+        object.__setattr__(value, name, one)
+
+
+def _check_pressures(known: Known) -> None:
+    inlet, wedge = known.inlet, known.wedge
+    if (inlet is None) != (wedge is None):
+        given, lacks = ("inlet", "wedge") if wedge is None else ("wedge", "inlet")
+        raise InputError(
+            f"pressures: expected those at the inlet and beyond the lungs, got that of the {given} "
+            f"alone; give that of the {lacks}, too, or none."
+        )
+    if inlet is None:
+        return
+    wedge = as_number(wedge, "wedge pressure", unit="mmHg", minimum=0, maximum=MOST_PRESSURE)
+    inlet = as_number(inlet, "inlet pressure", unit="mmHg", above=0, maximum=MOST_PRESSURE)
+    if inlet <= wedge:
+        raise InputError(
+            f"pressures: expected more at the inlet than beyond the lungs, got {inlet:g} and "
+            f"{wedge:g} mmHg, which contradict each other; correct one of them."
+        )
+    _set(known, inlet=inlet, wedge=wedge)
 
 
 def flow_value(text: str, name: str = "flow") -> float:
@@ -87,56 +192,16 @@ def flow_value(text: str, name: str = "flow") -> float:
     return as_number(value, name, unit="mL/s", above=0, maximum=MOST_FLOW)
 
 
-def known_flow(
-    mean: float | None = None,
-    *,
-    peak: float | None = None,
-    wave: Wave | None = None,
-    pressures: tuple[float | None, float | None] = (None, None),
-    split_right: float | None = None,
-) -> Known:
-    """What is known, checked; a wave is scaled to a mean flow that is given as well.
+def known_flow(mean: float | None = None, wave: Wave | None = None, **more: Any) -> Known:
+    """What is known, by a mean flow, a wave, or a wave that is scaled to the mean flow.
 
-    The `pressures` are those at the inlet and beyond the lungs.
-
-    Raises
-    ------
-    InputError
-        Neither a mean flow nor a wave, or values that contradict each other.
+    `more` as of `Known`, and its errors; `InputError` without a flow.
     """
-    if mean is None and wave is None:
-        raise InputError("flow: expected a mean flow or a wave, got neither; give one.")
-    if wave is not None:
-        wave = wave if mean is None else wave._replace(flow=wave.flow * mean / wave.mean)
+    if mean is None:
+        if wave is None:
+            raise InputError("flow: expected a mean flow or a wave, got neither; give one.")
         mean = wave.mean
-    mean = as_number(mean, "mean flow", unit="mL/s", above=0, maximum=MOST_FLOW)
-    if peak is not None:
-        if wave is not None:
-            raise InputError("flow: expected a peak flow or a wave, got both; leave one out.")
-        peak = as_number(peak, "peak flow", unit="mL/s", minimum=mean, maximum=MOST_FLOW)
-    inlet, wedge = pressures
-    if (inlet is None) != (wedge is None):
-        given, lacks = ("inlet", "wedge") if wedge is None else ("wedge", "inlet")
-        raise InputError(
-            f"pressures: expected those at the inlet and beyond the lungs, got that of the {given} "
-            f"alone; give that of the {lacks}, too, or none."
-        )
-    if inlet is not None:
-        wedge = as_number(wedge, "wedge pressure", unit="mmHg", minimum=0, maximum=MOST_PRESSURE)
-        inlet = as_number(inlet, "inlet pressure", unit="mmHg", above=0, maximum=MOST_PRESSURE)
-        if inlet <= wedge:
-            raise InputError(
-                f"pressures: expected more at the inlet than beyond the lungs, got {inlet:g} and "
-                f"{wedge:g} mmHg, which contradict each other; correct one of them."
-            )
-    if split_right is not None:
-        split_right = as_number(split_right, "split to the right", above=0, maximum=1)
-        if split_right == 1:
-            raise InputError(
-                "split to the right: expected a share below 1, got 1; leave it out where only one "
-                "lung has flow."
-            )
-    return Known(mean, peak, wave, inlet, wedge, split_right)
+    return Known(mean, wave=wave, **more)
 
 
 def read_wave(path: str | os.PathLike[str], *, needs_unit: bool = True) -> Wave:
@@ -167,13 +232,17 @@ def read_wave(path: str | os.PathLike[str], *, needs_unit: bool = True) -> Wave:
             "mL/s or L/min, got none; add it, or give the mean flow as well."
         )
     values = [_numbers(row) for row in rows[bool(header) :]]
-    if len(values) < 4 or None in values:
+    if len(values) < LEAST_ROWS or None in values:
         raise InputError(
             f"{path}: expected rows of two numbers, time in s and flow, at least four of them, got "
             "others; correct the file."
         )
-    time, flow = np.array(values, dtype=float).T
-    return _cycle(time, flow * (1.0 if unit is None else UNITS[unit]), str(path))
+    scale = 1.0 if unit is None else UNITS[unit]
+    time, flow = zip(*(row for row in values if row is not None), strict=True)
+    try:
+        return Wave(time, tuple(scale * one for one in flow))
+    except InputError as error:
+        raise error.labeled(f"{path}: ") from error
 
 
 def _numbers(row: list[str]) -> tuple[float, float] | None:
@@ -182,22 +251,3 @@ def _numbers(row: list[str]) -> tuple[float, float] | None:
     except ValueError:
         return None
     return (time, flow) if np.isfinite([time, flow]).all() else None
-
-
-def _cycle(time: Floats, flow: Floats, name: str) -> Wave:
-    if (np.diff(time) <= 0).any():
-        raise InputError(f"{name}: expected times that go up, got others; sort the rows.")
-    gap = abs(flow[-1] - flow[0])
-    if gap > CLOSED * np.ptp(flow):
-        raise InputError(
-            f"{name}: expected a wave that closes, got {flow[0]:g} at its begin and {flow[-1]:g} "
-            "at its end; end it with the flow with which it begins."
-        )
-    flow[-1] = flow[0]
-    wave = Wave(time - time[0], flow)
-    if wave.mean <= 0:
-        raise InputError(
-            f"{name}: expected a wave whose mean flow is positive, got {wave.mean:g}; flow into "
-            "the vessel is positive."
-        )
-    return wave

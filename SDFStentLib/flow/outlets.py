@@ -51,6 +51,8 @@ class Sides(NamedTuple):
     """(2, k) which are theirs."""
     is_known: bool
     """Whether the second one is known to be the right one."""
+    places: Points
+    """(2, 3) in the middle of these blocks, mm."""
 
 
 def sides_of(
@@ -90,7 +92,9 @@ def sides_of(
         one, other = (clues.names[int(channels[number].branch[-1])] for number in pair)
         if one and other and one != other:
             names = one, other
-    return Sides(names, pair, network.leads_to[list(pair)], turned is not None)
+    lines = [channels[number].points for number in pair]
+    places = np.array([line[len(line) // 2] for line in lines])
+    return Sides(names, pair, network.leads_to[list(pair)], turned is not None, places)
 
 
 def _is_right(

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from ..validation import DeploymentError, Floats
+from .answer import FlowAnswer
 from .known import Known
 from .network import Network, Outlets
 
@@ -26,6 +27,11 @@ STEPS = 100
 
 TIME_LIMIT = 600.0
 """s, for a solver that takes about one for a hundred outlets."""
+
+NO_LEVEL = (
+    "no pressures are known: outlets resist so much that they share the flow whatever the vessel "
+    "costs; differences of pressure within the vessel are right, its level is not"
+)
 
 _BARYE, _R, _S = 10.0, 1e-5, 1e-11
 """Of pressure, resistance and loss: one SI unit in cgs."""
@@ -43,8 +49,8 @@ def svzerod_document(
 ) -> dict[str, Any]:
     """All that `svzerod.simulate` needs, in cgs: mL/s, dyn/cm^2, dyn s/cm^5; steady or a wave."""
     wave = known.wave
-    time = [0.0, 1.0] if wave is None else wave.time.tolist()
-    flow = [known.mean] * 2 if wave is None else wave.flow.tolist()
+    time = [0.0, 1.0] if wave is None else list(wave.time)
+    flow = [known.mean] * 2 if wave is None else list(wave.flow)
     ends = network.outlet_blocks.tolist()
     # A vessel on its own has no junctions; the solver takes an empty list.
     return {
@@ -77,6 +83,12 @@ def svzerod_document(
         ],
         "vessels": [_vessel(network, number, ends) for number in range(len(network.blocks))],
     }
+
+
+def networks_of(answer: FlowAnswer) -> list[dict[str, Any]]:
+    """`svzerod_document` of the networks of an answer, before and after."""
+    notice = "" if answer.known.has_pressures else NO_LEVEL
+    return [svzerod_document(one, answer.outlets, answer.known, notice) for one in answer.networks]
 
 
 def solved_by_svzerod(network: Network, outlets: Outlets, known: Known) -> tuple[Floats, Floats]:

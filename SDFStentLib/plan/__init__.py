@@ -19,6 +19,8 @@ from .devices import device_table as device_table
 from .document import POINT_PLACEMENTS as POINT_PLACEMENTS
 from .document import plan_text as plan_text
 from .document import save_plan as save_plan
+from .flow import flow_answer as flow_answer
+from .flow import flow_model as flow_model
 from .json_document import in_words as in_words
 from .json_document import number as number
 from .json_document import parsed as parsed

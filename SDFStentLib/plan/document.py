@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import os
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from ..files import write_bytes
+from ..flow import Known
 from ..stent import (
     AlongAxis,
     AtCenter,
@@ -94,9 +96,14 @@ def plan_document(plan: Plan, folder: str | None = None) -> dict[str, Any]:
             "names": names_document(plan.names, plan.units),
         },
         "stents": [_stent_document(stent, plan.units, folder) for stent in plan.stents],
-        "flow": None if plan.flow is None else list(plan.flow),
+        "flow": None if plan.flow is None else _flow_document(plan.flow, plan.units),
         "settings": plan.method,
     }
+
+
+def _flow_document(known: Known, units: str) -> dict[str, Any]:
+    right = None if known.right is None else _filed(known.right, units)
+    return {**asdict(known), "right": right}
 
 
 def _filed(point: Any, units: str) -> list[Any]:

@@ -12,11 +12,12 @@ from typing import Any
 import numpy as np
 
 from ..deformation import DeploymentSettings
+from ..flow import Known
 from ..parameter import Parameter
 from ..stent import ByValue, InputFile, Stent
 from ..treatment import VesselName
-from ..units import MOST_FLOW, Frame, flipped, millimeters_per
-from ..validation import InputError, as_number, in_short
+from ..units import Frame, flipped, millimeters_per
+from ..validation import InputError, check_is_a
 from ..version import VERSION
 
 STRAIGHTENING = Parameter(
@@ -53,9 +54,9 @@ class Plan(ByValue):
         lesion beside them is measured against them.
     names : tuple of VesselName
         What the user calls the vessels; places in mm, in the frame `frame`.
-    flow : tuple of two floats, optional
-        From the least to the most that flows through the stents, mL/s, for which the pressure
-        drop is estimated.
+    flow : Known, optional
+        What is known of flow and pressures before treatment, for which those after it are
+        estimated.
     sdfstent_version : str
         Of the program that made the plan.
     """
@@ -70,7 +71,7 @@ class Plan(ByValue):
     sdfstent_version: str = VERSION
     root: tuple[float, float, float] | None = None
     reference: tuple[tuple[float, float, float], ...] = ()
-    flow: tuple[float, float] | None = None
+    flow: Known | None = None
     names: tuple[VesselName, ...] = ()
 
     def __post_init__(self) -> None:
@@ -80,7 +81,7 @@ class Plan(ByValue):
             raise InputError(f"frame: expected RAS, LPS or none, got {self.frame!r}; choose one.")
         STRAIGHTENING.number(self.straightening_fraction, "straightening fraction")
         if self.flow is not None:
-            object.__setattr__(self, "flow", _as_range(self.flow))
+            check_is_a(self.flow, Known, "flow")
         for number, stent in enumerate(self.stents, start=1):
             if not isinstance(stent, Stent):
                 raise InputError(
@@ -109,18 +110,6 @@ def plan_of_method(values: Mapping[str, Any]) -> Plan:
     straightening = given.pop("straightening_fraction", 0.0)
     settings = DeploymentSettings().with_changes(**given)
     return Plan(settings=settings, straightening_fraction=straightening)
-
-
-def _as_range(flow: Any) -> tuple[float, float]:
-    try:
-        least, most = flow
-    except (TypeError, ValueError):
-        raise InputError(
-            f"flow: expected two numbers in mL/s, the least and the most, got {in_short(flow)}; "
-            "give both, or none."
-        ) from None
-    least = as_number(least, "flow", unit="mL/s", above=0, maximum=MOST_FLOW)
-    return least, as_number(most, "flow at most", unit="mL/s", minimum=least, maximum=MOST_FLOW)
 
 
 def turned(stent: Stent) -> Stent:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..files import read_text
+from ..flow import Known
 from ..stent import AlongAxis, BetweenPoints, InputFile, OfStent, Placement, Stent
 from ..units import MILLIMETERS, Frame
 from ..validation import InputError, as_path
@@ -102,7 +103,7 @@ def plan_from_document(
         "root": None if inputs.get("root") is None else reader.place(inputs["root"], "inputs.root"),
         "reference": _each(inputs.get("reference", []), "inputs.reference", reader.place),
         "names": read_names(inputs.get("names", {}), "inputs.names", reader.place),
-        "flow": _flow(document.get("flow")),
+        "flow": _flow(document.get("flow"), reader),
     }
     method = _method(document.get("settings", {}))
     plan = _named("settings", lambda: plan_of_method(method))
@@ -130,8 +131,12 @@ def _space(inputs: Mapping[str, Any]) -> tuple[str, Frame | None]:
     return units, frame
 
 
-def _flow(value: Any) -> Any:
-    return None if value is None else _each(value, "flow", _float)
+def _flow(value: Any, reader: _StentReader) -> Known | None:
+    if value is None:
+        return None
+    right = value.get("right") if isinstance(value, Mapping) else None
+    made = {} if right is None else {"right": reader.place(right, "flow.right")}
+    return from_document(Known, value, "flow", **made)
 
 
 def _each(value: Any, where: str, read: Callable[[Any, str], T]) -> tuple[T, ...]:

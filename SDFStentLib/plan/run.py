@@ -22,6 +22,7 @@ from ..files import (
     write_centerline,
     write_surface,
 )
+from ..flow import FlowAnswer, FlowModel
 from ..stent import AlongAxis, InputFile, Stent
 from ..treatment import (
     Residual,
@@ -40,6 +41,7 @@ from ..units import Frame, flipped
 from ..validation import InputError, Points, check_is_a
 from ..version import VERSION
 from .axis import changed_input, is_changed
+from .flow import flipped_known, flow_answer, flow_model
 from .plan import Plan, turned
 from .today import Today, today_of
 
@@ -98,6 +100,17 @@ class PlanResult:
     def residual(self) -> Residual | None:
         """What is narrowest in the treated vessels; None where no stent covers a lesion."""
         return residual_of(self.lesions or (), self.treatment.stents)
+
+    @cached_property
+    def flow(self) -> FlowAnswer | None:
+        """Pressures and flows before and after; None where the plan knows of none.
+
+        `DeploymentError` where a solver fails.
+        """
+        model = _flow_model(self.plan, self.inputs)
+        if model is None:
+            return None
+        return flow_answer(model, self.inputs.vessel, self.treatment)
 
     @cached_property
     def today(self) -> Today | None:
@@ -293,6 +306,7 @@ def treatment_of(plan: Plan, inputs: InputFiles) -> Treatment:
     if inputs.vessel.reference:
         # A reference that cannot be one fails here rather than in the end.
         _ = inputs.vessel.lesions
+    _flow_model(plan, inputs)  # likewise
     _axes_in_space(stents, surface)  # likewise
     return Treatment(
         surface.surface,
@@ -307,11 +321,22 @@ def treatment_of(plan: Plan, inputs: InputFiles) -> Treatment:
     )
 
 
+def _flow_model(plan: Plan, inputs: InputFiles) -> FlowModel | None:
+    """The vessel before treatment, for what the plan knows of flow; None where it knows nothing."""
+    if plan.flow is None:
+        return None
+    known = flipped_known(plan.flow) if _is_turned(plan, inputs) else plan.flow
+    return flow_model(inputs.vessel, known, inputs.surface.frame)
+
+
+def _is_turned(plan: Plan, inputs: InputFiles) -> bool:
+    """Whether the plan is in the other patient frame."""
+    return plan.frame is not None and inputs.surface.frame not in (None, plan.frame)
+
+
 def _stents(plan: Plan, inputs: InputFiles) -> tuple[Stent, ...]:
     """Those of a plan in the frame of the surface."""
-    if plan.frame is not None and inputs.surface.frame not in (None, plan.frame):
-        return tuple(turned(stent) for stent in plan.stents)
-    return plan.stents
+    return tuple(map(turned, plan.stents)) if _is_turned(plan, inputs) else plan.stents
 
 
 def _axes_in_space(stents: Sequence[Stent], surface: SurfaceFile) -> tuple[Caution, ...]:

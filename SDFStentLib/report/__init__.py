@@ -17,8 +17,12 @@ from .facts import coverage_fact as coverage_fact
 from .facts import lumen_fact as lumen_fact
 from .facts import residual_fact as residual_fact
 from .flow import flow_document as flow_document
-from .flow import flow_page as flow_page
+from .flow import flow_line as flow_line
+from .flow import flow_rows as flow_rows
+from .flow import flow_section as flow_section
 from .flow import flow_sentences as flow_sentences
+from .flow import stents_in as stents_in
+from .html import flow_page as flow_page
 from .lesions import LEAST as LEAST
 from .lesions import lesion_list as lesion_list
 from .lesions import lesion_section as lesion_section
@@ -30,9 +34,6 @@ from .of_plan import plan_report as plan_report
 from .picture import alternatives_picture as alternatives_picture
 from .picture import before_after_picture as before_after_picture
 from .picture.painting import check_rendering as check_rendering
-from .pressure import stent_pressure_sentences as stent_pressure_sentences
-from .pressure import zero_d_cautions as zero_d_cautions
-from .pressure import zero_d_document as zero_d_document
 from .report import FIGURE_SUFFIXES as FIGURE_SUFFIXES
 from .report import Report as Report
 from .report import write_report as write_report

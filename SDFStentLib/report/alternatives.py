@@ -10,9 +10,9 @@ from .branches import NONE_NEAR, again_words, branch_lumen_words, stretch_senten
 from .changes import stretch_words
 from .devices import device_words
 from .facts import ALL_ROUND, BEYOND, CONTACT, LEFT, MINIMUM
+from .flow import flow_rows, stents_in
 from .html import certificate_sentence
 from .lesions import NO_LESION, NOT_LOOKED_FOR, left_note
-from .pressure import pressure_words
 from .sizing import DIAMETERS
 from .stents import stent_titles, stent_words
 from .words import degree_text, degrees_text, millimeters
@@ -51,7 +51,7 @@ def comparison_rows(alternatives: Sequence[Section]) -> list[Row]:
         _per_stent(BEYOND, documents, partial(_change, "beyond_")),
         *_branches(documents),
         _per_stent_of(CONTACT, documents, _contact),
-        _per_stent("Pressure", documents, _pressure),
+        _of_each("Pressure and flow", documents, _flow),
         _per_stent("Device", documents, _device),
         *(_per_stent(title, documents, partial(_size, key)) for key, title in DIAMETERS.items()),
         _of_each("Stretch of the wall, area after over before", documents, _stretch),
@@ -213,6 +213,6 @@ def _stretch(document: Section) -> Lines:
     return () if document["changes"] is None else (stretch_words(document["changes"]),)
 
 
-def _pressure(stent: Section) -> str:
-    section = stent.get("pressure")
-    return "" if section is None else pressure_words(section)
+def _flow(document: Section) -> Lines:
+    section = document.get("flow")
+    return () if section is None else tuple(map(": ".join, flow_rows(section, stents_in(section))))

@@ -12,10 +12,10 @@ from ..plan import PlanComparison
 from ..validation import DeploymentError, check_is_a, printable
 from ..version import VERSION
 from .alternatives import Row, comparison_rows
+from .flow import FLOW_NOTE
 from .html import in_words
 from .of_plan import plan_report
 from .picture import alternatives_picture
-from .pressure import pressure_note
 from .report import DEFINITIONS
 from .words import RESEARCH_USE
 
@@ -177,6 +177,6 @@ def _footnotes(alternatives: Sequence[Mapping[str, Any]]) -> str:
     """What the words mean, and the note on pressure where there is some."""
     said = [f"<b>{name}</b>: {escape(DEFINITIONS[name])}" for name in EXPLAINED]
     reports = [one["report"] for one in alternatives if one["report"] is not None]
-    if any(stent["pressure"] for report in reports for stent in report["stents"]):
-        said.append(f"<b>pressure</b>: {escape(pressure_note())}")
+    if any(report["flow"] for report in reports):
+        said.append(f"<b>pressure and flow</b>: {escape(FLOW_NOTE)}")
     return f"<p class='small'>{'. '.join(said)}</p>"

@@ -4,20 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from html import escape
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from .html import page
+from ..flow import UNCERTAIN, Band, FlowAnswer, Moment
 from .words import RESEARCH_USE
 
-if TYPE_CHECKING:
-    from ..flow import Band, FlowAnswer, Moment
+Section = Mapping[str, Any]
+
+L_PER_MIN = 0.06
+"""In one mL/s."""
 
 FLOW_NOTE = (
     "A network of the vessel tree: friction of steady laminar flow in rigid elliptic sections, and "
     "the loss of jets behind narrowings; blood of 1060 kg/m3 and 4 mPa s. Pressures at the inlet "
     "are total ones. Recovered drops are what is lost for good, maximal ones reach to the lowest "
     "pressure in the narrowing. In brackets the range by uncertain "
-    "{}. No measured gradient, and no adaptation of the lungs to the new flow."
+    f"{', '.join(name for name, _ in UNCERTAIN)}. No measured gradient, and no adaptation of the "
+    "lungs to the new flow."
 )
 
 FIXED_SPLIT = (
@@ -31,21 +34,26 @@ QUASI_STEADY = (
 )
 
 
-def flow_document(
-    answer: FlowAnswer, inputs: Mapping[str, Any], is_quasi_steady: bool = False
-) -> dict[str, Any]:
-    """All that is told, for a program."""
-    known = answer.known
-    states = {"before": answer.before, "after": answer.after}
+def flow_document(answer: FlowAnswer, inputs: Mapping[str, Any]) -> dict[str, Any]:
+    """All that is told, for a program, with the files by name."""
     return {
         "schema": "sdfstent-flow",
         "version": 1,
         "notice": RESEARCH_USE,
-        "notes": _notes(answer, is_quasi_steady),
         "inputs": dict(inputs),
+        **flow_section(answer),
+    }
+
+
+def flow_section(answer: FlowAnswer) -> dict[str, Any]:
+    """Pressures and flows as they stand in documents."""
+    known = answer.known
+    states = {"before": answer.before, "after": answer.after}
+    return {
+        "notes": _notes(answer),
         "known": {
             "mean_flow_ml_s": known.mean,
-            "peak_flow_ml_s": answer.flows.get("peak"),
+            "peak_flow_ml_s": known.most,
             "is_wave": known.wave is not None,
             "inlet_pressure_mmhg": known.inlet,
             "wedge_mmhg": known.wedge,
@@ -80,56 +88,70 @@ def _triple(band: Band | None) -> dict[str, float] | None:
     return None if band is None else {name: one for name, one in band._asdict().items()}
 
 
-def flow_rows(document: Mapping[str, Any], most: int | None = None) -> list[tuple[str, str]]:
+def flow_rows(section: Section, most: int | None = None) -> list[tuple[str, str]]:
     """What is told, a label and words each; of the narrowings the first ones."""
-    states = [document[name] for name in ("before", "after") if document[name]]
-    rows = []
-    for moment, first in states[0].items():
-        at = f"At the {moment} flow of {first['flow_ml_s']:.3g} mL/s"
-        found = [state[moment] for state in states]
-        if first["inlet_mmhg"]:
-            rows.append(
-                (f"{at}, inlet pressure", _change([one["inlet_mmhg"] for one in found], "mmHg"))
-            )
-        for side in first["share"]:
-            shares = [one["share"][side] for one in found]
-            rows.append((f"{at}, flow to the {side}", _change(shares, "%", 100.0)))
-        for number, narrowing in enumerate(first["narrowings"][:most]):
-            drops = [one["narrowings"][number] for one in found]
-            words = "; ".join(
-                f"{kind} {_change([drop[f'{kind}_mmhg'] for drop in drops], 'mmHg')}"
-                for kind in ("recovered", "maximal")
-            )
-            rows.append((f"{at}, drop over {narrowing['name']}", words))
-    return rows
+    return [
+        (f"{_at(name, section)}, {label}", words)
+        for name in section["before"]
+        for label, words in _of_moment(section, name, most)
+    ]
 
 
-def flow_sentences(document: Mapping[str, Any], most: int | None = None) -> list[str]:
+def flow_sentences(section: Section, most: int | None = None) -> list[str]:
     """The rows as lines, and what has to be known of them."""
-    lines = [f"{label}: {words}." for label, words in flow_rows(document, most)]
-    count = len(document["before"]["mean"]["narrowings"])
+    lines = [f"{label}: {words}." for label, words in flow_rows(section, most)]
+    count = len(section["before"]["mean"]["narrowings"])
     if most is not None and count > most:
         lines.append(f"{count - most} more narrowings; all of them are in the document.")
-    return [*lines, *document["notes"]]
+    return [*lines, *section["notes"]]
 
 
-def flow_page(document: Mapping[str, Any]) -> str:
-    """The page made from a document."""
+def flow_line(section: Section) -> str:
+    """What a plan does at the mean flow, in one line: of narrowings the stents are told."""
+    rows = _of_moment(section, "mean", stents_in(section))
+    told = "; ".join(f"{label} {words}" for label, words in rows)
+    return f"{_at('mean', section)}, estimated: {told or 'nothing to tell'}."
+
+
+def stents_in(section: Section) -> int:
+    """How many of the narrowings, the first ones, are stents."""
+    narrowings = section["before"]["mean"]["narrowings"]
+    return sum(one["name"].startswith("stent ") for one in narrowings)
+
+
+def flow_part(section: Section | None) -> list[str]:
+    """A table and its notes for a page; nothing without a flow."""
+    if section is None:
+        return []
     rows = "".join(
         f"<tr><td>{escape(label)}</td><td>{escape(words)}</td></tr>"
-        for label, words in flow_rows(document)
+        for label, words in flow_rows(section)
     )
-    files = "".join(
-        f"<tr><td>{escape(name)}</td><td>{escape(str(file))}</td></tr>"
-        for name, file in document["inputs"].items()
-    )
-    notes = "".join(f"<p class='small'>{escape(note)}</p>" for note in document["notes"])
-    body = (
-        f"<h1>Flow before and after</h1><p class='notice'>{escape(document['notice'])}</p>"
-        f"<table class='words'>{rows}</table>{notes}"
-        f"<h2>Files</h2><table class='file'>{files}</table>"
-    )
-    return page("Flow before and after", body)
+    notes = (f"<p class='small'>{escape(note)}</p>" for note in section["notes"])
+    return [f"<table class='words'>{rows}</table>", *notes]
+
+
+def _at(moment: str, section: Section) -> str:
+    flow = section["before"][moment]["flow_ml_s"]
+    return f"At the {moment} flow of {flow:.3g} mL/s ({flow * L_PER_MIN:.3g} L/min)"
+
+
+def _of_moment(section: Section, moment: str, most: int | None) -> list[tuple[str, str]]:
+    found = [section[name][moment] for name in ("before", "after") if section[name]]
+    first, rows = found[0], []
+    if first["inlet_mmhg"]:
+        rows.append(("inlet pressure", _change([one["inlet_mmhg"] for one in found], "mmHg")))
+    for side in first["share"]:
+        shares = [one["share"][side] for one in found]
+        rows.append((f"flow to the {side}", _change(shares, "%", 100.0)))
+    for number, narrowing in enumerate(first["narrowings"][:most]):
+        drops = [one["narrowings"][number] for one in found]
+        words = "; ".join(
+            f"{kind} {_change([drop[f'{kind}_mmhg'] for drop in drops], 'mmHg')}"
+            for kind in ("recovered", "maximal")
+        )
+        rows.append((f"drop over {narrowing['name']}", words))
+    return rows
 
 
 def _change(bands: list[dict[str, float]], unit: str, scale: float = 1.0) -> str:
@@ -147,9 +169,6 @@ def _number(value: float) -> str:
     return f"{value + 0.0:.2f}" if abs(value) < 1 else f"{value:.1f}"
 
 
-def _notes(answer: FlowAnswer, is_quasi_steady: bool) -> list[str]:
-    from ..flow import UNCERTAIN  # late, as in `pressure`
-
-    note = FLOW_NOTE.format(", ".join(name for name, _ in UNCERTAIN))
+def _notes(answer: FlowAnswer) -> list[str]:
     told = [] if answer.known.has_pressures else [FIXED_SPLIT]
-    return [*told, *([QUASI_STEADY] if is_quasi_steady else []), note]
+    return [*told, *([QUASI_STEADY] if answer.is_quasi_steady else []), FLOW_NOTE]

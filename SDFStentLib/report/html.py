@@ -12,10 +12,10 @@ from .branches import apposition_table, branch_table, stretches_of
 from .changes import change_rows, setting_rows
 from .diameters import first_numbers
 from .facts import LEFT
+from .flow import flow_part
 from .lesions import lesion_table, stent_lesions
 from .picture.drawing import svg
 from .picture.plot import diameter_plot
-from .pressure import pressure_part
 from .stents import stent_rows, stent_titles, stent_words
 from .words import input_rows, number_text, plain_label
 
@@ -69,7 +69,7 @@ def html_page(document: Mapping[str, Any], picture: bytes | str | None = None) -
         *(_lumen(document, title, stent) for title, stent in named),
         *branch_table(document["branches"]),
         *apposition_table(document["apposition"]),
-        *pressure_part(document["stents"]),
+        *_flow(document.get("flow")),
         # To check and to repeat it.
         "<div class='details'>",
         *(_stent(title, stent, surface) for title, stent in named),
@@ -80,6 +80,24 @@ def html_page(document: Mapping[str, Any], picture: bytes | str | None = None) -
         "</div></body></html>\n",
     ]
     return printable("\n".join(parts))
+
+
+def _flow(section: Mapping[str, Any] | None) -> list[str]:
+    return [] if section is None else ["<h2>Pressure and flow</h2>", *flow_part(section)]
+
+
+def flow_page(document: Mapping[str, Any]) -> str:
+    """The page made from a document of `flow_document`."""
+    files = "".join(
+        f"<tr><td>{escape(name)}</td><td>{escape(str(file))}</td></tr>"
+        for name, file in document["inputs"].items()
+    )
+    body = (
+        f"<h1>Flow before and after</h1><p class='notice'>{escape(document['notice'])}</p>"
+        f"{''.join(flow_part(document))}"
+        f"<h2>Files</h2><table class='file'>{files}</table>"
+    )
+    return page("Flow before and after", body)
 
 
 def page(title: str, body: str) -> str:

@@ -15,8 +15,8 @@ from ..validation import check_is_a
 from ..version import VERSION
 from .changes import change_section, settings_section
 from .devices import device_section
+from .flow import flow_section
 from .lesions import residual_section, treated_lesion_section
-from .pressure import pressure_section
 from .report import Report
 from .sizing import diameters_section, redilation_section
 from .stent_result import StentResult
@@ -61,6 +61,7 @@ def plan_report(
         if result.lesions is None
         else tuple(treated_lesion_section(one, units) for one in result.lesions),
         left=residual_section(result.residual),
+        flow=None if result.flow is None else flow_section(result.flow),
         today=today_section(result.today),
         warnings=tuple(
             caution.sentence(units=units)
@@ -90,7 +91,6 @@ def _stent_result(stent: TreatedStent, result: PlanResult, units: str) -> StentR
         around_before=stent.around_before,
         around_after=stent.around_after,
         lesions=None if covered is None else tuple(one.number for one in covered),
-        pressure=pressure_section(stent, result.plan.flow),
     )
 
 

@@ -73,6 +73,8 @@ class Report:
     """Of the vessel, by number; None when none were looked for."""
     left: Mapping[str, Any] | None = None
     """What is narrowest in the treated vessels; None where no stent covers a lesion."""
+    flow: Mapping[str, Any] | None = None
+    """Pressures and flows before and after; None where no flow is known."""
     today: Mapping[str, Any] | None = None
     """Before a stent is dilated again, where the plan does that later; None where it does not."""
     warnings: tuple[str, ...] = ()
@@ -110,6 +112,7 @@ class Report:
             "lesions": self.lesions,
             "today": self.today,
             "left": self.left,
+            "flow": self.flow,
             "certificate": self.certificate,
             "branches": [
                 {

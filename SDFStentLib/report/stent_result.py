@@ -36,8 +36,6 @@ class StentResult:
     around_after: DiameterProfile | None = None
     lesions: tuple[int, ...] | None = None
     """Numbers of the lesions that it covers; None when none were looked for."""
-    pressure: Mapping[str, Any] | None = None
-    """Estimated drop before and after; None when no flow was given."""
 
     @property
     def units(self) -> str:
@@ -69,7 +67,6 @@ def stent_section(stent: StentResult) -> dict[str, Any]:
         **stent.description,
         "lesions": stent.lesions,
         "diameters": _diameter_section(stent),
-        "pressure": stent.pressure,
     }
 
 

@@ -29,7 +29,7 @@ _PLACEMENTS = {
     "OfStent": "where the earlier one lies",
 }
 
-_TOLD_ELSEWHERE = ("pressure", "number", "name", "diameters", "lesions", "dilated_again_as")
+_TOLD_ELSEWHERE = ("number", "name", "diameters", "lesions", "dilated_again_as")
 """Of a stent: in its heading, and in the tables before."""
 
 

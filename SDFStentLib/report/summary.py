@@ -12,13 +12,13 @@ from .branches import NONE_NEAR, again_words, stent_branch_sentences
 from .devices import stent_device_sentences
 from .diameters import lumen_sentence
 from .facts import CONTACT, MINIMUM, contact_fact, lumen_fact, residual_fact
+from .flow import flow_line, flow_section, flow_sentences
 from .lesions import (
     COVERS_NONE,
     NOT_LOOKED_FOR,
     degree_change,
     stent_lesion_sentences,
 )
-from .pressure import stent_pressure_sentences
 from .sizing import stent_balloon_sentences, stent_ratio_sentences
 from .stents import deployed_words, prescribed_words
 from .words import UNKNOWN
@@ -63,9 +63,10 @@ def deployment_sentences(result: PlanResult) -> Iterator[str]:
             *stent_ratio_sentences(stent, result.lesions),
             *stent_branch_sentences(stent),
             *stent_lesion_sentences(result.lesions, stent.number),
-            *stent_pressure_sentences(stent, result.plan.flow),
         ):
             yield label + sentence
+    if result.flow is not None:
+        yield from flow_sentences(flow_section(result.flow))
     if result.treatment.certificate is not None:
         yield result.treatment.certificate.sentence()
 
@@ -74,11 +75,9 @@ def _told(stents: Sequence[TreatedStent], result: PlanResult) -> list[str]:
     """Branches and contact, in one line where pressures, which were asked for, need the other."""
     contact = _of_each([one for one in stents if _loose(one)], _loose, len(stents) > 1)
     beside = [_branches(stents), *([f"{CONTACT}: {contact}."] if contact else [])]
-    flow = result.plan.flow
-    if flow is None:
+    if result.flow is None:
         return beside
-    pressures = [stent_pressure_sentences(one, flow)[0] for one in stents]
-    return [" ".join(beside), _listed(pressures, " ")]
+    return [" ".join(beside), flow_line(flow_section(result.flow))]
 
 
 def _of_each(

@@ -9,6 +9,7 @@ from functools import cached_property
 
 from ..centerline import Centerline
 from ..certificate import SurfaceCheck, check_surface
+from ..flow import Channel, channels_of
 from ..geometry import NamedFaces, Precision, Surface, length
 from ..lumen import DiameterProfile, diameter_profile
 from ..stent import AtCenter, AtDistalEnd, Stent
@@ -96,6 +97,12 @@ class Vessel:
         if not self.reference:
             return found
         return lesions_against(found, self.reference, self.surface, self.centerline)
+
+    @cached_property
+    def channels(self) -> tuple[Channel, ...]:
+        """`channels_of` it, for flow; it needs a centerline."""
+        assert self.centerline is not None
+        return channels_of(self.surface, self.centerline)
 
     def unmeasured(self) -> Vessel:
         """The same vessel with its lesions and names, and nothing known of its lumen.

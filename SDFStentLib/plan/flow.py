@@ -1,0 +1,65 @@
+"""What a plan does to the flow through the vessel."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..flow import (
+    FlowAnswer,
+    FlowModel,
+    Known,
+    SideClues,
+    channels_after,
+    has_svzerod,
+    solved_by_svzerod,
+)
+from ..treatment import TreatmentResult, Vessel
+from ..units import Frame, flipped
+from ..validation import InputError, Points
+from ..vessel import SMALL_VESSEL
+
+
+def flow_model(vessel: Vessel, known: Known, frame: Frame | None = None) -> FlowModel:
+    """A vessel before treatment as a network; `frame`, of the vessel, may tell where right is.
+
+    Raises
+    ------
+    InputError
+        No centerline, or as `FlowModel`.
+    """
+    if vessel.centerline is None:
+        raise InputError(
+            "flow: expected a centerline of the vessel tree, got none; name it, or leave the flow "
+            "out."
+        )
+    return FlowModel(vessel.channels, known, SideClues(frame, names=vessel.given_names))
+
+
+def flipped_known(known: Known) -> Known:
+    """What is known, its place in the other patient frame, RAS or LPS."""
+    if known.right is None:
+        return known
+    x, y, z = flipped(np.array(known.right)).tolist()
+    return replace(known, right=(x, y, z))
+
+
+def flow_answer(
+    model: FlowModel, vessel: Vessel, treated: TreatmentResult | None = None
+) -> FlowAnswer:
+    """Pressures and flows before treatment and after it, over its stents and the lesions.
+
+    A wave is solved by `svzerod` where that is installed. `DeploymentError` where that fails.
+    """
+    assert vessel.centerline is not None
+    after, lines = None, list[tuple[str, Points]]()
+    if treated is not None:
+        assert treated.centerline is not None
+        states = (vessel.centerline, treated.centerline), (vessel.surface, treated.surface)
+        after = channels_after(model.channels, *states)
+        lines = [(f"stent {one.number}", one.axis.points) for one in treated.final_stents]
+    for number, lesion in enumerate(vessel.lesions or (), start=1):
+        if lesion.reference_diameter >= SMALL_VESSEL:
+            lines.append((f"lesion {number}, {lesion.branch_name}", lesion.line))
+    return model.answer(after, lines, solved_by_svzerod if has_svzerod() else None)
