@@ -19,6 +19,7 @@ from ..treatment import TreatmentResult, Vessel
 from ..units import Frame, flipped
 from ..validation import InputError, Points
 from ..vessel import SMALL_VESSEL
+from .plan import Plan
 
 
 def flow_model(vessel: Vessel, known: Known, frame: Frame | None = None) -> FlowModel:
@@ -37,12 +38,15 @@ def flow_model(vessel: Vessel, known: Known, frame: Frame | None = None) -> Flow
     return FlowModel(vessel.channels, known, SideClues(frame, names=vessel.given_names))
 
 
-def flipped_known(known: Known) -> Known:
-    """What is known, its place in the other patient frame, RAS or LPS."""
-    if known.right is None:
-        return known
-    x, y, z = flipped(np.array(known.right)).tolist()
-    return replace(known, right=(x, y, z))
+def flow_of_plan(plan: Plan, vessel: Vessel, frame: Frame | None) -> FlowModel | None:
+    """`flow_model` for what a plan knows, None where it knows nothing; its place is in its frame."""
+    known = plan.flow
+    if known is None:
+        return None
+    if known.right is not None and plan.frame is not None and frame not in (None, plan.frame):
+        x, y, z = flipped(np.array(known.right)).tolist()
+        known = replace(known, right=(x, y, z))
+    return flow_model(vessel, known, frame)
 
 
 def flow_answer(

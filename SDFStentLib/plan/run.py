@@ -22,7 +22,7 @@ from ..files import (
     write_centerline,
     write_surface,
 )
-from ..flow import FlowAnswer, FlowModel
+from ..flow import FlowAnswer
 from ..stent import AlongAxis, InputFile, Stent
 from ..treatment import (
     Residual,
@@ -41,7 +41,7 @@ from ..units import Frame, flipped
 from ..validation import InputError, Points, check_is_a
 from ..version import VERSION
 from .axis import changed_input, is_changed
-from .flow import flipped_known, flow_answer, flow_model
+from .flow import flow_answer, flow_of_plan
 from .plan import Plan, turned
 from .today import Today, today_of
 
@@ -107,7 +107,7 @@ class PlanResult:
 
         `DeploymentError` where a solver fails.
         """
-        model = _flow_model(self.plan, self.inputs)
+        model = flow_of_plan(self.plan, self.inputs.vessel, self.inputs.surface.frame)
         if model is None:
             return None
         return flow_answer(model, self.inputs.vessel, self.treatment)
@@ -306,7 +306,7 @@ def treatment_of(plan: Plan, inputs: InputFiles) -> Treatment:
     if inputs.vessel.reference:
         # A reference that cannot be one fails here rather than in the end.
         _ = inputs.vessel.lesions
-    _flow_model(plan, inputs)  # likewise
+    flow_of_plan(plan, inputs.vessel, surface.frame)  # likewise
     _axes_in_space(stents, surface)  # likewise
     return Treatment(
         surface.surface,
@@ -319,14 +319,6 @@ def treatment_of(plan: Plan, inputs: InputFiles) -> Treatment:
         faces=surface.faces,
         given_names=inputs.vessel.given_names,
     )
-
-
-def _flow_model(plan: Plan, inputs: InputFiles) -> FlowModel | None:
-    """The vessel before treatment, for what the plan knows of flow; None where it knows nothing."""
-    if plan.flow is None:
-        return None
-    known = flipped_known(plan.flow) if _is_turned(plan, inputs) else plan.flow
-    return flow_model(inputs.vessel, known, inputs.surface.frame)
 
 
 def _is_turned(plan: Plan, inputs: InputFiles) -> bool:
