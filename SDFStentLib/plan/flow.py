@@ -39,7 +39,7 @@ def flow_model(vessel: Vessel, known: Known, frame: Frame | None = None) -> Flow
 
 
 def flow_of_plan(plan: Plan, vessel: Vessel, frame: Frame | None) -> FlowModel | None:
-    """`flow_model` for what a plan knows, None where it knows nothing; its place is in its frame."""
+    """`flow_model` for what a plan knows, in its frame; None where it knows nothing."""
     known = plan.flow
     if known is None:
         return None

@@ -321,14 +321,10 @@ def treatment_of(plan: Plan, inputs: InputFiles) -> Treatment:
     )
 
 
-def _is_turned(plan: Plan, inputs: InputFiles) -> bool:
-    """Whether the plan is in the other patient frame."""
-    return plan.frame is not None and inputs.surface.frame not in (None, plan.frame)
-
-
 def _stents(plan: Plan, inputs: InputFiles) -> tuple[Stent, ...]:
     """Those of a plan in the frame of the surface."""
-    return tuple(map(turned, plan.stents)) if _is_turned(plan, inputs) else plan.stents
+    is_turned = plan.frame is not None and inputs.surface.frame not in (None, plan.frame)
+    return tuple(map(turned, plan.stents)) if is_turned else plan.stents
 
 
 def _axes_in_space(stents: Sequence[Stent], surface: SurfaceFile) -> tuple[Caution, ...]:
