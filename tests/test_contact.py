@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from SDFStentLib.deformation.contact_search import FEW
-from SDFStentLib.deformation.new_contacts import PHASES, NewContacts
+from SDFStentLib.deformation.contact_set import PHASES, NewContacts
 
 
 def cloud(count, seed=0, spread=5.0):

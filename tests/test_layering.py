@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import importlib
 import re
+from collections import Counter
 from functools import cache
 from pathlib import Path
 
@@ -341,6 +342,11 @@ def test_the_version_is_that_of_the_project():
 def test_no_shipped_file_grows_beyond_its_limit():
     lines = {name_of(path): len(path.read_text(encoding="utf-8").splitlines()) for path in FILES}
     assert not {name: count for name, count in lines.items() if count > 350}
+
+
+def test_no_room_grows_too_full():
+    count = Counter(path.parent.relative_to(LIBRARY).as_posix() for path in FILES)
+    assert not {room: files for room, files in count.items() if files > 20}
 
 
 def test_every_while_says_why_it_ends():

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from SDFStentLib.deformation import DeploymentSettings, deploy
-from SDFStentLib.deformation.own_wall import FOREIGN, own_share
+from SDFStentLib.deformation.wall_around import FOREIGN, own_share
 
 
 def best_of_all_ways(count, sides, tissue, nearest):

@@ -11,7 +11,7 @@ from SDFStentLib import phantoms
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.deformation import DeploymentSettings, Proxy, deploy
 from SDFStentLib.deformation.proxy import SAMPLED
-from SDFStentLib.deformation.proxy_weights import linear_weights
+from SDFStentLib.deformation.proxy_sample import linear_weights
 from SDFStentLib.field import CapsuleChain
 from SDFStentLib.geometry import Surface, dot, face_normals, resampled
 from SDFStentLib.lumen import diameter_profile, rough_radii

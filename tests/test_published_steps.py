@@ -8,8 +8,8 @@ import pytest
 from deployment_cases import ANATOMIES, PHANTOM_STENTS, anatomy_case, phantom_case
 
 from SDFStentLib.deformation import Deployment, DeploymentSettings
+from SDFStentLib.deformation.event_steps import published_steps
 from SDFStentLib.deformation.motion import Motion
-from SDFStentLib.deformation.published_steps import published_steps
 from SDFStentLib.field import CapsuleChain
 
 EXACT = 1e-9  # mm: what the issue demands; rounding leaves 1e-13

@@ -14,15 +14,14 @@ from ..geometry import consistently_wound, dot, vertex_normals
 from ..lumen import caps_across
 from ..validation import DeploymentError, Points, Triangles
 from .draped import draped
-from .event_steps import event_steps
+from .event_steps import event_steps, published_steps
 from .lumen import COARSEST_REACH, Expanded, OwnWall, drawn_in, facets_compensated, finished
 from .motion import Motion
-from .own_wall import own_share
 from .patch import Patch, twins
-from .published_steps import published_steps
 from .stent_checks import motion_check
 from .untangle import Relief, Tangle, taken_apart
 from .values import DeploymentState, DeploymentTask
+from .wall_around import own_share
 
 WALL_CLEARANCE = 0.9
 """The crimped stent never reaches beyond this share of the nearest wall's distance."""

@@ -11,7 +11,7 @@ from ..geometry import norm
 from .contact_search import ContactSearch
 from .contact_set import ContactSet
 from .motion import Motion
-from .step_rule import StepRule
+from .profiles import StepRule
 
 SUBSTEPS = 8
 """Substeps of the front in every step: 0.1 mm in the longest one by default, finer at first."""

@@ -24,14 +24,12 @@ from ..lumen import looks_across
 from ..validation import Indices, Points, as_points
 from .attempt import CAPS_WITHIN, WALL_CLEARANCE, away_from_wall, tissue_offset, within_reach
 from .deployment import GAP_RAMP
-from .event_steps import event_steps
+from .event_steps import event_steps, published_steps
 from .lumen import Expanded, finished
 from .motion import Motion
-from .proxy_sample import Near, SampledWall
-from .proxy_weights import Spreading, moved_rows
-from .published_steps import published_steps
+from .profiles import StepRule
+from .proxy_sample import Near, SampledWall, Spreading, moved_rows
 from .settings import DeploymentSettings
-from .step_rule import StepRule
 from .values import DeploymentState, DeploymentTask
 
 SAMPLED = 1500

@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike
 from ..field import FOLDS, CapsuleChain, RadiusShares
 from ..parameter import Parameter, parameter, parameters_of
 from ..validation import Floats, InputError
-from .profiles import BLENDS, FALLOFFS, Profile, as_profile
-from .step_rule import StepRule
+from .profiles import BLENDS, FALLOFFS, Profile, StepRule, as_profile
 
 RULES = {"events": 0.8, "published": 0.1}
 """Radius-step rules and their (longest) step, mm."""

@@ -41,10 +41,10 @@ from .spheres import rough_radii as rough_radii
 from .stations import Stations as Stations
 from .stations import measured_at as measured_at
 from .stretch import FaceStretch as FaceStretch
+from .stretch import TriangleSizes as TriangleSizes
 from .stretch import displacements as displacements
 from .stretch import face_stretches as face_stretches
-from .triangle_sizes import TriangleSizes as TriangleSizes
-from .triangle_sizes import triangle_sizes as triangle_sizes
+from .stretch import triangle_sizes as triangle_sizes
 from .wall_map import RAYS as RAYS
 from .wall_map import near_wall as near_wall
 from .wall_map import rays_from as rays_from

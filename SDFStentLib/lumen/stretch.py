@@ -1,4 +1,4 @@
-"""How much a surface is stretched and moved between two states of the same mesh."""
+"""How a surface is stretched and moved between two states, and how large its triangles are."""
 
 from __future__ import annotations
 
@@ -79,3 +79,28 @@ def _metric(points: Points, triangles: Triangles) -> tuple[Floats, Floats, Float
     first = points[triangles[:, 0]]
     u, v = points[triangles[:, 1]] - first, points[triangles[:, 2]] - first
     return dot(u, u), dot(u, v), dot(v, v)
+
+
+class TriangleSizes(NamedTuple):
+    """Of triangles (m,): their sides (m, 3), mm, and their smallest angles (m,), degrees."""
+
+    edge_length: Floats
+    smallest_angle: Floats
+
+
+def triangle_sizes(points: Points, triangles: Triangles) -> TriangleSizes:
+    """Sides and smallest angle of every triangle; the angle at a repeated corner is 0.
+
+    Parameters
+    ----------
+    points, triangles : (n, 3) and (m, 3) arrays
+        mm.
+    """
+    corners = points[triangles]
+    sides = np.roll(corners, -1, axis=1) - corners
+    lengths = np.linalg.norm(sides, axis=2)
+    along = -np.einsum("fsx,fsx->fs", sides, np.roll(sides, 1, axis=1))
+    product = lengths * np.roll(lengths, 1, axis=1)
+    cosine = np.divide(along, product, out=np.ones_like(along), where=product > 0)
+    angles = np.degrees(np.arccos(np.clip(cosine, -1, 1)))
+    return TriangleSizes(lengths, angles.min(axis=1))
