@@ -21,6 +21,11 @@ from .document import plan_text as plan_text
 from .document import save_plan as save_plan
 from .flow import flow_answer as flow_answer
 from .flow import flow_model as flow_model
+from .inputs import InputFiles as InputFiles
+from .inputs import Marks as Marks
+from .inputs import input_file as input_file
+from .inputs import read_input_files as read_input_files
+from .inputs import read_plan_inputs as read_plan_inputs
 from .json_document import in_words as in_words
 from .json_document import number as number
 from .json_document import parsed as parsed
@@ -34,13 +39,8 @@ from .plan import plan_of_method as plan_of_method
 from .plan import turned as turned
 from .reader import load_plan as load_plan
 from .reader import plan_from_document as plan_from_document
-from .run import InputFiles as InputFiles
-from .run import Marks as Marks
 from .run import PlanResult as PlanResult
 from .run import as_read as as_read
-from .run import input_file as input_file
-from .run import read_input_files as read_input_files
-from .run import read_plan_inputs as read_plan_inputs
 from .run import run_plan as run_plan
 from .run import treatment_of as treatment_of
 from .shapes import read_profile as read_profile

@@ -9,8 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..validation import DeploymentError, InputError, check_is_a, in_short
+from .inputs import InputFiles, as_planned, plan_files
 from .plan import Plan
-from .run import InputFiles, PlanResult, as_planned, as_read, plan_files, treatment_of
+from .run import PlanResult, as_read, treatment_of
 
 
 @dataclass(frozen=True)

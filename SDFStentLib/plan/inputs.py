@@ -1,0 +1,184 @@
+"""The files of a plan: read, and held to belong together and to the plan."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, replace
+from time import perf_counter
+from typing import NamedTuple
+
+import numpy as np
+
+from ..cautions import Caution
+from ..files import (
+    LineFile,
+    SurfaceFile,
+    check_same_space,
+    in_frame_of,
+    read_lines,
+    read_surface,
+)
+from ..stent import InputFile
+from ..treatment import Vessel, VesselName
+from ..units import Frame, flipped
+from ..validation import InputError, Points
+from ..version import VERSION
+from .axis import changed_input, is_changed
+from .plan import Plan
+
+
+@dataclass(frozen=True)
+class InputFiles:
+    """A surface and a centerline that belong together, read.
+
+    Attributes
+    ----------
+    surface : SurfaceFile
+    line_file : LineFile or None
+        The centerline as its file has it, in the frame of the surface.
+    vessel : Vessel
+        Wall and centerline, mm, in the frame of the surface.
+    warnings : tuple of Caution
+    seconds : float
+        That reading took.
+    """
+
+    surface: SurfaceFile
+    line_file: LineFile | None
+    vessel: Vessel
+    warnings: tuple[Caution, ...]
+    seconds: float
+
+    def unmeasured(self) -> InputFiles:
+        """The same with `Vessel.unmeasured`, for results that no earlier one changes by a bit."""
+        vessel = self.vessel.unmeasured()
+        return replace(self, surface=replace(self.surface, surface=vessel.surface), vessel=vessel)
+
+
+class Marks(NamedTuple):
+    """Places (3,), mm, that the user marked on a vessel."""
+
+    root: Points | None = None
+    """The centerline's end nearest to it is its root."""
+    reference: tuple[Points, ...] = ()
+    """Healthy vessel, against which lesions are measured."""
+    names: tuple[VesselName, ...] = ()
+    """By which vessels are called, each at a place."""
+    frame: Frame | None = None
+    """Of all of them; None: the surface's."""
+
+    def in_frame(self, frame: Frame | None) -> Marks:
+        """The same places as a file of that frame has them."""
+        if None in (frame, self.frame) or frame == self.frame:
+            return self
+        root = None if self.root is None else flipped(self.root)
+        reference = tuple(flipped(place) for place in self.reference)
+        return Marks(root, reference, tuple(one.turned() for one in self.names), frame)
+
+
+def read_input_files(
+    surface: str | os.PathLike[str],
+    centerline: str | os.PathLike[str] | None = None,
+    units: str = "mm",
+    marks: Marks = Marks(),  # noqa: B008
+) -> InputFiles:
+    """Read a surface and its centerline, and check that they are in the same space.
+
+    Raises
+    ------
+    InputError
+        As the readers, and for a centerline outside of the surface, in another unit or frame;
+        names without a centerline, or as of `given_names`.
+    """
+    start = perf_counter()
+    surface_file = read_surface(surface, units)
+    line_file, tree = None, None
+    warnings = surface_file.warnings
+    marks = marks.in_frame(surface_file.frame)
+    if centerline is not None:
+        line_file = in_frame_of(read_lines(centerline, units), surface_file.frame)
+        tree = line_file.centerline(marks.root)
+        warnings += line_file.warnings
+        warnings += in_same_space(surface_file, tree.points, os.fspath(centerline))
+    elif marks.names:
+        raise InputError(
+            "names: expected a centerline, which tells one vessel from another, got none; give "
+            "one, or leave the names out."
+        )
+    vessel = Vessel(surface_file.surface, tree, marks.reference, surface_file.faces, marks.names)
+    _ = vessel.given_names  # names that cannot be meant fail here rather than in the end
+    return InputFiles(surface_file, line_file, vessel, warnings, perf_counter() - start)
+
+
+def read_plan_inputs(plan: Plan, *, accept_changed_inputs: bool = False) -> InputFiles:
+    """Read the surface and the centerline of a plan.
+
+    Raises
+    ------
+    InputError
+        As `read_input_files`; a plan without a surface file; a file whose hash is another.
+    """
+    return as_planned(plan, plan_files(plan), accept_changed_inputs=accept_changed_inputs)
+
+
+def plan_files(plan: Plan) -> InputFiles:
+    """The files that a plan names, read whatever they hold; errors as `read_plan_inputs`."""
+    if plan.surface is None:
+        raise InputError(
+            "inputs.surface: expected a file, the plan names none; save the plan with its surface."
+        )
+    center = plan.centerline
+    if plan.reference and center is None:
+        raise InputError(
+            "inputs.reference: expected a plan with a centerline, got one without; name the "
+            "centerline, or leave the reference out."
+        )
+    return read_input_files(
+        plan.surface.path,
+        None if center is None else center.path,
+        plan.units,
+        Marks(
+            None if plan.root is None else np.array(plan.root),
+            tuple(np.array(place) for place in plan.reference),
+            plan.names,
+            plan.frame,
+        ),
+    )
+
+
+def as_planned(
+    plan: Plan, inputs: InputFiles, *, accept_changed_inputs: bool = False
+) -> InputFiles:
+    """The files that were read for a plan, with what there is to say where they are not its own.
+
+    Raises
+    ------
+    InputError
+        A file whose hash is another than the plan's, unless that is accepted.
+    """
+    named = ((plan.surface, inputs.surface), (plan.centerline, inputs.line_file))
+    warnings = list(inputs.warnings)
+    for file, read in named:
+        if file is not None and read is not None and is_changed(file, read.sha256):
+            if not accept_changed_inputs:
+                raise changed_input(file, read.sha256)
+            warnings.append(Caution("changed-input", label=f"{file.path}: "))
+    if plan.sdfstent_version != VERSION:
+        versions = {"version": plan.sdfstent_version, "current": VERSION}
+        warnings.append(Caution("other-version", versions))
+    return replace(inputs, warnings=tuple(warnings))
+
+
+def input_file(read: SurfaceFile | LineFile) -> InputFile:
+    """What a plan keeps of a file that was read."""
+    return InputFile(os.fspath(read.path), read.sha256)
+
+
+def in_same_space(surface: SurfaceFile, points: np.ndarray, name: str) -> tuple[Caution, ...]:
+    """`check_same_space` of points, such as a centerline's, by the name of their file."""
+    return check_same_space(
+        surface.surface,
+        points,
+        surface_name=os.fspath(surface.path),
+        centerline_name=name,
+    )
