@@ -331,17 +331,3 @@ def test_what_no_wall_moved_near_is_as_it_was_and_the_rest_is_as_measured_anew()
     middle = np.abs(before.along - 20) < 4
     assert after.section[middle] == pytest.approx(5.6, rel=0.05), after.section[middle]
     assert (after.inscribed[middle] > before.inscribed[middle] + 0.5).all()
-
-
-def test_channels_as_wide_as_before_keep_their_blocks_and_all_others_are_made_anew():
-    channels = channels_of(*(lambda p: (p.surface, p.centerline))(branching_pulmonary_artery()))
-    widths = widths_of(channels)
-    shares = np.array([1.0, *(0.5 for _ in channels[1:])])
-    before = blocks_of(channels, widths, shares, Method())
-    last = len(channels) - 1
-    wider = (*widths[:last], widths[last].widened(0.3))
-    anew = blocks_of(channels, wider, shares, Method())
-    kept = blocks_of(channels, wider, shares, Method(), [*before[:last], None])
-    assert all(one is old for one, old in zip(kept[:last], before, strict=False))
-    for one, other in zip(kept, anew, strict=True):
-        assert all(np.array_equal(*pair) for pair in zip(one, other, strict=True))

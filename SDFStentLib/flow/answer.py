@@ -147,16 +147,19 @@ class FlowModel:
         parts = [pieces_along(self.channels, line) for _, line in lines]
         widths = None if after is None else widths_of(after)
 
-        def values(case: _Case, solve: Solve | None = None) -> Floats:
-            return np.array([case.moments(one, parts, solve) for one in case.networks(widths)])
+        def values(case: _Case) -> Floats:
+            return np.array([case.moments(one, parts, None) for one in case.networks(widths)])
 
-        base = values(usual)
+        networks = usual.networks(widths)
+        base = np.array([usual.moments(one, parts, None) for one in networks])
         low, high = np.zeros_like(base), np.zeros_like(base)
         for pair in self._others:
             away = np.array([values(one) - base for one in pair])
             low += np.minimum(away.min(axis=0), 0.0) ** 2
             high += np.maximum(away.max(axis=0), 0.0) ** 2
-        value = base if solve is None else values(usual, solve)
+        value = base
+        if solve is not None:
+            value = np.array([usual.moments(one, parts, solve) for one in networks])
         spread = np.stack([value, value - np.sqrt(low), value + np.sqrt(high)], axis=-1)
         flows = {"mean": known.mean} | ({} if known.most is None else {"peak": known.most})
         states = [
@@ -170,7 +173,7 @@ class FlowModel:
             flows,
             states[0],
             states[1] if len(states) > 1 else None,
-            tuple(usual.networks(widths)),
+            tuple(networks),
             usual.outlets,
             known.wave is not None and solve is None,
         )
@@ -187,7 +190,7 @@ class _Case:
         method: Method,
         clues: SideClues,
     ) -> None:
-        self.channels, self.widths, self.known, self.method = channels, widths, known, method
+        self.channels, self.known, self.method = channels, known, method
         weights = outlet_diameters(channels, widths) ** method.power
         self.shares = shares_of(channels, weights)
         self.above = np.array([one.above for one in channels])
@@ -205,11 +208,7 @@ class _Case:
         """Before, and with the widths after."""
         if after is None:
             return [self.network]
-        kept = [
-            block if all(map(np.array_equal, old, new)) else None
-            for block, old, new in zip(self.network.blocks, self.widths, after, strict=True)
-        ]
-        blocks = blocks_of(self.channels, after, self.shares, self.method, kept)
+        blocks = blocks_of(self.channels, after, self.shares, self.method)
         return [self.network, self.network._replace(blocks=blocks)]
 
     def moment(self, row: Floats) -> Moment:

@@ -91,11 +91,7 @@ def shares_of(channels: Sequence[Channel], weights: Floats) -> Floats:
 
 
 def blocks_of(
-    channels: Sequence[Channel],
-    widths: Sequence[Widths],
-    shares: Floats,
-    method: Method,
-    kept: Sequence[Block | None] | None = None,
+    channels: Sequence[Channel], widths: Sequence[Widths], shares: Floats, method: Method
 ) -> tuple[Block, ...]:
     """The blocks of a tree.
 
@@ -105,16 +101,10 @@ def blocks_of(
     shares : (n,) array
         Of the flow, which a jet needs to be known by where it comes into a branch.
     method : Method
-    kept : sequence of Block or None, optional
-        Those of another state of the vessel by this method, where a channel is as wide as there.
     """
-    kept = [None] * len(channels) if kept is None else kept
     found: list[Block] = []
     for number, (channel, size) in enumerate(zip(channels, widths, strict=True)):
-        excess, old = 0.0, kept[number]
-        if old is not None and (channel.above < 0 or found[channel.above] is kept[channel.above]):
-            found.append(old)
-            continue
+        excess = 0.0
         if channel.above >= 0:
             above = found[channel.above]
             share = float(shares[number] / shares[channel.above])
