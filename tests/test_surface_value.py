@@ -59,6 +59,10 @@ def test_a_surface_knows_its_topology_neighbors_and_normals():
     # Of a sphere about the origin the normal of a point is nearly its direction.
     direction = points / np.linalg.norm(points, axis=1)[:, None]
     assert (np.sum(made.vertex_normals * direction, axis=1) > 0.95).all()
+    assert made.wound_triangles is made.triangles
+    mixed = triangles.copy()
+    mixed[::5] = mixed[::5, ::-1]
+    assert np.array_equal(Surface(points, mixed).wound_triangles, triangles)
 
 
 def test_a_moved_surface_has_its_own_normals_and_the_same_topology(monkeypatch):
@@ -91,16 +95,14 @@ def test_what_is_no_surface_is_refused(points, triangles, message):
         Surface(points, triangles)
 
 
-def test_other_points_must_be_as_many_and_finite():
+def test_another_state_is_given_as_points_or_as_a_surface():
     made = Surface(*octahedron())
     with pytest.raises(InputError, match=r"expected .* points as before, got 1"):
         made.with_points(made.points[:1])
     with pytest.raises(InputError, match="surface points: expected finite coordinates"):
         made.with_points(np.full_like(made.points, np.inf))
-
-
-def test_another_state_is_given_as_points_or_as_a_surface():
-    made = Surface(*octahedron())
+    with pytest.raises(InputError, match=r"got 'ndarray'; make one of arrays by Surface\(points"):
+        as_surface(np.eye(3))
     moved = made.with_points(1.1 * made.points)
     assert state_of(made, moved) is moved
     copy = Surface(moved.points, made.triangles)
@@ -113,20 +115,6 @@ def test_another_state_is_given_as_points_or_as_a_surface():
     turned = Surface(made.points, made.triangles[:, ::-1])
     with pytest.raises(InputError, match="after: expected the triangles of the surface before"):
         state_of(made, turned)
-
-
-def test_triangles_of_one_winding_are_those_of_the_surface_where_it_has_one():
-    points, triangles = octahedron()
-    made = Surface(points, triangles)
-    assert made.wound_triangles is made.triangles
-    mixed = triangles.copy()
-    mixed[::5] = mixed[::5, ::-1]
-    assert np.array_equal(Surface(points, mixed).wound_triangles, triangles)
-
-
-def test_what_is_no_surface_is_said_with_the_way_to_make_one():
-    with pytest.raises(InputError, match=r"got 'ndarray'; make one of arrays by Surface\(points"):
-        as_surface(np.eye(3))
 
 
 @pytest.mark.parametrize(
