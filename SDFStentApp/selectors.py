@@ -142,13 +142,13 @@ class NodeComboBox(Selector):
 
     def setCurrentNode(self, node: Any) -> None:
         """Choose a node that is offered; any other one is the same as none."""
-        self._take(node if node in self.nodes() else None)
+        isThere = node is not None and node.GetScene() is self._scene and not self._isImporting()
+        self._take(node if isThere and self._is_offered(node) else None)
 
     def _take(self, node: Any) -> None:
         """Choose what is offered still; where there has to be one, the first."""
-        offered = self.nodes()
-        if node is None and offered and not self.noneEnabled:
-            node = offered[0]
+        if node is None and not self.noneEnabled:
+            node = next(iter(self.nodes()), None)
         nodeID, before = node.GetID() if node is not None else "", self.nodeID
         self.nodeID = nodeID
         self.tell()
@@ -156,9 +156,13 @@ class NodeComboBox(Selector):
             self.emit("currentNodeChanged", node)
 
     def nodes(self) -> list[Any]:
-        if self._scene is None or self._scene.IsImporting():  # what is imported is seen at the end
+        if self._isImporting():
             return []
         return [node for node in self._scene.GetNodes() if self._is_offered(node)]
+
+    def _isImporting(self) -> bool:
+        """Whether there is no scene, or one in which what is imported is seen at the end only."""
+        return self._scene is None or bool(self._scene.IsImporting())
 
     def _is_offered(self, node: Any) -> bool:
         of = next((name for name in self.nodeTypes if self._is_of(node, name)), None)
