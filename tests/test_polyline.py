@@ -10,6 +10,7 @@ from hypothesis.extra.numpy import arrays
 
 from SDFStentLib.geometry import (
     closest_on_segments,
+    distances_to_segments,
     frames,
     minimum_bend_radius,
     polyline,
@@ -188,3 +189,18 @@ def test_nothing_changes_its_input():
         work(points)
     polyline.resampled(points, 1.0), polyline.cut(points, 1, 2)
     np.testing.assert_array_equal(points, before)
+
+
+def test_of_many_segments_the_nearest_is_the_first_of_equals_as_of_few():
+    rng = np.random.default_rng(4)
+    for scale in (0.01, 1.0, 30.0):
+        line = np.cumsum(rng.normal(size=(60, 3)) * scale + [1, 0, 0], axis=0) + 400.0
+        line[20] = line[19]
+        # Corners and middles too, where two segments are as near, and places far away.
+        near = [line, (line[1:] + line[:-1]) / 2, line[rng.integers(60, size=300)]]
+        queries = np.concatenate([*near, line[:50] * 3]) + 0.0
+        queries[200:] += rng.normal(size=(len(queries) - 200, 3)) * 5
+        starts, ends = line[:-1], line[1:]
+        squared, _ = distances_to_segments(queries[:, None], starts, ends)
+        found = closest_on_segments(starts, ends, queries)
+        np.testing.assert_array_equal(found.segments, squared.argmin(axis=1))

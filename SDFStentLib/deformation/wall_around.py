@@ -23,7 +23,7 @@ from ..geometry import (
 from ..lumen import LocalSurface
 from ..validation import Flags, Floats, Points, Triangles
 
-WITNESSES = 5000
+WITNESSES = 3000
 """Points of the wall, about, by which the room round a station is judged."""
 
 SIDES, ASIDE = 12, np.deg2rad(45.0)

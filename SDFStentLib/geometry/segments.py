@@ -8,9 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..validation import Floats
+from .rows import dot, product
 
 PAIRS_PER_BLOCK = 500_000
 """Query-segment pairs that are held in memory at a time (about 50 MB)."""
+
+SHORT, FEW = 16, 10_000
+"""Segments, and pairs, up to which all are looked at."""
+
+ROUNDING = 1e-12
+"""Share of the largest square that takes part."""
 
 
 class SegmentLocations(NamedTuple):
@@ -34,13 +41,44 @@ def closest_on_segments(starts: Floats, ends: Floats, queries: Floats) -> Segmen
     """
     block = max(1, PAIRS_PER_BLOCK // len(starts))
     segments = np.empty(len(queries), dtype=np.int64)
+    is_short = len(starts) < SHORT or len(queries) * len(starts) < FEW
+    nearest = _nearest if is_short else _nearest_of_some
     for first in range(0, len(queries), block):
-        squared, _ = distances_to_segments(queries[first : first + block, None], starts, ends)
-        segments[first : first + block] = squared.argmin(axis=1)
+        segments[first : first + block] = nearest(starts, ends, queries[first : first + block])
     squared, fractions = distances_to_segments(queries, starts[segments], ends[segments])
     weights = fractions[:, None]
     feet = (1.0 - weights) * starts[segments] + weights * ends[segments]
     return SegmentLocations(segments, fractions, feet, np.sqrt(squared))
+
+
+def _nearest(starts: Floats, ends: Floats, queries: Floats) -> NDArray[np.int64]:
+    """Number (k,) of the nearest segment, the first of equals."""
+    squared, _ = distances_to_segments(queries[:, None], starts, ends)
+    return squared.argmin(axis=1)
+
+
+def _nearest_of_some(starts: Floats, ends: Floats, queries: Floats) -> NDArray[np.int64]:
+    """The same, looking only at segments that can be the nearest.
+
+    The square of the distance is below that of the nearer end by that of half the segment at most.
+    """
+    middle = starts.mean(axis=0)
+    places = queries - middle
+    own = dot(places, places)[:, None]
+    to_starts, to_ends = (
+        own + dot(one, one) - 2 * product(places, one.T) for one in (starts - middle, ends - middle)
+    )
+    to_end = np.minimum(to_starts, to_ends, out=to_starts)
+    axes = ends - starts
+    slack = dot(axes, axes) / 4 + ROUNDING * max(to_end.max(), to_ends.max())
+    query, segment = np.nonzero(to_end - slack <= to_end.min(axis=1, keepdims=True))
+    squared, _ = distances_to_segments(queries[query], starts[segment], ends[segment])
+    first = np.searchsorted(query, np.arange(len(queries)))
+    is_least = squared == np.minimum.reduceat(squared, first)[query]
+    # What is written last stays: the first of equals.
+    found = np.empty(len(queries), dtype=np.int64)
+    found[query[is_least][::-1]] = segment[is_least][::-1]
+    return found
 
 
 def distances_to_segments(queries: Floats, starts: Floats, ends: Floats) -> tuple[Floats, Floats]:

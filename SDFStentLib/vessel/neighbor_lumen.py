@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -162,6 +163,10 @@ class _Part(NamedTuple):
     """How far the wall round it is looked for, mm."""
 
 
+_walls: WeakKeyDictionary[Surface, Any] = WeakKeyDictionary()
+"""Search trees of all points of surfaces, as long as these are in use."""
+
+
 class _Moved:
     """The wall that a stent has moved."""
 
@@ -172,9 +177,11 @@ class _Moved:
         motion = np.linalg.norm(after.points - before.points, axis=1)
         moved = np.flatnonzero(motion > 0)
         self.motion = motion[moved]
-        # Asked a few times: made as quickly as can be.
+        # Asked a few times: made as quickly as can be, of a vessel once for all first stents.
         quick = {"balanced_tree": False, "compact_nodes": False}
-        self.wall = cKDTree(before.points, **quick)
+        if (wall := _walls.get(before)) is None:
+            wall = _walls[before] = cKDTree(before.points, **quick)
+        self.wall = wall
         self.points = cKDTree(before.points[moved], **quick) if len(moved) else None
 
     def part_of(self, way: NeighborWay) -> _Part | None:
