@@ -12,7 +12,7 @@ from SDFStentLib.lumen import displacements, face_stretches
 from SDFStentLib.report import (
     contact_fact,
     coverage_fact,
-    flow_rows,
+    flow_moments,
     flow_section,
     lumen_fact,
     ratio_sentence,
@@ -172,9 +172,11 @@ def _flowParagraphs(run):
     if run.flow is None:
         return [run.flowRemark] if run.flowRemark else []
     section = flow_section(run.flow)
-    rows = flow_rows(section, stents_in(section))
-    lines = [f"{label}: {words}" for label, words in rows]
-    return ["\n".join(lines), *section["notes"]]
+    told = [
+        "\n".join([f"{at}:", *(f"{label} {words}" for label, words in rows)])
+        for at, rows in flow_moments(section, stents_in(section))
+    ]
+    return [*told, *section["notes"]]
 
 
 def showFlow(parameterNode, run):

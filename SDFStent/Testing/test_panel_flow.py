@@ -8,11 +8,12 @@ from panel_helpers import deploy, saveAsFile, settle
 
 def words(panel):
     """What the report says of the panel's results."""
-    from SDFStentLib.report import flow_rows, flow_section, stents_in
+    from SDFStentLib.report import flow_moments, flow_section, stents_in
 
     section = flow_section(panel.logic.lastRun(panel._parameterNode).flow)
-    rows = flow_rows(section, stents_in(section))
-    return "\n".join(f"{label}: {words}" for label, words in rows), section["notes"]
+    told = flow_moments(section, stents_in(section))
+    lines = [[f"{at}:", *(f"{label} {words}" for label, words in rows)] for at, rows in told]
+    return "\n\n".join(map("\n".join, lines)), section["notes"]
 
 
 def aFlow(ui):
@@ -38,7 +39,7 @@ def test_a_flow_tells_what_the_library_tells_of_the_same_vessels(host, aStent):
     deploy(host, aStent)
     lines, notes = words(aStent)
     assert ui.lumenLabel.text.endswith("\n\n".join([lines, *notes]))
-    assert "inlet pressure: 30.0 -> " in lines
+    assert "inlet pressure 30.0 -> " in lines
     run = aStent.logic.lastRun(aStent._parameterNode)
     known = Known(50.0, peak=120.0, inlet=30.0, wedge=12.0, split_right=0.7)
     # Once more, by hand.

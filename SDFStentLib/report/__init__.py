@@ -18,7 +18,7 @@ from .facts import lumen_fact as lumen_fact
 from .facts import residual_fact as residual_fact
 from .flow import flow_document as flow_document
 from .flow import flow_line as flow_line
-from .flow import flow_rows as flow_rows
+from .flow import flow_moments as flow_moments
 from .flow import flow_section as flow_section
 from .flow import flow_sentences as flow_sentences
 from .flow import stents_in as stents_in

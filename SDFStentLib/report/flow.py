@@ -88,12 +88,23 @@ def _triple(band: Band | None) -> dict[str, float] | None:
     return None if band is None else {name: one for name, one in band._asdict().items()}
 
 
-def flow_rows(section: Section, most: int | None = None) -> list[tuple[str, str]]:
-    """What is told, a label and words each; of the narrowings the first ones."""
+Rows = list[tuple[str, str]]
+
+
+def flow_moments(section: Section, most: int | None = None) -> list[tuple[str, Rows]]:
+    """What is told at the mean flow and at its peak: a heading, and rows of a label and words.
+
+    Of the narrowings the first ones, `most`.
+    """
+    return [(_at(name, section), _of_moment(section, name, most)) for name in section["before"]]
+
+
+def flow_rows(section: Section, most: int | None = None) -> Rows:
+    """The same, the heading in every label."""
     return [
-        (f"{_at(name, section)}, {label}", words)
-        for name in section["before"]
-        for label, words in _of_moment(section, name, most)
+        (f"{at}, {label}", words)
+        for at, rows in flow_moments(section, most)
+        for label, words in rows
     ]
 
 
@@ -124,8 +135,9 @@ def flow_part(section: Section | None) -> list[str]:
     if section is None:
         return []
     rows = "".join(
-        f"<tr><td>{escape(label)}</td><td>{escape(words)}</td></tr>"
-        for label, words in flow_rows(section)
+        f"<tr><th colspan='2'>{escape(at)}</th></tr>"
+        + "".join(f"<tr><td>{escape(a)}</td><td>{escape(b)}</td></tr>" for a, b in told)
+        for at, told in flow_moments(section)
     )
     notes = (f"<p class='small'>{escape(note)}</p>" for note in section["notes"])
     return [f"<table class='words'>{rows}</table>", *notes]
@@ -136,7 +148,7 @@ def _at(moment: str, section: Section) -> str:
     return f"At the {moment} flow of {flow:.3g} mL/s ({flow * L_PER_MIN:.3g} L/min)"
 
 
-def _of_moment(section: Section, moment: str, most: int | None) -> list[tuple[str, str]]:
+def _of_moment(section: Section, moment: str, most: int | None) -> Rows:
     found = [section[name][moment] for name in ("before", "after") if section[name]]
     first, rows = found[0], []
     if first["inlet_mmhg"]:
