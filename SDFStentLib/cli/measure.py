@@ -84,10 +84,10 @@ def measure_command(options: argparse.Namespace, console: Console) -> int:
 def _lesion_lines(inputs: InputFiles, smallest: float, *, is_short: bool) -> list[str]:
     """The lesions, or the tightest ones of many."""
     lesions, units = inputs.vessel.lesions or (), inputs.surface.units
-    every = lesion_list(lesions, units, smallest, "; --smallest-vessel 0 lists them")
-    if not is_short or len(every) < LINES:
-        return every
     large, small = lesions_by_size(lesions, smallest)
+    # Sections are cut for every sentence: none is made that is not told.
+    if not is_short or 2 * len(large) + bool(small) < LINES:
+        return lesion_list(lesions, units, smallest, "; --smallest-vessel 0 lists them")
     count = len(large[LISTED:]) + len(small)
     of_them = f", {len(small)} of them in vessels below {smallest:g} mm" if small else ""
     return [
