@@ -244,3 +244,13 @@ def test_an_exported_network_needs_a_plan_with_a_flow(flow, capsys):
     assert main(["run", flow.plan, "-o", "out", "--export-0d", "nets"]) == 2
     assert "expected a plan with a flow for --export-0d" in capsys.readouterr().err
     assert not list(Path().iterdir())
+
+
+def test_a_drop_that_is_next_to_nothing_is_no_minus_zero():
+    from SDFStentLib.report import flow_moments
+
+    band = {"value": -0.0004, "low": -0.02, "high": 0.004}
+    drop = {"name": "stent 1", "recovered_mmhg": band, "maximal_mmhg": band}
+    moment = {"flow_ml_s": 5.0, "inlet_mmhg": None, "share": {}, "narrowings": [drop]}
+    ((_, ((_, words),)),) = flow_moments({"before": {"mean": moment}, "after": None})
+    assert words.startswith("recovered 0.00 (-0.02 to 0.00) mmHg")

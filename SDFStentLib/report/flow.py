@@ -178,7 +178,8 @@ def _band(band: Mapping[str, float], scale: float) -> str:
 
 def _number(value: float) -> str:
     """Two digits behind the point below one, one below a hundred; no minus zero."""
-    return f"{value + 0.0:.2f}" if abs(value) < 1 else f"{value:.1f}"
+    digits = 2 if abs(value) < 1 else 1
+    return f"{round(value, digits) + 0.0:.{digits}f}"
 
 
 def _notes(answer: FlowAnswer) -> list[str]:
