@@ -9,8 +9,13 @@ from benchmarks.judges import wall_distances
 from benchmarks.trees.surface import Wall
 from benchmarks.trees.truth import Spheres
 from SDFStentLib.geometry import resampled, tangents
-from SDFStentLib.lumen import inscribed_spheres
-from SDFStentLib.phantoms import branching_pulmonary_artery, straight_tube
+from SDFStentLib.lumen import inscribed_spheres, with_own_spheres
+from SDFStentLib.phantoms import Opening, TrueVessel, branching_pulmonary_artery, straight_tube
+from SDFStentLib.phantoms.axis import narrowing, planar_axis
+from SDFStentLib.phantoms.field import Tube, TubeUnion
+from SDFStentLib.phantoms.junction import branching_tube
+from SDFStentLib.phantoms.value import assembled
+from SDFStentLib.vessel import find_lesions
 
 SEED = 47
 """Of a tube in which a climb ends in a pocket."""
@@ -70,3 +75,64 @@ def test_an_ostium_keeps_its_sphere_beside_the_larger_one_of_the_parent():
             for place, way in zip(stations, ways, strict=True)
         ]
         assert together.radii == pytest.approx(alone, abs=1e-6)
+
+
+def a_throat_beside_a_branch():
+    """A tube of 6 mm along z, its throat of 2.4 mm at 29.5 mm; a branch of 4.4 mm leaves at 26.
+
+    The branch rises so steeply that a plane across the throat meets both.
+    """
+    main = planar_axis([(60.0, 0.0)])
+    side = planar_axis([(20.0, 0.0)], start=(0, 0, 26.0), heading=(1.0, 0, 1.2), toward=(0, 1, 0))
+    vessels = (
+        TrueVessel("main", main, lambda along: 3.0 * narrowing(along, 29.5, 4.0, 0.6)),
+        TrueVessel("side", side, lambda along: np.full(np.shape(along), 2.2), joint=26.0),
+    )
+    tubes = [Tube(vessel.axis, vessel.radius) for vessel in vessels]
+    union = TubeUnion(tubes, blend_width=0.5, beyond=1.4)
+    patch = branching_tube(union, 0.35)
+    ends = [
+        Opening(str(number), number, rim.center, rim.outward, rim.radius)
+        for number, rim in enumerate(union.rims(), start=2)
+    ]
+    return assembled("throat beside a branch", patch, vessels, ends, 29.5)
+
+
+def test_a_throat_beside_which_a_branch_leaves_is_told_as_it_is():
+    """Its spheres are those of the branch, 4.4 mm wide, over 1.5 mm: no healthy vessel."""
+    phantom = a_throat_beside_a_branch()
+    points, triangles = phantom.points, phantom.triangles
+    along = np.arange(26.0, 33.0, 0.1)
+    stations, ways = along[:, None] * [0.0, 0.0, 1.0], np.tile([0.0, 0.0, 1.0], (len(along), 1))
+    judge = Spheres(Wall(points, triangles, np.zeros(len(triangles))), stations, 10.0)
+    own = 3.0 * narrowing(along, 29.5, 4.0, 0.6)
+    disks = zip(stations, ways, 0.9 * own, strict=True)
+    truth = np.array([2 * judge.across(*one)[1] for one in disks])
+
+    found = inscribed_spheres(points, triangles, stations, ways)
+    astray = np.linalg.norm(found.centers - stations, axis=1) >= found.radii
+    assert (2 * found.radii[astray] / truth[astray]).max() > 1.4, "no sphere leaves its vessel"
+    told = with_own_spheres(phantom.surface, stations, ways, found, [np.arange(len(along))])
+    assert told.radii == pytest.approx(wall_distances(points, triangles, told.centers), rel=1e-5)
+    assert (told.radii[~astray] == found.radii[~astray]).all()
+    excess = 2 * told.radii[astray] / truth[astray] - 1
+    assert excess.max() < 0.2  # of up to 0.64
+    assert (told.radii <= found.radii).all()
+
+    (lesion,) = find_lesions(phantom.surface, phantom.centerline)
+    assert lesion.minimum_diameter == pytest.approx(truth.min(), rel=0.03)
+    assert lesion.reference_diameter == pytest.approx(6.0, rel=0.02)
+    assert lesion.percent_diameter == pytest.approx(100 * (1 - truth.min() / 6.0), abs=2)
+    assert lesion.start < 26.5
+    assert lesion.end > 32.5
+
+
+def test_lines_beside_the_middle_of_a_vessel_keep_their_spheres():
+    """A line drawn by hand tells no middle: spheres that do not hold it are not searched anew."""
+    tube = straight_tube(3.0, 24, 0.4)
+    along = np.linspace(5.0, 19.0, 15)
+    stations = np.column_stack([np.full(15, 2.7), np.zeros(15), along])
+    ways = np.tile([0.0, 0.0, 1.0], (15, 1))
+    found = inscribed_spheres(tube.points, tube.triangles, stations, ways)
+    told = with_own_spheres(tube.surface, stations, ways, found, [np.arange(15)])
+    np.testing.assert_array_equal(told.radii, found.radii)

@@ -38,6 +38,7 @@ from .spheres import LocalSurface as LocalSurface
 from .spheres import Until as Until
 from .spheres import inscribed_spheres as inscribed_spheres
 from .spheres import rough_radii as rough_radii
+from .spheres import with_own_spheres as with_own_spheres
 from .stations import Stations as Stations
 from .stations import measured_at as measured_at
 from .stretch import FaceStretch as FaceStretch

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..geometry import Surface, arc_lengths, tangents
-from ..lumen import InscribedSpheres, MovedWall, inscribed_spheres
+from ..lumen import InscribedSpheres, MovedWall, inscribed_spheres, with_own_spheres
 from ..validation import Flags, Floats, Points
 from .branch_lumen import are_in_lumen
 from .lesion_sections import between_neighbors, cut_at, on_line, tightest
@@ -109,10 +109,12 @@ def _spheres(
         return []
     places, ways = (np.concatenate(column) for column in zip(*lines, strict=True))
     found = inscribed_spheres(surface.points, surface.triangles, places, ways)
+    ends = np.cumsum([len(line) for line, _ in lines])[:-1]
+    parts = np.split(np.arange(len(places)), ends)
+    found = with_own_spheres(surface, places, ways, found, parts)
     if may_be_outside:
         found.radii[~are_in_lumen(places, found, surface)] = np.nan
-    ends = np.cumsum([len(line) for line, _ in lines])[:-1]
-    return [found.at(part) for part in np.split(np.arange(len(places)), ends)]
+    return [found.at(part) for part in parts]
 
 
 def _line(lesion: Lesion) -> tuple[Points, Points]:

@@ -30,6 +30,7 @@ from .lesion_measuring import as_place, lesions_after, measured
 from .lesion_sections import OWN_SECTION
 from .lesion_value import HealthyPlace, Lesion, Place, reference_words
 from .narrowings import PLATEAU, Narrowing, Plateau, narrowings
+from .own_diameters import with_own_diameters
 from .runs import VesselRun, is_main, vessel_runs
 
 _ASLANT = 2.0
@@ -81,7 +82,9 @@ def find_lesions(
     InputError
         No surface, or a centerline outside of it.
     """
-    runs = vessel_runs(branch_lumens(as_surface(surface), centerline))
+    surface = as_surface(surface)
+    lumens = branch_lumens(surface, centerline)
+    runs = with_own_diameters(surface, lumens, vessel_runs(lumens))
     found = _found(runs)
     faces = checked_faces(faces, len(surface.triangles))
     named = named_branches(surface, centerline, faces, given)

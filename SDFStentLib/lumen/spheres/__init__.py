@@ -5,4 +5,5 @@ from .inscribed import SphereSearch as SphereSearch
 from .inscribed import Until as Until
 from .inscribed import inscribed_spheres as inscribed_spheres
 from .local_surface import LocalSurface as LocalSurface
+from .own import with_own_spheres as with_own_spheres
 from .point_lumen import rough_radii as rough_radii

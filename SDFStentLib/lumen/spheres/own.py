@@ -1,0 +1,96 @@
+"""Spheres that have left their vessel: at a throat beside which a branch leaves, the plane across
+the vessel meets both, and the climb to the largest sphere ends in the branch.
+
+Such a sphere does not hold its station, though the stations beside it lie in the middle of theirs.
+It is searched anew round where those tell that the middle is, over a disk that the wall bounds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...geometry import Surface, across, arc_lengths, norm
+from ...validation import Floats, Indices, Points
+from .inscribed import InscribedSpheres
+from .local_surface import LocalSurface
+
+_CENTERED = 0.5
+"""Radii of its sphere from whose middle a station tells where the middle of the vessel is."""
+
+_DISK = 0.9
+"""Share of the distance from there to the wall within which the middle is looked for."""
+
+_TRIED = 9
+"""Places across a disk, tried together; then the disk is a third as wide, about the best one,"""
+
+_FINEST = 0.002
+"""until it is so narrow, mm."""
+
+
+def with_own_spheres(
+    surface: Surface,
+    stations: Points,
+    directions: Points,
+    found: InscribedSpheres,
+    lines: Sequence[Indices],
+) -> InscribedSpheres:
+    """The spheres of some stations, those that have left their vessel searched anew.
+
+    Parameters
+    ----------
+    surface : Surface
+    stations, directions : (n, 3) arrays
+        mm.
+    found : InscribedSpheres
+        There.
+    lines : sequence of (k,) arrays of int
+        The stations that go along one line, in order.
+    """
+    centers, radii = found.centers.copy(), found.radii.copy()
+    offset = centers - stations
+    with np.errstate(invalid="ignore"):
+        astray, centered = norm(offset) >= radii, norm(offset) < _CENTERED * radii
+    middles, which = [], []
+    for line in lines:
+        left, known = line[astray[line]], centered[line]
+        if len(left) and known.any():
+            along = arc_lengths(stations[line])
+            middles.append(
+                stations[left]
+                + np.column_stack(
+                    [np.interp(along[astray[line]], along[known], x[line][known]) for x in offset.T]
+                )
+            )
+            which.append(left)
+    if which:
+        again = np.concatenate(which)
+        ways = directions[again] / norm(directions[again])[:, None]
+        own = _round(surface, np.concatenate(middles), across(ways))
+        smaller = own.radii < radii[again]
+        centers[again[smaller]], radii[again[smaller]] = own.at(np.flatnonzero(smaller))
+    return InscribedSpheres(centers, radii)
+
+
+def _round(surface: Surface, middles: Points, axes: Floats) -> InscribedSpheres:
+    """The largest spheres with centers in disks round some middles (n, 3), axes (n, 2, 3)."""
+    steps = np.linspace(-1.0, 1.0, _TRIED)
+    grid = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
+    grid = grid[norm(grid) <= 1.0]
+    wall = LocalSurface(surface.points, surface.triangles, middles)
+    radii = wall.distances(middles)
+    disk = _DISK * np.maximum(radii, 1e-12)
+    best, size, rows = np.zeros((len(middles), 2)), disk, np.arange(len(middles))
+    # Ends: disks become smaller by a third.
+    while (size > _FINEST).any():
+        tried = best[:, None] + size[:, None, None] * grid
+        tried /= np.maximum(np.linalg.norm(tried, axis=2) / disk[:, None], 1.0)[..., None]
+        places = middles[:, None] + np.einsum("nki,nij->nkj", tried, axes)
+        room = wall.distances(places.reshape(-1, 3)).reshape(len(middles), -1)
+        at = room.argmax(axis=1)
+        is_more = room[rows, at] > radii
+        best = np.where(is_more[:, None], tried[rows, at], best)
+        radii = np.where(is_more, room[rows, at], radii)
+        size = size / 3
+    return InscribedSpheres(middles + np.einsum("ni,nij->nj", best, axes), radii)
