@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -26,11 +26,12 @@ def with_own_diameters(
     runs : sequence of VesselRun
         Of these.
     """
+    of_branch = {lumen.branch: lumen for lumen in lumens}
     stations = np.concatenate([run.points for run in runs])
     ends = np.cumsum([len(run.along) for run in runs])
     lines = np.split(np.arange(len(stations)), ends[:-1])
     found = InscribedSpheres(
-        np.concatenate([_centers(run, lumens) for run in runs]),
+        np.concatenate([_centers(run, of_branch) for run in runs]),
         np.concatenate([run.diameter / 2 for run in runs]),
     )
     ways = np.concatenate([tangents(run.points) for run in runs])
@@ -38,12 +39,11 @@ def with_own_diameters(
     return [run._replace(diameter=diameter[line]) for run, line in zip(runs, lines, strict=True)]
 
 
-def _centers(run: VesselRun, lumens: Sequence[BranchLumen]) -> Points:
+def _centers(run: VesselRun, of_branch: Mapping[int, BranchLumen]) -> Points:
     """Of the spheres at a vessel's stations, (n, 3) mm."""
     found = np.full((len(run.along), 3), np.nan)
-    for lumen in lumens:
-        own = run.branch == lumen.branch
-        if own.any():
-            at = np.abs(lumen.along - run.branch_along[own, None]).argmin(axis=1)
-            found[own] = lumen.centers[at]
+    for branch in np.unique(run.branch).tolist():
+        own, lumen = run.branch == branch, of_branch[branch]
+        at = np.abs(lumen.along - run.branch_along[own, None]).argmin(axis=1)
+        found[own] = lumen.centers[at]
     return found

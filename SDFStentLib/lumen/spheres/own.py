@@ -22,10 +22,10 @@ _CENTERED = 0.5
 _DISK = 0.9
 """Share of the distance from there to the wall within which the middle is looked for."""
 
-_TRIED = 9
-"""Places across a disk, tried together; then the disk is a third as wide, about the best one,"""
+_TRIED = 5
+"""Places across a disk, tried together; then the disk is half as wide, about the best one,"""
 
-_FINEST = 0.002
+_FINEST = 0.005
 """until it is so narrow, mm."""
 
 
@@ -82,7 +82,7 @@ def _round(surface: Surface, middles: Points, axes: Floats) -> InscribedSpheres:
     radii = wall.distances(middles)
     disk = _DISK * np.maximum(radii, 1e-12)
     best, size, rows = np.zeros((len(middles), 2)), disk, np.arange(len(middles))
-    # Ends: disks become smaller by a third.
+    # Ends: disks become half as wide.
     while (size > _FINEST).any():
         tried = best[:, None] + size[:, None, None] * grid
         tried /= np.maximum(np.linalg.norm(tried, axis=2) / disk[:, None], 1.0)[..., None]
@@ -92,5 +92,5 @@ def _round(surface: Surface, middles: Points, axes: Floats) -> InscribedSpheres:
         is_more = room[rows, at] > radii
         best = np.where(is_more[:, None], tried[rows, at], best)
         radii = np.where(is_more, room[rows, at], radii)
-        size = size / 3
+        size = size / 2
     return InscribedSpheres(middles + np.einsum("ni,nij->nj", best, axes), radii)
