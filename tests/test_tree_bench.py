@@ -15,7 +15,13 @@ from benchmarks.trees.layout import Tree
 from benchmarks.trees.narrowing import Narrowing, narrowed, narrowings
 from benchmarks.trees.surface import Wall, rims_of, wall_of
 from benchmarks.trees.synthetic import random_tree
-from benchmarks.trees.truth import truths
+from benchmarks.trees.truth import Spheres, truths
+from SDFStentLib.centerline import Centerline
+from SDFStentLib.geometry import Surface
+from SDFStentLib.plan import read_input_files
+from SDFStentLib.vessel.branch_lumen import branch_lumens
+from SDFStentLib.vessel.plateaus import healthy_caliber
+from SDFStentLib.vessel.runs import vessel_runs
 
 WAY = np.array([0.6, 0.0, 0.8])
 
@@ -181,3 +187,40 @@ def test_verdicts(halved, lesions, words):
     (verdict,), invented = judged(*after, found, given)
     assert verdict.words == words
     assert len(invented) == sum(at == 50.0 for at, _, _ in lesions)
+
+
+# What vessels are called -------------------------------------------------------------------------
+
+
+def widest_over_its_own_half(along, diameter):
+    """How wide a vessel stays over half of its own diameter, and at most is, mm."""
+    half = np.abs(along[:, None] - along) <= diameter[:, None] / 4
+    return np.where(half, diameter, np.inf).min(axis=1).max(), diameter.max()
+
+
+def test_a_vessel_is_called_by_its_healthy_caliber_though_most_of_it_is_narrow():
+    tree = line_tree(lambda at: 2.5 * cosine(0.6, 8.0, 52.0)(at))
+    wall = swept_wall(lambda at: 2.5 * cosine(0.6, 8.0, 52.0)(at))
+    line = Centerline(tree.points, tree.radius, tree.parent)
+    (run,) = vessel_runs(branch_lumens(Surface(wall.points, wall.triangles), line))
+    assert healthy_caliber(run) == pytest.approx(5.0, rel=0.03)
+
+
+def test_vessels_of_a_patient_are_called_as_wide_as_an_independent_search_finds_them(data_dir):
+    """5.1 mm were told of a branch whose lesion was measured against 6.6 mm."""
+    names = [str(data_dir / f"su0243_{name}_mm.vtp") for name in ("surface", "centerline")]
+    vessel = read_input_files(*names).vessel
+    runs = vessel_runs(branch_lumens(vessel.surface, vessel.centerline))
+    wall = Wall(vessel.surface.points, vessel.surface.triangles, np.ones(1, dtype=int))
+    for number in sorted({lesion.vessel for lesion in vessel.lesions[:2]}):
+        run = runs[number]
+        known = np.flatnonzero(np.isfinite(run.diameter))
+        spheres = Spheres(wall, run.points[known], 15.0)
+        ways = np.gradient(run.points, axis=0)[known]
+        ways /= np.linalg.norm(ways, axis=1)[:, None]
+        found = [
+            2 * spheres.across(place, way, 0.6 * wide)[1]
+            for place, way, wide in zip(run.points[known], ways, run.diameter[known], strict=True)
+        ]
+        low, high = widest_over_its_own_half(run.along[known], np.array(found))
+        assert 0.85 * low <= healthy_caliber(run) <= 1.01 * high, number

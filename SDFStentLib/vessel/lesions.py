@@ -29,8 +29,9 @@ from .branch_names import named_branches, size_words
 from .lesion_measuring import as_place, lesions_after, measured
 from .lesion_sections import OWN_SECTION
 from .lesion_value import HealthyPlace, Lesion, Place, reference_words
-from .narrowings import PLATEAU, Narrowing, Plateau, narrowings
+from .narrowings import Narrowing, Plateau, narrowings
 from .own_diameters import with_own_diameters
+from .plateaus import PLATEAU, healthy_caliber
 from .runs import VesselRun, is_main, vessel_runs
 
 _ASLANT = 2.0
@@ -128,11 +129,12 @@ def vessel_name(run: VesselRun, is_main: bool) -> str:
     ends = f"{run.outlets} outlets" if run.outlets > 1 else "1 outlet"
     if run.generation == 0:
         return f"main vessel ({ends})"
+    caliber = healthy_caliber(run)
     if is_main:
-        return f"main branch of {run.caliber:.1f} mm ({ends})"
+        return f"main branch {f'of {caliber:.1f} mm ' if caliber else ''}({ends})"
     known = np.flatnonzero(np.isfinite(run.diameter))
     start = run.along[known[0] if len(known) else 0]
-    return f"branch {size_words(run.caliber, float(start), run.outlets)}"
+    return f"branch {size_words(caliber, float(start), run.outlets)}"
 
 
 def lesion_after(lesion: Lesion, surface: Surface) -> Lesion:

@@ -13,8 +13,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..validation import Flags, Floats, Indices
-from .aneurysms import in_aneurysm, runs_of
+from ..validation import Flags, Floats
+from .plateaus import (
+    NEARLY_WIDEST,
+    PLATEAU,
+    REFERENCE_REACH,
+    known_stations,
+    medians,
+    plateaus_of,
+    runs_of,
+    typical_stations,
+)
 from .runs import MURRAY_EXPONENT, SideBranch, VesselRun
 
 SMALLEST_DEGREE = 0.15
@@ -39,26 +48,12 @@ the vessel is wider again. Where it is not, the vessel tapers or divides."""
 EDGE_DEGREE = 0.10
 """A narrowing reaches as far as the lumen is narrower than the reference by more than this."""
 
-REFERENCE_REACH = 4.0
-"""Diameters of a plateau over which it may stand for the healthy vessel."""
-
 ONE_SIDED_REACH = 2.0
 """Diameters within which a narrowing with healthy vessel on one side only ends: what widens more
 slowly than that tapers."""
 
-PLATEAU = 1.0
-"""Diameters over which healthy vessel is that wide."""
-
 FLARE = 1.25
 """Times the reference from which the vessel at its end is the ostium's flare, no healthy vessel."""
-
-FLAT = 0.92
-"""Share of its median diameter that a plateau is wide at its narrowest place: slopes of more than
-about a sixth over a diameter are none, what an ostium or a branch widens does not matter."""
-
-NEARLY_WIDEST = 0.93
-"""Share of the widest plateau within reach from which the nearest one is the reference: farther
-ones are of a vessel that tapers, or wide by chance."""
 
 IN_STEPS = 0.5
 """Share of the difference between two plateaus that may fall at branches: vessels of real trees
@@ -135,12 +130,10 @@ class _Sides(NamedTuple):
 
 def narrowings(run: VesselRun) -> list[Narrowing]:
     """The narrowings of a vessel from its start to its end."""
-    known = np.flatnonzero(np.isfinite(run.diameter))
-    if len(known) < 3:
+    along, diameter = known_stations(run)
+    if len(along) < 3:
         return []
-    along, diameter = run.along[known], run.diameter[known]
-    plateaus = _opening(along, diameter, run.parent >= 0, bool(run.division))
-    plateaus[in_aneurysm(along, plateaus, REFERENCE_REACH)] = np.nan
+    plateaus = plateaus_of(run)
     before, after = _sides(run, along, diameter, plateaus)
     degree, counts = _degrees(along, diameter, before, after)
     throats = [
@@ -161,28 +154,6 @@ def _overlap(one: Narrowing, other: Narrowing) -> bool:
     return one.start < other.end and other.start < one.end
 
 
-def _opening(along: Floats, diameter: Floats, has_ostium: bool, divides: bool) -> Floats:
-    """The widest of the plateaus (n,) in which every station lies, by their narrowest places.
-
-    A plateau is no shorter than `PLATEAU`, or than the vessel, but at an in- or outlet, where the
-    vessel goes on beyond the model; NaN where there is none.
-    """
-    half = PLATEAU * np.minimum(diameter, np.ptp(along)) / 2
-    distance = np.abs(along[:, None] - along[None, :])
-    is_within = distance <= half[:, None]
-    narrowest = np.where(is_within, diameter[None, :], np.inf).min(axis=1)
-    is_flat = narrowest >= FLAT * _medians(diameter, is_within)
-    # One that would reach beyond the end of the vessel is shorter than it should be.
-    rounding = 1e-9 * max(1.0, float(np.ptp(along)))
-    fits = is_flat
-    if has_ostium:
-        fits &= along - half >= along[0] - rounding
-    if divides:
-        fits &= along + half <= along[-1] + rounding
-    widest = np.where(is_within & fits[:, None], narrowest[:, None], -np.inf).max(axis=0)
-    return np.where(np.isfinite(widest), widest, np.nan)
-
-
 def _sides(
     run: VesselRun, along: Floats, diameter: Floats, plateaus: Floats
 ) -> tuple[_Sides, _Sides]:
@@ -196,7 +167,11 @@ def _sides(
     # A branch of which nothing is known leaves open what the others ask for.
     if len(calibers) and calibers.all():
         expected = float(np.sum(calibers**MURRAY_EXPONENT) ** (1 / MURRAY_EXPONENT))
-        after = _where_lost(own[1], own[0], np.fmin(expected, own[0].diameter), diameter)
+        # Branches of a vessel that stays wide to its end are narrower than the rule says.
+        beyond = medians(diameter, along[None, :] > along[:, None])
+        beyond[-1] = diameter[-1]
+        wanted = np.fmin(np.fmax(expected, beyond), own[0].diameter)
+        after = _where_lost(own[1], own[0], wanted, diameter)
     return before, after
 
 
@@ -209,32 +184,14 @@ def _nearest(along: Floats, diameter: Floats, plateaus: Floats, way: int) -> _Si
     half_way = diameter + REGAINED * (widest - diameter)
     is_wide = can_be & (width >= np.fmin(NEARLY_WIDEST * widest, half_way)[:, None])
     nearest = np.where(is_wide, distance, np.inf).min(axis=1)
-    # Its near end may be the foot of the narrowing: the widest place within its own length counts.
     found = np.isfinite(nearest)
     first = np.where(is_wide & (distance == nearest[:, None]), width, -np.inf).max(axis=1)
+    # Its near end may be the foot of the narrowing: the widest place within its own length counts.
     is_wide[found] &= distance[found] <= (nearest[found] + PLATEAU * first[found])[:, None]
     chosen = np.where(is_wide, width, -np.inf).argmax(axis=1)
-    place = _typical(along, diameter, plateaus)[chosen]
+    place = typical_stations(along, diameter, plateaus)[chosen]
     columns = along[place], diameter[place], plateaus[chosen]
     return _Sides(*(np.where(found, column, np.nan) for column in columns))
-
-
-def _typical(along: Floats, diameter: Floats, plateaus: Floats) -> Indices:
-    """By station the place (n,) in the plateau round it, half of it on both sides, that is about
-    as wide as the median there."""
-    near = np.abs(along[:, None] - along[None, :]) <= PLATEAU * plateaus[:, None] / 2
-    near &= diameter[None, :] >= plateaus[:, None]
-    middle = _medians(diameter, near)
-    # On a slope what lies beside is none of the plateau.
-    wanted = np.fmin(middle, plateaus / NEARLY_WIDEST)
-    off = np.where(near, np.abs(diameter[None, :] - wanted[:, None]), np.inf)
-    return np.asarray(off.argmin(axis=1))
-
-
-def _medians(diameter: Floats, chosen: Flags) -> Floats:
-    """By row (k, n) the lower median of the chosen diameters; infinite where none is."""
-    values = np.sort(np.where(chosen, diameter[None, :], np.inf), axis=1)
-    return np.asarray(values[np.arange(len(chosen)), np.maximum(chosen.sum(axis=1) - 1, 0) // 2])
 
 
 def _where_lost(own: _Sides, other: _Sides, wanted: Floats, diameter: Floats) -> _Sides:
@@ -295,8 +252,8 @@ def _extent(along: Floats, diameter: Floats, at: int, reference: Reference) -> N
     for first, last in parts:
         if first <= at <= last:
             at = first + int(np.argmin(diameter[first : last + 1]))
-            start = _edge(along, degree, first, first - 1)
-            end = _edge(along, degree, last, last + 1)
+            start = _edge(along, degree, first, first - 1, is_throat=first == at)
+            end = _edge(along, degree, last, last + 1, is_throat=last == at)
             return Narrowing(start, end, float(along[at]), reference)
     return None
 
@@ -312,9 +269,14 @@ def _parts(along: Floats, is_narrow: Flags, reference: Floats) -> list[tuple[int
     return parts
 
 
-def _edge(along: Floats, degree: Floats, inner: int, outer: int) -> float:
-    """Where the degree falls to that of an edge between two neighbors."""
+def _edge(along: Floats, degree: Floats, inner: int, outer: int, *, is_throat: bool) -> float:
+    """Where the degree falls to that of an edge between two neighbors.
+
+    Beside the narrowest station no line does: between the two it may be narrower still.
+    """
     if not 0 <= outer < len(along) or not degree[outer] <= EDGE_DEGREE:
         return float(along[inner])
+    if is_throat:
+        return float(along[outer])
     share = (degree[inner] - EDGE_DEGREE) / (degree[inner] - degree[outer])
     return float(along[inner] + share * (along[outer] - along[inner]))

@@ -1,11 +1,13 @@
 """Narrowings of known place and depth in trees of 20 to 100 outlets: are they told as they are?
 
-    python -m benchmarks.trees [--count 125] [--seed 1] [--only SHAPE] [--jobs 2]
-                               [--save FOLDER | --cases FOLDER] [--command] [--quick] [--json FILE]
+    python -m benchmarks.trees [--count 125] [--first 0] [--seed 1] [--only SHAPE] [--pressed]
+                               [--jobs 2] [--save FOLDER | --cases FOLDER] [--command] [--quick]
+                               [--json FILE]
 
 A tree has up to four narrowings, every tenth none. Told as it is: once, its narrowest place within
 3 mm, its minimum within 3 %, its percent by diameter within 5 points. Every tree is made anew
-unless --cases names a folder that --save filled. `truth.py` says how the truth is measured.
+unless --cases names a folder that --save filled; with --pressed narrowings are pressed into the
+surfaces of patients instead. `truth.py` says how the truth is measured.
 """
 
 from __future__ import annotations
@@ -32,6 +34,8 @@ def options(arguments: Sequence[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--save", type=Path, metavar="FOLDER", help="keep the cases here")
     parser.add_argument("--cases", type=Path, metavar="FOLDER", help="judge what --save kept")
+    parser.add_argument("--first", type=int, default=0, help="number of the first tree")
+    parser.add_argument("--pressed", action="store_true", help="into the surfaces of patients")
     parser.add_argument("--command", action="store_true", help="ask the installed command")
     parser.add_argument("--quick", action="store_true", help="one tree")
     parser.add_argument("--largest", type=int, help=argparse.SUPPRESS)
@@ -47,8 +51,16 @@ def cases(chosen: argparse.Namespace) -> Iterator[dict]:
     else:
         work, count = of_number, 1 if chosen.quick else chosen.count
         calls = [
-            (chosen.seed, number, DATA_FOLDER, chosen.only, chosen.save, chosen.command)
-            for number in range(count)
+            (
+                chosen.seed,
+                number,
+                DATA_FOLDER,
+                chosen.only,
+                chosen.save,
+                chosen.command,
+                chosen.pressed,
+            )
+            for number in range(chosen.first, chosen.first + count)
         ]
     if chosen.jobs == 1:
         yield from starmap(work, calls)

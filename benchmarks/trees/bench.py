@@ -14,6 +14,7 @@ from ..sweep import DATA_FOLDER
 from .case import NONE, load, made_case, read_wall, save
 from .judge import asked, judged
 from .narrowing import SHAPES
+from .pressed import pressed_case
 
 TOTAL = "all"
 
@@ -36,11 +37,21 @@ def of_case(folder: Path, by_command: bool = False) -> Found:
 
 
 def of_number(
-    seed: int, number: int, data: Path, only: str | None, keep: Path | None, by_command: bool
+    seed: int,
+    number: int,
+    data: Path,
+    only: str | None = None,
+    keep: Path | None = None,
+    by_command: bool = False,
+    is_pressed: bool = False,
 ) -> Found:
-    """The same of a case that is made for it; kept in a folder of its own if `keep` says where."""
+    """The same of a case that is made for it; kept in a folder of its own if `keep` says where.
+
+    Made of nothing, or pressed into a patient's surface.
+    """
     with TemporaryDirectory() as made:
-        case = made_case(seed, number, data, only)
+        make = pressed_case if is_pressed else made_case
+        case = make(seed, number, data, only)
         folder = Path(made if keep is None else keep) / case.name
         save(case, folder)
         return of_case(folder, by_command)
@@ -119,4 +130,4 @@ def table(found: Found) -> str:
 def measured(quick: bool, largest: int | None = None) -> Found:
     """Of the first trees, for the run of all benchmarks."""
     count = 1 if quick else 20
-    return summary([of_number(SEED, n, DATA_FOLDER, None, None, False) for n in range(count)])
+    return summary([of_number(SEED, n, DATA_FOLDER) for n in range(count)])
