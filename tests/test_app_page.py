@@ -544,8 +544,12 @@ def test_a_segment_and_a_mesh_of_ones_own_are_kept_by_the_browser(a_visit, the_f
     own = polydata_from_vtp(a_visit.saved("saveDeviceButton"), tmp_path)
     given = polydata_from_vtp((the_folder / "mesh.vtp").read_bytes(), tmp_path)
     assert own.GetNumberOfCells() == given.GetNumberOfCells() != struts.GetNumberOfCells()
-    assert json.loads(a_visit.saved("write0DButton"))
-    a_visit.until("statusLabel", "Wrote 0d.json.")
+    number = a_visit.named("flowMeanSpinBox").locator("input").first
+    number.fill("3")
+    number.blur()
+    a_visit.until("lumenLabel", "At the mean flow of 50 mL/s (3 L/min)")
+    assert json.loads(a_visit.saved("write0DButton"))["vessels"]
+    a_visit.until("statusLabel", "Wrote network.json.")
     assert [text for text in a_visit.page.evaluate("window.texts") if "sdfstent-" in text] == []
 
 
