@@ -635,7 +635,7 @@ def test_control_c_leaves_nothing_half_written(a_folder):
         folder=a_folder, env={**os.environ, "PYTHONPROFILEIMPORTTIME": "1"},
     )  # fmt: skip
     # Python tells of every import on stderr: with this one the command has begun.
-    assert any("published_steps" in line for line in process.stderr)
+    assert any("deformation.event_steps" in line for line in process.stderr)
     time.sleep(1.0)  # files are read, and the first of thousands of steps are done
     process.send_signal(signal.SIGINT)
     _, err = process.communicate(timeout=PATIENCE)
