@@ -262,6 +262,23 @@ def test_balls_that_only_just_touch_what_is_looked_for_are_found():
     np.testing.assert_allclose(balls.nearest(places), expected, rtol=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("radii", "searches"),
+    [
+        # A regular mesh: its largest triangles would widen the search for all others.
+        ([1.9] * 20 + [1.0] * 500 + [0.1] * 2, [1.9, 1.0]),
+        ([1.0] * 500 + [0.03] * 490, [1.0, 0.03]),
+        ([1.0] * 10 + [0.0] * 500, [1.0, 0.0]),
+        ([0.0] * 10, [0.0]),
+    ],
+)
+def test_balls_are_searched_together_unless_others_are_many_or_much_smaller(radii, searches):
+    radii = np.array(radii)
+    balls = Balls(np.random.default_rng(7).normal(size=(len(radii), 3)), radii)
+    assert [alike.largest for alike in balls._sizes] == searches
+    assert sorted(np.concatenate([alike.numbers for alike in balls._sizes])) == [*range(len(radii))]
+
+
 def test_the_nearest_of_many_points_is_that_of_a_plain_search():
     random = np.random.default_rng(3)
     points = random.normal(size=(40_000, 3))

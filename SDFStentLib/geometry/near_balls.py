@@ -17,8 +17,11 @@ if TYPE_CHECKING:
 _SLACK = 1e-12
 """What rounding may do to a distance, over the largest coordinate or length that takes part."""
 
-_ALIKE = 4.0
-"""Balls whose radii differ by less than this factor are searched together."""
+_ALIKE = 1.5
+"""Balls whose radii differ by less than this factor are searched together,"""
+
+_STEPS = 64
+"""and all that are smaller than so many such factors."""
 
 
 class _Alike(NamedTuple):
@@ -44,12 +47,13 @@ class Balls:
     @cached_property
     def _sizes(self) -> tuple[_Alike, ...]:
         # A search is for one size: few large balls among small ones are looked for by themselves.
-        largest = float(self.radii.max())
-        with np.errstate(divide="ignore"):
-            size = np.floor(np.log(largest / self.radii) / np.log(_ALIKE)) if largest else None
-        if size is None or (size < 1).all():
-            return (_Alike(np.arange(len(self.radii)), largest, _tree(self.middles)),)
-        each = (np.flatnonzero(size == one) for one in np.unique(size))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            step = np.log(self.radii.max() / self.radii) / np.log(_ALIKE)
+        step = np.fmin(step, _STEPS).astype(np.int64)
+        number = _parts(np.bincount(step))[step]
+        if not number.any():
+            return (_Alike(np.arange(len(step)), float(self.radii.max()), _tree(self.middles)),)
+        each = (np.flatnonzero(number == one) for one in range(int(number.max()) + 1))
         return tuple(
             _Alike(own, float(self.radii[own].max()), _tree(self.middles.take(own, axis=0)))
             for own in each
@@ -72,7 +76,7 @@ class Balls:
         -------
         place, ball : (p,) arrays of int
             Sorted by place. All pairs that are near enough, and some that are less near by up to
-            the difference of like radii.
+            the difference to the largest radius that is searched with a ball's own.
         """
         far = reach + _SLACK * (self._reach + np.abs(places).max(initial=0.0) + reach)
         found = [(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64))]
@@ -95,6 +99,22 @@ class Balls:
 def nearest_distances(places: Points, points: Points) -> Floats:
     """Distance (n,) from every place to the nearest of some points; at least one."""
     return np.asarray(_tree(points).query(places)[0])
+
+
+def _parts(counts: Indices) -> Indices:
+    """The part (k,) in which balls of every size are searched, from how many there are of each.
+
+    Sizes go down by `_ALIKE`. What is searched with larger ones is found too often, but a search of
+    its own costs something for every place: it has to be much, or much smaller.
+    """
+    part = np.zeros(len(counts), dtype=np.int64)
+    first, left = 0, counts.sum() - np.cumsum(counts)
+    for size in range(1, len(counts)):
+        own = counts[first:size].sum()
+        is_begun = 0 < own < left[size - 1] * _ALIKE ** (size - first)
+        first = size if is_begun else first
+        part[size] = part[size - 1] + is_begun
+    return part
 
 
 def _tree(points: Points) -> cKDTree:
