@@ -7,11 +7,11 @@ import pytest
 
 from SDFStentLib.flow import (
     FlowModel,
+    FollowedChannels,
     Known,
-    Method,
+    Network,
     Outlets,
     Wave,
-    channels_after,
     channels_of,
     flow_value,
     known_flow,
@@ -19,9 +19,12 @@ from SDFStentLib.flow import (
     solved_by_svzerod,
     steady,
     svzerod_document,
+    tree_of,
 )
 from SDFStentLib.flow.blocks import blocks_of
 from SDFStentLib.flow.channels import Channel, Widths, widths_of
+from SDFStentLib.geometry import tangents
+from SDFStentLib.lumen import equivalent_diameters, inscribed_spheres
 from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube, straight_tube
 from SDFStentLib.validation import DeploymentError, InputError
 
@@ -36,7 +39,8 @@ def block(x, narrow, wide=None):
     none = np.zeros(len(x), dtype=np.int64)
     channel = Channel(line, x, narrow, narrow, none, x, -1)
     widths = Widths(narrow, narrow if wide is None else np.asarray(wide, float))
-    return blocks_of([channel], [widths], np.ones(1), Method())[0]
+    blocks = blocks_of([channel], (widths,), np.ones(1)).blocks
+    return Network(blocks, tree_of(np.array([-1])))
 
 
 def area(diameter):
@@ -51,32 +55,32 @@ def throat(x, depth, middle=30.0, half=8.0, healthy=6.0):
 def test_a_tube_costs_what_poiseuille_says_and_an_ellipse_what_white_says():
     x = np.linspace(0, 40, 41)
     tube = block(x, np.full(41, 6.0))
-    assert tube.resistance == pytest.approx(8 * MU * 0.04 / (np.pi * 0.003**4), rel=1e-12)
-    assert tube.inertance == pytest.approx(RHO * 0.04 / area(6.0), rel=1e-12)
-    assert tube.stenosis == 0.0
+    assert tube.resistance[0] == pytest.approx(8 * MU * 0.04 / (np.pi * 0.003**4), rel=1e-12)
+    assert tube.inertance[0] == pytest.approx(RHO * 0.04 / area(6.0), rel=1e-12)
+    assert tube.stenosis[0] == 0.0
     a, b = 0.004, 0.002
     oval = block(x, np.full(41, 4.0), np.full(41, 8.0))
     white = 4 * MU * 0.04 * (a**2 + b**2) / (np.pi * a**3 * b**3)
-    assert oval.resistance == pytest.approx(white, rel=1e-12)
+    assert oval.resistance[0] == pytest.approx(white, rel=1e-12)
 
 
 def test_a_sudden_expansion_before_a_long_vessel_loses_what_borda_and_carnot_say():
     x = np.r_[0.0, 10.0, 10.0 + 1e-6, np.linspace(11, 600, 6000)]
-    lost = block(x, np.where(x <= 10, 3.0, 6.0)).stenosis
+    lost = block(x, np.where(x <= 10, 3.0, 6.0)).stenosis[0]
     expected = RHO / 2 * (1 / area(3.0) - 1 / area(6.0)) ** 2
     assert lost == pytest.approx(expected, rel=0.01)
 
 
 def test_a_vessel_that_widens_slowly_loses_nothing_but_friction():
     x = np.linspace(0, 3000, 3001)
-    lost = block(x, np.linspace(3, 6, 3001)).stenosis
+    lost = block(x, np.linspace(3, 6, 3001)).stenosis[0]
     assert lost < 0.05 * RHO / 2 * (1 / area(3.0) - 1 / area(6.0)) ** 2
 
 
 def test_narrowings_on_both_sides_of_any_share_tell_nearly_the_same():
     x = np.linspace(0, 200, 2001)
     depths = np.linspace(0.01, 0.5, 246)  # 0.2 % apart, as 14.9 and 15.1 are
-    losses = np.array([block(x, throat(x, depth)).stenosis for depth in depths])
+    losses = np.array([block(x, throat(x, depth)).stenosis[0] for depth in depths])
     assert (np.diff(losses) > 0).all()
     # It grows as smoothly as a power of the depth does.
     at = np.searchsorted(depths, 0.15)
@@ -131,15 +135,14 @@ def test_outlets_are_fitted_to_pressures_and_split(a_fork):
     # Mass, and energy from the inlet to every outlet, by hand.
     network, outlets = answer.networks[0], answer.outlets
     state = steady(network, outlets, 40e-6)
-    ends = network.outlet_blocks
+    ends = network.tree.outlets
     assert state.flow[ends].sum() == pytest.approx(40e-6, rel=1e-9)
     for end, resistance in zip(ends, outlets.resistance, strict=True):
         pressure, number = outlets.pressure + resistance * state.flow[end], end
         while number >= 0:
             q = state.flow[number]
-            one = network.blocks[number]
-            pressure += (one.resistance + one.stenosis * q) * q
-            number = network.above[number]
+            pressure += (network.resistance[number] + network.stenosis[number] * q) * q
+            number = network.tree.above[number]
         assert pressure == pytest.approx(state.inlet, rel=1e-9)
 
 
@@ -291,7 +294,7 @@ def test_a_wave_that_is_none_is_refused(tmp_path, text, words):
 
 def test_a_pressure_beyond_the_outlets_only_lifts_all_others(a_fork):
     network = answer_of(a_fork).networks[0]
-    resistance = np.full(len(network.outlet_blocks), 1e8)
+    resistance = np.full(len(network.tree.outlets), 1e8)
     low, high = (steady(network, Outlets(resistance, p), 40e-6) for p in (0.0, 1000.0))
     assert high.inlet - low.inlet == pytest.approx(1000.0)
     assert high.flow == pytest.approx(low.flow)
@@ -315,19 +318,50 @@ def test_a_vessel_without_junctions_runs_in_svzerod():
     assert table.pressure_in.iloc[-1] / 1333.22 == pytest.approx(20.0, rel=1e-6)
 
 
-def test_what_no_wall_moved_near_is_as_it_was_and_the_rest_is_as_measured_anew():
-    tube = stenosed_tube(edge_length=1.2)
+def opened(tube, middle=20.0, half=9.0):
+    """The tube with its narrowing pushed to a diameter of 5.6, as smoothly as a stent does."""
     points = tube.surface.points.copy()
-    along = np.abs(points[:, 2] - 20) < 9
+    along = np.abs(points[:, 2] - middle) < half
     radius = np.linalg.norm(points[along, :2], axis=1)
     points[along, :2] *= (np.maximum(radius, 2.8) / np.maximum(radius, 1e-9))[:, None]
-    opened = tube.surface.with_points(points)
-    states = (tube.centerline, tube.centerline), (tube.surface, opened)
-    (before,) = channels_of(tube.surface, tube.centerline)
-    (after,) = channels_after([before], *states)
-    far = np.abs(before.along - 20) > 16
-    for name in ("points", "along", "inscribed", "section"):
-        assert np.array_equal(getattr(before, name)[far], getattr(after, name)[far], equal_nan=True)
-    middle = np.abs(before.along - 20) < 4
-    assert after.section[middle] == pytest.approx(5.6, rel=0.05), after.section[middle]
-    assert (after.inscribed[middle] > before.inscribed[middle] + 0.5).all()
+    return tube.surface.with_points(points)
+
+
+def test_what_no_wall_moved_near_is_as_it_was_and_the_rest_is_as_measured_anew():
+    tube = stenosed_tube(edge_length=1.2)
+    channels = channels_of(tube.surface, tube.centerline)
+    surface = opened(tube)
+    (before,), followed = channels, FollowedChannels(tube.surface, tube.centerline, channels)
+    assert followed.after(tube.centerline, tube.surface)[0] is before
+    for _ in range(2):
+        (after,) = followed.after(tube.centerline, surface)
+        far = np.abs(before.along - 20) > 16
+        for name in ("points", "along", "inscribed", "section"):
+            same = getattr(before, name)[far], getattr(after, name)[far]
+            assert np.array_equal(*same, equal_nan=True)
+        # The plain way: everything is measured anew.
+        ways = tangents(after.points)
+        wall = surface.points, surface.triangles
+        inscribed = 2 * inscribed_spheres(*wall, after.points, ways).radii
+        known = np.isfinite(before.inscribed)
+        assert after.inscribed[known] == pytest.approx(inscribed[known], rel=0.02)
+        section = equivalent_diameters(*wall, after.points, ways)
+        known = np.isfinite(section) & np.isfinite(after.section)
+        assert after.section[known] == pytest.approx(section[known], rel=0.005)
+
+
+def test_what_is_kept_of_blocks_and_widths_tells_what_all_anew_tells(a_fork):
+    channels, right = a_fork
+    model = FlowModel(channels, known_flow(40.0, right=right, **PRESSURES))
+    changed = channels[2]._replace(
+        inscribed=0.8 * channels[2].inscribed, section=0.8 * channels[2].section
+    )
+    after = [*channels[:2], changed, *channels[3:]]
+    lines = [("all", np.vstack([channels[0].points, channels[-1].points]))]
+    # Values that are equal, but not the same, are made anew.
+    anew = [one._replace() for one in after]
+    told, plain = (model.answer(one, lines) for one in (after, anew))
+    assert told.after == plain.after
+    assert told.after != told.before
+    assert any(a is b for a, b in zip(*(one.blocks for one in told.networks), strict=True))
+    assert not any(a is b for a, b in zip(*(one.blocks for one in plain.networks), strict=True))

@@ -32,7 +32,7 @@ def test_there_is_no_word_of_flow_at_first(host, aStent):
 
 
 def test_a_flow_tells_what_the_library_tells_of_the_same_vessels(host, aStent):
-    from SDFStentLib.flow import FlowModel, Known, SideClues, channels_after
+    from SDFStentLib.flow import FlowModel, FollowedChannels, Known, SideClues, channels_of
 
     ui = aStent.ui
     aFlow(ui)
@@ -44,9 +44,10 @@ def test_a_flow_tells_what_the_library_tells_of_the_same_vessels(host, aStent):
     known = Known(50.0, peak=120.0, inlet=30.0, wedge=12.0, split_right=0.7)
     # Once more, by hand.
     vessel, result = run.search._vessel, run.result
-    states = (vessel.centerline, result.centerline), (vessel.surface, result.surface)
-    answer = FlowModel(vessel.channels, known, SideClues("RAS")).answer(
-        channels_after(vessel.channels, *states)
+    channels = channels_of(vessel.surface, vessel.centerline)
+    followed = FollowedChannels(vessel.surface, vessel.centerline, channels)
+    answer = FlowModel(channels, known, SideClues("RAS")).answer(
+        followed.after(result.centerline, result.surface)
     )
     assert run.flow.after["mean"].inlet.value == pytest.approx(
         answer.after["mean"].inlet.value, rel=1e-9

@@ -13,8 +13,8 @@ from .blood import PASCAL_PER_MMHG as PASCAL_PER_MMHG
 from .blood import PER_ML as PER_ML
 from .blood import Blood as Blood
 from .channels import Channel as Channel
-from .channels import channels_after as channels_after
 from .channels import channels_of as channels_of
+from .followed import FollowedChannels as FollowedChannels
 from .known import Known as Known
 from .known import Wave as Wave
 from .known import flow_value as flow_value
@@ -23,8 +23,9 @@ from .known import read_wave as read_wave
 from .network import Network as Network
 from .network import Outlets as Outlets
 from .network import State as State
-from .network import network_of as network_of
+from .network import Tree as Tree
 from .network import steady as steady
+from .network import tree_of as tree_of
 from .outlets import SideClues as SideClues
 from .outlets import Sides as Sides
 from .spans import Drop as Drop

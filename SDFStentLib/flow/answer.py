@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cached_property
+from itertools import islice
 from typing import NamedTuple
 
 import numpy as np
 
 from ..validation import Floats, InputError, Points
-from .blocks import Method, blocks_of, outlet_diameters, shares_of
+from .blocks import Blocks, Method, blocks_of, outlet_diameters, shares_of
 from .blood import PASCAL_PER_MMHG, PER_ML, Blood
-from .channels import Channel, Widths, widths_of
+from .channels import Channel, widths_of
 from .known import Known
-from .network import Network, Outlets, State, network_of, steady
+from .network import Network, Outlets, State, steady_states, tree_of
 from .outlets import NOTHING_KNOWN, SAMPLES, SideClues, Sides, fitted_outlets, sides_of
-from .spans import Piece, drop_over, pieces_along
+from .spans import Piece, Ways, drop_over
 
 USUAL = Method()
 
@@ -114,16 +115,46 @@ class FlowModel:
         if known.right is not None:
             clues = clues._replace(right=np.array(known.right))
         self.channels, self.known, self._clues = tuple(channels), known, clues
-        self._widths = widths_of(channels)
+        self._widths, self._ways = widths_of(channels), Ways(channels)
+        self._tree = tree_of(np.array([one.above for one in channels]))
+        # How a jet divides where vessels do is told by the usual shares of the outlets.
+        self._diameters = outlet_diameters(channels, self._widths)
+        self._shares = shares_of(channels, self._diameters**USUAL.power)
+        self._blocks: dict[float, Blocks] = {}
         self._usual = self._case(USUAL)
 
     @cached_property
-    def _others(self) -> tuple[tuple[_Case, _Case], ...]:
+    def _others(self) -> list[tuple[_Case, _Case]]:
         """To both sides of the usual one."""
-        return tuple((self._case(low), self._case(high)) for _, (low, high) in UNCERTAIN)
+        return [(self._case(low), self._case(high)) for _, (low, high) in UNCERTAIN]
 
     def _case(self, method: Method) -> _Case:
-        return _Case(self.channels, self._widths, self.known, method, self._clues)
+        weights, wider = self._diameters**method.power, method.wider
+        if wider not in self._blocks:
+            self._blocks[wider] = blocks_of(self.channels, self._widths, self._shares, wider)
+        network = Network(self._blocks[wider].blocks, self._tree, method)
+        sides = sides_of(self.channels, network, weights, self._clues)
+        if self.known.split_right is not None and not (sides and sides.is_known):
+            raise InputError(
+                "split to the right: expected a vessel of which the right branch is known, got one "
+                "that tells no sides; name a place in the right branch, or leave the split out."
+            )
+        outlets = fitted_outlets(network, weights, sides, self.known)
+        return _Case(network, sides, outlets)
+
+    def _networks(
+        self, cases: Sequence[_Case], after: Sequence[Channel] | None
+    ) -> list[list[Network]]:
+        """By case that before, and that after."""
+        if after is None:
+            return [[case.network] for case in cases]
+        widths = widths_of(after, (self.channels, self._widths))
+        blocks = {
+            wider: blocks_of(after, widths, self._shares, wider, known).blocks
+            for wider, known in self._blocks.items()
+        }
+        each = [case.network for case in cases]
+        return [[one, one._replace(blocks=blocks[one.method.wider])] for one in each]
 
     def answer(
         self,
@@ -144,105 +175,113 @@ class FlowModel:
         """
         known, usual = self.known, self._usual
         solve = None if known.wave is None else solve
-        parts = [pieces_along(self.channels, line) for _, line in lines]
-        widths = None if after is None else widths_of(after)
-
-        def values(case: _Case) -> Floats:
-            return np.array([case.moments(one, parts, None) for one in case.networks(widths)])
-
-        networks = usual.networks(widths)
-        base = np.array([usual.moments(one, parts, None) for one in networks])
-        low, high = np.zeros_like(base), np.zeros_like(base)
-        for pair in self._others:
-            away = np.array([values(one) - base for one in pair])
-            low += np.minimum(away.min(axis=0), 0.0) ** 2
-            high += np.maximum(away.max(axis=0), 0.0) ** 2
-        value = base
+        parts = [self._ways.pieces_along(line) for _, line in lines]
+        cases = [usual, *(case for pair in self._others for case in pair)]
+        networks = self._networks(cases, after)
+        flows = PER_ML * _flows(known)
+        states = iter(
+            steady_states(
+                [
+                    (network, case.outlets, float(flow))
+                    for case, own in zip(cases, networks, strict=True)
+                    for network in own
+                    for flow in flows
+                ]
+            )
+        )
+        told = np.array(
+            [
+                [
+                    case.moments(known, network, parts, list(islice(states, len(flows))))
+                    for network in own
+                ]
+                for case, own in zip(cases, networks, strict=True)
+            ]
+        )
+        value = base = told[0]
+        away = (told[1:] - base).reshape(-1, 2, *base.shape)
+        low = (np.minimum(away.min(axis=1), 0.0) ** 2).sum(axis=0)
+        high = (np.maximum(away.max(axis=1), 0.0) ** 2).sum(axis=0)
         if solve is not None:
-            value = np.array([usual.moments(one, parts, solve) for one in networks])
+            value = np.array(
+                [
+                    usual.moments(
+                        known, one, parts, _solved(solve, one, usual, known), is_even=True
+                    )
+                    for one in networks[0]
+                ]
+            )
         spread = np.stack([value, value - np.sqrt(low), value + np.sqrt(high)], axis=-1)
-        flows = {"mean": known.mean} | ({} if known.most is None else {"peak": known.most})
-        states = [
-            {name: usual.moment(row) for name, row in zip(flows, state, strict=True)}
+        names = {"mean": known.mean} | ({} if known.most is None else {"peak": known.most})
+        moments = [
+            {name: self._moment(row) for name, row in zip(names, state, strict=True)}
             for state in spread
         ]
         return FlowAnswer(
             known,
             usual.sides,
             tuple(name for name, _ in lines),
-            flows,
-            states[0],
-            states[1] if len(states) > 1 else None,
-            tuple(networks),
+            names,
+            moments[0],
+            moments[1] if len(moments) > 1 else None,
+            tuple(networks[0]),
             usual.outlets,
             known.wave is not None and solve is None,
         )
 
-
-class _Case:
-    """A vessel's network and outlets by one method."""
-
-    def __init__(
-        self,
-        channels: Sequence[Channel],
-        widths: Sequence[Widths],
-        known: Known,
-        method: Method,
-        clues: SideClues,
-    ) -> None:
-        self.channels, self.known, self.method = channels, known, method
-        weights = outlet_diameters(channels, widths) ** method.power
-        self.shares = shares_of(channels, weights)
-        self.above = np.array([one.above for one in channels])
-        blocks = blocks_of(channels, widths, self.shares, method)
-        self.network = network_of(blocks, self.above)
-        self.sides = sides_of(channels, self.network, weights, clues)
-        if known.split_right is not None and not (self.sides and self.sides.is_known):
-            raise InputError(
-                "split to the right: expected a vessel of which the right branch is known, got one "
-                "that tells no sides; name a place in the right branch, or leave the split out."
-            )
-        self.outlets = fitted_outlets(self.network, weights, self.sides, known)
-
-    def networks(self, after: Sequence[Widths] | None) -> list[Network]:
-        """Before, and with the widths after."""
-        if after is None:
-            return [self.network]
-        blocks = blocks_of(self.channels, after, self.shares, self.method)
-        return [self.network, self.network._replace(blocks=blocks)]
-
-    def moment(self, row: Floats) -> Moment:
+    def _moment(self, row: Floats) -> Moment:
         """From the values of one moment with their bands (q, 3)."""
         bands = [Band(*one) for one in row.tolist()]
         drops = tuple(SpanDrop(*bands[k : k + 2]) for k in range(3, len(bands), 2))
         return Moment(
             bands[0] if self.known.has_pressures else None,
-            None if self.sides is None else (bands[1], bands[2]),
+            None if self._usual.sides is None else (bands[1], bands[2]),
             drops,
         )
 
+
+def _flows(known: Known) -> Floats:
+    """At which a vessel is looked at (t,), mL/s: the mean and the peak, of a wave the peak last."""
+    if known.wave is not None:
+        return np.append(known.wave.sampled(SAMPLES), known.wave.peak)
+    return np.array([known.mean] if known.peak is None else [known.mean, known.peak])
+
+
+def _solved(solve: Solve, network: Network, case: _Case, known: Known) -> list[State]:
+    inlets, through = solve(network, case.outlets, known)
+    return [State(*one) for one in zip(through, inlets.tolist(), strict=True)]
+
+
+class _Case(NamedTuple):
+    """A vessel's network and outlets by one method, before treatment."""
+
+    network: Network
+    sides: Sides | None
+    outlets: Outlets
+
     def moments(
-        self, network: Network, parts: Sequence[Sequence[Piece]], solve: Solve | None
-    ) -> list[Floats]:
-        """By moment and quantity: inlet, both shares, and two drops for every part."""
-        known = self.known
-        if known.wave is None:
-            flows = [known.mean] if known.peak is None else [known.mean, known.peak]
-            states = [steady(network, self.outlets, PER_ML * q) for q in flows]
-            return [self._at(network, parts, state) for state in states]
-        if solve is None:
-            sampled = PER_ML * np.append(known.wave.sampled(SAMPLES), known.wave.peak)
-            states = [steady(network, self.outlets, float(q)) for q in sampled]
-        else:
-            inlets, through = solve(network, self.outlets, known)
-            states = [State(*one) for one in zip(through, inlets.tolist(), strict=True)]
+        self,
+        known: Known,
+        network: Network,
+        parts: Sequence[Sequence[Piece]],
+        states: Sequence[State],
+        *,
+        is_even: bool = False,
+    ) -> Floats:
+        """By moment and quantity: inlet, both shares, and two drops for every part.
+
+        The states are those of `_flows`, or of even times of a cycle.
+        """
         every = np.array([self._at(network, parts, one) for one in states])
-        mean = every[:SAMPLES] if solve is None else every
+        if known.wave is None:
+            return every
+        into = np.array([one.flow[0] for one in states])
+        cycle = slice(None if is_even else SAMPLES)
+        averaged = every[cycle].mean(axis=0)
         # Of the flow to a side counts how much goes there in a cycle.
-        into = np.array([one.flow[0] for one in states])[: len(mean)]
-        averaged = mean.mean(axis=0)
-        averaged[1:3] = (mean[:, 1:3] * into[:, None]).sum(axis=0) / into.sum()
-        return [averaged, every[int(np.argmax([one.flow[0] for one in states]))]]
+        flow = into[cycle]
+        averaged[1:3] = (every[cycle, 1:3] * flow[:, None]).sum(axis=0) / flow.sum()
+        return np.stack([averaged, every[int(np.argmax(into))]])
 
     def _at(self, network: Network, parts: Sequence[Sequence[Piece]], state: State) -> Floats:
         found = [state.inlet / PASCAL_PER_MMHG, np.nan, np.nan]
@@ -252,6 +291,6 @@ class _Case:
                 float(state.flow[k]) / through if through else np.nan for k in self.sides.blocks
             ]
         for pieces in parts:
-            drop = drop_over(pieces, network, state.flow, self.method)
+            drop = drop_over(pieces, network, state.flow)
             found += [drop.recovered / PASCAL_PER_MMHG, drop.maximal / PASCAL_PER_MMHG]
         return np.array(found)

@@ -33,34 +33,24 @@ class Method(NamedTuple):
 
 
 class Block(NamedTuple):
-    """One vessel of the network, in SI units.
+    """The shape of one vessel of the network, in SI units; the arrays (n,) are along its stations.
 
-    What is lost of the total pressure is `resistance * Q + stenosis * Q * abs(Q)`, and
-    `inertance * dQ/dt` comes to it. The arrays (n,) are along its stations.
+    By a method it loses `resistance * Q + stenosis * Q * abs(Q)` of the total pressure, and
+    `inertance * dQ/dt` comes to it (`Network`).
     """
 
     friction: Floats
-    """Resistance from its start to each station, Pa s/m^3."""
+    """Resistance from its start to each station, over the viscosity, 1/m^3."""
     mixing: Floats
-    """Loss of jets from its start to each station, Pa s^2/m^6."""
+    """Loss of jets from its start to each station, over density and loss of a method, 1/m^4."""
     jet: Floats
     """Speed of the fastest blood over the flow, 1/m^2; 1 / area where there is no jet."""
     area: Floats
     """m^2."""
-    inertance: float
-    """Pa s^2/m^3."""
+    slenderness: float
+    """Inertance over the density, 1/m."""
     length: float
     """m."""
-
-    @property
-    def resistance(self) -> float:
-        """Of all of it, Pa s/m^3."""
-        return float(self.friction[-1])
-
-    @property
-    def stenosis(self) -> float:
-        """Of all of it, Pa s^2/m^6."""
-        return float(self.mixing[-1])
 
 
 def outlets_of(channels: Sequence[Channel]) -> list[int]:
@@ -90,9 +80,20 @@ def shares_of(channels: Sequence[Channel], weights: Floats) -> Floats:
     return shares
 
 
+class Blocks(NamedTuple):
+    """The blocks of a tree, and what they were made of."""
+
+    blocks: tuple[Block, ...]
+    widths: tuple[Widths, ...]
+
+
 def blocks_of(
-    channels: Sequence[Channel], widths: Sequence[Widths], shares: Floats, method: Method
-) -> tuple[Block, ...]:
+    channels: Sequence[Channel],
+    widths: tuple[Widths, ...],
+    shares: Floats,
+    wider: float = 0.0,
+    before: Blocks | None = None,
+) -> Blocks:
     """The blocks of a tree.
 
     Parameters
@@ -100,36 +101,53 @@ def blocks_of(
     channels, widths : sequences
     shares : (n,) array
         Of the flow, which a jet needs to be known by where it comes into a branch.
-    method : Method
+    wider : float
+        By which all diameters are larger, mm.
+    before : Blocks, optional
+        Those of other widths, all else alike: where a channel has the same and the same jet comes
+        in, its block is the same value.
     """
     found: list[Block] = []
     for number, (channel, size) in enumerate(zip(channels, widths, strict=True)):
-        excess = 0.0
-        if channel.above >= 0:
-            above = found[channel.above]
-            share = float(shares[number] / shares[channel.above])
-            # Blood that turns into branches slows down without loss; a jet goes on as it is.
-            excess = float(above.jet[-1] - 1 / above.area[-1]) / share
+        above = channel.above
+        share = float(shares[number] / shares[above]) if above >= 0 else 1.0
+        excess = _excess(found, above, share)
+        if (
+            before is not None
+            and size is before.widths[number]
+            and excess == _excess(before.blocks, above, share)
+        ):
+            found.append(before.blocks[number])
+            continue
         x = 1e-3 * (channel.along - channel.along[0])
-        found.append(_block(x, size.widened(method.wider), excess, method))
-    return tuple(found)
+        found.append(_block(x, size.widened(wider) if wider else size, excess))
+    return Blocks(tuple(found), widths)
 
 
-def _block(x: Floats, size: Widths, excess: float, method: Method) -> Block:
+def _excess(blocks: Sequence[Block], above: int, share: float) -> float:
+    """By how much a jet that comes in is faster than the mean, 1/m^2.
+
+    Blood that turns into branches slows down without loss; a jet goes on as it is.
+    """
+    return 0.0 if above < 0 else float(blocks[above].jet[-1] - 1 / blocks[above].area[-1]) / share
+
+
+def _block(x: Floats, size: Widths, excess: float) -> Block:
     """Of ellipses at places (n,), m; a jet comes in that is faster than the mean, 1/m^2."""
     b, a = 0.5e-3 * size.narrow, 0.5e-3 * size.wide
     area = np.pi * a * b
-    friction = 4 * method.blood.viscosity * (a**2 + b**2) / (np.pi * (a * b) ** 3)
     jets = _jets(x, area, excess)
     # Over a step the excess over the mean changes from one end's to the other's.
     faster, slowed = jets - 1 / area, np.maximum(jets[:-1] - jets[1:], 0.0)
-    mixed = method.loss * method.blood.density * slowed * (faster[1:] + faster[:-1]) / 2
+    mixed = np.zeros(len(x))
+    np.cumsum(slowed * (faster[1:] + faster[:-1]) / 2, out=mixed[1:])
+    friction = 4 * (a**2 + b**2) / (np.pi * (a * b) ** 3)
     return Block(
         friction=integral_to(friction, x),
-        mixing=np.concatenate([[0.0], np.cumsum(mixed)]),
+        mixing=mixed,
         jet=jets,
         area=area,
-        inertance=float(method.blood.density * integral_to(1 / area, x)[-1]),
+        slenderness=float(integral_to(1 / area, x)[-1]),
         length=float(x[-1] - x[0]),
     )
 
@@ -137,8 +155,12 @@ def _block(x: Floats, size: Widths, excess: float, method: Method) -> Block:
 def _jets(x: Floats, area: Floats, excess: float) -> Floats:
     """Speed of a jet over the flow (n,): as fast as the mean at least, and slowing to it."""
     mean = 1 / area
-    kept = np.exp(-np.diff(x) / (MIXING * np.sqrt(4 * area[1:] / np.pi)))
-    jets = mean + excess
-    for k in range(1, len(x)):
-        jets[k] = mean[k] + max(jets[k - 1] - mean[k], 0.0) * kept[k - 1]
-    return jets
+    kept = np.exp(-np.diff(x) / (MIXING * np.sqrt(4 * area[1:] / np.pi))).tolist()
+    # As plain numbers: a few stations at a time.
+    means = mean.tolist()
+    jet = means[0] + excess
+    jets = [jet]
+    for k, share in enumerate(kept):
+        jet = means[k + 1] + max(jet - means[k + 1], 0.0) * share
+        jets.append(jet)
+    return np.array(jets)

@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..centerline import Centerline, Stretch, joined_lumens
-from ..geometry import Surface, arc_lengths, tangents
-from ..lumen import equivalent_diameters, inscribed_spheres, moved_wall
-from ..validation import Flags, Floats, Indices, InputError, Points
+from ..geometry import Surface, tangents
+from ..lumen import equivalent_diameters, inscribed_spheres
+from ..validation import Floats, Indices, InputError, Points
 from ..vessel import branch_lumens
 
 OBLONG = 1.5
@@ -21,9 +21,9 @@ BESIDE = 1.0
 """Diameters along a vessel within which the least oblong section tells the shape: branches that
 leave, and lines that go aslant, only make sections larger."""
 
-FINE = 0.2
-"""Diameters by which stations are apart at most: the throat of a short narrowing is missed by less
-than a percent of its diameter."""
+FINE, COARSE = 0.1, 0.4
+"""Diameters by which stations are apart at most, beside the narrowest of three and elsewhere: the
+throat of a short narrowing costs what it costs with twice as many to a percent."""
 
 _NEW = -1.0
 """Stands for a diameter that is still to be measured."""
@@ -76,44 +76,6 @@ def channels_of(surface: Surface, centerline: Centerline) -> tuple[Channel, ...]
     return tuple(one._replace(inscribed=d, section=area) for one, d, area in columns)
 
 
-def channels_after(
-    channels: Sequence[Channel],
-    centerlines: tuple[Centerline, Centerline],
-    surfaces: tuple[Surface, Surface],
-) -> tuple[Channel, ...]:
-    """The same stations on the moved centerline in the treated vessel.
-
-    What no moved wall is near to stays as it was, to the bit.
-
-    Parameters
-    ----------
-    channels : sequence of Channel
-        Before.
-    centerlines, surfaces : pairs
-        Before and after.
-    """
-    lines = [_carried(one, *centerlines) for one in channels]
-    moved = moved_wall(*surfaces)
-    points, places = np.concatenate([one.points for one in channels]), np.concatenate(lines)
-    inscribed = np.concatenate([one.inscribed for one in channels])
-    sections = np.concatenate([one.section for one in channels])
-    ways = np.concatenate([tangents(line) for line in lines])
-    has_moved: Flags = (points != places).any(axis=1)
-    # Twice a diameter holds the sphere and the wall round it that plays a part.
-    reach = np.fmax(inscribed, sections)
-    changed = has_moved | moved.comes_near(places, reach)
-    seen, cut = np.flatnonzero(changed & np.isfinite(inscribed)), np.flatnonzero(changed)
-    wall = surfaces[1].points, surfaces[1].triangles
-    inscribed[seen] = 2 * inscribed_spheres(*wall, places[seen], ways[seen]).radii
-    sections[cut] = equivalent_diameters(*wall, places[cut], ways[cut])
-    ends = np.cumsum([len(line) for line in lines])[:-1]
-    columns = zip(channels, lines, np.split(inscribed, ends), np.split(sections, ends), strict=True)
-    return tuple(
-        one._replace(points=line, along=_along(line, one), inscribed=inner, section=area)
-        for one, line, inner, area in columns
-    )
-
-
 class Widths(NamedTuple):
     """Sections (n,) along a channel as ellipses, mm."""
 
@@ -132,21 +94,47 @@ class Widths(NamedTuple):
         return Widths(*(np.maximum(axis + by, axis / 2) for axis in self))
 
 
-def widths_of(channels: Sequence[Channel]) -> tuple[Widths, ...]:
+def widths_of(
+    channels: Sequence[Channel],
+    before: tuple[Sequence[Channel], Sequence[Widths]] | None = None,
+) -> tuple[Widths, ...]:
     """The sections of a tree's channels, those of other vessels beside them left out.
+
+    Of channels before treatment with their widths, those that are the same values after it keep
+    theirs, unless one that they meet has changed.
 
     Raises
     ------
     InputError
         An outlet near which nothing is known of the lumen.
     """
-    is_outlet = np.ones(len(channels), dtype=bool)
-    is_outlet[[one.above for one in channels if one.above >= 0]] = False
+    below: list[list[int]] = [[] for _ in channels]
+    for number, one in enumerate(channels):
+        if one.above >= 0:
+            below[one.above].append(number)
+    known = () if before is None else before[1]
     inner: list[Floats] = []
     for number, one in enumerate(channels):
-        inner.append(_known(one, inner, is_outlet[number]))
-    oblong = _oblong(channels, inner)
-    return tuple(Widths(d, d * ratio**2) for d, ratio in zip(inner, oblong, strict=True))
+        if before is not None and one is before[0][number]:
+            inner.append(known[number].narrow)
+        else:
+            inner.append(_known(one, inner, is_outlet=not below[number]))
+    found = []
+    for number, one in enumerate(channels):
+        near = [number, *below[number], *([one.above] if one.above >= 0 else [])]
+        if before is not None and all(channels[k] is before[0][k] for k in near):
+            found.append(known[number])
+            continue
+        narrow = inner[number]
+        oblong = _oblong(one, narrow, [(channels[k], inner[k]) for k in near])
+        widths = Widths(narrow, narrow * oblong**2)
+        is_old = (
+            before is not None
+            and one is before[0][number]
+            and np.array_equal(widths, known[number])
+        )
+        found.append(known[number] if is_old else widths)
+    return tuple(found)
 
 
 def _known(channel: Channel, before: Sequence[Floats], is_outlet: bool) -> Floats:
@@ -164,29 +152,25 @@ def _known(channel: Channel, before: Sequence[Floats], is_outlet: bool) -> Float
     return np.full(len(channel.along), before[channel.above][-1])
 
 
-def _oblong(channels: Sequence[Channel], inner: Sequence[Floats]) -> list[Floats]:
-    """Equivalent over inscribed diameters (n,): the least within `BESIDE`, beyond junctions too."""
-    own = [
-        np.clip(np.where(np.isfinite(one.section), one.section / d, OBLONG), 1.0, OBLONG)
-        for one, d in zip(channels, inner, strict=True)
-    ]
-    found = []
-    for number, one in enumerate(channels):
-        near = [k for k, other in enumerate(channels) if number in (k, other.above)]
-        near += [one.above] if one.above >= 0 else []
-        at = np.concatenate([channels[k].along for k in near])
-        ratios = np.concatenate([own[k] for k in near])
-        apart = np.abs(one.along[:, None] - at)
-        is_near = apart <= BESIDE * inner[number][:, None]
-        found.append(np.where(is_near, ratios, OBLONG).min(axis=1))
-    return found
+def _oblong(channel: Channel, inner: Floats, near: Sequence[tuple[Channel, Floats]]) -> Floats:
+    """Equivalent over inscribed diameters (n,): the least within `BESIDE`, of channels near."""
+    ratios = np.concatenate([one.section / d for one, d in near])
+    ratios = np.clip(np.where(np.isfinite(ratios), ratios, OBLONG), 1.0, OBLONG)
+    apart = np.abs(channel.along[:, None] - np.concatenate([one.along for one, _ in near]))
+    is_near = apart <= BESIDE * inner[:, None]
+    return np.where(is_near, ratios, OBLONG).min(axis=1)
 
 
 def _refined(lumen: Stretch) -> Channel:
     """A channel with more stations where it is narrow, so that no throat lies between two."""
     size = np.fmin(lumen.diameter[1:], lumen.diameter[:-1])
     known = np.isfinite(lumen.diameter[1:]) & np.isfinite(lumen.diameter[:-1])
-    counts = np.where(known, np.ceil(np.diff(lumen.along) / (FINE * size)), 1.0)
+    is_throat = np.zeros(len(lumen.diameter), dtype=bool)
+    is_throat[1:-1] = (lumen.diameter[1:-1] <= lumen.diameter[:-2]) & (
+        lumen.diameter[1:-1] <= lumen.diameter[2:]
+    )
+    apart = np.where(is_throat[1:] | is_throat[:-1], FINE, COARSE) * size
+    counts = np.where(known, np.ceil(np.diff(lumen.along) / apart), 1.0)
     # Between two branches there is nothing.
     counts[np.diff(lumen.branch) != 0] = 1.0
     steps = [np.arange(count) / count for count in counts.tolist()]
@@ -206,26 +190,3 @@ def _refined(lumen: Stretch) -> Channel:
         branch_along=between(lumen.branch_along),
         above=lumen.above,
     )
-
-
-def _carried(channel: Channel, before: Centerline, after: Centerline) -> Points:
-    """Where the stations (n, 3) of a channel are on the moved centerline."""
-    places = channel.points.copy()
-    for number in np.unique(channel.branch):
-        nodes = before.branches[number]
-        line, moved = before.points[nodes], after.points[nodes]
-        if np.array_equal(line, moved):
-            continue
-        own = channel.branch == number
-        at = arc_lengths(line)
-        places[own] += np.column_stack(
-            [np.interp(channel.branch_along[own], at, shift) for shift in (moved - line).T]
-        )
-    return places
-
-
-def _along(line: Points, channel: Channel) -> Floats:
-    """Arc lengths (n,) along stations that may have moved, from where the channel began."""
-    if np.array_equal(line, channel.points):
-        return channel.along
-    return np.asarray(channel.along[0] + arc_lengths(line))

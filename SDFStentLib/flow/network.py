@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from ..validation import Flags, Floats, Indices, InputError
-from .blocks import Block
+from .blocks import Block, Method
 
 _STEPS = 60
 """Of Newton's method; a few are enough, for the equations are those of a convex minimum."""
@@ -25,19 +26,55 @@ class Outlets(NamedTuple):
     """Beyond them, such as the wedge pressure, Pa."""
 
 
-class Network(NamedTuple):
-    """Blocks in the order of their channels, every one after that above it."""
+class Level(NamedTuple):
+    """The blocks of a tree that are equally many junctions away from its inlet."""
 
-    blocks: tuple[Block, ...]
+    rows: Indices
+    """(r,) those that begin at one junction side by side."""
+    starts: Indices
+    """(j,) where those of each junction begin,"""
+    counts: Indices
+    """how many they are,"""
+    parents: Indices
+    """and the block that ends there."""
+
+
+class Tree(NamedTuple):
+    """How blocks are joined, every one after that above it."""
+
     above: Indices
     """(n,) the block at whose end each begins; -1 at the inlet."""
+    outlets: Indices
+    """(k,) which blocks end at an outlet."""
     leads_to: Flags
     """(n, k) to which outlets each leads."""
+    levels: tuple[Level, ...]
+    """From the first junctions on."""
+
+
+class Network(NamedTuple):
+    """Blocks in the order of their channels, with what a method takes them for."""
+
+    blocks: tuple[Block, ...]
+    tree: Tree
+    method: Method = Method()
 
     @property
-    def outlet_blocks(self) -> Indices:
-        """(k,) which blocks end at an outlet."""
-        return _ends(self.above)
+    def resistance(self) -> Floats:
+        """(n,) of the blocks, Pa s/m^3."""
+        viscosity = self.method.blood.viscosity
+        return viscosity * np.array([block.friction[-1] for block in self.blocks])
+
+    @property
+    def stenosis(self) -> Floats:
+        """(n,) of the blocks, Pa s^2/m^6."""
+        lost = self.method.loss * self.method.blood.density
+        return lost * np.array([block.mixing[-1] for block in self.blocks])
+
+    @property
+    def inertance(self) -> Floats:
+        """(n,) of the blocks, Pa s^2/m^3."""
+        return self.method.blood.density * np.array([block.slenderness for block in self.blocks])
 
 
 class State(NamedTuple):
@@ -49,62 +86,94 @@ class State(NamedTuple):
     """Total pressure at the inlet, Pa."""
 
 
-def network_of(blocks: tuple[Block, ...], above: Indices) -> Network:
-    """A network from its blocks and what each begins at."""
-    ends = _ends(above)
-    leads_to = np.zeros((len(above), len(ends)), dtype=bool)
+def tree_of(above: Indices) -> Tree:
+    """A tree from the block above each block, -1 for the first one."""
+    count = len(above)
+    ends = np.flatnonzero(~np.isin(np.arange(count), above))
+    leads_to = np.zeros((count, len(ends)), dtype=bool)
     leads_to[ends, np.arange(len(ends))] = True
-    for number in reversed(range(len(above))):
-        if above[number] >= 0:
-            leads_to[above[number]] |= leads_to[number]
-    return Network(blocks, above, leads_to)
-
-
-def _ends(above: Indices) -> Indices:
-    return np.flatnonzero(~np.isin(np.arange(len(above)), above))
+    depth = np.zeros(count, dtype=np.int64)
+    for number in range(1, count):
+        depth[number] = depth[above[number]] + 1
+    for number in reversed(range(1, count)):
+        leads_to[above[number]] |= leads_to[number]
+    levels = []
+    for one in range(1, int(depth.max()) + 1):
+        rows = np.flatnonzero(depth == one)
+        rows = rows[np.argsort(above[rows], kind="stable")]
+        parents, starts, counts = np.unique(above[rows], return_index=True, return_counts=True)
+        levels.append(Level(rows, starts, counts, parents))
+    return Tree(above, ends, leads_to, tuple(levels))
 
 
 def steady(network: Network, outlets: Outlets, flow: float) -> State:
-    """The state at a steady flow in m^3/s, by Newton's method for the flows to the outlets.
+    """The state at a steady flow in m^3/s; errors as of `steady_states`."""
+    return steady_states([(network, outlets, flow)])[0]
+
+
+def steady_states(cases: Sequence[tuple[Network, Outlets, float]]) -> list[State]:
+    """The states of networks of one tree at steady flows in m^3/s, all at once.
 
     The way to every outlet costs the same: `sum of (R + S |Q|) Q` along it, and its own resistance.
+    By Newton's method; each step is solved from the outlets to the inlet and back: what begins at
+    a junction is seen from there as one pressure and one resistance.
 
     Raises
     ------
     InputError
         No state is found.
     """
-    ways = network.leads_to.astype(float)
-    linear = np.array([block.resistance for block in network.blocks])
-    square = np.array([block.stenosis for block in network.blocks])
-    count = ways.shape[1]
-    conductance = 1 / (outlets.resistance + ways.T @ linear)
-    q = flow * conductance / conductance.sum()
+    tree = cases[0][0].tree
+    linear = np.array([network.resistance for network, _, _ in cases])
+    square = np.array([network.stenosis for network, _, _ in cases])
+    beyond = np.array([outlets.resistance for _, outlets, _ in cases])
+    wedge = np.array([[outlets.pressure] for _, outlets, _ in cases])
+    inflow = np.array([flow for _, _, flow in cases])
+    conductance = 1 / (beyond + linear @ tree.leads_to)
+    shares = conductance / conductance.sum(axis=1)[:, None]
+    flow = inflow[:, None] * (shares @ tree.leads_to.T)
     for _ in range(_STEPS):
-        through = ways @ q
-        lost = ways.T @ ((linear + square * np.abs(through)) * through) + outlets.resistance * q
-        slope = ways.T @ ((linear + 2 * square * np.abs(through))[:, None] * ways)
-        slope[np.diag_indices(count)] += outlets.resistance
-        # The flows change so that the cost of all ways is one, and their sum stays.
-        solved = np.linalg.solve(slope, np.column_stack([np.ones(count), -lost]))
-        one, away = solved.T
-        inlet = (flow - q.sum() - away.sum()) / one.sum()
-        step = inlet * one + away
-        q = q + step
-        if np.abs(step).max() <= _ENOUGH * max(abs(flow), 1e-9):
-            return State(ways @ q, float(inlet) + outlets.pressure)
+        lost = square * np.abs(flow)
+        pressure, resistance = -lost * flow, linear + 2 * lost
+        pressure[:, tree.outlets] += wedge
+        resistance[:, tree.outlets] += beyond
+        following, inlet = _step(tree, pressure, resistance, inflow)
+        change = np.abs(following - flow).max(axis=1)
+        flow = following
+        if (change <= _ENOUGH * np.maximum(np.abs(inflow), 1e-9)).all():
+            return [State(*one) for one in zip(flow, inlet.tolist(), strict=True)]
     raise InputError(
         "flow: expected a network with one steady state, got none after "
         f"{_STEPS} steps; check that flow and pressures are in the units that they are said to be."
     )
 
 
+def _step(
+    tree: Tree, pressure: Floats, resistance: Floats, inflow: Floats
+) -> tuple[Floats, Floats]:
+    """Flows (c, n) through blocks that cost `pressure + resistance * flow`, and pressures (c,)
+    at the inlet; both arrays (c, n) are changed to those of all that begins with a block."""
+    seen = []
+    for level in reversed(tree.levels):
+        conductance = 1 / resistance[:, level.rows]
+        whole = np.add.reduceat(conductance, level.starts, axis=1)
+        back = np.add.reduceat(conductance * pressure[:, level.rows], level.starts, axis=1)
+        resistance[:, level.parents] += 1 / whole
+        pressure[:, level.parents] += back / whole
+        seen.append((conductance, whole, back))
+    flow = np.empty_like(pressure)
+    flow[:, 0] = inflow
+    for level, (conductance, whole, back) in zip(tree.levels, reversed(seen), strict=True):
+        at = (flow[:, level.parents] + back) / whole
+        away = np.repeat(at, level.counts, axis=1) - pressure[:, level.rows]
+        flow[:, level.rows] = conductance * away
+    return flow, pressure[:, 0] + resistance[:, 0] * inflow
+
+
 def lost_to(network: Network, state_flow: Floats) -> Floats:
     """Total pressure (n,) that is lost from the inlet to the end of every block, Pa."""
-    lost = np.zeros(len(network.above))
-    for number, block in enumerate(network.blocks):
-        q = state_flow[number]
-        lost[number] = (block.resistance + block.stenosis * abs(q)) * q
-        if network.above[number] >= 0:
-            lost[number] += lost[network.above[number]]
+    above = network.tree.above
+    lost = (network.resistance + network.stenosis * np.abs(state_flow)) * state_flow
+    for number in range(1, len(lost)):
+        lost[number] += lost[above[number]]
     return lost

@@ -14,7 +14,7 @@ from .blocks import shares_of
 from .blood import PASCAL_PER_MMHG, PER_ML
 from .channels import Channel
 from .known import Known
-from .network import Network, Outlets, lost_to, steady
+from .network import Network, Outlets, lost_to, steady, steady_states
 
 MAIN = 0.1
 """Share of the outlets, weighted, from which a branch is a main one: that of the narrowest left
@@ -94,7 +94,7 @@ def sides_of(
             names = one, other
     lines = [channels[number].points for number in pair]
     places = np.array([line[len(line) // 2] for line in lines])
-    return Sides(names, pair, network.leads_to[list(pair)], turned is not None, places)
+    return Sides(names, pair, network.tree.leads_to[list(pair)], turned is not None, places)
 
 
 def _is_right(
@@ -120,8 +120,8 @@ def _is_right(
         return number == pair[0]
     if frame is None:
         return None
-    ends = np.array([channels[number].points[-1, 0] for number in network.outlet_blocks])
-    first, second = (float(ends[network.leads_to[number]].mean()) for number in pair)
+    ends = np.array([channels[number].points[-1, 0] for number in network.tree.outlets])
+    first, second = (float(ends[network.tree.leads_to[number]].mean()) for number in pair)
     return first > second if frame == "RAS" else first < second
 
 
@@ -151,7 +151,7 @@ def fitted_outlets(network: Network, weights: Floats, sides: Sides | None, known
     assert known.inlet is not None
     assert known.wedge is not None
     whole = PASCAL_PER_MMHG * (known.inlet - known.wedge)
-    lost = lost_to(network, steady(network, firm, flow).flow)[network.outlet_blocks]
+    lost = lost_to(network, steady(network, firm, flow).flow)[network.tree.outlets]
     groups = [group for group in (~is_right, is_right) if group.any()]
     left = [float(whole - np.average(lost[one], weights=shares[one])) for one in groups]
     if min(left) <= 0:
@@ -181,11 +181,12 @@ def _fitted(
         return Outlets(resistance, wedge)
 
     def missed(factors: Floats) -> Floats:
-        found = [steady(network, outlets(factors), float(one)) for one in np.atleast_1d(flows)]
+        at = outlets(factors)
+        found = steady_states([(network, at, float(one)) for one in np.atleast_1d(flows)])
         inlet = np.mean([one.inlet for one in found]) / PASCAL_PER_MMHG
         wrong = [float(inlet) / pressure - 1]
         if len(groups) > 1:
-            to_right = sum(one.flow[network.outlet_blocks][is_right].sum() for one in found)
+            to_right = sum(one.flow[network.tree.outlets][is_right].sum() for one in found)
             wrong.append(float(to_right / np.sum(flows)) - split)
         return np.array(wrong)
 
@@ -197,7 +198,7 @@ def _fitted(
 
 def _firm(network: Network, shares: Floats, flow: float) -> Outlets:
     """Outlets that share the flow whatever the vessel costs."""
-    lost = lost_to(network, flow * (network.leads_to @ shares)).max()
+    lost = lost_to(network, flow * (network.tree.leads_to @ shares)).max()
     return Outlets(FIRM * max(float(lost), 1.0) / (flow * shares), 0.0)
 
 

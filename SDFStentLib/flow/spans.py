@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry import closest_points
-from ..validation import Floats, Points
-from .blocks import Method
+from ..geometry import closest_on_segments
+from ..validation import Flags, Floats, Points
 from .channels import Channel
 from .network import Network
 
@@ -32,79 +32,103 @@ class Drop(NamedTuple):
     """Of the static pressure from its start to its lowest place."""
 
 
-def pieces_along(channels: Sequence[Channel], line: Points) -> tuple[Piece, ...]:
-    """The way in the tree between the places that are nearest to both ends of a line.
+class Ways:
+    """The lines of a tree's channels, prepared for questions about parts of it."""
 
-    Parameters
-    ----------
-    channels : sequence of Channel
-    line : (n, 3) array
-        Along a vessel, in either direction, mm.
+    def __init__(self, channels: Sequence[Channel]) -> None:
+        self._channels = channels
+        counts = [len(one.points) - 1 for one in channels]
+        self._starts = np.concatenate([one.points[:-1] for one in channels])
+        self._ends = np.concatenate([one.points[1:] for one in channels])
+        self._channel = np.repeat(np.arange(len(channels)), counts)
+        self._station = np.concatenate([np.arange(count) for count in counts])
+        self._known: dict[bytes, tuple[Piece, ...]] = {}
 
-    Returns
-    -------
-    tuple of Piece
-        From the root's side on. Where the ends are on different branches, to the farther one.
-    """
-    ends = [_nearest(channels, range(len(channels)), end) for end in (line[0], line[-1])]
-    if _from_root(channels, ends[0]) > _from_root(channels, ends[1]):
-        line, ends = line[::-1], ends[::-1]
-    last, stop = ends[1]
-    way = [last]
-    # Ends: at the root.
-    while channels[way[0]].above >= 0:
-        way.insert(0, channels[way[0]].above)
-    first, start = _nearest(channels, way, line[0])
-    way = way[way.index(first) :]
-    return tuple(
-        Piece(
-            number,
-            start if number == first else 0.0,
-            stop if number == last else len(channels[number].points) - 1.0,
+    def pieces_along(self, line: Points) -> tuple[Piece, ...]:
+        """The way in the tree between the places that are nearest to both ends of a line.
+
+        Parameters
+        ----------
+        line : (n, 3) array
+            Along a vessel, in either direction, mm.
+
+        Returns
+        -------
+        tuple of Piece
+            From the root's side on. Where the ends are on different branches, to the farther one.
+        """
+        ends = line[[0, -1]]
+        key = ends.tobytes()
+        if key not in self._known:
+            self._known[key] = self._pieces(ends)
+        return self._known[key]
+
+    def _pieces(self, ends: Points) -> tuple[Piece, ...]:
+        found = self._nearest(slice(None), ends)
+        if self._from_root(found[0]) > self._from_root(found[1]):
+            ends, found = ends[::-1], found[::-1]
+        last, stop = found[1]
+        way = [last]
+        # Ends: at the root.
+        while self._channels[way[0]].above >= 0:
+            way.insert(0, self._channels[way[0]].above)
+        ((first, start),) = self._nearest(np.isin(self._channel, way), ends[:1])
+        way = way[way.index(first) :]
+        return tuple(
+            Piece(
+                number,
+                start if number == first else 0.0,
+                stop if number == last else len(self._channels[number].points) - 1.0,
+            )
+            for number in way
         )
-        for number in way
-    )
+
+    def _nearest(self, among: slice | Flags, places: Points) -> list[tuple[int, float]]:
+        """The channels that come nearest to some places, and at which station."""
+        at = closest_on_segments(self._starts[among], self._ends[among], places)
+        channel, station = self._channel[among][at.segments], self._station[among][at.segments]
+        return list(zip(channel.tolist(), (station + at.fractions).tolist(), strict=True))
+
+    def _from_root(self, place: tuple[int, float]) -> float:
+        number, station = place
+        along = self._channels[number].along
+        return float(np.interp(station, np.arange(len(along)), along))
 
 
-def drop_over(pieces: Sequence[Piece], network: Network, flow: Floats, method: Method) -> Drop:
+def drop_over(pieces: Sequence[Piece], network: Network, flow: Floats) -> Drop:
     """The drop over a part of a vessel at some flows (n,) through the blocks, m^3/s."""
-    density = method.blood.density
+    blood, loss = network.method.blood, network.method.loss
     total, static = 0.0, []
     for block_number, start, end in pieces:
         block, q = network.blocks[block_number], float(flow[block_number])
-        inner = np.arange(np.floor(start) + 1, np.ceil(end))
-        at = np.concatenate([[start], inner, [end]])
         friction, mixing, jet = (
-            np.interp(at, np.arange(len(values)), values)
-            for values in (block.friction, block.mixing, block.jet)
+            _between(values, start, end) for values in (block.friction, block.mixing, block.jet)
         )
-        lost = (friction - friction[0] + (mixing - mixing[0]) * abs(q)) * q
-        static.append(total + lost + density / 2 * (q * jet) ** 2)
+        resisted = blood.viscosity * (friction - friction[0])
+        mixed = loss * blood.density * (mixing - mixing[0]) * abs(q)
+        lost = (resisted + mixed) * q
+        static.append(total + lost + blood.density / 2 * (q * jet) ** 2)
         total += float(lost[-1])
     below = np.concatenate(static)
-    left = [_left_in_jet(pieces[end], end, network, flow, method) for end in (0, -1)]
+    left = [_left_in_jet(pieces[end], end, network, flow) for end in (0, -1)]
     return Drop(total + left[1] - left[0], float((below - below[0]).max()))
 
 
-def _left_in_jet(piece: Piece, end: int, network: Network, flow: Floats, method: Method) -> float:
+def _between(values: Floats, start: float, end: float) -> Floats:
+    """Values at a start, at the stations between it and an end, and there."""
+    inner = values[int(start) + 1 : math.ceil(end)]
+    return np.concatenate([[_at(values, start)], inner, [_at(values, end)]])
+
+
+def _at(values: Floats, station: float) -> float:
+    number = min(int(station), len(values) - 2)
+    share = station - number
+    return float((1 - share) * values[number] + share * values[number + 1])
+
+
+def _left_in_jet(piece: Piece, end: int, network: Network, flow: Floats) -> float:
     """What a jet at one end of a part will lose where the vessel goes on as wide, Pa."""
     block, station = network.blocks[piece.block], piece[1 if end == 0 else 2]
-    jet, area = (
-        float(np.interp(station, np.arange(len(values)), values))
-        for values in (block.jet, block.area)
-    )
-    q = float(flow[piece.block])
+    jet, area = (_at(values, station) for values in (block.jet, block.area))
+    q, method = float(flow[piece.block]), network.method
     return method.loss * method.blood.density / 2 * (q * (jet - 1 / area)) ** 2
-
-
-def _nearest(channels: Sequence[Channel], among: Iterable[int], place: Floats) -> tuple[int, float]:
-    """The channel that comes nearest to a place, and at which station."""
-    found = [(number, closest_points(channels[number].points, place[None])) for number in among]
-    number, at = min(found, key=lambda one: float(one[1].distances[0]))
-    return number, float(at.segments[0] + at.fractions[0])
-
-
-def _from_root(channels: Sequence[Channel], place: tuple[int, float]) -> float:
-    number, station = place
-    along = channels[number].along
-    return float(np.interp(station, np.arange(len(along)), along))

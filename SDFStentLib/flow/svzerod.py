@@ -6,7 +6,7 @@ import csv
 import json
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -33,6 +33,9 @@ NO_LEVEL = (
     "costs; differences of pressure within the vessel are right, its level is not"
 )
 
+_RESIDUAL, _ROUNDING = 1e-8, 1e-12
+"""Of the equations, in cgs, and of the pressures in them, beyond which rounding would decide."""
+
 _BARYE, _R, _S = 10.0, 1e-5, 1e-11
 """Of pressure, resistance and loss: one SI unit in cgs."""
 
@@ -51,14 +54,15 @@ def svzerod_document(
     wave = known.wave
     time = [0.0, 1.0] if wave is None else list(wave.time)
     flow = [known.mean] * 2 if wave is None else list(wave.flow)
-    ends = network.outlet_blocks.tolist()
+    ends = network.tree.outlets.tolist()
+    level = _BARYE * outlets.pressure + _R * max(flow) / float((1 / outlets.resistance).sum())
     # A vessel on its own has no junctions; the solver takes an empty list.
     return {
         "description": {"notice": notice, "units": "cgs", "pressure": "total"},
         "simulation_parameters": {
             "number_of_cardiac_cycles": CYCLES,
             "number_of_time_pts_per_cardiac_cycle": STEPS + 1,
-            "absolute_tolerance": 1e-8,
+            "absolute_tolerance": max(_RESIDUAL, _ROUNDING * level),
         },
         "boundary_conditions": [
             {"bc_name": "INFLOW", "bc_type": "FLOW", "bc_values": {"Q": flow, "t": time}},
@@ -79,9 +83,9 @@ def svzerod_document(
                 "outlet_vessels": below,
             }
             for number in range(len(network.blocks))
-            if (below := np.flatnonzero(network.above == number).tolist())
+            if (below := np.flatnonzero(network.tree.above == number).tolist())
         ],
-        "vessels": [_vessel(network, number, ends) for number in range(len(network.blocks))],
+        "vessels": list(_vessels(network)),
     }
 
 
@@ -122,23 +126,26 @@ def solved_by_svzerod(network: Network, outlets: Outlets, known: Known) -> tuple
     return inlet[:-1] / _BARYE, 1e-6 * flows[:-1]
 
 
-def _vessel(network: Network, number: int, ends: Sequence[int]) -> dict[str, Any]:
-    block = network.blocks[number]
-    conditions = {"inlet": "INFLOW"} if network.above[number] < 0 else {}
-    conditions |= {"outlet": f"OUT{number}"} if number in ends else {}
-    return {
-        "vessel_id": number,
-        "vessel_name": _name(number),
-        "vessel_length": 100 * block.length,
-        "zero_d_element_type": "BloodVessel",
-        "zero_d_element_values": {
-            "R_poiseuille": _R * block.resistance,
-            "L": _R * block.inertance,
-            "C": 0.0,
-            "stenosis_coefficient": _S * block.stenosis,
-        },
-        **({"boundary_conditions": conditions} if conditions else {}),
-    }
+def _vessels(network: Network) -> Iterator[dict[str, Any]]:
+    ends = set(network.tree.outlets.tolist())
+    columns = (network.resistance, network.inertance, network.stenosis, network.tree.above)
+    each = zip(network.blocks, *(column.tolist() for column in columns), strict=True)
+    for number, (block, resistance, inertance, stenosis, above) in enumerate(each):
+        conditions = {"inlet": "INFLOW"} if above < 0 else {}
+        conditions |= {"outlet": f"OUT{number}"} if number in ends else {}
+        yield {
+            "vessel_id": number,
+            "vessel_name": _name(number),
+            "vessel_length": 100 * block.length,
+            "zero_d_element_type": "BloodVessel",
+            "zero_d_element_values": {
+                "R_poiseuille": _R * resistance,
+                "L": _R * inertance,
+                "C": 0.0,
+                "stenosis_coefficient": _S * stenosis,
+            },
+            **({"boundary_conditions": conditions} if conditions else {}),
+        }
 
 
 def _name(number: int) -> str:

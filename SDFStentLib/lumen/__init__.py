@@ -33,9 +33,13 @@ from .openings import openings as openings
 from .profile_around import AxisStations as AxisStations
 from .profile_around import axis_stations as axis_stations
 from .profile_around import profile_around as profile_around
+from .section_areas import SectionLoops as SectionLoops
+from .section_areas import section_loops as section_loops
+from .spheres import FollowedWall as FollowedWall
 from .spheres import InscribedSpheres as InscribedSpheres
 from .spheres import LocalSurface as LocalSurface
 from .spheres import Until as Until
+from .spheres import followed_wall as followed_wall
 from .spheres import inscribed_spheres as inscribed_spheres
 from .spheres import rough_radii as rough_radii
 from .spheres import with_own_spheres as with_own_spheres

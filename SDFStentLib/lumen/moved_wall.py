@@ -39,8 +39,11 @@ class MovedWall(NamedTuple):
             from scipy.spatial import cKDTree
 
             tree = cKDTree(self.places, balanced_tree=False, compact_nodes=False)
-            known = np.flatnonzero(~is_near)
-            is_near[known] = tree.query(centers[known])[0] <= radii[known] + self.apart
+            reach = radii + self.apart
+            columns = zip(centers.T, self.places.T, strict=True)
+            beside = [(x + reach >= y.min()) & (x - reach <= y.max()) for x, y in columns]
+            known = np.flatnonzero(np.logical_and.reduce(beside))
+            is_near[known] = tree.query(centers[known])[0] <= reach[known]
         return is_near
 
     def crosses(self, points: Points, normals: Points) -> Flags:

@@ -31,6 +31,38 @@ class SectionAreas(NamedTuple):
     is_doubtful: Flags
 
 
+class SectionLoops(NamedTuple):
+    """Sections as loops of crossed edges of a surface, to be followed while its points move.
+
+    Attributes
+    ----------
+    station : (k,) array of int
+        To which section each crossing belongs, ascending.
+    ends : (k, 2) array of int
+        The points that the crossed edge joins.
+    fraction : (k,) array
+        Where on it the crossing is, from the first to the second.
+    following : (k,) array of int
+        The next crossing on the loop.
+    """
+
+    station: Indices
+    ends: Indices
+    fraction: Floats
+    following: Indices
+
+    def areas(self, points: Points, centers: Points, normals: Points) -> Floats:
+        """Areas (n,), mm^2, across their normals (n, 3), of the n loops where the points are now.
+
+        A loop that is no longer flat counts as it is seen along its normal; 0 where there is none.
+        """
+        low, high = (points.take(column, axis=0) for column in self.ends.T)
+        place = low + self.fraction[:, None] * (high - low) - centers.take(self.station, axis=0)
+        x, y = np.einsum("nij,nj->in", across(normals).take(self.station, axis=0), place)
+        swept = x * y.take(self.following) - x.take(self.following) * y
+        return np.abs(np.bincount(self.station, swept, len(centers))) / 2
+
+
 class _Cuts(NamedTuple):
     """The pieces of all sections: from node to node, each node a cut edge of one station.
 
@@ -42,12 +74,18 @@ class _Cuts(NamedTuple):
         Of the nodes, ascending.
     start, end : (s,) arrays
         Nodes of the pieces.
+    ends : (k, 2) array
+        Points of the edge at which each node is,
+    fraction : (k,) array
+        and where on it.
     """
 
     flat: Floats
     station: Indices
     start: Indices
     end: Indices
+    ends: Indices
+    fraction: Floats
 
 
 def section_areas(
@@ -81,6 +119,34 @@ def section_areas(
     return found
 
 
+def section_loops(
+    points: Points, triangles: Triangles, centers: Points, normals: Points
+) -> SectionLoops:
+    """The loops of `section_areas` as far as they lie near their centres.
+
+    No loop for a section that reaches far into other vessels, or that is doubtful.
+    """
+    found, nodes = [], 0
+    for first in range(0, len(centers), _FEW):
+        few = slice(first, first + _FEW)
+        wall = _near_triangles(points, triangles, centers[few])
+        kept = np.unique(wall)
+        near = points.take(kept, axis=0), np.searchsorted(kept, wall)
+        cuts = _cuts(*near, centers[few], normals[few])
+        loops = _loops(cuts, min(_FEW, len(centers) - first))
+        own = np.flatnonzero(np.isin(loops.label, loops.smallest[~loops.is_doubtful]))
+        following = np.empty(len(cuts.station), dtype=np.int64)
+        following[cuts.start] = cuts.end
+        number = np.searchsorted(own, following[own])
+        found.append(
+            SectionLoops(
+                first + cuts.station[own], kept[cuts.ends[own]], cuts.fraction[own], nodes + number
+            )
+        )
+        nodes += len(own)
+    return SectionLoops(*(np.concatenate(column) for column in zip(*found, strict=True)))
+
+
 def _in_blocks(
     points: Points, triangles: Triangles, centers: Points, normals: Points
 ) -> SectionAreas:
@@ -95,16 +161,35 @@ def _in_blocks(
 
 def _near(points: Points, triangles: Triangles, centers: Points) -> tuple[Points, Triangles]:
     """The part of the surface in the box round the centres that holds their sections, mostly."""
+    return compacted(points, _near_triangles(points, triangles, centers))
+
+
+def _near_triangles(points: Points, triangles: Triangles, centers: Points) -> Triangles:
     some = points[triangles[:: max(1, len(triangles) // 1000), 0]] if len(triangles) else points
     squared = dot(centers, centers)[:, None] - 2 * product(centers, some.T) + dot(some, some)
     margin = _MARGIN * np.sqrt(max(float(squared.min(axis=1, initial=np.inf).max()), 0.0))
     low, high = centers.min(axis=0) - margin, centers.max(axis=0) + margin
-    return compacted(points, triangles.compress(may_meet_box(points, triangles, low, high), axis=0))
+    return triangles.compress(may_meet_box(points, triangles, low, high), axis=0)
+
+
+class _Loops(NamedTuple):
+    """Connected parts of the pieces: of every node (k,) which one, and of every station (n,)."""
+
+    label: Indices
+    smallest: Indices
+    """The smallest closed one that holds the station; -1 for none."""
+    area: Floats
+    """Its area, mm^2; infinite for none."""
+    is_doubtful: Flags
 
 
 def _areas(points: Points, triangles: Triangles, centers: Points, normals: Points) -> SectionAreas:
-    cuts = _cuts(points, triangles, centers, normals)
-    count, nodes = len(centers), len(cuts.station)
+    loops = _loops(_cuts(points, triangles, centers, normals), len(centers))
+    return SectionAreas(loops.area, loops.is_doubtful)
+
+
+def _loops(cuts: _Cuts, count: int) -> _Loops:
+    nodes = len(cuts.station)
     starts, ends = np.bincount(cuts.start, minlength=nodes), np.bincount(cuts.end, minlength=nodes)
     is_doubtful = np.zeros(count, dtype=bool)
     is_doubtful[cuts.station[(starts > 1) | (ends > 1)]] = True
@@ -112,7 +197,7 @@ def _areas(points: Points, triangles: Triangles, centers: Points, normals: Point
     loops, label = connected(nodes, cuts.start, cuts.end)
     is_closed = np.ones(loops, dtype=bool)
     is_closed[label[starts != ends]] = False
-    (x, y), (next_x, next_y) = (cuts.flat.take(ends, axis=0).T for ends in cuts[2:])
+    (x, y), (next_x, next_y) = (cuts.flat.take(ends, axis=0).T for ends in cuts[2:4])
     of_loop = label[cuts.start]
     area = np.abs(np.bincount(of_loop, x * next_y - y * next_x, loops)) / 2
     crosses = np.flatnonzero((y > 0) != (next_y > 0))
@@ -122,9 +207,11 @@ def _areas(points: Points, triangles: Triangles, centers: Points, normals: Point
     station = np.zeros(loops, dtype=np.int64)
     station[label] = cuts.station
     holds = np.flatnonzero(is_closed & (rays % 2 == 1))
-    smallest = np.full(count, np.inf)
-    np.minimum.at(smallest, station[holds], area[holds])
-    return SectionAreas(smallest, is_doubtful)
+    # What is written last stays: the smallest.
+    holds = holds[np.argsort(-area[holds], kind="stable")]
+    smallest, least = np.full(count, -1), np.full(count, np.inf)
+    smallest[station[holds]], least[station[holds]] = holds, area[holds]
+    return _Loops(label, smallest, least, is_doubtful)
 
 
 def _cuts(points: Points, triangles: Triangles, centers: Points, normals: Points) -> _Cuts:
@@ -154,7 +241,7 @@ def _cuts(points: Points, triangles: Triangles, centers: Points, normals: Points
     offset -= centers.take(at, axis=0)
     flat = np.einsum("nij,nj->ni", across(normals).take(at, axis=0), offset)
     start, end = node.reshape(2, -1)
-    return _Cuts(flat, at, start, end)
+    return _Cuts(flat, at, start, end, np.column_stack([low, high]), fraction)
 
 
 def _sides(triangles: Triangles, first: Indices) -> Triangles:

@@ -11,7 +11,6 @@ from ..flow import (
     FlowModel,
     Known,
     SideClues,
-    channels_after,
     has_svzerod,
     solved_by_svzerod,
 )
@@ -60,8 +59,7 @@ def flow_answer(
     after, lines = None, list[tuple[str, Points]]()
     if treated is not None:
         assert treated.centerline is not None
-        states = (vessel.centerline, treated.centerline), (vessel.surface, treated.surface)
-        after = channels_after(model.channels, *states)
+        after = vessel.followed.after(treated.centerline, treated.surface)
         lines = [(f"stent {one.number}", one.axis.points) for one in treated.final_stents]
     for number, lesion in enumerate(vessel.lesions or (), start=1):
         if lesion.reference_diameter >= SMALL_VESSEL:

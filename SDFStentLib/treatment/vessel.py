@@ -9,7 +9,7 @@ from functools import cached_property
 
 from ..centerline import Centerline
 from ..certificate import SurfaceCheck, check_surface
-from ..flow import Channel, channels_of
+from ..flow import Channel, FollowedChannels, channels_of
 from ..geometry import NamedFaces, Precision, Surface, length
 from ..lumen import DiameterProfile, diameter_profile
 from ..stent import AtCenter, AtDistalEnd, Stent
@@ -103,6 +103,12 @@ class Vessel:
         """`channels_of` it, for flow; it needs a centerline."""
         assert self.centerline is not None
         return channels_of(self.surface, self.centerline)
+
+    @cached_property
+    def followed(self) -> FollowedChannels:
+        """Its channels, to be told of treated vessels; it needs a centerline."""
+        assert self.centerline is not None
+        return FollowedChannels(self.surface, self.centerline, self.channels)
 
     def unmeasured(self) -> Vessel:
         """The same vessel with its lesions and names, and nothing known of its lumen.

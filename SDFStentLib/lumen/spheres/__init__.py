@@ -1,5 +1,7 @@
 """The largest sphere inside a lumen round a place."""
 
+from .followed import FollowedWall as FollowedWall
+from .followed import followed_wall as followed_wall
 from .inscribed import InscribedSpheres as InscribedSpheres
 from .inscribed import SphereSearch as SphereSearch
 from .inscribed import Until as Until
