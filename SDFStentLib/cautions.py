@@ -66,6 +66,11 @@ TEMPLATES = {
         "where no centerline ends: closed as wall, face {name}; where it is an outlet, give a "
         "centerline that ends there."
     ),
+    "no-room-for-tube": (
+        "{name} lies {distance_mm:.1f} mm nearer to the stent than it should, and there is no room "
+        "for a tube behind it at ({x:.4g}, {y:.4g}, {z:.4g}) mm{filed}: pressures there are told "
+        "with doubt."
+    ),
     # Plans
     "changed-input": "it is not the file the plan was made with; accepted as asked.",
     "other-version": (

@@ -1,13 +1,15 @@
-"""The command `flow`."""
+"""The commands `flow` and `simulate`: what flows before and after, by a network and in 3D."""
 
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from ..files import check_suffix
+from ..flow import Known, has_svzerod, solved_by_svzerod
 from ..plan import (
     InputFiles,
     Marks,
@@ -18,13 +20,38 @@ from ..plan import (
     read_input_files,
     run_plan,
 )
-from ..report import document_json, flow_document, flow_page, flow_sentences
+from ..report import (
+    RESEARCH_USE,
+    document_json,
+    flow_document,
+    flow_page,
+    flow_sentences,
+    mesh_sentences,
+    simulation_document,
+    simulation_page,
+    simulation_sentences,
+)
+from ..simulation import (
+    DOCUMENT,
+    FILES,
+    GET_IT,
+    Cut,
+    Origin,
+    Prepared,
+    Wishes,
+    has_solver,
+    prepare,
+    read_results,
+    solve_cases,
+    write_cases,
+)
 from ..stent import InputFile
 from ..treatment import TreatmentResult
+from ..validation import InputError, as_number
 from .console import Console
 from .flow_options import add_networks, known_of, no_flow
 from .outputs import Outputs
-from .place import names_of, root_of
+from .place import in_mm, names_of, root_of
 
 LISTED = 3
 """Narrowings that are told on the screen."""
@@ -91,9 +118,132 @@ def _read(
     return inputs, result
 
 
-def _write(path: Path, document: dict[str, Any]) -> None:
+def _write(
+    path: Path,
+    document: dict[str, Any],
+    made_page: Callable[[dict[str, Any]], str] = flow_page,
+) -> None:
     """A document as JSON, or as a page."""
     if path.suffix.lower() == ".html":
-        path.write_text(flow_page(document), encoding="utf-8")
+        path.write_text(made_page(document), encoding="utf-8")
         return
     path.write_text(document_json(document), encoding="utf-8")
+
+
+def simulate_command(options: argparse.Namespace, console: Console) -> int:
+    """Cut, mesh and solve a vessel before and after, or tell what a solver has found."""
+    _check_simulate(options)
+    document: dict[str, Any] = {}
+    if options.read is not None:
+        results = _results([Path(options.read) / DOCUMENT], options, document)
+        return _tell_results(Path(options.read), results, document, console)
+    known = known_of(options)
+    if known is None:
+        raise no_flow()
+    read = [options.surface, options.after, options.centerline, options.wave, options.names]
+    results, outputs, folder = _results(read, options, document), Outputs(read), options.output
+    if any(Path(folder).glob("**/results/result_*.vtu")):
+        raise InputError(
+            f"{folder}: expected a new folder, got one with results of a solver, which would be "
+            "lost; name another one, or read it with --read."
+        )
+    outputs.add_folder(
+        folder,
+        lambda made: write_cases(made, prepared, origin, options.processes),
+        FILES.__contains__,
+    )
+    prepared, origin = _prepared(options, known, console)
+    outputs.write()
+    for sentence in mesh_sentences(prepared):
+        console.say(sentence)
+    console.say(f"Wrote {folder}.")
+    if options.no_run or not has_solver():
+        if not options.no_run:
+            console.say(GET_IT)
+        console.say(f"When it is solved: sdfstent simulate --read {folder}")
+        return 0
+    with console.progress("Solving") as show:
+        solve_cases(Path(folder), show)
+    return _tell_results(Path(folder), results, document, console)
+
+
+def _check_simulate(options: argparse.Namespace) -> None:
+    """What is needed is there, and what is not is not."""
+    needed = {
+        "SURFACE": options.surface,
+        "--after": options.after,
+        "--centerline": options.centerline,
+        "-o": options.output,
+    }
+    missing = [name for name, value in needed.items() if value is None]
+    if options.read is not None and len(missing) < len(needed):
+        name = next(name for name in needed if name not in missing)
+        raise InputError(f"--read: expected a folder and nothing else, got {name}, too; leave it.")
+    if options.read is None and missing:
+        raise InputError(
+            f"expected {', '.join(needed)}, or --read DIR, got no {missing[0]}; name it."
+        )
+    if (options.from_point is None) != (options.to is None):
+        raise InputError("expected --from and --to, or none of them, got one; name both ends.")
+    as_number(options.processes, "--processes", minimum=1, maximum=4096)
+    as_number(options.edges_round, "--edges-round", minimum=8, maximum=200)
+    as_number(options.coarser, "--coarser", minimum=1, maximum=5)
+
+
+def _prepared(
+    options: argparse.Namespace, known: Known, console: Console
+) -> tuple[Prepared, Origin]:
+    """The vessel cut and meshed."""
+    marks = Marks(root_of(options), names=names_of(options))
+    read = read_input_files(options.surface, options.centerline, options.units, marks)
+    after = read_input_files(options.after, units=options.units)
+    frames = [one.surface.frame for one in (read, after)]
+    if None not in frames and frames[0] != frames[1]:
+        raise InputError(
+            f"{options.after}: expected the frame of {options.surface}, {frames[0]}, got "
+            f"{frames[1]}; write both in one frame."
+        )
+    console.warn([*read.warnings, *after.warnings], units=options.units)
+    ends = None
+    if options.from_point is not None and options.to is not None:
+        ends = (
+            in_mm(options.from_point, options.units, "--from"),
+            in_mm(options.to, options.units, "--to"),
+        )
+    model = flow_model(read.vessel, known, frames[0])
+    with console.progress("Meshing") as show:
+        prepared = prepare(
+            (read.vessel, after.vessel),
+            model,
+            Cut(ends, options.close_branches, options.units),
+            Wishes(options.edges_round, options.coarser),
+            show,
+            solve=solved_by_svzerod if has_svzerod() else None,
+        )
+    console.warn(prepared.warnings, units=options.units)
+    files = {"surface": options.surface, "after": options.after, "centerline": options.centerline}
+    return prepared, Origin(files, RESEARCH_USE, frames[0])
+
+
+def _results(
+    inputs: Sequence[Any], options: argparse.Namespace, document: dict[str, Any]
+) -> Outputs:
+    """The files of results, checked before anything is solved; the document is filled later."""
+    outputs = Outputs(inputs)
+    for path in [*([options.json] if options.json else []), *options.report]:
+        check_suffix(path, "results", (".json", ".html"))
+        outputs.add(path, lambda made: _write(made, document, simulation_page))
+    return outputs
+
+
+def _tell_results(
+    folder: Path, results: Outputs, document: dict[str, Any], console: Console
+) -> int:
+    """What a solver has found, on the screen and in files."""
+    document.update(simulation_document(read_results(folder)))
+    results.write()
+    for sentence in simulation_sentences(document):
+        console.say(sentence)
+    if results.names():
+        console.say(f"Wrote {', '.join(results.names())}.")
+    return 0

@@ -9,7 +9,7 @@ from pathlib import Path
 from ..flow import FlowAnswer, Known, flow_value, known_flow, networks_of, read_wave
 from ..report import document_json
 from ..validation import InputError
-from .option_table import add_table
+from .option_table import TALK, UNITS, add_table
 from .outputs import Outputs
 from .place import in_mm
 
@@ -57,6 +57,42 @@ def add_known(command: argparse.ArgumentParser) -> None:
 --split-right S  share of the flow to the right, such as 0.8
 --right X Y Z  a place in the right main branch, where the frame of the file does not tell
 """,
+    )
+
+
+def add_simulate(command: argparse.ArgumentParser) -> None:
+    """What is cut and meshed, what is known of flow, and what is read."""
+    command.description = (
+        "Flow in three dimensions before a stent and after it: the segment round the stent is cut, "
+        "meshed (MMG, TetGen) and solved by svMultiPhysics where that is installed; pressures, "
+        "flows and wall shear are told beside those of the network. docs/flow.md says how."
+    )
+    add_table(command, "surface SURFACE  before; VTP, VTK, STL, PLY or OBJ", nargs="?")
+    add_table(
+        command,
+        f"""\
+--after SURFACE2  the same vessel with its stents, as `deploy` writes it
+--centerline FILE  of the vessel before, any form
+-o, --output DIR  folder to write: meshes, solver.xml, run.sh and job.sbatch
+--read DIR  in place of all these: tell what the solver has found in a folder
+--from X Y Z  one end of the segment (default: beyond the wall that moved)
+--to X Y Z  the other end
+--close-branches  cut side branches off and close them; else they stay open as outlets
+--edges-round N = 20  so many edges go round the vessel at least (default 20)
+--coarser X = 1  edges so many times as long, for a quick look (default 1)
+--processes N = 2  of the solver (default 2)
+--no-run  only write the folder
+--root X Y Z  the end of the centerline near this point is proximal
+--names F  JSON: what vessels are called, each by a place in it or the face at its end
+{UNITS}""",
+    )
+    add_known(command)
+    add_table(
+        command.add_argument_group("output"),
+        f"""\
+--json F  all numbers of the results
+--report F ...  the same as a page, .html; may be repeated
+{TALK}""",
     )
 
 

@@ -10,6 +10,13 @@ from typing import Any, NoReturn
 
 from ..parameter import Parameter
 from ..plan import Plan, method_parameters, plan_of_method
+from ..units import MILLIMETERS
+
+UNITS = f"--units {{{','.join(MILLIMETERS)}}} = mm  of the files (default mm)\n"
+TALK = """\
+--quiet  say nothing but errors
+--debug  show where an error came from
+"""
 
 
 def number(text: str) -> float:

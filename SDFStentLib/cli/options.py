@@ -6,21 +6,23 @@ import argparse
 
 from ..parameter import parameters_of
 from ..stent import Balloon, Shape, Stent, Waist
-from ..units import MILLIMETERS
 from ..version import VERSION
-from .flow_options import add_flow, add_known
-from .option_table import Parser, ShortHelp, add_method, add_parameter, add_table
+from .flow_options import add_flow, add_known, add_simulate
+from .option_table import (
+    TALK,
+    UNITS,
+    Parser,
+    ShortHelp,
+    add_method,
+    add_parameter,
+    add_table,
+)
 
 OF_STENT = parameters_of(Stent)
 
 SURFACE = "surface SURFACE  VTP, VTK, STL, PLY or OBJ\n"
-UNITS = f"--units {{{','.join(MILLIMETERS)}}} = mm  of the files (default mm)\n"
 JSON = "--json  print JSON instead of sentences\n"
 VERBOSE = "--verbose  say all of it\n"
-TALK = """\
---quiet  say nothing but errors
---debug  show where an error came from
-"""
 USUAL_PLACE = """\
 --centerline FILE  of the vessel, any form
 --center X Y Z  the middle of the stent
@@ -84,6 +86,7 @@ def parser() -> Parser:
         ("sweep", "many deployments", _sweep),
         ("extract", "a segment for a flow solver", _extract),
         ("flow", "pressures and flows before and after", _flow),
+        ("simulate", "flow in three dimensions, before and after", add_simulate),
         ("devices", "the device table", _devices),
         ("demo", "treat a synthetic patient", _demo),
         ("app", "plan stents in a browser", _app),

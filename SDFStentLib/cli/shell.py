@@ -76,10 +76,10 @@ def _imported(name: str) -> Callable[[argparse.Namespace, Console], int]:
         from .extract import extract_command
 
         return extract_command
-    if name == "flow":
-        from .flow import flow_command
+    if name in ("flow", "simulate"):
+        from .flow import flow_command, simulate_command
 
-        return flow_command
+        return flow_command if name == "flow" else simulate_command
     if name == "devices":
         from .suggest import devices_command
 

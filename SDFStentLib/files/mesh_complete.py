@@ -75,7 +75,7 @@ class MeshComplete:
             A folder that is there already, or cannot be made.
         """
         folder = Path(folder)
-        elements = None if self.volume is None else _tetrahedra_at(self.surface, self.volume)
+        elements = None if self.volume is None else tetrahedra_at(self.surface, self.volume)
         folder.mkdir()
         (folder / FACES).mkdir()
         if self.volume is not None:
@@ -107,7 +107,7 @@ class MeshComplete:
         path.write_bytes(encode_vtp(polydata))
 
 
-def _tetrahedra_at(surface: Surface, volume: VolumeMesh) -> Indices:
+def tetrahedra_at(surface: Surface, volume: VolumeMesh) -> Indices:
     """The tetrahedron (m,) behind every triangle of the surface."""
     count = len(surface.points)
     is_kept = np.array_equal(volume.points[:count], surface.points)

@@ -5,6 +5,7 @@ from .answer import Band as Band
 from .answer import FlowAnswer as FlowAnswer
 from .answer import FlowModel as FlowModel
 from .answer import Moment as Moment
+from .answer import Solve as Solve
 from .answer import SpanDrop as SpanDrop
 from .blocks import Block as Block
 from .blocks import Method as Method
@@ -29,6 +30,9 @@ from .network import tree_of as tree_of
 from .outlets import SideClues as SideClues
 from .outlets import Sides as Sides
 from .spans import Drop as Drop
+from .spans import Piece as Piece
+from .spans import Ways as Ways
+from .spans import drop_over as drop_over
 from .svzerod import has_svzerod as has_svzerod
 from .svzerod import networks_of as networks_of
 from .svzerod import solved_by_svzerod as solved_by_svzerod

@@ -41,6 +41,10 @@ from .report import write_report_figure as write_report_figure
 from .segments import SEGMENT_FILES as SEGMENT_FILES
 from .segments import segment_sentences as segment_sentences
 from .segments import write_segment as write_segment
+from .simulation import mesh_sentences as mesh_sentences
+from .simulation import simulation_document as simulation_document
+from .simulation import simulation_page as simulation_page
+from .simulation import simulation_sentences as simulation_sentences
 from .sizing import balloon_sentences as balloon_sentences
 from .sizing import ratio_sentence as ratio_sentence
 from .sizing import stent_balloon_sentences as stent_balloon_sentences
@@ -49,5 +53,6 @@ from .sizing import suggestion_section as suggestion_section
 from .sizing import suggestion_sentences as suggestion_sentences
 from .summary import deployment_sentences as deployment_sentences
 from .summary import deployment_summary as deployment_summary
+from .words import RESEARCH_USE as RESEARCH_USE
 from .words import degree_text as degree_text
 from .words import document_json as document_json

@@ -1,6 +1,7 @@
 """A piece of a vessel on its own: cut, closed, named."""
 
 from .cut_planes import CutPlane as CutPlane
+from .cut_planes import PlaneFinder as PlaneFinder
 from .open_segment import OpenSegment as OpenSegment
 from .open_segment import segment_between as segment_between
 from .segment import Segment as Segment

@@ -16,3 +16,5 @@ from .vtk_files import encode_legacy as encode_legacy
 from .vtk_files import encode_vtp as encode_vtp
 from .vtk_files import encode_vtu as encode_vtu
 from .vtk_files import read_vtk_polydata as read_vtk_polydata
+from .vtu import VolumeArrays as VolumeArrays
+from .vtu import decode_vtu as decode_vtu

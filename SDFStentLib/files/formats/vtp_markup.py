@@ -1,4 +1,4 @@
-"""The XML of a VTP file, parsed within limits; its numbers are left to `vtp_arrays`."""
+"""The XML of a VTP or VTU file, parsed within limits; its numbers are left to `vtp_arrays`."""
 
 from __future__ import annotations
 
@@ -10,13 +10,14 @@ from xml.parsers import expat
 
 from ...validation import InputError
 
-_SECTIONS = ("PointData", "CellData", "Points", "Verts", "Lines", "Strips", "Polys")
+_SECTIONS = ("PointData", "CellData", "Points", "Verts", "Lines", "Strips", "Polys", "Cells")
 _ARRAYS = ("DataArray", "Array")
+_BODIES = ("PolyData", "UnstructuredGrid")
 _PARENTS = {
     "VTKFile": ("",),
-    "PolyData": ("VTKFile",),
-    "FieldData": ("PolyData",),
-    "Piece": ("PolyData",),
+    **dict.fromkeys(_BODIES, ("VTKFile",)),
+    "FieldData": _BODIES,
+    "Piece": _BODIES,
     **dict.fromkeys(_SECTIONS, ("Piece",)),
     **dict.fromkeys(_ARRAYS, ("FieldData", *_SECTIONS)),
 }
@@ -56,12 +57,12 @@ class Markup(NamedTuple):
 
 
 def parsed_markup(data: bytes, name: str) -> Markup:
-    """The elements of a VTP file and the place of its appended bytes.
+    """The elements of a VTP or VTU file and the place of its appended bytes.
 
     Parameters
     ----------
     data : bytes
-        A whole VTP file.
+        A whole file.
     name : str
         What to call it in messages.
 

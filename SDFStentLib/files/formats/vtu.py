@@ -1,0 +1,88 @@
+"""VTU, VTK's XML of volume meshes, read strictly: tetrahedra in one piece, or a sentence."""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+import numpy as np
+
+from ...validation import Floats, Indices, InputError, Points, in_short
+from ..content import kind_in_words
+from .vtp_arrays import encoding_of, read_array, whole_number
+from .vtp_bytes import Damage, Encoding
+from .vtp_markup import Element, parsed_markup
+
+TETRAHEDRON = 10
+"""VTK's number of this kind of cell."""
+
+
+class VolumeArrays(NamedTuple):
+    """A mesh of tetrahedra and what is known at its points."""
+
+    points: Points
+    """(n, 3) in the unit of the file."""
+    tetrahedra: Indices
+    """(t, 4)"""
+    arrays: dict[str, Floats]
+    """(n,) or (n, k) of numbers, by name."""
+
+
+def decode_vtu(data: bytes, name: str) -> VolumeArrays:
+    """Read VTU; `name` is what to call it in messages.
+
+    Raises
+    ------
+    InputError
+        Not VTU, cut short, damaged, in several pieces, or with other cells than tetrahedra.
+    """
+    if b"<VTKFile" not in data[:4096]:
+        raise InputError(f"{name}: expected a VTU file (VTK XML), got {kind_in_words(data)}.")
+    if not re.search(rb"</VTKFile\s*>\Z", data[-1000:].rstrip(b" \t\r\n\0")):
+        raise InputError(f"{name}: its end is missing; it is cut short, write it again.")
+    markup = parsed_markup(data, name)
+    kind = markup.root.attributes.get("type", "none")
+    if kind != "UnstructuredGrid":
+        raise InputError(f"{name}: expected UnstructuredGrid, got {in_short(kind)[1:-1]}.")
+    try:
+        encoding = encoding_of(markup, data)
+        pieces = [
+            piece
+            for body in markup.root.all_of("UnstructuredGrid")
+            for piece in body.all_of("Piece")
+        ]
+        if len(pieces) != 1:
+            raise Damage(f"expected one piece, got {len(pieces)}")
+        return _piece(pieces[0], encoding)
+    except Damage as error:
+        raise InputError(f"{name}: {error}; write it again.") from error
+
+
+def _piece(piece: Element, encoding: Encoding) -> VolumeArrays:
+    count = whole_number(piece.attributes, "NumberOfPoints", 0)
+    cells = whole_number(piece.attributes, "NumberOfCells", 0)
+    points = next(iter(_arrays(piece, "Points", count, encoding).values()), None)
+    if points is None or points.shape != (count, 3):
+        raise Damage("expected points of three numbers, got none")
+    parts = _arrays(piece, "Cells", None, encoding)
+    corners = parts.get("connectivity", np.zeros(0)).ravel().astype(np.int64)
+    kinds = parts.get("types", np.zeros(0)).ravel()
+    if len(kinds) != cells or len(corners) != 4 * cells or (kinds != TETRAHEDRON).any():
+        raise Damage("expected tetrahedra, got other cells")
+    if cells and (corners.min() < 0 or corners.max() >= count):
+        raise Damage(f"expected point indices from 0 to {count - 1} in its cells, got others")
+    known = _arrays(piece, "PointData", count, encoding)
+    return VolumeArrays(points.astype(np.float64), corners.reshape(-1, 4), known)
+
+
+def _arrays(piece: Element, tag: str, count: int | None, encoding: Encoding) -> dict[str, Floats]:
+    """The arrays of numbers in a section, by name."""
+    found = {}
+    for section in piece.all_of(tag):
+        for element in section.all_of("DataArray"):
+            array = read_array(element, count, encoding)
+            if array.kind.is_text or array.kind.is_bit:
+                continue
+            values = np.asarray(array.values)
+            found[str(array.name)] = values[:, 0] if values.shape[1:] == (1,) else values
+    return found

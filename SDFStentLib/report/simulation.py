@@ -1,0 +1,287 @@
+"""Flow solved in three dimensions, beside the network: a document, sentences and a page."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from html import escape
+from typing import Any
+
+import numpy as np
+
+from ..simulation import UNSTEADY, CaseResult, Found, Prepared, Simulated
+from ..validation import Floats
+from .html import page
+from .picture.drawing import GRAY, Drawing, Line, Mark, Words, svg
+from .words import RESEARCH_USE
+
+Section = Mapping[str, Any]
+
+COLORS = {"before": "#b35806", "after": "#08519c"}
+"""As in the plots of diameters."""
+
+NOTES = (
+    "Navier-Stokes equations by svMultiPhysics: rigid walls, blood of 1060 kg/m3 and 4 mPa s. "
+    "Linear tetrahedra without layers along the wall. Behind +- stands the difference from a mesh "
+    "with edges 1.5 times as long. Wall shear of such elements is low by up to a tenth on 20 edges "
+    "round; its +- is twice the difference.",
+    "In brackets what the network of the whole tree tells, with its range. No measured gradient, "
+    "and no adaptation of the lungs to the new flow.",
+)
+
+NO_LEVEL = (
+    "No pressures are known: the flows of the network are set at the outlets, and only differences "
+    "of pressure are told."
+)
+
+NO_COARSE = "The coarser mesh was not solved: nothing tells how far the mesh decides."
+
+_WIDTH, _HEIGHT, _LEFT, _RIGHT, _TOP, _BOTTOM = 820, 300, 62, 14, 34, 48
+
+
+def mesh_sentences(prepared: Prepared) -> list[str]:
+    """What the shell says of the meshes, before and after."""
+    said = []
+    for name, state in prepared.states.items():
+        mesh = state.meshes["fine"]
+        said.append(
+            f"{name.capitalize()}: {mesh.quality.tetrahedra} tetrahedra, angles from "
+            f"{mesh.quality.smallest_angle:.0f} to {mesh.quality.largest_angle:.0f} degrees, "
+            f"{mesh.edges_round} edges round the throat of {2 * state.throat.radius:.2f} mm, the "
+            f"wall within {mesh.made.deviation:.3f} mm; no layers along the wall."
+        )
+    for name, by in prepared.extensions.items():
+        said.append(f"{name}: {by:.1f} mm of straight tube stand for vessel that is missing.")
+    return said
+
+
+def simulation_document(found: Simulated) -> dict[str, Any]:
+    """All that is told, for a program."""
+    made = found.document
+    return {
+        "schema": "sdfstent-simulation-results",
+        "version": 1,
+        "notice": RESEARCH_USE,
+        "inputs": made["inputs"],
+        "notes": [*_notes(found), *NOTES],
+        "main_outlet": made["main_outlet"],
+        "along_mm": found.along.tolist(),
+        "meshes": {name: state["meshes"] for name, state in made["states"].items()},
+        **{name: _moments(found, name, result) for name, result in found.fine.items()},
+    }
+
+
+def _moments(found: Simulated, name: str, fine: CaseResult) -> dict[str, Any]:
+    """The mean, and of a wave the peak."""
+    coarse = found.coarse.get(name)
+    mean = _section(found, name, fine.mean, None if coarse is None else coarse.mean)
+    mean["network"] = _network(found.document, name)
+    if fine.peak is None:
+        return {"mean": mean}
+    peak = _section(found, name, fine.peak, None if coarse is None else coarse.peak)
+    return {"mean": mean, "peak": peak}
+
+
+def _section(found: Simulated, state: str, fine: Found, coarse: Found | None) -> dict[str, Any]:
+    main, level = found.document["main_outlet"], found.document["level_mmhg"]
+    values = _values(fine, main)
+    others = None if coarse is None else _values(coarse, main)
+    inlet = fine.faces["inlet"]
+    return {
+        "inflow_ml_s": -inlet.flow,
+        "inlet_mmhg": None
+        if level is None
+        else {"static": level + inlet.pressure, "total": level + inlet.total},
+        **{
+            name: {
+                "value": value,
+                "error": None if others is None else factor * abs(value - others[name]),
+            }
+            for name, (value, factor) in (
+                (name, (value, 2.0 if name.startswith("shear") else 1.0))
+                for name, value in values.items()
+            )
+        },
+        "outlets": {
+            name: {
+                "flow_ml_s": face.flow,
+                "static_mmhg": None if level is None else level + face.pressure,
+            }
+            for name, face in fine.faces.items()
+            if name != "inlet"
+        },
+        "static_along_mmhg": _listed(fine.pressure + (level or 0.0)),
+        "fastest_along_m_s": _listed(fine.speed),
+    }
+
+
+def _values(found: Found, main: str) -> dict[str, float]:
+    inlet, outlet = found.faces["inlet"], found.faces[main]
+    return {
+        "total_drop_mmhg": inlet.total - outlet.total,
+        "static_drop_mmhg": inlet.pressure - outlet.pressure,
+        "largest_drop_mmhg": inlet.pressure - float(np.nanmin(found.pressure)),
+        "shear_mean_pa": found.shear[0],
+        "shear_high_pa": found.shear[1],
+    }
+
+
+def _network(made: Section, name: str) -> dict[str, Any]:
+    told = made["network_mmhg"][name]
+    return {
+        **{
+            f"{key}_mmhg": dict(zip(("value", "low", "high"), told[key], strict=True))
+            for key in told
+        },
+        "outlets_ml_s": {one["name"]: one["flow"] for one in made["states"][name]["outlets"]},
+    }
+
+
+def simulation_moments(document: Section) -> list[tuple[str, list[tuple[str, str]]]]:
+    """What is told at the mean flow, and at the peak of a wave: a heading, and labels and words."""
+    states = [document[name] for name in ("before", "after")]
+    return [
+        (f"At the {moment} flow", list(_rows(document, [state[moment] for state in states])))
+        for moment in states[0]
+    ]
+
+
+def simulation_sentences(document: Section) -> list[str]:
+    """The rows as lines, and what has to be known of them."""
+    lines = []
+    for heading, rows in simulation_moments(document):
+        lines += [f"{heading}, before -> after:"]
+        lines += [f"  {label}: {words}." for label, words in rows]
+    return [*lines, *document["notes"]]
+
+
+def _rows(document: Section, states: Sequence[Section]) -> Iterator[tuple[str, str]]:
+    main = document["main_outlet"]
+    yield "flow in", _change([f"{one['inflow_ml_s']:.3g}" for one in states], "mL/s")
+    if states[0]["inlet_mmhg"]:
+        total = [f"{one['inlet_mmhg']['total']:.1f}" for one in states]
+        yield "total pressure at the inlet", _change(total, "mmHg")
+    for label, key, network in (
+        (f"drop of total pressure to {main}", "total_drop_mmhg", "recovered_mmhg"),
+        (f"drop of static pressure to {main}", "static_drop_mmhg", ""),
+        ("drop of static pressure to its lowest", "largest_drop_mmhg", "maximal_mmhg"),
+    ):
+        words = _change([_with_error(one[key]) for one in states], "mmHg")
+        known = [one["network"][network] for one in states if "network" in one and network]
+        yield (
+            label,
+            f"{words} [network {_change([*map(_band, known)], 'mmHg')}]" if known else words,
+        )
+    for name in states[0]["outlets"]:
+        flows = [f"{one['outlets'][name]['flow_ml_s']:.3g}" for one in states]
+        told = [one["network"]["outlets_ml_s"][name] for one in states if "network" in one]
+        network = f" [network {_change([f'{q:.3g}' for q in told], 'mL/s')}]" if told else ""
+        yield f"flow through {name}", _change(flows, "mL/s") + network
+    for label, key in (("mean", "shear_mean_pa"), ("99th percentile", "shear_high_pa")):
+        yield f"wall shear, {label}", _change([_with_error(one[key]) for one in states], "Pa")
+
+
+def _change(words: Sequence[str], unit: str) -> str:
+    return f"{' -> '.join(words)} {unit}"
+
+
+def _with_error(one: Section) -> str:
+    error = "" if one["error"] is None else f" +- {_number(one['error'])}"
+    return f"{_number(one['value'])}{error}"
+
+
+def _band(one: Section) -> str:
+    return f"{_number(one['value'])} ({_number(one['low'])} to {_number(one['high'])})"
+
+
+def _number(value: float) -> str:
+    digits = 2 if abs(value) < 1 else 1
+    return f"{round(value, digits) + 0.0:.{digits}f}"
+
+
+def _notes(found: Simulated) -> Iterator[str]:
+    if found.document["level_mmhg"] is None:
+        yield NO_LEVEL
+    if len(found.coarse) < len(found.fine):
+        yield NO_COARSE
+    for name, result in found.fine.items():
+        mesh = found.document["states"][name]["meshes"]["fine"]
+        yield (
+            f"{name.capitalize()}: {mesh['tetrahedra']} tetrahedra, {mesh['edges_round_throat']} "
+            f"edges round the throat, the wall within {mesh['wall_off_mm']:.3f} mm."
+        )
+        if result.peak is None and result.spread > UNSTEADY:
+            yield (
+                f"{name.capitalize()}: the flow did not become steady, the inlet pressure still "
+                f"varies by {100 * result.spread:.0f} %; what is told is the mean of the last "
+                "frames."
+            )
+
+
+def simulation_page(document: Section) -> str:
+    """The page made from a document of `simulation_document`: it loads nothing from elsewhere."""
+    rows = "".join(
+        f"<tr><th colspan='2'>{escape(heading)}, before -&gt; after</th></tr>"
+        + "".join(f"<tr><td>{escape(a)}</td><td>{escape(b)}</td></tr>" for a, b in told)
+        for heading, told in simulation_moments(document)
+    )
+    drawings = "".join(
+        f"<section>{svg(plot)}</section>"
+        for plot in (
+            along_plot(document, "static_along_mmhg", "static pressure (mmHg)"),
+            along_plot(document, "fastest_along_m_s", "fastest blood (m/s)"),
+        )
+    )
+    notes = "".join(f"<p class='small'>{escape(note)}</p>" for note in document["notes"])
+    files = "".join(
+        f"<tr><td>{escape(name)}</td><td>{escape(str(file))}</td></tr>"
+        for name, file in document["inputs"].items()
+    )
+    title = "Flow in three dimensions, before and after"
+    return page(
+        title,
+        f"<h1>{title}</h1><p class='notice'>{escape(document['notice'])}</p>"
+        f"<table class='words'>{rows}</table>{drawings}{notes}"
+        f"<h2>Files</h2><table class='file'>{files}</table>",
+    )
+
+
+def along_plot(document: Section, key: str, words: str) -> Drawing:
+    """A value along the centerline at the mean flow, before and after."""
+    along = np.array(document["along_mm"])
+    curves = {name: _floats(document[name]["mean"][key]) for name in COLORS}
+    known = np.concatenate([curve[np.isfinite(curve)] for curve in curves.values()])
+    low, high = min(0.0, float(known.min(initial=0.0))), float(known.max(initial=0.0))
+    high = high if high > low else low + 1.0
+    right, floor = _WIDTH - _RIGHT, _HEIGHT - _BOTTOM
+
+    def x(value: float) -> float:
+        return float(_LEFT + (right - _LEFT) * value / max(along[-1], 1e-9))
+
+    def y(value: float) -> float:
+        return float(floor - (floor - _TOP) * (value - low) / (high - low))
+
+    marks: list[Mark] = [Line([(_LEFT, _TOP), (_LEFT, floor), (right, floor)])]
+    for tick in np.linspace(low, high, 5).tolist():
+        marks += [Line([(_LEFT, y(tick)), (right, y(tick))], "#dddddd")]
+        marks += [Words(f"{tick:.3g}", _LEFT - 8, y(tick) + 4, anchor="end")]
+    for tick in np.linspace(0.0, float(along[-1]), 6).tolist():
+        marks += [Words(f"{tick:.0f}", x(tick), floor + 19)]
+    middle = (_LEFT + right) / 2
+    marks += [Words("along the centerline, from the inlet (mm)", middle, _HEIGHT - 8, color=GRAY)]
+    marks += [Words(words, 18, (_TOP + floor) / 2, is_upright=True)]
+    for number, (name, curve) in enumerate(curves.items()):
+        is_known = np.isfinite(curve)
+        line = [(x(a), y(b)) for a, b in zip(along[is_known], curve[is_known], strict=True)]
+        marks += [Line(line, COLORS[name], 2.6)]
+        start = _LEFT + 10 + 120 * number
+        marks += [Line([(start, 16), (start + 30, 16)], COLORS[name], 2.6)]
+        marks += [Words(name, start + 38, 20, anchor="start")]
+    return Drawing(_WIDTH, _HEIGHT, tuple(marks), f"{words} along the centerline")
+
+
+def _listed(values: Floats) -> list[float | None]:
+    return [value if np.isfinite(value) else None for value in values.tolist()]
+
+
+def _floats(values: Sequence[float | None]) -> Floats:
+    return np.array([np.nan if value is None else value for value in values])

@@ -1,0 +1,108 @@
+"""Where the piece of a vessel begins and ends in which flow is solved, before a stent and after."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from ..centerline import Centerline
+from ..geometry import arc_lengths, closest_points, norm, point_at, state_of
+from ..segment import PlaneFinder
+from ..treatment import Vessel
+from ..validation import InputError, Points
+from ..vessel import vessel_parts
+from .remesh import Axis
+
+MOVED = 1e-3
+"""From so far on the wall has moved, mm."""
+
+ABOVE, BELOW = 2.0, 4.0
+"""Diameters of vessel between the wall that moved and the planes: what a plane needs to be met by
+the same flow in both states, and a jet to lose a good part of itself."""
+
+SPACING = 0.5
+"""Of places on the centerline, mm."""
+
+
+class FlowEnds(NamedTuple):
+    """The two ends of a segment, and what vessel is missing there."""
+
+    start: Points
+    """(3,) mm."""
+    end: Points
+    missing: tuple[float, float]
+    """Length of tube that would have to come to it at each, mm."""
+
+
+def ends_beyond(before: Vessel, after: Vessel, axis: Axis, units: str = "mm") -> FlowEnds:
+    """Places up- and downstream of the wall that moved, at which planes meet only this vessel.
+
+    Each is the first one beyond `ABOVE` and `BELOW` diameters where a plane meets the vessel alone
+    in both states; where the vessel ends earlier, the last one before its end.
+
+    Raises
+    ------
+    InputError
+        Other triangles after than before, no wall that moved, or no place for a plane.
+    """
+    tree = before.centerline
+    assert tree is not None
+    way, first, last = _changed(before, after, tree, axis)
+    finders = [
+        PlaneFinder(vessel_parts(one.surface, tree, one.faces, units)) for one in (before, after)
+    ]
+    ends, missing = [], []
+    for word, line, at, needed in (
+        ("start", way[::-1], arc_lengths(way)[-1] - first, ABOVE),
+        ("end", way, last, BELOW),
+    ):
+        needed *= 2 * float(axis.radius_at(point_at(line, [at]))[0])
+        found = next(_places(finders, line, at, needed), None)
+        if found is None:
+            x, y, z = point_at(line, [at])[0]
+            raise InputError(
+                f"segment {word}: expected a place beyond the stent where a plane meets only this "
+                f"vessel, found none from ({x:.4g}, {y:.4g}, {z:.4g}) mm on; name both ends."
+            )
+        ends.append(point_at(line, [found])[0])
+        missing.append(max(0.0, at + needed - found))
+    return FlowEnds(ends[0], ends[1], (missing[0], missing[1]))
+
+
+def _changed(
+    before: Vessel, after: Vessel, tree: Centerline, axis: Axis
+) -> tuple[Points, float, float]:
+    """A line (k, 3) through the vessel whose wall moved, and from where to where on it, mm."""
+    treated = state_of(before.surface, after.surface, "treated vessel")
+    moved = norm(treated.points - before.surface.points) > MOVED
+    if not moved.any():
+        raise InputError(
+            "treated vessel: expected a wall that moved, got the same one; give the surface that "
+            "was deployed, or name both ends of the segment."
+        )
+    places = np.unique(axis.nearest(before.surface.points[moved]))
+    along = [tree.project(axis.points[place]) for place in places]
+    top = min(along, key=lambda one: one.arc_length)
+    low = max(along, key=lambda one: one.arc_length)
+    beyond = [leaf for leaf in tree.leaves if low.index in tree.ancestry(leaf)]
+    leaf = max(beyond, key=lambda one: tree.arc_length[one])
+    way = tree.path(tree.points[tree.ancestry(leaf)[0]], tree.points[leaf]).points
+    first, last = closest_points(way, np.array([top.point, low.point])).arc_lengths.tolist()
+    return way, first, last
+
+
+def _places(
+    finders: list[PlaneFinder], line: Points, start: float, needed: float
+) -> Iterator[float]:
+    """Arc lengths of a line at which planes are free: from what is needed on, else before it."""
+    end = float(arc_lengths(line)[-1])
+    beyond = np.arange(start + needed, end, SPACING)
+    before = np.arange(min(start + needed, end) - SPACING, start, -SPACING)
+    for at in np.r_[beyond, before].tolist():
+        rest = line[arc_lengths(line) < at - SPACING / 10]
+        back = np.vstack([point_at(line, [at]), rest[::-1]])
+        normal = finders[0].direction(back)
+        if not any(finder.fault(back[0], normal) for finder in finders):
+            yield at

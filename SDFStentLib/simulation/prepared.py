@@ -1,0 +1,229 @@
+"""A segment before a stent and after it, meshed twice, with what flows through its ends."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from ..cautions import Caution
+from ..certificate import check_surface
+from ..files import VolumeMesh
+from ..flow import FlowModel, Solve
+from ..geometry import resampled, state_of, tangents
+from ..segment import Segment, SegmentFace
+from ..treatment import ExtractedSegment, SegmentWishes, Vessel, extract_segment
+from ..validation import DeploymentError, Floats, Points
+from ..vessel import vessel_parts
+from .conditions import Conditions, conditions_of
+from .ends import SPACING, FlowEnds, ends_beyond
+from .extension import extended
+from .mmg import check_mmg
+from .remesh import Axis, Remeshed, Wishes, axis_of, edge_sizes, edges_around, remeshed
+from .solver_file import Steps, time_steps
+from .tetrahedra import Quality, check_meshers, filled, quality
+
+COARSER = 1.5
+"""Times the edges of the second mesh, whose difference is the error bar."""
+
+STATES = ("before", "after")
+
+
+class Mesh(NamedTuple):
+    """Of one state."""
+
+    made: Remeshed
+    volume: VolumeMesh
+    quality: Quality
+    edges_round: int
+    """At the throat."""
+    steps: Steps
+
+
+class Throat(NamedTuple):
+    """The narrowest place along the segment."""
+
+    place: Points
+    """(3,) mm."""
+    direction: Floats
+    """(3,) of the vessel there."""
+    radius: float
+    """mm."""
+
+
+class Lines(NamedTuple):
+    """Points of the centerlines at even distances, mm."""
+
+    tree: Points
+    way: Points
+
+
+class State(NamedTuple):
+    """Of the vessel."""
+
+    segment: Segment
+    conditions: Conditions
+    meshes: dict[str, Mesh]
+    """`fine` and `coarse`."""
+    throat: Throat
+
+
+class Prepared(NamedTuple):
+    """All that a solver is given."""
+
+    states: dict[str, State]
+    way: Points
+    """(k, 3) of the centerline through the segment, mm."""
+    main_outlet: str
+    """The face at the end of the way."""
+    network: Mapping[str, Mapping[str, tuple[float, float, float]]]
+    """What the network tells by state: a value, and between what it lies, mmHg."""
+    level: float | None
+    """Pressure beyond the tree, mmHg, above which all others are; None where none is known."""
+    extensions: dict[str, float]
+    """mm, by face."""
+    warnings: tuple[Caution, ...]
+
+
+class Cut(NamedTuple):
+    """How the segment is cut."""
+
+    ends: tuple[Points, Points] | None = None
+    """mm; None to take those that `ends_beyond` finds."""
+    close_branches: bool = False
+    units: str = "mm"
+
+
+def prepare(
+    vessels: tuple[Vessel, Vessel],
+    model: FlowModel,
+    cut: Cut,
+    wishes: Wishes,
+    tell: Callable[[float, str], None] = lambda _part, _words: None,
+    *,
+    solve: Solve | None = None,
+) -> Prepared:
+    """Cut, extend and mesh a vessel before a stent and after it.
+
+    Parameters
+    ----------
+    vessels : pair of Vessel
+        Before, with a centerline, and after, with the same triangles.
+    model : FlowModel
+        Of the vessel before.
+    cut : Cut
+    wishes : Wishes
+    tell : callable, optional
+        Is told which part of the work is done, and what comes next.
+    solve : callable, optional
+        As of `FlowModel.answer`.
+
+    Raises
+    ------
+    InputError
+        No places for planes, other triangles after, or a mesher that is not installed.
+    DeploymentError
+        No sound segment, or a mesher that fails.
+    """
+    check_mmg()
+    check_meshers()
+    before, after = vessels
+    tree = before.centerline
+    assert tree is not None
+    state_of(before.surface, after.surface, "treated vessel")
+    parts = vessel_parts(before.surface, tree, before.faces, cut.units)
+    is_wall = ~np.isin(parts.ids, [*parts.caps])
+    axis = axis_of(parts.surface, is_wall, tree.resampled(SPACING).points)
+    if cut.ends is None:
+        ends = ends_beyond(before, after, axis, cut.units)
+    else:
+        ends = FlowEnds(*cut.ends, (0.0, 0.0))
+    tell(0.05, "the segment")
+    branches = SegmentWishes(cut.close_branches, units=cut.units)
+    found = extract_segment(before, ends.start, ends.end, branches, after=after)
+    assert found.after is not None
+    way = tree.path(*tree.ends_of_path(ends.start, ends.end)).points
+    main = _at(found.before, way[-1], "outlet")
+    segments, extensions, warnings = _with_extensions(found, ends, main)
+    channels = before.followed.after(tree, after.surface)
+    answer = model.answer(channels, [("the segment", way)], solve)
+    told = {
+        name: {
+            "recovered": (*moments["mean"].drops[0].recovered,),
+            "maximal": (*moments["mean"].drops[0].maximal,),
+            **({} if (inlet := moments["mean"].inlet) is None else {"inlet": (*inlet,)}),
+        }
+        for name, moments in zip(STATES, (answer.before, answer.after or {}), strict=True)
+    }
+    conditions = conditions_of(answer, model.channels, found.before, found.after)
+    lines = Lines(tree.resampled(SPACING).points, resampled(way, SPACING))
+    states = {}
+    for number, (name, segment) in enumerate(zip(STATES, segments, strict=True)):
+        tell(0.1 + 0.45 * number, f"meshes {name}")
+        states[name] = _meshed(segment, conditions[number], lines, wishes)
+    level = model.known.wedge
+    return Prepared(states, way, main.name, told, level, extensions, (*found.warnings, *warnings))
+
+
+def _with_extensions(
+    found: ExtractedSegment, ends: FlowEnds, main: SegmentFace
+) -> tuple[tuple[Segment, Segment], dict[str, float], list[Caution]]:
+    """Both states, with as much tube at both ends as vessel is missing there."""
+    assert found.after is not None
+    segments, made, warnings = (found.before, found.after), dict[str, float](), []
+    inlet = _at(found.before, ends.start, "inlet")
+    for face, by in ((inlet, ends.missing[0]), (main, ends.missing[1])):
+        if by < np.sqrt(face.area / np.pi) / 2:
+            continue
+        longer = [extended(segment, face.name, by) for segment in segments]
+        if longer[0] is None or longer[1] is None:
+            x, y, z = face.center.tolist()
+            numbers: dict[str, float | str] = {"name": face.name, "distance_mm": by}
+            warnings.append(Caution("no-room-for-tube", numbers, (x, y, z)))
+            continue
+        segments, made[face.name] = (longer[0], longer[1]), by
+    return segments, made, warnings
+
+
+def _at(segment: Segment, place: Points, kind: str) -> SegmentFace:
+    """The end of a kind that is nearest to a place."""
+    ends = [face for face in segment.faces if face.kind == kind]
+    return min(ends, key=lambda face: float(np.linalg.norm(face.center - place)))
+
+
+def _meshed(segment: Segment, conditions: Conditions, lines: Lines, wishes: Wishes) -> State:
+    is_wall = np.isin(segment.face_ids, [*segment.walls])
+    axis = axis_of(segment.surface, is_wall, lines.tree)
+    way = axis_of(segment.surface, is_wall, lines.way)
+    throat = int(np.argmin(way.radius))
+    at = Throat(way.points[throat], tangents(way.points)[throat], float(way.radius[throat]))
+    meshes = {
+        name: _mesh(segment, conditions, (axis, at), one)
+        for name, one in (
+            ("fine", wishes),
+            ("coarse", wishes._replace(coarser=COARSER * wishes.coarser)),
+        )
+    }
+    return State(segment, conditions, meshes, at)
+
+
+def _mesh(
+    segment: Segment, conditions: Conditions, sizes: tuple[Axis, Throat], wishes: Wishes
+) -> Mesh:
+    axis, throat = sizes
+    made = remeshed(segment, axis, wishes)
+    if not check_surface(made.surface).passed:
+        raise DeploymentError(
+            "mesh: expected a sound surface, got one that crosses itself; choose a finer mesh, or "
+            "other ends of the segment."
+        )
+    volume = filled(made)
+    edge = float(edge_sizes(throat.place[None], axis, wishes)[0])
+    return Mesh(
+        made,
+        volume,
+        quality(volume),
+        edges_around(made.surface, throat.place, throat.direction),
+        time_steps(conditions, edge, throat.radius, segment.volume),
+    )

@@ -1,0 +1,143 @@
+"""A surface for a volume mesh: triangles as large as its vessel allows, on the wall as it was."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..geometry import ClosedSurface, Surface, SurfaceIndex, faces_at, section_around
+from ..segment import Segment
+from ..validation import DeploymentError, Flags, Floats, Indices, Points
+from .mmg import MeditMesh, by_mmg
+
+TOLERANCE = 0.02
+"""Up to so far the points of the old wall lie from the new one, mm."""
+
+CHORD = 0.75
+"""Part of the tolerance that the edges of a round wall may take."""
+
+FINER = 0.7
+"""Times the sizes where the wall lies farther, for another round."""
+
+ROUNDS = 4
+"""Of that; a spike that none of them follows is an error."""
+
+ANGLE = 50
+"""Degrees between two triangles from which on their edge is kept: that round a cap is."""
+
+GRADING = 1.25
+"""How much longer an edge may be than the next one."""
+
+SPARE = 1.2
+"""Edges come out up to so many times as long as was asked for."""
+
+NEAR = 32
+"""Points of the centerline among which the vessel of a place is looked for."""
+
+
+class Wishes(NamedTuple):
+    """How fine a mesh is."""
+
+    edges_round: float = 20.0
+    """At least so many edges go round the vessel everywhere."""
+    coarser: float = 1.0
+    """Times the size of all edges: a second mesh of the same kind."""
+
+    @property
+    def tolerance(self) -> float:
+        """mm; what chords leave grows with the square of their length."""
+        return TOLERANCE * self.coarser**2
+
+
+class Axis(NamedTuple):
+    """What tells how wide a vessel is at a place of its wall."""
+
+    points: Points
+    """(k, 3) along the centerlines, mm."""
+    radius: Floats
+    """(k,) of the lumen there, mm."""
+
+    def nearest(self, points: Points) -> Indices:
+        """By place (n, 3) the point of the centerlines in whose vessel it is, or least outside."""
+        # Late: scipy costs what a first frame should not pay.
+        from scipy.spatial import cKDTree
+
+        away, near = cKDTree(self.points).query(points, k=[*range(1, 1 + NEAR)])
+        near = np.minimum(near, len(self.points) - 1)  # those that are missing are infinitely far
+        best = np.argmin(away - self.radius[near], axis=1)
+        return np.asarray(near[np.arange(len(points)), best])
+
+    def radius_at(self, points: Points) -> Floats:
+        """Of the vessel in which places (n, 3) are, mm."""
+        return np.asarray(self.radius[self.nearest(points)])
+
+
+class Remeshed(NamedTuple):
+    """A closed surface of new triangles."""
+
+    surface: Surface
+    face_ids: Indices
+    """(m,)"""
+    deviation: float
+    """Of the old points from it, mm."""
+
+
+def axis_of(surface: Surface, is_wall: Flags, line: Points) -> Axis:
+    """The radii of a closed or open lumen along points (k, 3) of centerlines.
+
+    `is_wall` (m,) are the triangles that are no caps. Points outside of a closed one are left out.
+    """
+    from scipy.spatial import cKDTree
+
+    if surface.topology.is_watertight:
+        line = line[ClosedSurface(surface.points, surface.triangles).contains(line)]
+    corners = surface.points[surface.triangles[is_wall]]
+    wall = np.vstack([corners.reshape(-1, 3), corners.mean(axis=1)])
+    return Axis(line, np.asarray(cKDTree(wall).query(line)[0]))
+
+
+def edge_sizes(points: Points, axis: Axis, wishes: Wishes) -> Floats:
+    """Edges (n,) so long that enough go round the vessel, and a round wall is kept, mm."""
+    radius = axis.radius_at(points)
+    chord = np.sqrt(8 * radius * CHORD * TOLERANCE)
+    size = np.minimum(2 * np.pi * radius / (SPARE * wishes.edges_round), chord)
+    return np.asarray(wishes.coarser * size)
+
+
+def remeshed(segment: Segment, axis: Axis, wishes: Wishes) -> Remeshed:
+    """A segment with triangles sized by its radius, by MMG.
+
+    MMG keeps the borders of faces, and lays new points on the curved wall for which the old
+    triangles stand.
+
+    Raises
+    ------
+    InputError
+        MMG is not installed.
+    DeploymentError
+        It fails, or leaves the wall by more than the tolerance; coarser meshes may, and tell it.
+    """
+    old, none = segment.surface, np.zeros((0, 4), np.int64)
+    mesh = MeditMesh(old.points, old.triangles, segment.face_ids, none)
+    options = ["-ar", f"{ANGLE}", "-hgrad", f"{GRADING}", "-hausd", f"{wishes.tolerance}"]
+    sizes = edge_sizes(old.points, axis, wishes)
+    farthest = np.inf
+    for _ in range(ROUNDS):
+        made = by_mmg("mmgs", mesh, sizes, options)
+        away = SurfaceIndex(made.points, made.triangles).distances(old.points).distance
+        farthest = float(away.max())
+        if farthest <= wishes.tolerance or wishes.coarser > 1:
+            return Remeshed(Surface(made.points, made.triangles, name="mesh"), made.faces, farthest)
+        beside = np.unique(old.triangles[faces_at(away > wishes.tolerance, old.triangles)])
+        sizes[beside] *= FINER
+    raise DeploymentError(
+        f"mesh: expected one within {wishes.tolerance:g} mm of the wall, got one {farthest:.3f} mm "
+        "from it; look for spikes and folds with sdfstent check."
+    )
+
+
+def edges_around(surface: Surface, origin: Points, normal: Floats) -> int:
+    """How many edges go round a surface in a plane: half of the triangles that it cuts there."""
+    section = section_around(surface.points, surface.triangles, origin, normal)
+    return 0 if section is None else len(section.triangles) // 2

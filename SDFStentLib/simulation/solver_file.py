@@ -1,0 +1,205 @@
+"""The input of svMultiPhysics for a mesh: what is solved, for how long, and what is saved.
+
+Element names as its own test cases have them (github.com/SimVascular/svMultiPhysics,
+tests/cases/fluid); all in cm, g and s.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+from xml.etree import ElementTree
+
+from ..flow import ADULT
+from .conditions import Conditions
+
+RESULTS = "results"
+"""Folder of what the solver writes, and the first part of its names."""
+
+PRESSURES = f"{RESULTS}/B_NS_Pressure_average.txt"
+"""Mean pressure on every face by step: number, time, then the faces, the inlet first."""
+
+COURANT = 4.0
+"""Edges that the fastest blood passes in a step; the scheme is implicit."""
+
+RAMP, LONGEST, WINDOW = 0.5, 6.0, 0.5
+"""Steady flow, in the time that it takes through the lumen: over how long it rises, after how long
+it ends at the latest, and over how long the inlet pressure has to stay."""
+
+FRAMES = 5
+"""That are saved in a window."""
+
+LEAST_BETWEEN = 10
+"""Steps from one frame to the next."""
+
+CYCLES, CYCLE_FRAMES, SAMPLES, MODES = 3, 20, 100, 16
+"""Of a wave: cycles, what is saved of the last one, and rows and harmonics of its file."""
+
+_LINEAR = {
+    "Linear_algebra": {"@type": "fsils", "Preconditioner": "fsils"},
+    "Max_iterations": 15,
+    "NS_GM_max_iterations": 10,
+    "NS_CG_max_iterations": 300,
+    "Tolerance": 1e-3,
+    "NS_GM_tolerance": 1e-3,
+    "NS_CG_tolerance": 1e-3,
+    "Absolute_tolerance": 1e-17,
+    "Krylov_space_dimension": 250,
+}
+"""Of the solver's own cases; the preconditioner `rcs` diverges with resistances at outlets."""
+
+
+class Steps(NamedTuple):
+    """Of time."""
+
+    length: float
+    """s."""
+    number: int
+    ramp: float
+    """s; 0 for a wave."""
+    save_every: int
+    save_from: int
+    window: int
+    """Steps over which the inlet pressure has to stay; 0 for a wave, which takes its time."""
+
+
+def time_steps(conditions: Conditions, edge: float, radius: float, volume: float) -> Steps:
+    """Steps in which the fastest blood, in the throat, passes `COURANT` edges.
+
+    Parameters
+    ----------
+    conditions : Conditions
+    edge, radius : float
+        Of the mesh and the lumen in the throat, mm.
+    volume : float
+        Of the lumen, mm^3.
+    """
+    wave = conditions.wave
+    flow = 1000 * (conditions.inflow if wave is None else wave.peak)
+    fastest = 2 * flow / (math.pi * radius**2)
+    length = COURANT * edge / fastest
+    if wave is not None:
+        period = wave.time[-1]
+        every = math.ceil(period / length / CYCLE_FRAMES)
+        cycle = every * CYCLE_FRAMES
+        return Steps(period / cycle, CYCLES * cycle, 0.0, every, (CYCLES - 1) * cycle + 1, 0)
+    through = volume / flow
+    every = max(math.ceil(WINDOW * through / length / FRAMES), LEAST_BETWEEN)
+    windows = math.ceil(LONGEST / WINDOW)
+    window = every * FRAMES
+    return Steps(length, windows * window, RAMP * through, every, 1, window)
+
+
+def solver_files(conditions: Conditions, steps: Steps) -> dict[str, str]:
+    """`solver.xml` and the files of flow that it names, by name."""
+    texts = {"inlet.flow": _flow_file(conditions, steps)}
+    bounds = [_flow_bound("inlet", "inlet.flow", steps)]
+    for outlet in conditions.outlets:
+        if outlet.kind == "flow":
+            share = outlet.value / conditions.inflow
+            texts[f"{outlet.name}.flow"] = _flow_file(conditions, steps, share)
+            bounds.append(_flow_bound(outlet.name, f"{outlet.name}.flow", steps))
+            continue
+        kind = "Resistance" if outlet.kind == "resistance" else "Steady"
+        bounds.append(_bound(outlet.name, "Neu", kind, {"Value": outlet.value}))
+    bounds.append(_bound("wall", "Dir", "Steady", {"Value": 0.0}))
+    faces = ["inlet", *(outlet.name for outlet in conditions.outlets)]
+    files = {name: f"mesh/mesh-surfaces/{name}.vtp" for name in faces}
+    document = {
+        "@version": "0.1",
+        "GeneralSimulationParameters": _general(steps),
+        "Add_mesh": {
+            "@name": "lumen",
+            "Mesh_file_path": "mesh/mesh-complete.mesh.vtu",
+            "Add_face": [
+                {"@name": name, "Face_file_path": file}
+                for name, file in {**files, "wall": "mesh/walls_combined.vtp"}.items()
+            ],
+        },
+        "Add_equation": _equation(bounds),
+    }
+    root = ElementTree.Element("svMultiPhysicsFile")
+    _fill(root, document)
+    ElementTree.indent(root)
+    text = ElementTree.tostring(root, encoding="unicode")
+    return {"solver.xml": f'<?xml version="1.0" encoding="UTF-8"?>\n{text}\n', **texts}
+
+
+def _general(steps: Steps) -> dict[str, Any]:
+    return {
+        "Continue_previous_simulation": False,
+        "Number_of_spatial_dimensions": 3,
+        "Number_of_time_steps": steps.number,
+        "Time_step_size": steps.length,
+        "Spectral_radius_of_infinite_time_step": 0.5,
+        "Searched_file_name_to_trigger_stop": "STOP_SIM",
+        "Save_results_to_VTK_format": True,
+        "Name_prefix_of_saved_VTK_files": "result",
+        "Save_results_in_folder": RESULTS,
+        "Increment_in_saving_VTK_files": steps.save_every,
+        "Start_saving_after_time_step": steps.save_from,
+        "Increment_in_saving_restart_files": steps.number,
+        "Convert_BIN_to_VTK_format": False,
+        "Verbose": True,
+        "Warning": False,
+        "Debug": False,
+    }
+
+
+def _equation(bounds: list[dict[str, Any]]) -> dict[str, Any]:
+    """Blood as in `flow`, whose 1 Pa s are 10 g/(cm s)."""
+    return {
+        "@type": "fluid",
+        "Coupled": True,
+        "Min_iterations": 2,
+        "Max_iterations": 5,
+        "Tolerance": 1e-4,
+        "Backflow_stabilization_coefficient": 0.2,
+        "Density": ADULT.density / 1000,
+        "Viscosity": {"@model": "Constant", "Value": 10 * ADULT.viscosity},
+        "Output": [
+            {"@type": "Spatial", "Velocity": True, "Pressure": True, "WSS": True},
+            {"@type": "B_INT", "Pressure": True, "Velocity": True},
+        ],
+        "LS": {"@type": "NS", **_LINEAR},
+        "Add_BC": bounds,
+    }
+
+
+def _bound(name: str, kind: str, time: str, more: Mapping[str, Any]) -> dict[str, Any]:
+    return {"@name": name, "Type": kind, "Time_dependence": time, **more}
+
+
+def _flow_bound(name: str, file: str, steps: Steps) -> dict[str, Any]:
+    more = {
+        "Temporal_values_file_path": file,
+        "Ramp_function": steps.ramp > 0,
+        "Profile": "Parabolic",
+        "Impose_flux": True,
+    }
+    return _bound(name, "Dir", "Unsteady", more)
+
+
+def _flow_file(conditions: Conditions, steps: Steps, share: float = -1.0) -> str:
+    """Rows of time and flow; into the vessel is negative there."""
+    if conditions.wave is None:
+        return f"2 1\n0.0 0.0\n{steps.ramp!r} {share * conditions.inflow!r}\n"
+    period = conditions.wave.time[-1]
+    flows = conditions.wave.sampled(SAMPLES).tolist()
+    rows = [f"{period * k / SAMPLES!r} {share * q!r}" for k, q in enumerate([*flows, flows[0]])]
+    return "\n".join([f"{SAMPLES + 1} {MODES}", *rows, ""])
+
+
+def _fill(element: ElementTree.Element, values: Mapping[str, Any]) -> None:
+    """Attributes begin with @; a list is a row of elements of one name."""
+    for name, value in values.items():
+        if name.startswith("@"):
+            element.set(name[1:], value)
+            continue
+        for one in value if isinstance(value, list) else [value]:
+            child = ElementTree.SubElement(element, name)
+            if isinstance(one, Mapping):
+                _fill(child, one)
+            else:
+                child.text = str(one).lower() if isinstance(one, bool) else str(one)
