@@ -38,7 +38,7 @@ _ASLANT = 2.0
 """An axis that goes aslant meets the section within so many radii of its middle."""
 
 _SECTIONS = 5
-"""Sections along healthy vessel, of whose areas the smallest is taken: branches that leave, and
+"""Sections along healthy vessel, of which the least oblong tells the area: branches that leave, and
 lines that go aslant, only make them larger."""
 
 SMALL_VESSEL = 3.0
@@ -309,12 +309,11 @@ def _healthy_areas(
     cut = equivalent_diameters(
         surface.points,
         surface.triangles,
-        np.concatenate([line for line, _ in stations]),
-        np.concatenate([ways for _, ways in stations]),
+        np.concatenate([line for line, _, _ in stations]),
+        np.concatenate([ways for _, ways, _ in stations]),
     ).reshape(len(asked), _SECTIONS)
-    places = iter(
-        [_healthy(run, side, widths) for (run, side), widths in zip(asked, cut, strict=True)]
-    )
+    columns = zip(asked, cut, stations, strict=True)
+    places = iter([_healthy(*one, widths, inscribed) for one, widths, (_, _, inscribed) in columns])
 
     def next_of(side: Plateau | None) -> HealthyPlace | None:
         return None if side is None else next(places)
@@ -322,8 +321,8 @@ def _healthy_areas(
     return [(next_of(one.sides[0]), next_of(one.sides[1])) for one in found]
 
 
-def _along_plateau(run: VesselRun, side: Plateau) -> tuple[Points, Points]:
-    """Places (k, 3) along healthy vessel with its directions."""
+def _along_plateau(run: VesselRun, side: Plateau) -> tuple[Points, Points, Floats]:
+    """Places (k, 3) along healthy vessel with its directions and inscribed diameters (k,)."""
     half = PLATEAU * side.diameter / 2
     at = np.linspace(side.arc_length - half, side.arc_length + half, _SECTIONS)
     at = np.clip(at, run.along[0], run.along[-1])
@@ -332,12 +331,15 @@ def _along_plateau(run: VesselRun, side: Plateau) -> tuple[Points, Points]:
         np.column_stack([np.interp(at, run.along, column) for column in values.T])
         for values in (run.points, directions)
     )
-    return line, ways
+    known = np.isfinite(run.diameter)
+    return line, ways, np.interp(at, run.along[known], run.diameter[known])
 
 
-def _healthy(run: VesselRun, side: Plateau, sections: Floats) -> HealthyPlace:
-    own = sections[sections <= OWN_SECTION * side.diameter]
-    area = float(np.pi / 4 * own.min() ** 2) if len(own) else float("nan")
+def _healthy(run: VesselRun, side: Plateau, sections: Floats, inscribed: Floats) -> HealthyPlace:
+    """With the area that its least oblong section has where it is as wide as the plateau."""
+    own = sections <= OWN_SECTION * side.diameter
+    oblong = float((sections[own] / inscribed[own]).min(initial=np.inf))
+    area = np.pi / 4 * (oblong * side.diameter) ** 2 if own.any() else float("nan")
     return HealthyPlace(as_place(_at(run, side.arc_length)), side.arc_length, side.diameter, area)
 
 

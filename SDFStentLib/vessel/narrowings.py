@@ -16,13 +16,12 @@ import numpy as np
 from ..validation import Flags, Floats
 from .plateaus import (
     NEARLY_WIDEST,
-    PLATEAU,
     REFERENCE_REACH,
+    Plateaus,
     known_stations,
     medians,
     plateaus_of,
     runs_of,
-    typical_stations,
 )
 from .runs import MURRAY_EXPONENT, SideBranch, VesselRun
 
@@ -62,6 +61,9 @@ taper between them, too."""
 HEALTHY_AGAIN = 0.78
 """Share of the other side's diameter from which a plateau between a lesion and the vessel's end at
 a junction is healthy; less is a throat of the lesion."""
+
+STEPPED_OVER = 0.25
+"""Of the nearest plateau's width: the widest of those that begin within so much of it counts."""
 
 REGAINED = 0.5
 """Share of what a narrowing lost that its vessel has regained where a plateau is healthy although
@@ -120,7 +122,7 @@ class Narrowing(NamedTuple):
 
 
 class _Sides(NamedTuple):
-    """For every station the plateau on one side: its place, NaN without one, and its diameter."""
+    """For every station the plateau on one side: its middle, NaN without one, and its width."""
 
     along: Floats
     diameter: Floats
@@ -133,8 +135,7 @@ def narrowings(run: VesselRun) -> list[Narrowing]:
     along, diameter = known_stations(run)
     if len(along) < 3:
         return []
-    plateaus = plateaus_of(run)
-    before, after = _sides(run, along, diameter, plateaus)
+    before, after = _sides(run, along, diameter, plateaus_of(run))
     degree, counts = _degrees(along, diameter, before, after)
     throats = [
         first + int(np.where(counts, diameter, np.inf)[first : last + 1].argmin())
@@ -155,7 +156,7 @@ def _overlap(one: Narrowing, other: Narrowing) -> bool:
 
 
 def _sides(
-    run: VesselRun, along: Floats, diameter: Floats, plateaus: Floats
+    run: VesselRun, along: Floats, diameter: Floats, plateaus: Plateaus
 ) -> tuple[_Sides, _Sides]:
     """The plateaus on both sides of every station; what stands for one at a junction."""
     before = _nearest(along, diameter, plateaus, 1)
@@ -175,22 +176,29 @@ def _sides(
     return before, after
 
 
-def _nearest(along: Floats, diameter: Floats, plateaus: Floats, way: int) -> _Sides:
-    """On one side of every station the nearest plateau that is nearly as wide as any in reach."""
-    distance = way * (along[:, None] - along[None, :])
-    width = np.where(np.isfinite(plateaus), plateaus, -np.inf)
-    can_be = (distance >= 0) & (distance <= REFERENCE_REACH * width)
+def _nearest(along: Floats, diameter: Floats, plateaus: Plateaus, way: int) -> _Sides:
+    """On one side of every station the nearest plateau that is nearly as wide as any in reach.
+
+    One in which a station lies is on both of its sides.
+    """
+    if not len(plateaus.start):
+        unknown = np.full(len(along), np.nan)
+        return _Sides(unknown, unknown, unknown)
+    near, far = (plateaus.end, plateaus.start) if way > 0 else (plateaus.start, plateaus.end)
+    width, at = plateaus.narrowest[None, :], along[:, None]
+    distance = np.maximum(way * (at - near), 0.0)
+    can_be = (way * (at - far) >= 0) & (distance <= REFERENCE_REACH * width)
     widest = np.where(can_be, width, -np.inf).max(axis=1)
     half_way = diameter + REGAINED * (widest - diameter)
     is_wide = can_be & (width >= np.fmin(NEARLY_WIDEST * widest, half_way)[:, None])
     nearest = np.where(is_wide, distance, np.inf).min(axis=1)
     found = np.isfinite(nearest)
     first = np.where(is_wide & (distance == nearest[:, None]), width, -np.inf).max(axis=1)
-    # Its near end may be the foot of the narrowing: the widest place within its own length counts.
-    is_wide[found] &= distance[found] <= (nearest[found] + PLATEAU * first[found])[:, None]
+    # Its near end may be the foot of the narrowing.
+    is_wide[found] &= distance[found] <= (nearest[found] + STEPPED_OVER * first[found])[:, None]
     chosen = np.where(is_wide, width, -np.inf).argmax(axis=1)
-    place = typical_stations(along, diameter, plateaus)[chosen]
-    columns = along[place], diameter[place], plateaus[chosen]
+    place = (plateaus.start + plateaus.end) / 2
+    columns = place[chosen], plateaus.usual[chosen], plateaus.narrowest[chosen]
     return _Sides(*(np.where(found, column, np.nan) for column in columns))
 
 

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
+from ..centerline import USUAL
 from ..validation import Flags, Floats, Indices
 from .runs import VesselRun
 
@@ -12,6 +15,10 @@ REFERENCE_REACH = 4.0
 
 PLATEAU = 1.0
 """Diameters over which healthy vessel is that wide."""
+
+CLOSE = 0.1
+"""Of a vessel's median diameter by which the places are apart at which plateaus are looked for:
+stations may lie a third of one apart, and few in a window tell neither slope nor median."""
 
 FLAT = 0.92
 """Share of its median diameter that a plateau is wide at its narrowest place: slopes of more than
@@ -30,17 +37,51 @@ FOOT = 0.05
 """A widening ends where its slope stops falling: where the vessel is wider again by so much."""
 
 
+class Plateaus(NamedTuple):
+    """Stretches of healthy vessel; they overlap. All mm, from the root."""
+
+    start: Floats
+    """(n,)"""
+    end: Floats
+    """(n,)"""
+    narrowest: Floats
+    """(n,) their diameters where they are narrowest,"""
+    usual: Floats
+    """(n,) and their usual ones, as of a vessel (`centerline.USUAL`)."""
+
+
 def healthy_caliber(run: VesselRun) -> float:
     """How wide a vessel is where it is widest and healthy, mm: what it is called by.
 
     At least its median, which is all that is known of one that only slopes; 0 without a station.
     """
-    along, diameter = known_stations(run)
+    along, diameter = _close_places(run)
     if not len(along):
         return 0.0
-    plateaus = plateaus_of(run)
-    typical = diameter[typical_stations(along, diameter, plateaus)]
-    return float(max([np.median(diameter), *typical[np.isfinite(plateaus)]]))
+    return float(max([np.median(diameter), *plateaus_of(run).usual]))
+
+
+def plateaus_of(run: VesselRun) -> Plateaus:
+    """The plateaus of a vessel."""
+    along, diameter = _close_places(run)
+    half = PLATEAU * np.minimum(diameter, np.ptp(along) if len(along) else 0.0) / 2
+    first = np.searchsorted(along, along - half)
+    last = np.searchsorted(along, along + half, side="right")
+    near = first[:, None] + np.arange((last - first).max(initial=0))
+    is_within = near < last[:, None]
+    near = np.minimum(near, len(along) - 1)
+    narrowest = np.where(is_within, diameter[near], np.inf).min(axis=1, initial=np.inf)
+    is_healthy = narrowest >= FLAT * medians(diameter[near], is_within)
+    is_healthy &= _fits(along, half, run)
+    of_place = np.full(len(along), np.nan)
+    chosen = is_within & is_healthy[:, None]
+    np.fmax.at(of_place, near[chosen], np.broadcast_to(narrowest[:, None], near.shape)[chosen])
+    bulging = np.r_[0, np.cumsum(in_aneurysm(along, of_place, REFERENCE_REACH))]
+    is_healthy &= bulging[first] == bulging[last]
+    ends = np.maximum(along - half, along[:1]), np.minimum(along + half, along[-1:])
+    # A part of it may lie on a slope, and what is in it is no narrowing of itself.
+    usual = np.fmin(medians(diameter[near], is_within, USUAL), narrowest / NEARLY_WIDEST)
+    return Plateaus(*(column[is_healthy] for column in (*ends, narrowest, usual)))
 
 
 def known_stations(run: VesselRun) -> tuple[Floats, Floats]:
@@ -49,52 +90,39 @@ def known_stations(run: VesselRun) -> tuple[Floats, Floats]:
     return run.along[known], run.diameter[known]
 
 
-def plateaus_of(run: VesselRun) -> Floats:
-    """`_opening` of a vessel's known stations (n,), NaN in aneurysms, too."""
+def _close_places(run: VesselRun) -> tuple[Floats, Floats]:
+    """Arc lengths and diameters of the known stations, and of places on the lines between them."""
     along, diameter = known_stations(run)
-    found = _opening(along, diameter, run.parent >= 0, bool(run.division))
-    found[in_aneurysm(along, found, REFERENCE_REACH)] = np.nan
-    return found
+    if len(along) < 2:
+        return along, diameter
+    parts = np.ceil(np.diff(along) / (CLOSE * np.median(diameter)))
+    # Nothing is known between stations that others lie between.
+    parts[np.diff(np.flatnonzero(np.isfinite(run.diameter))) > 1] = 1.0
+    steps = [number + np.arange(count) / count for number, count in enumerate(parts.tolist())]
+    at, stations = np.concatenate([*steps, [len(along) - 1.0]]), np.arange(len(along))
+    return np.interp(at, stations, along), np.interp(at, stations, diameter)
 
 
-def _opening(along: Floats, diameter: Floats, has_ostium: bool, divides: bool) -> Floats:
-    """The widest of the plateaus (n,) in which every station lies, by their narrowest places.
+def _fits(along: Floats, half: Floats, run: VesselRun) -> Flags:
+    """Round which places (n,) so much of the vessel lies on both sides.
 
-    A plateau is no shorter than `PLATEAU`, or than the vessel, but at an in- or outlet, where the
-    vessel goes on beyond the model; NaN where there is none.
+    At an in- or outlet it goes on beyond the model, and elsewhere a plateau that would reach beyond
+    the end of the vessel is shorter than it should be.
     """
-    half = PLATEAU * np.minimum(diameter, np.ptp(along)) / 2
-    distance = np.abs(along[:, None] - along[None, :])
-    is_within = distance <= half[:, None]
-    narrowest = np.where(is_within, diameter[None, :], np.inf).min(axis=1)
-    is_flat = narrowest >= FLAT * medians(diameter, is_within)
-    # One that would reach beyond the end of the vessel is shorter than it should be.
-    rounding = 1e-9 * max(1.0, float(np.ptp(along)))
-    fits = is_flat
-    if has_ostium:
-        fits &= along - half >= along[0] - rounding
-    if divides:
-        fits &= along + half <= along[-1] + rounding
-    widest = np.where(is_within & fits[:, None], narrowest[:, None], -np.inf).max(axis=0)
-    return np.where(np.isfinite(widest), widest, np.nan)
+    rounding = 1e-9 * max(1.0, float(np.ptp(along)) if len(along) else 0.0)
+    begins = run.parent < 0 or along - half >= along[:1] - rounding
+    ends = not run.division or along + half <= along[-1:] + rounding
+    return np.asarray(np.full(len(along), True) & begins & ends)
 
 
-def typical_stations(along: Floats, diameter: Floats, plateaus: Floats) -> Indices:
-    """By station the place (n,) in the plateau round it, half of it on both sides, that is about
-    as wide as the median there."""
-    near = np.abs(along[:, None] - along[None, :]) <= PLATEAU * plateaus[:, None] / 2
-    near &= diameter[None, :] >= plateaus[:, None]
-    middle = medians(diameter, near)
-    # On a slope what lies beside is none of the plateau.
-    wanted = np.fmin(middle, plateaus / NEARLY_WIDEST)
-    off = np.where(near, np.abs(diameter[None, :] - wanted[:, None]), np.inf)
-    return np.asarray(off.argmin(axis=1))
+def medians(diameter: Floats, chosen: Flags, share: float = 0.5) -> Floats:
+    """By row (k, n) the lower median, or another quantile, of the chosen diameters.
 
-
-def medians(diameter: Floats, chosen: Flags) -> Floats:
-    """By row (k, n) the lower median of the chosen diameters; infinite where none is."""
-    values = np.sort(np.where(chosen, diameter[None, :], np.inf), axis=1)
-    return np.asarray(values[np.arange(len(chosen)), np.maximum(chosen.sum(axis=1) - 1, 0) // 2])
+    They are (n,) or (k, n); infinite where none is chosen.
+    """
+    values = np.sort(np.where(chosen, diameter, np.inf), axis=1)
+    last = np.maximum(chosen.sum(axis=1) - 1, 0)
+    return np.asarray(values[np.arange(len(chosen)), (share * last).astype(np.int64)])
 
 
 def in_aneurysm(along: Floats, plateaus: Floats, reach: float) -> Flags:
