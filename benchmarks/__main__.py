@@ -28,6 +28,8 @@ TITLES = {
     "first_frame": "First frame",
     "memory": "Memory",
     "lumen": "The deployed lumen",
+    "paper": "The comparison of the paper",
+    "flow": "Pressures and flows",
     "trees": "Narrowings in trees",
     "random_stents": "Random stents in the anatomies",
 }

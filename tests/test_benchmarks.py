@@ -57,6 +57,14 @@ def test_the_lumen_has_the_prescribed_diameter_and_the_published_one_has_not():
     assert rows["without facet compensation"]["mean"] < default["mean"]
 
 
+def test_the_published_rule_leaves_the_lumen_that_the_paper_tells(data_dir):
+    rows = {row["name"]: row["mm"] for row in quick("paper")["rows"]}
+    published = benchmark("paper").PUBLISHED
+    assert rows["before"] == pytest.approx(published["before"][:4], abs=0.12)
+    assert rows["as published (k/4)"] == pytest.approx(published["SDFStent"][:4], abs=0.1)
+    assert rows["default"] == pytest.approx([6.0, 6.0, 6.0, 0.0], abs=0.04)
+
+
 def test_a_fresh_process_tells_when_its_first_state_came_and_what_memory_it_took(data_dir):
     common, subprocesses = benchmark("common"), benchmark("subprocesses")
     with subprocesses.mesh_file(common.aorta_case()) as mesh:

@@ -1,6 +1,9 @@
 """Flow through networks: against closed forms, axisymmetric references, and svZeroDSolver."""
 
 import json
+import re
+import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -211,8 +214,13 @@ def test_a_solver_that_dies_or_does_not_converge_is_a_sentence(a_fork, monkeypat
         ("import no_such_package", "ModuleNotFoundError"),
     ):
         monkeypatch.setattr(run, code)
-        with pytest.raises(DeploymentError, match=words):
+        with pytest.raises(DeploymentError, match=words) as error:
             solved_by_svzerod(answer.networks[0], answer.outlets, known)
+        # Its log and what it was asked are kept.
+        log = Path(re.search(r"is in (\S+solver\.log)", str(error.value))[1])
+        assert log.stat().st_size > 0 or words.endswith("nothing")
+        assert json.loads((log.parent / "network.json").read_text(encoding="utf-8"))["vessels"]
+        shutil.rmtree(log.parent)
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,8 @@ import sys
 from collections.abc import Iterator, Sequence
 from importlib.util import find_spec
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from shutil import rmtree
+from tempfile import mkdtemp
 from typing import Any
 
 import numpy as np
@@ -101,27 +102,33 @@ def solved_by_svzerod(network: Network, outlets: Outlets, known: Known) -> tuple
     Raises
     ------
     DeploymentError
-        The solver is missing, dies, takes too long, or does not converge; with its last words.
+        The solver is missing, dies, takes too long, or does not converge; with its last words, and
+        where its log and what it was asked are kept.
     """
-    with TemporaryDirectory(prefix="sdfstent-flow-") as folder:
-        question, answer = Path(folder) / "network.json", Path(folder) / "answer.csv"
-        document = svzerod_document(network, outlets, known)
-        question.write_text(json.dumps(document, allow_nan=False), encoding="utf-8")
-        command = [sys.executable, "-c", _RUN, str(question), str(answer)]
+    folder = Path(mkdtemp(prefix="sdfstent-flow-"))
+    question, answer, log = (folder / name for name in ("network.json", "answer.csv", "solver.log"))
+    document = svzerod_document(network, outlets, known)
+    question.write_text(json.dumps(document, allow_nan=False), encoding="utf-8")
+    command = [sys.executable, "-c", _RUN, str(question), str(answer)]
+    with open(log, "wb") as said:
         try:
-            done = subprocess.run(command, capture_output=True, timeout=TIME_LIMIT, check=False)
+            done = subprocess.run(
+                command, stdout=said, stderr=said, timeout=TIME_LIMIT, check=False
+            )
         except subprocess.TimeoutExpired as error:
-            raise _failed(f"no answer in {TIME_LIMIT:g} s") from error
-        if done.returncode or not answer.is_file():
-            said = done.stderr.decode("utf-8", "replace").strip().splitlines() or ["nothing"]
-            raise _failed(f"exit code {done.returncode}, and it said: {said[-1]}")
-        with open(answer, encoding="utf-8", newline="") as file:
-            rows = list(csv.DictReader(file))
+            raise _failed(f"no answer in {TIME_LIMIT:g} s", log) from error
+    if done.returncode or not answer.is_file():
+        words = log.read_text(encoding="utf-8", errors="replace").strip().splitlines()
+        last = words[-1] if words else "nothing"
+        raise _failed(f"exit code {done.returncode}, and it said: {last}", log)
+    with open(answer, encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
     names = [_name(number) for number in range(len(network.blocks))]
     flows = np.stack([_column(rows, name, "flow_in") for name in names], axis=1)
     inlet = _column(rows, names[0], "pressure_in")
     if not (np.isfinite(flows).all() and np.isfinite(inlet).all()):
-        raise _failed("numbers that are none: it did not converge")
+        raise _failed("numbers that are none: it did not converge", log)
+    rmtree(folder, ignore_errors=True)
     # The end of a cycle is the begin of the next one.
     return inlet[:-1] / _BARYE, 1e-6 * flows[:-1]
 
@@ -156,8 +163,9 @@ def _column(rows: Sequence[dict[str, str]], name: str, column: str) -> Floats:
     return np.array([float(row[column]) for row in rows if row["name"] == name])
 
 
-def _failed(words: str) -> DeploymentError:
+def _failed(words: str, log: Path) -> DeploymentError:
     return DeploymentError(
-        f"svzerod: expected an answer, got {words}. Install it anew (pip install svzerod), or give "
-        "the mean and the peak flow in place of a wave, which need no solver."
+        f"svzerod: expected an answer, got {words}. All that it said is in {log}, beside what it "
+        "was asked. Install it anew (pip install svzerod), or give the mean and the peak flow in "
+        "place of a wave, which need no solver."
     )

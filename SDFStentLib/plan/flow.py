@@ -31,8 +31,9 @@ def flow_model(vessel: Vessel, known: Known, frame: Frame | None = None) -> Flow
     """
     if vessel.centerline is None:
         raise InputError(
-            "flow: expected a centerline of the vessel tree, got none; name it, or leave the flow "
-            "out."
+            "flow: expected a centerline of the vessel tree, got none: an axis does not tell where "
+            "the flow divides, nor where it goes on; name one (extract makes it), or leave the "
+            "flow out."
         )
     return FlowModel(vessel.channels, known, SideClues(frame, names=vessel.given_names))
 
