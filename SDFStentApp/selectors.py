@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import slicer
@@ -158,7 +158,15 @@ class NodeComboBox(Selector):
     def nodes(self) -> list[Any]:
         if self._isImporting():
             return []
-        return [node for node in self._scene.GetNodes() if self._is_offered(node)]
+        offered = {node for node in self._of_types() if self._is_offered(node)}
+        return [node for node in self._scene.GetNodes() if node in offered]
+
+    def _of_types(self) -> Iterator[Any]:
+        """The scene finds them; to ask every node of it takes four times as long."""
+        for name in self.nodeTypes:
+            found = self._scene.GetNodesByClass(name)
+            found.UnRegister(None)
+            yield from found
 
     def _isImporting(self) -> bool:
         """Whether there is no scene, or one in which what is imported is seen at the end only."""
