@@ -34,6 +34,7 @@ COPIED = (
     "map",
     "flowMean",
     "flowPeak",
+    "flowWave",
     "inletPressure",
     "wedgePressure",
     "splitRight",

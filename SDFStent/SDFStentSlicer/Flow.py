@@ -1,15 +1,46 @@
 """What is known of the patient's flow before treatment: L/min, mmHg and % in the panel, the library's `Known` in a plan."""
 
+import importlib
 import json
 from dataclasses import replace
 
+import slicer
 from slicer.i18n import tr as _
 
-from SDFStentLib.flow import Known
+from SDFStentLib.flow import Known, Wave, has_svzerod
 from SDFStentLib.validation import InputError
 
 ML_PER_S = 1000 / 60
 """In one liter per minute."""
+
+SHOWN = 0.006
+"""L/min, half of the last figure that is shown, and a little: so far the peak may be from its wave's."""
+
+SOLVER = "svzerod>=3.2"
+
+
+def waveOf(parameterNode):
+    """The wave of a plan, None where there is none, or where mean and peak are no longer its own."""
+    if not parameterNode.flowWave or parameterNode.flowMean <= 0:
+        return None
+    wave = Wave(*map(tuple, json.loads(parameterNode.flowWave)))
+    wave = wave.scaled(parameterNode.flowMean * ML_PER_S)
+    isOwn = abs(wave.peak / ML_PER_S - parameterNode.flowPeak) <= SHOWN * (
+        1 + wave.peak / wave.mean
+    )
+    return wave if isOwn else None
+
+
+def lacksSolver(parameterNode):
+    """Whether there is a wave, and the solver that it needs could be installed here."""
+    wave = waveOf(parameterNode)
+    return wave is not None and hasattr(slicer.util, "pip_install") and not has_svzerod()
+
+
+def installSolver():
+    """Install the solver; what goes wrong is raised by Slicer, with what pip said."""
+    slicer.util.pip_install(SOLVER)
+    importlib.invalidate_caches()
 
 
 def knownOf(parameterNode):
@@ -17,9 +48,11 @@ def knownOf(parameterNode):
     if parameterNode.flowMean <= 0:
         return None
     hasPressures = parameterNode.inletPressure > 0
+    wave = waveOf(parameterNode)
     return Known(
         parameterNode.flowMean * ML_PER_S,
-        peak=parameterNode.flowPeak * ML_PER_S or None,
+        peak=parameterNode.flowPeak * ML_PER_S or None if wave is None else None,
+        wave=wave,
         inlet=parameterNode.inletPressure if hasPressures else None,
         wedge=parameterNode.wedgePressure if hasPressures else None,
         split_right=parameterNode.splitRight / 100 or None,
@@ -43,13 +76,14 @@ def plannedFlow(parameterNode, place):
 
 
 def valuesOf(plan):
-    """The flow of a plan as values of the parameter node: the mean and the peak of a wave."""
+    """The flow of a plan as values of the parameter node."""
     known = plan.flow
     if known is None:
-        return dict.fromkeys(
-            ("flowMean", "flowPeak", "inletPressure", "wedgePressure", "splitRight"), 0.0
-        )
+        names = ("flowMean", "flowPeak", "inletPressure", "wedgePressure", "splitRight")
+        return {**dict.fromkeys(names, 0.0), "flowWave": ""}
+    wave = known.wave
     return {
+        "flowWave": "" if wave is None else json.dumps([wave.time, wave.flow]),
         "flowMean": known.mean / ML_PER_S,
         "flowPeak": (known.most or 0.0) / ML_PER_S,
         "inletPressure": known.inlet or 0.0,

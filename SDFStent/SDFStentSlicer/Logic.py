@@ -204,6 +204,13 @@ class SDFStentLogic(
         """Tell the numbers of the last deployment for the flow that is set; an iterator as `steps`."""
         yield from Deploying.told(self._shownOf(parameterNode))
 
+    def installSolver(self, parameterNode):
+        """Install the solver of waves; the numbers of the last deployment are old then."""
+        Flow.installSolver()
+        run = self.lastRun(parameterNode)
+        if run is not None:
+            run.shownFlow = None
+
     def prepared(self, parameterNode):
         """Make what the first preview and deployment of a vessel need; an iterator as `steps`."""
         if parameterNode.vessel is not None and parameterNode.centerline is not None:

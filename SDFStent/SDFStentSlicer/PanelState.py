@@ -6,7 +6,7 @@ from slicer.i18n import tr as _
 
 from SDFStentLib.validation import printable
 
-from . import Outputs, Sizes
+from . import Flow, Outputs, Sizes
 from .ParameterNode import METHOD_PARAMETERS, Placement, methodOf, stentOf, stentsOf
 
 METHOD_SLIDERS = {
@@ -106,6 +106,7 @@ class PanelState:
         for name in ("flowPeakSpinBox", "splitRightSpinBox", "inletPressureSpinBox"):
             getattr(self.ui, name).enabled = hasFlow
         self.ui.wedgePressureSpinBox.enabled = hasFlow and hasPressure
+        self.ui.installSolverButton.visible = Flow.lacksSolver(parameterNode)
         self.ui.warningLabel.visible = bool(parameterNode.warningSummary)
         self._tell(parameterNode, standing)
 

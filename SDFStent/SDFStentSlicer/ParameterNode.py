@@ -222,6 +222,8 @@ class SDFStentParameterNode:
     inletPressure: Annotated[float, _within("inletPressure")] = 0.0
     wedgePressure: Annotated[float, _within("wedgePressure")] = 0.0
     splitRight: Annotated[float, _within("splitRight")] = 0.0
+    flowWave: str = ""
+    """That of a plan, as JSON, its times and flows; it counts while mean and peak are its own."""
     rightBranch: str = ""
     """A place in it, mm in RAS, as JSON, once the flow was found."""
     showStents: bool = True

@@ -272,6 +272,9 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
         )
         self.ui.extractButton.connect("clicked()", lambda: self._attempt(self.onExtract))
         self.ui.segmentSelector.connect("currentSegmentChanged(QString)", self.onSegmentChanged)
+        self.ui.installSolverButton.connect(
+            "clicked()", lambda: self._attempt(self.onInstallSolver)
+        )
         self.ui.deployButton.connect("clicked()", self.onDeploy)
         self.ui.cancelButton.connect("clicked()", self.onCancel)
         self.ui.resetButton.connect("clicked()", lambda: self.logic.reset(self._parameterNode))
@@ -290,6 +293,11 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
     def onExtract(self):
         vessel = self._parameterNode.vessel
         ExtractCenterline.openFor(vessel, Conversion.segmentOf(self._parameterNode))
+
+    def onInstallSolver(self):
+        self.logic.installSolver(self._parameterNode)
+        self._requestUpdate()
+        self._state.enable(self._parameterNode)
 
     def onSegmentChanged(self, segmentID):
         """Take the user's choice; what the selector says of another node, which it went to by itself, is none."""

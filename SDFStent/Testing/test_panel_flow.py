@@ -5,6 +5,8 @@ import json
 import pytest
 from panel_helpers import deploy, saveAsFile, settle
 
+from SDFStentLib.validation import DeploymentError
+
 
 def words(panel):
     """What the report says of the panel's results."""
@@ -137,6 +139,68 @@ def test_a_plan_of_the_panel_tells_the_shell_where_right_is(host, aStent, tmp_pa
     share = run_plan(load_plan(plan)).flow.after["mean"].sides[1].value
     own = aStent.logic.lastRun(aStent._parameterNode).flow.after["mean"].sides[1].value
     assert share == pytest.approx(own, abs=1e-3)
+
+
+@pytest.fixture
+def aPlanWithAWave(aStent, tmp_path):
+    """A plan of the panel whose flow is a wave."""
+    aFlow(aStent.ui)
+    path = tmp_path / "wave.json"
+    aStent.logic.savePlan(path, aStent._parameterNode)
+    document = json.loads(path.read_text(encoding="utf-8"))
+    del document["flow"]["peak"]
+    document["flow"]["wave"] = {"time": [0, 0.2, 0.5, 0.8], "flow": [20, 120, 30, 20]}
+    path.write_text(json.dumps(document), encoding="utf-8")
+    return path
+
+
+def test_a_wave_of_a_plan_is_told_and_kept_until_its_peak_is_changed(
+    host, aStent, aPlanWithAWave, tmp_path
+):
+    from SDFStentLib.plan import load_plan
+
+    ui, parameters = aStent.ui, aStent._parameterNode
+    aStent.logic.loadPlan(aPlanWithAWave, parameters)
+    deploy(host, aStent)
+    wave = aStent.logic.lastRun(parameters).flow.known.wave
+    assert wave.flow == pytest.approx(load_plan(aPlanWithAWave).flow.wave.flow)
+    again = tmp_path / "again.json"
+    aStent.logic.savePlan(again, parameters)
+    assert load_plan(again).flow.wave.flow == pytest.approx(wave.flow)
+    ui.flowPeakSpinBox.value += 1
+    settle(host, aStent)
+    assert aStent.logic.lastRun(parameters).flow.known.wave is None
+
+
+def test_the_solver_of_waves_is_offered_where_it_is_missing_and_never_required(
+    host, aStent, aPlanWithAWave, monkeypatch
+):
+    import slicer
+    from SDFStentSlicer import Flow
+
+    ui, parameters, installed = aStent.ui, aStent._parameterNode, []
+    monkeypatch.setattr(slicer.util, "pip_install", installed.append, raising=False)
+    for where in ("SDFStentSlicer.Flow", "SDFStentLib.plan.flow"):
+        monkeypatch.setattr(f"{where}.has_svzerod", lambda: bool(installed))
+    assert not ui.installSolverButton.visible
+    aStent.logic.loadPlan(aPlanWithAWave, parameters)
+    deploy(host, aStent)
+    assert ui.installSolverButton.visible
+    assert aStent.logic.lastRun(parameters).flow.is_quasi_steady
+    solved = "SDFStentLib.plan.flow.solved_by_svzerod"
+    asked = []
+
+    def solve(network, outlets, known):
+        asked.append(known.wave)
+        raise DeploymentError("svzerod: it died")
+
+    monkeypatch.setattr(solved, solve)
+    host.click(ui.installSolverButton)
+    settle(host, aStent)
+    assert installed == [Flow.SOLVER]
+    assert asked
+    assert "svzerod: it died" in ui.lumenLabel.text
+    assert not ui.installSolverButton.visible
 
 
 def test_a_flow_beyond_the_panels_is_refused_with_its_plan(aLogic, theParameters, tmp_path):
