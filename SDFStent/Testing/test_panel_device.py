@@ -89,9 +89,14 @@ def test_a_device_sets_length_and_shortening(host, theSection):
     assert planned(theSection)[0].device is None
 
 
-@pytest.mark.parametrize("way", ["the slider", "the box"])
 @pytest.mark.parametrize(
-    "device", ["numed-cp", "palmaz-xl-10-series", "optimus-xxl-48", "begraft-besmooth-peripheral"]
+    ("device", "way"),
+    [
+        ("numed-cp", "the slider"),
+        ("palmaz-xl-10-series", "the box"),
+        ("optimus-xxl-48", "the slider"),
+        ("begraft-besmooth-peripheral", "the box"),
+    ],
 )
 def test_a_shortening_that_is_not_known_has_to_be_said(host, theSection, device, way):
     ui = theSection.ui

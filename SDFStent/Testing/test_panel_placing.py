@@ -89,8 +89,9 @@ def test_a_list_of_the_users_own_keeps_its_other_points(host, aStent, click):
     assert "create a new one there and draw it with Place" in aStent.ui.statusLabel.text
 
 
-@pytest.mark.parametrize("isQuick", [False, True])
-@pytest.mark.parametrize("before", ["nothing", "a handle", "a stented vessel"])
+@pytest.mark.parametrize(
+    ("before", "isQuick"), [("nothing", True), ("a handle", False), ("a stented vessel", True)]
+)
 def test_an_axis_drawn_in_3d_runs_in_the_middle_of_the_lumen(
     host,
     aStent,

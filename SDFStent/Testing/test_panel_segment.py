@@ -135,8 +135,10 @@ def test_with_no_markups_it_is_the_vessel_round_the_selected_stent(host, aSegmen
     assert ends[1] - ends[0] == pytest.approx(at[-1] - at[0], abs=1.0)
 
 
-@pytest.mark.parametrize("isClosed", [False, True])
-@pytest.mark.parametrize("place", ["the sample's first stent", "near the inlet", "near an outlet"])
+@pytest.mark.parametrize(
+    ("place", "isClosed"),
+    [("the sample's first stent", True), ("near the inlet", False), ("near an outlet", False)],
+)
 def test_round_a_stent_the_ends_are_where_a_plane_meets_only_the_vessel(
     host, aSegment, tmp_path, place, isClosed
 ):
