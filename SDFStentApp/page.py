@@ -42,6 +42,12 @@ class Kept(NamedTuple):
     content: bytes
 
 
+def at_hand_of(widget: Any) -> dict[str, Any]:
+    """The few lines over the view, and of which kind they are."""
+    shown = widget._state.atHand
+    return {"lines": shown.text.split("\n") if shown.text else [], "kind": shown.kind}
+
+
 class Plain(Translator):
     """State variables are called the same here and there. Trame's own would look at all of them at every value that is set."""
 
@@ -156,6 +162,7 @@ class Page:
         stamp = (chart and (chart.GetID(), chart.GetTitle()), table and table.GetTable().GetMTime())
         state = self.server.state
         state.canSave = self.panel.savePlanButton.enabled
+        state.atHand = at_hand_of(self.widget)
         if stamp != self._shown_results:
             self._shown_results = stamp
             state.plot, state.table = plot_of(chart), table_of(table)

@@ -102,7 +102,10 @@ class Vtk(types.ModuleType):
 def install(application: Any) -> None:
     """Put everything where the module looks for it. Call it once, before the module is imported."""
     slicer.mrmlScene = application.scene
-    slicer.app = types.SimpleNamespace(applicationLogic=lambda: application.applicationLogic)
+    slicer.app = types.SimpleNamespace(
+        applicationLogic=lambda: application.applicationLogic,
+        layoutManager=lambda: None,  # the page lays out its one view itself
+    )
     slicer.modules = types.SimpleNamespace()
     slicer.util.loadUI = _loaded
     slicer.util.childWidgetVariables = lambda top: top.panel

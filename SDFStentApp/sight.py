@@ -69,6 +69,7 @@ def build(page: Any) -> None:
                     send_mouse_move=True,
                     event_throttle_ms=(str(EVENT_EVERY_MS),),
                 )
+                html.Div(template.AT_HAND, classes="over")
             html.Div(template.DIAMETERS)
 
 
@@ -83,3 +84,4 @@ def _begin(page: Any) -> None:
     state.surfaceFiles = page.folders.listing((*SURFACES, *PLANS))
     state.centerlineFiles = page.folders.listing(CENTERLINES)
     state.plot, state.table = plot_of(None), table_of(None)
+    state.atHand = {"lines": [], "kind": ""}

@@ -25,7 +25,8 @@ from .widgets import (
 
 NOT_IN_THE_PAGE = {
     "extractButton": "opens another module of Slicer",
-    "outputsCollapsibleButton": "results are saved from the page",
+    "outputSelectorLabel": "results are saved from the page",
+    "outputSelector": "results are saved from the page",
     "handleSelector": "every stent has a handle of its own",
     "showPlotButton": "the plot is shown below the view",
     "showTableButton": "the table is shown below the view",
@@ -258,6 +259,11 @@ CHOOSER = f"""
 <button type="submit">OK</button>
 <button type="button" @click="window.inOrder('choose', ['', ''])">Cancel</button>
 </form></div>
+"""
+
+AT_HAND = """
+<div class="hand" :class="atHand.kind" v-show="atHand.lines.length" role="status" data-name="atHand">
+<div v-for="line in atHand.lines">{{ line }}</div></div>
 """
 
 DIAMETERS = """

@@ -183,6 +183,11 @@ class Visit:
             said = [self.text(one) for one in ("message", "statusLabel", "lumenLabel", name)]
             raise AssertionError(f"{name} does not say {words}: {said}") from error
 
+    def open_parts(self):
+        """Unfold all parts of the panel."""
+        closed = self.page.locator("details[data-name$=CollapsibleButton]:not([open])")
+        closed.evaluate_all("all => all.forEach(one => { one.open = true; })")
+
     def until_empty(self, name):
         """Wait until a table has no rows."""
         rows = self.named(name).locator("tbody tr")
@@ -257,6 +262,7 @@ def a_visit(the_visit):
     playwright.expect(the_visit.named("opening")).not_to_have_attribute("open", "")
     the_visit.until_empty("stentTable")
     the_visit.named("lesionTable").locator("tbody tr").first.wait_for()
+    the_visit.open_parts()
     return the_visit
 
 
@@ -273,6 +279,10 @@ def test_a_lesion_is_treated_by_two_stents_and_the_shell_repeats_the_plan(a_visi
     a_visit.number("lengthSlider").press("Enter")
     a_visit.named("deployButton").click()
     a_visit.until("certificateLabel", "Certified")
+    a_visit.until("atHand", "certified for meshing")
+    told = a_visit.text("atHand").splitlines()
+    assert re.fullmatch(r"narrowest [\d.]+ -> [\d.]+ mm", told[1])
+    assert len(told) <= 6
     twice = re.compile("Minimum lumen.*Minimum lumen", re.DOTALL)
     playwright.expect(a_visit.named("lumenLabel")).to_have_text(twice)
     assert a_visit.text("lumenLabel").count("Minimum lumen") == 2
@@ -307,6 +317,16 @@ def test_a_lesion_is_treated_by_two_stents_and_the_shell_repeats_the_plan(a_visi
         np.testing.assert_allclose(of_page, values[stations], rtol=0, atol=0.0501)
     report = a_visit.saved("save-report").decode()
     assert result.treatment.certificate.sentence()[:40] in report
+
+
+def test_all_that_the_loop_needs_is_seen_without_scrolling(a_browser, the_server):
+    visit = Visit(a_browser, the_server.address)
+    visit.named("lesionTable").locator("tbody tr").first.wait_for()
+    names = ("lesionTable", "stentTable", "addStentButton", "diameterSlider", "lengthSlider")
+    boxes = {name: visit.named(name).bounding_box() for name in (*names, "deployButton")}
+    assert all(box["y"] >= 0 and box["y"] + box["height"] <= 800 for box in boxes.values()), boxes
+    visit.context.close()
+    assert visit.errors == []
 
 
 def test_what_is_edited_while_a_report_is_made_is_taken_at_once(a_visit):

@@ -1,5 +1,6 @@
 """Library to scene: output nodes, made once and updated in place, and how they look."""
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -27,6 +28,9 @@ TUBE_SHRINK = 0.97
 DRAWN_ATTRIBUTE = "SDFStent.DrawnAs"
 STRUT_WIDTH = 3
 """Pixels."""
+
+VIEW_LENGTHS, VIEW_DIAMETERS = 2.5, 8.0
+"""So many times the length of a lesion, or the diameter of its vessel, are seen when it is chosen."""
 
 
 def outputModel(parameterNode, role, name, color):
@@ -290,13 +294,20 @@ def showChart(parameterNode, x, series, dashed, top):
     return chart
 
 
-def showPlace(point):
-    """Center all slice views on a point in world coordinates, and move all cameras so that they look at it from where they looked before."""
+def showPlace(point, size):
+    """Center all views on a point in world coordinates: slices jump there, cameras come so near that `size` mm fill a view's height."""
     slices = slicer.vtkMRMLSliceNode
     slices.JumpAllSlices(slicer.mrmlScene, *point, slices.CenteredJumpSlice)
     for camera in slicer.util.getNodesByClass("vtkMRMLCameraNode"):
-        shift = np.subtract(point, camera.GetFocalPoint())
+        back = np.subtract(camera.GetPosition(), camera.GetFocalPoint())
+        distance = size / 2 / math.tan(math.radians(camera.GetViewAngle()) / 2)
         with slicer.util.NodeModify(camera):
-            camera.SetPosition(*np.add(camera.GetPosition(), shift))
+            camera.SetPosition(*(point + distance * back / np.linalg.norm(back)))
             camera.SetFocalPoint(*point)
+            camera.SetParallelScale(size / 2)
         camera.ResetClippingRange()
+
+
+def sizeRound(lesion):
+    """How much is to be seen of a lesion and of what lies beside it, mm."""
+    return max(VIEW_LENGTHS * lesion.length, VIEW_DIAMETERS * lesion.reference_diameter)

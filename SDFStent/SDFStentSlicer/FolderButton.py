@@ -48,7 +48,7 @@ class FolderButton:
         self._path = yield from steps
 
     def _onProgress(self, fraction):
-        self._button.text = _("Stop ({percent:.0f} %)").format(percent=100 * fraction)
+        self._button.text = _("Stop, {percent:.0f} %").format(percent=100 * fraction)
 
     def _finished(self, error):
         self._button.text = self._text

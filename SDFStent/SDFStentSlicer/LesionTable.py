@@ -127,7 +127,8 @@ class LesionTable:
 
 def _texts(number, lesion):
     return (
-        _("{number} ({branch})").format(number=number, branch=lesion.branch_name),
+        # What the vessel leads to is in the tooltip: there is little room.
+        _("{number} {branch}").format(number=number, branch=lesion.branch_name.partition(" (")[0]),
         degree_text(lesion.percent_diameter),
         f"{lesion.minimum_diameter:.1f} mm",
         f"{lesion.length:.0f} mm",

@@ -26,4 +26,5 @@ class PanelHeight:
     def _fit(self):
         # Layouts hear of changes one within the other, each by an event.
         qt.QCoreApplication.sendPostedEvents(None, qt.QEvent.LayoutRequest)
-        self._panel.minimumHeight = self._panel.layout().heightForWidth(self._panel.width)
+        needed = self._panel.layout().heightForWidth(self._panel.width)
+        self._panel.minimumHeight = max(0, needed)  # -1 where no text is shown

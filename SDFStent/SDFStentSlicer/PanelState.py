@@ -7,7 +7,9 @@ from slicer.i18n import tr as _
 from SDFStentLib.validation import printable
 
 from . import Flow, Outputs, Sizes
+from .AtHand import AtHand
 from .ParameterNode import METHOD_PARAMETERS, Placement, methodOf, stentOf, stentsOf
+from .Steps import Steps
 
 METHOD_SLIDERS = {
     f"{field}Slider": field
@@ -23,12 +25,14 @@ class PanelState:
     def __init__(self, ui, logic, session, height):
         self.ui = ui
         self._logic, self._session, self._height = logic, session, height
+        self.atHand, self._steps = AtHand(), Steps(ui)
         self._usualReach = {name: getattr(ui, name).maximum for name in METHOD_SLIDERS}
 
     def show(self, parameterNode):
         """After parameters have changed."""
         hasStents = len(stentsOf(parameterNode)) > 0
         self.ui.placeWidget.setCurrentNode(stentOf(parameterNode).handle if hasStents else None)
+        self._steps.show(parameterNode)
         self._showSegments(parameterNode)
         self._reach(parameterNode)
         self._hideResults(parameterNode)
@@ -80,10 +84,10 @@ class PanelState:
         self.ui.cancelButton.enabled = self._session.mayBeCancelled
         self.ui.progressBar.visible = isDeploying
         self.ui.resetButton.enabled = self.ui.expansionSlider.enabled = hasSteps and not running
-        self.ui.stentEditor.enabled = count > 0
+        self.ui.stentEditor.enabled = self.ui.stentDetails.enabled = count > 0
         stent = stentOf(parameterNode)
         isCurve = stent.placement == Placement.ALONG_CURVE
-        self.ui.wholeCurveCheckBox.visible = isCurve
+        self.ui.wholeCurveCheckBox.enabled = isCurve
         device, isByDevice = Sizes.detailsOf(stent).device, stent.deviceShortening
         hasLength = not stent.placement.usesHandleLength or (isCurve and not stent.wholeCurve)
         isOwn = device is not None and device.nominal_length is not None
@@ -121,6 +125,7 @@ class PanelState:
             if standing.missing
             else _("Changed since this deployment; click Deploy.")
         )
+        self.atHand.show(parameterNode.atHand, isOld)
         sentences = [standing.missing, parameterNode.status, changed if isOld else ""]
         self.ui.statusLabel.text = printable("\n".join(filter(None, sentences)))
         self.ui.statusLabel.visible = bool(self.ui.statusLabel.text)

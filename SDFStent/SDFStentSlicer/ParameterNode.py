@@ -245,6 +245,8 @@ class SDFStentParameterNode:
     certificateSummary: str = ""
     warningSummary: str = ""
     summaryRow: str = ""
+    atHand: str = ""
+    """What the 3D view tells of the selected stent, line by line."""
     planDocument: str = ""
 
 

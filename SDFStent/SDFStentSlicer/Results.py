@@ -15,6 +15,9 @@ from SDFStentLib.report import (
     flow_moments,
     flow_section,
     lumen_fact,
+    measured_lines,
+    measuring_lines,
+    previewed_lines,
     ratio_sentence,
     residual_fact,
     stent_balloon_sentences,
@@ -49,13 +52,15 @@ def showEnd(parameterNode, run, lines):
     with slicer.util.NodeModify(parameterNode):
         parameterNode.expansion = 100.0
         clearNumbers(parameterNode, _("Not measured yet."))
+        chosen = run.drawn[selectedStent(parameterNode, run)]
+        parameterNode.atHand = "\n".join(measuring_lines(chosen))
 
 
 def clearNumbers(parameterNode, text=""):
     """Take away what was measured; `text` stands in its place."""
     parameterNode.lumenSummary = text
     parameterNode.certificateSummary = parameterNode.warningSummary = parameterNode.summaryRow = ""
-    parameterNode.rightBranch = ""
+    parameterNode.rightBranch = parameterNode.atHand = ""
 
 
 def showStents(parameterNode, stents, isWhole=False):
@@ -108,6 +113,10 @@ def showPreviewed(parameterNode, run, lumens, lesions):
     ]
     with slicer.util.NodeModify(parameterNode):
         clearNumbers(parameterNode, "\n\n".join(sentences))
+        if run.state.stents:
+            number = selectedStent(parameterNode, run)
+            lines = previewed_lines(run.state.stents[number], lumens[number])
+            parameterNode.atHand = "\n".join(lines)
 
 
 def _ratios(placed, lesions):
@@ -145,8 +154,6 @@ def summaryRow(run):
     left = residual_of(lesions or (), stents)
     branches = {branch.name: branch for stent in stents for branch in stent.branches}
     covered = {branch.name for stent in stents for branch in stent.branches if not branch.is_free}
-    certificate = run.result.certificate
-    isCertified = certificate is not None and certificate.passed
     return [
         _("{lumen} mm").format(lumen=_number(min(stent.after.minimum for stent in stents))),
         _("not known")
@@ -155,8 +162,13 @@ def summaryRow(run):
         _("{count} of {all} covered").format(count=len(covered), all=len(branches))
         if branches
         else _("none near"),
-        _("meshable") if isCertified else _("not certified"),
+        _("meshable") if isCertified(run.result) else _("not certified"),
     ]
+
+
+def isCertified(result):
+    """Whether a surface may be meshed as it is."""
+    return result.certificate is not None and result.certificate.passed
 
 
 def showSummary(parameterNode, run):
@@ -165,6 +177,16 @@ def showSummary(parameterNode, run):
     left = residual_of(run.lesions or (), run.result.stents)
     headline = [] if left is None else [str(residual_fact(left))]
     parameterNode.lumenSummary = "\n\n".join([*headline, *summaries, *_flowParagraphs(run)])
+    showAtHand(parameterNode, run)
+
+
+def showAtHand(parameterNode, run):
+    """The few lines beside the selected stent."""
+    stents = run.result.stents
+    chosen = stents[selectedStent(parameterNode, run)]
+    flow = None if run.flow is None else flow_section(run.flow)
+    lines = measured_lines(chosen, stents, run.lesions, isCertified(run.result), flow)
+    parameterNode.atHand = "\n".join(lines)
 
 
 def _flowParagraphs(run):
@@ -243,6 +265,7 @@ def followSelection(parameterNode, run):
         return
     if selectedStent(parameterNode, run) != run.shownStent:
         showProfile(parameterNode, run)
+        showAtHand(parameterNode, run)
 
 
 def selectedStent(parameterNode, run):

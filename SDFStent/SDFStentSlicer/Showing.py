@@ -1,5 +1,15 @@
 """What is shown in place of something else: a node, or of a segmentation one segment in 3D."""
 
+ONE_COLOR = "SDFStent.OneColor"
+
+
+def inOneColor(node):
+    """Show a model without the colors of the arrays that it happens to have: once, for who wants them turns them on again."""
+    display = node.GetDisplayNode()
+    if display is not None and not node.GetAttribute(ONE_COLOR):
+        node.SetAttribute(ONE_COLOR, "1")
+        display.SetScalarVisibility(False)
+
 
 def isShown(node, segmentID=""):
     """Whether a node can be seen; None for one that nothing shows, and for a segment that is gone."""

@@ -148,7 +148,12 @@ class Stenting:
 
     def end(self):
         """The final points, and every stent as a `DrawnStent`."""
-        return self.points, lying(list(self._axes.values()))
+        return self.points, lying(self.drawn)
+
+    @property
+    def drawn(self):
+        """A `DrawnStent` for every stent, also for one that is dilated again later."""
+        return list(self._axes.values())
 
     def _follow(self):
         """Take over surface and centerline from the last recorded state."""

@@ -9,7 +9,7 @@ from vtkmodules.util.misc import calldata_type
 from vtkmodules.util.vtkConstants import VTK_OBJECT
 from vtkmodules.vtkCommonCore import vtkCommand
 
-from . import Conversion, ExtractCenterline, Outputs
+from . import Conversion, Display, ExtractCenterline, Outputs, Showing
 from .DeploySession import DeploySession
 from .DeviceSection import DeviceSection
 from .ExportSection import ExportSection
@@ -182,7 +182,9 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
         self.lesions.follow(parameterNode)
         self.recoil.follow(parameterNode)
         self.plans.show(None)
-        if parameterNode is not None:
+        if parameterNode is None:
+            self._state.atHand.show("")
+        else:
             self._lastSet = parameterNode.parameterNode
             self.logic.markShown(parameterNode)
             self.ui.parameterSetSelector.setCurrentNode(self._lastSet)
@@ -209,6 +211,9 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
         if self._parameterNode is None or self.stents.synchronize():
             return  # synchronizing has called this again
         self.logic.chooseSegment(self._parameterNode)
+        for node in (self._parameterNode.vessel, self._parameterNode.centerline):
+            if node is not None and node.IsA("vtkMRMLModelNode"):
+                Showing.inOneColor(node)
         self._inputs.watch(self.logic.inputNodes(self._parameterNode))
         self.lesions.follow(self._parameterNode)
         self.recoil.follow(self._parameterNode)
@@ -312,7 +317,7 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
         self.stents.enable(row, enabled)
 
     def _onSelectLesion(self, lesion):
-        self.logic.showPlace(lesion.point)
+        self.logic.showPlace(lesion.point, Display.sizeRound(lesion))
 
     def _prepare(self):
         """Let the first preview wait for nothing that can be made now; the vessel is known by now."""

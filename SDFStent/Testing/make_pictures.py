@@ -22,11 +22,13 @@ PANEL_HEIGHT = 1500
 VIEW_SIZE = (700, 520)
 PLOT_SIZE = (760, 420)
 MARGIN = 12
-NESTED = ("device", "shape")
-"""Sections of the selected stent, within that of the stents."""
-SECTIONS = (
-    "inputs", "outputs", "stents", *NESTED, "deploy", "results", "plans", "segment", "advanced",
-)  # fmt: skip
+NESTED = {
+    **dict.fromkeys(("place", "device", "shape", "advanced"), "stents"),
+    **dict.fromkeys(("flow", "plans"), "results"),
+    "segment": "outputs",
+}
+"""Sections within others."""
+SECTIONS = ("inputs", "stents", "results", "outputs", *NESTED)
 
 
 class Studio:
@@ -76,16 +78,15 @@ class Studio:
         return qImage(grabber.GetOutput())
 
     def panelPicture(self, name):
-        """The panel alone, with everything but Advanced open."""
-        self._open(("inputs", "outputs", "stents", "deploy", "results"))
+        """The panel alone, as it is used."""
+        self._open(("stents", "results"))
         self.panel.parent.resize(PANEL_WIDTH, self.panel.parent.sizeHint().height())
         self.host.process(0.05)
         self.host.grab(self.panel.parent, self.folder / name)
         self.panel.parent.resize(PANEL_WIDTH, PANEL_HEIGHT)
 
     def _open(self, sections):
-        if set(sections) & set(NESTED):
-            sections = ("stents", *sections)
+        sections = {*sections, *(NESTED[name] for name in sections if name in NESTED)}
         for name in SECTIONS:
             button = getattr(self.panel.ui, name + "CollapsibleButton")
             if button.collapsed != (name not in sections):
@@ -154,14 +155,16 @@ def main(folder):
     studio = Studio(folder)
     host, panel, ui = studio.host, studio.panel, studio.panel.ui
     import SampleData
+    import slicer
 
+    slicer.app.showMainWindow(True)  # the view tells what follows the hand
     vessel, centerline = SampleData.SampleDataLogic.download("StenosedPulmonaryArtery")
     everything = vtk_to_numpy(vessel.GetPolyData().GetPoints().GetData())
     ui.vesselSelector.setCurrentNode(vessel)
     ui.centerlineSelector.setCurrentNode(centerline)
     host.processUntil(lambda: not panel.lesions.isBusy)
     studio.look(everything, zoom=1.25)
-    studio.take("tutorial-1-inputs.png", "inputs", "outputs")
+    studio.take("tutorial-1-inputs.png", "inputs")
 
     host.click(ui.addStentButton)
     handle = panel._parameterNode.stent.handle
@@ -172,9 +175,9 @@ def main(folder):
     host.click(ui.deployButton)
     settle(host, panel)
     ui.expansionSlider.value = 60
-    studio.take("tutorial-3-expansion.png", "deploy")
+    studio.take("tutorial-3-expansion.png", "results")
     ui.expansionSlider.value = 100
-    studio.take("tutorial-4-results.png", "deploy", "results")
+    studio.take("tutorial-4-results.png", "stents", "results")
     studio.panelPicture("panel.png")
     plotPicture(panel._parameterNode.outputChart, studio.folder / "tutorial-5-plot.png")
     ui.mapComboBox.currentIndex = 1

@@ -186,7 +186,7 @@ def test_placement_between_two_points_needs_and_gets_two_points(host, aStent):
     handle = aStent._parameterNode.stent.handle
     assert handle.GetNumberOfControlPoints() == 2
     assert not aStent.ui.lengthSlider.enabled
-    assert not aStent.ui.wholeCurveCheckBox.visible
+    assert not aStent.ui.wholeCurveCheckBox.enabled
     deploy(host, aStent)
     assert "8.5 prescribed" in aStent.ui.lumenLabel.text
     host.choose(aStent.ui.placementComboBox, 0)

@@ -5,23 +5,73 @@ from panel_helpers import deploy, settle
 from sdfstent_host.module_panel import ModulePanel
 
 
+def bottomOf(widget, panel):
+    """Where a widget ends, pixels below the top of the panel."""
+    from PySide6 import QtCore
+
+    return widget.mapTo(panel.parent, QtCore.QPoint(0, 0)).y() + widget.height
+
+
+SHORTEST_PANEL = 390
+"""Pixels that Slicer shows of a panel at 1280 x 800 with *Data Probe* open."""
+
+
+def test_all_that_the_loop_needs_is_seen_without_scrolling(host, aStent, thePictures):
+    from PySide6 import QtWidgets
+
+    ui = aStent.ui
+    host.processUntil(lambda: not aStent.lesions.isBusy)
+    deploy(host, aStent)
+    host.click(ui.copyStentButton)
+    QtWidgets.QWidget.resize(aStent.parent, 440, 900)
+    host.process()
+    needed = ("lesionTable", "stentTable", "addStentButton", "suggestButton", "diameterSlider")
+    for name in (*needed, "lengthSlider", "deployButton", "statusLabel"):
+        widget = getattr(ui, name)
+        assert widget.isVisible(), name
+        assert bottomOf(widget, aStent) <= SHORTEST_PANEL, name
+    second = ui.stentTable.visualItemRect(ui.stentTable.item(1, 0))
+    assert second.bottom() <= ui.stentTable.viewport().height()  # two rows without scrolling
+    host.grab(aStent.parent, thePictures / "loop.png")
+
+
+def test_a_closed_part_tells_what_is_set_in_it(host, aStent):
+    ui = aStent.ui
+    assert ui.inputsCollapsibleButton.collapsed
+    assert ui.inputsCollapsibleButton.text == "Vessel: Artery, Artery centerline"
+    assert ui.deviceCollapsibleButton.text == "Device"
+    device = ui.deviceComboBox.findText("begraft-besmooth-peripheral")
+    host.choose(ui.deviceComboBox, device)
+    assert ui.deviceCollapsibleButton.text == "Device: begraft-besmooth-peripheral"
+    host.choose(ui.placementComboBox, 1)
+    assert ui.placeCollapsibleButton.text == f"Place: {ui.placementComboBox.currentText}"
+    ui.waistSpinBox.value = 5.0
+    assert ui.shapeCollapsibleButton.text == "Shape: as set"
+    ui.tissueGapSlider.value = 0.9
+    assert ui.advancedCollapsibleButton.text == "Advanced: changed"
+    ui.flowMeanSpinBox.value = 2.5
+    assert ui.flowCollapsibleButton.text == "Flow: 2.5 L/min"
+    ui.centerlineSelector.setCurrentNode(None)
+    assert not ui.inputsCollapsibleButton.collapsed
+
+
 def test_the_progress_bar_is_there_while_a_deployment_runs(host, aStent, aStepAtATime):
     ui = aStent.ui
     aStent.parent.resize(520, 1300)  # Slicer's panel scrolls; this one would squeeze its sections
     host.process()
     assert not ui.progressBar.visible
-    height = ui.statusLabel.parentWidget().height
+    bottom = bottomOf(ui.deployButton, aStent)
     host.click(ui.deployButton)
     ui.deployButton.repaint()
     seen = []
     progress = aStent.session._run._onProgress
     aStent.session._run._onProgress = lambda fraction: (
-        seen.append((ui.progressBar.visible, ui.statusLabel.parentWidget().height)),
+        seen.append((ui.progressBar.visible, bottomOf(ui.deployButton, aStent))),
         progress(fraction),
     )
     settle(host, aStent)
-    assert {visible for visible, _height in seen} == {True}
-    assert {seenHeight for _visible, seenHeight in seen} == {height}  # nothing jumps
+    assert {visible for visible, _bottom in seen} == {True}
+    assert {seenBottom for _visible, seenBottom in seen} == {bottom}  # nothing jumps
     assert not ui.progressBar.visible
 
 

@@ -241,6 +241,7 @@ def test_escape_ends_place_wherever_the_focus_is(host, aStent, theView):  # noqa
     aStent.parent.activateWindow()
     place(host, aStent.ui.placeWidget)
     theView.mouse("MouseMove", theView.pixel(wayTo(tree, tree.leaves[0])[3]))
+    aStent.ui.placeCollapsibleButton.collapsed = False
     aStent.ui.nameEdit.setFocus()
     QtTest.QTest.keyClick(aStent.ui.nameEdit, QtCore.Qt.Key_Escape)
     host.process()

@@ -88,6 +88,7 @@ def test_a_duplicate_names_every_parameter_that_is_no_result(theModule):
     own = {"stents", "method", "stent", "selected", "autoUpdate", "expansion", "status"}
     results = {name for name in SDFStentParameterNode.allParameters if name.startswith("output")}
     results |= {"rightBranch", "lumenSummary", "certificateSummary", "warningSummary", "summaryRow"}
+    results |= {"atHand"}
     assert {*COPIED} | own | results == set(SDFStentParameterNode.allParameters)
 
 
@@ -434,7 +435,7 @@ def test_a_comparison_that_is_stopped_leaves_nothing(host, twoPlans, tmp_path, a
     ui, before = twoPlans.ui, set(threading.enumerate())
     host.files.append(str(tmp_path))
     host.click(ui.comparePlansButton)
-    assert ui.comparePlansButton.text.startswith("Stop (")
+    assert ui.comparePlansButton.text.startswith("Stop, ")
     host.click(ui.comparePlansButton)
     assert not twoPlans.plans.comparing.isRunning
     assert ui.comparePlansButton.text == "Compare..."

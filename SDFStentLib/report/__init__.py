@@ -1,5 +1,10 @@
 """What is handed on: a document, a page, figures and pictures."""
 
+from .at_hand import CERTIFIED as CERTIFIED
+from .at_hand import NOT_CERTIFIED as NOT_CERTIFIED
+from .at_hand import measured_lines as measured_lines
+from .at_hand import measuring_lines as measuring_lines
+from .at_hand import previewed_lines as previewed_lines
 from .comparison import comparison_document as comparison_document
 from .comparison import comparison_page as comparison_page
 from .comparison import comparison_pictures as comparison_pictures

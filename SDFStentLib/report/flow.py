@@ -124,6 +124,18 @@ def flow_line(section: Section) -> str:
     return f"{_at('mean', section)}, estimated: {told or 'nothing to tell'}."
 
 
+def share_gained(before: Section, after: Section) -> str:
+    """The side whose share of the flow grows most, in few words; empty without sides."""
+    shares = {
+        side: [100 * one["share"][side]["value"] for one in (before, after)]
+        for side in before["share"]
+    }
+    if not shares:
+        return ""
+    side, values = max(shares.items(), key=lambda one: one[1][1] - one[1][0])
+    return f"flow to the {side} {' -> '.join(f'{value:.0f}' for value in values)} %"
+
+
 def stents_in(section: Section) -> int:
     """How many of the narrowings, the first ones, are stents."""
     narrowings = section["before"]["mean"]["narrowings"]

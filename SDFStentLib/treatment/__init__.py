@@ -27,6 +27,7 @@ from .sizing import suggested as suggested
 from .straightening import AxisChange as AxisChange
 from .straightening import axis_in_vessel as axis_in_vessel
 from .treatment import Treatment as Treatment
+from .value import PlacedStent as PlacedStent
 from .value import TreatedStent as TreatedStent
 from .value import TreatmentResult as TreatmentResult
 from .value import TreatmentState as TreatmentState

@@ -12,6 +12,8 @@ from SDFStentApp.widgets import Widget
 
 # Virtual or static methods that share a property's name; PythonQt keeps the method.
 NOT_AS_ATTRIBUTE = {"sizeHint", "minimumSizeHint", "singleShot", "objectName"}
+VIRTUAL = ("QProgressBar", "text")
+"""Qt itself asks Python for it: as an attribute it would ask itself without end."""
 _wrapped = {}
 
 
@@ -52,7 +54,7 @@ def wrapped(qtClass):
     meta = qtClass.staticMetaObject
     for i in range(meta.propertyCount()):
         name = meta.property(i).name()
-        if name not in NOT_AS_ATTRIBUTE:
+        if name not in NOT_AS_ATTRIBUTE and (qtClass.__name__, name) != VIRTUAL:
             members[name] = _attribute(name)
     members["objectName"] = members["name"] = _attribute("objectName")
     members["className"] = lambda self: qtClass.__name__

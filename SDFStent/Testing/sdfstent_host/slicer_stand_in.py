@@ -8,6 +8,7 @@ from pathlib import Path
 
 import slicer
 from PySide6 import QtWidgets
+from vtkmodules.vtkRenderingAnnotation import vtkCornerAnnotation
 
 from SDFStentApp import python_layer
 
@@ -103,8 +104,17 @@ class App:
 class LayoutManager:
     """What the layout manager does to the 3D views."""
 
+    threeDViewCount = 1
+
     def __init__(self, application):
         self._application = application
+        corner, renderer = vtkCornerAnnotation(), application.view.renderer
+        renderer.AddViewProp(corner)
+        view = types.SimpleNamespace(cornerAnnotation=lambda: corner, scheduleRender=lambda: None)
+        self._widget = types.SimpleNamespace(threeDView=lambda: view)
+
+    def threeDWidget(self, _number):
+        return self._widget
 
     def resetThreeDViews(self):
         self._application.view.renderer.ResetCamera()

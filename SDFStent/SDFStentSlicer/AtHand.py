@@ -1,0 +1,48 @@
+"""The few lines that the 3D views tell of the selected stent, in their upper left corner."""
+
+import slicer
+from slicer.i18n import tr as _
+from vtkmodules.vtkRenderingAnnotation import vtkCornerAnnotation
+
+from SDFStentLib.report import CERTIFIED, NOT_CERTIFIED
+
+PENDING, GOOD, BAD = "pending", "good", "bad"
+COLORS = {PENDING: (0.85, 0.87, 0.90), GOOD: (0.62, 0.93, 0.66), BAD: (1.0, 0.72, 0.45)}
+"""On `BACKGROUND`, which lets them be read on any view. What a color says stands in the last line, too."""
+BACKGROUND, OPACITY = (0.08, 0.10, 0.13), 0.65
+LARGEST_FONT = 18
+
+
+class AtHand:
+    """Shows lines in all 3D views. `text` is what is shown, `kind` one of `COLORS`."""
+
+    def __init__(self):
+        self.text, self.kind = "", PENDING
+
+    def show(self, text, isOld=False):
+        """Show lines, one a row; of results that `isOld` instead of the last that they are of another plan."""
+        lines = text.split("\n")
+        if text and isOld:
+            lines[-1] = _("changed since; not deployed yet")
+        kind = {CERTIFIED: GOOD, NOT_CERTIFIED: BAD}.get(lines[-1], PENDING)
+        if ("\n".join(lines), kind) != (self.text, self.kind):
+            self.text, self.kind = "\n".join(lines), kind
+            for view in _views():
+                self._write(view)
+
+    def _write(self, view):
+        corner = view.cornerAnnotation()
+        corner.SetMaximumFontSize(LARGEST_FONT)
+        corner.SetText(vtkCornerAnnotation.UpperLeft, self.text)
+        font = corner.GetTextProperty()
+        font.SetColor(*COLORS[self.kind])
+        font.SetBackgroundColor(*BACKGROUND)
+        font.SetBackgroundOpacity(OPACITY if self.text else 0.0)
+        view.scheduleRender()
+
+
+def _views():
+    """The 3D views of the application; none without a window."""
+    manager = slicer.app.layoutManager()
+    count = 0 if manager is None else manager.threeDViewCount
+    return [manager.threeDWidget(number).threeDView() for number in range(count)]

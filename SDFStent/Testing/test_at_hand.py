@@ -1,0 +1,93 @@
+"""The few lines over the 3D view that follow the hand."""
+
+import numpy as np
+import pytest
+import slicer
+from panel_helpers import deploy, settle
+from vtkmodules.vtkRenderingAnnotation import vtkCornerAnnotation
+
+
+@pytest.fixture(autouse=True)
+def theWindow(host):
+    slicer.app.showMainWindow(True)
+    yield
+    slicer.app.showMainWindow(False)
+
+
+def lengthOf(points):
+    return np.linalg.norm(np.diff(points, axis=0), axis=1).sum()
+
+
+def corner():
+    """What the view tells, line by line, and the annotation that does."""
+    view = slicer.app.layoutManager().threeDWidget(0).threeDView()
+    annotation = view.cornerAnnotation()
+    return (annotation.GetText(vtkCornerAnnotation.UpperLeft) or "").split("\n"), annotation
+
+
+def test_the_view_tells_of_the_stent_while_it_is_dragged_and_when_it_is_measured(
+    host, aStent, thePictures
+):
+    ui, seen = aStent.ui, []
+    show = aStent._state.atHand.show
+    aStent._state.atHand.show = lambda *told: (show(*told), seen.append(corner()[0]))
+    ui.autoUpdateCheckBox.checked = True
+    host.processUntil(lambda: not aStent.lesions.isBusy)
+    settle(host, aStent)
+    ui.diameterSlider.value = 8.0
+    settle(host, aStent)
+    previews = [lines for lines in seen if lines[-1] == "preview"]
+    assert previews
+    assert all(lines[1].startswith("narrowest about") for lines in previews)
+    lines, annotation = corner()
+    run = aStent.logic.lastRun(aStent._parameterNode)
+    treated, lesion = run.result.stents[0], run.lesions[0]
+    assert lines[0] == f"8.0 x {lengthOf(treated.axis.points):.1f} mm"
+    assert lines[1] == f"narrowest {treated.before.minimum:.1f} -> {treated.after.minimum:.1f} mm"
+    assert lines[2].startswith(f"stenosis {lesion.before.percent_diameter:.0f} % -> ")
+    assert lines[-1] == "certified for meshing"
+    assert len(lines) <= 6
+    good = annotation.GetTextProperty().GetColor()
+    host.application.render(thePictures / "at_hand.png")
+
+    ui.autoUpdateCheckBox.checked = False
+    ui.diameterSlider.value = 9.0
+    host.process()
+    lines, annotation = corner()
+    assert lines[-1] == "changed since; not deployed yet"
+    assert annotation.GetTextProperty().GetColor() != good
+    host.click(ui.resetButton)
+    assert corner()[0] == [""]
+    aStent.exit()
+    assert corner()[0] == [""]
+
+
+def test_flow_has_a_line_of_its_own(host, aStent):
+    aStent.ui.flowMeanSpinBox.value = 3.0
+    deploy(host, aStent)
+    (line,) = [line for line in corner()[0] if line.startswith(("flow", "drop"))]
+    moment = aStent.logic.lastRun(aStent._parameterNode).flow.after["mean"]
+    assert line.endswith(f"-> {moment.drops[0].recovered.value:.1f} mmHg")
+
+
+def test_of_several_stents_the_selected_one_is_told(host, aStent):
+    host.click(aStent.ui.copyStentButton)
+    aStent.ui.diameterSlider.value = 9.5
+    deploy(host, aStent)
+    assert corner()[0][0].startswith("9.5 x ")
+    aStent.ui.stentTable.selectRow(0)
+    host.process()
+    assert not corner()[0][0].startswith("9.5 x ")
+
+
+def test_a_vessel_with_arrays_is_shown_in_one_color_once(host, theInputs):
+    from SDFStentSlicer.Showing import ONE_COLOR
+
+    vessel = theInputs._parameterNode.vessel
+    display = vessel.GetDisplayNode()
+    assert not display.GetScalarVisibility()
+    assert vessel.GetAttribute(ONE_COLOR)
+    display.SetScalarVisibility(True)  # the user wants to see them
+    theInputs.ui.diameterSlider.value = 5.0
+    theInputs.onParameterNodeModified()
+    assert display.GetScalarVisibility()
