@@ -1,10 +1,5 @@
 """What is handed on: a document, a page, figures and pictures."""
 
-from .at_hand import CERTIFIED as CERTIFIED
-from .at_hand import NOT_CERTIFIED as NOT_CERTIFIED
-from .at_hand import measured_lines as measured_lines
-from .at_hand import measuring_lines as measuring_lines
-from .at_hand import previewed_lines as previewed_lines
 from .comparison import comparison_document as comparison_document
 from .comparison import comparison_page as comparison_page
 from .comparison import comparison_pictures as comparison_pictures
@@ -16,10 +11,15 @@ from .diameters import MeasuredLine as MeasuredLine
 from .diameters import diameter_section as diameter_section
 from .diameters import diameter_table as diameter_table
 from .diameters import filed_point as filed_point
+from .facts import CERTIFIED as CERTIFIED
+from .facts import NOT_CERTIFIED as NOT_CERTIFIED
 from .facts import Fact as Fact
 from .facts import contact_fact as contact_fact
 from .facts import coverage_fact as coverage_fact
 from .facts import lumen_fact as lumen_fact
+from .facts import measured_lines as measured_lines
+from .facts import measuring_lines as measuring_lines
+from .facts import previewed_lines as previewed_lines
 from .facts import residual_fact as residual_fact
 from .flow import flow_document as flow_document
 from .flow import flow_line as flow_line
