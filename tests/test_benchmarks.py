@@ -40,11 +40,14 @@ def assert_is_table(text):
 # What is measured --------------------------------------------------------------------------------
 
 
-def test_narrowings_of_a_tree_are_found_and_none_is_invented():
-    found = quick("trees")
+def test_in_a_tree_without_narrowings_none_is_invented():
+    """Trees with some are judged in `test_tree_bench.py` and `test_vascular_tree.py`."""
+    bench = benchmark("trees.bench")
+    found = bench.summary([bench.of_number(bench.SEED, 24, bench.DATA_FOLDER)])
+    assert_is_table(bench.table(found))
     whole = found["rows"][-1]
-    assert whole["narrowings"] > 0
-    assert (whole["missed"], whole["invented"], whole["failed"]) == (0, 0, 0), found["wrong"]
+    assert (whole["trees"], whole["narrowings"]) == (1, 0)
+    assert (whole["invented"], whole["failed"]) == (0, 0), found["wrong"]
 
 
 def test_the_lumen_has_the_prescribed_diameter_and_the_published_one_has_not():

@@ -62,11 +62,10 @@ def test_a_surface_refined_as_advised_is_not_told():
     assert narrowest_share(result, radius) > 0.99
 
 
-@pytest.mark.parametrize("ratio", [1.05, 1.6])
 @pytest.mark.parametrize(
-    ("name", "start", "length"),
-    [("aorta_iliac", 200, 36), ("aorta_iliac", 387, 20), ("pulmonary", 12, 25),
-     ("pulmonary", 115, 15), ("vmtk_aorta", 20, 25)],
+    ("name", "start", "length", "ratio"),
+    [("aorta_iliac", 200, 36, 1.6), ("aorta_iliac", 387, 20, 1.05), ("pulmonary", 12, 25, 1.05),
+     ("pulmonary", 115, 15, 1.6), ("vmtk_aorta", 20, 25, 1.6)],
 )  # fmt: skip
 def test_no_anatomy_is_told(data_dir, name, start, length, ratio):
     case = anatomy_case(data_dir, name, float(start), float(length), ratio=ratio, leaf=0)

@@ -90,10 +90,9 @@ def test_spheres_are_those_of_a_plain_climb(a_vessel, when):
         assert radius == pytest.approx(expected, abs=1e-3)
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_spheres_of_a_whole_tree_are_those_of_plain_climbs(seed, monkeypatch):
+def test_spheres_of_a_whole_tree_are_those_of_plain_climbs(monkeypatch):
     monkeypatch.setattr(inscribed, "_TRIANGLES", 1 << 16)  # They are searched in some parts.
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(0)
     outlets = int(rng.integers(6, 11))
     made = vascular_tree(outlets, 0.5, {int(rng.integers(outlets)): rng.uniform(0.3, 0.6)})
     lines = [made.centerline.points[branch] for branch in made.centerline.branches]
@@ -103,7 +102,7 @@ def test_spheres_of_a_whole_tree_are_those_of_plain_climbs(seed, monkeypatch):
     directions = np.concatenate([tangents(line) for line in lines])
     found = inscribed_spheres(made.points, made.triangles, places, directions).radii
     middles = made.points[made.triangles].mean(axis=1)
-    for one in rng.choice(len(places), 8, replace=False):
+    for one in rng.choice(len(places), 24, replace=False):
         # The plain way begins with a part of what it is given: of a whole tree too little is left.
         near = made.triangles[np.linalg.norm(middles - places[one], axis=1) < 15.0]
         expected = plain_sphere(made.points, near, places[one], directions[one])[1]

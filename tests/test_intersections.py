@@ -255,7 +255,7 @@ def test_walls_that_touch_at_one_point_intersect(upper, count):
     assert f"has {count} triangles intersecting near (" in checked.sentence()
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", range(8))
 def test_random_touching_tetrahedra_agree_with_exact_rationals(seed):
     """Two closed surfaces with a common corner on a small lattice; MeshLab selects no more."""
     pymeshlab = pytest.importorskip("pymeshlab")
