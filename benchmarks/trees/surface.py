@@ -236,11 +236,20 @@ def _closed(
 
 
 def rims_of(triangles: np.ndarray) -> list[np.ndarray]:
-    """Numbers of points around every hole, in the direction of the triangles beside it."""
+    """Numbers of points around every hole, in the direction of the triangles beside it.
+
+    Raises
+    ------
+    ValueError
+        Two of them meet in a point.
+    """
     edges = np.vstack([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     key = np.sort(edges, axis=1)
     _, first, count = np.unique(key, axis=0, return_index=True, return_counts=True)
-    after = dict(edges[first[count == 1]].tolist())
+    open_sides = edges[first[count == 1]]
+    after = dict(open_sides.tolist())
+    if len(after) < len(open_sides):
+        raise ValueError("two rims meet in a point")
     rims = []
     while after:
         start, one = after.popitem()
