@@ -9,12 +9,13 @@ from benchmarks.judges import wall_distances
 from benchmarks.trees.surface import Wall
 from benchmarks.trees.truth import Spheres
 from SDFStentLib.geometry import resampled, tangents
-from SDFStentLib.lumen import inscribed_spheres, with_own_spheres
+from SDFStentLib.lumen import diameter_profile, inscribed_spheres, with_own_spheres
 from SDFStentLib.phantoms import Opening, TrueVessel, branching_pulmonary_artery, straight_tube
 from SDFStentLib.phantoms.axis import narrowing, planar_axis
 from SDFStentLib.phantoms.field import Tube, TubeUnion
 from SDFStentLib.phantoms.junction import branching_tube
 from SDFStentLib.phantoms.value import assembled
+from SDFStentLib.plan import read_input_files
 from SDFStentLib.vessel import find_lesions
 
 SEED = 47
@@ -112,7 +113,7 @@ def test_a_throat_beside_which_a_branch_leaves_is_told_as_it_is():
     found = inscribed_spheres(points, triangles, stations, ways)
     astray = np.linalg.norm(found.centers - stations, axis=1) >= found.radii
     assert (2 * found.radii[astray] / truth[astray]).max() > 1.4, "no sphere leaves its vessel"
-    told = with_own_spheres(phantom.surface, stations, ways, found, [np.arange(len(along))])
+    told = with_own_spheres((points, triangles), stations, ways, found, [np.arange(len(along))])
     assert told.radii == pytest.approx(wall_distances(points, triangles, told.centers), rel=1e-5)
     assert (told.radii[~astray] == found.radii[~astray]).all()
     excess = 2 * told.radii[astray] / truth[astray] - 1
@@ -127,6 +128,41 @@ def test_a_throat_beside_which_a_branch_leaves_is_told_as_it_is():
     assert lesion.end > 32.5
 
 
+def test_a_stent_s_profile_beside_a_branch_is_that_of_its_own_vessel():
+    """At the throat 4.4 mm were told of 2.7, as wide as the branch: a stent seemed to be wide."""
+    phantom = a_throat_beside_a_branch()
+    along = np.arange(20.0, 36.1, 0.5)
+    stations, ways = along[:, None] * [0.0, 0.0, 1.0], np.tile([0.0, 0.0, 1.0], (len(along), 1))
+    judge = Spheres(Wall(phantom.points, phantom.triangles, np.zeros(1)), stations, 10.0)
+    radii = 3.0 * narrowing(along, 29.5, 4.0, 0.6)
+    truth = [2 * judge.across(*one)[1] for one in zip(stations, ways, 0.9 * radii, strict=True)]
+    found = diameter_profile(phantom.surface, stations, 0.5)
+    told = found.inscribed_diameter
+    beside = (along >= 28.5) & (along <= 30.5)
+    assert told[~beside] == pytest.approx(np.array(truth)[~beside], rel=0.03)
+    # Its middle is that of the stations beside it, not that of the largest sphere across.
+    assert (np.abs(told / truth - 1)[beside] < 0.21).all()
+    assert (told[along == 29.5] / np.array(truth)[along == 29.5] < 1.06).all()
+    assert found.minimum == pytest.approx(min(truth), rel=0.01)
+
+
+def test_a_patient_s_throat_beside_branches_is_as_wide_as_an_independent_search_finds_it(data_dir):
+    names = [str(data_dir / f"su0243_{name}_mm.vtp") for name in ("surface", "centerline")]
+    vessel = read_input_files(*names).vessel
+    lesion = vessel.lesions[0]
+    found = diameter_profile(vessel.surface, lesion.line, 1.0)
+    line = resampled(lesion.line, 1.0)
+    wall = Wall(vessel.surface.points, vessel.surface.triangles, np.zeros(1))
+    judge = Spheres(wall, line, 10.0)
+    told = found.inscribed_diameter
+    disks = zip(found.centers, tangents(line), 0.3 * told, strict=True)
+    # In a disk round what was found, nothing wider fits beside it, and it fits itself.
+    truth = 2 * np.array([judge.across(*one)[1] for one in disks])
+    inner = slice(3, -3)
+    assert told[inner] == pytest.approx(truth[inner], rel=0.03)
+    assert found.minimum == pytest.approx(2.62, abs=0.03)
+
+
 def test_lines_beside_the_middle_of_a_vessel_keep_their_spheres():
     """A line drawn by hand tells no middle: spheres that do not hold it are not searched anew."""
     tube = straight_tube(3.0, 24, 0.4)
@@ -134,5 +170,5 @@ def test_lines_beside_the_middle_of_a_vessel_keep_their_spheres():
     stations = np.column_stack([np.full(15, 2.7), np.zeros(15), along])
     ways = np.tile([0.0, 0.0, 1.0], (15, 1))
     found = inscribed_spheres(tube.points, tube.triangles, stations, ways)
-    told = with_own_spheres(tube.surface, stations, ways, found, [np.arange(15)])
+    told = with_own_spheres((tube.points, tube.triangles), stations, ways, found, [np.arange(15)])
     np.testing.assert_array_equal(told.radii, found.radii)

@@ -29,6 +29,7 @@ from .closed_ends import NO_CAPS, open_at_ends, past_closed_ends
 from .cross_section import winding_numbers
 from .cut_sections import cut_at_ostia
 from .rounded_ends import past_rounded_ends
+from .spheres import with_own_spheres
 from .stations import Stations, measured_at
 
 _WINDING_INSIDE = 0.3
@@ -191,7 +192,11 @@ def profile_of(
         Triangles that spheres did not see, whatever a stent has made of them since.
     """
     points, triangles = surface.points, surface.triangles
-    measured = past_closed_ends(points, triangles, measured, caps)
+    seen = np.delete(triangles, caps, axis=0) if len(caps) else triangles
+    # Sections are cut round spheres: those that have left the vessel are a branch's.
+    lines = [np.arange(len(measured.points))]
+    own = with_own_spheres((points, seen), *measured[:3], lines)
+    measured = past_closed_ends(points, triangles, measured._replace(spheres=own), caps)
     stations, equivalent = measured.points, measured.equivalent.copy()
     is_cut = np.zeros(len(stations), dtype=bool)
     for part in parts:
@@ -200,7 +205,6 @@ def profile_of(
             surface, stations[part], centers, 2 * radii, measured.equivalent[part]
         )
     measured = measured._replace(equivalent=equivalent)
-    seen = np.delete(triangles, caps, axis=0) if len(caps) else triangles
     spheres = past_rounded_ends(points, seen, measured)
 
     # A closed section round the station proves that it is inside; the few others are looked at.

@@ -108,10 +108,11 @@ def _spheres(
     if not lines:
         return []
     places, ways = (np.concatenate(column) for column in zip(*lines, strict=True))
-    found = inscribed_spheres(surface.points, surface.triangles, places, ways)
+    wall = surface.points, surface.triangles
+    found = inscribed_spheres(*wall, places, ways)
     ends = np.cumsum([len(line) for line, _ in lines])[:-1]
     parts = np.split(np.arange(len(places)), ends)
-    found = with_own_spheres(surface, places, ways, found, parts)
+    found = with_own_spheres(wall, places, ways, found, parts)
     if may_be_outside:
         found.radii[~are_in_lumen(places, found, surface)] = np.nan
     return [found.at(part) for part in parts]

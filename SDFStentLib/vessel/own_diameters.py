@@ -35,7 +35,8 @@ def with_own_diameters(
         np.concatenate([run.diameter / 2 for run in runs]),
     )
     ways = np.concatenate([tangents(run.points) for run in runs])
-    diameter = 2 * with_own_spheres(surface, stations, ways, found, lines).radii
+    wall = surface.points, surface.triangles
+    diameter = 2 * with_own_spheres(wall, stations, ways, found, lines).radii
     return [run._replace(diameter=diameter[line]) for run, line in zip(runs, lines, strict=True)]
 
 

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...geometry import Surface, across, arc_lengths, norm
-from ...validation import Floats, Indices, Points
+from ...geometry import across, arc_lengths, norm
+from ...validation import Floats, Indices, Points, Triangles
 from .inscribed import InscribedSpheres
 from .local_surface import LocalSurface
 
@@ -30,7 +30,7 @@ _FINEST = 0.005
 
 
 def with_own_spheres(
-    surface: Surface,
+    wall: tuple[Points, Triangles],
     stations: Points,
     directions: Points,
     found: InscribedSpheres,
@@ -40,7 +40,8 @@ def with_own_spheres(
 
     Parameters
     ----------
-    surface : Surface
+    wall : tuple of (k, 3) and (m, 3) arrays
+        Points, mm, and triangles that bound the spheres.
     stations, directions : (n, 3) arrays
         mm.
     found : InscribedSpheres
@@ -65,20 +66,19 @@ def with_own_spheres(
             )
             which.append(left)
     if which:
-        again = np.concatenate(which)
+        again, places = np.concatenate(which), np.concatenate(middles)
         ways = directions[again] / norm(directions[again])[:, None]
-        own = _round(surface, np.concatenate(middles), across(ways))
+        own = _round(LocalSurface(*wall, places), places, across(ways))
         smaller = own.radii < radii[again]
         centers[again[smaller]], radii[again[smaller]] = own.at(np.flatnonzero(smaller))
     return InscribedSpheres(centers, radii)
 
 
-def _round(surface: Surface, middles: Points, axes: Floats) -> InscribedSpheres:
+def _round(wall: LocalSurface, middles: Points, axes: Floats) -> InscribedSpheres:
     """The largest spheres with centers in disks round some middles (n, 3), axes (n, 2, 3)."""
     steps = np.linspace(-1.0, 1.0, _TRIED)
     grid = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
     grid = grid[norm(grid) <= 1.0]
-    wall = LocalSurface(surface.points, surface.triangles, middles)
     radii = wall.distances(middles)
     disk = _DISK * np.maximum(radii, 1e-12)
     best, size, rows = np.zeros((len(middles), 2)), disk, np.arange(len(middles))
