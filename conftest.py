@@ -80,12 +80,13 @@ def _pictures(request: pytest.FixtureRequest) -> Iterator[None]:
 
 
 LONGEST = (
-    "test_app_page", "test_documented_commands", "test_sweep_faults", "test_extract_command",
-    "test_cli", "test_panel_looks", "test_panel_device", "test_segments", "test_panel",
-    "test_unexpected_errors", "test_sweep_clusters", "test_long_inputs", "test_outside_judges",
-    "test_panel_exports", "test_ostia", "test_logic", "test_memory", "test_compare", "test_cohorts",
-    "test_dragging_in_trees", "test_balloons", "test_panel_flow", "test_lesions",
-    "test_event_steps",
+    "test_app_page", "test_documented_commands", "test_extract_command", "test_tree_bench",
+    "test_sweep_faults", "test_sweep_clusters", "test_vessel_followed", "test_scenes",
+    "test_segments", "test_cli", "test_app_server", "test_cli_words", "test_long_inputs",
+    "test_panel_plans", "test_fast_measuring", "test_panel_looks", "test_panel",
+    "test_panel_device", "test_panel_placing", "test_ostia", "test_outside_judges",
+    "test_lesion_commands", "test_strict_readers", "test_identities", "test_panel_shown",
+    "test_tree_around", "test_recipes", "test_compare", "test_memory", "test_plan_exchange",
 )  # fmt: skip
 """Files that take longest go first, so that at the end no process waits for another."""
 
