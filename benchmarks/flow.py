@@ -13,7 +13,7 @@ import time
 
 import numpy as np
 
-from SDFStentLib.flow import FlowModel, Known, channels_of, known_flow
+from SDFStentLib.flow import FlowModel, Known, Part, channels_of, known_flow
 from SDFStentLib.phantoms import arch_with_coarctation, stenosed_tube
 from SDFStentLib.plan import flow_answer, flow_model, read_input_files
 from SDFStentLib.stent import Stent
@@ -56,7 +56,7 @@ def tube_rows(depth: float, flows: tuple[float, ...]) -> list[Found]:
         # What the healthy vessel behind costs anyway is not the narrowing's.
         healthy = 8 * VISCOSITY * 1e-6 * flow / (np.pi * 3e-3**4) * 1e-3 * BEYOND / 133.322
         reference = float(ends[0] - ends[1] - healthy)
-        answer = FlowModel(channels, known_flow(flow)).answer(None, [("throat", line)])
+        answer = FlowModel(channels, known_flow(flow)).answer(None, [Part("throat", line)])
         drop = answer.before["mean"].drops[0].recovered
         name = f"tube of {100 * depth:.0f} %, {flow:g} mL/s: recovered"
         rows.append({"name": name, "reference": reference, "network": list(drop)})
@@ -94,7 +94,9 @@ def measured(quick: bool, _largest: int | None = None) -> Found:
     made = arch_with_coarctation()
     channels = channels_of(made.surface, made.centerline)
     near = np.linalg.norm(channels[0].points - made.throat.point, axis=1) <= 15
-    answer = FlowModel(channels, known_flow(60.0)).answer(None, [("", channels[0].points[near])])
+    answer = FlowModel(channels, known_flow(60.0)).answer(
+        None, [Part("", channels[0].points[near])]
+    )
     progress("patient")
     drops, ms = patient()
     told = [answer.before["mean"].drops[0].maximal, *drops]

@@ -14,6 +14,7 @@ from SDFStentLib.flow import (
     Known,
     Network,
     Outlets,
+    Part,
     Wave,
     channels_of,
     flow_value,
@@ -103,7 +104,7 @@ def test_stenosed_tubes_cost_what_the_navier_stokes_equations_say(depth):
     phantom = stenosed_tube(3.0, 3.0 * (1 - depth), 200.0, 0.5)
     channels = channels_of(phantom.surface, phantom.centerline)
     along, line = channels[0].along, channels[0].points
-    lines = [("throat", line[np.abs(along - 100) <= 11])]
+    lines = [Part("throat", line[np.abs(along - 100) <= 11])]
     for flow, recovered in REFERENCE[depth].items():
         drop = FlowModel(channels, known_flow(flow)).answer(None, lines).before["mean"].drops[0]
         assert drop.recovered.value == pytest.approx(recovered, rel=0.15)
@@ -187,7 +188,7 @@ def half_sine():
 def test_over_a_wave_more_is_lost_than_at_its_mean_and_svzerod_agrees(a_fork):
     pytest.importorskip("svzerod")
     channels, right = a_fork
-    lines = [("all", np.vstack([channels[0].points, channels[-1].points]))]
+    lines = [Part("all", np.vstack([channels[0].points, channels[-1].points]))]
     steady_one, slow_one = (
         FlowModel(channels, known_flow(40.0, wave, right=right, **PRESSURES))
         for wave in (None, half_sine())
@@ -365,7 +366,7 @@ def test_what_is_kept_of_blocks_and_widths_tells_what_all_anew_tells(a_fork):
         inscribed=0.8 * channels[2].inscribed, section=0.8 * channels[2].section
     )
     after = [*channels[:2], changed, *channels[3:]]
-    lines = [("all", np.vstack([channels[0].points, channels[-1].points]))]
+    lines = [Part("all", np.vstack([channels[0].points, channels[-1].points]))]
     # Values that are equal, but not the same, are made anew.
     anew = [one._replace() for one in after]
     told, plain = (model.answer(one, lines) for one in (after, anew))
@@ -373,3 +374,30 @@ def test_what_is_kept_of_blocks_and_widths_tells_what_all_anew_tells(a_fork):
     assert told.after != told.before
     assert any(a is b for a, b in zip(*(one.blocks for one in told.networks), strict=True))
     assert not any(a is b for a, b in zip(*(one.blocks for one in plain.networks), strict=True))
+
+
+def test_a_narrowing_at_an_ostium_costs_from_the_vessel_above_on(a_fork):
+    channels, _ = a_fork
+    model = FlowModel(channels, known_flow(40.0))
+    branch = next(one for one in channels if one.above == 0)
+    even = np.full(len(branch.points), 0.5 * np.nanmedian(branch.inscribed))
+    narrow = branch._replace(inscribed=even, section=even)
+    after = [narrow if one is branch else one for one in channels]
+    line = branch.points[3:8]
+    lines = [Part("alone", line), Part("from above on", line, 12.0)]
+    alone, whole = model.answer(after, lines).after["mean"].drops
+    # Its lowest pressure lies below that in the vessel above by what the narrow one's speed holds.
+    assert whole.maximal.value > 3 * alone.maximal.value
+    assert model.answer(None, [Part("all", branch.points, 1e6)]).before["mean"].drops
+
+
+def test_a_centerline_that_leaves_the_vessel_before_its_end_is_refused():
+    tube = straight_tube(edge_length=1.2)
+    (whole,) = channels_of(tube.surface, tube.centerline)
+    outside = whole.along > 20.0
+    lost = whole._replace(
+        inscribed=np.where(outside, np.nan, whole.inscribed),
+        section=np.where(outside, np.nan, whole.section),
+    )
+    with pytest.raises(InputError, match="goes on outside of the surface"):
+        FlowModel([lost], known_flow(40.0))

@@ -30,6 +30,7 @@ from .network import tree_of as tree_of
 from .outlets import SideClues as SideClues
 from .outlets import Sides as Sides
 from .spans import Drop as Drop
+from .spans import Part as Part
 from .spans import Piece as Piece
 from .spans import Ways as Ways
 from .spans import drop_over as drop_over

@@ -9,14 +9,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..validation import Floats, InputError, Points
+from ..validation import Floats, InputError
 from .blocks import Blocks, Method, blocks_of, outlet_diameters, shares_of
 from .blood import PASCAL_PER_MMHG, PER_ML, Blood
 from .channels import Channel, widths_of
 from .known import Known
 from .network import Network, Outlets, State, steady_states, tree_of
 from .outlets import NOTHING_KNOWN, SAMPLES, SideClues, Sides, fitted_outlets, sides_of
-from .spans import Piece, Ways, drop_over
+from .spans import Part, Piece, Ways, drop_over
 
 USUAL = Method()
 
@@ -159,7 +159,7 @@ class FlowModel:
     def answer(
         self,
         after: Sequence[Channel] | None = None,
-        lines: Sequence[tuple[str, Points]] = (),
+        parts: Sequence[Part] = (),
         solve: Solve | None = None,
     ) -> FlowAnswer:
         """Pressures and flows before treatment, and after it.
@@ -168,14 +168,13 @@ class FlowModel:
         ----------
         after : sequence of Channel, optional
             The channels in the treated vessel.
-        lines : sequence of names and (n, 3) arrays
-            Parts of the vessel whose drop is wanted, mm.
+        parts : sequence of Part
         solve : callable, optional
             What solves the network over a wave; without one its flows are taken as steady ones.
         """
         known, usual = self.known, self._usual
         solve = None if known.wave is None else solve
-        parts = [self._ways.pieces_along(line) for _, line in lines]
+        ways = [self._ways.pieces_along(part.line, part.before) for part in parts]
         cases = [usual, *(case for pair in self._others for case in pair)]
         networks = self._networks(cases, after)
         flows = PER_ML * _flows(known)
@@ -192,7 +191,7 @@ class FlowModel:
         told = np.array(
             [
                 [
-                    case.moments(known, network, parts, list(islice(states, len(flows))))
+                    case.moments(known, network, ways, list(islice(states, len(flows))))
                     for network in own
                 ]
                 for case, own in zip(cases, networks, strict=True)
@@ -205,9 +204,7 @@ class FlowModel:
         if solve is not None:
             value = np.array(
                 [
-                    usual.moments(
-                        known, one, parts, _solved(solve, one, usual, known), is_even=True
-                    )
+                    usual.moments(known, one, ways, _solved(solve, one, usual, known), is_even=True)
                     for one in networks[0]
                 ]
             )
@@ -220,7 +217,7 @@ class FlowModel:
         return FlowAnswer(
             known,
             usual.sides,
-            tuple(name for name, _ in lines),
+            tuple(part.name for part in parts),
             names,
             moments[0],
             moments[1] if len(moments) > 1 else None,

@@ -25,6 +25,9 @@ FINE, COARSE = 0.1, 0.4
 """Diameters by which stations are apart at most, beside the narrowest of three and elsewhere: the
 throat of a short narrowing costs what it costs with twice as many to a percent."""
 
+LOST = 2.0
+"""Diameters before its end in which nothing is known of an outlet: next to a cap it is one."""
+
 _NEW = -1.0
 """Stands for a diameter that is still to be measured."""
 
@@ -141,13 +144,15 @@ def _known(channel: Channel, before: Sequence[Floats], is_outlet: bool) -> Float
     """Inscribed diameters (n,), where they are not known those of sections or of stations near."""
     diameter = np.where(np.isfinite(channel.inscribed), channel.inscribed, channel.section)
     known = np.isfinite(diameter) & (diameter > 0)
-    if known.any():
+    away = channel.along[-1] - channel.along[known].max(initial=-np.inf)
+    is_lost = is_outlet and not away <= LOST * diameter[known][-1:].sum()
+    if known.any() and not is_lost:
         return np.interp(channel.along, channel.along[known], diameter[known])
     if is_outlet:
         x, y, z = channel.points[-1]
         raise InputError(
             f"flow: expected a lumen at the outlet near ({x:.1f}, {y:.1f}, {z:.1f}) mm, got a "
-            "centerline that ends outside of the surface; extract the centerline anew."
+            "centerline that goes on outside of the surface; extract the centerline anew."
         )
     return np.full(len(channel.along), before[channel.above][-1])
 

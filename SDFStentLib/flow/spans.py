@@ -32,6 +32,17 @@ class Drop(NamedTuple):
     """Of the static pressure from its start to its lowest place."""
 
 
+class Part(NamedTuple):
+    """A part of a vessel whose drop is wanted."""
+
+    name: str
+    line: Points
+    """(n, 3) along it, in either direction, mm; where its ends are on different branches, to the
+    farther one."""
+    before: float = 0.0
+    """By so much it begins earlier, mm: a narrowing at an ostium begins in the vessel above."""
+
+
 class Ways:
     """The lines of a tree's channels, prepared for questions about parts of it."""
 
@@ -42,28 +53,20 @@ class Ways:
         self._ends = np.concatenate([one.points[1:] for one in channels])
         self._channel = np.repeat(np.arange(len(channels)), counts)
         self._station = np.concatenate([np.arange(count) for count in counts])
-        self._known: dict[bytes, tuple[Piece, ...]] = {}
+        self._known: dict[tuple[bytes, float], tuple[Piece, ...]] = {}
 
-    def pieces_along(self, line: Points) -> tuple[Piece, ...]:
+    def pieces_along(self, line: Points, before: float = 0.0) -> tuple[Piece, ...]:
         """The way in the tree between the places that are nearest to both ends of a line.
 
-        Parameters
-        ----------
-        line : (n, 3) array
-            Along a vessel, in either direction, mm.
-
-        Returns
-        -------
-        tuple of Piece
-            From the root's side on. Where the ends are on different branches, to the farther one.
+        From the root's side on, and from `before` mm earlier, as of `Part`.
         """
         ends = line[[0, -1]]
-        key = ends.tobytes()
+        key = ends.tobytes(), before
         if key not in self._known:
-            self._known[key] = self._pieces(ends)
+            self._known[key] = self._pieces(ends, before)
         return self._known[key]
 
-    def _pieces(self, ends: Points) -> tuple[Piece, ...]:
+    def _pieces(self, ends: Points, before: float) -> tuple[Piece, ...]:
         found = self._nearest(slice(None), ends)
         if self._from_root(found[0]) > self._from_root(found[1]):
             ends, found = ends[::-1], found[::-1]
@@ -73,6 +76,13 @@ class Ways:
         while self._channels[way[0]].above >= 0:
             way.insert(0, self._channels[way[0]].above)
         ((first, start),) = self._nearest(np.isin(self._channel, way), ends[:1])
+        at = max(self._from_root((first, start)) - before, float(self._channels[0].along[0]))
+        # Ends: at the root at the latest.
+        while self._channels[first].along[0] > at and self._channels[first].above >= 0:
+            first = self._channels[first].above
+            start = len(self._channels[first].points) - 1.0
+        along = self._channels[first].along
+        start = min(start, float(np.interp(at, along, np.arange(len(along)))))
         way = way[way.index(first) :]
         return tuple(
             Piece(

@@ -10,13 +10,14 @@ from ..flow import (
     FlowAnswer,
     FlowModel,
     Known,
+    Part,
     SideClues,
     has_svzerod,
     solved_by_svzerod,
 )
 from ..treatment import TreatmentResult, Vessel
 from ..units import Frame, flipped
-from ..validation import InputError, Points
+from ..validation import InputError
 from ..vessel import SMALL_VESSEL
 from .plan import Plan
 
@@ -57,12 +58,13 @@ def flow_answer(
     A wave is solved by `svzerod` where that is installed. `DeploymentError` where that fails.
     """
     assert vessel.centerline is not None
-    after, lines = None, list[tuple[str, Points]]()
+    after, parts = None, list[Part]()
     if treated is not None:
         assert treated.centerline is not None
         after = vessel.followed.after(treated.centerline, treated.surface)
-        lines = [(f"stent {one.number}", one.axis.points) for one in treated.final_stents]
+        parts = [Part(f"stent {one.number}", one.axis.points) for one in treated.final_stents]
     for number, lesion in enumerate(vessel.lesions or (), start=1):
         if lesion.reference_diameter >= SMALL_VESSEL:
-            lines.append((f"lesion {number}, {lesion.branch_name}", lesion.line))
-    return model.answer(after, lines, solved_by_svzerod if has_svzerod() else None)
+            name, before = f"lesion {number}, {lesion.branch_name}", lesion.reference_diameter
+            parts.append(Part(name, lesion.line, before))
+    return model.answer(after, parts, solved_by_svzerod if has_svzerod() else None)

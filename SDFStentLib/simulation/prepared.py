@@ -10,7 +10,7 @@ import numpy as np
 from ..cautions import Caution
 from ..certificate import check_surface
 from ..files import VolumeMesh
-from ..flow import FlowModel, Solve
+from ..flow import FlowModel, Part, Solve
 from ..geometry import resampled, state_of, tangents
 from ..segment import Segment, SegmentFace
 from ..treatment import ExtractedSegment, SegmentWishes, Vessel, extract_segment
@@ -147,7 +147,7 @@ def prepare(
     main = _at(found.before, way[-1], "outlet")
     segments, extensions, warnings = _with_extensions(found, ends, main)
     channels = before.followed.after(tree, after.surface)
-    answer = model.answer(channels, [("the segment", way)], solve)
+    answer = model.answer(channels, [Part("the segment", way)], solve)
     told = {
         name: {
             "recovered": (*moments["mean"].drops[0].recovered,),
