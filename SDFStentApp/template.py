@@ -284,8 +284,8 @@ DIAMETERS = """
 """
 
 GONE = """
-<div class="gone" role="alert">This page has ended, or sdfstent app itself has. Load the page again; if that does not help, start
-sdfstent app again and use the address that it prints.</div>
+<div class="gone" role="alert">The connection to sdfstent app is lost, or it has ended. Load the page again: it goes on where it was while it is kept
+(sdfstent app --keep). If that does not help, start sdfstent app again and use the address that it prints.</div>
 """
 
 
