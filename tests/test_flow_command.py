@@ -204,7 +204,7 @@ def test_without_a_flow_there_is_no_word_of_pressure(a_folder, capsys):
         (("--wedge", "5"), "line.vtp", "expected --mean-flow Q"),
         (("--export-0d", "nets"), "line.vtp", "expected --mean-flow Q"),
         (("--mean-flow", "5mL/s"), None, "flow: expected a centerline of the vessel tree"),
-        (("--mean-flow", "5mL/s", "--split-right", "0.5"), "line.vtp", "tells no sides"),
+        (("--mean-flow", "5mL/s", "--split-right", "0.5"), "line.vtp", "(--right X Y Z), or"),
     ],
 )
 def test_a_flow_that_cannot_be_is_refused_before_the_deployment(

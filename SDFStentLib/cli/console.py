@@ -22,6 +22,7 @@ _REMEDIES = (
     ("units", "units", " (--units mm, cm or m)"),
     ("one_unit", "units", " (--units cm, for example)"),
     ("centerline", "centerline", " (--centerline)"),
+    ("right", "right", " (--right X Y Z)"),
     ("accept_changed_inputs", "accept_changed_inputs", "(--accept-changed-inputs)"),
     ("straighten", "straightening_fraction", " (--straighten F)"),
     ("foreshortening", "foreshortening", " (--foreshortening F)"),

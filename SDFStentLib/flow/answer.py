@@ -137,7 +137,9 @@ class FlowModel:
         if self.known.split_right is not None and not (sides and sides.is_known):
             raise InputError(
                 "split to the right: expected a vessel of which the right branch is known, got one "
-                "that tells no sides; name a place in the right branch, or leave the split out."
+                "that tells no sides; name a place in the right branch",
+                "right",
+                end=", or leave the split out.",
             )
         outlets = fitted_outlets(network, weights, sides, self.known)
         return _Case(network, sides, outlets)
