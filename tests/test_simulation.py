@@ -25,13 +25,13 @@ from SDFStentLib.files import encode_vtp, polydata_from_arrays, polydata_from_li
 from SDFStentLib.files.formats import decode_vtu, encode_vtu
 from SDFStentLib.flow import Wave
 from SDFStentLib.geometry import signed_volume
-from SDFStentLib.phantoms import stenosed_tube, straight_tube
+from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube, straight_tube
 from SDFStentLib.simulation import Conditions, Outlet, prepare
 from SDFStentLib.simulation.extension import extended
 from SDFStentLib.simulation.remesh import TOLERANCE, Wishes, axis_of, edges_around, remeshed
 from SDFStentLib.simulation.solver_file import solver_files, time_steps
 from SDFStentLib.simulation.tetrahedra import dihedral_angles, filled
-from SDFStentLib.treatment import Vessel, extract_segment
+from SDFStentLib.treatment import SegmentWishes, Vessel, extract_segment
 from SDFStentLib.validation import InputError
 
 RADIUS, LENGTH, FLOW = 3.0, 40.0, 20.0
@@ -156,6 +156,24 @@ def test_an_end_is_drawn_out_where_there_is_room():
     np.testing.assert_allclose(moved.center - face.center, [0, 0, 7.0], atol=1e-9)
     assert longer.surface.topology.is_watertight
     assert longer.faces[-1].kind == "wall"
+
+
+def test_side_branches_are_cut_off_and_become_outlets():
+    """The right artery, behind 1.5 of its diameters; closed, it would be wall."""
+    vessel = branching_pulmonary_artery(edge_length=1.2)
+    parts = Vessel(vessel.surface, vessel.centerline)
+    ends = vessel.axis_at(np.array([4.0, 52.0]))
+    found = [
+        extract_segment(parts, *ends, SegmentWishes(*wishes)).before
+        for wishes in ((False, False), (False, True), (True, False))
+    ]
+    whole, cut, closed = found
+    kinds = [[face.kind for face in one.faces].count("outlet") for one in found]
+    assert kinds == [2, 2, 1]
+    assert closed.volume < cut.volume < whole.volume
+    side, other = (face for face in cut.faces if face.kind == "outlet")
+    assert abs(float(side.normal @ other.normal)) < 0.999
+    assert cut.surface.topology.is_watertight
 
 
 def read_vtk(path):

@@ -77,7 +77,7 @@ def add_simulate(command: argparse.ArgumentParser) -> None:
 --read DIR  in place of all these: tell what the solver has found in a folder
 --from X Y Z  one end of the segment (default: beyond the wall that moved)
 --to X Y Z  the other end
---close-branches  cut side branches off and close them; else they stay open as outlets
+--close-branches  close side branches; else they are cut off and become outlets
 --edges-round N = 20  so many edges go round the vessel at least (default 20)
 --coarser X = 1  edges so many times as long, for a quick look (default 1)
 --processes N = 2  of the solver (default 2)

@@ -107,7 +107,7 @@ def _inlet(
         for number, cap in caps.items():
             if number not in planes and _is_at(cap, root):
                 return number
-    start, end = [number for number, plane in planes.items() if not plane.is_closed]
+    start, end = list(planes)[:2]
     places = [tree.project(planes[number].origin) for number in (start, end)]
     fall = places[0].arc_length - places[1].arc_length
     return end if abs(tree.path(*places).length - fall) < SAME else start

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
+from dataclasses import replace
 from heapq import merge
 from itertools import takewhile
 from typing import NamedTuple
@@ -24,6 +25,10 @@ ALIKE = 2.0
 times as wide in one as in the other."""
 
 
+STUB = 1.5
+"""Diameters of a side branch that stay on where it becomes an outlet: flow turns into it."""
+
+
 class OpenBranch(NamedTuple):
     """A side branch that no plane cuts off."""
 
@@ -40,7 +45,9 @@ class ClosedBranches(NamedTuple):
     """What stays open in each of them, at least in part."""
 
 
-def close_side_branches(ends: SegmentEnds, states: Sequence[OpenSegment]) -> ClosedBranches:
+def close_side_branches(
+    ends: SegmentEnds, states: Sequence[OpenSegment], *, as_outlets: bool = False
+) -> ClosedBranches:
     """Cut off the vessels that leave the way between two planes, each where a plane meets only it.
 
     Parameters
@@ -49,6 +56,8 @@ def close_side_branches(ends: SegmentEnds, states: Sequence[OpenSegment]) -> Clo
     states : sequence of OpenSegment
         What the same planes bound in states of the vessel, the native one first. A branch is cut
         by one plane in all of them, or stays open in all.
+    as_outlets : bool
+        Whether the openings become outlets in place of wall; then a `STUB` of each stays on.
     """
     lumen = _lumen(ends.opened)
     sides = _sides_within(ends, lumen)
@@ -62,7 +71,12 @@ def close_side_branches(ends: SegmentEnds, states: Sequence[OpenSegment]) -> Clo
         if number in closed or key in seen:
             continue
         seen.add(key)  # branches that have not parted share their places
+        stub = 2 * STUB * float(ends.finder.wall.query(step.place)[0])
+        if as_outlets and step.along < stub:
+            continue
         plane = _plane(ends, step, lumen)
+        if plane is not None and as_outlets:
+            plane = replace(plane, is_closed=False)
         found = None if plane is None else _all_cut(kept, plane)
         if found is not None:
             kept = found

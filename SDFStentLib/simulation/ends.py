@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..centerline import Centerline
-from ..geometry import arc_lengths, closest_points, norm, point_at, state_of
+from ..geometry import arc_lengths, nearest_distances, norm, point_at, state_of
 from ..segment import PlaneFinder
 from ..treatment import Vessel
 from ..validation import InputError, Points
@@ -74,23 +74,31 @@ def ends_beyond(before: Vessel, after: Vessel, axis: Axis, units: str = "mm") ->
 def _changed(
     before: Vessel, after: Vessel, tree: Centerline, axis: Axis
 ) -> tuple[Points, float, float]:
-    """A line (k, 3) through the vessel whose wall moved, and from where to where on it, mm."""
-    treated = state_of(before.surface, after.surface, "treated vessel")
-    moved = norm(treated.points - before.surface.points) > MOVED
+    """A line (k, 3) through the vessel that was widened, and from where to where on it, mm.
+
+    Side branches only move: the line is that along which radii grow the most in all, and then the
+    longest.
+    """
+    treated = state_of(before.surface, after.surface, "treated vessel").points
+    moved = norm(treated - before.surface.points) > MOVED
     if not moved.any():
         raise InputError(
             "treated vessel: expected a wall that moved, got the same one; give the surface that "
             "was deployed, or name both ends of the segment."
         )
-    places = np.unique(axis.nearest(before.surface.points[moved]))
-    along = [tree.project(axis.points[place]) for place in places]
-    top = min(along, key=lambda one: one.arc_length)
-    low = max(along, key=lambda one: one.arc_length)
-    beyond = [leaf for leaf in tree.leaves if low.index in tree.ancestry(leaf)]
-    leaf = max(beyond, key=lambda one: tree.arc_length[one])
-    way = tree.path(tree.points[tree.ancestry(leaf)[0]], tree.points[leaf]).points
-    first, last = closest_points(way, np.array([top.point, low.point])).arc_lengths.tolist()
-    return way, first, last
+    numbers = np.unique(axis.nearest(before.surface.points[moved]))
+    spots = axis.points[numbers]
+    grown = nearest_distances(spots, treated) - nearest_distances(spots, before.surface.points)
+    places = [tree.project(spot) for spot in spots]
+
+    def gain(leaf: int) -> tuple[float, float]:
+        own = np.isin([place.index for place in places], tree.ancestry(leaf))
+        return float(grown[own].sum().round(3)), float(tree.arc_length[leaf])
+
+    leaf = max(tree.leaves.tolist(), key=gain)
+    line = tree.ancestry(leaf)
+    along = [place.arc_length for place in places if place.index in line]
+    return tree.points[line], min(along), max(along)
 
 
 def _places(

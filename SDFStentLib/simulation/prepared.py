@@ -8,13 +8,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ..cautions import Caution
-from ..certificate import check_surface
 from ..files import VolumeMesh
 from ..flow import FlowModel, Part, Solve
 from ..geometry import resampled, state_of, tangents
 from ..segment import Segment, SegmentFace
 from ..treatment import ExtractedSegment, SegmentWishes, Vessel, extract_segment
-from ..validation import DeploymentError, Floats, Points
+from ..validation import Floats, Points
 from ..vessel import vessel_parts
 from .conditions import Conditions, conditions_of
 from .ends import SPACING, FlowEnds, ends_beyond
@@ -140,7 +139,7 @@ def prepare(
     else:
         ends = FlowEnds(*cut.ends, (0.0, 0.0))
     tell(0.05, "the segment")
-    branches = SegmentWishes(cut.close_branches, units=cut.units)
+    branches = SegmentWishes(cut.close_branches, not cut.close_branches, units=cut.units)
     found = extract_segment(before, ends.start, ends.end, branches, after=after)
     assert found.after is not None
     way = tree.path(*tree.ends_of_path(ends.start, ends.end)).points
@@ -213,11 +212,6 @@ def _mesh(
 ) -> Mesh:
     axis, throat = sizes
     made = remeshed(segment, axis, wishes)
-    if not check_surface(made.surface).passed:
-        raise DeploymentError(
-            "mesh: expected a sound surface, got one that crosses itself; choose a finer mesh, or "
-            "other ends of the segment."
-        )
     volume = filled(made)
     edge = float(edge_sizes(throat.place[None], axis, wishes)[0])
     return Mesh(

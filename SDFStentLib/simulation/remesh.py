@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry import ClosedSurface, Surface, SurfaceIndex, faces_at, section_around
+from ..certificate import check_surface
+from ..geometry import ClosedSurface, Surface, SurfaceIndex, section_around
 from ..segment import Segment
 from ..validation import DeploymentError, Flags, Floats, Indices, Points
 from .mmg import MeditMesh, by_mmg
@@ -17,14 +18,10 @@ TOLERANCE = 0.02
 CHORD = 0.75
 """Part of the tolerance that the edges of a round wall may take."""
 
-FINER = 0.7
-"""Times the sizes where the wall lies farther, for another round."""
-
-ROUNDS = 4
-"""Of that; a spike that none of them follows is an error."""
-
-ANGLE = 50
-"""Degrees between two triangles from which on their edge is kept: that round a cap is."""
+TRIES = ((35, 1.0), (25, 0.9), (35, 0.7), (25, 0.7), (20, 0.5))
+"""What is asked for in turn: degrees between two triangles from which on their edge is kept, as
+that round a cap is, and times the tolerance. MMG keeps it only nearly, and now and then lays a wall
+that is bent sharply over itself: with another angle it does not."""
 
 GRADING = 1.25
 """How much longer an edge may be than the next one."""
@@ -116,24 +113,35 @@ def remeshed(segment: Segment, axis: Axis, wishes: Wishes) -> Remeshed:
     InputError
         MMG is not installed.
     DeploymentError
-        It fails, or leaves the wall by more than the tolerance; coarser meshes may, and tell it.
+        It fails, crosses itself, or leaves the wall by more than the tolerance; coarser meshes may
+        leave it, and tell so.
     """
     old, none = segment.surface, np.zeros((0, 4), np.int64)
     mesh = MeditMesh(old.points, old.triangles, segment.face_ids, none)
-    options = ["-ar", f"{ANGLE}", "-hgrad", f"{GRADING}", "-hausd", f"{wishes.tolerance}"]
     sizes = edge_sizes(old.points, axis, wishes)
-    farthest = np.inf
-    for _ in range(ROUNDS):
+    fault = ""
+    for angle, part in TRIES:
+        options = [
+            "-ar",
+            f"{angle}",
+            "-hgrad",
+            f"{GRADING}",
+            "-hausd",
+            f"{part * wishes.tolerance}",
+        ]
         made = by_mmg("mmgs", mesh, sizes, options)
-        away = SurfaceIndex(made.points, made.triangles).distances(old.points).distance
-        farthest = float(away.max())
-        if farthest <= wishes.tolerance or wishes.coarser > 1:
-            return Remeshed(Surface(made.points, made.triangles, name="mesh"), made.faces, farthest)
-        beside = np.unique(old.triangles[faces_at(away > wishes.tolerance, old.triangles)])
-        sizes[beside] *= FINER
+        away = SurfaceIndex(made.points, made.triangles).distances(old.points).distance.max()
+        surface = Surface(made.points, made.triangles, name="mesh")
+        check = check_surface(surface)
+        if not check.passed:
+            fault = f"one that is not sound ({check.sentence().rstrip('.')})"
+        elif away > wishes.tolerance and wishes.coarser == 1:
+            fault = f"one {away:.3f} mm from it"
+        else:
+            return Remeshed(surface, made.faces, float(away))
     raise DeploymentError(
-        f"mesh: expected one within {wishes.tolerance:g} mm of the wall, got one {farthest:.3f} mm "
-        "from it; look for spikes and folds with sdfstent check."
+        f"mesh: expected one within {wishes.tolerance:g} mm of the wall, got {fault}; look for "
+        "spikes and folds with sdfstent check, or choose other ends of the segment."
     )
 
 

@@ -36,6 +36,8 @@ class SegmentWishes(NamedTuple):
 
     close_branches: bool = False
     """Whether side branches are cut off and closed; else they are kept as long as they are."""
+    cut_branches: bool = False
+    """Whether they are cut off likewise and become outlets."""
     nearest: bool = False
     """Whether an end where no plane meets only this vessel moves into the segment, as far as it
     takes; a warning says so."""
@@ -91,8 +93,11 @@ def extract_segment(
     if after is not None:
         states = (*states, _treated(ends.opened, _state_of(parts, vessel, after)))
     left: tuple[OpenBranch, ...] = ()
-    if wishes.close_branches:
-        states, left = close_side_branches(ends, states)
+    if wishes.close_branches or wishes.cut_branches:
+        outlets = not wishes.close_branches
+        states, left = close_side_branches(ends, states, as_outlets=outlets)
+    if not wishes.close_branches:
+        left = ()  # what no plane cuts is an outlet at its own end
     before = _sound(closed_segment(states[0]), "segment")
     treated = [_sound(closed_segment(state), "treated segment") for state in states[1:]]
     made = (*_moved_ends(ends), *_open_branches(left))
