@@ -22,8 +22,8 @@ COLORS = {"before": "#b35806", "after": "#08519c"}
 NOTES = (
     "Navier-Stokes equations by svMultiPhysics: rigid walls, blood of 1060 kg/m3 and 4 mPa s. "
     "Linear tetrahedra without layers along the wall. Behind +- stands the difference from a mesh "
-    "with edges 1.5 times as long. Wall shear of such elements is low by up to a tenth on 20 edges "
-    "round; its +- is twice the difference.",
+    "with edges 1.5 times as long. Wall shear of such elements is low by up to an eighth on 20 "
+    "edges round; its +- is twice the difference.",
     "In brackets what the network of the whole tree tells, with its range. No measured gradient, "
     "and no adaptation of the lungs to the new flow.",
 )
@@ -263,7 +263,7 @@ def along_plot(document: Section, key: str, words: str) -> Drawing:
     marks: list[Mark] = [Line([(_LEFT, _TOP), (_LEFT, floor), (right, floor)])]
     for tick in np.linspace(low, high, 5).tolist():
         marks += [Line([(_LEFT, y(tick)), (right, y(tick))], "#dddddd")]
-        marks += [Words(f"{tick:.3g}", _LEFT - 8, y(tick) + 4, anchor="end")]
+        marks += [Words(f"{tick:.2g}", _LEFT - 8, y(tick) + 4, anchor="end")]
     for tick in np.linspace(0.0, float(along[-1]), 6).tolist():
         marks += [Words(f"{tick:.0f}", x(tick), floor + 19)]
     middle = (_LEFT + right) / 2
