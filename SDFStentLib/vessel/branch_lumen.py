@@ -69,16 +69,16 @@ def _measured(surface: Surface, centerline: Centerline) -> tuple[BranchLumen, ..
 
 
 def _distances_to_ends(lumens: Sequence[BranchLumen]) -> list[Floats]:
-    """How far (n,) the stations of every branch are from where the vessel ends, mm."""
+    """How far (n,) the stations of every branch are from where the vessel ends, mm.
+
+    The root is an end for all that comes from it, also where lines part right behind it.
+    """
     meeting = Counter(node for lumen in lumens for node in lumen.nodes)
     found = []
     for lumen in lumens:
-        distance = np.full(len(lumen.along), np.inf)
-        for node, away in zip(
-            lumen.nodes, (lumen.along, lumen.along[-1] - lumen.along), strict=True
-        ):
-            if meeting[node] == 1:
-                distance = np.minimum(distance, away)
+        distance = lumen.start + lumen.along
+        if meeting[lumen.nodes[1]] == 1:
+            distance = np.minimum(distance, lumen.along[-1] - lumen.along)
         found.append(distance)
     return found
 
