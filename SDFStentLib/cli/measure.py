@@ -90,10 +90,11 @@ def _lesion_lines(inputs: InputFiles, smallest: float, *, is_short: bool) -> lis
         return lesion_list(lesions, units, smallest, "; --smallest-vessel 0 lists them")
     count = len(large[LISTED:]) + len(small)
     of_them = f", {len(small)} of them in vessels below {smallest:g} mm" if small else ""
+    more = f"{count} more{of_them}: " if count else ""
     return [
         *(lesion_sentences(number, lesions[number - 1], units)[0] for number in large[:LISTED]),
-        f"{count} more{of_them}: --verbose tells more, and what each is measured against; --json "
-        "and --csv F have them all.",
+        f"{more}--verbose tells more, and what each is measured against; --json and --csv F have "
+        "them all.",
     ]
 
 
