@@ -3,12 +3,13 @@
 ONE_COLOR = "SDFStent.OneColor"
 
 
-def inOneColor(node):
-    """Show a model without the colors of the arrays that it happens to have: once, for who wants them turns them on again."""
-    display = node.GetDisplayNode()
-    if display is not None and not node.GetAttribute(ONE_COLOR):
-        node.SetAttribute(ONE_COLOR, "1")
-        display.SetScalarVisibility(False)
+def inOneColor(*nodes):
+    """Show models without the colors of the arrays that they happen to have: once, for who wants them turns them on again."""
+    for node in nodes:
+        isModel = node is not None and node.IsA("vtkMRMLModelNode") and node.GetDisplayNode()
+        if isModel and not node.GetAttribute(ONE_COLOR):
+            node.SetAttribute(ONE_COLOR, "1")
+            node.GetDisplayNode().SetScalarVisibility(False)
 
 
 def isShown(node, segmentID=""):

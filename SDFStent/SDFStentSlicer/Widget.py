@@ -211,9 +211,7 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
         if self._parameterNode is None or self.stents.synchronize():
             return  # synchronizing has called this again
         self.logic.chooseSegment(self._parameterNode)
-        for node in (self._parameterNode.vessel, self._parameterNode.centerline):
-            if node is not None and node.IsA("vtkMRMLModelNode"):
-                Showing.inOneColor(node)
+        Showing.inOneColor(self._parameterNode.vessel, self._parameterNode.centerline)
         self._inputs.watch(self.logic.inputNodes(self._parameterNode))
         self.lesions.follow(self._parameterNode)
         self.recoil.follow(self._parameterNode)

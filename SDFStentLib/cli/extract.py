@@ -17,18 +17,14 @@ from ..files import (
 from ..plan import InputFiles, Marks, read_input_files
 from ..report import SEGMENT_FILES, filed_point, segment_sentences, write_segment
 from ..treatment import ExtractedSegment, SegmentWishes, extract_segment
-from ..validation import InputError
 from .console import Console
 from .outputs import Outputs
-from .place import in_mm, names_of, root_of
+from .place import ends_of, in_mm, names_of, root_of, treated_of
 
 
 def extract_command(options: argparse.Namespace, console: Console) -> int:
     """Write the segment between two places, before treatment and after."""
-    ends = (
-        in_mm(options.from_point, options.units, "--from"),
-        in_mm(options.to, options.units, "--to"),
-    )
+    ends = ends_of(options)
     outputs = Outputs([options.surface, options.centerline, options.after, options.names])
     outputs.add_folder(
         options.output, lambda folder: _write(folder, found, read), SEGMENT_FILES.__contains__
@@ -37,7 +33,7 @@ def extract_command(options: argparse.Namespace, console: Console) -> int:
     marks = Marks(root_of(options), names=names_of(options))
     read = [read_input_files(options.surface, options.centerline, units, marks)]
     if options.after is not None:
-        read.append(_treated(options, read[0]))
+        read.append(treated_of(options, read[0]))
     for one in read:
         console.warn(one.warnings, units=units)
     found = extract_segment(
@@ -52,18 +48,6 @@ def extract_command(options: argparse.Namespace, console: Console) -> int:
         console.say(sentence)
     console.say(f"Wrote {options.output}, in cm; mesh its exterior with the surface kept.")
     return 0
-
-
-def _treated(options: argparse.Namespace, before: InputFiles) -> InputFiles:
-    """The vessel after treatment; `InputError` where it is in another frame."""
-    after = read_input_files(options.after, units=options.units)
-    frames = [one.surface.frame for one in (before, after)]
-    if None not in frames and frames[0] != frames[1]:
-        raise InputError(
-            f"{options.after}: expected the frame of {options.surface}, {frames[0]}, got "
-            f"{frames[1]}; write both in one frame."
-        )
-    return after
 
 
 def _write(folder: Path, found: ExtractedSegment, read: list[InputFiles]) -> None:

@@ -51,7 +51,7 @@ from ..validation import InputError, as_number
 from .console import Console
 from .flow_options import add_networks, known_of, no_flow
 from .outputs import Outputs
-from .place import in_mm, names_of, root_of
+from .place import ends_of, names_of, root_of, treated_of
 
 LISTED = 3
 """Narrowings that are told on the screen."""
@@ -196,21 +196,10 @@ def _prepared(
     """The vessel cut and meshed."""
     marks = Marks(root_of(options), names=names_of(options))
     read = read_input_files(options.surface, options.centerline, options.units, marks)
-    after = read_input_files(options.after, units=options.units)
-    frames = [one.surface.frame for one in (read, after)]
-    if None not in frames and frames[0] != frames[1]:
-        raise InputError(
-            f"{options.after}: expected the frame of {options.surface}, {frames[0]}, got "
-            f"{frames[1]}; write both in one frame."
-        )
+    after, frame = treated_of(options, read), read.surface.frame
     console.warn([*read.warnings, *after.warnings], units=options.units)
-    ends = None
-    if options.from_point is not None and options.to is not None:
-        ends = (
-            in_mm(options.from_point, options.units, "--from"),
-            in_mm(options.to, options.units, "--to"),
-        )
-    model = flow_model(read.vessel, known, frames[0])
+    ends = None if options.to is None else ends_of(options)
+    model = flow_model(read.vessel, known, frame)
     with console.progress("Meshing") as show:
         prepared = prepare(
             (read.vessel, after.vessel),
@@ -222,7 +211,7 @@ def _prepared(
         )
     console.warn(prepared.warnings, units=options.units)
     files = {"surface": options.surface, "after": options.after, "centerline": options.centerline}
-    return prepared, Origin(files, RESEARCH_USE, frames[0])
+    return prepared, Origin(files, RESEARCH_USE, frame)
 
 
 def _results(

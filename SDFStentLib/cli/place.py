@@ -182,6 +182,26 @@ def inputs_of(options: argparse.Namespace) -> InputFiles:
     )
 
 
+def treated_of(options: argparse.Namespace, before: InputFiles) -> InputFiles:
+    """The vessel after treatment; `InputError` where it is in another frame."""
+    after = read_input_files(options.after, units=options.units)
+    frames = [one.surface.frame for one in (before, after)]
+    if None not in frames and frames[0] != frames[1]:
+        raise InputError(
+            f"{options.after}: expected the frame of {options.surface}, {frames[0]}, got "
+            f"{frames[1]}; write both in one frame."
+        )
+    return after
+
+
+def ends_of(options: argparse.Namespace) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The two ends of a segment, mm."""
+    return (
+        in_mm(options.from_point, options.units, "--from"),
+        in_mm(options.to, options.units, "--to"),
+    )
+
+
 def root_of(options: argparse.Namespace) -> NDArray[np.float64] | None:
     """The point near the root of the centerline, mm, where one was given."""
     return None if options.root is None else in_mm(options.root, options.units, "--root")

@@ -92,6 +92,17 @@ class FlowAnswer(NamedTuple):
         return x, y, z
 
 
+def _reach(told: Floats) -> tuple[Floats, Floats]:
+    """How far values lie below and above those of the first case, by the pairs of cases after it.
+
+    Uncertainties are independent of each other: their squares add up.
+    """
+    away = (told[1:] - told[0]).reshape(-1, 2, *told[0].shape)
+    low = (np.minimum(away.min(axis=1), 0.0) ** 2).sum(axis=0)
+    high = (np.maximum(away.max(axis=1), 0.0) ** 2).sum(axis=0)
+    return np.sqrt(low), np.sqrt(high)
+
+
 class FlowModel:
     """A vessel before treatment with outlets that fit what is known; kept while stents are tried.
 
@@ -199,10 +210,8 @@ class FlowModel:
                 for case, own in zip(cases, networks, strict=True)
             ]
         )
-        value = base = told[0]
-        away = (told[1:] - base).reshape(-1, 2, *base.shape)
-        low = (np.minimum(away.min(axis=1), 0.0) ** 2).sum(axis=0)
-        high = (np.maximum(away.max(axis=1), 0.0) ** 2).sum(axis=0)
+        value = told[0]
+        low, high = _reach(told)
         if solve is not None:
             value = np.array(
                 [
@@ -210,7 +219,7 @@ class FlowModel:
                     for one in networks[0]
                 ]
             )
-        spread = np.stack([value, value - np.sqrt(low), value + np.sqrt(high)], axis=-1)
+        spread = np.stack([value, value - low, value + high], axis=-1)
         names = {"mean": known.mean} | ({} if known.most is None else {"peak": known.most})
         moments = [
             {name: self._moment(row) for name, row in zip(names, state, strict=True)}

@@ -174,7 +174,7 @@ def _flow(flow: Mapping[str, Any], number: int) -> str:
         for one in state["narrowings"]
         if one["name"] == f"stent {number}"
     ]
-    drop = f"drop {' -> '.join(f'{one:.1f}' for one in drops)} mmHg" if drops else ""
+    drop = f"drop {' -> '.join(number_text(one, 1) for one in drops)} mmHg" if drops else ""
     return ", ".join(filter(None, [share_gained(before, after), drop]))
 
 

@@ -180,15 +180,16 @@ def _of_moment(section: Section, moment: str, most: int | None) -> Rows:
 
 def _change(bands: list[dict[str, float]], unit: str, scale: float = 1.0) -> str:
     """`6.4 (5.1 to 8.0) -> 0.27 (0.2 to 0.4) mmHg`."""
-    return " -> ".join(_band(one, scale) for one in bands) + f" {unit}"
+    return " -> ".join(band_words(one, scale) for one in bands) + f" {unit}"
 
 
-def _band(band: Mapping[str, float], scale: float) -> str:
-    value, low, high = (_number(scale * band[name]) for name in ("value", "low", "high"))
+def band_words(band: Mapping[str, float], scale: float = 1.0) -> str:
+    """A value and between what it lies, where that is known."""
+    value, low, high = (brief(scale * band[name]) for name in ("value", "low", "high"))
     return value if low == high else f"{value} ({low} to {high})"
 
 
-def _number(value: float) -> str:
+def brief(value: float) -> str:
     """Two digits behind the point below one, one below a hundred; no minus zero."""
     digits = 2 if abs(value) < 1 else 1
     return f"{round(value, digits) + 0.0:.{digits}f}"

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..simulation import UNSTEADY, CaseResult, Found, Prepared, Simulated
 from ..validation import Floats
+from .flow import band_words, brief
 from .html import page
 from .picture.drawing import GRAY, Drawing, Line, Mark, Words, svg
 from .words import RESEARCH_USE
@@ -92,14 +93,8 @@ def _section(found: Simulated, state: str, fine: Found, coarse: Found | None) ->
         if level is None
         else {"static": level + inlet.pressure, "total": level + inlet.total},
         **{
-            name: {
-                "value": value,
-                "error": None if others is None else factor * abs(value - others[name]),
-            }
-            for name, (value, factor) in (
-                (name, (value, 2.0 if name.startswith("shear") else 1.0))
-                for name, value in values.items()
-            )
+            name: {"value": value, "error": None if others is None else _error(name, value, others)}
+            for name, value in values.items()
         },
         "outlets": {
             name: {
@@ -112,6 +107,11 @@ def _section(found: Simulated, state: str, fine: Found, coarse: Found | None) ->
         "static_along_mmhg": _listed(fine.pressure + (level or 0.0)),
         "fastest_along_m_s": _listed(fine.speed),
     }
+
+
+def _error(name: str, fine: float, coarse: Mapping[str, float]) -> float:
+    """Of a value on the fine mesh."""
+    return (2.0 if name.startswith("shear") else 1.0) * abs(fine - coarse[name])
 
 
 def _values(found: Found, main: str) -> dict[str, float]:
@@ -169,7 +169,7 @@ def _rows(document: Section, states: Sequence[Section]) -> Iterator[tuple[str, s
         known = [one["network"][network] for one in states if "network" in one and network]
         yield (
             label,
-            f"{words} [network {_change([*map(_band, known)], 'mmHg')}]" if known else words,
+            f"{words} [network {_change([*map(band_words, known)], 'mmHg')}]" if known else words,
         )
     for name in states[0]["outlets"]:
         flows = [f"{one['outlets'][name]['flow_ml_s']:.3g}" for one in states]
@@ -185,17 +185,8 @@ def _change(words: Sequence[str], unit: str) -> str:
 
 
 def _with_error(one: Section) -> str:
-    error = "" if one["error"] is None else f" +- {_number(one['error'])}"
-    return f"{_number(one['value'])}{error}"
-
-
-def _band(one: Section) -> str:
-    return f"{_number(one['value'])} ({_number(one['low'])} to {_number(one['high'])})"
-
-
-def _number(value: float) -> str:
-    digits = 2 if abs(value) < 1 else 1
-    return f"{round(value, digits) + 0.0:.{digits}f}"
+    error = "" if one["error"] is None else f" +- {brief(one['error'])}"
+    return f"{brief(one['value'])}{error}"
 
 
 def _notes(found: Simulated) -> Iterator[str]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..cautions import Caution
 from ..files import VolumeMesh
-from ..flow import FlowModel, Part, Solve
+from ..flow import FlowModel, Moment, Part, Solve
 from ..geometry import resampled, state_of, tangents
 from ..segment import Segment, SegmentFace
 from ..treatment import ExtractedSegment, SegmentWishes, Vessel, extract_segment
@@ -147,14 +147,8 @@ def prepare(
     segments, extensions, warnings = _with_extensions(found, ends, main)
     channels = before.followed.after(tree, after.surface)
     answer = model.answer(channels, [Part("the segment", way)], solve)
-    told = {
-        name: {
-            "recovered": (*moments["mean"].drops[0].recovered,),
-            "maximal": (*moments["mean"].drops[0].maximal,),
-            **({} if (inlet := moments["mean"].inlet) is None else {"inlet": (*inlet,)}),
-        }
-        for name, moments in zip(STATES, (answer.before, answer.after or {}), strict=True)
-    }
+    moments = (answer.before, answer.after or {})
+    told = {name: _told(one["mean"]) for name, one in zip(STATES, moments, strict=True)}
     conditions = conditions_of(answer, model.channels, found.before, found.after)
     lines = Lines(tree.resampled(SPACING).points, resampled(way, SPACING))
     states = {}
@@ -163,6 +157,13 @@ def prepare(
         states[name] = _meshed(segment, conditions[number], lines, wishes)
     level = model.known.wedge
     return Prepared(states, way, main.name, told, level, extensions, (*found.warnings, *warnings))
+
+
+def _told(moment: Moment) -> dict[str, tuple[float, float, float]]:
+    """What the network tells of the segment, mmHg."""
+    (drop,) = moment.drops
+    told = {"recovered": (*drop.recovered,), "maximal": (*drop.maximal,)}
+    return told if moment.inlet is None else {**told, "inlet": (*moment.inlet,)}
 
 
 def _with_extensions(

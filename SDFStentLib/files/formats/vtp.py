@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
@@ -11,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...validation import InputError, in_short
-from ..content import kind_in_words
 from .stored_polydata import CELL_KINDS, ArrayGroup, Kind, StoredArray, StoredPolydata
 from .vtp_arrays import encoding_of, read_array, whole_number
 from .vtp_bytes import Damage, Encoding
@@ -53,16 +51,9 @@ def decode_vtp(data: bytes, name: str) -> StoredPolydata:
     InputError
         Not VTP, other data than polydata, cut short, damaged, or with steps of time.
     """
-    if b"<VTKFile" not in data[:4096]:
-        raise InputError(f"{name}: expected a VTP file (VTK XML), got {kind_in_words(data)}.")
-    if not re.search(rb"</VTKFile\s*>\Z", data[-1000:].rstrip(b" \t\r\n\0")):
-        raise InputError(f"{name}: its end is missing; it is cut short, write it again.")
-    markup = parsed_markup(data, name)
-    kind = markup.root.attributes.get("type", "none")
-    if kind != "PolyData":
-        raise InputError(
-            f"{name}: expected PolyData, got {in_short(kind)[1:-1]}; extract its surface."
-        )
+    markup = parsed_markup(data, name, "VTP")
+    if markup.kind != "PolyData":
+        raise InputError(f"{name}: expected PolyData, got {markup.kind}; extract its surface.")
     try:
         return _Reader(encoding_of(markup, data)).polydata(markup.root)
     except Damage as error:

@@ -8,7 +8,8 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 from xml.parsers import expat
 
-from ...validation import InputError
+from ...validation import InputError, in_short
+from ..content import kind_in_words
 
 _SECTIONS = ("PointData", "CellData", "Points", "Verts", "Lines", "Strips", "Polys", "Cells")
 _ARRAYS = ("DataArray", "Array")
@@ -55,8 +56,13 @@ class Markup(NamedTuple):
     end: int
     is_raw: bool
 
+    @property
+    def kind(self) -> str:
+        """Of data, as the file calls it."""
+        return in_short(self.root.attributes.get("type", "none"))[1:-1]
 
-def parsed_markup(data: bytes, name: str) -> Markup:
+
+def parsed_markup(data: bytes, name: str, suffix: str) -> Markup:
     """The elements of a VTP or VTU file and the place of its appended bytes.
 
     Parameters
@@ -65,13 +71,19 @@ def parsed_markup(data: bytes, name: str) -> Markup:
         A whole file.
     name : str
         What to call it in messages.
+    suffix : str
+        VTP or VTU, as it should be.
 
     Raises
     ------
     InputError
-        No XML, cut short, nested or long without end, a document type, or appended data that are
-        not the last element.
+        Not VTK's XML, cut short, nested or long without end, a document type, or appended data
+        that are not the last element.
     """
+    if b"<VTKFile" not in data[:4096]:
+        raise InputError(f"{name}: expected a {suffix} file (VTK XML), got {kind_in_words(data)}.")
+    if not re.search(rb"</VTKFile\s*>\Z", data[-1000:].rstrip(b" \t\r\n\0")):
+        raise InputError(f"{name}: its end is missing; it is cut short, write it again.")
     whole = data.rstrip(b" \t\r\n\0")
     split = whole.find(_APPENDED)
     parser = _Parser(name)

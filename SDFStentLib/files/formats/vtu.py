@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from typing import NamedTuple
 
 import numpy as np
 
-from ...validation import Floats, Indices, InputError, Points, in_short
-from ..content import kind_in_words
+from ...validation import Floats, Indices, InputError, Points
 from .vtp_arrays import encoding_of, read_array, whole_number
 from .vtp_bytes import Damage, Encoding
 from .vtp_markup import Element, parsed_markup
@@ -36,14 +34,9 @@ def decode_vtu(data: bytes, name: str) -> VolumeArrays:
     InputError
         Not VTU, cut short, damaged, in several pieces, or with other cells than tetrahedra.
     """
-    if b"<VTKFile" not in data[:4096]:
-        raise InputError(f"{name}: expected a VTU file (VTK XML), got {kind_in_words(data)}.")
-    if not re.search(rb"</VTKFile\s*>\Z", data[-1000:].rstrip(b" \t\r\n\0")):
-        raise InputError(f"{name}: its end is missing; it is cut short, write it again.")
-    markup = parsed_markup(data, name)
-    kind = markup.root.attributes.get("type", "none")
-    if kind != "UnstructuredGrid":
-        raise InputError(f"{name}: expected UnstructuredGrid, got {in_short(kind)[1:-1]}.")
+    markup = parsed_markup(data, name, "VTU")
+    if markup.kind != "UnstructuredGrid":
+        raise InputError(f"{name}: expected UnstructuredGrid, got {markup.kind}.")
     try:
         encoding = encoding_of(markup, data)
         pieces = [
