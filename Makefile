@@ -1,56 +1,71 @@
 # Everything works from nothing but Python 3.10 or later: the environment is made in .venv.
 PYTHON ?= python3
-BIN := .venv/bin
+VENV ?= .venv
+BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 
-.PHONY: app demo test lint bench clean
+.PHONY: app demo test test-all lint bench wheel clean
 
-demo: .venv/ready
+demo: $(VENV)/ready
 	@$(BIN)/sdfstent demo -o sdfstent-demo
 
-app: .venv/ready-app
+app: $(VENV)/ready-app
 
 # A process per core; more than four would hold each other up. A file stays in one process, which
 # has one thread of BLAS: those of several processes wait for each other.
 # Bytecode is kept: every process that a test starts would compile the library anew.
-test: .venv/ready-test
+test: $(VENV)/ready-test
 	@PYTHONDONTWRITEBYTECODE= OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 QT_QPA_PLATFORM=offscreen $(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile --no-loadscope-reorder
 
-lint: .venv/ready-lint
+# The same with every Python from 3.10 to 3.13 that is there.
+test-all:
+	@for version in 3.10 3.11 3.12 3.13; do \
+	  if python$$version -c '' 2>/dev/null; then \
+	    echo "Python $$version:"; $(MAKE) test PYTHON=python$$version VENV=.venv-$$version || exit 1; \
+	  else echo "Python $$version is not here."; fi; \
+	done
+
+# What `pip install` takes; the panel is inside of it, for it is what `sdfstent app` shows.
+wheel: $(VENV)/ready
+	@rm -rf build
+	@$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir dist .
+	@rm -rf build
+
+lint: $(VENV)/ready-lint
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check .
 	@if $(BIN)/python -c 'import sys; sys.exit(sys.version_info < (3, 11))'; then $(BIN)/mypy; \
 	  else echo "mypy is left out: the numpy that it is checked with needs Python 3.11"; fi
 
-bench: .venv/ready-bench
+bench: $(VENV)/ready-bench
 	@$(BIN)/python -m benchmarks
 
 clean:
-	rm -rf .venv build sdfstent-demo *.egg-info .pytest_cache .hypothesis .ruff_cache .mypy_cache
+	rm -rf .venv .venv-3.1? build dist sdfstent-demo *.egg-info .pytest_cache .hypothesis .ruff_cache .mypy_cache
 
 # A stamp per purpose, so that a second run starts at once. Relative paths only: make cannot name
 # targets in folders with spaces.
-.venv/ready: pyproject.toml
+$(VENV)/ready: pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10))' || \
 	  { echo "Python 3.10 or later is needed, got $$($(PYTHON) --version); name one: make PYTHON=python3.12" >&2; exit 1; }
-	@$(PYTHON) -m venv .venv || \
+	@$(PYTHON) -m venv $(VENV) || \
 	  { echo "Python's venv module is needed (on Debian: apt-get install python3-venv)" >&2; exit 1; }
-	@echo "Installing into .venv; the first time takes a minute."
+	@echo "Installing into $(VENV); the first time takes a minute."
 	@$(PIP) --editable .
 	@touch $@
 
-.venv/ready-app: .venv/ready
+$(VENV)/ready-app: $(VENV)/ready
 	@$(PIP) --editable '.[app]'
 	@touch $@
 
-.venv/ready-test: .venv/ready
+$(VENV)/ready-test: $(VENV)/ready
 	@$(PIP) --editable '.[test,slicer,app]'
 	@touch $@
 
-.venv/ready-lint: .venv/ready
+$(VENV)/ready-lint: $(VENV)/ready
 	@$(PIP) --editable '.[lint]'
 	@touch $@
 
-.venv/ready-bench: .venv/ready
+$(VENV)/ready-bench: $(VENV)/ready
 	@$(PIP) --editable '.[bench,test]'
 	@touch $@

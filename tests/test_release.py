@@ -1,0 +1,64 @@
+"""What a stranger installs: a wheel that is whole, of one version, and runs without the sources."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import zipfile
+
+import pytest
+from child_processes import PROJECT, python
+
+from SDFStentLib import __version__
+
+SHIPPED = ("SDFStentLib", "SDFStentApp", "SDFStent/SDFStentSlicer", "SDFStent/Resources/UI")
+
+
+@pytest.mark.parametrize(
+    ("document", "place"),
+    [
+        ("pyproject.toml", r'^version = "(.+)"'),
+        ("CITATION.cff", r"^version: (.+)"),
+        ("CHANGELOG.md", r"^## (\S+?),? "),
+        ("README.md", r"^version (\S+), \d{4}"),
+    ],
+)
+def test_one_version_is_told_everywhere(document, place):
+    text = (PROJECT / document).read_text(encoding="utf-8")
+    assert re.search(place, text, re.M)[1] == __version__
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory):
+    """Built of a copy, so that nothing of an earlier build is in it."""
+    folder = tmp_path_factory.mktemp("wheel")
+    ignored = shutil.ignore_patterns(".*", "__pycache__", "build", "dist", "*.egg-info")
+    copy = shutil.copytree(PROJECT, folder / "sources", ignore=ignored)
+    pip = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "-w", str(folder), copy]
+    subprocess.run(pip, check=True, capture_output=True)
+    return next(folder.glob("*.whl"))
+
+
+def test_the_wheel_holds_all_that_is_shipped_and_no_test(wheel):
+    names = {name for name in zipfile.ZipFile(wheel).namelist() if ".dist-info" not in name}
+    files = [file for folder in SHIPPED for file in (PROJECT / folder).rglob("*")]
+    files.append(PROJECT / "SDFStent" / "SDFStent.py")
+    wanted = {
+        file.relative_to(PROJECT).as_posix()
+        for file in files
+        if file.suffix in (".py", ".json", ".css", ".ui", ".typed")
+    }
+    assert names == wanted
+
+
+def test_the_wheel_works_where_the_sources_are_not(wheel, tmp_path):
+    pip = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--target"]
+    subprocess.run([*pip, str(tmp_path / "site"), wheel], check=True, capture_output=True)
+    program = "import SDFStentLib.cli as it; print(it.__file__); it.main(['demo', '-o', 'made'])"
+    paths = {**os.environ, "PYTHONPATH": str(tmp_path / "site")}
+    done = python(program, folder=tmp_path, env=paths)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith(str(tmp_path / "site"))
+    assert "certified" in done.stdout
+    assert (tmp_path / "made" / "report.html").is_file()
