@@ -1,6 +1,6 @@
 """Makes the pictures of the user guide: drives the panel in the test host and draws the 3D view.
 
-usage: make_pictures.py [FOLDER]          default: docs/images
+usage: make_pictures.py [FOLDER] [--moving]          default: docs/images; --moving: dragging.gif alone
 
 A picture of a step shows the part of the panel that is meant, beside what the 3D view shows then. They are made by the test host;
 pictures for the extension's index are to be taken in Slicer itself.
@@ -21,6 +21,7 @@ PANEL_WIDTH = 460
 PANEL_HEIGHT = 1500
 VIEW_SIZE = (700, 520)
 PLOT_SIZE = (760, 420)
+MOVING_SIZE = (560, 416)
 MARGIN = 12
 NESTED = {
     **dict.fromkeys(("place", "device", "shape", "advanced"), "stents"),
@@ -151,19 +152,70 @@ def plotPicture(chart, path):
     qImage(grabber.GetOutput()).save(str(path))
 
 
-def main(folder):
+def movingPicture(studio):
+    """A stent dragged by the mouse through the narrowing, let go at its middle: a GIF for README."""
+    from PIL import Image
+
+    host, panel, view, frames = studio.host, studio.panel, studio.view, []
+
+    def shot(milliseconds):
+        image = studio.image()
+        pixels = np.frombuffer(image.constBits(), np.uint8).reshape(image.height(), -1)
+        picture = Image.fromarray(pixels[:, : 3 * image.width()].reshape(*pixels.shape[:1], -1, 3))
+        frames.append((picture.resize(MOVING_SIZE, Image.LANCZOS), milliseconds))
+
+    def moved():
+        host.process(0.3)
+        shot(110)
+
+    host.click(panel.ui.addStentButton)
+    panel.ui.diameterSlider.value, panel.ui.lengthSlider.value = 7.0, 14.0
+    panel.ui.autoUpdateCheckBox.checked = True
+    settle(host, panel)
+    tree = panel.logic.centerlineOf(panel._parameterNode)
+    way = tree.path_around(theThroat(), 34.0).points
+    there = np.linspace(0, len(way) - 1, 22).astype(int)
+    panel._parameterNode.stent.handle.SetNthControlPointPositionWorld(0, *way[0])
+    settle(host, panel)
+    back = there[::-1][1 : len(there) // 2 + 1]
+    view.drag([view.pixel(way[index]) for index in (*there, *back)], moved)
+    settle(host, panel)
+    shot(2500)
+    first, times = frames[0][0], [time for _picture, time in frames]
+    colors = Image.new("RGB", (MOVING_SIZE[0], 2 * MOVING_SIZE[1]))
+    colors.paste(first, (0, 0))
+    colors.paste(frames[-1][0], (0, MOVING_SIZE[1]))
+    palette = colors.quantize(96)
+    shown = [picture.quantize(palette=palette, dither=0) for picture, _time in frames]
+    path = studio.folder / "dragging.gif"
+    shown[0].save(path, save_all=True, append_images=shown[1:], duration=times, loop=0)
+
+
+def opened(folder):
+    """A studio with the sample vessel, seen as a whole."""
     studio = Studio(folder)
-    host, panel, ui = studio.host, studio.panel, studio.panel.ui
     import SampleData
     import slicer
 
     slicer.app.showMainWindow(True)  # the view tells what follows the hand
     vessel, centerline = SampleData.SampleDataLogic.download("StenosedPulmonaryArtery")
     everything = vtk_to_numpy(vessel.GetPolyData().GetPoints().GetData())
-    ui.vesselSelector.setCurrentNode(vessel)
-    ui.centerlineSelector.setCurrentNode(centerline)
-    host.processUntil(lambda: not panel.lesions.isBusy)
+    studio.panel.ui.vesselSelector.setCurrentNode(vessel)
+    studio.panel.ui.centerlineSelector.setCurrentNode(centerline)
+    studio.host.processUntil(lambda: not studio.panel.lesions.isBusy)
     studio.look(everything, zoom=1.25)
+    return studio
+
+
+def closed(studio):
+    studio.host.closePanel(studio.panel)
+    if studio.host.errors():
+        raise RuntimeError("Something was logged while the pictures were made.")
+
+
+def main(folder):
+    studio = opened(folder)
+    host, panel, ui = studio.host, studio.panel, studio.panel.ui
     studio.take("tutorial-1-inputs.png", "inputs")
 
     host.click(ui.addStentButton)
@@ -212,10 +264,15 @@ def main(folder):
     host.click(ui.deployButton)
     settle(host, panel)
     studio.take("reference-plans.png", "plans")
-    host.closePanel(panel)
-    if host.errors():
-        raise RuntimeError("Something was logged while the pictures were made.")
+    closed(studio)
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else HERE.parents[1] / "docs" / "images")
+    words = [word for word in sys.argv[1:] if word != "--moving"]
+    where = words[0] if words else HERE.parents[1] / "docs" / "images"
+    if "--moving" in sys.argv:
+        studio = opened(where)
+        movingPicture(studio)
+        closed(studio)
+    else:
+        main(where)
