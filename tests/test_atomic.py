@@ -8,17 +8,6 @@ from SDFStentLib.files import atomic_path, check_writable, write_bytes
 from SDFStentLib.validation import InputError
 
 
-def test_the_file_appears_when_the_block_ends(tmp_path):
-    target = tmp_path / "größe mit leer.json"
-    with atomic_path(target) as temporary:
-        temporary.write_bytes(b"new")
-        assert temporary.parent == tmp_path
-        assert temporary.suffix == ".json"
-        assert not target.exists()
-    assert target.read_bytes() == b"new"
-    assert list(tmp_path.iterdir()) == [target]
-
-
 def test_a_failing_block_leaves_the_old_file_and_nothing_else(tmp_path):
     target = tmp_path / "out.json"
     target.write_bytes(b"old")

@@ -190,26 +190,6 @@ def test_an_axis_the_other_way_round_has_the_same_nodes_and_field_to_the_last_bi
     assert apart.max() > 1e-3
 
 
-def test_repeated_axis_points_change_nothing():
-    axis = AXES["bent"]
-    doubled = np.repeat(axis, 2, axis=0)
-    np.testing.assert_array_equal(CapsuleChain.along(doubled).nodes, CapsuleChain.along(axis).nodes)
-
-
-def test_no_points_have_an_empty_field():
-    field = CapsuleChain.along(AXES["bent"]).field(np.empty((0, 3)))
-    assert field.distance.shape == (0,)
-    assert field.direction.shape == (0, 3)
-
-
-def test_a_chain_cannot_be_changed():
-    chain = CapsuleChain.along(AXES["straight"])
-    with pytest.raises(ValueError, match="read-only"):
-        chain.nodes[0] = 1
-    with pytest.raises(AttributeError):
-        chain.smoothing_width = 1
-
-
 @pytest.mark.parametrize(
     ("make", "message"),
     [

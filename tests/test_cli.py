@@ -23,7 +23,6 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 
 import SDFStentLib.cli.demo
 import SDFStentLib.cli.deploy
-from SDFStentLib.certificate import Certificate
 from SDFStentLib.cli import main
 from SDFStentLib.cli.console import Console
 from SDFStentLib.cli.option_table import path as path_of_option
@@ -106,19 +105,6 @@ def assert_hashed(plan: str) -> None:
     for file in filter(None, files):
         data = (Path(plan).parent / file["file"]).read_bytes()
         assert file["sha256"] == hashlib.sha256(data).hexdigest()
-
-
-def test_the_plan_of_a_run_has_the_hashes_of_what_was_read(a_plan):
-    document = json.loads(Path("p.json").read_text(encoding="utf-8"))
-    for name in ("surface", "centerline"):
-        document["inputs"][name].pop("sha256")
-    document["stents"][0]["placement"] = {"axis": {"file": "line.vtp"}}
-    document["stents"][0]["length"] = 8.0
-    Path("q.json").write_text(json.dumps(document), encoding="utf-8")
-    assert main(["run", "q.json", "-o", "again", "--quiet"]) == 0
-    assert_hashed("again/plan.json")
-    report = json.loads(Path("again/report.json").read_text(encoding="utf-8"))
-    assert all(entry["sha256"] for entry in report["inputs"])
 
 
 def test_the_same_plan_gives_the_same_file_from_the_shell_and_from_python(a_plan):
@@ -216,14 +202,6 @@ def test_the_command_line_says_how_to_name_a_unit_and_to_accept_a_changed_file(a
     capsys.readouterr()
     assert main(["run", "p.json", "-o", "again"]) == 2
     assert "accept the changed one (--accept-changed-inputs)" in capsys.readouterr().err
-
-
-def test_a_certificate_that_fails_is_said_and_gives_three(a_folder, monkeypatch, capsys):
-    monkeypatch.setattr(Certificate, "passed", property(lambda self: False))
-    monkeypatch.setattr(Certificate, "sentence", lambda self: "Not certified: it was told so.")
-    assert deploy() == 3
-    assert "Not certified" in capsys.readouterr().out
-    assert Path("out.vtp").is_file()
 
 
 def bad_files(folder):

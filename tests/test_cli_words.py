@@ -11,7 +11,6 @@ from tube_files import deploy
 
 from SDFStentLib.cli import main
 
-LONG = ["--center", "0", "0", "2", "--length", "44"]
 SU0243 = ["su0243_surface_mm.vtp", "--centerline", "su0243_centerline_mm.vtp"]
 
 

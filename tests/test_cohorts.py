@@ -10,7 +10,7 @@ from concurrent.futures import Executor, Future, ThreadPoolExecutor
 
 import numpy as np
 import pytest
-from cohort_cases import PLAN, bytes_of, document, sweep_in, tube_folder, write_sweep
+from cohort_cases import PLAN, bytes_of, sweep_in, tube_folder
 
 from SDFStentLib import InputError, Plan, Stent, plan_report, read_surface, run_plan
 from SDFStentLib.cohort import Cohort, cases_of, estimated, run_sweep, write_manifest
@@ -114,15 +114,6 @@ def test_the_whole_surface_comes_back_from_its_moved_points_bit_by_bit(folder, w
         np.testing.assert_array_equal(full.points(case), stored.points)
 
 
-def test_moved_points_of_single_precision_are_single_precision(moved):
-    store = Store(moved)
-    for case in Cohort(moved).cases():
-        with np.load(store.path(case) / "moved.npz") as data:
-            assert data["coordinates"].dtype == np.float32
-            assert data["index"].dtype == np.uint32
-            assert data["millimeters"] == 10  # the file is in cm
-
-
 @pytest.mark.parametrize("units", ["mm", "cm", "m"])
 def test_a_surface_of_double_precision_comes_back_exactly_too(tmp_path, units):
     from SDFStentLib.units import MILLIMETERS
@@ -178,15 +169,6 @@ def test_the_manifest_has_a_row_per_case_with_what_came_of_it(folder, whole):
         assert float(row["lumen_after_mm"]) == min(stented)
         assert row["surface_sha256"] == report["inputs"][0]["sha256"]
         assert row["centerline_sha256"] == report["inputs"][1]["sha256"]
-
-
-def test_times_lie_apart_from_the_manifest(whole):
-    with (whole / "times.csv").open(newline="", encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
-    assert len(rows) == 6
-    assert all(float(row["total_s"]) >= float(row["deploy_s"]) > 0 for row in rows)
-    header = (whole / "manifest.csv").read_text(encoding="utf-8").splitlines()[0].split(",")
-    assert not [name for name in header if name.endswith("_s")]
 
 
 def test_parquet_holds_the_same_table(whole):
@@ -340,11 +322,3 @@ def test_one_way_to_carry_it_out_is_enough(folder, tmp_path):
     for workers in (0, 1.5, True, 5000):
         with pytest.raises(InputError, match="workers: expected a whole number from 1 to "):
             run_sweep(sweep_in(folder), tmp_path, workers=workers)
-
-
-def test_a_document_is_not_changed_by_reading_it(folder):
-    plain = document()
-    text = json.dumps(plain)
-    sweep_in(folder)
-    assert json.dumps(plain) == text
-    assert write_sweep(folder).is_file()

@@ -185,19 +185,6 @@ def test_companions_at_one_place_are_dragged_once_and_stay_together(case, settin
     assert np.count_nonzero(~runs[1].touchable) == np.count_nonzero(~runs[0].touchable) > 0
 
 
-def test_every_state_has_all_companions(case):
-    companions = case.axis + np.array([0, 5.0, 0])
-    run = deployment_of(case, companions=companions)
-    shapes = {state.companions.shape for state in run}
-    assert shapes == {companions.shape}
-    moved = [np.abs(state.companions - companions).max() for state in run.states]
-    assert moved[-1] > moved[0]
-
-
-def test_without_companions_the_array_is_empty(case):
-    assert deployment_of(case).result.state.companions.shape == (0, 3)
-
-
 # The certificate --------------------------------------------------------------------------------
 
 
@@ -263,20 +250,6 @@ def test_the_tissue_gap_can_be_left_out():
     assert distances[0] == pytest.approx(5.5, abs=0.02)
     assert distances[1] == pytest.approx(5.9, abs=0.05)
     assert distances[2] == pytest.approx(6.5, abs=0.05)
-
-
-def test_an_axis_may_be_given_as_a_chain(case):
-    chain = CapsuleChain.along(case.axis)
-    run = Deployment(case.surface, chain, case.radius)
-    assert run.chain is chain
-    np.testing.assert_array_equal(run.result.points, deployment_of(case).result.points)
-
-
-def test_the_capsules_follow_the_settings(case):
-    run = deployment_of(case, DEFAULT.with_changes(capsule_length=2.0, smoothing_width=0.1))
-    assert run.chain.smoothing_width == 0.1
-    lengths = np.linalg.norm(np.diff(run.chain.nodes, axis=0), axis=1)
-    assert lengths.mean() == pytest.approx(2.0, abs=0.2)
 
 
 def test_the_crimped_stent_never_starts_beyond_the_wall(case):

@@ -26,18 +26,6 @@ def read(path):
     return data, vtk_to_numpy(data.GetPoints().GetData()), arrays
 
 
-def test_struts_are_written_in_the_unit_of_the_surface(a_folder):
-    assert deploy("--export-device", "device.vtp", "--quiet") == 0
-    data, points, arrays = read("device.vtp")
-    # The tube is along z, in cm: 6 mm wide, 18 mm long once it has shortened, about 2 cm.
-    np.testing.assert_allclose(np.hypot(*points[:, :2].T), 0.3, atol=1e-7)
-    np.testing.assert_allclose([points[:, 2].min(), points[:, 2].max()], [1.1, 2.9], atol=1e-7)
-    assert sorted(arrays) == ["IsLink", "Ring", "Stent"]
-    assert data.GetNumberOfLines() == len(arrays["Ring"]) == 16 * (arrays["Ring"].max() + 1)
-    assert (arrays["Stent"] == 1).all()
-    assert not arrays["IsLink"].any()
-
-
 def test_the_stents_of_a_plan_are_told_apart_and_open_cells_drawn_open(a_folder):
     device = {"name": "mine", "cell": "open", "generic": True, "foreshortening_fraction": 0.0}
     stents = [

@@ -1,4 +1,3 @@
-import hashlib
 import os
 
 import pytest
@@ -6,14 +5,6 @@ import pytest
 from SDFStentLib.files.content import frame_in_text, header_text, read_content
 from SDFStentLib.units import as_frame, millimeters_per
 from SDFStentLib.validation import InputError
-
-
-def test_the_hash_is_that_of_the_bytes(tmp_path):
-    path = tmp_path / "a.VTP"
-    path.write_bytes(b"some bytes")
-    content = read_content(path)
-    assert content.sha256 == hashlib.sha256(b"some bytes").hexdigest()
-    assert content.suffix == ".vtp"
 
 
 def test_what_is_no_file_is_said(tmp_path):
@@ -28,18 +19,6 @@ def test_what_is_no_file_is_said(tmp_path):
     ):
         with pytest.raises(InputError, match=words):
             read_content(tmp_path / name)
-
-
-def test_a_file_that_may_not_be_read_is_said(tmp_path, monkeypatch):
-    path = tmp_path / "a.stl"
-    path.write_bytes(b"x")
-
-    def refuse(_):
-        raise PermissionError(13, "Permission denied")
-
-    monkeypatch.setattr(type(path), "read_bytes", refuse)
-    with pytest.raises(InputError, match=r"cannot be read \(Permission denied\)"):
-        read_content(path)
 
 
 def test_units_are_three():

@@ -40,13 +40,6 @@ def test_a_line_has_two_points_and_two_control_points_are_a_line():
         assert np.array_equal(curve, CONTROL[:2])
 
 
-@pytest.mark.parametrize(
-    ("tag", "frame"), [("LPS", "LPS"), ("RAS", "RAS"), ("0", "RAS"), ("1", "LPS"), (0, "RAS")]
-)
-def test_frames_old_and_new(tag, frame):
-    assert decode_markups(content(markup(coordinateSystem=tag))).frame == frame
-
-
 def test_units_are_a_word_or_a_code():
     assert decode_markups(content(markup())).units == "mm"
     assert decode_markups(content(markup(coordinateUnits="cm"))).units == "cm"

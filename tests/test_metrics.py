@@ -223,11 +223,6 @@ def test_there_is_no_sphere_outside_and_none_but_a_point_on_the_wall():
     assert found.radii[1] == pytest.approx(0, abs=1e-9)
 
 
-def test_no_centres_give_no_spheres():
-    found = inscribed_spheres(*a_round_tube(), np.empty((0, 3)), np.empty((0, 3)))
-    assert found.radii.shape == (0,)
-
-
 def test_spheres_are_refused_without_a_direction_across_which_to_search():
     tube = a_round_tube()
     with pytest.raises(InputError, match="at least 2 points or a tangent for each, got 1"):

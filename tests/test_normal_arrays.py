@@ -62,11 +62,3 @@ def test_active_normals_count_whatever_their_name_and_other_vectors_stay():
     assert np.array_equal(vtk_to_numpy(data.GetArray("velocity")), unit)
     assert np.array_equal(vtk_to_numpy(data.GetArray("Normals")), 5 * unit)  # not of unit length
     assert np.abs(vtk_to_numpy(data.GetArray("n")) - vertex_normals(new, triangles)).max() < 1e-14
-
-
-def test_nothing_moved_nothing_changed():
-    points, triangles = octahedron(rounds=0)
-    stored = np.full((6, 3), 3**-0.5)
-    polydata = polydata_from_arrays(points, triangles, {"Normals": stored})
-    refresh_normals(polydata, points, points, triangles)
-    assert np.array_equal(vtk_to_numpy(polydata.GetPointData().GetArray("Normals")), stored)

@@ -47,23 +47,6 @@ def test_active_vertices_come_first_in_their_order_and_the_rim_follows(tube):
     assert len(np.unique(patch.vertices)) == len(patch.vertices)
 
 
-def test_its_points_are_the_active_ones_as_given_and_the_rim_as_it_was(tube):
-    points, triangles = tube
-    active = middle_of(points)
-    patch = Patch.around(Surface(points, triangles), active)
-    moved = points[active] + 5
-    together = patch.points(points, moved)
-    np.testing.assert_array_equal(together[: len(active)], moved)
-    np.testing.assert_array_equal(together[len(active) :], points[patch.vertices[len(active) :]])
-
-
-def test_a_patch_cannot_be_changed(tube):
-    points, triangles = tube
-    patch = Patch.around(Surface(points, triangles), middle_of(points))
-    with pytest.raises(ValueError, match="read-only"):
-        patch.triangles[0] = 0
-
-
 @pytest.mark.parametrize("winding", ["outward", "inward"])
 def test_normals_point_out_of_the_lumen_whatever_the_winding(tube, winding):
     points, triangles = tube

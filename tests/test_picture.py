@@ -369,11 +369,3 @@ def test_a_renderer_that_dies_is_an_error_that_names_the_packages(
         monkeypatch.setattr(painting, "PATIENCE", 0.5)
     with pytest.raises(DeploymentError, match=message):
         painted(Drawing(8, 8, ()))
-
-
-def test_a_missing_interpreter_is_an_error_too(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(sys, "executable", str(tmp_path / "absent"))
-    with pytest.raises(DeploymentError, match=r"could not be rendered: .*No such file"):
-        painted(Drawing(8, 8, ()))

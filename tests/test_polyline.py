@@ -182,15 +182,6 @@ def test_unusable_input_gives_one_sentence(call, message):
         call()
 
 
-def test_nothing_changes_its_input():
-    points = np.repeat(CORNER, 2, axis=0)
-    before = points.copy()
-    for work in (polyline.without_repeats, tangents, frames):
-        work(points)
-    polyline.resampled(points, 1.0), polyline.cut(points, 1, 2)
-    np.testing.assert_array_equal(points, before)
-
-
 def test_of_many_segments_the_nearest_is_the_first_of_equals_as_of_few():
     rng = np.random.default_rng(4)
     for scale in (0.01, 1.0, 30.0):

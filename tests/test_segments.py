@@ -181,16 +181,6 @@ def test_lumen_and_caps_of_an_anatomy_are_those_that_vtk_clips(data_dir, part):
     assert caps == pytest.approx(areas, rel=1e-3)
 
 
-def test_a_tube_is_cut_to_a_prism():
-    found = segment_of(vessel_of(straight_tube(radius=3.0, length=40.0)), 0.2, 0.7)
-    faces = faces_of(found.before)
-    assert faces["inlet"].area == pytest.approx(faces["outlet"].area, rel=1e-3)
-    # Within the sides of the wall's triangles, which are no straight lines along the tube.
-    assert found.before.volume == pytest.approx(20.0 * faces["inlet"].area, rel=1e-3)
-    np.testing.assert_allclose(faces["inlet"].center, [0, 0, 8.0], atol=0.01)
-    np.testing.assert_allclose(faces["outlet"].normal, [0, 0, 1.0], atol=1e-9)
-
-
 @pytest.mark.parametrize("name", ["pulmonary", "vmtk_aorta"])
 def test_tetgen_meshes_a_segment_without_repair(data_dir, name):
     judges = pytest.importorskip("test_outside_judges")

@@ -77,9 +77,3 @@ def test_a_stent_that_is_dilated_again_is_not_refused_twice(said):
     place, *_ = PLACES["a short curve"]
     code, error = deployed(said, place, "--shortened", "--redilate", "7")
     assert code == 0, error
-
-
-def test_a_part_to_measure_may_reach_beyond_the_vessel(said):
-    place = ["--proximal", "0", "0", "3.5", "--length", "20"]
-    code, error = said("measure", "tube.vtp", "--units", "cm", *ALONG_LINE, *place)
-    assert code == 0, error

@@ -58,10 +58,6 @@ def test_words_instead_of_numbers_are_refused():
         decode_stl(data, "a.stl")
 
 
-def test_no_facet_is_no_error_yet():
-    assert len(decode_stl(b"x" * 80 + b"\0" * 4, "a.stl").corners) == 0
-
-
 def test_bytes_behind_the_announced_triangles_are_said():
     points, triangles = octahedron(rounds=0)
     data = encode_stl(points, triangles, None, "x")

@@ -10,12 +10,7 @@ from SDFStentLib.files import (
     polydata_from_arrays,
     polydata_from_lines,
     read_surface,
-    set_frame_of_polydata,
-    surface_from_polydata,
 )
-from SDFStentLib.files.formats.obj import encode_obj
-from SDFStentLib.files.formats.stl import encode_stl
-from SDFStentLib.files.formats.vtk_files import encode_legacy
 from SDFStentLib.validation import InputError
 
 
@@ -37,15 +32,6 @@ def test_points_are_millimetres_whatever_the_file_uses(tmp_path, units, scale):
     assert surface.warnings == ()
 
 
-def test_values_cannot_be_changed(tmp_path):
-    surface = read_surface(saved(tmp_path, polydata_from_arrays(*octahedron())))
-    for array in (surface.points, surface.triangles):
-        with pytest.raises(ValueError, match="read-only"):
-            array[0] = 1
-    surface.polydata().GetPoints().SetPoint(0, 9, 9, 9)  # a copy
-    assert np.array_equal(surface_from_polydata(surface.polydata()).points, surface.points)
-
-
 def test_stored_coordinates_are_those_of_the_file(tmp_path):
     points, triangles = octahedron()
     single = polydata_from_arrays((points / 10).astype(np.float32), triangles)
@@ -53,25 +39,6 @@ def test_stored_coordinates_are_those_of_the_file(tmp_path):
     assert surface.coordinate_type == np.float32
     assert np.array_equal(surface.as_stored(surface.points), surface.points)
     assert np.array_equal(surface.as_stored([[1 / 3] * 3])[0], [10 * float(np.float32(1 / 30))] * 3)
-
-
-def test_the_frame_tag_is_read_from_every_format(tmp_path):
-    points, triangles = octahedron()
-    polydata = polydata_from_arrays(points, triangles)
-    title = "3D Slicer output. SPACE=LPS"
-    (tmp_path / "a.vtk").write_bytes(encode_legacy(polydata, title))
-    (tmp_path / "a.stl").write_bytes(encode_stl(points, triangles, None, title))
-    (tmp_path / "a.obj").write_bytes(encode_obj(points, triangles, title))
-    header = f"ply\nformat ascii 1.0\ncomment {title}\nelement vertex 3\nproperty float x\n"
-    header += "property float y\nproperty float z\nelement face 1\n"
-    header += "property list uchar int vertex_index\nend_header\n0 0 0 1 0 0 0 1 0 3 0 1 2\n"
-    (tmp_path / "a.ply").write_text(header, encoding="utf-8")
-    saved(tmp_path, polydata, "none.vtp")
-    set_frame_of_polydata(polydata, "LPS")
-    saved(tmp_path, polydata)
-    for suffix in ("vtp", "vtk", "stl", "obj", "ply"):
-        assert read_surface(tmp_path / f"a.{suffix}").frame == "LPS"
-    assert read_surface(tmp_path / "none.vtp").frame is None
 
 
 def test_degenerate_triangles_and_unused_points_stay_and_are_said(tmp_path):
@@ -131,17 +98,3 @@ def test_bad_files_give_one_sentence_with_their_name(tmp_path):
         assert_refused_by_name(read_surface, tmp_path / name, words)
     with pytest.raises(InputError, match="units: expected one of"):
         read_surface(tmp_path / "nan.vtp", "inch")
-
-
-def test_real_surfaces_are_read_whole(data_dir):
-    for name, units, points, triangles in (
-        ("pulmonary_surface_cm", "cm", 17188, 34372),
-        ("aorta_iliac_surface_cm", "cm", 9294, 18584),
-        ("vmtk_aorta_surface_mm", "mm", 6468, 12932),
-    ):
-        surface = read_surface(data_dir / f"{name}.vtp", units)
-        assert (len(surface.points), len(surface.triangles)) == (points, triangles)
-        assert surface.warnings == ()
-        assert surface.frame is None
-    # Left in centimetres the pulmonary artery is 13 mm long, and that is said.
-    assert len(read_surface(data_dir / "pulmonary_surface_cm.vtp").warnings) == 1

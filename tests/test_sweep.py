@@ -56,25 +56,3 @@ def test_a_station_is_wide_by_nature_or_because_wall_was_dragged(sweep, data_dir
     assert found[1].wide.native == 1
     assert found[1].highest > sweep.WIDE
     assert [row.wide.strayed for row in found] == [0, 0]
-
-
-def test_the_summary_counts_what_fails(sweep):
-    wide = sweep.WideStations(native=2)
-    good = sweep.Row(
-        0, "pulmonary", 20.0, 10.0, 1.2, 0.9995, 1.0, 1.0, wide, 0, True, 0, "yes", 1.1, 0, 0.1
-    )
-    bad = good._replace(number=1, new_folds=4, meshlab=4, tetgen="no", mean=0.9)
-    assert not good.failed
-    assert bad.failed
-    assert good._replace(tetgen="surface changed").failed
-    assert good._replace(certified=False).failed
-    assert not bad.deceives
-    assert good._replace(narrowest=0.96).deceives
-    assert good._replace(motion=2.1).failed
-    *_, line, tetrahedra, extremes, stations = sweep.summary([good, bad]).splitlines()
-    assert tetrahedra == "tetrahedra over those untreated: at most 1.10"
-    assert extremes.startswith("narrowest 1.000, largest motion 0.00 radii")
-    assert stations.startswith("stations above 1.002: 4 where the native lumen")
-    line = line.split()
-    assert line[:4] == ["all", "2", "0.9498", "0.9000"]
-    assert line[6:11] == ["0", "1", "0", "1", "1/2"]

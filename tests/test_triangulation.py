@@ -1,8 +1,7 @@
 import numpy as np
 import pytest
-from mesh_files import octahedron
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
-from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
+from vtkmodules.vtkCommonDataModel import vtkCellArray
 
 from SDFStentLib.files import (
     add_arrays,
@@ -12,14 +11,8 @@ from SDFStentLib.files import (
 )
 from SDFStentLib.files.polydata import polydata_from_polygons
 from SDFStentLib.geometry import face_areas, face_normals
-from SDFStentLib.validation import InputError
 
 SQUARES = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0, 0], [2, 1, 0], [9, 9, 9.0]])
-
-
-def test_triangles_stay_as_they_are():
-    polydata = polydata_from_arrays(*octahedron())
-    assert triangulated_polydata(polydata) == (polydata, ())
 
 
 def test_polygons_are_cut_and_carry_their_arrays_and_ids():
@@ -63,11 +56,6 @@ def test_lines_and_vertices_go_and_strips_are_cut():
     assert vtk_to_numpy(cut.GetCellData().GetArray("cell")).tolist() == [12, 13, 13]
     assert len(warnings) == 2
     assert "2 vertices and lines among the cells were dropped" in str(warnings[1])
-
-
-def test_a_surface_without_polygons_is_refused():
-    with pytest.raises(InputError, match=r"a.vtp: expected a surface of triangles, got none"):
-        triangulated_polydata(vtkPolyData(), "a.vtp")
 
 
 def test_concave_polygons_are_cut_inside():

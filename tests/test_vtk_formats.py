@@ -1,6 +1,4 @@
-import os
 import textwrap
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,7 +9,7 @@ from vtkmodules.vtkCommonCore import VTK_ID_TYPE, vtkLogger, vtkObject, vtkOutpu
 from vtkmodules.vtkIOLegacy import vtkPolyDataWriter
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
-from SDFStentLib.files import add_arrays, encode_vtp, polydata_from_arrays, surface_from_polydata
+from SDFStentLib.files import add_arrays, encode_vtp, polydata_from_arrays
 from SDFStentLib.files.content import read_content
 from SDFStentLib.files.formats.vtk_files import encode_legacy, read_vtk_polydata, vtk_messages
 from SDFStentLib.validation import InputError
@@ -45,18 +43,6 @@ def all_kinds(folder):
     (folder / "ours.vtk").write_bytes(encode_legacy(polydata, "title"))
     yield folder / "ours.vtp"
     yield folder / "ours.vtk"
-
-
-def test_every_encoding_is_read_with_its_arrays(tmp_path):
-    expected = surface_from_polydata(surface_with_text())
-    for path in all_kinds(tmp_path):
-        polydata, frame = read_vtk_polydata(read_content(path))
-        found = surface_from_polydata(polydata)
-        # ASCII has the digits that VTK prints.
-        assert np.allclose(found.points, expected.points, atol=1e-3), path
-        assert np.array_equal(found.triangles, expected.triangles)
-        assert polydata.GetPointData().GetAbstractArray("name").GetValue(3) == "p3"
-        assert frame is None
 
 
 def test_all_arrays_of_a_legacy_file_are_read_not_only_the_first_of_a_kind(tmp_path):
@@ -179,16 +165,6 @@ def test_what_vtk_cannot_write_is_said():
         encode_vtp(None)
 
 
-@pytest.mark.parametrize("mode", ["SetDataModeToAscii", "SetDataModeToAppended"])
-def test_values_of_an_array_are_not_taken_for_sizes(tmp_path, mode):
-    points, triangles = octahedron()
-    values = 10**15 + np.arange(len(points))
-    polydata = polydata_from_arrays(points, triangles, {"hash": values})
-    path = as_file(polydata, vtkXMLPolyDataWriter(), tmp_path / "a.vtp", mode)
-    found = read_vtk_polydata(read_content(path))[0].GetPointData().GetArray("hash")
-    assert vtk_to_numpy(found).tolist() == values.tolist()
-
-
 @pytest.mark.parametrize("role", ["", "GlobalIds", "PedigreeIds"])
 @pytest.mark.parametrize("name", ["case", None])
 @pytest.mark.parametrize("largest", [7, 10**12, -(10**12)])
@@ -206,17 +182,3 @@ def test_long_ids_come_back_from_a_legacy_file_in_their_role(tmp_path, role, nam
     assert vtk_to_numpy(found.GetArray(0)).tolist() == values.tolist()
     assert not role or getattr(found, f"Get{role}")() is not None
     assert cells.GetArray(0) is ids  # what is written is not changed
-
-
-@pytest.mark.skipif(os.name == "nt", reason="Windows has no such file names")
-@pytest.mark.parametrize("suffix", [".vtp", ".vtk"])
-def test_a_file_name_need_not_be_valid_text(tmp_path, suffix):
-    polydata = surface_with_text()
-    path = Path(os.fsdecode(os.fsencode(tmp_path) + b"/gef\xe4\xdf" + suffix.encode()))
-    data = encode_vtp(polydata) if suffix == ".vtp" else encode_legacy(polydata, "title")
-    try:
-        path.write_bytes(data)
-    except OSError:
-        pytest.skip("this file system wants valid text in file names")
-    found = surface_from_polydata(read_vtk_polydata(read_content(path))[0])
-    assert np.array_equal(found.points, surface_from_polydata(polydata).points)

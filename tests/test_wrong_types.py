@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import SDFStentLib
-from SDFStentLib import AtCenter, InputError, Stent, Surface, read_surface, run_plan
+from SDFStentLib import AtCenter, InputError, Stent, Surface
 from SDFStentLib.cautions import Caution
 from SDFStentLib.cli.console import Console, error_line
 from SDFStentLib.geometry import NamedFaces
@@ -50,13 +50,6 @@ def test_a_wrong_argument_is_said_in_a_sentence(name, tmp_path, monkeypatch):
 def test_a_stent_says_what_it_expected(value):
     with pytest.raises(InputError, match="expected a number"):
         Stent(value, length=10.0, placement=AtCenter((0.0, 0.0, 0.0)))
-
-
-def test_the_reported_calls_end_in_a_sentence():
-    with pytest.raises(InputError, match="expected the path of a file, got None"):
-        read_surface(None)
-    with pytest.raises(InputError, match="expected a Plan, got None"):
-        run_plan(None)
 
 
 def test_coordinates_beyond_every_patient_are_refused():
