@@ -1,28 +1,33 @@
-"""What is costly and comes out the same each time is made once per process, pictures where seen."""
+"""What is costly and comes out the same each time is made once per process."""
 
 from __future__ import annotations
 
 import inspect
-import pickle
 import subprocess
+import sys
 from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache, wraps
 from hashlib import sha256
-from struct import pack
 from types import SimpleNamespace
 from typing import Any
-from zlib import compress, crc32
 
 import pytest
 
 from SDFStentLib import phantoms
 from SDFStentLib.phantoms import phantoms as makers
 from SDFStentLib.report.picture import painting
-from SDFStentLib.report.picture.drawing import Drawing
 
 Done = subprocess.CompletedProcess
-PAINTER = painting.PROGRAM
-PAINTED: dict[tuple, Done] = {}
+USUAL = (sys.executable, "-c", painting.PROGRAM)
+PAINTER = """
+import pickle, sys
+sys.path.insert(0, sys.argv[1])
+from SDFStentLib.report.picture.painter import png
+while sys.stdin.buffer.peek(1):
+    picture = png(*pickle.load(sys.stdin.buffer))
+    sys.stdout.buffer.write(b"%d\\n" % len(picture) + picture)
+    sys.stdout.buffer.flush()
+"""
 
 
 def made_once(make: Callable[..., phantoms.Phantom]) -> Callable[..., phantoms.Phantom]:
@@ -40,41 +45,53 @@ def made_once(make: Callable[..., phantoms.Phantom]) -> Callable[..., phantoms.P
     return once
 
 
-def blank(drawing: Drawing, seed: bytes) -> bytes:
-    """A white PNG of its size, which is another one for another picture."""
+class Painter:
+    """A painter as every picture has one, but for all pictures of this process, each once."""
 
-    def chunk(kind: bytes, data: bytes) -> bytes:
-        return pack(">I", len(data)) + kind + data + pack(">I", crc32(kind + data))
+    def __init__(self) -> None:
+        self.process: subprocess.Popen | None = None
+        self.known: dict[bytes, bytes] = {}
 
-    size = pack(">2I5B", drawing.width, drawing.height, 1, 0, 0, 0, 0)
-    rows = compress((b"\0" + b"\xff" * ((drawing.width + 7) // 8)) * drawing.height)
-    chunks = ((b"IHDR", size), (b"tEXt", b"of\0" + seed.hex().encode()), (b"IDAT", rows))
-    return b"\x89PNG\r\n\x1a\n" + b"".join(chunk(*one) for one in (*chunks, (b"IEND", b"")))
+    def run(self, arguments: Sequence[str], *, input: bytes, **named: Any) -> Done:
+        """As `subprocess.run`; the same where a test has put another program in its place."""
+        if tuple(arguments[:-1]) != USUAL:
+            return subprocess.run(arguments, input=input, **named)
+        picture = self.known.get(key := sha256(input).digest()) or self.painted(
+            input, arguments[-1]
+        )
+        if not picture:  # what a painter of its own says of that
+            return subprocess.run(arguments, input=input, **named)
+        self.known[key] = picture
+        return Done(arguments, 0, picture, b"")
+
+    def painted(self, drawing: bytes, above: str) -> bytes:
+        """The PNG, or nothing where the painter has ended."""
+        if self.process is None:
+            command = [sys.executable, "-c", PAINTER, above]
+            self.process = subprocess.Popen(
+                command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
+            )
+        try:
+            self.process.stdin.write(drawing)
+            self.process.stdin.flush()
+            return self.process.stdout.read(int(self.process.stdout.readline() or 0))
+        except OSError:
+            return b""
 
 
-def painted_once(arguments: Sequence[str], *, input: bytes, **named: Any) -> Done:
-    """Runs a painter of its own for every picture, but none for one that there was already."""
-    key = (*arguments, sha256(input).digest())
-    done = PAINTED.get(key) or subprocess.run(arguments, input=input, **named)
-    if done.returncode == 0:
-        PAINTED[key] = done
-    return done
-
-
-def left_blank(arguments: Sequence[str], *, input: bytes, **named: Any) -> Done:
-    """Runs no painter, unless a test has put another program in its place."""
-    if arguments[2] != PAINTER:
-        return subprocess.run(arguments, input=input, **named)
-    drawing, _ = pickle.loads(input)
-    return Done(arguments, 0, blank(drawing, sha256(input).digest()), b"")
+@pytest.fixture(scope="session")
+def painter() -> Iterator[Painter]:
+    made = Painter()
+    yield made
+    if made.process is not None:
+        made.process.communicate()
 
 
 @pytest.fixture(scope="module", autouse=True)
-def _pictures(request: pytest.FixtureRequest) -> Iterator[None]:
-    """Painted for the files that say so: a painter takes a second of the processor."""
-    run = painted_once if getattr(request.module, "LOOKS_AT_PICTURES", False) else left_blank
+def _pictures(painter: Painter) -> Iterator[None]:
+    """To import VTK takes longer than to paint."""
     with pytest.MonkeyPatch.context() as patch:
-        beside = SimpleNamespace(run=run, TimeoutExpired=subprocess.TimeoutExpired)
+        beside = SimpleNamespace(run=painter.run, TimeoutExpired=subprocess.TimeoutExpired)
         patch.setattr(painting, "subprocess", beside)
         yield
 

@@ -31,8 +31,6 @@ from SDFStentLib.report.picture.view import View, best_view, label_side
 from SDFStentLib.stent import AlongAxis, Stent
 from SDFStentLib.validation import DeploymentError
 
-LOOKS_AT_PICTURES = True
-
 FRONT = View(np.zeros(3), np.array([0.0, 1, 0]), np.array([0.0, 0, 1]), 20.0)
 """A camera in front of the patient (RAS)."""
 
