@@ -126,19 +126,6 @@ def test_bad_files_give_one_sentence_with_their_name(tmp_path):
         read_lines(tmp_path / "one.vtp", "ft")
 
 
-def test_radii_that_do_not_fit_are_refused(tmp_path):
-    polydata = polydata_from_lines(POINTS, [[0, 1]])
-    path = tmp_path / "c.vtk"
-    path.write_text(
-        "# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\nPOINTS 2 float\n0 0 0 1 0 0\n"
-        "LINES 1 3\n2 0 1\nPOINT_DATA 3\nFIELD FieldData 1\nRadius 1 3 float\n1 2 3\n",
-        encoding="utf-8",
-    )
-    assert polydata.GetNumberOfLines() == 1
-    with pytest.raises(InputError, match=r"c\.vtk: "):
-        read_lines(path)
-
-
 def test_pieces_too_far_apart_name_the_file(tmp_path):
     points = np.concatenate([POINTS, POINTS + 1000])
     path = saved(tmp_path, [np.arange(20), np.arange(20, 40)], points=points)

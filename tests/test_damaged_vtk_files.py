@@ -103,15 +103,6 @@ def test_only_one_block_of_appended_data_is_taken(tmp_path):
     )
 
 
-def test_a_space_tag_of_another_number_of_bytes_is_said(tmp_path):
-    """Its field begins with 0 where its size is expected."""
-    data = xml_bytes(surface(), "Binary", "None", "UInt32", "Little", True, 32768)
-    start = data.index(b">", data.index(b'Name="SPACE"')) + 1
-    begin = start + len(data[start:]) - len(data[start:].lstrip())
-    damaged = data[:begin] + b"AAAA" + data[begin + 4 :]
-    assert "array SPACE: expected" in sentence_of(tmp_path, damaged)
-
-
 def test_nested_elements_and_long_tags_are_bounded(tmp_path):
     head = b'<VTKFile type="PolyData">'
     deep = head + b"<a>" * 200_000 + b"</a>" * 200_000 + b"</VTKFile>"

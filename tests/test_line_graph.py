@@ -49,11 +49,6 @@ def test_near_pairs_are_all_that_are_near_whatever_the_block(monkeypatch, block,
         assert found[key] == pytest.approx(distance, abs=1e-12)
 
 
-def test_where_nothing_is_near_there_are_no_pairs():
-    graph = a_graph()
-    assert len(near_pairs(graph, np.full(len(graph.points), 1e-9)).nodes) == 0
-
-
 def test_dense_points_of_a_wide_vessel_in_two_pieces_are_joined_in_little_memory():
     """2 x 1,200 points every 0.02 mm, 10 mm wide: a million pairs, all but few of one piece."""
     height = 0.02 * np.arange(1200)

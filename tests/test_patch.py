@@ -37,16 +37,6 @@ def test_the_patch_has_every_face_of_an_active_vertex_and_no_other(tube):
     np.testing.assert_array_equal(patch.vertices[patch.triangles], triangles[touching])
 
 
-def test_active_vertices_come_first_in_their_order_and_the_rim_follows(tube):
-    points, triangles = tube
-    active = np.random.default_rng(0).permutation(middle_of(points))
-    patch = Patch.around(Surface(points, triangles), active)
-    assert patch.active_count == len(active)
-    np.testing.assert_array_equal(patch.vertices[: len(active)], active)
-    assert not np.isin(patch.vertices[len(active) :], active).any()
-    assert len(np.unique(patch.vertices)) == len(patch.vertices)
-
-
 @pytest.mark.parametrize("winding", ["outward", "inward"])
 def test_normals_point_out_of_the_lumen_whatever_the_winding(tube, winding):
     points, triangles = tube

@@ -90,16 +90,6 @@ def test_any_polygon_seen_from_its_middle_is_filled(radii):
     assert_filled(polygon, fill.inner, fill.triangles)
 
 
-def test_triangles_of_a_round_section_are_about_as_large_as_its_sides():
-    polygon = circle(60)
-    fill = flat_fill(polygon)
-    points = np.vstack([polygon, fill.inner])
-    sides = points[fill.triangles] - points[np.roll(fill.triangles, 1, axis=1)]
-    lengths = np.linalg.norm(sides, axis=2) / np.linalg.norm(polygon[1] - polygon[0])
-    assert lengths.min() > 0.5
-    assert lengths.max() < 2
-
-
 def test_a_polygon_that_turns_clockwise_is_not_filled():
     assert flat_fill(circle(20)[::-1]) is None
 
@@ -179,16 +169,3 @@ def test_no_plane_across_a_bend_leaves_slivers_or_folds(place, first, second):
 
 
 TUBE = bent_tube()
-
-
-def test_a_plane_beside_the_vessel_has_no_section():
-    tube = straight_tube()
-    assert section_around(tube.points, tube.triangles, np.array([9.0, 0, 20]), np.eye(3)[2]) is None
-
-
-def test_a_section_through_an_open_end_is_open():
-    tube = straight_tube()
-    wall = tube.triangles[tube.face_ids == tube.face_ids.min()]
-    normal = np.array([1.0, 0.0, 0.3]) / np.linalg.norm([1.0, 0.0, 0.3])
-    section = section_around(tube.points, wall, np.array([0, 0, 1.0]), normal)
-    assert section is None or not section.is_closed

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from mesh_files import octahedron
 
-from SDFStentLib.files.formats.ply import decode_ply, encode_ply, fits_ply
+from SDFStentLib.files.formats.ply import decode_ply, encode_ply
 from SDFStentLib.validation import InputError
 
 HEADER = """ply
@@ -89,15 +89,6 @@ def test_what_is_written_comes_back(kind):
     assert np.array_equal(mesh.point_arrays["Normals"], normals)
     assert np.array_equal(mesh.cell_arrays["face"], faces)
     assert "SPACE=LPS" in mesh.text
-
-
-def test_what_ply_can_keep():
-    assert fits_ply("red", np.zeros(3, np.uint8), of_points=True)
-    assert fits_ply("Normals", np.zeros((3, 3), np.float32), of_points=True)
-    assert not fits_ply("Normals", np.zeros((3, 3), np.float32), of_points=False)
-    assert not fits_ply("id", np.zeros(3, np.int64), of_points=True)
-    assert not fits_ply("two words", np.zeros(3), of_points=True)
-    assert not fits_ply("x", np.zeros(3), of_points=True)
 
 
 @pytest.mark.parametrize(

@@ -27,8 +27,6 @@ from SDFStentLib.treatment import TreatedLesion
 from SDFStentLib.validation import DeploymentError, InputError
 from SDFStentLib.vessel import Apposition, FreeStretch, HealthyPlace, Lesion, Ostium
 
-LOOKS_AT_PICTURES = True
-
 CLEAN = {
     "passed": True,
     "sentence": "Surface certified for meshing: watertight, manifold.",

@@ -12,10 +12,8 @@ import pytest
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkFiltersVerdict import vtkMeshQuality
 
-from SDFStentLib import phantoms
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.files import polydata_from_arrays
-from SDFStentLib.lumen import triangle_sizes
 from SDFStentLib.plan import Plan, PlanResult, read_input_files, treatment_of
 from SDFStentLib.report import plan_report
 from SDFStentLib.report.changes import setting_rows
@@ -34,23 +32,6 @@ def quality(points: Points, triangles: Triangles, measure: str) -> np.ndarray:
     getattr(judge, f"SetTriangleQualityMeasureTo{measure}")()
     judge.Update()
     return vtk_to_numpy(judge.GetOutput().GetCellData().GetArray("Quality"))
-
-
-def test_triangle_sizes_are_those_of_another_library() -> None:
-    made = phantoms.branching_pulmonary_artery(1.0)
-    sizes = triangle_sizes(made.points, made.triangles)
-    angles = quality(made.points, made.triangles, "MinAngle")
-    np.testing.assert_allclose(sizes.smallest_angle, angles, atol=1e-5)
-    aspect = quality(made.points, made.triangles, "EdgeRatio")
-    ratio = sizes.edge_length.max(axis=1) / sizes.edge_length.min(axis=1)
-    np.testing.assert_allclose(ratio, aspect, rtol=1e-9)
-
-
-def test_a_triangle_without_area_has_an_angle_of_zero() -> None:
-    points = np.array([[0.0, 0, 0], [1, 0, 0], [3, 0, 0]])
-    sizes = triangle_sizes(points, np.array([[0, 1, 2], [0, 1, 1]]))
-    np.testing.assert_allclose(sizes.edge_length, [[1, 2, 3], [1, 0, 1]])
-    np.testing.assert_allclose(sizes.smallest_angle, 0, atol=1e-6)
 
 
 @pytest.fixture(scope="module")

@@ -32,15 +32,6 @@ def test_points_are_millimetres_whatever_the_file_uses(tmp_path, units, scale):
     assert surface.warnings == ()
 
 
-def test_stored_coordinates_are_those_of_the_file(tmp_path):
-    points, triangles = octahedron()
-    single = polydata_from_arrays((points / 10).astype(np.float32), triangles)
-    surface = read_surface(saved(tmp_path, single), "cm")
-    assert surface.coordinate_type == np.float32
-    assert np.array_equal(surface.as_stored(surface.points), surface.points)
-    assert np.array_equal(surface.as_stored([[1 / 3] * 3])[0], [10 * float(np.float32(1 / 30))] * 3)
-
-
 def test_degenerate_triangles_and_unused_points_stay_and_are_said(tmp_path):
     points, triangles = octahedron()
     points = np.concatenate([points, [[1, 1, 1], points[:2].mean(axis=0)]])
@@ -63,12 +54,6 @@ def test_integer_coordinates_become_doubles(tmp_path):
     surface = read_surface(path)
     assert surface.coordinate_type == np.float64
     assert "coordinates are integers" in str(surface.warnings[0])
-
-
-def test_a_size_that_is_no_vessel_asks_for_the_unit(tmp_path):
-    points, triangles = octahedron(radius=3)
-    surface = read_surface(saved(tmp_path, polydata_from_arrays(points, triangles)))
-    assert "name the unit of the file" in str(surface.warnings[0])
 
 
 def test_bad_files_give_one_sentence_with_their_name(tmp_path):

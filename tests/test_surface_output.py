@@ -14,7 +14,6 @@ from SDFStentLib.files import (
     set_frame_of_polydata,
     write_surface,
 )
-from SDFStentLib.files.surface_output import polydata_with_points
 from SDFStentLib.geometry import face_normals, vertex_normals
 from SDFStentLib.validation import InputError
 
@@ -130,27 +129,6 @@ def test_a_file_without_a_tag_is_written_without(tmp_path):
         write_surface(path, surface, [], [])
         assert b"SPACE" not in path.read_bytes()
         assert read_surface(path, "cm").frame is None
-
-
-def test_normals_are_those_of_the_new_surface(tmp_path):
-    surface = rich_surface(tmp_path)
-    polydata = polydata_with_points(surface, MOVED, 0.7 * surface.points[MOVED])
-    new = surface.points.copy()
-    new[MOVED] *= 0.7
-    normals = vtk_to_numpy(polydata.GetPointData().GetArray("Normals"))
-    # Single precision, of the coordinates as well.
-    assert np.abs(normals - vertex_normals(new, surface.triangles)).max() < 1e-5
-    assert normals.dtype == np.float32
-
-
-def test_the_surface_that_was_read_is_not_modified(tmp_path):
-    surface = rich_surface(tmp_path)
-    before = array_bits(surface.polydata())
-    write_surface(
-        tmp_path / "b.vtp", surface, MOVED, surface.points[MOVED] + 5, {"d": MOVED[[0] * 66]}
-    )
-    assert array_bits(surface.polydata()) == before
-    assert np.array_equal(10 * coordinates(surface.polydata()).astype(float), surface.points)
 
 
 def test_more_arrays_can_be_written(tmp_path):

@@ -13,9 +13,6 @@ from SDFStentLib.geometry import (
     Surface,
     as_surface,
     state_of,
-    surface,
-    surface_topology,
-    vertex_normals,
 )
 from SDFStentLib.validation import InputError
 
@@ -40,44 +37,6 @@ def test_nothing_of_a_surface_can_be_changed():
             array[0] = 0
     with pytest.raises(dataclasses.FrozenInstanceError):
         made.points = made.points
-
-
-def test_a_surface_knows_its_topology_neighbors_and_normals():
-    points, triangles = octahedron()
-    made = Surface(points.tolist(), triangles.tolist())
-    assert made.topology == surface_topology(triangles)
-    assert made.topology.is_watertight
-    offsets, indices = made.neighbors
-    for vertex in range(len(points)):
-        around = triangles[(triangles == vertex).any(axis=1)]
-        own = indices[offsets[vertex] : offsets[vertex + 1]]
-        assert own.tolist() == sorted(set(around.ravel().tolist()) - {vertex})
-    corners = points[triangles]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normals /= np.linalg.norm(normals, axis=1)[:, None]
-    np.testing.assert_allclose(made.face_normals, normals, atol=1e-12)
-    # Of a sphere about the origin the normal of a point is nearly its direction.
-    direction = points / np.linalg.norm(points, axis=1)[:, None]
-    assert (np.sum(made.vertex_normals * direction, axis=1) > 0.95).all()
-    assert made.wound_triangles is made.triangles
-    mixed = triangles.copy()
-    mixed[::5] = mixed[::5, ::-1]
-    assert np.array_equal(Surface(points, mixed).wound_triangles, triangles)
-
-
-def test_a_moved_surface_has_its_own_normals_and_the_same_topology(monkeypatch):
-    points, triangles = octahedron()
-    made = Surface(points, triangles)
-    assert made.topology.is_closed
-    monkeypatch.setattr(surface, "surface_topology", None)  # looked at again, it would fail
-    monkeypatch.setattr(surface, "as_triangles", None)
-    moved = made.with_points(points * (1, 2, 1))
-    assert moved.topology is made.topology
-    assert moved.triangles is made.triangles
-    assert moved.neighbors is made.neighbors
-    expected = vertex_normals(points * (1, 2, 1), triangles)
-    assert np.array_equal(moved.vertex_normals, expected)
-    assert not np.array_equal(moved.vertex_normals, made.vertex_normals)
 
 
 @pytest.mark.parametrize(

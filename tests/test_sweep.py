@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 
 pytest.importorskip("pymeshlab")
@@ -33,15 +32,6 @@ def test_nothing_straightened_or_up_to_a_cap_is_certified_with_a_spike_or_a_narr
         assert row.certified, row
         assert row.motion < 1.2, row
         assert row.narrowest > 0.98, row
-
-
-def test_a_random_stent_follows_from_its_seed_and_number_alone(sweep, data_dir):
-    first = sweep.random_stent("pulmonary", 1, 4, (1.05, 1.6), data_dir)
-    again = sweep.random_stent("pulmonary", 1, 4, (1.05, 1.6), data_dir)
-    other = sweep.random_stent("pulmonary", 1, 7, (1.05, 1.6), data_dir)
-    np.testing.assert_array_equal(first.axis, again.axis)
-    assert first.radius == again.radius
-    assert first.radius != other.radius
 
 
 def test_a_station_is_wide_by_nature_or_because_wall_was_dragged(sweep, data_dir):

@@ -95,9 +95,3 @@ def test_the_counts_tell_rate_and_time_left_of_this_run_alone():
     )
     assert tally.note() == note
     assert Tally(10).note() == "0 certified for meshing, 0 failed"
-
-
-def test_quiet_says_nothing(there, capsys):
-    write_sweep(there, axes={"diameter": [6]})
-    assert main(["sweep", "sweep.json", "-o", "out", "--workers", "1", "--quiet"]) == 0
-    assert capsys.readouterr() == ("", "")

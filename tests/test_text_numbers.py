@@ -47,8 +47,3 @@ def test_what_is_read_is_what_python_reads_word_by_word(words):
 def test_other_words_are_no_integers(text):
     with pytest.raises(ValueError, match=r"word|data|number"):
         numbers_in(text, np.int64)
-
-
-def test_integers_may_be_written_with_a_point():
-    assert numbers_in(b"43.0 1e3", "i4").tolist() == [43, 1000]
-    assert len(numbers_in(b" \n", "i4")) == 0

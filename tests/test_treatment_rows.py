@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import json
 import math
 import re
 
@@ -12,11 +11,8 @@ import pytest
 from child_processes import PROJECT
 from tube_files import write_tube
 
-from SDFStentLib import AtCenter, InputError, Stent, Treatment, plan_report, run_plan, write_report
-from SDFStentLib.centerline import Centerline
+from SDFStentLib import AtCenter, InputError, Stent, Treatment
 from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube
-from SDFStentLib.plan import Plan
-from SDFStentLib.stent import InputFile
 from SDFStentLib.treatment import label_of
 
 
@@ -37,16 +33,6 @@ def line_length(line, branch):
     return float(line.arc_length[points[-1]] - line.arc_length[points[0]])
 
 
-def test_a_treatment_is_one_flat_row_per_stent(treated):
-    rows = treated.to_dict()
-    assert [row["stent"] for row in rows] == [1, 2]
-    assert [row["name"] for row in rows] == ["upper", ""]
-    assert len({tuple(row) for row in rows}) == 1
-    for row in rows:
-        assert all(isinstance(value, str | bool | int | float) for value in row.values())
-        json.dumps(row)
-
-
 def test_a_row_tells_what_the_result_and_its_report_tell(treated):
     for stent, row in zip(treated.stents, treated.to_dict(), strict=True):
         inscribed = stent.after.inscribed_diameter
@@ -63,25 +49,6 @@ def test_a_row_tells_what_the_result_and_its_report_tell(treated):
         else:
             assert math.isnan(row["branch_covered_percent"])
     assert treated.stents[1].branches, "the second stent lies at the mouth of a branch"
-
-
-def test_a_place_on_a_branch_is_as_far_along_it_as_was_asked():
-    line = branching_pulmonary_artery().centerline
-    for branch, points in enumerate(line.branches):
-        whole = line_length(line, branch)
-        np.testing.assert_array_equal(line.point_at(branch, 0), line.points[points[0]])
-        np.testing.assert_allclose(line.point_at(branch, whole), line.points[points[-1]])
-        place = line.project(line.point_at(branch, 0.37 * whole))
-        assert place.distance < 1e-9
-        start = line.arc_length[points[0]]
-        assert place.arc_length - start == pytest.approx(0.37 * whole, abs=1e-9)
-
-
-def test_a_place_between_two_points_of_a_bent_line_is_on_its_segment():
-    line = Centerline(
-        np.array([[0, 0, 0], [3, 0, 0], [3, 4, 0.0]]), np.ones(3), np.array([-1, 0, 1])
-    )
-    np.testing.assert_allclose(line.point_at(0, 5), [3, 2, 0])
 
 
 @pytest.mark.parametrize("branch", [-1, 3, 1.0, "LPA"])
@@ -110,16 +77,6 @@ def test_the_loop_in_the_documents_runs_and_its_table_can_be_read(tmp_path, monk
     for row in rows:
         assert row["certified"] == "True"
         assert float(row["lumen_after_mm"]) == pytest.approx(float(row["diameter_mm"]), rel=0.01)
-
-
-def test_the_report_of_a_plan_comes_from_the_table_of_contents(tmp_path):
-    write_tube(tmp_path)
-    stent = Stent(6.0, placement=AtCenter([0, 0, 20.0]), length=10)
-    files = [InputFile(tmp_path / name) for name in ("tube.vtp", "line.vtp")]
-    result = run_plan(Plan((stent,), *files, units="cm"))
-    write_report(plan_report(result), tmp_path / "report.json")
-    found = json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))
-    assert found["stents"] == plan_report(result).as_dict()["stents"]
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from deployment_cases import anatomy_case, phantom_case
+from deployment_cases import anatomy_case
 
 from SDFStentLib.certificate import Comparison, self_intersecting_triangles
 from SDFStentLib.deformation import Deployment, DeploymentSettings
@@ -53,26 +53,6 @@ def test_untangling_repairs_a_fold_without_the_tissue_gap(folding_case):
     level = repaired.chain.field(repaired.result.points).distance
     before = without.chain.field(without.result.points).distance
     assert (level - np.minimum(before, repaired.target_level)).min() > -0.01
-
-
-def test_the_tissue_gap_leaves_the_stented_lumen_alone(folding_case):
-    from SDFStentLib.lumen import inscribed_spheres
-
-    diameters = []
-    for gap in (0.0, 0.4):
-        run = deployment_of(folding_case, PLAIN.with_changes(tissue_gap=gap))
-        spheres = inscribed_spheres(run.result.points, run.surface.triangles, run.chain.nodes)
-        diameters.append(2 * spheres.radii)
-    # Walls that face the stent get no gap; measured 0.001 mm.
-    np.testing.assert_allclose(diameters[1], diameters[0], atol=0.02)
-
-
-def test_nothing_is_touched_where_nothing_folds():
-    case = phantom_case("bent_tube")
-    with_it = deployment_of(case, DEFAULT)
-    without = deployment_of(case, DEFAULT.with_changes(untangle=False))
-    np.testing.assert_array_equal(with_it.result.points, without.result.points)
-    assert with_it.result.untangling_rounds == 0
 
 
 # On a sheet whose fold is known -----------------------------------------------------------------
@@ -137,27 +117,9 @@ def test_a_pulled_vertex_is_put_back_and_none_enters_the_stent():
     assert after.min() > level - 5e-3
 
 
-def test_only_a_neighborhood_of_the_fold_moves():
-    flat, bent, triangles = a_folded_sheet()
-    motion, _, _, outcome = untangled_sheet(flat, bent, triangles)
-    moved = (outcome.positions != bent[motion.indices]).any(axis=1)
-    # One more ring of neighbors every four rounds.
-    assert 0 < moved.sum() <= 60
-    assert outcome.rounds < 20
-
-
 def new_faults(before, after, triangles, precision=None):
     everything = np.arange(len(triangles))
     return Comparison(before, triangles, precision or Precision()).new_faults(after, everything)
-
-
-def test_what_is_left_after_the_last_round_is_named(monkeypatch):
-    monkeypatch.setattr("SDFStentLib.deformation.untangle.ROUNDS", 0)
-    flat, bent, triangles = a_folded_sheet()
-    _, faults, _, outcome = untangled_sheet(flat, bent, triangles)
-    left = faults.new_faults(outcome.positions, np.arange(len(triangles)))
-    assert len(left)
-    np.testing.assert_array_equal(outcome.faulty, left)
 
 
 def test_untangling_stops_when_it_gets_no_further_and_keeps_the_best_it_had():

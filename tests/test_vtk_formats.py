@@ -5,13 +5,13 @@ import pytest
 from child_processes import python
 from mesh_files import octahedron
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
-from vtkmodules.vtkCommonCore import VTK_ID_TYPE, vtkLogger, vtkObject, vtkOutputWindow
+from vtkmodules.vtkCommonCore import VTK_ID_TYPE
 from vtkmodules.vtkIOLegacy import vtkPolyDataWriter
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
 from SDFStentLib.files import add_arrays, encode_vtp, polydata_from_arrays
 from SDFStentLib.files.content import read_content
-from SDFStentLib.files.formats.vtk_files import encode_legacy, read_vtk_polydata, vtk_messages
+from SDFStentLib.files.formats.vtk_files import encode_legacy, read_vtk_polydata
 from SDFStentLib.validation import InputError
 
 
@@ -43,26 +43,6 @@ def all_kinds(folder):
     (folder / "ours.vtk").write_bytes(encode_legacy(polydata, "title"))
     yield folder / "ours.vtp"
     yield folder / "ours.vtk"
-
-
-def test_all_arrays_of_a_legacy_file_are_read_not_only_the_first_of_a_kind(tmp_path):
-    path = tmp_path / "a.vtk"
-    polydata = surface_with_text()
-    text = as_file(polydata, vtkPolyDataWriter(), path, "SetFileTypeToASCII").read_text(
-        encoding="utf-8"
-    )
-    count = polydata.GetNumberOfPoints()
-    start = text.index("POINT_DATA")
-    zeros = "0 0 0\n" * count
-    text = (
-        text[:start] + f"POINT_DATA {count}\nNORMALS one float\n{zeros}VECTORS two float\n{zeros}"
-    )
-    path.write_text(
-        text + f"NORMALS three float\n{zeros}VECTORS four float\n{zeros}", encoding="utf-8"
-    )
-    data = read_vtk_polydata(read_content(path))[0].GetPointData()
-    names = {data.GetArrayName(index) for index in range(data.GetNumberOfArrays())}
-    assert names == {"one", "two", "three", "four"}
 
 
 def test_cut_files_and_noise_never_crash_never_print_and_never_pass_for_another_mesh(tmp_path):
@@ -145,19 +125,6 @@ def test_what_vtk_would_choke_on_is_said_first(tmp_path, name, data, words):
     path.write_bytes(data)
     with pytest.raises(InputError, match=words):
         read_vtk_polydata(read_content(path))
-
-
-def test_messages_are_collected_and_the_process_is_left_as_it_was(capfd):
-    window, level = vtkOutputWindow.GetInstance(), vtkLogger.GetCurrentVerbosityCutoff()
-    with vtk_messages() as messages:
-        writer = vtkXMLPolyDataWriter()
-        writer.Write()
-    assert len(messages) >= 1
-    assert vtkOutputWindow.GetInstance() is window
-    assert vtkLogger.GetCurrentVerbosityCutoff() == level
-    assert vtkObject.GetGlobalWarningDisplay() == 1
-    captured = capfd.readouterr()
-    assert captured.out + captured.err == ""
 
 
 def test_what_vtk_cannot_write_is_said():

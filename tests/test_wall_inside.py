@@ -104,14 +104,6 @@ def test_a_stent_with_a_steep_step_is_left_by_the_shortest_way_along_it():
     assert check.depth == pytest.approx(0.325 * 1.6 / np.hypot(1.6, 0.2), abs=0.01)
 
 
-def test_a_thin_stent_with_a_profile_from_which_all_wall_is_far_has_none_inside():
-    shares = RadiusShares(np.array([0, 1]), np.array([0.5, 1]))
-    chain = CapsuleChain.along([[0, 0, 0], [0, 0, 20.0]], shares=shares)
-    nothing = np.empty((0, 3), dtype=np.int64)
-    assert wall_check(np.zeros((3, 3)), nothing, chain, 1.0).depth == 0
-    assert wall_check(np.full((3, 3), 9.0), np.array([[0, 1, 2]]), chain, 1.0).depth == 0
-
-
 @pytest.mark.parametrize("edge_length", [0.7, 1.2])
 def test_what_the_wall_tells_of_a_station_is_what_searches_find(edge_length):
     tube = phantom("branching_pulmonary_artery", edge_length=edge_length)

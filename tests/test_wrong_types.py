@@ -16,7 +16,7 @@ from SDFStentLib.cautions import Caution
 from SDFStentLib.cli.console import Console, error_line
 from SDFStentLib.geometry import NamedFaces
 from SDFStentLib.phantoms import straight_tube
-from SDFStentLib.validation import as_patient_points, one_line, printable
+from SDFStentLib.validation import as_patient_points, one_line
 
 WRONG = [
     None, "8", b"x", 3, 3.5, float("nan"), [], {}, object(), np.zeros((2, 2)), [None], 1e400, -1,
@@ -57,13 +57,6 @@ def test_coordinates_beyond_every_patient_are_refused():
     with pytest.raises(InputError, match=r"expected coordinates up to 1e\+06 mm, got 1e\+11"):
         Surface(1e11 * np.sign(tube.points), tube.triangles)
     assert len(as_patient_points([[1e6, 0, -1e6]])) == 1
-
-
-def test_control_characters_are_written_as_escapes():
-    assert (
-        printable("a\x1b[2Jb\x9b\u202e\n\tä\U0001f600")
-        == r"a\x1b[2Jb\x9b\u202e" + "\n\tä\U0001f600"
-    )
 
 
 @pytest.mark.parametrize("kind", ["Cc", "Zl", "Zp", "Cs"])
