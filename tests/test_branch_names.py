@@ -67,17 +67,6 @@ def a_patient(tmp_path, artery):
     return tmp_path
 
 
-def test_branches_have_the_names_of_their_ends(artery):
-    tree = artery.centerline
-    names = branch_names(artery.surface, tree, artery.faces)
-    for branch, name in zip(tree.branches, names, strict=True):
-        end = branch[0] if tree.parent[branch[0]] < 0 else branch[-1]
-        # By another way: the face of the triangle whose middle is nearest to the end.
-        middles = artery.points[artery.triangles].mean(axis=1)
-        nearest = np.linalg.norm(middles - tree.points[end], axis=1).argmin()
-        assert name == artery.faces.names[artery.face_ids[nearest]]
-
-
 def test_without_names_faces_are_numbered_and_without_faces_branches(artery):
     tree = artery.centerline
     numbered = branch_names(artery.surface, tree, NamedFaces(artery.face_ids))
@@ -210,13 +199,6 @@ def test_damaged_models_are_refused_in_a_sentence_or_read():
             outcomes.add("read")
             assert all(isinstance(n, int) and name for n, name in names.items())
     assert outcomes == {"read", "sentence"}
-
-
-def test_a_model_beside_a_surface_without_faces_is_not_looked_at(tmp_path, artery):
-    polydata = polydata_from_arrays(artery.points, artery.triangles)
-    (tmp_path / "pa.vtp").write_bytes(encode_vtp(polydata))
-    (tmp_path / "pa.mdl").write_text("nonsense", encoding="utf-8")
-    assert not read_surface(tmp_path / "pa.vtp").warnings
 
 
 def test_places_in_warnings_are_told_in_the_file_s_unit_as_well(a_patient, artery, capsys):

@@ -13,7 +13,6 @@ from SDFStentLib.certificate.face_quality import (
     inverted_triangles,
     smallest_angles,
 )
-from SDFStentLib.certificate.spots import spots_of
 from SDFStentLib.geometry import Precision, Surface
 from SDFStentLib.validation import InputError
 
@@ -71,17 +70,6 @@ def test_a_sphere_turned_inside_out_does_not_pass(sphere):
     assert "it is inside out" in check.sentence()
 
 
-def test_mixed_windings_are_not_taken_for_inverted_faces(sphere):
-    points, triangles = sphere
-    mixed = triangles.copy()
-    mixed[::3] = mixed[::3][:, ::-1]
-    check = check_surface(Surface(points, mixed))
-    assert len(check.inverted_triangles) == 0
-    assert not check.passed
-    assert not check.topology.is_consistently_wound
-    assert not check.is_outward
-
-
 @pytest.mark.parametrize("every", [2, 3, 10**6])
 @pytest.mark.parametrize("is_open", [False, True])
 def test_faces_wound_against_their_neighbors_are_named(sphere, every, is_open):
@@ -102,15 +90,6 @@ def test_moving_rigidly_changes_nothing(sphere):
     assert certificate.passed
     assert certificate.moved_points == len(points)
     assert certificate.sentence().startswith("Surface certified for meshing: it is watertight")
-
-
-def test_nothing_moved_is_certified(sphere):
-    points, triangles = sphere
-    certificate = certify(Surface(points, triangles), points)
-    assert certificate.passed
-    assert certificate.moved_points == 0
-    # Below the precision of the stored file nothing has moved either.
-    assert certify(Surface(points, triangles), points * (1 + 1e-12)).moved_points == 0
 
 
 def test_a_wall_pushed_through_the_other_is_named_with_its_place(sphere):
@@ -265,17 +244,6 @@ def test_a_face_whose_corners_fell_on_one_place_but_for_rounding_has_no_area():
     sides = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     assert np.linalg.norm(np.cross(*sides), axis=1).all()
     assert degenerate_triangles(points, triangles).tolist() == [0]
-
-
-def test_places_gather_faces_by_corner_and_by_pair():
-    points = np.arange(27, dtype=float).reshape(9, 3)
-    triangles = np.arange(9).reshape(3, 3)
-    apart = spots_of(points, triangles, np.array([2, 0]), np.empty((0, 2), dtype=np.int64))
-    assert [spot.triangles for spot in apart] == [(0,), (2,)]
-    assert apart[0].center == (3.0, 4.0, 5.0)
-    together = spots_of(points, triangles, np.array([0, 1, 2]), np.array([[0, 2]]))
-    assert [spot.triangles for spot in together] == [(0, 2), (1,)]
-    assert str(apart[0]) == "(3.0, 4.0, 5.0) mm"
 
 
 def test_several_places_are_counted(sphere):

@@ -9,9 +9,8 @@ from trees import unbranched
 
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.files import read_surface
-from SDFStentLib.geometry import Surface, arc_lengths, resampled, tangents
-from SDFStentLib.lumen import closed_ends, diameter_profile, flat_caps, measured_at
-from SDFStentLib.lumen.metrics import profile_of
+from SDFStentLib.geometry import Surface
+from SDFStentLib.lumen import diameter_profile, flat_caps
 from SDFStentLib.stent import AtCenter, Stent
 from SDFStentLib.treatment import Treatment
 
@@ -48,15 +47,6 @@ A_SQUARE = [
     [s, t] for s, t in ((-3, -3), (0, -3), (3, -3), (3, 0), (3, 3), (0, 3), (-3, 3), (-3, 0))
 ]
 A_LINE = [[0.1, 0, 0], [0.1, 0, LENGTH]]
-
-
-def test_a_capped_tube_is_as_wide_at_its_ends_as_in_its_middle():
-    profile = diameter_profile(Surface(*a_capped_duct(a_circle())), A_LINE)
-    np.testing.assert_allclose(
-        profile.inscribed_diameter, 2 * RADIUS * np.cos(np.pi / 32), rtol=1e-5
-    )
-    middle = profile.equivalent_diameter[15]
-    np.testing.assert_allclose(profile.equivalent_diameter[1:-1], middle, rtol=1e-9)
 
 
 @pytest.mark.parametrize("turned", [0, 20, 35, 50, 80])
@@ -176,43 +166,6 @@ def test_the_inlet_of_a_patient_is_not_narrow(data_dir, surface, line):
     start = profile.inscribed_diameter[:4]
     # Both trunks are nearly cylindrical for their first 10 mm.
     np.testing.assert_allclose(start, profile.inscribed_diameter[5], rtol=0.05)
-
-
-@pytest.fixture
-def searched(monkeypatch):
-    """Heights of the stations whose spheres are searched again."""
-    heights = []
-    search = closed_ends.inscribed_spheres
-
-    def counted(points, triangles, centers, *rest):
-        heights.extend(np.round(centers[:, 2], 3).tolist())
-        return search(points, triangles, centers, *rest)
-
-    monkeypatch.setattr(closed_ends, "inscribed_spheres", counted)
-    return heights
-
-
-def test_a_profile_searches_its_spheres_once_without_the_caps_at_its_ends(searched):
-    surface = Surface(*a_capped_duct(a_circle()))
-    profile = diameter_profile(surface, A_LINE)
-    assert searched == []
-    stations = resampled(A_LINE, 1.0)
-    whole = measured_at(surface, stations, tangents(stations))
-    again = profile_of(surface, arc_lengths(stations), whole)
-    np.testing.assert_allclose(profile.inscribed_diameter, again.inscribed_diameter, atol=1e-5)
-    np.testing.assert_array_equal(profile.equivalent_diameter, again.equivalent_diameter)
-
-
-@pytest.mark.parametrize("bulge", [0.0, 2.5])
-def test_only_spheres_that_a_cap_limits_are_searched_again(bulge, searched):
-    surface = Surface(*a_capped_duct(a_circle(), bulge=-bulge))
-    stations = resampled(A_LINE, 1.0)
-    measured = measured_at(surface, stations, tangents(stations))
-    profile = profile_of(surface, arc_lengths(stations), measured)
-    # A cap that bulges is none: the sphere that touches it is told from the first search.
-    near = [0, 1, 2, 3, 27, 28, 29, 30]
-    assert sorted(searched) == ([] if bulge else pytest.approx(near))
-    assert np.isfinite(profile.inscribed_diameter[4:-4]).all()
 
 
 def test_the_vessel_between_a_stent_and_a_cap_is_as_wide_as_its_wall():

@@ -5,21 +5,18 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from SDFStentLib.centerline import Centerline
 from SDFStentLib.geometry import arc_lengths, carried, length, tangents
-from SDFStentLib.phantoms import bent_tube, straight_tube
+from SDFStentLib.phantoms import straight_tube
 from SDFStentLib.stent import (
     AlongAxis,
     AtCenter,
     AtDistalEnd,
     AtProximalEnd,
-    Device,
     LatticeDesign,
     Shape,
     Stent,
     StentEnd,
     Waist,
-    design_of,
     stent_axis,
     stent_lattice,
 )
@@ -48,10 +45,6 @@ def helix(radius=12.0, pitch=8.0, turns=1.25, count=4001):
     return np.stack([radius * np.cos(at), radius * np.sin(at), pitch * at / (2 * np.pi)], axis=1)
 
 
-def edges_of(lattice):
-    return lattice.lines[:, [0, -1]]
-
-
 # Struts
 
 
@@ -77,28 +70,6 @@ def test_there_are_two_struts_for_every_crown_of_every_ring_and_the_links_asked_
     np.testing.assert_allclose(
         np.diff(lattice.curves[lattice.is_link][..., :2], axis=1), 0, atol=1e-12
     )
-
-
-@designs
-def test_rings_are_evenly_spaced_and_alike(design):
-    lattice = straight_lattice(18.0, 3.5, design)
-    spans = np.array(
-        [
-            [own.min(), own.max()]
-            for ring in range(design.rings)
-            for own in [lattice.curves[(lattice.ring == ring) & ~lattice.is_link][..., 2]]
-        ]
-    )
-    heights, gaps = np.diff(spans)[:, 0], spans[1:, 0] - spans[:-1, 1]
-    np.testing.assert_allclose(heights, heights[0], atol=1e-12)
-    np.testing.assert_allclose(
-        gaps, 0 if design.cells == "closed" else 0.3 * heights[0], atol=1e-12
-    )
-    # Half a cell to the next crown, and all around.
-    x, y, _ = lattice.points[edges_of(lattice).ravel()].T
-    steps = np.arctan2(y, x) * design.crowns / np.pi
-    np.testing.assert_allclose(steps, np.round(steps), atol=1e-9)
-    assert len(np.unique(np.round(steps) % (2 * design.crowns))) == 2 * design.crowns
 
 
 def test_the_number_of_rings_follows_from_length_and_radius():
@@ -208,27 +179,6 @@ def test_the_length_goes_from_nominal_to_deployed_and_what_is_kept_stays(
     assert heights.min() + fixed * size == pytest.approx(kept, abs=1e-6)
 
 
-def test_struts_are_the_same_ones_while_it_expands():
-    stent, axis = a_stent(helix())
-    lattices = [stent_lattice(stent, axis, expansion=share) for share in (0, 0.5, 1)]
-    for other in lattices[1:]:
-        np.testing.assert_array_equal(other.lines, lattices[0].lines)
-        assert len(other.points) == len(lattices[0].points)
-
-
-@pytest.mark.parametrize(
-    ("cell", "drawn"), [("open", "open"), ("closed", "closed"), ("unknown", "closed")]
-)
-def test_the_cells_are_those_of_the_device(cell, drawn):
-    stent = Stent(
-        6.0,
-        placement=AlongAxis([[0, 0, 0], [0, 0, 20]]),
-        device=Device("one", cell=cell),
-        foreshortening_fraction=0.0,
-    )
-    assert design_of(stent).cells == drawn
-
-
 def test_the_expansion_of_a_radius_is_that_at_which_it_is_drawn():
     stent, axis = a_stent([[0, 0, 0], [0, 0, 20]], 6.0)
     design = LatticeDesign(crimped_diameter=2.0)
@@ -297,31 +247,3 @@ def test_a_straight_body_on_a_straight_line_only_turns_and_moves():
 def test_x_points_where_it_is_asked_to():
     placed = carried([[1, 0, 0], [0, 1, 0]], [[0, 0, 0], [0, 0, 10]], first_normal=[0, 1, 3])
     np.testing.assert_allclose(placed, [[0, 1, 5], [-1, 0, 5]], atol=1e-12)
-
-
-def test_a_line_that_shakes_does_not_shake_the_sections():
-    rng = np.random.default_rng(5)
-    heights = np.linspace(0, 30, 61)
-    shaky = np.stack([0 * heights, 0 * heights, heights], axis=1) + rng.normal(0, 0.05, (61, 3))
-    lattice = stent_lattice(*a_stent(shaky, 8.0))
-    ends = edges_of(lattice)
-    for level in np.unique(np.round(straight_lattice(30, 4, LatticeDesign()).points[ends, 2], 6)):
-        at = np.abs(straight_lattice(30, 4, LatticeDesign()).points[:, 2] - level) < 1e-3
-        assert np.ptp(lattice.points[at, 2]) < 0.5
-
-
-def test_an_axis_with_a_step_back_and_repeats_is_carried_along():
-    line = np.array([[0, 0, 0], [0, 0, 5], [0, 0, 5], [0, 0, 4.5], [0, 0, 10], [3, 0, 15.0]])
-    placed = carried(np.random.default_rng(1).normal(size=(50, 3)) * 4, line)
-    assert np.isfinite(placed).all()
-
-
-def test_a_stent_in_a_bent_tube_lies_within_its_wall():
-    tube = bent_tube()
-    assert isinstance(tube.centerline, Centerline)
-    stent = Stent(5.0, placement=AtCenter(tube.axis_at([20.0])[0]), length=20.0)
-    axis = stent_axis(stent, tube.centerline)
-    points = stent_lattice(stent, axis).points
-    middle = tube.axis_at(np.linspace(0, 40, 4001))
-    nearest = np.array([np.linalg.norm(middle - one, axis=1).min() for one in points])
-    np.testing.assert_allclose(nearest, 2.5, atol=0.02)

@@ -9,10 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from SDFStentLib.deformation import BLENDS, FALLOFFS, RULES, Deployment, DeploymentSettings
-from SDFStentLib.field import CapsuleChain
+from SDFStentLib.deformation import BLENDS, FALLOFFS, RULES, DeploymentSettings
 from SDFStentLib.parameter import parameters_of
-from SDFStentLib.phantoms import straight_tube
 from SDFStentLib.plan import method_parameters
 from SDFStentLib.stent import Balloon, Shape, Stent, StentEnd, Waist
 from SDFStentLib.validation import InputError
@@ -113,14 +111,6 @@ def test_the_schema_of_plans_has_the_same_parameters():
     ):
         known = {name: one.schema() for name, one in parameters_of(kind).items()}
         assert known == {name: properties[name] for name in known}
-
-
-@pytest.mark.parametrize("radius", [5e-301, 0.049, 101, 1e6])
-def test_a_radius_that_no_stent_has_is_refused(radius):
-    tube = straight_tube(3, 20, 1.2)
-    words = r"stent radius: expected a number at least 0.05 and at most 100 \(mm\), got"
-    with pytest.raises(InputError, match=words):
-        Deployment(tube.surface, CapsuleChain.along([[0, 0, 5], [0, 0, 15]]), radius)
 
 
 def test_the_method_document_names_every_setting_with_its_default():

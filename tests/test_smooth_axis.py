@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,9 +13,9 @@ from tube_files import deploy
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.cli import main
 from SDFStentLib.deformation import DeploymentSettings
-from SDFStentLib.geometry import arc_lengths, length, smoothed_line, tightest_bend
+from SDFStentLib.geometry import arc_lengths, length, smoothed_line
 from SDFStentLib.phantoms import hairpin_tube, straight_tube
-from SDFStentLib.plan import Plan, load_plan, plan_text
+from SDFStentLib.plan import load_plan
 from SDFStentLib.stent import (
     AlongAxis,
     AtCenter,
@@ -74,23 +73,6 @@ def test_each_place_is_the_weighted_mean_around_it():
     for number in (12, 20, 27):
         weights = np.exp(-0.5 * ((fine - at[number]) / 1.5) ** 2)
         np.testing.assert_allclose(found[number], weights @ line / weights.sum(), atol=0.02)
-
-
-def test_what_shakes_is_calmed():
-    rough = shaky(np.linspace([0, 0, 0], [60, 0, 0], 241), 0.3)
-    calm = smoothed_line(rough, 2.0)
-    # The mean of independent steps: about sigma sqrt(4 pi) / 0.25 mm of them count.
-    counted = 2.0 * np.sqrt(4 * np.pi) / 0.25
-    assert np.std(calm[20:-20, 1]) < 2 * 0.3 / np.sqrt(counted)
-    assert length(calm) < 0.75 * length(rough)
-
-
-def test_repeats_and_a_length_far_above_that_of_the_line_are_smoothed():
-    line = np.array([[0, 0, 0], [0, 0, 0], [5, 3, 0], [5, 3, 0], [10, 0, 0.0]])
-    found = smoothed_line(line, 45.0)
-    assert found.shape == line.shape
-    assert np.isfinite(found).all()
-    assert abs(found[2, 1]) < 1.0
 
 
 @pytest.mark.parametrize("width", [-1, np.nan, "2", None])
@@ -167,21 +149,6 @@ def test_a_stent_from_end_to_end_is_as_long_as_its_smooth_axis(is_curve, foresho
     assert "shortened" not in {one.kind for one in found.warnings}
 
 
-def test_its_pieces_point_as_those_of_the_smooth_line():
-    rough = shaky(arc(), 0.02)
-    stent = Stent(5.0, placement=AlongAxis(rough), length=30.0)
-    tube = straight_tube(radius=60.0, length=200.0, edge_length=20.0)  # the wall is far away
-    shift = [0, 0, 100]
-    moved = replace(stent, placement=AlongAxis(rough + shift))
-    found = axis_in_vessel(moved, None, tube.surface, AxisChange(smoothing_length=2.0)).points
-    goal = smoothed_line(stent_axis(moved).points, 2.0)
-    ours, theirs = (np.diff(one, axis=0) for one in (found, goal))
-    turn = (ours * theirs).sum(axis=1) / np.prod(
-        [np.linalg.norm(one, axis=1) for one in (ours, theirs)], axis=0
-    )
-    np.testing.assert_allclose(turn, 1.0, atol=1e-12)
-
-
 def test_smoothing_keeps_the_axis_off_the_wall_and_says_where_it_stopped():
     """Around a hairpin, whose smooth line would leave the lumen for the other leg."""
     made = hairpin_tube()
@@ -196,14 +163,6 @@ def test_smoothing_keeps_the_axis_off_the_wall_and_says_where_it_stopped():
     away = np.linalg.norm(found.points[:, None] - middle, axis=2).min(axis=1)
     assert away.max() < 0.75 * radius
     assert np.linalg.norm(found.points - caution.place, axis=1).min() < 1.0
-
-
-def test_a_plan_keeps_the_smoothing():
-    plan = Plan(
-        stents=(Stent(5.0, placement=AtCenter(np.zeros(3)), length=10.0),),
-        settings=DeploymentSettings(axis_smoothing=2.5),
-    )
-    assert json.loads(plan_text(plan))["settings"]["axis_smoothing"] == 2.5
 
 
 def test_the_shell_smooths_saves_and_replays(a_folder):
@@ -252,15 +211,6 @@ def test_a_curve_drawn_by_hand_is_the_axis_as_slicer_shows_it(a_folder):
 
 
 # Too tight
-
-
-def test_the_tightest_bend_is_where_the_line_turns():
-    corner = np.array([[0, 0, 0], [10, 0, 0], [10, 8, 0.0]])
-    bend = tightest_bend(corner, window=2.0)
-    assert bend.radius == pytest.approx(2 / (2 * np.sin(np.radians(45))), rel=0.01)
-    np.testing.assert_allclose(bend.point, [10, 0, 0], atol=0.2)
-    straight = tightest_bend([[0, 0, 0], [5, 0, 0], [9, 0, 0]])
-    assert straight.radius == np.inf
 
 
 @pytest.mark.parametrize("before", [6.0, 20.0])
