@@ -184,14 +184,6 @@ def test_parquet_holds_the_same_table(whole):
             assert [value or "" for value in table[name]] == values.tolist()
 
 
-def test_the_tables_are_written_again_from_the_cases_alone(folder, whole):
-    before = bytes_of(whole)
-    for name in ("manifest.csv", "manifest.parquet", "times.csv"):
-        (whole / name).unlink(missing_ok=True)
-    assert "manifest.csv" in write_manifest(whole)
-    assert bytes_of(whole) == before
-
-
 def test_parameters_and_displacements_come_as_arrays(folder, whole, moved):
     found = Cohort(moved).training_set()
     assert found.names == ("diameter", "branch", "distance")

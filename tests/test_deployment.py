@@ -11,7 +11,6 @@ from deployment_cases import anatomy_case, hairpin, phantom, phantom_case
 from SDFStentLib.deformation import Deployment, DeploymentSettings, deploy
 from SDFStentLib.deformation.attempt import Attempt
 from SDFStentLib.deformation.deployment import GAP_RAMP
-from SDFStentLib.field import CapsuleChain
 from SDFStentLib.geometry import Precision
 from SDFStentLib.validation import InputError
 
@@ -76,15 +75,6 @@ def test_cancelling_is_to_stop_iterating(case, settings):
     np.testing.assert_array_equal(
         deployment.result.points, deployment_of(case, settings).result.points
     )
-
-
-def test_deploy_reports_every_state_and_returns_the_result(case):
-    seen = []
-    result = deploy(case.surface, CapsuleChain.along(case.axis), case.radius, progress=seen.append)
-    again = list(deployment_of(case))
-    assert seen[-1] is result.state
-    assert [state.radius for state in seen] == [state.radius for state in again]
-    np.testing.assert_array_equal(seen[-1].coordinates, again[-1].coordinates)
 
 
 # Companions -------------------------------------------------------------------------------------
@@ -211,8 +201,3 @@ def test_bad_input_is_refused_at_once(case, change, message):
     usual = {"surface": case.surface, "chain": DEFAULT.chain(case.axis), "radius": case.radius}
     with pytest.raises(InputError, match=message):
         Deployment(**{**usual, **change})
-
-
-def test_bad_companions_are_refused(case):
-    with pytest.raises(InputError, match=r"companion points: expected shape \(n, 3\)"):
-        deployment_of(case, companions=np.zeros((3, 2)))

@@ -36,15 +36,6 @@ def test_a_stent_comes_back_from_its_sizes_and_its_details(name):
     assert again(shaped) == shaped
 
 
-def test_without_details_there_is_no_text_and_a_device_with_a_table_shortens_by_that():
-    plain = Stent(8.0, placement=PLACE, length=16.0, foreshortening_fraction=0.1)
-    assert stent_details(plain) == details_words("") == ""
-    assert again(plain) == plain
-    device = Stent(14.0, placement=PLACE, device=a_device())
-    assert again(device) == device
-    assert again(device, 18.0).foreshortening == pytest.approx(1 - 28.6 / 34)
-
-
 def test_another_diameter_takes_the_recoil_and_the_table_along():
     stent = Stent(7.2, placement=PLACE, length=16, balloon=Balloon(8.0, 0.1))
     assert again(stent, 9.0).balloon.diameter == pytest.approx(10.0)

@@ -72,14 +72,6 @@ def test_there_are_two_struts_for_every_crown_of_every_ring_and_the_links_asked_
     )
 
 
-def test_the_number_of_rings_follows_from_length_and_radius():
-    rings = [
-        straight_lattice(size, radius, LatticeDesign()).ring.max() + 1
-        for size, radius in ((20, 4), (40, 4), (20, 8), (1, 4))
-    ]
-    assert rings == [7, 15, 4, 2]
-
-
 NO_LINES = ([[0, 0, 0]], [[0, 0, 0], [0, 0, 0]], [[0, 0, np.nan], [0, 0, 1]])
 
 

@@ -112,14 +112,6 @@ def test_what_is_no_ply_is_said(old, new, words):
         decode_ply(data, "a.ply")
 
 
-def test_points_alone_are_no_error_yet():
-    data = b"ply\nformat ascii 1.0\nelement vertex 1\nproperty int x\nproperty int y\n"
-    data += b"property int z\nend_header\n1 2 3\n"
-    mesh = decode_ply(data, "a.ply")
-    assert mesh.points.tolist() == [[1, 2, 3]]
-    assert len(mesh.corners) == 0
-
-
 @pytest.mark.parametrize("corner", ["1.7", "9223372036854775808", "x", "1" + "0" * 10**6])
 @pytest.mark.parametrize("more", ["", "4 0 1 2 0\n"])
 def test_a_corner_that_is_no_integer_is_said(corner, more):

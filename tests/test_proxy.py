@@ -109,17 +109,6 @@ def test_the_same_place_gives_the_same_preview_whatever_came_before():
     assert np.array_equal(first.coordinates, again.coordinates)
 
 
-def test_surfaces_wound_inward_or_in_part_give_the_same_preview():
-    phantom = fine_tube()
-    chain, points = PREVIEW.chain(half_way(phantom, 10)), phantom.surface.points
-    expected = Proxy(phantom.surface).deployed(chain, 3.6).state
-    mixed = phantom.surface.triangles.copy()
-    mixed[::3] = mixed[::3, ::-1]
-    for triangles in (phantom.surface.triangles[:, ::-1], mixed):
-        state = Proxy(Surface(points, triangles)).deployed(chain, 3.6).state
-        assert np.allclose(state.applied_to(points), expected.applied_to(points), rtol=0, atol=1e-6)
-
-
 def test_weights_carry_linear_displacements_as_they_are():
     rng = np.random.default_rng(3)
     offset = rng.uniform(-1, 1, (50, 8, 3))

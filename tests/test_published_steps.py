@@ -136,13 +136,6 @@ def test_a_whole_number_of_steps_leaves_no_crumb(span):
     assert np.diff(radii).min(initial=1) > 0.05
 
 
-def test_a_target_below_the_start_is_no_step():
-    case = phantom_case("straight_tube")
-    after, radii = grown(case.points, CapsuleChain.along(case.axis), 3.5, 3.0)
-    assert radii == []
-    np.testing.assert_array_equal(after, case.points)
-
-
 def test_points_that_start_deep_inside_are_brought_onto_the_stent_in_one_step():
     chain = CapsuleChain.along([[0.0, 0, 0], [0, 0, 10]], smoothing_width=0)
     points = np.array([[0.5, 0, 5], [0, 2.9, 5], [30, 0, 5]])

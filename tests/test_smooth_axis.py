@@ -26,7 +26,6 @@ from SDFStentLib.stent import (
     stent_axis,
 )
 from SDFStentLib.treatment import AxisChange, Preview, Treatment, axis_in_vessel
-from SDFStentLib.validation import InputError
 
 
 def arc(radius=20.0, angle=2.0, count=801):
@@ -73,12 +72,6 @@ def test_each_place_is_the_weighted_mean_around_it():
     for number in (12, 20, 27):
         weights = np.exp(-0.5 * ((fine - at[number]) / 1.5) ** 2)
         np.testing.assert_allclose(found[number], weights @ line / weights.sum(), atol=0.02)
-
-
-@pytest.mark.parametrize("width", [-1, np.nan, "2", None])
-def test_a_smoothing_that_cannot_be_is_refused(width):
-    with pytest.raises(InputError, match="smoothing length"):
-        smoothed_line(arc(), width)
 
 
 # The axis of a stent

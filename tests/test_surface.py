@@ -98,17 +98,6 @@ def test_euler_characteristic_of_sphere_and_torus():
         assert np.all(edges.face_counts == 2)
 
 
-def test_edges_and_faces_name_each_other():
-    triangles = _torus()[1]
-    edges = topology.edges(triangles)
-    for side in range(3):
-        ends = np.sort(triangles[:, [side, (side + 1) % 3]], axis=1)
-        assert np.array_equal(edges.vertices[edges.face_edges[:, side]], ends)
-    owners = np.repeat(np.arange(len(edges.vertices)), edges.face_counts)
-    assert np.array_equal(edges.face_edges.ravel()[edges.sides], owners)
-    assert np.array_equal(edges.faces, edges.sides // 3)
-
-
 def test_an_opened_surface_has_the_boundary_of_its_missing_face():
     triangles = _box()[1]
     assert topology.surface_topology(triangles).is_closed

@@ -32,17 +32,3 @@ def test_nothing_straightened_or_up_to_a_cap_is_certified_with_a_spike_or_a_narr
         assert row.certified, row
         assert row.motion < 1.2, row
         assert row.narrowest > 0.98, row
-
-
-def test_a_station_is_wide_by_nature_or_because_wall_was_dragged(sweep, data_dir):
-    """Stent 37 drags a shoulder ahead of it; at the end of stent 100 the native wall is outside."""
-    undrawn = sweep.DeploymentSettings(finish=False)
-    found = [
-        next(sweep.rows(0, 1, only=number, with_tetgen=False, settings=settings, folder=data_dir))
-        for number, settings in ((37, undrawn), (100, None))
-    ]
-    assert found[0].wide.dragged > 0
-    assert found[0].wide.native == 0
-    assert found[1].wide.native == 1
-    assert found[1].highest > sweep.WIDE
-    assert [row.wide.strayed for row in found] == [0, 0]

@@ -11,8 +11,8 @@ import pytest
 from child_processes import PROJECT
 from tube_files import write_tube
 
-from SDFStentLib import AtCenter, InputError, Stent, Treatment
-from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube
+from SDFStentLib import AtCenter, Stent, Treatment
+from SDFStentLib.phantoms import branching_pulmonary_artery
 from SDFStentLib.treatment import label_of
 
 
@@ -49,18 +49,6 @@ def test_a_row_tells_what_the_result_and_its_report_tell(treated):
         else:
             assert math.isnan(row["branch_covered_percent"])
     assert treated.stents[1].branches, "the second stent lies at the mouth of a branch"
-
-
-@pytest.mark.parametrize("branch", [-1, 3, 1.0, "LPA"])
-def test_a_branch_that_is_not_there_is_refused(branch):
-    with pytest.raises(InputError, match="branch: expected an index from 0 to 0, got"):
-        stenosed_tube(edge_length=1.5).centerline.point_at(branch, 1.0)
-
-
-@pytest.mark.parametrize("distance", [-0.1, 1e3, math.nan, "far"])
-def test_a_distance_beyond_a_branch_is_refused(distance):
-    with pytest.raises(InputError, match=r"distance: expected a number at least 0 and at most"):
-        stenosed_tube(edge_length=1.5).centerline.point_at(0, distance)
 
 
 def test_the_loop_in_the_documents_runs_and_its_table_can_be_read(tmp_path, monkeypatch):

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import SDFStentLib
-from SDFStentLib import AtCenter, InputError, Stent, Surface
+from SDFStentLib import InputError, Stent, Surface
 from SDFStentLib.cautions import Caution
 from SDFStentLib.cli.console import Console, error_line
 from SDFStentLib.geometry import NamedFaces
@@ -44,12 +44,6 @@ def test_a_wrong_argument_is_said_in_a_sentence(name, tmp_path, monkeypatch):
     for value in WRONG:
         with contextlib.suppress(InputError):
             function(*[value] * len(needed))
-
-
-@pytest.mark.parametrize("value", [None, "8", b"x", float("nan"), [], {}, True])
-def test_a_stent_says_what_it_expected(value):
-    with pytest.raises(InputError, match="expected a number"):
-        Stent(value, length=10.0, placement=AtCenter((0.0, 0.0, 0.0)))
 
 
 def test_coordinates_beyond_every_patient_are_refused():
