@@ -92,35 +92,7 @@ def test_a_stent_over_the_rim_of_an_open_vessel_widens_the_rim():
     assert any(caution.kind == "no-inscribed-diameter" for caution in result.warnings)
 
 
-@pytest.mark.parametrize("end", [37.0, 39.0, 46.0])
-def test_a_stent_that_ends_in_an_outlet_cap_is_warned_of_by_place(end):
-    made = phantom("straight_tube", edge_length=0.8)
-    axis = np.array([[0, 0, 25.0], [0, 0, end]])
-    result = treated(made.points, made.triangles, along(axis, 7.2))
-    assert result.certificate.passed
-    (bulged,) = [caution for caution in result.warnings if caution.kind == "cap-bulged"]
-    np.testing.assert_allclose(bulged.place, [0, 0, 40], atol=0.5)
-    assert "40.0) mm is pushed up to" in str(bulged)
-    inside = (made.points[:, 2] > 28) & (made.points[:, 2] < 34)
-    away = np.linalg.norm(result.points[inside, :2], axis=1)
-    assert away.min() > 3.6 - 1e-3
-
-
 # What the axis does -------------------------------------------------------------------------------
-
-
-def test_a_kink_of_20_degrees_is_stented_to_size():
-    made = phantom("straight_tube", edge_length=0.8)
-    bend = np.tan(np.radians(20)) * 6
-    axis = np.array([[0, 0, 12.0], [0, 0, 20], [bend, 0, 26]])
-    result = treated(made.points, made.triangles, along(axis, 8.0))
-    assert result.certificate.passed
-    assert result.warnings == ()
-    after = result.stents[0].after
-    # The last station is narrow by a facet beyond the end, with edges stretched four times; the
-    # compensation looks at edges, but of a facet across a hemisphere the inside is the nearest.
-    assert after.minimum == pytest.approx(8.0, rel=0.012)
-    assert after.maximum < 8.0 * 1.005
 
 
 def test_a_stent_along_a_whole_hairpin_keeps_its_legs_apart():

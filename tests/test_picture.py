@@ -27,12 +27,9 @@ from SDFStentLib.report.picture.shapes import (
     strut_curves,
     wall_diameters,
 )
-from SDFStentLib.report.picture.view import View, best_view, label_side
+from SDFStentLib.report.picture.view import best_view
 from SDFStentLib.stent import AlongAxis, Stent
 from SDFStentLib.validation import DeploymentError
-
-FRONT = View(np.zeros(3), np.array([0.0, 1, 0]), np.array([0.0, 0, 1]), 20.0)
-"""A camera in front of the patient (RAS)."""
 
 
 @cache
@@ -161,32 +158,6 @@ def test_a_branching_is_seen_spread_out() -> None:
     assert abs(view.toward_camera[0]) > 0.99
 
 
-def test_a_neighboring_vessel_does_not_hide_the_stent() -> None:
-    made = phantoms.tube_with_neighbor()
-    view = best_view([made.axis_at(np.linspace(10, 30, 20))], 3.0, made.points, 1.0, None)
-    assert abs(view.toward_camera[0]) < 0.5  # the neighbor stands at +x
-
-
-def test_a_small_vessel_is_shown_whole_and_a_long_one_around_the_stent() -> None:
-    tube = phantoms.straight_tube(length=40.0)
-    axis = tube.axis_at(np.linspace(10, 30, 20))
-    whole = best_view([axis], 3.0, tube.points, 1.0, None)
-    assert 20 < whole.half_height < 24
-    long = phantoms.straight_tube(length=200.0)
-    part = best_view([axis + np.array([0, 0, 80])], 3.0, long.points, 1.0, None)
-    assert part.half_height < 50
-    np.testing.assert_allclose(part.focus, [0, 0, 100], atol=2.0)  # half a ring of the mesh
-
-
-def test_a_stent_along_the_body_axis_and_a_closed_axis_have_a_view_too() -> None:
-    tube = phantoms.straight_tube()
-    angle = np.linspace(0, 2 * np.pi, 20)
-    loop = np.stack([5 * np.cos(angle), 5 * np.sin(angle), 0 * angle], axis=1)
-    for axis in (tube.axis_at(np.linspace(5, 30, 9)), loop):
-        view = best_view([axis], 2.0, tube.points, 1.0, None)
-        assert np.isfinite([*view.focus, *view.toward_camera, *view.up, view.half_height]).all()
-
-
 def test_only_the_wall_along_the_stent_has_its_diameter() -> None:
     tube = phantoms.straight_tube(length=40.0)
     axis = tube.axis_at(np.linspace(10, 30, 21))
@@ -197,17 +168,6 @@ def test_only_the_wall_along_the_stent_has_its_diameter() -> None:
     np.testing.assert_allclose(before[beside], 4 + (height[beside] - 10) / 10)
     np.testing.assert_allclose(after[beside], 6)
     assert np.isnan(before[~beside]).all()
-
-
-def test_the_wall_beside_an_axis_that_begins_backwards_is_colored_too() -> None:
-    tube = phantoms.straight_tube(length=40.0)
-    axis = tube.axis_at(np.linspace(10, 30, 21))
-    axis = np.insert(axis, 0, axis[0] + np.array([0, 0, 0.05]), axis=0)  # a step back
-    lumen = Lumen(axis, np.array([0.0, 20.0]), np.full((2, 2), 6.0))
-    height = tube.points[:, 2]
-    is_known = np.isfinite(wall_diameters(tube.points, [lumen], 0))
-    assert is_known[(height > 10.1) & (height < 29.9)].all()
-    assert not is_known[(height < 8) | (height > 30.1)].any()
 
 
 def test_struts_are_drawn_after_treatment_and_can_be_hidden(
@@ -226,18 +186,6 @@ def test_struts_are_drawn_after_treatment_and_can_be_hidden(
     away = np.hypot(columns[:, None] - axis[:, 0], rows[:, None] - axis[:, 1]).min(axis=1)
     assert len(away) > 500
     assert away.max() < 3.5 * view.per_mm + 5  # the radius, and a strut's own width
-
-
-def test_a_label_is_put_where_there_is_no_vessel() -> None:
-    z = np.linspace(-20, 20, 200)
-    column = np.stack([0 * z, 0 * z, z], axis=1)
-    wall = np.stack([0 * z - 4, 0 * z, z], axis=1)
-    place = label_side(
-        FRONT.flat(np.vstack([column, wall])), np.zeros(2), 3.0, np.array([4.0, 2.0])
-    )
-    assert abs(place[0]) > 2.0  # half the label's width: beside the column
-    # Seen from the front, x runs to the left: the wall at x = -4 is on the right.
-    assert place[0] < 0
 
 
 def shown_words(result: PlanResult) -> list[str]:
