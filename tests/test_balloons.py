@@ -125,20 +125,6 @@ def test_a_shortened_stent_keeps_its_center_or_one_end():
     assert ends(CENTER, "distal", a_tube()) == pytest.approx([45, 60])
 
 
-@pytest.mark.parametrize("keeps", ["center", "proximal", "distal"])
-def test_between_two_points_the_kept_end_is_that_of_the_way(keeps):
-    stent = Stent(
-        6.0,
-        placement=BetweenPoints([0, 0, 70], [0, 0, 50]),
-        foreshortening_fraction=0.2,
-        keeps=keeps,
-    )
-    axis = stent_axis(stent, a_tube())
-    start = {"center": 52, "proximal": 50, "distal": 54}[keeps]
-    assert axis.points[[0, -1], 2].tolist() == pytest.approx([start, start + 16])
-    assert len(axis.inscribed_radius) == len(axis.points)
-
-
 def test_an_end_by_which_a_stent_is_placed_is_kept_and_the_other_refused():
     for place, end in ((AtDistalEnd, "distal"), (AtProximalEnd, "proximal")):
         other = {"distal": "proximal", "proximal": "distal"}[end]
@@ -214,12 +200,6 @@ def test_only_a_length_that_the_second_dilatation_loses_is_warned_of():
         assert second.axis.deployed_length == first.axis.deployed_length
         told = [w.stent for w in treatment.result.warnings if w.kind == "shortened"]
         assert told == [1, *expected]
-
-
-def test_without_a_table_the_same_stent_shortens_no_further():
-    for first, expected in (({}, 14.4), ({"foreshortening_fraction": 0.25}, 12.0)):
-        one, other = a_redilation(**first).result.stents
-        assert one.axis.deployed_length == other.axis.deployed_length == pytest.approx(expected)
 
 
 def test_two_overlapping_stents_of_which_one_is_dilated_again_are_certified():

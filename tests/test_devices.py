@@ -111,42 +111,11 @@ def test_a_name_is_found_in_any_case_and_near_ones_are_offered():
 # ---- length over diameter
 
 
-def test_the_length_is_interpolated_between_the_diameters_of_the_table():
-    device = a_device()
-    for diameter, expected in ((12, 32), (16, 30), (20, 27.2), (14, 31), (18, 28.6), (19, 27.9)):
-        assert 34 * (1 - device.foreshortening_at(diameter)) == pytest.approx(expected)
-
-
 @given(st.floats(12, 20), st.floats(12, 20))
 def test_a_length_lies_between_those_of_its_neighbors_and_falls_with_the_diameter(one, other):
     device = a_device()
     small, large = sorted((one, other))
     assert 0 <= device.foreshortening_at(small) <= device.foreshortening_at(large) <= 0.2 + 1e-12
-
-
-@pytest.mark.parametrize("diameter", [11.9, 20.1])
-def test_nothing_is_extrapolated(diameter):
-    words = f"its length is known from 12 to 20 mm of diameter, not at {diameter:g} mm"
-    with pytest.raises(InputError, match=words) as refused:
-        a_device().foreshortening_at(diameter)
-    # A part that is lost is refused where lengths are known: so it is not advised.
-    assert "loses" not in str(refused.value)
-
-
-@pytest.mark.parametrize("nominal_length", [None, 48])
-def test_what_is_advised_where_no_shortening_is_known_can_be_done(nominal_length):
-    """A device of one length cannot lie between two points, which was advised."""
-    device = a_device(lengths=(), nominal_length=nominal_length)
-    with pytest.raises(InputError) as refused:
-        Stent(15.0, placement=CENTER, length=nominal_length or 34, device=device)
-    assert ("between two points" in str(refused.value)) == (nominal_length is None)
-    length = {"length": nominal_length} if nominal_length else {}
-    between = {"placement": BetweenPoints([0, 0, 0], [0, 0, 9]), "device": device, **length}
-    if nominal_length is None:
-        Stent(15.0, **between)
-    else:
-        with pytest.raises(InputError, match="expected one point for bench-34"):
-            Stent(15.0, **between)
 
 
 def test_the_axis_of_a_stent_has_the_length_of_its_device_at_its_diameter():

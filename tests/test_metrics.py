@@ -338,14 +338,6 @@ def test_a_profile_that_lies_nowhere_in_the_lumen_has_no_statistics():
     assert np.isnan(profile.minimum_arc_length)
 
 
-def test_the_radius_along_a_centerline_is_the_distance_to_the_wall_of_a_tube():
-    points, triangles = a_round_tube(radius=4.0, count=36)
-    line = np.linspace([0, 0, 6], [0.5, 0, 34], 100)
-    radius = inscribed_spheres(points, triangles, line).radii
-    # The line leans by 1 degree: its planes cut the tube 0.02 % wider.
-    np.testing.assert_allclose(radius, 4 * np.cos(np.pi / 36), rtol=1e-3)
-
-
 def a_profile(inscribed, equivalent=None):
     inscribed = np.array(inscribed, dtype=float)
     equivalent = inscribed if equivalent is None else np.array(equivalent, dtype=float)
@@ -384,12 +376,6 @@ def test_displacements_are_lengths_and_need_two_states_of_one_mesh():
     np.testing.assert_allclose(displacements([[0, 0, 0]], [[3, 4, 0]]), 5)
     with pytest.raises(InputError, match="expected the 1 points of the state before, got 2"):
         displacements([[0, 0, 0]], [[3, 4, 0], [0, 0, 0]])
-
-
-def test_a_triangle_without_area_counts_as_the_segment_that_it_is():
-    points = stations([0, 0, 0], [1, 0, 0], [2, 0, 0])
-    found = SurfaceIndex(points, [[0, 1, 2]]).distances(np.array([[1.5, 1, 0], [3, 0, 0]]))
-    np.testing.assert_allclose(found.distance, [1, 1], atol=ROUNDING)
 
 
 def test_the_nearest_point_of_a_triangle_is_no_farther_than_any_sample_of_it():

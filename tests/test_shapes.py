@@ -71,16 +71,6 @@ def test_a_profile_is_that_of_its_parts():
     assert table.at(np.array([0.25, 0.75])) == pytest.approx([7.5, 7.0])
 
 
-@pytest.mark.parametrize("narrowest", [0.0, 0.1, 0.5, 1.0])
-def test_no_place_is_narrower_than_the_waist_or_wider_than_the_widest_end(narrowest):
-    for shape in SHAPES.values():
-        profile = shape.along(8.0, 16.0, narrowest)
-        parts = [8.0, *(part.diameter for part in (shape.waist, shape.start, shape.end) if part)]
-        parts += [row[1] for row in shape.table]
-        assert profile.diameters.min() >= min(parts) - 1e-12
-        assert profile.widest <= shape.widest(8.0) + 1e-12
-
-
 # ---- measured
 
 

@@ -50,13 +50,6 @@ def test_normals_follow_the_surface(aLogic, theParameters):
     )
 
 
-def test_outputs_are_reused(aLogic, theParameters, aScene):
-    aLogic.deploy(theParameters)
-    count = aScene.GetNumberOfNodes()
-    aLogic.deploy(theParameters)
-    assert aScene.GetNumberOfNodes() == count
-
-
 @pytest.mark.parametrize("kind", ["linear", "nonlinear"])
 def test_inputs_under_a_transform_give_the_result_of_hardened_ones(
     aLogic, theParameters, aScene, kind
@@ -256,19 +249,6 @@ def test_everything_survives_saving_and_loading_the_scene(
     assert aScene.GetNumberOfNodes() == count
 
 
-def test_two_parameter_nodes_do_not_disturb_each_other(aLogic, theParameters, aScene, theModule):
-    from SDFStentSlicer.ParameterNode import SDFStentParameterNode
-
-    first = expanded(aLogic, theParameters)
-    node = aScene.AddNewNodeByClass("vtkMRMLScriptedModuleNode", "Second")
-    second = SDFStentParameterNode(node)
-    second.vessel, second.centerline = theParameters.vessel, theParameters.centerline
-    aLogic.addStent(second, diameter=9.0, length=10.0, handle=theParameters.stents[0].handle)
-    aLogic.deploy(second)
-    assert second.outputVessel is not theParameters.outputVessel
-    np.testing.assert_array_equal(pointsOf(theParameters.outputVessel), first.astype(np.float32))
-
-
 def test_the_handle_snaps_to_the_centerline(aLogic, theParameters):
     from SDFStentSlicer import Conversion
 
@@ -294,13 +274,6 @@ def test_parameters_are_read_once_until_they_change(theParameters):
     assert stentsOf(theParameters)[0].handle is not None
     slicer.mrmlScene.RemoveNode(theParameters.stents[0].handle)
     assert stentsOf(theParameters)[0].handle is None
-
-
-def test_what_follows_a_calculation_begins_a_portion_of_its_own(theModule):
-    from SDFStentSlicer.Portions import inPortions, untilDone
-
-    assert list(inPortions(lambda: 3)) == [None]  # however short it was
-    assert untilDone(inPortions(lambda: 3)) == 3
 
 
 def test_a_handle_that_was_saved_goes_with_its_storage(aLogic, theParameters, aScene):

@@ -48,17 +48,6 @@ def measured(host, panel):
     host.processUntil(lambda: not panel.recoil.isBusy)
 
 
-def test_the_first_screen_has_not_grown(host, aStent):
-    from PySide6 import QtCore, QtWidgets
-
-    aStent.parent.resize(460, 1500)
-    host.processUntil(lambda: not aStent.lesions.isBusy)
-    host.process()
-    place = QtWidgets.QWidget.mapTo(aStent.ui.deployButton, aStent.parent, QtCore.QPoint(0, 0))
-    assert place.y() <= 768  # before there were devices and shapes
-    assert aStent.ui.deviceCollapsibleButton.collapsed
-
-
 def test_devices_are_those_of_the_library_and_of_the_user(theSection):
     from SDFStentLib.plan import device_table
 
@@ -310,18 +299,6 @@ def test_a_table_that_cannot_be_read_is_refused_where_errors_are(host, theSectio
     host.click(theSection.ui.deviceTableButton)
     assert "none.json: device table: " in theSection.ui.statusLabel.text
     assert names(theSection.ui.deviceComboBox)[-1] == "bench-16"
-
-
-def test_each_stent_has_details_of_its_own(host, theSection):
-    ui = theSection.ui
-    chooseDevice(host, theSection, "bench-16")
-    host.click(ui.copyStentButton)
-    chooseDevice(host, theSection, "gore-vbx")
-    assert [stent.device.name for stent in planned(theSection)] == ["bench-16", "gore-vbx"]
-    ui.stentTable.selectRow(0)
-    host.process()
-    assert ui.deviceComboBox.currentText == "bench-16"
-    assert not ui.lengthSlider.enabled
 
 
 def test_dragging_a_balloon_is_previewed(host, theSection):

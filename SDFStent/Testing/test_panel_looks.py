@@ -233,20 +233,6 @@ def test_the_color_legend_keeps_the_colors_of_the_application(host, aStent):
         assert ours.GetShadow() == theirs.GetShadow()
 
 
-def test_the_stented_vessel_is_chosen_under_outputs(aPanel):
-    assert aPanel.ui.outputSelector.parentWidget() is aPanel.ui.outputsCollapsibleButton
-
-
-def test_names_with_control_characters_are_printable_in_the_panel(host, aStent):
-    parameters = aStent._parameterNode
-    parameters.stent.label = "a\nb\x1b\u202e"
-    parameters.stent.handle.RemoveAllControlPoints()
-    host.process()
-    shown = r"a\nb\x1b\u202e"
-    assert aStent.ui.stentTable.item(0, 0).text() == shown
-    assert r"\x1b\u202e: place 1 point" in aStent.ui.statusLabel.text
-
-
 def test_names_with_control_characters_are_printable_in_the_results(host, aStent):
     aStent._parameterNode.stent.label = "a\nb\x1b\u202e"
     aStent.ui.diameterSlider.value = 3.0

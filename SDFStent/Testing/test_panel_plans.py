@@ -37,15 +37,6 @@ def isSeen(node):
     return bool(node.GetDisplayNode().GetVisibility())
 
 
-def test_a_plan_alone_can_be_duplicated_and_nothing_else(aPlan):
-    ui = aPlan.ui
-    assert names(aPlan) == ["Plan 1"]
-    assert ui.planTable.item(0, 1).toolTip() == "Not deployed yet."
-    assert ui.duplicatePlanButton.enabled
-    assert not ui.removePlanButton.enabled
-    assert not ui.comparePlansButton.enabled
-
-
 def test_a_duplicate_is_a_whole_plan_of_its_own(host, aPlan):
     from SDFStentSlicer.Alternatives import COPIED
 
@@ -307,14 +298,6 @@ def test_plans_are_saved_with_the_scene(host, aPlan, aScene, tmp_path):
     aPlan.ui.planTable.selectRow(1)
     assert aPlan.ui.diameterSlider.value == 6.5
     assert not isSeen(first.outputVessel)
-
-
-def test_the_table_fits_into_a_narrow_panel(host, aPlan, thePictures):
-    deploy(host, aPlan)
-    host.click(aPlan.ui.duplicatePlanButton)
-    rename(aPlan, 1, "Two stents, the second one into the branch")
-    assert aPlan.ui.planTable.horizontalScrollBar().maximum() == 0
-    host.grab(aPlan.ui.plansCollapsibleButton, thePictures / "plans.png")
 
 
 # Comparing

@@ -220,15 +220,6 @@ def test_what_a_vessel_needs_is_made_when_it_is_chosen(host, theInputs, monkeypa
     assert made == [1]
 
 
-def test_a_cancelled_preview_leaves_the_next_one_undisturbed(aLogic, theParameters):
-    expected = previewed(aLogic, theParameters)
-    aLogic.forget()
-    abandoned = aLogic.steps(theParameters, live=True)
-    next(abandoned)
-    abandoned.close()
-    np.testing.assert_array_equal(previewed(aLogic, theParameters), expected)
-
-
 def test_normals_computed_where_points_changed_are_those_computed_everywhere(aVessel, monkeypatch):
     from SDFStentSlicer import PointNormals
     from vtk.util.numpy_support import vtk_to_numpy

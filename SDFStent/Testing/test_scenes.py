@@ -211,19 +211,6 @@ def test_plans_of_former_versions_replace_none_and_one_another_neither(
     assert vesselsOfPlans(aPanel) == [""]
 
 
-def test_importing_keeps_the_parameter_set_that_is_shown(host, aPanel, aScene, aVessel, tmp_path):
-    model = addModel(aScene, "Elsewhere")
-    path = tmp_path / "model.mrb"
-    assert aScene.WriteToMRB(str(path))
-    host.newScene()
-    aPanel.ui.parameterSetSelector.addNode()
-    second = aPanel.ui.parameterSetSelector.addNode()
-    assert model.GetScene() is None
-    assert aScene.ReadFromMRB(str(path), False)
-    assert aPanel._parameterNode.parameterNode is second
-    assert aPanel.ui.parameterSetSelector.currentNode() is second
-
-
 def test_a_run_that_an_import_meets_ends(host, aSavedScene, aStent, aScene):
     aStent.session.start()
     assert aScene.ReadFromMRB(str(aSavedScene), False)
@@ -334,20 +321,6 @@ def test_the_chosen_segment_stays_while_the_panel_changes(host, aPanel, aScene):
     aPanel.exit()
     aPanel.enter()
     assert parameters.segmentID == ui.segmentSelector.currentSegmentID() == "B2"
-
-
-def test_two_sets_keep_their_own_segments(host, aPanel, aScene):
-    ui = aPanel.ui
-    first = aPanel._parameterNode
-    ui.vesselSelector.setCurrentNode(addSegmentation(aScene, "A"))
-    ui.segmentSelector.setCurrentSegmentID("A1")
-    ui.parameterSetSelector.addNode()
-    second = aPanel._parameterNode
-    ui.vesselSelector.setCurrentNode(addSegmentation(aScene, "B", 3))
-    ui.segmentSelector.setCurrentSegmentID("B2")
-    ui.parameterSetSelector.setCurrentNode(first.parameterNode)
-    assert (first.segmentID, second.segmentID) == ("A1", "B2")
-    assert ui.segmentSelector.currentSegmentID() == "A1"
 
 
 def test_a_deleted_segmentation_leaves_no_segment_of_its_neighbor(host, aPanel, aScene):
