@@ -14,7 +14,7 @@ import numpy as np
 
 from SDFStentLib.deformation import Deployment, DeploymentSettings
 from SDFStentLib.files import read_centerline, read_surface
-from SDFStentLib.geometry import cut, resampled, tangents
+from SDFStentLib.geometry import Line
 from SDFStentLib.lumen import inscribed_spheres
 
 from .common import Case, Found, duration, markdown, progress, run_alone, seconds_of
@@ -46,16 +46,16 @@ def the_case() -> Case:
     leaves = line.points[line.leaves]
     leaf = leaves[np.linalg.norm(leaves - TOWARD, axis=1).argmin()]
     path = line.path(line.points[line.roots[0]], leaf).points
-    return Case("su0243", surface, cut(path, START, START + LENGTH), DIAMETER / 2, path)
+    return Case("su0243", surface, Line(path).cut(START, START + LENGTH).points, DIAMETER / 2, path)
 
 
 def measured(quick: bool, _largest: int | None = None) -> Found:
     case = the_case()
-    stations = resampled(case.axis, 1.0)
+    stations = Line(case.axis).resampled(1.0).points
     rows = []
 
     def told(name: str, points: np.ndarray, seconds: float | None) -> None:
-        radii = inscribed_spheres(points, case.triangles, stations, tangents(stations)).radii
+        radii = inscribed_spheres(points, case.triangles, stations, Line(stations).directions).radii
         d = 2 * radii
         values = (d.min(), d.max(), d.mean(), d.std())
         rows.append({"name": name, "mm": [float(x) for x in values], "seconds": seconds})

@@ -11,7 +11,7 @@ import numpy as np
 from SDFStentLib import phantoms
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.files import read_centerline, read_surface
-from SDFStentLib.geometry import Surface, cut
+from SDFStentLib.geometry import Line, Surface
 
 ANATOMIES = {
     "aorta_iliac": ("aorta_iliac_surface_cm.vtp", "aorta_iliac_centerline_cm.vtp", "cm"),
@@ -61,15 +61,16 @@ def leaf_path(vessel: Vessel, leaf: int = 0):
 
 def anatomy_case(folder, name, start, length, ratio=1.25, radius=None, leaf=0) -> Case:
     """A stent over an arc-length range of a path; by default `ratio` times the widest lumen."""
-    from SDFStentLib.geometry import arc_lengths
 
     vessel = anatomy(folder, name)
     path = leaf_path(vessel, leaf)
-    at = arc_lengths(path.points)
+    at = Line(path.points).arc_lengths
     covered = (at >= start) & (at <= start + length)
     if radius is None:
         radius = ratio * float(np.nanmax(path.inscribed_radius[covered]))
-    return Case(vessel.points, vessel.triangles, cut(path.points, start, start + length), radius)
+    return Case(
+        vessel.points, vessel.triangles, Line(path.points).cut(start, start + length).points, radius
+    )
 
 
 PHANTOM_STENTS = {

@@ -16,7 +16,7 @@ from trees import unbranched
 from tube_files import deploy
 
 from SDFStentLib.deformation import DeploymentSettings
-from SDFStentLib.geometry import arc_lengths, length, resampled
+from SDFStentLib.geometry import Line
 from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube, straight_tube
 from SDFStentLib.plan import Plan, load_plan, plan_from_document, plan_text, run_plan
 from SDFStentLib.report.branches import stent_branch_sentences
@@ -39,7 +39,7 @@ CENTER = AtCenter([0.0, 0, 50])
 
 
 def a_tube():
-    points = resampled([[0, 0, 0], [0, 0, 100]], 2.0)
+    points = Line([[0, 0, 0], [0, 0, 100]]).resampled(2.0).points
     return unbranched(points, np.full(len(points), 5.0))
 
 
@@ -433,6 +433,6 @@ def test_the_axis_of_a_kept_end_follows_a_bend():
     arc = np.column_stack([30 * np.cos(angles), 30 * np.sin(angles), 0 * angles])
     stent = Stent(6.0, placement=AlongAxis(arc), foreshortening_fraction=0.2, keeps="distal")
     axis = stent_axis(stent).points
-    assert length(axis) == pytest.approx(0.8 * length(arc))
+    assert Line(axis).length == pytest.approx(0.8 * Line(arc).length)
     np.testing.assert_allclose(axis[-1], arc[-1])
-    assert arc_lengths(axis)[-1] == pytest.approx(0.8 * 30 * np.pi, rel=1e-3)
+    assert Line(axis).arc_lengths[-1] == pytest.approx(0.8 * 30 * np.pi, rel=1e-3)

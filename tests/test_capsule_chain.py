@@ -187,7 +187,7 @@ def test_an_axis_the_other_way_round_has_the_same_nodes_and_field_to_the_last_bi
         (lambda: along(capsule_length=0), "capsule length: expected a number greater than 0"),
         (lambda: along(smoothing_width=-1), "smoothing width: expected a number at least 0"),
         (lambda: along(fold="proximal"), "fold: expected one of both, distal, got 'proximal'"),
-        (lambda: along([[0, 0, 0]]), "stent axis: expected at least 2 points"),
+        (lambda: along([[0, 0, 0]]), "stent axis: expected a line with length"),
         (lambda: along([[0, 0, np.nan], [0, 0, 1]]), "stent axis: expected finite coordinates"),
         (lambda: along(np.zeros((3, 3))), "stent axis: expected a line with length"),
         (lambda: CapsuleChain(np.zeros((2, 3))), "distinct neighbors, got a repeated node"),

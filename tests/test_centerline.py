@@ -10,7 +10,7 @@ from trees import unbranched, with_radius
 
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.centerline.point_tree import ancestry_of
-from SDFStentLib.geometry import closest_on_segments, length, resampled
+from SDFStentLib.geometry import Line, closest_on_segments
 from SDFStentLib.validation import InputError
 
 # Lengths up to 1000 mm: rounding of sums of a thousand terms stays below this, mm.
@@ -21,7 +21,7 @@ WIDE_OUTLET, LONG_OUTLET = np.array([20.0, 0, -60]), np.array([-30.0, 0, -70])
 
 
 def a_line(start: np.ndarray, end: np.ndarray, step: float = 1.0) -> np.ndarray:
-    return resampled(np.array([start, end]), step)
+    return Line(np.array([start, end])).resampled(step).points
 
 
 def fork_lines(trunk_step: float = 1.0) -> list[np.ndarray]:
@@ -49,7 +49,7 @@ def a_fork(**options: object) -> Centerline:
 
 
 def total_length(tree: Centerline) -> float:
-    return sum(length(tree.points[branch]) for branch in tree.branches)
+    return sum(Line(tree.points[branch]).length for branch in tree.branches)
 
 
 FORK_LENGTH = 40 + np.linalg.norm(WIDE_OUTLET - FORK) + np.linalg.norm(LONG_OUTLET - FORK)
@@ -285,7 +285,7 @@ def test_real_two_point_cells_with_unshared_points_become_the_same_tree(data_dir
 
 def test_a_tree_of_fifty_branches_has_all_their_leaves():
     trunk = np.array([[0.0, 0, 0], [0, 0, 100]])
-    lines = [resampled(trunk, 0.5)]
+    lines = [Line(trunk).resampled(0.5).points]
     for k in range(1, 51):
         side = [np.cos(k), np.sin(k), 0.3]
         start = np.array([0, 0, 2.0 * k - 1])
@@ -314,7 +314,7 @@ def test_branches_leaves_and_ancestry_of_a_fork():
         chain = tree.ancestry(int(leaf))
         assert chain[0] == tree.roots[0]
         assert (tree.parent[chain[1:]] == chain[:-1]).all()
-        assert length(tree.points[chain]) == pytest.approx(tree.arc_length[leaf])
+        assert Line(tree.points[chain]).length == pytest.approx(tree.arc_length[leaf])
 
 
 def test_projection_falls_on_segments_and_mixes_the_radius():

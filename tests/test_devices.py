@@ -15,7 +15,7 @@ from trees import unbranched
 from tube_files import PLACE, deploy
 
 from SDFStentLib.cli import main
-from SDFStentLib.geometry import resampled
+from SDFStentLib.geometry import Line
 from SDFStentLib.plan import (
     Plan,
     device_document,
@@ -119,7 +119,7 @@ def test_a_length_lies_between_those_of_its_neighbors_and_falls_with_the_diamete
 
 
 def test_the_axis_of_a_stent_has_the_length_of_its_device_at_its_diameter():
-    points = resampled([[0, 0, 0], [0, 0, 100]], 2.0)
+    points = Line([[0, 0, 0], [0, 0, 100]]).resampled(2.0).points
     tube = unbranched(points, np.full(len(points), 8.0))
     for diameter, expected in ((12.0, 32.0), (14.0, 31.0), (20.0, 27.2)):
         stent = Stent(diameter, placement=CENTER, device=a_device())
@@ -229,7 +229,7 @@ def test_a_file_that_is_no_device_table_is_said(tmp_path, text, words):
 
 
 def test_sizes_beyond_what_is_known_of_a_device_are_said():
-    tube = unbranched(resampled([[0, 0, 0], [0, 0, 100]], 2.0), np.full(51, 8.0))
+    tube = unbranched(Line([[0, 0, 0], [0, 0, 100]]).resampled(2.0).points, np.full(51, 8.0))
 
     def said(diameter, length, device, lost=0.0):
         stent = Stent(

@@ -17,7 +17,7 @@ from SDFStentLib.files import (
     read_surface,
     write_extracted_lines,
 )
-from SDFStentLib.geometry import Surface, norm, resampled
+from SDFStentLib.geometry import Line, Surface, norm
 from SDFStentLib.phantoms import (
     arch_with_coarctation,
     branching_pulmonary_artery,
@@ -45,7 +45,7 @@ def extracted(surface, *places):
 def finely(tree):
     """The axes of a centerline every 0.1 mm, and the inscribed radius there."""
     lines = [tree.points[branch] for branch in tree.branches]
-    points = np.vstack([resampled(line, 0.1) for line in lines])
+    points = np.vstack([Line(line).resampled(0.1).points for line in lines])
     return points, tree.inscribed_radius[cKDTree(tree.points).query(points)[1]]
 
 
@@ -78,9 +78,9 @@ def test_the_lines_of_an_anatomy_agree_with_the_centerline_that_came_with_it(dat
     known = read_centerline(data_dir / f"{name}_centerline_cm.vtp", "cm")
     found = extracted(surface)
     assert len(found.lines) == 2
-    away = cKDTree(np.vstack([resampled(known.points[b], 0.2) for b in known.branches])).query(
-        found.points
-    )[0]
+    away = cKDTree(
+        np.vstack([Line(known.points[b]).resampled(0.2).points for b in known.branches])
+    ).query(found.points)[0]
     assert np.median(away) < 0.5
     assert np.quantile(away, 0.95) < 3.0
 

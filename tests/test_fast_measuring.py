@@ -9,16 +9,7 @@ import pytest
 from plain_measuring import nearest_points, plain_sphere
 
 from SDFStentLib.deformation import DeploymentSettings, deploy
-from SDFStentLib.geometry import (
-    Balls,
-    Surface,
-    SurfaceIndex,
-    cut,
-    length,
-    nearest_distances,
-    resampled,
-    tangents,
-)
+from SDFStentLib.geometry import Balls, Line, Surface, SurfaceIndex, nearest_distances
 from SDFStentLib.geometry.distance import closest_points_on_triangles
 from SDFStentLib.lumen import (
     Until,
@@ -60,7 +51,7 @@ def a_vessel(request):
         made = request.getfixturevalue("sweep").vessel(request.param)
     line = made.centerline
     way = line.path(line.points[line.roots[0]], line.points[np.sort(line.leaves)[0]])
-    axis = cut(way.points, 10.0, 35.0)
+    axis = Line(way.points).cut(10.0, 35.0).points
     radius = 1.2 * np.nanmedian(way.inscribed_radius)
     settings = DeploymentSettings(certify=False)
     after = deploy(made.surface, settings.chain(axis), radius, settings)
@@ -82,8 +73,8 @@ def a_vessel_and_its_tree(request):
 @pytest.mark.parametrize("when", [0, 1], ids=["before", "after"])
 def test_spheres_are_those_of_a_plain_climb(a_vessel, when):
     points, triangles, axis = a_vessel[0][when], *a_vessel[1:]
-    places = resampled(axis, 4.0)
-    directions = tangents(places)
+    places = Line(axis).resampled(4.0).points
+    directions = Line(places).directions
     found = inscribed_spheres(points, triangles, places, directions)
     for place, direction, radius in zip(places, directions, found.radii, strict=True):
         expected = plain_sphere(points, triangles, place, direction)[1]
@@ -97,9 +88,9 @@ def test_spheres_of_a_whole_tree_are_those_of_plain_climbs(monkeypatch):
     made = vascular_tree(outlets, 0.5, {int(rng.integers(outlets)): rng.uniform(0.3, 0.6)})
     lines = [made.centerline.points[branch] for branch in made.centerline.branches]
     # At an end an axis point lies on the wall, where the plain way does not know where to go.
-    lines = [resampled(line, 0.2)[1:-1] for line in lines if length(line) > 0]
+    lines = [Line(line).resampled(0.2).points[1:-1] for line in lines if Line(line).length > 0]
     places = np.concatenate(lines)
-    directions = np.concatenate([tangents(line) for line in lines])
+    directions = np.concatenate([Line(line).directions for line in lines])
     found = inscribed_spheres(made.points, made.triangles, places, directions).radii
     middles = made.points[made.triangles].mean(axis=1)
     for one in rng.choice(len(places), 24, replace=False):
@@ -112,8 +103,8 @@ def test_spheres_of_a_whole_tree_are_those_of_plain_climbs(monkeypatch):
 @pytest.mark.parametrize("when", [0, 1], ids=["before", "after"])
 def test_sections_cut_together_have_the_areas_of_those_cut_one_by_one(a_vessel, when):
     points, triangles, axis = a_vessel[0][when], *a_vessel[1:]
-    places = resampled(axis, 1.0)
-    directions = tangents(places)
+    places = Line(axis).resampled(1.0).points
+    directions = Line(places).directions
     found = equivalent_diameters(points, triangles, places, directions)
     areas = [_lumen_area(points, triangles, *at) for at in zip(places, directions, strict=True)]
     np.testing.assert_allclose(found, 2 * np.sqrt(np.array(areas) / np.pi), rtol=1e-9)
@@ -123,8 +114,8 @@ def test_sections_cut_together_have_the_areas_of_those_cut_one_by_one(a_vessel, 
 @pytest.mark.parametrize("when", [0, 1], ids=["before", "after"])
 def test_stations_measured_together_are_those_measured_alone(a_vessel, when):
     surface = Surface(a_vessel[0][when], a_vessel[1])
-    places = resampled(a_vessel[2], 6.0)
-    directions = tangents(places)
+    places = Line(a_vessel[2]).resampled(6.0).points
+    directions = Line(places).directions
     together = measured_at(surface, places, directions)
     for number in range(len(places)):
         alone = measured_at(surface, places[[number]], directions[[number]])
@@ -136,8 +127,8 @@ def test_stations_measured_together_are_those_measured_alone(a_vessel, when):
 @pytest.mark.parametrize("when", [0, 1], ids=["before", "after"])
 def test_a_climb_ends_where_the_sphere_is_large_enough(a_vessel, when):
     points, triangles, axis = a_vessel[0][when], *a_vessel[1:]
-    places = resampled(axis, 4.0)
-    directions = tangents(places)
+    places = Line(axis).resampled(4.0).points
+    directions = Line(places).directions
     whole = inscribed_spheres(points, triangles, places, directions)
     enough = 0.9 * whole.radii
     enough[::3] = np.inf
@@ -289,7 +280,7 @@ def test_the_nearest_of_many_points_is_that_of_a_plain_search():
 def test_the_wall_seen_from_a_shifted_place_is_that_of_rays_from_there(a_vessel):
     surface, axis = Surface(a_vessel[0][0], a_vessel[1]), a_vessel[2]
     near = near_wall(surface, axis, 40.0)
-    cuts = cuts_across(near, axis, spacing=2.0, window=4.0)
+    cuts = cuts_across(near, Line(axis), spacing=2.0, window=4.0)
     shift = np.random.default_rng(4).normal(size=(len(cuts.centers), 2)) * 0.3
     seen = cuts.seen(shift)
     aside = np.einsum("ij,ijk->ik", shift, cuts.along[:, 1:])

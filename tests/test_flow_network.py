@@ -27,7 +27,7 @@ from SDFStentLib.flow import (
 )
 from SDFStentLib.flow.blocks import blocks_of
 from SDFStentLib.flow.channels import Channel, Widths, widths_of
-from SDFStentLib.geometry import tangents
+from SDFStentLib.geometry import Line
 from SDFStentLib.lumen import equivalent_diameters, inscribed_spheres
 from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube, straight_tube
 from SDFStentLib.validation import DeploymentError, InputError
@@ -349,7 +349,7 @@ def test_what_no_wall_moved_near_is_as_it_was_and_the_rest_is_as_measured_anew()
             same = getattr(before, name)[far], getattr(after, name)[far]
             assert np.array_equal(*same, equal_nan=True)
         # The plain way: everything is measured anew.
-        ways = tangents(after.points)
+        ways = Line(after.points).directions
         wall = surface.points, surface.triangles
         inscribed = 2 * inscribed_spheres(*wall, after.points, ways).radii
         known = np.isfinite(before.inscribed)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from SDFStentLib.geometry import arc_lengths, carried, length, tangents
+from SDFStentLib.geometry import Line, carried
 from SDFStentLib.phantoms import straight_tube
 from SDFStentLib.stent import (
     AlongAxis,
@@ -88,7 +88,7 @@ NO_LINES = ([[0, 0, 0]], [[0, 0, 0], [0, 0, 0]], [[0, 0, np.nan], [0, 0, 1]])
             (lambda sizes=sizes: straight_lattice(*sizes, LatticeDesign()), "expected")
             for sizes in ((0, 3), (10, 0), (10, -1), (np.nan, 3))
         ),
-        *((lambda line=line: carried([[0, 0, 0]], line), "expected") for line in NO_LINES),
+        *((lambda line=line: carried([[0, 0, 0]], Line(line)), "expected") for line in NO_LINES),
     ],
 )
 def test_what_cannot_be_is_refused(make, sentence):
@@ -112,7 +112,7 @@ def test_along_an_arc_the_struts_lie_on_the_radius_around_it(design):
     # From the circle in space, which the axis is; away from the ends, where directions are exact.
     distance = np.hypot(np.hypot(x, y) - 20, z)
     at = np.arctan2(y, x) * 20
-    inside = (at > 3) & (at < length(line) - 3)
+    inside = (at > 3) & (at < Line(line).length - 3)
     np.testing.assert_allclose(distance[inside], 3, atol=1e-6)
     np.testing.assert_allclose(distance, 3, atol=2e-6)
     assert inside.mean() > 0.5
@@ -122,7 +122,7 @@ def test_no_strut_is_beyond_the_ends_of_an_axis():
     line = arc()
     for design in DESIGNS:
         points = stent_lattice(*a_stent(line), design).points
-        first, last = tangents(line)[[0, -1]]
+        first, last = Line(line).directions[[0, -1]]
         # A direction at an end is that of a parabola: on an arc off by (3 / 20)^3 / 4.
         assert ((points - line[0]) @ first).min() > -3 * 1e-3
         assert ((points - line[-1]) @ last).max() < 3 * 1e-3
@@ -200,16 +200,18 @@ def test_a_body_is_carried_without_twist():
     """Against mirrors, and against the torsion of a helix: -tau L to the Frenet normal."""
     radius, pitch = 12.0, 8.0
     line = helix(radius, pitch)
-    total = length(line)
+    total = Line(line).length
     at = np.linspace(-total / 2, total / 2, 400)
-    seam = carried(np.stack([0 * at + 1, 0 * at, at], axis=1), line, window=0.2)
-    spine = carried(np.stack([0 * at, 0 * at, at], axis=1), line, window=0.2)
+    seam = carried(np.stack([0 * at + 1, 0 * at, at], axis=1), Line(line), window=0.2)
+    spine = carried(np.stack([0 * at, 0 * at, at], axis=1), Line(line), window=0.2)
     normals = seam - spine
     np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1, atol=1e-9)
 
-    own = tangents(line)
+    own = Line(line).directions
     truth = double_reflection(line, own, normals[0] - (normals[0] @ own[0]) * own[0])
-    wanted = np.stack([np.interp(at + total / 2, arc_lengths(line), one) for one in truth.T], 1)
+    wanted = np.stack(
+        [np.interp(at + total / 2, Line(line).arc_lengths, one) for one in truth.T], 1
+    )
     np.testing.assert_allclose(normals, wanted, atol=2e-3)
 
     rise = pitch / (2 * np.pi)
@@ -226,7 +228,7 @@ def test_a_straight_body_on_a_straight_line_only_turns_and_moves():
     rng = np.random.default_rng(8)
     body = rng.normal(size=(60, 3)) * [2, 2, 9]
     one, other = np.array([3.0, -2, 5]), np.array([13.0, 8, -4])
-    placed = carried(body, [one, other])
+    placed = carried(body, Line([one, other]))
     gaps, kept = (np.linalg.norm(p[:, None] - p, axis=2) for p in (body, placed))
     np.testing.assert_allclose(kept, gaps, atol=1e-9)
     way = (other - one) / np.linalg.norm(other - one)
@@ -237,5 +239,5 @@ def test_a_straight_body_on_a_straight_line_only_turns_and_moves():
 
 
 def test_x_points_where_it_is_asked_to():
-    placed = carried([[1, 0, 0], [0, 1, 0]], [[0, 0, 0], [0, 0, 10]], first_normal=[0, 1, 3])
+    placed = carried([[1, 0, 0], [0, 1, 0]], Line([[0, 0, 0], [0, 0, 10]]), first_normal=[0, 1, 3])
     np.testing.assert_allclose(placed, [[0, 1, 5], [-1, 0, 5]], atol=1e-12)

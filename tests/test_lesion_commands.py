@@ -21,7 +21,7 @@ from SDFStentLib.files import (
     polydata_from_lines,
     read_surface,
 )
-from SDFStentLib.geometry import Surface, resampled_to
+from SDFStentLib.geometry import Line, Surface
 from SDFStentLib.lumen import inscribed_spheres
 from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube, straight_tube
 from SDFStentLib.report.html import html_page
@@ -236,8 +236,8 @@ def test_a_placement_covers_its_lesion_whatever_the_length_and_the_branch(data_d
             is_shortened = axis.deployed_length < axis.prescribed_length - 1e-6
             if isinstance(placement, AtDistalEnd) or is_shortened or length < 2 * lesion.length:
                 continue
-            middle = resampled_to(axis.points, 101)[50]
-            assert np.linalg.norm(middle - resampled_to(lesion.line, 101)[50]) < 1.0
+            middle = Line(axis.points).resampled_to(101).points[50]
+            assert np.linalg.norm(middle - Line(lesion.line).resampled_to(101).points[50]) < 1.0
 
 
 def test_of_a_lesion_of_which_nothing_is_left_nothing_lies_beyond_the_stents():

@@ -14,7 +14,7 @@ from trees import unbranched, with_radius
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.deformation import deploy
 from SDFStentLib.field import CapsuleChain
-from SDFStentLib.geometry import Surface, cut
+from SDFStentLib.geometry import Line, Surface
 from SDFStentLib.lumen import closed_surface, flat_caps, inscribed_spheres
 from SDFStentLib.phantoms.axis import planar_axis
 from SDFStentLib.phantoms.mesh import swept_tube
@@ -170,8 +170,8 @@ def test_a_stent_elsewhere_covers_no_lesion():
     made = phantom("stenosed_tube", edge_length=0.8)
     found = find_lesions(made.surface, made.centerline)
     line = made.axis_at(np.linspace(0, 40, 81))
-    assert lesions_within(found, cut(line, 22, 40)) == ()
-    assert lesions_within(found, cut(line, 15, 25)) == found
+    assert lesions_within(found, Line(line).cut(22, 40).points) == ()
+    assert lesions_within(found, Line(line).cut(15, 25).points) == found
 
 
 def test_a_stent_past_a_narrow_branch_does_not_cover_its_lesion():

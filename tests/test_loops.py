@@ -9,7 +9,7 @@ from trees import unbranched
 from SDFStentLib.centerline.point_tree import as_parents
 from SDFStentLib.cli import main
 from SDFStentLib.cli.demo import _written_patient
-from SDFStentLib.geometry import SurfaceIndex, resampled
+from SDFStentLib.geometry import Line, SurfaceIndex
 from SDFStentLib.lumen import LocalSurface
 from SDFStentLib.lumen.spheres import inscribed
 from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube
@@ -92,10 +92,10 @@ def test_a_rim_that_meets_itself_is_refused():
 @pytest.mark.parametrize(("length", "spacing"), [(1e6, 1e-20), (1.0, 1e-320), (20.001, 1e-3)])
 def test_a_line_is_made_anew_with_a_bounded_number_of_segments(length, spacing):
     with pytest.raises(InputError, match="spacing: expected at least"):
-        resampled([[0, 0, 0], [length, 0, 0]], spacing)
+        Line([[0, 0, 0], [length, 0, 0]]).resampled(spacing)
     with pytest.raises(InputError, match="spacing: expected at least"):
         unbranched([[0, 0, 0], [length, 0, 0]]).resampled(spacing)
-    assert len(resampled([[0, 0, 0], [20.0, 0, 0]], 1e-3)) == 20_001
+    assert len(Line([[0, 0, 0], [20.0, 0, 0]]).resampled(1e-3)) == 20_001
 
 
 def test_a_climb_that_does_not_settle_ends_with_the_exact_radius_of_where_it_is(monkeypatch):

@@ -17,7 +17,7 @@ from SDFStentLib.files import (
     polydata_from_lines,
     read_surface,
 )
-from SDFStentLib.geometry import point_at
+from SDFStentLib.geometry import Line
 from SDFStentLib.phantoms import straight_tube
 
 pytest.importorskip("resource", reason="memory is not measured on this system")
@@ -53,7 +53,7 @@ def an_aorta(data_folder, folder):
     write_subdivided(read_surface(data_folder / surface, units).polydata(), folder / "surface.vtp")
     shutil.copyfile(data_folder / line, folder / "line.vtp")
     path = leaf_path(anatomy(data_folder, "aorta_iliac"))
-    center = point_at(path.points, 60.0) / 10
+    center = Line(path.points).at(60.0) / 10
     return ["--center", *center, "--diameter", 2.5 * np.nanmax(path.inscribed_radius)]
 
 

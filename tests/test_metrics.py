@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from deployment_cases import phantom
 
-from SDFStentLib.geometry import Surface, SurfaceIndex, length, resampled, tangents
+from SDFStentLib.geometry import Line, Surface, SurfaceIndex
 from SDFStentLib.geometry.distance import closest_points_on_triangles
 from SDFStentLib.lumen import (
     DiameterProfile,
@@ -179,9 +179,11 @@ def test_a_fine_surface_is_searched_among_its_points_with_the_same_result(
 def test_spheres_are_the_same_whichever_stations_are_searched_together(monkeypatch):
     made = branching_pulmonary_artery()
     tree = made.centerline
-    places = np.concatenate([resampled(tree.points[branch], 2.0) for branch in tree.branches])
+    places = np.concatenate(
+        [Line(tree.points[branch]).resampled(2.0).points for branch in tree.branches]
+    )
     directions = np.concatenate(
-        [tangents(resampled(tree.points[branch], 2.0)) for branch in tree.branches]
+        [Line(tree.points[branch]).resampled(2.0).directions for branch in tree.branches]
     )
     surface = made.points, made.triangles
     together = inscribed_spheres(*surface, places, directions)
@@ -301,8 +303,8 @@ def test_stations_far_apart_have_the_places_and_planes_of_the_axis_not_of_its_ch
         made.centerline.points[made.centerline.ancestry(leaf)] for leaf in made.centerline.leaves
     )
     far, near = (diameter_profile(made.surface, line, spacing) for spacing in (12.0, 1.0))
-    assert len(far.arc_length) == 1 + round(length(line) / 12)
-    assert far.arc_length[-1] == pytest.approx(length(line), abs=0.05)
+    assert len(far.arc_length) == 1 + round(Line(line).length / 12)
+    assert far.arc_length[-1] == pytest.approx(Line(line).length, abs=0.05)
     np.testing.assert_allclose(np.diff(far.arc_length), far.arc_length[1], rtol=0.01)
     for name in ("inscribed_diameter", "equivalent_diameter"):
         of_near = np.interp(far.arc_length, near.arc_length, getattr(near, name))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from SDFStentLib.deformation import DeploymentSettings
-from SDFStentLib.geometry import cut, resampled, tangents
+from SDFStentLib.geometry import Line
 from SDFStentLib.lumen import known_lumen, measured_after, measured_at, moved_wall
 from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube
 from SDFStentLib.stent import AtCenter, Stent
@@ -37,8 +37,8 @@ def treated(request):
 
 def stations_along(way):
     """All 4 mm, but at the ends of the vessel."""
-    places = resampled(cut(way.points, 5.0, float(way.length) - 5.0), 4.0)
-    return places, tangents(places)
+    places = Line(way.points).cut(5.0, float(way.length) - 5.0).resampled(4.0).points
+    return places, Line(places).directions
 
 
 def test_what_is_not_measured_again_is_what_a_whole_search_finds(treated):

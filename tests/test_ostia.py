@@ -13,7 +13,7 @@ from trees import unbranched
 from SDFStentLib import phantoms
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.files import read_centerline, read_surface
-from SDFStentLib.geometry import NamedFaces, Surface, closest_points, cut
+from SDFStentLib.geometry import Line, NamedFaces, Surface
 from SDFStentLib.lumen import ExtendedAxis, extended_axis
 from SDFStentLib.phantoms.axis import planar_axis
 from SDFStentLib.phantoms.field import Tube, TubeUnion
@@ -90,7 +90,7 @@ def test_no_ostium_is_covered_by_more_than_all_of_it():
     tree = made.centerline
     path = tree.path(tree.points[tree.roots[0]], tree.points[tree.leaves[0]])
     for start in (10.0, 14.0, 18.0):
-        (ostium,) = ostia_of(made.surface, cut(path.points, start, start + 24.0), tree)
+        (ostium,) = ostia_of(made.surface, Line(path.points).cut(start, start + 24.0).points, tree)
         assert 0.99 < ostium.covered_share <= 1
 
 
@@ -147,7 +147,7 @@ def test_a_stent_below_a_junction_covers_a_part(data_dir, below, share):
     surface, tree = vessel(data_dir, "iliac, reduced-order")
     for leaf in tree.leaves:
         path = tree.path(tree.points[tree.junctions[0]], tree.points[leaf])
-        place = AtProximalEnd(cut(path.points, below, below + 1)[0])
+        place = AtProximalEnd(Line(path.points).cut(below, below + 1).points[0])
         axis = stent_axis(Stent(12, length=25, placement=place), tree)
         (ostium,) = ostia_of(surface, axis.points, tree)
         assert share[0] < ostium.covered_share < share[1]
@@ -158,7 +158,7 @@ def test_a_stent_below_a_junction_covers_a_part(data_dir, below, share):
 def test_stents_below_a_junction_agree_with_rays(data_dir, below, number):
     surface, tree = vessel(data_dir, "iliac, reduced-order")
     path = tree.path(tree.points[tree.junctions[0]], tree.points[tree.leaves[number]])
-    line = cut(path.points, below, below + 25)
+    line = Line(path.points).cut(below, below + 25).points
     way = extended_axis(surface, line, tree)
     extent = (way.points, way.before, way.stent_length)
     ((truth,),) = openings_at(surface.points, surface.triangles, *extent, [1.15])
@@ -174,8 +174,8 @@ def test_a_tree_stored_backward_gives_the_same_ostia(data_dir):
         lines = [branch[::-1] for branch in tree.branches]
         backward = Centerline.from_lines(tree.points, lines, tree.inscribed_radius)
         path = tree.path(tree.points[tree.roots[0]], tree.points[tree.leaves[0]])
-        at = float(closest_points(path.points, tree.points[tree.junctions[:1]]).arc_lengths[0])
-        line = cut(path.points, max(at - 10, 0), at + 15)
+        at = float(Line(path.points).nearest(tree.points[tree.junctions[:1]]).arc_lengths[0])
+        line = Line(path.points).cut(max(at - 10, 0), at + 15).points
         one, other = (ostia_of(surface, line, own) for own in (tree, backward))
         assert len(one) == len(other) > 0
         extents = [[(o.start, o.end, o.covered_share) for o in found] for found in (one, other)]
@@ -185,7 +185,7 @@ def test_a_tree_stored_backward_gives_the_same_ostia(data_dir):
 def test_an_axis_alone_finds_the_branches_of_the_surface(data_dir):
     surface, tree = vessel(data_dir, "overlapping")
     line = tree.path(tree.points[tree.roots[0]], tree.points[tree.leaves[0]]).points
-    axis = cut(line, 25, 55)
+    axis = Line(line).cut(25, 55).points
     (without,), (with_tree,) = (ostia_of(surface, axis, own) for own in (None, tree))
     assert without.is_fully_covered
     assert with_tree.is_fully_covered
@@ -203,7 +203,7 @@ def test_an_axis_alone_finds_the_branches_of_the_surface(data_dir):
 def test_a_reversed_axis_sees_the_same_ostium_from_its_other_end(data_dir):
     surface, tree = vessel(data_dir, "iliac, reduced-order")
     line = tree.path(tree.points[tree.roots[0]], tree.points[tree.leaves[0]]).points
-    axis = cut(line, 205, 235)
+    axis = Line(line).cut(205, 235).points
     (one,), (other,) = (ostia_of(surface, a, tree) for a in (axis, axis[::-1]))
     np.testing.assert_allclose([30 - other.end, 30 - other.start], [one.start, one.end], atol=1.0)
     assert other.covered_share == pytest.approx(one.covered_share, abs=0.05)
@@ -224,7 +224,7 @@ def a_random_stent(folder, seed):
     junction = tree.arc_length[rng.choice(tree.junctions)]
     start = rng.uniform(junction - length - 5, junction + 25)
     start = np.clip(start, 0, max(0, path.length - length - 1))
-    axis = cut(path.points, float(start), float(start + length))
+    axis = Line(path.points).cut(float(start), float(start + length)).points
     axis = axis[::-1] if rng.random() < 0.3 else axis
     return surface, (tree if rng.random() < 0.75 else None), axis
 

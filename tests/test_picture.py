@@ -14,10 +14,11 @@ import pytest
 from SDFStentLib import phantoms
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.files import encode_vtp, polydata_from_arrays
+from SDFStentLib.geometry import Line
 from SDFStentLib.plan import Plan, PlanResult, read_input_files, treatment_of
 from SDFStentLib.report import before_after_picture
 from SDFStentLib.report.picture import painting, picture
-from SDFStentLib.report.picture.drawing import Box, Disc, Drawing, Line, Words, svg
+from SDFStentLib.report.picture.drawing import Box, Disc, Drawing, Stroke, Words, svg
 from SDFStentLib.report.picture.marks import RED
 from SDFStentLib.report.picture.painting import painted
 from SDFStentLib.report.picture.picture import before_after_scene
@@ -130,7 +131,7 @@ def test_words_scales_and_small_print_are_there(image: np.ndarray) -> None:
 
 
 def test_the_stent_lies_in_the_plane_of_the_picture(stent_axis: np.ndarray) -> None:
-    view = best_view([stent_axis], 3.5, artery().points, 1.0, "RAS")
+    view = best_view([Line(stent_axis)], 3.5, artery().points, 1.0, "RAS")
     chord = stent_axis[-1] - stent_axis[0]
     assert abs(view.toward_camera @ chord) < 0.05 * np.linalg.norm(chord)
     np.testing.assert_allclose(
@@ -146,14 +147,14 @@ def test_the_stent_lies_in_the_plane_of_the_picture(stent_axis: np.ndarray) -> N
 
 def test_opposite_frames_give_opposite_views(stent_axis: np.ndarray) -> None:
     points = artery().points
-    ras, lps = (best_view([stent_axis], 3.5, points, 1.0, frame) for frame in ("RAS", "LPS"))
+    ras, lps = (best_view([Line(stent_axis)], 3.5, points, 1.0, frame) for frame in ("RAS", "LPS"))
     assert ras.toward_camera @ lps.toward_camera < 0
 
 
 def test_a_branching_is_seen_spread_out() -> None:
     s = np.linspace(0, 30, 60)[:, None]
     trunk, left, right = s * [0, 0, 1.0], s * [0, 0.6, -0.8], s * [0, -0.6, -0.8]
-    view = best_view([trunk[10:30]], 2.0, np.vstack([trunk, left, right]), 1.0, None)
+    view = best_view([Line(trunk[10:30])], 2.0, np.vstack([trunk, left, right]), 1.0, None)
     # All points lie in the plane x = 0, which must be the plane of the picture.
     assert abs(view.toward_camera[0]) > 0.99
 
@@ -161,7 +162,7 @@ def test_a_branching_is_seen_spread_out() -> None:
 def test_only_the_wall_along_the_stent_has_its_diameter() -> None:
     tube = phantoms.straight_tube(length=40.0)
     axis = tube.axis_at(np.linspace(10, 30, 21))
-    lumen = Lumen(axis, np.array([0.0, 20.0]), np.array([[4.0, 6.0], [6.0, 6.0]]))
+    lumen = Lumen(Line(axis), np.array([0.0, 20.0]), np.array([[4.0, 6.0], [6.0, 6.0]]))
     before, after = (wall_diameters(tube.points, [lumen], side) for side in (0, 1))
     height = tube.points[:, 2]
     beside = (height > 10) & (height < 30)
@@ -259,7 +260,7 @@ def test_marks_are_painted_where_the_svg_has_them(tmp_path: Path) -> None:
         (
             Box(10, 5, 20, 10, "#ff0000"),
             Disc(70, 15, 6, "#0000ff"),
-            Line([(5, 50), (95, 50)], "#000000", 4, (10, 20)),
+            Stroke([(5, 50), (95, 50)], "#000000", 4, (10, 20)),
         ),
     )
     image = drawn(tmp_path, drawing)

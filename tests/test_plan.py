@@ -19,7 +19,7 @@ from SDFStentLib.files import (
     polydata_from_lines,
     set_frame_of_polydata,
 )
-from SDFStentLib.geometry import Surface
+from SDFStentLib.geometry import Line, Surface
 from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube
 from SDFStentLib.plan import (
     Plan,
@@ -359,11 +359,11 @@ def test_a_stent_far_wider_than_the_native_lumen_is_said_with_both_numbers(facto
 
 
 def test_overlap_is_the_common_length_of_two_axes():
-    first = np.array([[0.0, 0, 0], [20, 0, 0]])
+    first = Line([[0.0, 0, 0], [20, 0, 0]])
     for shift, common in ((15.0, 5.0), (20.0, 0.0), (5.0, 10.0), (-6.0, 4.0)):
-        second = np.array([[shift, 0, 0], [shift + 10, 0, 0]])
+        second = Line([[shift, 0, 0], [shift + 10, 0, 0]])
         assert overlap_length(first, 3, second, 3) == pytest.approx(common, abs=1e-9)
-    beside = first + np.array([0, 6.1, 0])
+    beside = Line(first.points + np.array([0, 6.1, 0]))
     assert overlap_length(first, 3, beside, 3) == 0
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from test_closed_ends import LENGTH, RADIUS, a_capped_duct, a_circle
 
-from SDFStentLib.geometry import Surface, closest_points, cut
+from SDFStentLib.geometry import Line, Surface
 from SDFStentLib.lumen import (
     ExtendedAxis,
     axis_stations,
@@ -35,7 +35,7 @@ def test_a_stent_before_a_cap_is_in_a_vessel_as_wide_as_it_is(gap):
     """Stations beyond the stent, too: a piece shorter than the vessel is wide has one open end."""
     surface = Surface(*a_capped_duct(a_circle()))
     line = np.array([[0.1, 0, 1e-9], [0.1, 0, LENGTH]])
-    axis = ExtendedAxis(line, gap, 15.0)
+    axis = ExtendedAxis(Line(line), gap, 15.0)
     profile = profile_around(surface, axis_stations(axis))
     np.testing.assert_allclose(
         profile.inscribed_diameter, 2 * RADIUS * np.cos(np.pi / 32), rtol=1e-4
@@ -48,11 +48,11 @@ def test_between_a_stent_and_the_inlet_of_a_patient_it_is_as_wide(start, data_di
     tree = made.centerline
     leaf = tree.points[np.sort(tree.leaves)[0]]
     way = tree.path(tree.points[tree.roots[0]], leaf).points
-    axis = extended_axis(made.surface, cut(way, start, start + 26.0), tree)
+    axis = extended_axis(made.surface, Line(way).cut(start, start + 26.0).points, tree)
     stations = axis_stations(axis)
     around = profile_around(made.surface, stations)
     whole = diameter_profile(made.surface, way)
-    at = closest_points(way, stations.points).arc_lengths
+    at = Line(way).nearest(stations.points).arc_lengths
     before = (around.arc_length < 0) & (at > 0.5)
     expected = np.interp(at, whole.arc_length, whole.inscribed_diameter)
     np.testing.assert_allclose(around.inscribed_diameter[before], expected[before], rtol=0.02)
@@ -63,7 +63,7 @@ def test_a_stent_that_ends_where_the_way_ends_but_for_rounding_has_stations(roun
     """The rest of the way, 3e-15 mm long, was cut off and refused: no deployment had a report."""
     line = np.array([[0.0, 0, 0], [0, 0, 4.0], [0, 4.0, 5.0], [0.1, 9.0, 7.0]])
     total = np.linalg.norm(np.diff(line, axis=0), axis=1).sum()
-    stations = axis_stations(ExtendedAxis(line, 5.0, float(total - 5.0 + rounding)))
+    stations = axis_stations(ExtendedAxis(Line(line), 5.0, float(total - 5.0 + rounding)))
     # Stations cut the corners of the line.
     assert stations.arc_length[-1] == pytest.approx(total - 5.0, abs=0.01)
     assert stations.own.stop == len(stations.points)

@@ -11,7 +11,7 @@ from SDFStentLib import phantoms
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.deformation import DeploymentSettings, Proxy, deploy
 from SDFStentLib.deformation.proxy_sample import linear_weights
-from SDFStentLib.geometry import Surface, dot, face_normals, resampled
+from SDFStentLib.geometry import Line, Surface, dot, face_normals
 from SDFStentLib.lumen import diameter_profile, rough_radii
 from SDFStentLib.stent import AlongAxis, AtCenter, Stent
 from SDFStentLib.treatment import Preview, Treatment
@@ -129,7 +129,7 @@ def test_the_minimum_lumen_of_a_preview_is_near_the_measured_one(sweep, data_dir
         stent = sweep.random_stent(name, 21, number, ratios, data_dir)
         chain = PREVIEW.chain(stent.axis)
         seen = proxy.deployed(chain, stent.radius)
-        stations = resampled(stent.axis, 1.0)
+        stations = Line(stent.axis).resampled(1.0).points
         rough = 2 * rough_radii(seen.points, stations, seen.normals).min()
         full = deploy(vessel.surface, chain, stent.radius).surface
         assert rough == pytest.approx(diameter_profile(full, stent.axis).minimum, rel=0.03)

@@ -18,7 +18,7 @@ from SDFStentLib.lumen import DiameterProfile
 from SDFStentLib.report import Report, document_json, write_report, write_report_figure
 from SDFStentLib.report.html import certificate_sentence, html_page
 from SDFStentLib.report.lesions import treated_lesion_section
-from SDFStentLib.report.picture.drawing import Box, Disc, Line, Words
+from SDFStentLib.report.picture.drawing import Box, Disc, Stroke, Words
 from SDFStentLib.report.picture.plot import diameter_plot, figure
 from SDFStentLib.report.report import StentResult
 from SDFStentLib.report.words import millimeters, number_text
@@ -394,7 +394,7 @@ def test_the_curves_of_the_plot_are_the_measured_diameters():
     diameters = a_report().as_dict()["diameters"]
     marks = diameter_plot(diameters).marks
     # Grid and legend are straight; a curve has a corner per station.
-    lines = [mark for mark in marks if isinstance(mark, Line) and len(mark.points) == 5]
+    lines = [mark for mark in marks if isinstance(mark, Stroke) and len(mark.points) == 5]
     assert len(lines) == 5
     heights = np.array([[y for _, y in line.points] for line in lines])
     drawn = ("equivalent_before", "equivalent_after", "mis_before", "mis_after", "prescribed")
@@ -470,7 +470,7 @@ def test_the_number_of_the_narrowest_place_keeps_clear_of_the_other_curve(other,
 def test_a_curve_is_interrupted_where_nothing_was_measured():
     marks = diameter_plot(with_gaps().as_dict()["diameters"]).marks
     colored = [mark for mark in marks if getattr(mark, "color", "") in ("#b35806", "#111111")]
-    lines = [mark for mark in colored if isinstance(mark, Line)]
+    lines = [mark for mark in colored if isinstance(mark, Stroke)]
     curves = [line for line in lines if line.points[0][1] > 62]  # below the legend
     # Before, both diameters: the run of two stations; a single station makes no line.
     assert [len(line.points) for line in curves] == [2, 2, 5]

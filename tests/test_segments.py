@@ -21,14 +21,7 @@ from vtkmodules.vtkFiltersGeneral import vtkClipClosedSurface
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.certificate import check_surface
 from SDFStentLib.files import polydata_from_arrays, read_surface, surface_from_polydata
-from SDFStentLib.geometry import (
-    NamedFaces,
-    Surface,
-    arc_lengths,
-    length,
-    point_at,
-    signed_volume,
-)
+from SDFStentLib.geometry import Line, NamedFaces, Surface, signed_volume
 from SDFStentLib.lumen import flat_caps
 from SDFStentLib.phantoms import (
     arch_with_coarctation,
@@ -64,7 +57,7 @@ def way_to(vessel, leaf=0):
 def segment_of(vessel, first, last, leaf=0, **wishes):
     """Between two parts of the way to a leaf."""
     way = way_to(vessel, leaf)
-    ends = point_at(way, np.array([first, last]) * length(way))
+    ends = Line(way).at(np.array([first, last]) * Line(way).length)
     return extract_segment(vessel, *ends, SegmentWishes(**wishes))
 
 
@@ -198,10 +191,10 @@ def test_tetgen_meshes_a_segment_without_repair(data_dir, name):
 def test_before_and_after_are_cut_by_the_same_planes(data_dir):
     vessel = vessel_at(data_dir, "pulmonary")
     way = way_to(vessel, 1)
-    stent = Stent(10.0, placement=AtCenter(point_at(way, [70.0])[0]), length=36.0)
+    stent = Stent(10.0, placement=AtCenter(Line(way).at([70.0])[0]), length=36.0)
     treated = Treatment(vessel.surface, [stent], vessel.centerline).result.surface
     after = Vessel(treated, faces=vessel.faces)
-    found = extract_segment(vessel, *point_at(way, [38.0, 105.0]), after=after)
+    found = extract_segment(vessel, *Line(way).at([38.0, 105.0]), after=after)
     before, after = found.before, found.after
     # The stent and its tissue lie within: all that the whole vessel gains the segment gains.
     gain = signed_volume(treated.points, treated.triangles) - signed_volume(
@@ -227,7 +220,8 @@ def test_the_inlet_is_the_end_towards_the_root_whatever_comes_first():
 def test_a_segment_over_a_bifurcation_has_its_inlet_at_the_root():
     vessel = vessel_of(branching_pulmonary_artery())
     left, right = (
-        point_at(way_to(vessel, leaf), [0.8 * length(way_to(vessel, leaf))])[0] for leaf in (0, 1)
+        Line(way_to(vessel, leaf)).at([0.8 * Line(way_to(vessel, leaf)).length])[0]
+        for leaf in (0, 1)
     )
     kept = extract_segment(vessel, left, right).before
     faces = faces_of(kept)
@@ -318,10 +312,10 @@ def test_a_plane_beside_a_bifurcation_is_refused_and_the_place_that_is_said_is_n
     vessel = vessel_of(branching_pulmonary_artery())
     way = way_to(vessel)
     with pytest.raises(InputError, match="meets only this vessel") as error:
-        extract_segment(vessel, *point_at(way, [0.4 * length(way), 0.9 * length(way)]))
+        extract_segment(vessel, *Line(way).at([0.4 * Line(way).length, 0.9 * Line(way).length]))
     place = str(error.value).split("to (")[1].split(") mm")[0].split(", ")
     found = extract_segment(
-        vessel, [float(x) for x in place], point_at(way, [0.9 * length(way)])[0]
+        vessel, [float(x) for x in place], Line(way).at([0.9 * Line(way).length])[0]
     )
     assert_closed_by_its_planes(found)
     # Beyond the bifurcation it is as wide as its branch.
@@ -335,7 +329,7 @@ def test_no_section_of_a_bifurcation_that_is_let_through_is_as_wide_as_two_vesse
     allowed = {}
     for at in np.arange(30.0, 60.0, 1.5):
         try:
-            found = extract_segment(vessel, *point_at(way, [at, 68.0]))
+            found = extract_segment(vessel, *Line(way).at([at, 68.0]))
         except InputError:
             continue
         allowed[at] = faces_of(found.before)["inlet"].area
@@ -414,7 +408,7 @@ def test_holes_beside_the_planes_are_closed_as_wall_and_told(data_dir, name, see
     points, triangles = vessel.surface.points, vessel.surface.triangles
     leaf = int(seed > 1)
     way, middles = way_to(vessel, leaf), points[triangles].mean(axis=1)
-    along = (arc_lengths(way) / length(way))[cKDTree(way).query(middles)[1]]
+    along = (Line(way).arc_lengths / Line(way).length)[cKDTree(way).query(middles)[1]]
     within = np.flatnonzero((along > 0.4) & (along < 0.7))
     gone = np.zeros(len(triangles), dtype=bool)
     for middle in middles[np.random.default_rng(seed).choice(within, 1 + seed % 3)]:
@@ -436,7 +430,7 @@ def test_refused_places_are_told_in_the_files_unit_and_along_their_branch(data_d
     """What is told can be typed again, and is what it says."""
     vessel = vessel_at(data_dir, "pulmonary")
     way = way_to(vessel)
-    ends = point_at(way, np.array([0.02, 0.5]) * length(way))
+    ends = Line(way).at(np.array([0.02, 0.5]) * Line(way).length)
     with pytest.raises(InputError, match=r"an end of the vessel; move it 2\.0 mm into") as refused:
         extract_segment(vessel, *ends, SegmentWishes(units="cm"))
     place = r"\((.*?)\) mm \(in the file (.*?) cm\), (.*?) mm along (.*?)"
@@ -470,6 +464,6 @@ def test_a_line_in_a_wider_vessel_is_followed_by_its_own_direction():
     found = extract_segment(Vessel(tube.surface, line), [0.5, 0, 9], [0, 0.4, 30])
     for plane, sign in zip(found.planes, (1, -1), strict=True):
         np.testing.assert_allclose(plane.normal, [0, 0, sign], atol=1e-9)
-    assert arc_lengths(np.array([found.planes[0].origin, found.planes[1].origin]))[-1] == (
+    assert Line(np.array([found.planes[0].origin, found.planes[1].origin])).arc_lengths[-1] == (
         pytest.approx(21.0)
     )

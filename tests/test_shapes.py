@@ -15,6 +15,7 @@ from tube_files import deploy
 from SDFStentLib.deformation import Deployment, DeploymentSettings
 from SDFStentLib.deformation import deploy as deployed
 from SDFStentLib.field import CapsuleChain, RadiusShares
+from SDFStentLib.geometry import Line
 from SDFStentLib.plan import Plan, load_plan, plan_from_document, plan_text, read_profile, run_plan
 from SDFStentLib.stent import AlongAxis, AtCenter, Shape, Stent, StentEnd, Waist
 from SDFStentLib.treatment import Preview, Treatment
@@ -185,25 +186,25 @@ def test_the_caps_of_radius_shares_are_ellipsoids():
     nodes = np.array([[0.0, 0, 0], [0, 0, 10.0]])
     shares = RadiusShares(np.array([0.0, 1.0]), np.array([1.0, 0.5]), 0.4)
     points = np.array([[0, 0, -3.0], [3.0, 0, 0], [3.0, 0, 5], [0, 0, 13.0], [2.0, 0, -2.0]])
-    found = shares.at(points, nodes)
+    found = shares.at(points, Line(nodes))
     assert found[:4] == pytest.approx([0.4, 1.0, 0.75, 0.5 * 0.4])
     # On an ellipse with half axes 1 and 0.4 in the direction of 45 degrees.
     assert found[4] == pytest.approx(1 / np.sqrt(0.5 + 0.5 / 0.16))
-    np.testing.assert_allclose(shares.reversed.at(points, nodes[::-1]), found)
+    np.testing.assert_allclose(shares.reversed.at(points, Line(nodes[::-1])), found)
 
 
 def test_the_sphere_that_fits_is_limited_by_narrow_places_beside_it_and_by_bends():
     shares = RadiusShares(np.linspace(0, 1, 3), np.array([1.0, 0.5, 1.0]))
     at = np.linspace(0, 20, 41)
     line = np.column_stack([0 * at, 0 * at, at])
-    found = shares.inscribed(line, 6.0, line, in_caps=False)
+    found = shares.inscribed(Line(line), 6.0, line, in_caps=False)
     fine = np.linspace(0, 20, 4001)
     for place, radius in zip(at, found, strict=True):
         profile = 6 * (0.5 + np.abs(fine - 10) / 20)
         assert radius == pytest.approx(np.hypot(fine - place, profile).min(), abs=0.03)
     angle = at / 8
     bent = np.column_stack([8 - 8 * np.cos(angle), 0 * at, 8 * np.sin(angle)])
-    inside = shares.inscribed(bent, 6.0, bent, in_caps=False)
+    inside = shares.inscribed(Line(bent), 6.0, bent, in_caps=False)
     assert (inside <= found + 0.01).all()
     assert inside[[0, -1]].max() < found[0] - 0.3
     assert inside[20] == pytest.approx(3.0, abs=0.03)

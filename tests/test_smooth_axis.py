@@ -13,7 +13,7 @@ from tube_files import deploy
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.cli import main
 from SDFStentLib.deformation import DeploymentSettings
-from SDFStentLib.geometry import arc_lengths, length, smoothed_line
+from SDFStentLib.geometry import Line, smoothed_line
 from SDFStentLib.phantoms import hairpin_tube, straight_tube
 from SDFStentLib.plan import load_plan
 from SDFStentLib.stent import (
@@ -42,21 +42,23 @@ def shaky(points, by, seed=3):
 
 def test_a_straight_line_and_both_ends_stay():
     line = np.linspace([1, 2, 3], [20, -5, 9], 37)
-    np.testing.assert_allclose(smoothed_line(line, 3.0), line, atol=1e-12)
+    np.testing.assert_allclose(smoothed_line(Line(line), 3.0).points, line, atol=1e-12)
     for width in (0.2, 2.0, 40.0):
         wild = shaky(arc(), 1.0)
-        np.testing.assert_array_equal(smoothed_line(wild, width)[[0, -1]], wild[[0, -1]])
+        np.testing.assert_array_equal(
+            smoothed_line(Line(wild), width).points[[0, -1]], wild[[0, -1]]
+        )
 
 
 def test_no_smoothing_leaves_every_bit():
-    np.testing.assert_array_equal(smoothed_line(arc(), 0), arc())
+    np.testing.assert_array_equal(smoothed_line(Line(arc()), 0).points, arc())
 
 
 def test_an_arc_moves_inwards_as_a_mean_by_a_normal_distribution_does():
     """The mean of cos(s / r) with that weight is exp(-sigma^2 / (2 r^2)), by integration."""
     radius, sigma = 20.0, 2.0
     line = arc(radius)
-    middle = smoothed_line(line, sigma)[len(line) // 2]
+    middle = smoothed_line(Line(line), sigma).points[len(line) // 2]
     assert np.linalg.norm(middle) == pytest.approx(
         radius * np.exp(-(sigma**2) / (2 * radius**2)), abs=1e-3
     )
@@ -65,10 +67,10 @@ def test_an_arc_moves_inwards_as_a_mean_by_a_normal_distribution_does():
 def test_each_place_is_the_weighted_mean_around_it():
     """Against the sum over a fine line, written out, away from the ends."""
     points = shaky(np.linspace([0, 0, 0], [40, 0, 0], 41), 0.3)
-    at = arc_lengths(points)
+    at = Line(points).arc_lengths
     fine = np.linspace(0, at[-1], 40_001)
     line = np.stack([np.interp(fine, at, one) for one in points.T], axis=1)
-    found = smoothed_line(points, 1.5)
+    found = smoothed_line(Line(points), 1.5).points
     for number in (12, 20, 27):
         weights = np.exp(-0.5 * ((fine - at[number]) / 1.5) ** 2)
         np.testing.assert_allclose(found[number], weights @ line / weights.sum(), atol=0.02)
@@ -84,7 +86,9 @@ def test_a_shaky_axis_is_smoothed_in_a_treatment_and_its_preview_alike():
     settings = DeploymentSettings(axis_smoothing=3.0)
     result = Treatment(tube.surface, [stent], None, settings).result
     (treated,) = result.stents
-    np.testing.assert_allclose(treated.axis.points, smoothed_line(rough, 3.0), atol=1e-12)
+    np.testing.assert_allclose(
+        treated.axis.points, smoothed_line(Line(rough), 3.0).points, atol=1e-12
+    )
     seen = Preview(tube.surface).of([stent], settings)
     np.testing.assert_array_equal(seen.stents[0].axis.points, treated.axis.points)
     assert result.certificate.passed
@@ -100,12 +104,12 @@ def test_a_stent_that_has_a_length_keeps_it_and_its_place(place):
     line = Centerline.from_lines(rough, [np.arange(150)])
     stent = Stent(7.0, placement=place(tube.axis_at([30.0])[0]), length=20.0)
     plain = stent_axis(stent, line).points
-    lengths, calm = [length(plain)], []
+    lengths, calm = [Line(plain).length], []
     for width in (0.5, 3.0, 30.0):
         points = axis_in_vessel(
             stent, line, tube.surface, AxisChange(smoothing_length=width)
         ).points
-        lengths.append(length(points))
+        lengths.append(Line(points).length)
         ends = {"AtDistalEnd": [-1], "AtProximalEnd": [0]}.get(place.__name__, [0, -1])
         np.testing.assert_allclose(points[ends].mean(axis=0), plain[ends].mean(axis=0), atol=1e-12)
         calm.append(np.std(points[:, 1]))
@@ -119,7 +123,7 @@ def test_a_stent_with_a_length_keeps_it_where_the_wall_stops_its_smoothing():
     stent = Stent(5.0, placement=AlongAxis(axis), length=30.0, foreshortening_fraction=0.0)
     found = axis_in_vessel(stent, None, made.surface, AxisChange(smoothing_length=15.0))
     assert "smoothed-less" in {one.kind for one in found.warnings}
-    assert length(found.points) == pytest.approx(30.0, abs=1e-9)
+    assert Line(found.points).length == pytest.approx(30.0, abs=1e-9)
     assert np.abs(found.points - stent_axis(stent).points).max() > 0.1
 
 
@@ -135,8 +139,8 @@ def test_a_stent_from_end_to_end_is_as_long_as_its_smooth_axis(is_curve, foresho
     stent = Stent(7.0, placement=place, foreshortening_fraction=foreshortening)
     plain = stent_axis(stent, line)
     found = axis_in_vessel(stent, line, tube.surface, AxisChange(smoothing_length=width))
-    assert length(found.points) < length(plain.points) - 1.0
-    assert found.prescribed_length == pytest.approx(length(found.points), abs=1e-12)
+    assert Line(found.points).length < Line(plain.points).length - 1.0
+    assert found.prescribed_length == pytest.approx(Line(found.points).length, abs=1e-12)
     kept = plain.prescribed_length / plain.nominal_length
     assert found.prescribed_length / found.nominal_length == pytest.approx(kept, abs=1e-12)
     assert "shortened" not in {one.kind for one in found.warnings}
@@ -195,7 +199,7 @@ def test_a_curve_drawn_by_hand_is_the_axis_as_slicer_shows_it(a_folder):
     told = json.loads(Path("r.json").read_text(encoding="utf-8"))
     spline = CubicSpline(np.arange(5), 10 * points, bc_type="clamped")(np.linspace(0, 4, 41))
     axis = told["stents"][0]["axis"]
-    assert axis["length_mm"] == pytest.approx(length(spline), abs=1e-6)
+    assert axis["length_mm"] == pytest.approx(Line(spline).length, abs=1e-6)
     np.testing.assert_allclose(np.abs(axis["start_mm"]), np.abs(10 * points[0]), atol=1e-9)
     assert told["certificate"]["passed"]
     (used,) = load_plan("p.json").stents

@@ -21,7 +21,7 @@ from SDFStentLib.deformation import Deployment, DeploymentSettings
 from SDFStentLib.deformation.lumen import largest_push
 from SDFStentLib.deformation.stent_checks import Expected, lumen_check, motion_check
 from SDFStentLib.field import CapsuleChain
-from SDFStentLib.geometry import Surface, length
+from SDFStentLib.geometry import Line, Surface
 from SDFStentLib.stent import (
     AlongAxis,
     AtCenter,
@@ -157,7 +157,7 @@ def straight_in(made, first, last, placement=AlongAxis):
         stent = Stent(7.2, placement=AlongAxis(native))
     else:
         end = native[-1] if placement is AtDistalEnd else native[0]
-        sizes = {"length": length(native), "foreshortening_fraction": 0}
+        sizes = {"length": Line(native).length, "foreshortening_fraction": 0}
         stent = Stent(7.2, placement=placement(end), **sizes)
     return axis_in_vessel(stent, made.centerline, made.surface, AxisChange(1.0)), native
 
@@ -174,7 +174,7 @@ def test_a_stent_up_to_an_outlet_moves_its_other_end_alone(first, last, stays, i
     found, native = straight_in(made, first, last)
     assert found.warnings == ()
     np.testing.assert_allclose(found.points[stays], native[stays], atol=1e-9)
-    assert found.chord == pytest.approx(length(native), abs=1e-9)
+    assert found.chord == pytest.approx(Line(native).length, abs=1e-9)
 
 
 @pytest.mark.parametrize("placement", [AtProximalEnd, AtDistalEnd])
@@ -184,14 +184,14 @@ def test_the_end_by_which_a_stent_is_placed_stays(placement):
     np.testing.assert_allclose(found.points[stays], native[stays], atol=1e-6)
     moved = np.linalg.norm(found.points[-1 - stays] - native[-1 - stays])
     assert moved > 0.1
-    assert found.deployed_length == pytest.approx(length(native), abs=1e-6)
+    assert found.deployed_length == pytest.approx(Line(native).length, abs=1e-6)
 
 
 def test_an_axis_does_not_pass_through_a_thin_wall_into_the_next_lumen():
     """Beyond the wall of a hairpin's leg is its other leg, where the axis would be free again."""
     made = phantom("hairpin_tube")
     axis = made.axis_at(np.linspace(5, 45, 120))
-    found = permitted(straight_way(axis), 3.0, made.surface, 1.0)
+    found = permitted(straight_way(Line(axis)), 3.0, made.surface, 1.0)
     assert found.fraction < 0.5
     assert np.isfinite(found.place).all()
 

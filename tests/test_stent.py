@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from trees import unbranched
 
 from SDFStentLib.centerline import Centerline
-from SDFStentLib.geometry import length, minimum_bend_radius, resampled
+from SDFStentLib.geometry import Line, tightest_bend
 from SDFStentLib.stent import (
     AlongAxis,
     AtCenter,
@@ -31,14 +31,14 @@ WIDE_OUTLET, LONG_OUTLET = [20.0, 0, -60], [-30.0, 0, -70]
 
 def a_tube(radius: float = 3.0) -> Centerline:
     """A straight centerline of 100 mm, root at z = 0, down to z = -100."""
-    points = resampled([[0, 0, 0], [0, 0, -100]], 2.0)
+    points = Line([[0, 0, 0], [0, 0, -100]]).resampled(2.0).points
     return unbranched(points, np.full(len(points), radius))
 
 
 def a_fork(known_radius: bool = True) -> Centerline:
     """A trunk that forks into a wide short and a narrow long daughter."""
     trunk, wide, long = (
-        resampled(np.array(ends), 1.0)
+        Line(np.array(ends)).resampled(1.0).points
         for ends in ([INLET, FORK], [FORK, WIDE_OUTLET], [FORK, LONG_OUTLET])
     )
     points = np.concatenate([trunk, wide[1:], long[1:]])
@@ -97,7 +97,7 @@ def test_an_axis_of_ones_own_is_used_whole_and_without_a_centerline():
     curve = an_arc(20.0)
     axis = stent_axis(Stent(6.0, placement=AlongAxis(curve)))
     np.testing.assert_array_equal(axis.points, curve)
-    assert axis.prescribed_length == pytest.approx(length(curve))
+    assert axis.prescribed_length == pytest.approx(Line(curve).length)
     assert np.isnan(axis.inscribed_radius).all()
 
 
@@ -184,10 +184,10 @@ def test_a_corner_counts_as_too_tight_above_sixty_degrees_wherever_it_lies(angle
 
 
 def test_jitter_of_a_dense_centerline_is_no_bend():
-    points = resampled([[0, 0, 0], [60, 0, 0]], 0.1)
+    points = Line([[0, 0, 0], [60, 0, 0]]).resampled(0.1).points
     points = points + 0.02 * np.random.default_rng(4).normal(size=points.shape)
     axis = stent_axis(Stent(6.0, placement=AlongAxis(points)))
-    assert minimum_bend_radius(points) < 1
+    assert tightest_bend(Line(points)).radius < 1
     assert axis.warnings == ()
 
 
@@ -204,12 +204,12 @@ def test_straightening_conserves_the_length_of_every_piece(fraction, keeps):
     rng = np.random.default_rng(7)
     wild = np.cumsum(rng.normal([1.0, 0.2, 0.1], 0.6, (60, 3)), axis=0)
     for line in (an_arc(10.0, 90), wild):
-        found = straightened(line, fraction, keeps)
+        found = straightened(Line(line), fraction, keeps).points
         np.testing.assert_allclose(pieces(found), pieces(line), atol=1e-12)
-        assert length(found) == pytest.approx(length(line), abs=1e-6)
+        assert Line(found).length == pytest.approx(Line(line).length, abs=1e-6)
         chord = np.linalg.norm(found[-1] - found[0])
         if fraction == 1:
-            assert chord == pytest.approx(length(line), abs=1e-9)
+            assert chord == pytest.approx(Line(line).length, abs=1e-9)
         else:
             assert chord >= np.linalg.norm(line[-1] - line[0]) - 1e-9
 
@@ -219,7 +219,8 @@ def test_what_is_kept_stays_and_the_ends_move_apart_along_the_chord():
     chord = arc[-1] - arc[0]
     for fraction in (0.5, 1.0):
         middle, proximal, distal = (
-            straightened(arc, fraction, keeps) for keeps in ("center", "proximal", "distal")
+            straightened(Line(arc), fraction, keeps).points
+            for keeps in ("center", "proximal", "distal")
         )
         np.testing.assert_allclose(middle[[0, -1]].mean(0), arc[[0, -1]].mean(0), atol=1e-12)
         np.testing.assert_allclose(proximal[0], arc[0], atol=1e-12)
@@ -227,12 +228,12 @@ def test_what_is_kept_stays_and_the_ends_move_apart_along_the_chord():
         outward = middle[-1] - arc[-1]
         np.testing.assert_allclose(np.cross(outward, chord), 0, atol=1e-9)
         assert outward @ chord > 0
-    np.testing.assert_array_equal(straightened(arc, 0), arc)
+    np.testing.assert_array_equal(straightened(Line(arc), 0).points, arc)
 
 
 def test_an_arc_loses_that_share_of_its_curvature():
     """Of radius r it becomes one of radius r / (1 - F) and as long, by the formula of an arc."""
-    half = straightened(an_arc(10.0, 90), 0.5)
+    half = straightened(Line(an_arc(10.0, 90)), 0.5).points
     angle = np.radians(90) / 2
     assert np.linalg.norm(half[-1] - half[0]) == pytest.approx(2 * 20 * np.sin(angle / 2), abs=1e-3)
     middle = half[[0, -1]].mean(axis=0)
@@ -243,18 +244,20 @@ def test_an_arc_loses_that_share_of_its_curvature():
 def test_no_point_goes_farther_on_its_way_than_is_said():
     line = np.cumsum(np.random.default_rng(3).normal([1.0, 0, 0], 0.5, (40, 3)), axis=0)
     for keeps in ("center", "proximal", "distal"):
-        way = straight_way(line, keeps)
-        states = np.array([way.at(f) for f in np.linspace(0, 1, 201)])
+        way = straight_way(Line(line), keeps)
+        states = np.array([way.at(f).points for f in np.linspace(0, 1, 201)])
         gone = np.linalg.norm(np.diff(states, axis=0), axis=2).sum(axis=0)
         assert (gone <= way.longest + 1e-9).all()
 
 
 def test_a_piece_that_points_back_turns_round_and_a_closed_line_is_refused():
     back = np.array([[0, 0, 0], [6, 0, 0], [4, 0, 0], [4, 0, 0], [9, 0, 0.0]])
-    np.testing.assert_allclose(pieces(straightened(back, 0.5)), pieces(back), atol=1e-12)
-    assert length(straightened(back, 1.0)) == pytest.approx(13.0)
+    np.testing.assert_allclose(
+        pieces(straightened(Line(back), 0.5).points), pieces(back), atol=1e-12
+    )
+    assert straightened(Line(back), 1.0).length == pytest.approx(13.0)
     with pytest.raises(InputError, match="expected two ends apart to straighten it"):
-        straightened(back[[0, 1, 0]], 0.5)
+        straightened(Line(back[[0, 1, 0]]), 0.5)
 
 
 # ---- values
@@ -292,8 +295,14 @@ CENTER = AtCenter([0, 0, -50])
         (lambda: AlongAxis(np.ones((4, 3))), r"got 4 point\(s\) at one place"),
         (lambda: AlongAxis([]), "stent axis: expected at least 1 points, got 0"),
         (lambda: stent_axis(Stent(6, placement=CENTER, length=9)), "expected a centerline"),
-        (lambda: straightened(an_arc(5), 1.5), "straightening fraction: .* at most 1, got 1.5"),
-        (lambda: straightened(np.ones((3, 3)), 0.5), "stent axis: expected two different points"),
+        (
+            lambda: straightened(Line(an_arc(5)), 1.5),
+            "straightening fraction: .* at most 1, got 1.5",
+        ),
+        (
+            lambda: straightened(Line(np.ones((3, 3))), 0.5),
+            "stent axis: expected two different points",
+        ),
     ],
 )
 def test_unusable_input_gives_one_sentence(call, message):

@@ -8,7 +8,7 @@ import pytest
 from benchmarks.judges import wall_distances
 from benchmarks.trees.surface import Wall
 from benchmarks.trees.truth import Spheres
-from SDFStentLib.geometry import resampled, tangents
+from SDFStentLib.geometry import Line
 from SDFStentLib.lumen import diameter_profile, inscribed_spheres, with_own_spheres
 from SDFStentLib.phantoms import Opening, TrueVessel, branching_pulmonary_artery, straight_tube
 from SDFStentLib.phantoms.axis import narrowing, planar_axis
@@ -68,9 +68,9 @@ def test_an_ostium_keeps_its_sphere_beside_the_larger_one_of_the_parent():
     line = tree.centerline
     for leaf in line.leaves:
         path = line.path(line.points[line.roots[0]], line.points[leaf]).points
-        stations = resampled(path, 1.0)
+        stations = Line(path).resampled(1.0).points
         together = inscribed_spheres(tree.points, tree.triangles, stations)
-        ways = tangents(stations)
+        ways = Line(stations).directions
         alone = [
             inscribed_spheres(tree.points, tree.triangles, place[None], way[None]).radii[0]
             for place, way in zip(stations, ways, strict=True)
@@ -151,11 +151,11 @@ def test_a_patient_s_throat_beside_branches_is_as_wide_as_an_independent_search_
     vessel = read_input_files(*names).vessel
     lesion = vessel.lesions[0]
     found = diameter_profile(vessel.surface, lesion.line, 1.0)
-    line = resampled(lesion.line, 1.0)
+    line = Line(lesion.line).resampled(1.0).points
     wall = Wall(vessel.surface.points, vessel.surface.triangles, np.zeros(1))
     judge = Spheres(wall, line, 10.0)
     told = found.inscribed_diameter
-    disks = zip(found.centers, tangents(line), 0.3 * told, strict=True)
+    disks = zip(found.centers, Line(line).directions, 0.3 * told, strict=True)
     # In a disk round what was found, nothing wider fits beside it, and it fits itself.
     truth = 2 * np.array([judge.across(*one)[1] for one in disks])
     inner = slice(3, -3)

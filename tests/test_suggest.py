@@ -17,7 +17,7 @@ from test_report import a_lesion
 
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.cli import main
-from SDFStentLib.geometry import length, tangents
+from SDFStentLib.geometry import Line
 from SDFStentLib.lumen import DiameterProfile
 from SDFStentLib.phantoms import stenosed_tube, straight_tube
 from SDFStentLib.plan import load_plan, run_plan
@@ -178,7 +178,7 @@ def test_beyond_its_end_a_lesion_says_nothing_of_the_healthy_vessel():
     random = np.random.default_rng(6)
     for line in np.cumsum(random.normal((3, 0, 0), 1.0, (50, 12, 3)), axis=1):
         away = np.linspace(0.5, 10.0, 20)
-        beyond = line[-1] + away[:, None] * tangents(line[-2:])[0]
+        beyond = line[-1] + away[:, None] * Line(line[-2:]).directions[0]
         widths = np.full(20, 8.0)
         native = DiameterProfile(away - away[0], beyond, widths, widths)
         lesion = replace(a_lesion_of(6.0, 6.0), line=line, healthy=np.full(12, 6.0))
@@ -244,7 +244,7 @@ def test_a_length_is_one_that_is_sold_where_the_table_knows_them(a_vessel):
     assert one.lesion.length > 0.9 * 9
     assert one.stent.length == 18
     assert "the shortest that is sold" in one.rule
-    assert uncovered_length(one.lesion, [one.axis.points]) == 0
+    assert uncovered_length(one.lesion, [one.axis.line]) == 0
     with pytest.raises(InputError, match=r"got sold, which has 32\.4 mm"):
         a_vessel.suggestion(1, SizingWishes(device=device, margin=20))
     with pytest.raises(InputError, match=r"in which sold is sold \(9, 18, 29, 36 mm\), got 20 mm"):
@@ -262,7 +262,7 @@ def test_a_stent_that_is_long_enough_covers_a_lesion_that_is_narrowest_at_one_en
     for length_mm, left in ((math.ceil(lesion.length), 0.0), (6.0, lesion.length - 6.0)):
         place = a_vessel.place_at(aside, length_mm, 0.0)
         stent = Stent(6.0, placement=place, length=length_mm, foreshortening_fraction=0.0)
-        axis = stent_axis(stent, a_vessel.centerline).points
+        axis = stent_axis(stent, a_vessel.centerline).line
         assert uncovered_length(lesion, [axis]) == pytest.approx(left, abs=1.6 * (left > 0))
 
 
@@ -325,7 +325,7 @@ def test_in_anatomies_the_proposed_stent_covers_its_lesion(data_dir, name):
         sides = [side.diameter for side in (lesion.proximal, lesion.distal) if side]
         assert one.stent.diameter == pytest.approx(min(sides), abs=0.05)
         axis = stent_axis(one.stent, found.centerline).points
-        assert length(axis) >= lesion.length - 1e-6
+        assert Line(axis).length >= lesion.length - 1e-6
         # Both ends of the lesion lie beside the stent, not beyond it.
         for end in lesion.line[[0, -1]]:
             assert np.linalg.norm(axis - end, axis=1).min() < 1.5

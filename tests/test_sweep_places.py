@@ -9,7 +9,7 @@ from cohort_cases import sweep_in, tube_folder
 from SDFStentLib import InputError
 from SDFStentLib.cohort import cases_of
 from SDFStentLib.cohort.placing import Excluded, plan_of_case
-from SDFStentLib.geometry import closest_points
+from SDFStentLib.geometry import Line
 from SDFStentLib.phantoms import branching_pulmonary_artery
 from SDFStentLib.plan import read_plan_inputs, treatment_of
 from SDFStentLib.treatment import axis_in_vessel
@@ -203,6 +203,6 @@ def test_a_lesion_across_a_junction_is_stented_into_its_own_branch(data_dir):
         way = tree.points[tree.ancestry(int(branch[-1]))]
         axis = swept.axis(at)
         # The stents are shorter than the rest of their branches: all of them is on the way there.
-        assert closest_points(way, axis).distances.max() < 0.1, case
+        assert Line(way).nearest(axis).distances.max() < 0.1, case
         above += tree.project(middle_of(axis)).arc_length < tree.arc_length[branch[0]]
     assert above

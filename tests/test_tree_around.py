@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from SDFStentLib.centerline import Centerline
-from SDFStentLib.geometry import closest_points, is_inside, length, resampled, without_repeats
+from SDFStentLib.geometry import Line, is_inside
 from SDFStentLib.lumen import ExtendedAxis, extended_axis, through_lumen
 from SDFStentLib.lumen.spheres import inscribed
 from SDFStentLib.phantoms import vascular_tree
@@ -49,21 +49,21 @@ def test_ways_leave_an_axis_as_each_of_them_does_by_itself(seed):
     for end in sorted(ends, key=lambda node: (tree.parent[node] < 0, node)):
         for stop in stops:
             line = tree.path(stop, place_of(tree, end)).points
-            beside = np.flatnonzero(closest_points(axis, line).distances < distance)
-            own = without_repeats(line[beside[-1] if len(beside) else 0 :])
-            if len(own) > 1 and closest_points(own, place[None]).distances[0] < 5.0:
+            beside = np.flatnonzero(Line(axis).nearest(line).distances < distance)
+            own = Line(line[beside[-1] if len(beside) else 0 :]).without_repeats().points
+            if len(own) > 1 and Line(own).nearest(place[None]).distances[0] < 5.0:
                 expected.append(own)
     found = list(LinesFromAxis(tree, axis, reach).leaving(distance, place, 5.0))
     # What does not come so near may be among them.
-    found = [own for own in found if closest_points(own, place[None]).distances[0] < 5.0]
+    found = [own for own in found if Line(own).nearest(place[None]).distances[0] < 5.0]
     assert 1 <= len(found) < len(expected)
     # Each is one of those expected; all others pass the place as one of them does.
     for own in found:
         same = [line for line in expected if line.shape == own.shape]
         assert any(np.allclose(own, line, rtol=0, atol=1e-12) for line in same)
-    passed = [closest_points(own, place[None]).points for own in found]
+    passed = [Line(own).nearest(place[None]).points for own in found]
     for line in expected:
-        nearest = closest_points(line, place[None]).points
+        nearest = Line(line).nearest(place[None]).points
         assert min(np.abs(nearest - one).max() for one in passed) < 1e-12
 
 
@@ -75,10 +75,10 @@ def test_the_way_into_a_branch_is_that_to_most_outlets_and_not_into_the_next_sma
         [(0, 0, 0), (0, 0, 30), (2, 0, 30), (12, 3, 30), (22, 3, 34)],
         [(0, 0, 0), (0, 0, 30), (2, 0, 30), (12, 3, 30), (22, 3, 26)],
     ]
-    lines = [resampled(np.array(corner, dtype=float), 0.5) for corner in corners]
+    lines = [Line(np.array(corner, dtype=float)).resampled(0.5).points for corner in corners]
     rows = np.split(np.arange(sum(map(len, lines))), np.cumsum([len(one) for one in lines])[:-1])
     tree = Centerline.from_lines(np.concatenate(lines), rows, inlet=lines[0][0])
-    axis = ExtendedAxis(lines[0], 20.0, 20.0)
+    axis = ExtendedAxis(Line(lines[0]), 20.0, 20.0)
     opening = Ostium("branch", np.array([5.0, 0, 30]), 6.0, 14.0, 16 * np.pi, 1.0)
     (way,) = BranchWays(vascular_tree(1, 1.0).surface, axis, tree).into([opening])
     assert abs(way[-1][1] - 3) < 0.1
@@ -88,10 +88,10 @@ def test_ways_through_a_lumen_side_by_side_are_those_found_one_after_the_other()
     made = vascular_tree(8, 1.0)
     tree = made.centerline
     branches = [tree.points[branch] for branch in tree.branches]
-    axes = [line[: max(2, len(line) // 3)] for line in branches if length(line) > 5.0]
+    axes = [line[: max(2, len(line) // 3)] for line in branches if Line(line).length > 5.0]
     axes += [axis[::-1] for axis in axes[:2]]
     together = through_lumen(made.surface, axes, 15.0)
-    assert max(length(way) for way in together) > 10.0
+    assert max(Line(way).length for way in together if len(way)) > 10.0
     for axis, way in zip(axes, together, strict=True):
         (alone,) = through_lumen(made.surface, [axis], 15.0)
         assert len(way) == len(alone)
@@ -104,7 +104,7 @@ def test_ways_through_a_lumen_do_not_depend_on_how_spheres_are_searched(monkeypa
     """Where spheres ended a little beside each other, some led into other branches in the end."""
     made = vascular_tree(16, 0.8)
     axes = [made.centerline.points[branch] for branch in made.centerline.branches]
-    axes = [line[: max(2, len(line) // 3)] for line in axes if length(line) > 5.0]
+    axes = [line[: max(2, len(line) // 3)] for line in axes if Line(line).length > 5.0]
     axes += [axis[::-1] for axis in axes]
     usual = through_lumen(made.surface, axes, 20.0)
     monkeypatch.setattr(inscribed, "WAY_BOX", first_box)

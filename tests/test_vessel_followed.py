@@ -10,7 +10,7 @@ from test_stretches import parted
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.cohort.placing import _Place
 from SDFStentLib.files import read_centerline, read_lines
-from SDFStentLib.geometry import closest_points, point_at
+from SDFStentLib.geometry import Line
 from SDFStentLib.stent import (
     AtCenter,
     AtDistalEnd,
@@ -65,7 +65,7 @@ def test_a_hand_that_trembles_leaves_the_ends_where_they_are(tree):
     for leaf in rng.permutation(tree.leaves)[:10]:
         way = way_to(tree, leaf)
         for at in np.arange(30.0, 70.0, 4.0):
-            place, length = point_at(way, at), rng.uniform(20, 34)
+            place, length = Line(way).at(at), rng.uniform(20, 34)
             first, *others = (axis_of(tree, AtCenter(beside(place, rng)), length) for _ in range(4))
             for other in others:
                 tries += 1
@@ -73,7 +73,7 @@ def test_a_hand_that_trembles_leaves_the_ends_where_they_are(tree):
                     continue
                 jumps += 1
                 # Only where the vessels themselves have parted, of which each is chosen once.
-                between = [closest_points(axis, place[None]).points[0] for axis in (first, other)]
+                between = [Line(axis).nearest(place[None]).points[0] for axis in (first, other)]
                 radius = tree.project(place).inscribed_radius
                 apart = 0.3 * radius if np.isfinite(radius) else 2 * HAND
                 assert np.linalg.norm(between[1] - between[0]) > apart
@@ -85,11 +85,11 @@ def test_both_ends_follow_a_hand_that_goes_down_a_vessel(tree):
     """All the way down the vessel that is followed from the root, and from three more places."""
     rng, step = np.random.default_rng(7), 0.5
     starts = [tree.points[tree.roots[0]]]
-    starts += [point_at(way_to(tree, leaf), 50.0) for leaf in rng.permutation(tree.leaves)[:3]]
+    starts += [Line(way_to(tree, leaf)).at(50.0) for leaf in rng.permutation(tree.leaves)[:3]]
     for start in starts:
         way = tree.path_from_proximal(start, 1000.0)
         at = np.arange(0.0, way.length - 1.0, step)
-        places = np.array([point_at(way.points, one) for one in at])
+        places = np.array([Line(way.points).at(one) for one in at])
         ends = np.array([ends_of(tree, AtCenter(place), 20.0) for place in places])
         assert np.linalg.norm(np.diff(ends, axis=0), axis=2).max() < 4 * step
 
@@ -99,7 +99,7 @@ def test_an_end_beside_the_middle_leaves_the_other_end_where_it_is(tree):
     for kind in (AtProximalEnd, AtDistalEnd):
         way = tree.path_from_proximal(tree.points[tree.roots[0]], 1000.0)
         for at in rng.uniform(25.0, way.length - 10.0, 20):
-            place = point_at(way.points, at)
+            place = Line(way.points).at(at)
             exact, moved = (ends_of(tree, kind(p)) for p in (place, beside(place, rng)))
             assert np.linalg.norm(moved - exact, axis=1).max() < JUMP
 
@@ -112,7 +112,7 @@ def test_two_points_in_one_vessel_have_no_way_back_between_them(tree):
         at = np.sort(rng.uniform(10.0, tree.arc_length[leaf] - 1.0, 2))
         if at[1] - at[0] < 2:
             continue
-        start, end = (beside(point_at(way, one), rng) for one in at)
+        start, end = (beside(Line(way).at(one), rng) for one in at)
         between = axis_of(tree, BetweenPoints(start, end))
         length = np.linalg.norm(np.diff(between, axis=0), axis=1).sum()
         assert length < at[1] - at[0] + 1.0
@@ -125,7 +125,7 @@ def test_the_second_point_decides_for_a_side_branch(tree):
     for leaf in rng.permutation(tree.leaves)[:20]:
         way = way_to(tree, leaf)
         at = tree.arc_length[leaf]
-        start, end = point_at(way, at - 30.0), point_at(way, at - 2.0)
+        start, end = Line(way).at(at - 30.0), Line(way).at(at - 2.0)
         elsewhere += np.linalg.norm(ends_of(tree, AtProximalEnd(start), 28.0)[1] - end) > JUMP
         found = ends_of(tree, BetweenPoints(start, end))
         np.testing.assert_allclose(found[1], end, atol=1e-9)
@@ -144,7 +144,7 @@ def test_a_stent_that_is_placed_in_a_branch_leads_into_it(tree):
         placement = place.placement(10.0, tree)
         by_end += isinstance(placement, AtDistalEnd)
         _, distal = ends_of(tree, placement, 10.0 / 0.9)
-        wanted = tree.project(point_at(way, start + 5.5))
+        wanted = tree.project(Line(way).at(start + 5.5))
         # Lines of one lumen are so far apart.
         aside = np.nanmax([1.0, 0.6 * wanted.inscribed_radius])
         assert np.linalg.norm(distal - wanted.point) < aside
@@ -158,9 +158,9 @@ def test_lines_that_part_early_lead_where_those_lead_that_part_where_the_vessels
     fork = exact.arc_length[exact.junctions[0]]
     above = [lumen.start for lumen in early.lumens if lumen.start > 0]
     assert min(above) < 0.5 * fork
-    known = ends_of(exact, AtCenter(point_at(way_to(exact, exact.leaves[0]), fork - 5.0)), 20.0)
+    known = ends_of(exact, AtCenter(Line(way_to(exact, exact.leaves[0])).at(fork - 5.0)), 20.0)
     for leaf in early.leaves:
-        place = point_at(way_to(early, leaf), fork - 5.0)
+        place = Line(way_to(early, leaf)).at(fork - 5.0)
         found = ends_of(early, AtCenter(place), 20.0)
         radius = np.nanmax(exact.inscribed_radius)
         assert np.linalg.norm(found - known, axis=1).max() < radius

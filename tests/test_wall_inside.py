@@ -12,7 +12,7 @@ from SDFStentLib.deformation import DeploymentSettings, deploy
 from SDFStentLib.deformation.wall_around import WallAround
 from SDFStentLib.deformation.wall_check import wall_check
 from SDFStentLib.field import CapsuleChain, RadiusShares
-from SDFStentLib.geometry import SurfaceIndex, tangents
+from SDFStentLib.geometry import Line, SurfaceIndex
 from SDFStentLib.lumen import inscribed_spheres
 
 
@@ -116,7 +116,7 @@ def test_what_the_wall_tells_of_a_station_is_what_searches_find(edge_length):
         around = WallAround(points, triangles, stations, reach)
         np.testing.assert_array_equal(around.distances(stations), exact)
 
-    directions = tangents(stations)
+    directions = Line(stations).directions
     spheres = inscribed_spheres(points, triangles, stations, directions)
     room = WallAround(points, triangles, stations, 30.0).room(stations, directions)
     holds = np.linalg.norm(spheres.centers - stations, axis=1) < spheres.radii

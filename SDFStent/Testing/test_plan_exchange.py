@@ -277,7 +277,7 @@ def test_what_the_panel_has_no_controls_for_survives_a_plan(aLogic, theParameter
 
 
 def test_table_and_tubes_follow_a_waist(aLogic, theParameters, aDetailedPlan):
-    from SDFStentLib.geometry import resampled
+    from SDFStentLib.geometry import Line
 
     aLogic.loadPlan(aDetailedPlan, theParameters)
     (stent,) = aLogic.deploy(theParameters).stents
@@ -286,7 +286,7 @@ def test_table_and_tubes_follow_a_waist(aLogic, theParameters, aDetailedPlan):
     assert np.nanmax(table) == pytest.approx(7.2)
     assert "(6.0 to 7.2 prescribed)" in theParameters.lumenSummary
     points = slicer.util.arrayFromModelPoints(theParameters.outputStents)
-    axis = resampled(stent.axis.points, 0.05)
+    axis = Line(stent.axis.points).resampled(0.05).points
     away = np.array([np.linalg.norm(axis - point, axis=1).min() for point in points])
     assert away.max() / away.min() == pytest.approx(1.2, abs=0.05)
 

@@ -5,14 +5,14 @@ import pytest
 import slicer
 from panel_helpers import deploy, settle, theThroat
 
-from SDFStentLib.geometry import closest_points
+from SDFStentLib.geometry import Line
 
 
 def distances(parameters, run):
     """Of all points of the stents' model from the axis, mm."""
     (stent,) = run.result.stents
     points = slicer.util.arrayFromModelPoints(parameters.outputStents)
-    return closest_points(stent.axis.points, points).distances
+    return Line(stent.axis.points).nearest(points).distances
 
 
 def cells(parameters):

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry import resampled
+from ..geometry import Line
 from ..validation import Floats, Indices, Points
 from .point_tree import PointTree
 
@@ -35,14 +35,19 @@ class BranchLumen(NamedTuple):
     """The centerline points at which it starts and ends."""
     start: float
     """Arc length from the root to its start, mm."""
-    points: Points
-    """(n, 3) on the centerline, mm."""
+    line: Line
+    """Through the n stations, mm."""
     along: Floats
     """(n,) arc length along the branch, mm."""
     diameter: Floats
     """(n,) inscribed diameter, mm; NaN where it is not known."""
     centers: Points
     """(n, 3) of the spheres, mm; NaN where there is none."""
+
+    @property
+    def points(self) -> Points:
+        """(n, 3) on the centerline, mm."""
+        return self.line.points
 
 
 def told_lumens(
@@ -56,11 +61,11 @@ def told_lumens(
         if nodes[0] == nodes[1]:
             continue
         radius, at = tree.inscribed_radius[branch], arc_length[branch]
-        line = resampled(tree.points[branch], _spacing(radius))
+        line = Line(tree.points[branch]).resampled(_spacing(radius))
         along = np.linspace(0.0, at[-1] - at[0], len(line))
         there = np.interp(along, at - at[0], radius)
         diameter = 2 * np.where(np.isfinite(there), there, unknown)
-        found.append(BranchLumen(number, nodes, float(at[0]), line, along, diameter, line))
+        found.append(BranchLumen(number, nodes, float(at[0]), line, along, diameter, line.points))
     return tuple(found)
 
 

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..geometry import closest_on_segments, kept_points
+from ..geometry import Line, closest_on_segments
 from ..validation import (
     Floats,
     Indices,
@@ -246,8 +246,8 @@ class Centerline:
         radius = np.array(
             [start.inscribed_radius, *self.inscribed_radius[nodes], end.inscribed_radius]
         )
-        kept = kept_points(points)
-        return CenterlinePath(points[kept], radius[kept])
+        line = Line(points)
+        return CenterlinePath(line.without_repeats(), radius[line.distinct])
 
     def ends_of_path(
         self, from_point: ArrayLike | Location, to_point: ArrayLike | Location
@@ -298,7 +298,7 @@ class Centerline:
         """From `up` mm above a place to `down` mm below it, along its vessel."""
         near = self._location(place)
         if not self.lumens:
-            return CenterlinePath(near.point[None], np.array([near.inscribed_radius]))
+            return CenterlinePath(Line(near.point[None]), np.array([near.inscribed_radius]))
         stretch = self._stretch_at(near)
         nodes = self.ancestry(self._vessel_lines.end_of(stretch))
         if near.index not in nodes:
@@ -312,11 +312,11 @@ class Centerline:
         nodes, at = nodes[:count], at[:count]
         ends = np.clip([first, last], 0.0, at[-1])
         inner = nodes[(at > ends[0]) & (at < ends[1])]
-        points, radius = interpolated(self.points[nodes], self.inscribed_radius[nodes], ends)
+        points, radius = interpolated(Line(self.points[nodes]), self.inscribed_radius[nodes], ends)
         points = np.concatenate([points[:1], self.points[inner], points[1:]])
         radius = np.concatenate([radius[:1], self.inscribed_radius[inner], radius[1:]])
-        kept = kept_points(points)
-        return CenterlinePath(points[kept], radius[kept], tuple(choices))
+        line = Line(points)
+        return CenterlinePath(line.without_repeats(), radius[line.distinct], tuple(choices))
 
     def _on_line_to(self, end: Location, start: Location) -> Location:
         """A place from which a lumen leads to another one, on the line that comes there."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from ..geometry import arc_lengths
+from ..geometry import Line
 from ..validation import Floats, Points, read_only
 from .junctions import JunctionChoice
 
@@ -27,21 +27,27 @@ class Location:
 
 @dataclass(frozen=True)
 class CenterlinePath:
-    """A way along a centerline: points (k, 3), inscribed radius (k,), and how it was chosen."""
+    """A way along a centerline, the inscribed radius (k,) at its points, and how it was chosen."""
 
-    points: Points
+    line: Line
     inscribed_radius: Floats
     choices: tuple[JunctionChoice, ...] = ()
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "points", read_only(self.points))
         object.__setattr__(self, "inscribed_radius", read_only(self.inscribed_radius))
+
+    @property
+    def points(self) -> Points:
+        """(k, 3) mm."""
+        return self.line.points
 
     @property
     def length(self) -> float:
         """Arc length, mm."""
-        return float(arc_lengths(self.points)[-1])
+        return float(self.line.arc_lengths[-1])
 
     def reversed(self) -> CenterlinePath:
         """The same way from its end to its start."""
-        return replace(self, points=self.points[::-1], inscribed_radius=self.inscribed_radius[::-1])
+        return replace(
+            self, line=self.line.reversed(), inscribed_radius=self.inscribed_radius[::-1]
+        )

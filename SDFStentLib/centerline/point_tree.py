@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..geometry import arc_lengths, locate, point_at, segment_count
+from ..geometry import Line, segment_count
 from ..validation import Floats, Indices, InputError, Points
 
 
@@ -163,10 +163,10 @@ def mixed_radius(first: ArrayLike, second: ArrayLike, fraction: ArrayLike) -> Fl
     return np.where(np.isnan(first), second, np.where(np.isnan(second), first, mean))
 
 
-def interpolated(points: Points, radius: Floats, at: Floats) -> tuple[Points, Floats]:
-    """Points and radii at the given arc lengths of a polyline of at least two points."""
-    segments, fractions = locate(points, at)
-    return point_at(points, at), mixed_radius(radius[segments], radius[segments + 1], fractions)
+def interpolated(line: Line, radius: Floats, at: Floats) -> tuple[Points, Floats]:
+    """Points and radii at the given arc lengths of a line of at least two points."""
+    segments, fractions = line.located(at)
+    return line.at(at), mixed_radius(radius[segments], radius[segments + 1], fractions)
 
 
 def resampled_tree(tree: PointTree, spacing: float) -> PointTree:
@@ -178,9 +178,10 @@ def resampled_tree(tree: PointTree, spacing: float) -> PointTree:
     parent = [np.full(len(nodes), -1, dtype=np.int64)]
     count = len(nodes)
     for path in paths:
-        total = arc_lengths(tree.points[path])[-1]
+        line = Line(tree.points[path])
+        total = line.arc_lengths[-1]
         at = np.linspace(0.0, total, segment_count(float(total), spacing) + 1)[1:-1]
-        new_points, new_radius = interpolated(tree.points[path], tree.inscribed_radius[path], at)
+        new_points, new_radius = interpolated(line, tree.inscribed_radius[path], at)
         chain = np.array([number[int(path[0])], *range(count, count + len(at))], dtype=np.int64)
         points.append(new_points)
         radius.append(new_radius)

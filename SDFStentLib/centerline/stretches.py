@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry import dot, tangents
+from ..geometry import dot
 from ..validation import Floats, Indices, Points
 from .branch_lumen import BranchLumen
 
@@ -108,7 +108,7 @@ class _Joined:
             np.concatenate([lumen.along for lumen in lumens]),
         )
         self._centers = np.concatenate([lumen.centers for lumen in lumens])
-        self._ways = np.concatenate([tangents(lumen.points) for lumen in lumens])
+        self._ways = np.concatenate([lumen.line.directions for lumen in lumens])
         self._radii = self._columns[2] / 2
         self._spacings = np.concatenate(
             [np.full(len(lumen.along), lumen.along[1] - lumen.along[0]) for lumen in lumens]

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..centerline import Centerline
-from ..geometry import arc_lengths, point_at
+from ..geometry import Line
 from ..plan import InputFiles, Plan, StentSizes, detailed_stent, stent_details
 from ..stent import AtCenter, AtDistalEnd, Placement, Stent
 from ..treatment import AxisChange, axis_in_vessel
@@ -43,14 +43,14 @@ class _Place(NamedTuple):
     @property
     def point(self) -> Points:
         """(3,) mm."""
-        return point_at(self.way, np.array([self.at]))[0]
+        return Line(self.way).at(np.array([self.at]))[0]
 
     def placement(self, deployed_length: float, tree: Centerline) -> Placement:
         """By its middle; where that is not enough to lead into the branch, by its distal end."""
         distal = self.at + deployed_length / 2
-        if distal <= self.start or distal > arc_lengths(self.way)[-1]:
+        if distal <= self.start or distal > Line(self.way).arc_lengths[-1]:
             return AtCenter(self.point)
-        end = point_at(self.way, np.array([distal]))[0]
+        end = Line(self.way).at(np.array([distal]))[0]
         leads = tree.path_around(self.point, deployed_length).points[-1]
         if self.at < self.start or np.linalg.norm(leads - end) > NEAR:
             return AtDistalEnd(end)
@@ -126,7 +126,7 @@ def _at_lesion(parameters: Parameters, tree: Centerline, lesions: tuple[Lesion, 
     points = tree.branches[lesion.branch]
     way = tree.points[tree.ancestry(int(points[-1]))]
     middle = (lesion.start + lesion.end) / 2
-    low, high = -middle, arc_lengths(way)[-1] - middle
+    low, high = -middle, Line(way).arc_lengths[-1] - middle
     at = middle + as_number(offset, "offset", unit="mm", minimum=low, maximum=float(high))
     return _Place(way, at, float(tree.arc_length[points[0]]), lesion)
 
@@ -241,7 +241,7 @@ def _axis(stent: Stent, plan: Plan, inputs: InputFiles) -> Points:
 
 
 def _halfway(axis: Points) -> Points:
-    middle: Points = point_at(axis, arc_lengths(axis)[-1:] / 2)[0]
+    middle: Points = Line(axis).at(Line(axis).arc_lengths[-1:] / 2)[0]
     return middle
 
 

@@ -95,11 +95,11 @@ def draped(motion: Motion, positions: Points, triangles: Triangles, radius: floa
 
 def _steep_edges(motion: Motion, positions: Points, triangles: Triangles, radius: float) -> _Edges:
     """Edges over which the profile differs from a straight line by more than is negligible."""
-    shares, nodes = motion.chain.shares, motion.chain.nodes
+    shares = motion.chain.shares
     assert shares is not None
     movable = np.arange(np.count_nonzero(motion.touchable))
     ends = edges_on_stent(triangles, movable, len(positions))
-    at = fractions_of(positions, nodes)[ends]
+    at = fractions_of(positions, motion.chain.line)[ends]
     share = np.linspace(0, 1, MOST_PLACES + 2)
     between = shares.along(at[:, :1] + share * (at[:, 1:] - at[:, :1]))
     straight = between[:, :1] + share * (between[:, -1:] - between[:, :1])

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..field import fractions_of
-from ..geometry import arc_lengths, dot, nearest_distances
+from ..geometry import dot, nearest_distances
 from ..validation import Points, Triangles
 from .motion import Motion
 
@@ -180,9 +180,9 @@ def _native_lumen(
     motion: Motion, nearest: NDArray[np.float64], beside: Points, radius: float
 ) -> NDArray[np.float64]:
     """Distance (n,) from the axis beside points to the nearest wall, by that (m,) of nodes, mm."""
-    nodes = motion.chain.nodes
-    along = arc_lengths(nodes) / arc_lengths(nodes)[-1]
-    found = np.interp(fractions_of(beside, nodes), along, nearest)
+    line = motion.chain.line
+    along = line.arc_lengths / line.arc_lengths[-1]
+    found = np.interp(fractions_of(beside, line), along, nearest)
     return found + motion.chain.shortfall(beside, radius)
 
 

@@ -92,7 +92,7 @@ class Motion:
         self._near = near[order]
         field = chain.folding.at(self.positions, self._near)
         shares = chain.shares
-        self.pace = None if shares is None else shares.at(self.positions, chain.nodes)
+        self.pace = None if shares is None else shares.at(self.positions, chain.line)
         self.level, self.direction = self._paced(slice(None), field.distance, field.direction)
         self.slope = field.slope
         self.offset = np.zeros(len(points))

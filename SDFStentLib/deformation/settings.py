@@ -9,6 +9,7 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from ..field import FOLDS, CapsuleChain, RadiusShares
+from ..geometry import Line
 from ..parameter import Parameter, parameter, parameters_of
 from ..validation import Floats, InputError
 from .profiles import BLENDS, FALLOFFS, Profile, StepRule, as_profile
@@ -217,9 +218,9 @@ class DeploymentSettings:
         return replace(self, **changes)
 
     def chain(
-        self, axis: ArrayLike, profile: tuple[Floats, Floats, float] | None = None
+        self, axis: Line | ArrayLike, profile: tuple[Floats, Floats, float] | None = None
     ) -> CapsuleChain:
-        """The stent along an axis (n, 3), mm; parameters and errors as `CapsuleChain.along`.
+        """The stent along an axis; parameters and errors as `CapsuleChain.along`.
 
         A profile is parts of the length, diameters there (mm), and the height of its caps over the
         radius; the radius to deploy is then that of its largest diameter.

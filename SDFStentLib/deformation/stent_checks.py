@@ -13,7 +13,7 @@ import numpy as np
 
 from ..certificate import NARROWER, WIDER, LumenCheck, MotionCheck, Place
 from ..field import CapsuleChain, fractions_of
-from ..geometry import Surface, may_meet_box, resampled, tangents
+from ..geometry import Surface, may_meet_box
 from ..lumen import (
     Until,
     caps_across,
@@ -139,7 +139,7 @@ def _narrowest(
         width = around.distances(stations)
     doubtful = np.flatnonzero(width < (1 - ROUGH) * wanted)
     if len(doubtful):
-        directions = tangents(stations)[doubtful]
+        directions = chain.line.directions[doubtful]
         spheres = inscribed_spheres(points, triangles, stations[doubtful], directions)
         width[doubtful] = np.fmax(spheres.radii, width[doubtful])
     at = int((width / wanted).argmin())
@@ -148,7 +148,7 @@ def _narrowest(
     middle = len(stations) // 2
     three = [middle, 0, -1]
     walls = (around.points, around.triangles), (points, triangles)
-    if _is_outside(walls, stations[three], tangents(stations)[three]):
+    if _is_outside(walls, stations[three], chain.line.directions[three]):
         return _Narrowest(0.0, float(wanted[middle]), _place(stations[middle]))
     prescribed = float(wanted[at])
     return _Narrowest(min(float(width[at]), prescribed), prescribed, _place(stations[at]))
@@ -160,8 +160,8 @@ def _widest(
     """Largest sphere over what may be as wide, the latter, and the station; radii."""
     chain, radius, _ = stent
     # A sphere reaches over its neighbors at this distance, and need not be exact.
-    stations = resampled(chain.nodes, radius / 2)
-    directions = tangents(stations)
+    line = chain.line.resampled(radius / 2)
+    stations, directions = line.points, line.directions
     points, triangles = after.points, after.triangles
     prescribed = _beside_wider_parts(chain, radius, stations)
     least = float(prescribed[0])
@@ -223,7 +223,7 @@ def _dragged(stent: Expected, stations: Points, native: Floats) -> Floats:
 def _profile(chain: CapsuleChain, radius: float, stations: Points) -> tuple[Floats, Floats]:
     """Radii (n,) of a stent at places of its axis, and arc lengths of these, mm."""
     assert chain.shares is not None
-    at = fractions_of(stations, chain.nodes)
+    at = fractions_of(stations, chain.line)
     return radius * chain.shares.along(at), at * chain.length
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..certificate import NARROWER, NOTICEABLY_NARROWER, WallCheck
 from ..field import CapsuleChain, fractions_of
-from ..geometry import closest_points, compacted, length, norm
+from ..geometry import Line, compacted, norm
 from ..validation import Floats, Points, Triangles
 
 PLACES = 5
@@ -63,12 +63,12 @@ def _doubtful(
     """The triangles that may lie inside."""
     corners, local = compacted(points, triangles)
     # The nodes may be as far beside the axis; so may a distance from them.
-    beside = float(closest_points(chain.nodes, chain.followed).distances.max())
+    beside = float(chain.line.nearest(chain.followed.points).distances.max())
     distance = chain.axis_distance(corners) - beside
     widest = np.full(len(local), radius)
     if chain.shares is not None:
         at = np.stack(
-            [fractions_of(corners, chain.nodes), fractions_of(corners, chain.followed)], axis=1
+            [fractions_of(corners, chain.line), fractions_of(corners, chain.followed)], axis=1
         )[local].reshape(len(local), -1)
         share = at.min(axis=1, keepdims=True) + np.ptp(at, axis=1)[:, None] * np.linspace(0, 1, 9)
         widest = radius * chain.shares.along(share).max(axis=1)
@@ -96,13 +96,12 @@ def _depths(corners: Points, along: int, chain: CapsuleChain, radius: float) -> 
     """How far places of triangles (t, 3, 3) lie inside, `along` of them on every side."""
     places = np.einsum("pc,tcx->tpx", _weights(along), corners)
     shape, flat = places.shape[:2], places.reshape(-1, 3)
-    axis_length = length(chain.followed)
-    nearest = closest_points(chain.followed, flat)
+    axis_length, nearest = chain.followed.length, chain.followed.nearest(flat)
     # Which place of a bent axis a place of the wall is beside is a matter of the method where the
     # profile changes; it is inside where it is by both.
     feet = [nearest.arc_lengths / axis_length]
     if chain.shares is not None:
-        feet.append(fractions_of(flat, chain.nodes))
+        feet.append(fractions_of(flat, chain.line))
     wanted, share = np.full(len(flat), radius), np.full(len(flat), np.inf)
     for foot in feet:
         own = _radii(chain, radius, foot)
@@ -130,7 +129,7 @@ def _way_out(across: Floats, chain: CapsuleChain, radius: float, axis_length: fl
     rim = np.stack([at * axis_length, own], axis=1)
     outline = np.concatenate([[[0.0, 0.0]], rim, [[axis_length, 0.0]]])
     flat = ((0, 0), (0, 1))
-    return closest_points(np.pad(outline, flat), np.pad(across, flat)).distances
+    return Line(np.pad(outline, flat)).nearest(np.pad(across, flat)).distances
 
 
 def _radii(chain: CapsuleChain, radius: float, foot: Floats) -> Floats:

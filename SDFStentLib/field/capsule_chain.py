@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..geometry import across, dot, length, norm, resampled, without_repeats
+from ..geometry import Line, across, as_line, dot, norm
 from ..validation import InputError, Points, as_number, as_points, in_short, read_only
 from .chain_field import ChainField, Field
 from .radius_shares import RadiusShares
@@ -45,15 +45,15 @@ class CapsuleChain:
         of the axis the other way round as well; published is the order from the distal end.
     shares : RadiusShares, optional
         Of its radius along the axis, where that is not the same everywhere; the field is.
-    axis : (n, 3) array, optional
-        What the stent is meant to follow, mm, where that is more than the nodes: see `followed`.
+    axis : Line, optional
+        What the stent is meant to follow, where that is more than the nodes: see `followed`.
     """
 
     nodes: Points
     smoothing_width: float = 0.4
     fold: str = "both"
     shares: RadiusShares | None = None
-    axis: Points | None = None
+    axis: Line | None = None
 
     def __post_init__(self) -> None:
         nodes = as_points(self.nodes, "capsule chain nodes", minimum=2)
@@ -63,9 +63,6 @@ class CapsuleChain:
                 "chain with CapsuleChain.along, which removes repeats."
             )
         object.__setattr__(self, "nodes", read_only(nodes))
-        if self.axis is not None:
-            axis = as_points(self.axis, "stent axis", minimum=2)
-            object.__setattr__(self, "axis", read_only(axis))
         width = as_number(self.smoothing_width, "smoothing width", unit="mm", minimum=0)
         object.__setattr__(self, "smoothing_width", width)
         if self.fold not in FOLDS:
@@ -74,7 +71,7 @@ class CapsuleChain:
     @classmethod
     def along(
         cls,
-        axis: ArrayLike,
+        axis: Line | ArrayLike,
         *,
         capsule_length: float = 1.0,
         smoothing_width: float = 0.4,
@@ -85,7 +82,7 @@ class CapsuleChain:
 
         Parameters
         ----------
-        axis : (n, 3) array_like
+        axis : Line or (n, 3) array_like
             Stent axis, mm, from the proximal to the distal end; repeats are removed.
         capsule_length : float
             Wanted capsule length, mm; the nearest length that divides the axis is used.
@@ -96,27 +93,35 @@ class CapsuleChain:
             An axis without length, or a capsule length that is not positive.
         """
         spacing = as_number(capsule_length, "capsule length", unit="mm", above=0)
-        points = without_repeats(as_points(axis, "stent axis", minimum=2))
-        if len(points) < 2:
+        line = as_line(axis, "stent axis").without_repeats()
+        if len(line) < 2:
             raise InputError("stent axis: expected a line with length, got a single place.")
         # Lengths are summed in one direction, so that the nodes do not depend on it by a last bit.
-        direction = 1 if runs_forward(points) else -1
-        forward = points[::direction]
-        nodes = resampled(forward, spacing)[::direction]
+        is_forward = runs_forward(line.points)
+        forward = line if is_forward else line.reversed()
+
+        def even(spacing: float) -> Line:
+            found = forward.resampled(spacing)
+            return found if is_forward else found.reversed()
+
         if spacing <= FOLLOWED:
-            return cls(nodes, smoothing_width, fold, shares)
-        fine = resampled(forward, FOLLOWED)[::direction]
-        return cls(nodes, smoothing_width, fold, shares, fine)
+            return cls(even(spacing).points, smoothing_width, fold, shares)
+        return cls(even(spacing).points, smoothing_width, fold, shares, even(FOLLOWED))
+
+    @cached_property
+    def line(self) -> Line:
+        """Through the nodes."""
+        return Line(self.nodes)
 
     @property
-    def followed(self) -> Points:
-        """(n, 3) the line by which a result is judged, mm. Nothing is deployed by it."""
-        return self.nodes if self.axis is None else self.axis
+    def followed(self) -> Line:
+        """The line by which a result is judged. Nothing is deployed by it."""
+        return self.line if self.axis is None else self.axis
 
     @property
     def length(self) -> float:
         """Length of the axis, mm."""
-        return length(self.nodes)
+        return self.line.length
 
     def field(self, points: ArrayLike) -> Field:
         """Smooth distance to the axis and its gradient.
@@ -150,14 +155,14 @@ class CapsuleChain:
         if self.fold == "distal" or runs_forward(self.nodes):
             return self
         shares = None if self.shares is None else self.shares.reversed
-        axis = None if self.axis is None else self.axis[::-1]
+        axis = None if self.axis is None else self.axis.reversed()
         return CapsuleChain(self.nodes[::-1], self.smoothing_width, self.fold, shares, axis)
 
     def shortfall(self, points: Points, radius: float) -> NDArray[np.float64] | float:
         """By how much the stent's radius near points (n, 3) is below its largest one, mm."""
         if self.shares is None:
             return 0.0
-        return radius * (1 - self.shares.at(points, self.nodes))
+        return radius * (1 - self.shares.at(points, self.line))
 
     def least_radius(self, radius: float) -> float:
         """Where the stent is narrowest, mm."""
@@ -172,7 +177,7 @@ class CapsuleChain:
         """
         if self.shares is None:
             return np.full(len(stations), radius)
-        return self.shares.inscribed(self.nodes, radius, stations, in_caps=in_caps)
+        return self.shares.inscribed(self.line, radius, stations, in_caps=in_caps)
 
 
 def runs_forward(points: Points) -> bool:

@@ -6,16 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..geometry import (
-    arc_lengths,
-    closest_points,
-    dot,
-    frames,
-    norm,
-    point_at,
-    product,
-    tangents,
-)
+from ..geometry import Line, dot, frames, norm, product
 from ..validation import Floats, InputError, Points, as_number, read_only
 
 WALL_SPACING, WALL_RAYS = 0.5, 24
@@ -65,18 +56,18 @@ class RadiusShares:
         """Those of the same stent with its nodes the other way round."""
         return RadiusShares(1 - self.fractions[::-1], self.shares[::-1], self.cap_height)
 
-    def at(self, points: Points, nodes: Points) -> Floats:
+    def at(self, points: Points, axis: Line) -> Floats:
         """Share (n,) of the radius that the stent has where it is nearest to points (n, 3)."""
-        share = self.along(fractions_of(points, nodes))
+        share = self.along(fractions_of(points, axis))
         if self.cap_height == 1:
             return share
-        return share * self._cap_share(points, nodes)
+        return share * self._cap_share(points, axis)
 
     def along(self, fractions: Floats) -> Floats:
         """Shares at some parts of the length."""
         return np.interp(fractions, self.fractions, self.shares)
 
-    def inscribed(self, nodes: Points, radius: float, stations: Points, *, in_caps: bool) -> Floats:
+    def inscribed(self, axis: Line, radius: float, stations: Points, *, in_caps: bool) -> Floats:
         """Radii (n,), mm, of the spheres round stations of the axis that fit into the stent.
 
         They touch it where it is narrower beside them, or where it bends towards them. Where flat
@@ -84,26 +75,26 @@ class RadiusShares:
 
         Parameters
         ----------
-        nodes : (m, 3) array
-            Of the axis, mm.
+        axis : Line
+            Through the nodes of the stent.
         radius : float
             The largest of the stent, mm.
         stations : (n, 3) array
             mm.
         in_caps : bool
         """
-        wall = self._wall(nodes, radius, in_caps)
+        wall = self._wall(axis, radius, in_caps)
         return np.array([norm(wall - station).min() for station in stations])
 
-    def _wall(self, nodes: Points, radius: float, in_caps: bool) -> Points:
+    def _wall(self, axis: Line, radius: float, in_caps: bool) -> Points:
         """Points of the stent's surface, mm."""
-        length = float(arc_lengths(nodes)[-1])
+        length = float(axis.arc_lengths[-1])
         even = np.linspace(0, 1, max(2, int(np.ceil(length / WALL_SPACING))) + 1)
         # The corners of a table; a smooth profile has so many that the even places do.
         corners = self.fractions if len(self.fractions) < len(even) else even
         at = np.union1d(even, corners)
-        centers = point_at(nodes, at * length)
-        frame, own = frames(centers), radius * self.along(at)
+        centers = axis.at(at * length)
+        frame, own = frames(Line(centers)), radius * self.along(at)
         angles = np.linspace(0, 2 * np.pi, WALL_RAYS, endpoint=False)[:, None, None]
         around = np.cos(angles) * frame[:, 1] + np.sin(angles) * frame[:, 2]
         wall = [(centers + own[:, None] * around).reshape(-1, 3)]
@@ -115,33 +106,33 @@ class RadiusShares:
                     wall.append(centers[end] + height + ring)
         points = np.concatenate(wall)
         # In a bend a part of it lies inside of the rest.
-        inside = closest_points(nodes, points).distances < radius * self.at(points, nodes) * INSIDE
+        inside = axis.nearest(points).distances < radius * self.at(points, axis) * INSIDE
         return points[~inside]
 
-    def _cap_share(self, points: Points, nodes: Points) -> Floats:
+    def _cap_share(self, points: Points, axis: Line) -> Floats:
         """Of the radius in the direction of points beyond an end: an ellipsoid's; 1 beside it."""
-        share = np.ones(len(points))
+        share, nodes = np.ones(len(points)), axis.points
         for end, inner in (nodes[:2], nodes[:-3:-1]):
             along = (end - inner) / np.linalg.norm(end - inner)
             offset = points - end
             distance = norm(offset)
             height = product(offset, along)
             beyond = (height > 0) & (distance > 0)
-            beyond &= closest_points(nodes, points).distances >= distance * (1 - 1e-9)
+            beyond &= axis.nearest(points).distances >= distance * (1 - 1e-9)
             cosine = height[beyond] / distance[beyond]
             share[beyond] = 1 / np.sqrt(1 - cosine**2 + (cosine / self.cap_height) ** 2)
         return share
 
 
-def fractions_of(points: Points, nodes: Points) -> Floats:
+def fractions_of(points: Points, axis: Line) -> Floats:
     """Which part (n,) of an axis lies before the feet of points (n, 3), from 0 to 1.
 
     Outside of a bend all of a wedge is nearest to a single node; a steep profile would turn into
     stairs. So a foot goes evenly from the plane across the axis at one node to that at the next.
     """
-    arc, across = arc_lengths(nodes), _turning_tangents(nodes)
+    nodes, arc, across = axis.points, axis.arc_lengths, _turning_tangents(axis)
     last = len(nodes) - 2
-    foot = closest_points(nodes, points)
+    foot = axis.nearest(points)
     segment = foot.segments
     for node, way in ((0, -1), (1, 1)):
         height = dot(points - nodes[segment + node], across[segment + node])
@@ -154,9 +145,9 @@ def fractions_of(points: Points, nodes: Points) -> Floats:
     return (arc[segment] + share * (arc[segment + 1] - arc[segment])) / arc[-1]
 
 
-def _turning_tangents(nodes: Points) -> Points:
+def _turning_tangents(axis: Line) -> Points:
     """Unit tangents (m, 3); those at the ends turn on as the axis does before them."""
-    found = tangents(nodes)
+    nodes, found = axis.points, axis.directions.copy()
     if len(nodes) > 2:
         for end, inner in ((0, 1), (-1, -2)):
             side = nodes[end] - nodes[inner]

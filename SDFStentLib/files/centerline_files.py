@@ -13,7 +13,7 @@ from vtkmodules.vtkCommonDataModel import vtkPolyData
 
 from ..cautions import Caution
 from ..centerline import Centerline
-from ..geometry import without_repeats
+from ..geometry import Line
 from ..units import MILLIMETERS, Frame, flipped, millimeters_per
 from ..validation import InputError, Points, read_only
 from .content import FileContent, read_content
@@ -229,7 +229,9 @@ def _check_lines(points: Points, lines: Sequence[NDArray[np.int64]], name: str) 
             f"{name}: expected a centerline of lines, got {len(points)} points without a line; "
             "save the centerline, not its surface or its points."
         )
-    if not any(len(line) > 1 and len(without_repeats(points[line])) > 1 for line in lines):
+    if not any(
+        len(line) > 1 and len(Line(points[line]).without_repeats().points) > 1 for line in lines
+    ):
         raise InputError(
             f"{name}: expected a line of at least two different points, got one point; "
             "compute the centerline again."

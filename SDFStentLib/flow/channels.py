@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..centerline import Centerline, Stretch, joined_lumens
-from ..geometry import Surface, tangents
+from ..geometry import Line, Surface
 from ..lumen import equivalent_diameters, inscribed_spheres
 from ..validation import Floats, Indices, InputError, Points
 from ..vessel import branch_lumens
@@ -67,7 +67,7 @@ def channels_of(surface: Surface, centerline: Centerline) -> tuple[Channel, ...]
     lumens = joined_lumens(branch_lumens(surface, centerline))
     found = [_refined(one) for one in lumens.stretches]
     lines = [one.points for one in found]
-    places, ways = np.concatenate(lines), np.concatenate([tangents(line) for line in lines])
+    places, ways = np.concatenate(lines), np.concatenate([Line(line).directions for line in lines])
     sections = equivalent_diameters(surface.points, surface.triangles, places, ways)
     inscribed = np.concatenate([one.inscribed for one in found])
     new = np.flatnonzero(inscribed == _NEW)

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..centerline import Centerline
-from ..geometry import Balls, Surface, across, arc_lengths, tangents
+from ..geometry import Balls, Line, Surface, across
 from ..lumen import (
     FollowedWall,
     InscribedSpheres,
@@ -111,7 +111,7 @@ class FollowedChannels:
         inscribed = np.concatenate([one.inscribed for one in before])
         section = np.concatenate([one.section for one in before])
         places = np.concatenate(lines)
-        ways = np.concatenate([tangents(line) for line in lines])
+        ways = np.concatenate([Line(line).directions for line in lines])
         states = self._surface.points, surface.points
         shifts = (places - stations)[own.which]
         touched, spheres = own.wall.spheres_after(states, shifts, across(ways[own.which]))
@@ -127,7 +127,7 @@ class FollowedChannels:
     def _round(self, number: int) -> _Round:
         if number not in self._known:
             one = self.channels[number]
-            ways = tangents(one.points)
+            ways = Line(one.points).directions
             which = np.flatnonzero(np.isfinite(one.inscribed) & (one.inscribed > 0))
             diameters = one.inscribed[which]
             wall = followed_wall(self._wall, one.points[which], ways[which], diameters)
@@ -191,7 +191,7 @@ def _carried(channel: Channel, before: Centerline, after: Centerline) -> Points:
         if np.array_equal(line, moved):
             continue
         own = channel.branch == number
-        at = arc_lengths(line)
+        at = Line(line).arc_lengths
         shift = [np.interp(channel.branch_along, at, column) for column in (moved - line).T]
         places = np.where(own[:, None], places + np.column_stack(shift), places)
     return places
@@ -201,4 +201,4 @@ def _along(line: Points, channel: Channel) -> Floats:
     """Arc lengths (n,) along stations that may have moved, from where the channel began."""
     if np.array_equal(line, channel.points):
         return channel.along
-    return np.asarray(channel.along[0] + arc_lengths(line))
+    return np.asarray(channel.along[0] + Line(line).arc_lengths)

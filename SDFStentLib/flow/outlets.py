@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry import closest_points
+from ..geometry import Line
 from ..units import Frame
 from ..validation import Flags, Floats, InputError, Points
 from .blocks import shares_of
@@ -106,7 +106,7 @@ def _is_right(
 ) -> bool | None:
     """Whether the first of two branches is the right one; None where nothing tells."""
     if right is not None:
-        near = [closest_points(one.points, right[None]).distances[0] for one in channels]
+        near = [Line(one.points).nearest(right[None]).distances[0] for one in channels]
         number = int(np.argmin(near))
         # Ends: at the root.
         while number >= 0 and number not in pair:

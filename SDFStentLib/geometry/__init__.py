@@ -1,8 +1,7 @@
 """Polylines and triangle surfaces: what can be said of them without knowing a vessel."""
 
 from .bends import frames as frames
-from .bends import minimum_bend_radius as minimum_bend_radius
-from .bends import tangents as tangents
+from .bends import smoothed_line as smoothed_line
 from .bends import tightest_bend as tightest_bend
 from .carrying import carried as carried
 from .connected_parts import component_labels as component_labels
@@ -22,6 +21,9 @@ from .faces import signed_volume as signed_volume
 from .faces import vertex_normals as vertex_normals
 from .flat_fill import FlatFill as FlatFill
 from .flat_fill import flat_fill as flat_fill
+from .line import Line as Line
+from .line import as_line as as_line
+from .line import segment_count as segment_count
 from .named_faces import NamedFaces as NamedFaces
 from .named_faces import checked_faces as checked_faces
 from .near_balls import Balls as Balls
@@ -33,13 +35,10 @@ from .plane_cut import section_around as section_around
 from .polyline import arc_lengths as arc_lengths
 from .polyline import closest_points as closest_points
 from .polyline import cut as cut
-from .polyline import kept_points as kept_points
 from .polyline import length as length
-from .polyline import locate as locate
 from .polyline import point_at as point_at
 from .polyline import resampled as resampled
-from .polyline import resampled_to as resampled_to
-from .polyline import segment_count as segment_count
+from .polyline import tangents as tangents
 from .polyline import without_repeats as without_repeats
 from .precision import Precision as Precision
 from .rows import across as across
@@ -53,7 +52,6 @@ from .section import is_inside as is_inside
 from .section import plane_section as plane_section
 from .segments import closest_on_segments as closest_on_segments
 from .segments import distances_to_segments as distances_to_segments
-from .smooth_line import smoothed_line as smoothed_line
 from .smoothing import smooth_minimum as smooth_minimum
 from .surface import Surface as Surface
 from .surface import as_surface as as_surface

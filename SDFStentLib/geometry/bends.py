@@ -1,4 +1,4 @@
-"""Directions along a polyline, and how tightly it bends."""
+"""Frames along a line, how tightly it bends, and the line without its short bends."""
 
 from __future__ import annotations
 
@@ -9,53 +9,29 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..validation import Floats, Points, as_number, as_point, as_points
-from .polyline import (
-    length,
-    point_at,
-    positive_length,
-    segment_lengths,
-    without_repeats,
-)
+from ..validation import Floats, Points, as_number, as_point
+from .line import Line
 from .rows import dot
 
 _NONE = 1e-9
 """Length below which a vector across a unit vector has no direction."""
 
+STEPS = 16
+"""Stations per length of smoothing."""
 
-def tangents(points: ArrayLike) -> Floats:
-    """Unit tangent at each point: the mean direction of the two segments that meet there.
+MOST_STATIONS = 8_000
 
-    A repeated point gets the tangent of the point it repeats; at a turn of exactly 180 degrees
-    the direction of arrival counts.
-
-    Raises
-    ------
-    InputError
-        A polyline without length.
-    """
-    polyline = as_points(points, "polyline", minimum=2)
-    positive_length(polyline)
-    lengths = segment_lengths(polyline)
-    solid = np.flatnonzero(lengths > 0)
-    directions = np.diff(polyline, axis=0)[solid] / lengths[solid, None]
-    # Per point the solid segment that arrives and the one that leaves; ends have only one.
-    arriving = np.clip(np.searchsorted(solid, np.arange(len(polyline))) - 1, 0, None)
-    leaving = np.clip(np.searchsorted(solid, np.arange(len(polyline))), None, len(solid) - 1)
-    sums = directions[arriving] + directions[leaving]
-    sizes = np.linalg.norm(sums, axis=1, keepdims=True)
-    turned_back = sizes[:, 0] < 1e-12
-    sums[turned_back], sizes[turned_back] = directions[arriving[turned_back]], 1.0
-    return sums / sizes
+REACH = 4.0
+"""A place counts up to so many lengths of smoothing away; what is left out is below 1e-4."""
 
 
-def frames(points: ArrayLike, first_normal: ArrayLike | None = None) -> Floats:
+def frames(line: Line, first_normal: ArrayLike | None = None) -> Floats:
     """Right-handed frames of minimal twist.
 
     Parameters
     ----------
-    points : array_like, shape (n, 3)
-        Polyline, mm.
+    line : Line
+        mm.
     first_normal : array_like, shape (3,), optional
         Wanted normal at the first point; its part along the tangent is left out. Without it,
         or when it is parallel to the tangent, the coordinate axis farthest from the tangent.
@@ -66,7 +42,7 @@ def frames(points: ArrayLike, first_normal: ArrayLike | None = None) -> Floats:
         Rows are tangent, normal, binormal. From point to point the normal is turned by the
         smallest rotation that takes one tangent to the next.
     """
-    return frames_along(tangents(points), first_normal)
+    return frames_along(line.directions, first_normal)
 
 
 def frames_along(along: Floats, first_normal: ArrayLike | None = None) -> Floats:
@@ -108,18 +84,13 @@ class Bend(NamedTuple):
     """(3,) where it is."""
 
 
-def minimum_bend_radius(points: ArrayLike, window: float | None = None) -> float:
-    """Radius of the `tightest_bend`, mm; infinity when straight."""
-    return tightest_bend(points, window).radius
-
-
-def tightest_bend(points: ArrayLike, window: float | None = None) -> Bend:
-    """The tightest bend of a polyline, and where it is.
+def tightest_bend(line: Line, window: float | None = None) -> Bend:
+    """The tightest bend of a line, and where it is.
 
     Parameters
     ----------
-    points : array_like, shape (n, 3)
-        Polyline, mm.
+    line : Line
+        mm.
     window : float, optional
         Arc length (mm) from the middle to the outer ones of the three points that are compared,
         so that jitter of a dense centerline does not count as a bend; at most half the length.
@@ -131,17 +102,18 @@ def tightest_bend(points: ArrayLike, window: float | None = None) -> Bend:
         Smallest radius of the circles through three points (exact on a circular arc), and the
         middle one of these; the first of equals.
     """
-    polyline = without_repeats(points)
-    if len(polyline) < 3:
-        return Bend(float("inf"), polyline[0])
-    before, middle, after = polyline[:-2], polyline[1:-1], polyline[2:]
+    line = line.without_repeats()
+    points = line.points
+    if len(points) < 3:
+        return Bend(float("inf"), points[0])
+    before, middle, after = points[:-2], points[1:-1], points[2:]
     if window is not None:
-        total = length(polyline)
+        total = line.length
         reach = min(as_number(window, "window", unit="mm", above=0), total / 2.0)
         # Steps of an eighth of the window (a corner is met to a sixteenth), memory bounded.
         count = 2 + int(min(8.0 * (total - 2.0 * reach) / reach, 50_000))
         at = np.linspace(reach, total - reach, count)
-        before, middle, after = (point_at(polyline, at + shift) for shift in (-reach, 0.0, reach))
+        before, middle, after = (line.at(at + shift) for shift in (-reach, 0.0, reach))
     first, second = middle - before, after - middle
     sides = [np.linalg.norm(side, axis=1) for side in (first, second, first + second)]
     product = sides[0] * sides[1] * sides[2]
@@ -153,3 +125,42 @@ def tightest_bend(points: ArrayLike, window: float | None = None) -> Bend:
     radii[~flat] = product[~flat] / twice[~flat]
     tightest = int(radii.argmin())
     return Bend(float(radii[tightest]), middle[tightest])
+
+
+def smoothed_line(line: Line, smoothing_length: float) -> Line:
+    """A line each of whose points is the mean of the line around it; both ends stay.
+
+    Weights are those of a normal distribution along the arc. At its ends the line goes on as its
+    own reflection in the end, so that a straight line stays as it is; an arc of radius r moves
+    inwards by about `smoothing_length ** 2 / (2 r)`.
+
+    Parameters
+    ----------
+    line : Line
+        mm.
+    smoothing_length : float
+        Standard deviation of the weights, mm; 0 leaves the line as it is.
+
+    Raises
+    ------
+    InputError
+        A line without length, or a smoothing that is below 0.
+    """
+    sigma = as_number(smoothing_length, "smoothing length", unit="mm", minimum=0)
+    line.check_length()
+    if sigma == 0:
+        return line
+    total = line.length
+    count = int(np.clip(STEPS * total / sigma, 16, MOST_STATIONS)) + 1
+    even = line.resampled_to(count).points
+    spacing = total / (count - 1)
+    side = int(np.clip(np.ceil(REACH * sigma / spacing), 1, count - 1))
+    weights = np.exp(-0.5 * (np.arange(-side, side + 1) * spacing / sigma) ** 2)
+    before = 2 * even[0] - even[side:0:-1]
+    after = 2 * even[-1] - even[-2 : -side - 2 : -1]
+    whole = np.concatenate([before, even, after])
+    smooth = [np.convolve(column, weights / weights.sum(), mode="valid") for column in whole.T]
+    stations = np.linspace(0.0, total, count)
+    result = np.stack([np.interp(line.arc_lengths, stations, one) for one in smooth], axis=1)
+    result[0], result[-1] = line.points[0], line.points[-1]
+    return Line(result)

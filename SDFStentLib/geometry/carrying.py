@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from ..validation import Floats, Points, as_number, as_points
 from .bends import frames_along
-from .polyline import point_at, positive_length, without_repeats
+from .line import Line
 
 WINDOW = 2.0
 """The line's direction is that between places so far before and behind, mm."""
@@ -21,14 +21,13 @@ MOST_STATIONS = 20_000
 class _Guide(NamedTuple):
     """A line with frames of minimal twist at even stations."""
 
-    line: Points
-    length: float
+    line: Line
     frames: Floats
 
     def laid(self, points: Points, at: Floats) -> Points:
         """Points (n, 3), of which x and y count, across the line at arc lengths (n,), mm."""
-        inside = np.clip(at, 0.0, self.length)
-        place = inside / self.length * (len(self.frames) - 1)
+        inside = np.clip(at, 0.0, self.line.length)
+        place = inside / self.line.length * (len(self.frames) - 1)
         first = np.minimum(place.astype(np.int64), len(self.frames) - 2)
         weight = (place - first)[:, None, None]
         mixed = (1 - weight) * self.frames[first] + weight * self.frames[first + 1]
@@ -36,13 +35,13 @@ class _Guide(NamedTuple):
         normal = _unit(mixed[:, 1] - np.sum(mixed[:, 1] * along, axis=1)[:, None] * along)
         across = np.cross(along, normal)
         # Beyond the ends the line goes straight on.
-        center = point_at(self.line, inside) + (at - inside)[:, None] * along
+        center = self.line.at(inside) + (at - inside)[:, None] * along
         return np.asarray(center + points[:, :1] * normal + points[:, 1:2] * across)
 
 
 def carried(
     points: ArrayLike,
-    line: ArrayLike,
+    line: Line,
     *,
     middle: float | None = None,
     window: float = WINDOW,
@@ -58,7 +57,7 @@ def carried(
     ----------
     points : array_like, shape (n, 3)
         Of the body, mm: its axis is z, its middle z = 0.
-    line : array_like, shape (m, 3)
+    line : Line
         Where it shall lie, mm; beyond its ends it goes straight on.
     middle : float, optional
         Arc length of the line to which the body's middle goes, mm; that of the line's middle.
@@ -78,13 +77,14 @@ def carried(
         A line without length, or values that are not finite.
     """
     body = as_points(points, "points")
-    guide = _guide(without_repeats(line), window, first_normal)
-    start = guide.length / 2 if middle is None else as_number(middle, "middle", unit="mm")
+    guide = _guide(line.without_repeats(), window, first_normal)
+    start = guide.line.length / 2 if middle is None else as_number(middle, "middle", unit="mm")
     return guide.laid(body, start + body[:, 2])
 
 
-def _guide(line: Points, window: float, first_normal: ArrayLike | None) -> _Guide:
-    total = positive_length(line)
+def _guide(line: Line, window: float, first_normal: ArrayLike | None) -> _Guide:
+    line.check_length()
+    total = line.length
     reach = as_number(window, "window", unit="mm", above=0)
     count = int(np.clip(STATIONS_PER_WINDOW * total / reach, 16, MOST_STATIONS)) + 1
     at = np.linspace(0.0, total, count)
@@ -92,10 +92,10 @@ def _guide(line: Points, window: float, first_normal: ArrayLike | None) -> _Guid
     # direction; near the ends of the line, where the middle stays behind, what bends on.
     room = min(reach, total / 2)
     middle = np.clip(at, room, total - room)
-    before, here, after = (point_at(line, middle + way * room) for way in (-1, 0, 1))
+    before, here, after = (line.at(middle + way * room) for way in (-1, 0, 1))
     bend = (after - here) - (here - before)
     along = (after - before) / 2 + ((at - middle) / room)[:, None] * bend
-    return _Guide(line, total, frames_along(_unit(along), first_normal))
+    return _Guide(line, frames_along(_unit(along), first_normal))
 
 
 def _unit(vectors: Floats) -> Floats:

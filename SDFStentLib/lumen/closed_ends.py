@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry import Surface, SurfaceIndex, arc_lengths, dot, may_meet_box, nearest_distances
+from ..geometry import Line, Surface, SurfaceIndex, dot, may_meet_box, nearest_distances
 from ..validation import Flags, Floats, Indices, Points, Triangles
 from .caps import caps_across, flat_caps
 from .spheres import InscribedSpheres, inscribed_spheres
@@ -67,7 +67,7 @@ def past_closed_ends(
     askew, cuts the section off.
     """
     stations, directions, spheres, equivalent = measured
-    arc = arc_lengths(stations)
+    arc = Line(stations).arc_lengths
     to_end = np.minimum(arc, arc[-1] - arc)
     # Within a radius of the lumen, and a tenth for the sag of a bend; sections may be NaN.
     near_end = to_end <= 1.1 * np.fmax(spheres.radii, equivalent / 2)

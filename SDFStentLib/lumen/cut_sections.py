@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..geometry import Surface, arc_lengths, frames
+from ..geometry import Line, Surface, frames
 from ..validation import Flags, Floats, Points
 from .expected_wall import LEAVES, across_alone, expected_wall, far_reach, section_radius
 from .openings import labels_round
@@ -38,7 +38,8 @@ def cut_at_ostia(
         return equivalent, suspect
     middles = np.where(np.isfinite(centers), centers, stations)
     near = near_wall(surface, stations, far_reach(surface, stations))
-    wall = rays_from(near, arc_lengths(stations), middles, frames(stations))
+    line = Line(stations)
+    wall = rays_from(near, line.arc_lengths, middles, frames(line))
     # A path may end in a junction: its vessel goes on as the section there is without openings.
     ends = across_alone(wall.distance[[0, -1]])
     expected = expected_wall(wall, section_radius(wall.distance), ends)

@@ -9,7 +9,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry import Surface, resampled
+from ..geometry import Line, Surface
 from ..validation import Floats, Points, read_only
 from .wall_map import (
     RAYS,
@@ -89,7 +89,7 @@ class Tube:
         return np.asarray(self.wall.centers[:, None] + expected[..., None] * rays)
 
 
-def expected_tube(surface: Surface, axis: Points) -> Tube:
+def expected_tube(surface: Surface, axis: Line) -> Tube:
     """The vessel round an axis.
 
     The expected wall is the highest one, below the rays that were met, that runs on for `LONGEST`
@@ -100,10 +100,10 @@ def expected_tube(surface: Surface, axis: Points) -> Tube:
     ----------
     surface : Surface
         mm.
-    axis : (n, 3) array
-        Polyline in the lumen, mm; it need not be in the middle.
+    axis : Line
+        In the lumen; it need not be in the middle.
     """
-    near = near_wall(surface, resampled(axis, 1.0), far_reach(surface, axis))
+    near = near_wall(surface, axis.resampled(1.0).points, far_reach(surface, axis.points))
     radius = section_radius(wall_map(near, axis, spacing=2.0, window=2.0).distance)
     # The middle is looked for at few stations: it is smooth.
     few = cuts_across(near, axis, spacing=_COARSE * radius, window=radius)
@@ -111,7 +111,7 @@ def expected_tube(surface: Surface, axis: Points) -> Tube:
     for _ in range(_CENTERINGS):
         wall = few.seen(shift)
         shift = shift + _to_middle(wall, expected_wall(wall, radius), radius)
-    stations = resampled(axis, float(np.clip(_FINE * radius, _FINEST, SPACING)))
+    stations = axis.resampled(float(np.clip(_FINE * radius, _FINEST, SPACING))).points
     at = np.linspace(0.0, float(few.arc_length[-1]), len(stations))
     moved = np.einsum("ij,ijk->ik", shift, few.along[:, 1:])
     middle = stations + _interpolated(at, few.arc_length, moved)

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import dist
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..centerline import Centerline
-from ..geometry import Surface, cut, length, without_repeats
-from ..validation import Floats, InputError, Points, as_number, as_points, read_only
+from ..geometry import Line, Surface, as_line
+from ..validation import Floats, InputError, Points, as_number
 from .lumen_way import heading_of, through_lumen
 
 REACH = 20.0
@@ -27,30 +28,31 @@ class ExtendedAxis:
     Positions on it count from the proximal end of the stent: negative proximal of it.
     """
 
-    points: Points
-    """(n, 3) mm."""
+    line: Line
     before: float
     """Length proximal of the stent, mm."""
     stent_length: float
     """mm."""
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "points", read_only(self.points))
-
     @property
-    def of_stent(self) -> Points:
-        """(k, 3) the part along the stent, mm."""
-        return cut(self.points, self.before, self.before + self.stent_length)
+    def points(self) -> Points:
+        """(n, 3) mm."""
+        return self.line.points
+
+    @cached_property
+    def of_stent(self) -> Line:
+        """The part along the stent."""
+        return self.line.cut(self.before, self.before + self.stent_length)
 
     @property
     def after(self) -> float:
         """Length distal of the stent, mm."""
-        return length(self.points) - self.before - self.stent_length
+        return self.line.length - self.before - self.stent_length
 
 
 def extended_axis(
     surface: Surface,
-    stent_axis: ArrayLike,
+    stent_axis: Line | ArrayLike,
     centerline: Centerline | None = None,
     *,
     reach: float = REACH,
@@ -64,7 +66,7 @@ def extended_axis(
     ----------
     surface : Surface
         mm.
-    stent_axis : array_like, shape (n, 3)
+    stent_axis : Line or array_like, shape (n, 3)
         From the proximal to the distal end, mm.
     centerline : Centerline, optional
     reach : float
@@ -75,35 +77,37 @@ def extended_axis(
     InputError
         An axis without length, or a reach below 0.
     """
-    axis = without_repeats(as_points(stent_axis, "stent_axis", minimum=2))
-    if len(axis) < 2:
+    line = as_line(stent_axis, "stent_axis").without_repeats()
+    if len(line) < 2:
         raise InputError("stent_axis: expected two different points at least, got one place.")
     as_number(reach, "reach", unit="mm", minimum=0)
 
-    sides = [axis[::-1], axis]
+    axis = line.points
+    sides = [line.reversed(), line]
     if reach == 0:
         ways = [axis[:0], axis[:0]]
     elif centerline is None:
-        ways = through_lumen(surface, sides, reach)
+        ways = through_lumen(surface, [side.points for side in sides], reach)
     else:
         ways = [_along_tree(centerline, side, reach) for side in sides]
     before, after = ways[0][::-1], ways[1]
     return ExtendedAxis(
-        np.concatenate([before, axis, after]),
-        length(np.concatenate([before, axis[:1]])),
-        length(axis),
+        Line(np.concatenate([before, axis, after])),
+        Line(np.concatenate([before, axis[:1]])).length,
+        line.length,
     )
 
 
-def _along_tree(tree: Centerline, axis: Points, reach: float) -> Points:
+def _along_tree(tree: Centerline, axis: Line, reach: float) -> Points:
     """The tree's points from the end of the axis on, the first ones drawn to that end."""
-    place = tree.project(axis[-1])
+    end = axis.points[-1]
+    place = tree.project(end)
     radius = place.inscribed_radius if place.inscribed_radius > 0 else 1.0
     heading = heading_of(axis, radius)
     above = int(tree.parent[place.index])
     sides = [(place.index, above), (above, place.index)]
-    ends = [tree.points[_ahead(tree, *side, radius)] for side in sides]
-    came_from, node = sides[int(np.argmax([(end - place.point) @ heading for end in ends]))]
+    tips = [tree.points[_ahead(tree, *side, radius)] for side in sides]
+    came_from, node = sides[int(np.argmax([(tip - place.point) @ heading for tip in tips]))]
     way, travelled = [place.point], 0.0
     # Ends: never back, and the tree has no circle.
     while True:
@@ -115,16 +119,15 @@ def _along_tree(tree: Centerline, axis: Points, reach: float) -> Points:
         above = int(tree.parent[node])
         came_from, after = node, above if above in onward else onward[0]
         if len(onward) > 1 and after != above:
-            ahead = heading_of(np.array(way), radius) if travelled > radius else heading
+            ahead = heading_of(Line(np.array(way)), radius) if travelled > radius else heading
             after = onward[_straightest(tree, node, onward, ahead, 2 * radius)]
         node = after
-    line = without_repeats(np.array(way))
+    line = Line(np.array(way)).without_repeats()
     if len(line) < 2:
-        return line[:0]
-    line = cut(line, 0.0, reach)
-    along = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))]
-    fading = np.clip(1 - along / _FADING, 0, 1)[:, None]
-    return np.asarray((line + fading * (axis[-1] - place.point))[1:])
+        return line.points[:0]
+    line = line.cut(0.0, reach)
+    fading = np.clip(1 - line.arc_lengths / _FADING, 0, 1)[:, None]
+    return np.asarray((line.points + fading * (end - place.point))[1:])
 
 
 def _straightest(

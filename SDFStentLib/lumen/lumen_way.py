@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..geometry import Surface, cut, dot, length, norm
+from ..geometry import Line, Surface, dot, norm
 from ..validation import Floats, Points
 from .spheres import SphereSearch, Until
 
@@ -44,7 +44,7 @@ def through_lumen(surface: Surface, axes: Sequence[Points], reach: float) -> lis
     goes_on = np.flatnonzero(radii > _NARROWEST)
     heading = np.zeros((len(axes), 3))
     for way in goes_on.tolist():
-        heading[way] = heading_of(axes[way], float(radii[way]))
+        heading[way] = heading_of(Line(axes[way]), float(radii[way]))
     # The sphere of an axis that ends in an opening may lie beside its end.
     room = np.maximum(_room(last - middles, heading, radii), _WITHIN * search.distances(last))
     goes_on = goes_on[room[goes_on] > _NARROWEST]
@@ -79,8 +79,8 @@ def _room(offset: Points, heading: Points, radii: Floats) -> Floats:
     return np.where(left > 0, np.sqrt(np.maximum(left, 0.0)) - along, 0.0)
 
 
-def heading_of(axis: Points, window: float) -> Floats:
-    """Unit direction in which a polyline ends, over its last `window` mm."""
-    total = length(axis)
-    back = cut(axis, max(0.0, total - window), total)[0]
-    return np.asarray((axis[-1] - back) / np.linalg.norm(axis[-1] - back))
+def heading_of(axis: Line, window: float) -> Floats:
+    """Unit direction in which a line ends, over its last `window` mm."""
+    total = axis.length
+    way = axis.points[-1] - axis.cut(max(0.0, total - window), total).points[0]
+    return np.asarray(way / np.linalg.norm(way))

@@ -15,16 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..cautions import Caution
-from ..geometry import (
-    Surface,
-    arc_lengths,
-    as_surface,
-    length,
-    resampled_to,
-    segment_count,
-    tangents,
-)
-from ..validation import Flags, Floats, Indices, InputError, Points, as_number, as_points, read_only
+from ..geometry import Line, Surface, as_line, as_surface, segment_count
+from ..validation import Flags, Floats, Indices, InputError, Points, read_only
 from .closed_ends import NO_CAPS, open_at_ends, past_closed_ends
 from .cross_section import winding_numbers
 from .cut_sections import cut_at_ostia
@@ -131,15 +123,17 @@ class DiameterProfile:
         return DiameterProfile(*(getattr(self, name)[which] for name in _COLUMNS))
 
 
-def diameter_profile(surface: Surface, axis: ArrayLike, spacing: float = 1.0) -> DiameterProfile:
+def diameter_profile(
+    surface: Surface, axis: Line | ArrayLike, spacing: float = 1.0
+) -> DiameterProfile:
     """Inscribed and equivalent diameter at stations along an axis.
 
     Parameters
     ----------
     surface : Surface
         Open or closed.
-    axis : array_like, shape (n, 3)
-        Polyline inside the lumen, mm. It gives the stations and the planes across; it need not
+    axis : Line or array_like, shape (n, 3)
+        Inside the lumen, mm. It gives the stations and the planes across; it need not
         be in the middle.
     spacing : float
         Distance of the stations, mm; changed a little so that both ends are stations.
@@ -157,15 +151,14 @@ def diameter_profile(surface: Surface, axis: ArrayLike, spacing: float = 1.0) ->
         No surface, fewer than two axis points, or a spacing that is not above 0.
     """
     surface = as_surface(surface)
-    line = as_points(axis, "polyline", minimum=2)
-    along = length(line)
-    count = segment_count(along, as_number(spacing, "spacing", unit="mm", above=0))
+    line = as_line(axis)
+    count = segment_count(line.length, spacing)
     # Farther apart they would cut the bends of the axis, and look across its chords.
-    between = max(1, round(min(along, _MOST * _APART) / count / _APART))
-    stations = resampled_to(line, count * between + 1)
-    wall = open_at_ends(surface, stations)
-    measured = measured_at(surface, stations, tangents(stations), wall.triangles)
-    profile = profile_of(surface, arc_lengths(stations), measured, caps=wall.caps)
+    between = max(1, round(min(line.length, _MOST * _APART) / count / _APART))
+    stations = line.resampled_to(count * between + 1)
+    wall = open_at_ends(surface, stations.points)
+    measured = measured_at(surface, stations.points, stations.directions, wall.triangles)
+    profile = profile_of(surface, stations.arc_lengths, measured, caps=wall.caps)
     return profile.taken(slice(None, None, between))
 
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry import Surface, arc_lengths, cut, resampled, tangents
+from ..geometry import Line, Surface
 from ..validation import Floats, Indices, Points
 from .closed_ends import NO_CAPS, open_at_ends
 from .extended_axis import ExtendedAxis
@@ -46,11 +46,11 @@ def axis_stations(axis: ExtendedAxis, spacing: float = 1.0) -> AxisStations:
     columns = [_part(axis.of_stent, spacing, 0.0)]
     first, count = 0, len(columns[0][0])
     if axis.before > SHORTEST:
-        proximal = _part(cut(axis.points, 0.0, axis.before), spacing, -axis.before)
+        proximal = _part(axis.line.cut(0.0, axis.before), spacing, -axis.before)
         first = len(proximal[0]) - 1
         columns.insert(0, tuple(column[:-1] for column in proximal))
     if axis.after > SHORTEST:
-        distal = _part(cut(axis.points, last, np.inf), spacing, axis.stent_length)
+        distal = _part(axis.line.cut(last, np.inf), spacing, axis.stent_length)
         columns.append(tuple(column[1:] for column in distal))
     arc_length, points, directions = map(np.concatenate, zip(*columns, strict=True))
     own = slice(first, first + count)
@@ -59,9 +59,9 @@ def axis_stations(axis: ExtendedAxis, spacing: float = 1.0) -> AxisStations:
     return AxisStations(arc_length, points, directions, own, (*parts, own))
 
 
-def _part(line: Points, spacing: float, start: float) -> tuple[Floats, ...]:
-    points = resampled(line, spacing)
-    return start + arc_lengths(points), points, tangents(points)
+def _part(line: Line, spacing: float, start: float) -> tuple[Floats, ...]:
+    even = line.resampled(spacing)
+    return start + even.arc_lengths, even.points, even.directions
 
 
 def profile_around(

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry import arc_lengths, connected, face_normals, product
+from ..geometry import Line, connected, face_normals, product
 from ..validation import Floats, Points, Triangles
 from .caps import flat_caps
 from .spheres import InscribedSpheres, inscribed_spheres
@@ -44,7 +44,7 @@ def past_rounded_ends(points: Points, triangles: Triangles, measured: Stations) 
     Spheres are NaN at stations where they are known to touch an end.
     """
     stations, directions, spheres, equivalent = measured
-    arc = arc_lengths(stations)
+    arc = Line(stations).arc_lengths
     centers, radii = spheres.centers.copy(), spheres.radii.copy()
     for end, sign, to_end in ((0, -1.0, arc), (len(arc) - 1, 1.0, arc[-1] - arc)):
         present = InscribedSpheres(centers, radii)

@@ -7,17 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry import (
-    Surface,
-    arc_lengths,
-    frames,
-    may_meet_box,
-    nearest_distances,
-    point_at,
-    product,
-    ranges,
-    resampled,
-)
+from ..geometry import Line, Surface, frames, may_meet_box, nearest_distances, product, ranges
 from ..validation import Flags, Floats, Indices, Points, Triangles, read_only
 
 RAYS = 144
@@ -117,14 +107,14 @@ def _within(points: Points, axis: Points, reach: float) -> Flags:
     return is_near
 
 
-def wall_map(wall: NearWall, axis: Points, *, spacing: float, window: float) -> WallMap:
+def wall_map(wall: NearWall, axis: Line, *, spacing: float, window: float) -> WallMap:
     """Rays from an axis to the wall near it.
 
     Parameters
     ----------
     wall : NearWall
-    axis : (n, 3) array
-        Polyline in the lumen, mm.
+    axis : Line
+        In the lumen.
     spacing : float
         Of the stations, mm.
     window : float
@@ -133,10 +123,10 @@ def wall_map(wall: NearWall, axis: Points, *, spacing: float, window: float) -> 
     return cuts_across(wall, axis, spacing=spacing, window=window).seen()
 
 
-def cuts_across(wall: NearWall, axis: Points, *, spacing: float, window: float) -> WallCuts:
+def cuts_across(wall: NearWall, axis: Line, *, spacing: float, window: float) -> WallCuts:
     """The cuts for `wall_map`."""
-    centers = resampled(axis, spacing)
-    at = np.linspace(0.0, arc_lengths(np.asarray(axis))[-1], len(centers))
+    centers = axis.resampled(spacing).points
+    at = np.linspace(0.0, axis.arc_lengths[-1], len(centers))
     return WallCuts(wall, at, centers, frames_along(axis, len(centers), window))
 
 
@@ -176,13 +166,13 @@ class WallCuts:
         return WallMap(self.arc_length, centers, self.along, distance, triangle)
 
 
-def frames_along(axis: Points, count: int, window: float) -> Floats:
+def frames_along(axis: Line, count: int, window: float) -> Floats:
     """Frames (count, 3, 3) of little twist at equal arc lengths, directions over a window."""
-    at = np.linspace(0.0, float(arc_lengths(axis)[-1]), count)
-    directions = point_at(axis, at + window / 2) - point_at(axis, at - window / 2)
+    at = np.linspace(0.0, float(axis.arc_lengths[-1]), count)
+    directions = axis.at(at + window / 2) - axis.at(at - window / 2)
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
     # The polyline whose segments have these directions gives frames along them.
-    return frames(np.cumsum(np.concatenate([np.zeros((1, 3)), directions]), axis=0))[:-1]
+    return frames(Line(np.cumsum(np.concatenate([np.zeros((1, 3)), directions]), axis=0)))[:-1]
 
 
 def ray_angles() -> Floats:

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Any, NamedTuple
 
-from ..geometry import length
+from ..geometry import Line
 from ..lumen import DiameterProfile
 from ..treatment import TreatedStent
 from ..units import MILLIMETERS
@@ -31,7 +31,7 @@ def diameter_table(line: MeasuredLine, units: str) -> str:
     profile = line.profile
     ends = " to ".join(filed_point(line.points[end], units) for end in (0, -1))
     rows = [
-        f"{line.title}: {length(line.points):.1f} mm, from {ends} {units}",
+        f"{line.title}: {Line(line.points).length:.1f} mm, from {ends} {units}",
         "  at (mm)  inscribed (mm)  equivalent (mm)",
     ]
     for at, *diameters in zip(
@@ -54,7 +54,7 @@ def diameter_section(line: MeasuredLine) -> dict[str, Any]:
         "title": line.title,
         "start_mm": line.points[0].tolist(),
         "end_mm": line.points[-1].tolist(),
-        "length_mm": length(line.points),
+        "length_mm": Line(line.points).length,
         "arc_length_mm": profile.arc_length.tolist(),
         "inscribed_mm": [_known(value) for value in profile.inscribed_diameter],
         "equivalent_mm": [_known(value) for value in profile.equivalent_diameter],

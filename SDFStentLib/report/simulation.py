@@ -12,7 +12,7 @@ from ..simulation import UNSTEADY, CaseResult, Found, Prepared, Simulated
 from ..validation import Floats
 from .flow import band_words, brief
 from .html import page
-from .picture.drawing import GRAY, Drawing, Line, Mark, Words, svg
+from .picture.drawing import GRAY, Drawing, Mark, Stroke, Words, svg
 from .words import RESEARCH_USE
 
 Section = Mapping[str, Any]
@@ -251,9 +251,9 @@ def along_plot(document: Section, key: str, words: str) -> Drawing:
     def y(value: float) -> float:
         return float(floor - (floor - _TOP) * (value - low) / (high - low))
 
-    marks: list[Mark] = [Line([(_LEFT, _TOP), (_LEFT, floor), (right, floor)])]
+    marks: list[Mark] = [Stroke([(_LEFT, _TOP), (_LEFT, floor), (right, floor)])]
     for tick in np.linspace(low, high, 5).tolist():
-        marks += [Line([(_LEFT, y(tick)), (right, y(tick))], "#dddddd")]
+        marks += [Stroke([(_LEFT, y(tick)), (right, y(tick))], "#dddddd")]
         marks += [Words(f"{tick:.2g}", _LEFT - 8, y(tick) + 4, anchor="end")]
     for tick in np.linspace(0.0, float(along[-1]), 6).tolist():
         marks += [Words(f"{tick:.0f}", x(tick), floor + 19)]
@@ -263,9 +263,9 @@ def along_plot(document: Section, key: str, words: str) -> Drawing:
     for number, (name, curve) in enumerate(curves.items()):
         is_known = np.isfinite(curve)
         line = [(x(a), y(b)) for a, b in zip(along[is_known], curve[is_known], strict=True)]
-        marks += [Line(line, COLORS[name], 2.6)]
+        marks += [Stroke(line, COLORS[name], 2.6)]
         start = _LEFT + 10 + 120 * number
-        marks += [Line([(start, 16), (start + 30, 16)], COLORS[name], 2.6)]
+        marks += [Stroke([(start, 16), (start + 30, 16)], COLORS[name], 2.6)]
         marks += [Words(name, start + 38, 20, anchor="start")]
     return Drawing(_WIDTH, _HEIGHT, tuple(marks), f"{words} along the centerline")
 

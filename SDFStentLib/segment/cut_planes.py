@@ -9,17 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..centerline import Location
-from ..geometry import (
-    SectionAround,
-    across,
-    arc_lengths,
-    closest_points,
-    length,
-    norm,
-    point_at,
-    product,
-    section_around,
-)
+from ..geometry import Line, SectionAround, across, norm, product, section_around
 from ..validation import Floats, InputError, Points, read_only
 from ..vessel import VesselParts
 
@@ -98,13 +88,13 @@ class PlaneFinder:
 
     def has_parted(self, place: Points, way: Points) -> bool:
         """Whether a branch at a place is beside the vessel that a way runs through."""
-        return bool(closest_points(way, place[None]).distances[0] > self.wall.query(place)[0])
+        return bool(Line(way).nearest(place[None]).distances[0] > self.wall.query(place)[0])
 
     def direction(self, way: Points) -> Floats:
         """The direction of a line (k, 3) at its first point."""
-        span = min(TANGENT * float(self.wall.query(way[0])[0]), length(way))
+        span = min(TANGENT * float(self.wall.query(way[0])[0]), Line(way).length)
         at = np.linspace(0.0, max(span, SAME), 9)
-        parabola = np.polyfit(at, point_at(way, at), 2)
+        parabola = np.polyfit(at, Line(way).at(at), 2)
         return np.asarray(parabola[1] / np.linalg.norm(parabola[1]))
 
     def fault(self, origin: Points, normal: Floats) -> str:
@@ -122,10 +112,10 @@ class PlaneFinder:
 
     def steps(self, line: Points) -> Iterator[Step]:
         """Places along a line (k, 3) and its direction there."""
-        along, at = 0.0, arc_lengths(line)
+        along, at = 0.0, Line(line).arc_lengths
         # Ends: goes on by a tenth of the spacing at least.
         while along < at[-1] - SAME:
-            place = point_at(line, [along])[0]
+            place = Line(line).at([along])[0]
             rest = np.vstack([place, line[at > along]])
             yield Step(along, place, self.direction(rest))
             along += max(STEP * float(self.wall.query(place)[0]), SPACING / 10)

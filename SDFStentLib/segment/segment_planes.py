@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..centerline import Centerline, Location
-from ..geometry import length
+from ..geometry import Line
 from ..validation import InputError, Points, as_point
 from ..vessel import VesselParts
 from .cut_planes import SAME, CutPlane, PlaneFinder
@@ -80,7 +80,7 @@ def segment_ends(
     tree = vessel.tree
     places = tree.ends_of_path(as_point(start, "segment start"), as_point(end, "segment end"))
     way = tree.path(*places).points
-    if length(way) <= SAME:
+    if Line(way).length <= SAME:
         raise InputError(
             "segment: expected two places apart, got such that are nearest to the same one of the "
             f"centerline, {vessel.said(places[0].point)}; move one of them, or check their unit "
@@ -136,7 +136,7 @@ def _moves(finder: PlaneFinder, lines: Lines, faults: Sequence[str]) -> _Moves:
         for line, fault in zip(lines, faults, strict=True)
     ]
     for moves in islice(zip(*tried, strict=False), TRIES):
-        if sum(move.by for move in moves if move is not None) >= length(lines[0]):
+        if sum(move.by for move in moves if move is not None) >= Line(lines[0]).length:
             break
         planes, left = _planes(finder, _moved(finder.vessel.tree, lines, moves))
         if not any(left) and bounds_a_segment(finder.vessel, planes):

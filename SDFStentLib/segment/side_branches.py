@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry import ClosedSurface, closest_points, length, point_at
+from ..geometry import ClosedSurface, Line
 from ..validation import Points
 from .cut_planes import SAME, CutPlane, Step
 from .open_segment import OpenSegment
@@ -94,9 +94,9 @@ def _sides_within(ends: SegmentEnds, lumen: ClosedSurface) -> list[Points]:
         if tree.ancestry(tip)[0] != root:
             continue
         line = tree.path(ends.start, tree.points[tip]).points
-        last = int(np.flatnonzero(closest_points(ends.way, line).distances <= SAME)[-1])
+        last = int(np.flatnonzero(Line(ends.way).nearest(line).distances <= SAME)[-1])
         side = line[last:]
-        if length(side) > INSIDE and _ends_in(side, lumen):
+        if Line(side).length > INSIDE and _ends_in(side, lumen):
             found.append(side)
     return found
 
@@ -107,7 +107,7 @@ def _lumen(opened: OpenSegment) -> ClosedSurface:
 
 
 def _ends_in(side: Points, lumen: ClosedSurface) -> bool:
-    return bool(lumen.contains(point_at(side, [length(side) - INSIDE]))[0])
+    return bool(lumen.contains(Line(side).at([Line(side).length - INSIDE]))[0])
 
 
 def _steps(
@@ -139,7 +139,7 @@ def _all_cut(states: Sequence[OpenSegment], plane: CutPlane) -> tuple[OpenSegmen
 
 
 def _is_on(side: Points, place: Points) -> bool:
-    return bool(closest_points(side, place[None]).distances[0] <= SAME)
+    return bool(Line(side).nearest(place[None]).distances[0] <= SAME)
 
 
 def _named(ends: SegmentEnds, sides: Sequence[Points]) -> Iterator[OpenBranch]:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..centerline import Centerline
-from ..geometry import arc_lengths, nearest_distances, norm, point_at, state_of
+from ..geometry import Line, nearest_distances, norm, state_of
 from ..segment import PlaneFinder
 from ..treatment import Vessel
 from ..validation import InputError, Points
@@ -55,18 +55,18 @@ def ends_beyond(before: Vessel, after: Vessel, axis: Axis, units: str = "mm") ->
     ]
     ends, missing = [], []
     for word, line, at, needed in (
-        ("start", way[::-1], arc_lengths(way)[-1] - first, ABOVE),
+        ("start", way[::-1], Line(way).arc_lengths[-1] - first, ABOVE),
         ("end", way, last, BELOW),
     ):
-        needed *= 2 * float(axis.radius_at(point_at(line, [at]))[0])
+        needed *= 2 * float(axis.radius_at(Line(line).at([at]))[0])
         found = next(_places(finders, line, at, needed), None)
         if found is None:
-            x, y, z = point_at(line, [at])[0]
+            x, y, z = Line(line).at([at])[0]
             raise InputError(
                 f"segment {word}: expected a place beyond the stent where a plane meets only this "
                 f"vessel, found none from ({x:.4g}, {y:.4g}, {z:.4g}) mm on; name both ends."
             )
-        ends.append(point_at(line, [found])[0])
+        ends.append(Line(line).at([found])[0])
         missing.append(max(0.0, at + needed - found))
     return FlowEnds(ends[0], ends[1], (missing[0], missing[1]))
 
@@ -105,12 +105,12 @@ def _places(
     finders: list[PlaneFinder], line: Points, start: float, needed: float
 ) -> Iterator[float]:
     """Arc lengths of a line at which planes are free: from what is needed on, else before it."""
-    end = float(arc_lengths(line)[-1])
+    end = float(Line(line).arc_lengths[-1])
     beyond = np.arange(start + needed, end, SPACING)
     before = np.arange(min(start + needed, end) - SPACING, start, -SPACING)
     for at in np.r_[beyond, before].tolist():
-        rest = line[arc_lengths(line) < at - SPACING / 10]
-        back = np.vstack([point_at(line, [at]), rest[::-1]])
+        rest = line[Line(line).arc_lengths < at - SPACING / 10]
+        back = np.vstack([Line(line).at([at]), rest[::-1]])
         normal = finders[0].direction(back)
         if not any(finder.fault(back[0], normal) for finder in finders):
             yield at

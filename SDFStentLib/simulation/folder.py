@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ..files import MeshComplete
-from ..geometry import NamedFaces, resampled
+from ..geometry import Line, NamedFaces
 from ..units import Frame
 from ..validation import InputError, as_path
 from .prepared import Mesh, Prepared, State
@@ -116,7 +116,7 @@ def _document(prepared: Prepared, origin: Origin) -> dict[str, Any]:
         "is_wave": first.conditions.wave is not None,
         "level_mmhg": prepared.level,
         "main_outlet": prepared.main_outlet,
-        "way_mm": resampled(prepared.way, SPACING).tolist(),
+        "way_mm": Line(prepared.way).resampled(SPACING).points.tolist(),
         "extensions_mm": prepared.extensions,
         "network_mmhg": {name: dict(told) for name, told in prepared.network.items()},
         "states": {name: _state(state) for name, state in prepared.states.items()},

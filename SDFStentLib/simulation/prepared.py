@@ -10,7 +10,7 @@ import numpy as np
 from ..cautions import Caution
 from ..files import VolumeMesh
 from ..flow import FlowModel, Moment, Part, Solve
-from ..geometry import resampled, state_of, tangents
+from ..geometry import Line, state_of
 from ..segment import Segment, SegmentFace
 from ..treatment import ExtractedSegment, SegmentWishes, Vessel, extract_segment
 from ..validation import Floats, Points
@@ -150,7 +150,7 @@ def prepare(
     moments = (answer.before, answer.after or {})
     told = {name: _told(one["mean"]) for name, one in zip(STATES, moments, strict=True)}
     conditions = conditions_of(answer, model.channels, found.before, found.after)
-    lines = Lines(tree.resampled(SPACING).points, resampled(way, SPACING))
+    lines = Lines(tree.resampled(SPACING).points, Line(way).resampled(SPACING).points)
     states = {}
     for number, (name, segment) in enumerate(zip(STATES, segments, strict=True)):
         tell(0.1 + 0.45 * number, f"meshes {name}")
@@ -197,7 +197,7 @@ def _meshed(segment: Segment, conditions: Conditions, lines: Lines, wishes: Wish
     axis = axis_of(segment.surface, is_wall, lines.tree)
     way = axis_of(segment.surface, is_wall, lines.way)
     throat = int(np.argmin(way.radius))
-    at = Throat(way.points[throat], tangents(way.points)[throat], float(way.radius[throat]))
+    at = Throat(way.points[throat], Line(way.points).directions[throat], float(way.radius[throat]))
     meshes = {
         name: _mesh(segment, conditions, (axis, at), one)
         for name, one in (

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..geometry import arc_lengths
+from ..geometry import Line
 from ..validation import Floats, InputError
 from .folder import CASES, read_document
 from .results import Case, CaseResult
@@ -56,4 +56,4 @@ def read_results(folder: Path) -> Simulated:
         if size == "coarse" and not any((case / RESULTS).glob("result_*.vtu")):
             continue
         found[size][name] = Case(case, way, walls[name]).result(is_wave=is_wave)
-    return Simulated(document, arc_lengths(way), found["fine"], found["coarse"])
+    return Simulated(document, Line(way).arc_lengths, found["fine"], found["coarse"])

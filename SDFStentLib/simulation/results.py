@@ -10,7 +10,7 @@ import numpy as np
 
 from ..files import VolumeMesh, read_surface, read_volume, tetrahedra_at
 from ..flow import ADULT, PASCAL_PER_MMHG
-from ..geometry import Surface, arc_lengths, closest_points, norm
+from ..geometry import Line, Surface, norm
 from ..validation import DeploymentError, Floats, Indices, InputError, Points
 from .solver_file import CYCLE_FRAMES, FRAMES, RESULTS
 
@@ -206,8 +206,8 @@ def _slices(volume: VolumeMesh, way: Points, wall: Points) -> tuple[Indices, Flo
     from scipy.spatial import cKDTree
 
     radius = cKDTree(wall.reshape(-1, 3)).query(way)[0]
-    near = closest_points(way, volume.points)
-    place = np.rint(np.interp(near.arc_lengths, arc_lengths(way), np.arange(len(way))))
+    near = Line(way).nearest(volume.points)
+    place = np.rint(np.interp(near.arc_lengths, Line(way).arc_lengths, np.arange(len(way))))
     number = place.astype(np.int64)
     number[near.distances > radius[number] * (1 + 1e-9)] = -1
     corners = volume.points[volume.tetrahedra]

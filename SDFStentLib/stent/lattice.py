@@ -171,7 +171,7 @@ def stent_lattice(
     straight = straight_lattice(deployed * longer, radius, replace(design, rings=rings))
     lost = deployed * (longer - 1)
     shift = {"center": 0.0, "proximal": lost / 2, "distal": -lost / 2}[stent.kept]
-    placed = carried(straight.points, axis.points, middle=deployed / 2 + shift, window=stent.radius)
+    placed = carried(straight.points, axis.line, middle=deployed / 2 + shift, window=stent.radius)
     return replace(straight, points=placed)
 
 
@@ -191,7 +191,7 @@ def laid_along(points: ArrayLike, stent: Stent, axis: StentAxis) -> Points:
     array, shape (n, 3)
         See `carried`.
     """
-    return carried(points, axis.points, window=stent.radius)
+    return carried(points, axis.line, window=stent.radius)
 
 
 def straight_lattice(

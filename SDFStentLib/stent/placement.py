@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..geometry import length, without_repeats
+from ..geometry import Line
 from ..validation import Floats, InputError, Points, as_patient_points, as_point, read_only
 
 LOOP = 1e-3
@@ -94,14 +94,14 @@ class AlongAxis(ByValue):
     file: InputFile | None = None
 
     def __post_init__(self) -> None:
-        points = without_repeats(as_patient_points(self.points, "stent axis", minimum=1))
-        if len(points) < 2:
+        line = Line(as_patient_points(self.points, "stent axis", minimum=1)).without_repeats()
+        if len(line) < 2:
             raise InputError(
                 "stent axis: expected a curve through at least two different points, "
                 f"got {len(self.points)} point(s) at one place; draw a longer curve."
             )
-        _check_way(points)
-        object.__setattr__(self, "points", read_only(points))
+        _check_way(line)
+        object.__setattr__(self, "points", line.points)
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,9 +126,10 @@ Placement = AtCenter | AtDistalEnd | AtProximalEnd | BetweenPoints | AlongAxis |
 PLACEMENT_NAMES = [kind.__name__ for kind in Placement.__args__]
 
 
-def _check_way(points: Points) -> None:
+def _check_way(line: Line) -> None:
     """Refuse a curve on which a stent has no two ends, or no direction at some place."""
-    if np.linalg.norm(points[-1] - points[0]) <= LOOP * length(points):
+    points = line.points
+    if np.linalg.norm(points[-1] - points[0]) <= LOOP * line.length:
         raise InputError(
             "stent axis: expected a curve with two ends, got a closed loop, which ends where it "
             f"begins, at {_in_words(points[0])}; take a part of it."

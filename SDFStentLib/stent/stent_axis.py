@@ -9,7 +9,7 @@ import numpy as np
 
 from ..cautions import Caution
 from ..centerline import Centerline, CenterlinePath, JunctionChoice, Location
-from ..geometry import arc_lengths, cut, length, minimum_bend_radius, tightest_bend
+from ..geometry import Line, tightest_bend
 from ..validation import Floats, InputError, Points, check_is_a, read_only
 from .beside import beside
 from .placement import (
@@ -51,7 +51,7 @@ class StentAxis:
 
     Parameters
     ----------
-    points : array, shape (n, 3)
+    line : Line
         Proximal to distal, no repeats, mm.
     inscribed_radius : array, shape (n,)
         Of the vessel along the axis, mm; NaN where unknown.
@@ -62,7 +62,7 @@ class StentAxis:
         Of the stent that lies there, where it is no cylinder.
     """
 
-    points: Points
+    line: Line
     inscribed_radius: Floats
     nominal_length: float
     prescribed_length: float
@@ -70,13 +70,17 @@ class StentAxis:
     profile: DiametersAlong | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "points", read_only(self.points))
         object.__setattr__(self, "inscribed_radius", read_only(self.inscribed_radius))
+
+    @property
+    def points(self) -> Points:
+        """(n, 3) mm."""
+        return self.line.points
 
     @property
     def deployed_length(self) -> float:
         """Length of the axis, mm; less than prescribed where the centerline ends."""
-        return length(self.points)
+        return self.line.length
 
     @property
     def chord(self) -> float:
@@ -89,7 +93,7 @@ class StentAxis:
         Measured over windows of the stent's radius, which smaller wiggles do not bend. A corner
         counts as tighter than the stent's radius above 60 degrees.
         """
-        return minimum_bend_radius(self.points, window=stent_radius)
+        return tightest_bend(self.line, window=stent_radius).radius
 
 
 def stent_axis(
@@ -134,8 +138,8 @@ def stent_axis(
     prescribed = nominal * (1.0 - stent.foreshortening)
     if not isinstance(stent.placement, AtDistalEnd | AtProximalEnd):
         found = _kept(found, prescribed, stent.keeps)
-    _require_length(found.points)
-    axis = StentAxis(found.points, found.inscribed_radius, nominal, prescribed)
+    _require_length(found.line)
+    axis = StentAxis(found.line, found.inscribed_radius, nominal, prescribed)
     if not stent.may_be_shortened and not isinstance(stent.placement, OfStent):
         _require_part(axis)
     warnings = [*_shortened(axis, lies_on), *(_choice(choice) for choice in found.choices)]
@@ -145,19 +149,19 @@ def stent_axis(
     axis = replace(axis, warnings=(*warnings, *_bend(axis, stent.radius)))
     if not straightening_fraction:
         return axis
-    points = straightened(axis.points, straightening_fraction, stent.kept)
-    return moved_axis(axis, points, stent.radius)
+    line = straightened(axis.line, straightening_fraction, stent.kept)
+    return moved_axis(axis, line, stent.radius)
 
 
-def moved_axis(axis: StentAxis, points: Points, stent_radius: float) -> StentAxis:
-    """An axis whose points (n, 3) are elsewhere, mm, its bend judged anew."""
-    moved = replace(axis, points=points)
+def moved_axis(axis: StentAxis, line: Line, stent_radius: float) -> StentAxis:
+    """An axis that runs along another line, point for point, its bend judged anew."""
+    moved = replace(axis, line=line)
     others = (one for one in axis.warnings if one.kind != "tight-bend")
     return replace(moved, warnings=(*others, *_bend(moved, stent_radius)))
 
 
 def _along_axis(placement: AlongAxis) -> CenterlinePath:
-    return CenterlinePath(placement.points, np.full(len(placement.points), np.nan))
+    return CenterlinePath(Line(placement.points), np.full(len(placement.points), np.nan))
 
 
 def _along_stent(placement: OfStent, lies_on: StentAxis | None) -> CenterlinePath:
@@ -166,7 +170,7 @@ def _along_stent(placement: OfStent, lies_on: StentAxis | None) -> CenterlinePat
             f"redilation: expected stent {placement.number} to lie in the vessel, got no axis of "
             "it; deploy it before, in the same treatment."
         )
-    return CenterlinePath(lies_on.points, lies_on.inscribed_radius)
+    return CenterlinePath(lies_on.line, lies_on.inscribed_radius)
 
 
 def _along_centerline(stent: Stent, centerline: Centerline | None) -> CenterlinePath:
@@ -218,14 +222,14 @@ def _kept(path: CenterlinePath, wanted: float, keeps: str) -> CenterlinePath:
     if spare <= LENGTH_TOLERANCE:
         return path
     start = {"center": spare / 2.0, "proximal": 0.0, "distal": spare}[keeps]
-    points = cut(path.points, start, path.length - (spare - start))
-    at = start + arc_lengths(points)
-    radius = np.interp(at, arc_lengths(path.points), path.inscribed_radius)
-    return CenterlinePath(points, radius, path.choices)
+    line = path.line.cut(start, path.length - (spare - start))
+    at = start + line.arc_lengths
+    radius = np.interp(at, path.line.arc_lengths, path.inscribed_radius)
+    return CenterlinePath(line, radius, path.choices)
 
 
-def _require_length(points: Points) -> None:
-    along = length(points)
+def _require_length(line: Line) -> None:
+    along = line.length
     if along > LONGEST_AXIS:
         raise InputError(
             f"stent axis: expected a way of at most {LONGEST_AXIS:g} mm, got {along:,.0f} mm; give "
@@ -234,7 +238,7 @@ def _require_length(points: Points) -> None:
             end=".",
         )
     if along <= LENGTH_TOLERANCE:
-        place = points[0]
+        place = line.points[0]
         raise InputError(
             "stent axis: expected some length of centerline for the stent, got none at "
             f"({place[0]:.4g}, {place[1]:.4g}, {place[2]:.4g}); move the point away from the end "
@@ -270,7 +274,7 @@ def _choice(choice: JunctionChoice) -> Caution:
 
 
 def _bend(axis: StentAxis, stent_radius: float) -> Iterator[Caution]:
-    bend = tightest_bend(axis.points, window=stent_radius)
+    bend = tightest_bend(axis.line, window=stent_radius)
     if bend.radius < stent_radius:
         x, y, z = bend.point.tolist()
         radii = {"bend_radius_mm": bend.radius, "stent_radius_mm": stent_radius}

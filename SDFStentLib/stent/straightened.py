@@ -10,20 +10,17 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ..geometry import arc_lengths, dot, norm
-from ..validation import Floats, InputError, Points, as_number, as_points
+from ..geometry import Line, dot, norm
+from ..validation import Floats, InputError, Points, as_number
 from .stent import KEPT
 
 
 class TurnedWay(NamedTuple):
     """How the points of an axis go when its pieces turn."""
 
-    points: Points
-    """(n, 3) as they are, mm."""
-    lengths: Floats
-    """(n - 1,) of the pieces between them, mm."""
+    line: Line
+    """As it is."""
     along: Points
     """(n - 1, 3) their directions."""
     across: Points
@@ -33,15 +30,21 @@ class TurnedWay(NamedTuple):
     keeps: str
     """As of `Stent`: the end that stays, or the middle between both."""
 
-    def at(self, fraction: float) -> Points:
-        """The points at a fraction of the way, 0 to 1."""
+    def at(self, fraction: float) -> Line:
+        """The axis at a fraction of the way, 0 to 1."""
         if fraction == 0:
-            return self.points
+            return self.line
         turned = (fraction * self.angles)[:, None]
         pieces = np.cos(turned) * self.along + np.sin(turned) * self.across
-        line = np.zeros(self.points.shape)
-        np.cumsum(self.lengths[:, None] * pieces, axis=0, out=line[1:])
-        return line + (_kept_place(self.points, self.keeps) - _kept_place(line, self.keeps))
+        points = np.zeros(self.line.points.shape)
+        np.cumsum(self.lengths[:, None] * pieces, axis=0, out=points[1:])
+        kept = _kept_place(self.line.points, self.keeps) - _kept_place(points, self.keeps)
+        return Line(points + kept)
+
+    @property
+    def lengths(self) -> Floats:
+        """(n - 1,) of the pieces, mm."""
+        return norm(np.diff(self.line.points, axis=0))
 
     @property
     def longest(self) -> Floats:
@@ -54,13 +57,13 @@ class TurnedWay(NamedTuple):
         }[self.keeps]
 
 
-def straight_way(points: ArrayLike, keeps: str = "center") -> TurnedWay:
+def straight_way(line: Line, keeps: str = "center") -> TurnedWay:
     """How a polyline becomes straight.
 
     Parameters
     ----------
-    points : array_like, shape (n, 3)
-        Polyline, mm.
+    line : Line
+        mm.
     keeps : {"center", "proximal", "distal"}
         Whether the middle between both ends stays where it is, or one of them.
 
@@ -69,9 +72,8 @@ def straight_way(points: ArrayLike, keeps: str = "center") -> TurnedWay:
     InputError
         The polyline has no length, its ends are at one place, or `keeps` is another word.
     """
-    polyline = as_points(points, "polyline", minimum=2)
-    chord = polyline[-1] - polyline[0]
-    if not arc_lengths(polyline)[-1] > 0:
+    chord = line.points[-1] - line.points[0]
+    if not line.length > 0:
         raise InputError(
             "stent axis: expected two different points, got one place only; draw it longer."
         )
@@ -80,17 +82,17 @@ def straight_way(points: ArrayLike, keeps: str = "center") -> TurnedWay:
             "stent axis: expected two ends apart to straighten it, got a closed line; leave "
             "straightening out, or draw it open."
         )
-    return turned_way(polyline, np.broadcast_to(chord, (len(polyline) - 1, 3)), keeps)
+    return turned_way(line, np.broadcast_to(chord, (len(line) - 1, 3)), keeps)
 
 
-def turned_way(points: ArrayLike, goals: ArrayLike, keeps: str = "center") -> TurnedWay:
+def turned_way(line: Line, goals: Floats, keeps: str = "center") -> TurnedWay:
     """How a polyline goes when every piece of it turns towards a goal.
 
     Parameters
     ----------
-    points, keeps
+    line, keeps
         As for `straight_way`.
-    goals : array_like, shape (n - 1, 3)
+    goals : array, shape (n - 1, 3)
         Of the pieces: directions of any length; a piece with a zero keeps its own.
 
     Raises
@@ -98,32 +100,30 @@ def turned_way(points: ArrayLike, goals: ArrayLike, keeps: str = "center") -> Tu
     InputError
         `keeps` is another word, or there is not one goal for each piece.
     """
-    polyline, wanted = as_points(points, "polyline", minimum=2), as_points(goals, "goals")
     if keeps not in KEPT:
         raise InputError(f"keeps: expected one of {', '.join(KEPT)}, got {keeps!r}; choose one.")
-    if len(wanted) != len(polyline) - 1:
+    if len(goals) != len(line) - 1:
         raise InputError(
-            f"goals: expected one for each of {len(polyline) - 1} pieces, got {len(wanted)}; give "
+            f"goals: expected one for each of {len(line) - 1} pieces, got {len(goals)}; give "
             "as many."
         )
-    steps = np.diff(polyline, axis=0)
-    lengths = norm(steps)
-    along = _unit(np.where(lengths[:, None] > 0, steps, wanted))
-    goal = _unit(np.where(norm(wanted)[:, None] > 0, wanted, along))
+    steps = np.diff(line.points, axis=0)
+    along = _unit(np.where(norm(steps)[:, None] > 0, steps, goals))
+    goal = _unit(np.where(norm(goals)[:, None] > 0, goals, along))
     cosines = dot(along, goal)
     across = goal - cosines[:, None] * along
     sines = norm(across)
     # A piece that points back turns in any plane.
     across = _unit(np.where(sines[:, None] > 0, across, _perpendicular(along)))
-    return TurnedWay(polyline, lengths, along, across, np.arctan2(sines, cosines), keeps)
+    return TurnedWay(line, along, across, np.arctan2(sines, cosines), keeps)
 
 
-def straightened(points: ArrayLike, fraction: float, keeps: str = "center") -> Points:
-    """The polyline made straighter; every piece keeps its length.
+def straightened(line: Line, fraction: float, keeps: str = "center") -> Line:
+    """The line made straighter; every piece keeps its length.
 
     Parameters
     ----------
-    points, keeps
+    line, keeps
         As for `straight_way`, errors likewise.
     fraction : float
         0 as it is, 1 straight: the share by which each piece turns from its own direction to that
@@ -135,7 +135,7 @@ def straightened(points: ArrayLike, fraction: float, keeps: str = "center") -> P
         The fraction is outside 0 to 1.
     """
     fraction = as_number(fraction, "straightening fraction", minimum=0, maximum=1)
-    return straight_way(points, keeps).at(fraction)
+    return straight_way(line, keeps).at(fraction)
 
 
 def _kept_place(line: Points, keeps: str) -> Floats:

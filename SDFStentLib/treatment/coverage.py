@@ -39,7 +39,7 @@ def _uncovered(
         own = [lesion for lesion in lesions if one.number in lesion.stents]
         for lesion in own[:1]:
             within = [stent for stent in stents if stent.number in lesion.stents]
-            left = uncovered_length(lesion.before, [stent.axis.points for stent in within])
+            left = uncovered_length(lesion.before, [stent.axis.line for stent in within])
             if left > NOTICED and lesion.number not in told:
                 told.add(lesion.number)
                 yield Caution(

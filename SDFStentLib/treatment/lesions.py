@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry import Surface, closest_points, tangents
+from ..geometry import Line, Surface
 from ..lumen import moved_wall
 from ..vessel import Lesion, lesions_after, lesions_within
 from .value import PlacedStent
@@ -163,21 +163,21 @@ class _Span(NamedTuple):
 
 def _nearest(lesion: TreatedLesion, stents: Sequence[PlacedStent]) -> tuple[int, ...]:
     point = np.array([lesion.after.point])
-    away = [closest_points(stent.axis.points, point).distances[0] for stent in stents]
+    away = [stent.axis.line.nearest(point).distances[0] for stent in stents]
     return (stents[int(np.argmin(away))].number,)
 
 
 def _spans(lesion: Lesion, stents: Sequence[PlacedStent]) -> list[_Span]:
     """Where stents lie, by the distances of their ends along the lesion's line and beyond it."""
-    line = lesion.line
-    directions = tangents(line)
+    line = Line(lesion.line)
+    (start, end), directions = line.points[[0, -1]], line.directions
     found = []
     for stent in stents:
         ends = stent.axis.points[[0, -1]]
-        along = lesion.start + closest_points(line, ends).arc_lengths
+        along = lesion.start + line.nearest(ends).arc_lengths
         # What lies beyond the line goes on straight.
-        along += np.minimum((ends - line[0]) @ directions[0], 0.0)
-        along += np.maximum((ends - line[-1]) @ directions[-1], 0.0)
+        along += np.minimum((ends - start) @ directions[0], 0.0)
+        along += np.maximum((ends - end) @ directions[-1], 0.0)
         found.append(_Span(float(along.min()), float(along.max()), stent.number))
     return sorted(found)
 

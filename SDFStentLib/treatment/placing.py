@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..centerline import Centerline
-from ..geometry import arc_lengths, closest_points, length, point_at, resampled
+from ..geometry import Line
 from ..stent import DEFAULT_FORESHORTENING, AtCenter, AtDistalEnd
 from ..validation import Flags, Floats, Points, as_number
 from ..vessel import Lesion, lesions_within
@@ -20,19 +20,20 @@ _SPACING = 0.1
 _SAME = 1e-6
 
 
-def uncovered_length(lesion: Lesion, axes: Sequence[Points]) -> float:
-    """How much of a lesion is beyond the ends of stents with these axes (n, 3), or in another
+def uncovered_length(lesion: Lesion, axes: Sequence[Line]) -> float:
+    """How much of a lesion is beyond the ends of stents with these axes, or in another
     vessel than they are, mm."""
-    line = resampled(lesion.line, _SPACING)
-    radii = np.interp(arc_lengths(line), arc_lengths(lesion.line), lesion.healthy) / 2
-    beyond = np.all([_is_beyond(line, radii, axis) for axis in axes], axis=0)
-    return float(beyond.mean() * length(line))
+    whole = Line(lesion.line)
+    line = whole.resampled(_SPACING)
+    radii = np.interp(line.arc_lengths, whole.arc_lengths, lesion.healthy) / 2
+    beyond = np.all([_is_beyond(line.points, radii, axis) for axis in axes], axis=0)
+    return float(beyond.mean() * line.length)
 
 
-def _is_beyond(line: Points, radii: Floats, axis: Points) -> Flags:
-    nearest = closest_points(axis, line)
+def _is_beyond(places: Points, radii: Floats, axis: Line) -> Flags:
+    nearest = axis.nearest(places)
     along = nearest.arc_lengths
-    is_beyond: Flags = (along <= _SAME) | (along >= length(axis) - _SAME)
+    is_beyond: Flags = (along <= _SAME) | (along >= axis.length - _SAME)
     return is_beyond | (nearest.distances > radii)
 
 
@@ -70,23 +71,24 @@ def placement_at(
     """
     nominal = as_number(stent_length, "stent length", unit="mm", above=0)
     half = nominal * (1 - foreshortening_fraction) / 2
-    extent = length(lesion.line)
+    line = Line(lesion.line)
+    extent = line.length
     narrowest, at = lesion.arc_length - lesion.start, extent / 2
     if 2 * half < extent:
         at = min(max(at, narrowest - half / 2), narrowest + half / 2)
-    middle = point_at(lesion.line, at)
+    middle = line.at(at)
     path = centerline.path_around(middle, 2 * half)
-    around, within = path.points, max(extent - 2 * half, 0.0) + NOTICED
+    around, within = path.line, max(extent - 2 * half, 0.0) + NOTICED
     # A junction within the lesion leaves no choice to tell of: its branch is the lesion's.
     along = [centerline.project(choice.point).arc_length for choice in path.choices]
     is_clear = not along or max(along) > lesion.end
     if (
         is_clear
-        and lesions_within([lesion], around)
+        and lesions_within([lesion], path.points)
         and uncovered_length(lesion, [around]) <= within
     ):
         return AtCenter(middle)
     if at + half <= extent:
-        return AtDistalEnd(point_at(lesion.line, at + half))
+        return AtDistalEnd(line.at(at + half))
     beyond = centerline.path_from_proximal(lesion.line[-1], at + half - extent)
     return AtDistalEnd(beyond.points[-1])

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..centerline import Centerline
 from ..deformation import DeploymentSettings, Proxy, ProxyState
-from ..geometry import Surface, resampled
+from ..geometry import Surface
 from ..lumen import rough_radii
 from ..stent import Stent
 from ..validation import Indices, Points, as_number, read_only
@@ -48,7 +48,7 @@ class PreviewedStent(PlacedStent):
         coarse for the lumen.
         """
         spacing = max(PROFILE_SPACING, self.axis.deployed_length / MOST_STATIONS)
-        state, stations = self.state, resampled(self.axis.points, spacing)
+        state, stations = self.state, self.axis.line.resampled(spacing).points
         smallest = 2 * float(rough_radii(state.points, stations, state.normals).min())
         return smallest if smallest > state.spacing else float("nan")
 
@@ -116,7 +116,7 @@ class Preview:
                     probes = self._proxy.probes(axis.points)
                     check_width(stent.widest_diameter, axis, self.surface, probes)
                     state = self._proxy.deployed(
-                        settings.chain(axis.points, axis.profile),
+                        settings.chain(axis.line, axis.profile),
                         stent.widest_diameter / 2,
                         settings,
                         points=self._points if previewed else None,

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..geometry import Surface, arc_lengths, nearest_distances
+from ..geometry import Surface, nearest_distances
 from ..lumen import off_caps
 from ..stent import Stent, StentAxis
 from ..validation import Floats
@@ -36,7 +36,7 @@ def narrowest_fraction(axis: StentAxis, surface: Surface) -> float:
     radius = axis.inscribed_radius
     if not np.isfinite(radius).any():
         radius = nearest_distances(axis.points, off_caps(surface))
-    along = arc_lengths(axis.points)
+    along = axis.line.arc_lengths
     return float(along[np.nanargmin(radius)] / along[-1])
 
 

@@ -163,7 +163,7 @@ def suggested(
     place = placement_at(lesion, centerline, stent.length, stent.foreshortening)
     stent = replace(stent, placement=place, name=f"lesion {number}")
     axis = stent_axis(stent, centerline)
-    left = uncovered_length(lesion, [axis.points])
+    left = uncovered_length(lesion, [axis.line])
     if left > NOTICED:
         raise InputError(
             f"lesion {number}: expected a place where one stent covers all of its "

@@ -16,7 +16,7 @@ import numpy as np
 
 from ..cautions import Caution
 from ..centerline import Centerline
-from ..geometry import Surface, arc_lengths, resampled, smoothed_line
+from ..geometry import Line, Surface, smoothed_line
 from ..lumen import LocalSurface
 from ..stent import Stent, StentAxis, moved_axis, stent_axis, straight_way, turned_way
 from ..validation import Floats, Points
@@ -78,36 +78,35 @@ class Way(Protocol):
     """How the points of an axis go somewhere; `TurnedWay` is one."""
 
     @property
-    def points(self) -> Points:
-        """(n, 3) where they are, mm."""
+    def line(self) -> Line:
+        """Where they are."""
 
     @property
     def longest(self) -> Floats:
         """(n,) mm that each goes at most; at a fraction of the way no more than that of it."""
 
-    def at(self, fraction: float) -> Points:
-        """The points at a fraction of the way, 0 to 1."""
+    def at(self, fraction: float) -> Line:
+        """The axis at a fraction of the way, 0 to 1."""
 
 
 class StraightLines(NamedTuple):
     """The way of every point straight to its goal."""
 
-    points: Points
-    """(n, 3) mm."""
-    goal: Points
-    """(n, 3) mm."""
+    line: Line
+    goal: Line
 
     @property
     def longest(self) -> Floats:
         """(n,) mm."""
-        return np.asarray(np.linalg.norm(self.goal - self.points, axis=1))
+        return np.asarray(np.linalg.norm(self.goal.points - self.line.points, axis=1))
 
-    def at(self, fraction: float) -> Points:
-        """(n, 3) mm."""
-        points = (1 - fraction) * self.points + fraction * self.goal
-        is_same = (self.points == self.goal).all(axis=1)
-        points[is_same] = self.points[is_same]
-        return points
+    def at(self, fraction: float) -> Line:
+        """The points there."""
+        start, goal = self.line.points, self.goal.points
+        points = (1 - fraction) * start + fraction * goal
+        is_same = (start == goal).all(axis=1)
+        points[is_same] = start[is_same]
+        return Line(points)
 
 
 class Permitted(NamedTuple):
@@ -133,14 +132,14 @@ def _smoothed(axis: StentAxis, stent: Stent, lumen: Lumen, smoothing_length: flo
     A stent that has a length keeps it, as one that is straightened. One that goes from end to end,
     of a curve or between two places, goes from end to end of the smooth line and is as long as it.
     """
-    goal = smoothed_line(axis.points, smoothing_length)
+    goal = smoothed_line(axis.line, smoothing_length)
     told = _Told("smoothed-less", 1.0, stent.radius)
     if stent.length is None:
-        way = StraightLines(axis.points, goal)
+        way = StraightLines(axis.line, goal)
         found = permitted(way, stent.radius, lumen.surface, 1.0)
         return _as_long_as_it_lies(_moved(axis, way, found, told))
-    steps = np.diff(goal, axis=0)
-    return _turned(axis, stent, lumen, told, lambda keeps: turned_way(axis.points, steps, keeps))
+    steps = np.diff(goal.points, axis=0)
+    return _turned(axis, stent, lumen, told, lambda keeps: turned_way(axis.line, steps, keeps))
 
 
 def _as_long_as_it_lies(axis: StentAxis) -> StentAxis:
@@ -152,7 +151,7 @@ def _as_long_as_it_lies(axis: StentAxis) -> StentAxis:
 def _straightened(axis: StentAxis, stent: Stent, lumen: Lumen, fraction: float) -> StentAxis:
     """An axis made straight as far as possible."""
     told = _Told("straightened-less", fraction, stent.radius)
-    return _turned(axis, stent, lumen, told, lambda keeps: straight_way(axis.points, keeps))
+    return _turned(axis, stent, lumen, told, lambda keeps: straight_way(axis.line, keeps))
 
 
 def _turned(
@@ -201,16 +200,16 @@ def permitted(way: Way, radius: float, vessel: Surface, fraction: float) -> Perm
     fraction : float
         Share of the way that is asked for.
     """
-    along = arc_lengths(way.points)
-    at = np.linspace(0, along[-1], len(resampled(way.points, SPACING)))
+    along = way.line.arc_lengths
+    at = np.linspace(0, along[-1], len(way.line.resampled(SPACING)))
     longest = np.interp(at, along, way.longest)
     at = at[longest * fraction > NOTICEABLE * radius]
     longest = longest[longest * fraction > NOTICEABLE * radius]
     if not len(at):
-        return Permitted(fraction, way.points[0])
+        return Permitted(fraction, way.line.points[0])
 
     def places(done: float) -> Points:
-        return np.stack([np.interp(at, along, one) for one in way.at(done).T], axis=1)
+        return np.stack([np.interp(at, along, one) for one in way.at(done).points.T], axis=1)
 
     surface = LocalSurface(vessel.points, vessel.triangles, places(0.0))
     distance = surface.distances(places(0.0))

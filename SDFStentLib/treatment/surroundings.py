@@ -200,5 +200,5 @@ def surroundings(
         profile_around(states.final, along, after.at(own), wall.caps),
         survey.branches,
         beside.lumens(before.at(rest), after.at(rest)),
-        apposition(states.final, survey.axis.of_stent, radius),
+        apposition(states.final, survey.axis.of_stent.points, radius),
     )

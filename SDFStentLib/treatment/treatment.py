@@ -133,7 +133,7 @@ class Treatment:
             tree = np.empty((0, 3)) if centerline is None else centerline.points
             deployment = Deployment(
                 surface,
-                self.settings.chain(axis.points, axis.profile),
+                self.settings.chain(axis.line, axis.profile),
                 stent.widest_diameter / 2,
                 self.settings.with_changes(certify=self.settings.certify and is_only),
                 companions=np.concatenate([tree, companions]),
@@ -248,7 +248,7 @@ class Treatment:
         """Whether later stents pushed tissue into this one; measured only if it may be."""
         if stage is self._stages[-1] or treated.after.minimum > 0.97 * stage.stent.diameter:
             return
-        own = diameter_profile(stage.result.surface, stage.axis.points, PROFILE_SPACING)
+        own = diameter_profile(stage.result.surface, stage.axis.line, PROFILE_SPACING)
         yield from narrowed(own, treated.after)
 
     def _certificate(self, after: Surface, moved: NDArray[np.int64]) -> Certificate:
@@ -298,7 +298,7 @@ class Treatment:
         """The lumen that earlier stents left for one that moved nothing."""
         if done.moved_points:
             return None
-        return diameter_profile(stage.deployment.surface, stage.axis.points, PROFILE_SPACING)
+        return diameter_profile(stage.deployment.surface, stage.axis.line, PROFILE_SPACING)
 
     def _warnings_of(self, stage: Stage, done: TreatedStent) -> Iterator[Caution]:
         """About one stent, which is named later."""

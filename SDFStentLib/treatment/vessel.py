@@ -10,7 +10,7 @@ from functools import cached_property
 from ..centerline import Centerline
 from ..certificate import SurfaceCheck, check_surface
 from ..flow import Channel, FollowedChannels, channels_of
-from ..geometry import NamedFaces, Precision, Surface, length
+from ..geometry import Line, NamedFaces, Precision, Surface
 from ..lumen import DiameterProfile, diameter_profile
 from ..stent import AtCenter, AtDistalEnd, Stent
 from ..validation import Points
@@ -78,7 +78,7 @@ class Vessel:
         """Those of the centerline that have a length, (k, 3) mm, by number from 1 at the root."""
         tree = self.centerline
         lines = [] if tree is None else [tree.points[branch] for branch in tree.branches]
-        return {number: line for number, line in enumerate(lines, start=1) if length(line) > 0}
+        return {number: line for number, line in enumerate(lines, start=1) if Line(line).length > 0}
 
     @cached_property
     def lesions(self) -> tuple[Lesion, ...] | None:

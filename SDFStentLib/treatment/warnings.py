@@ -6,21 +6,12 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ..cautions import Caution
-from ..geometry import (
-    Surface,
-    closest_points,
-    length,
-    median_edge,
-    nearest_distances,
-    point_at,
-    resampled,
-)
+from ..geometry import Line, Surface, median_edge, nearest_distances
 from ..lumen import DiameterProfile, off_caps
 from ..stent import StentAxis
-from ..validation import InputError, Points, as_points
+from ..validation import InputError, Points
 from ..vessel import NeighborLumen
 from .value import TreatedStent
 
@@ -81,9 +72,7 @@ def check_width(
         )
 
 
-def overlap_length(
-    first_axis: ArrayLike, first_radius: float, second_axis: ArrayLike, second_radius: float
-) -> float:
+def overlap_length(first: Line, first_radius: float, second: Line, second_radius: float) -> float:
     """Length of the second stent's axis along which the two stents overlap, mm.
 
     A place of the second axis counts when it lies beside the first one, between its ends, and
@@ -91,22 +80,19 @@ def overlap_length(
 
     Parameters
     ----------
-    first_axis, second_axis : array_like, shapes (n, 3) and (m, 3)
-        Axes, mm.
+    first, second : Line
+        Their axes.
     first_radius, second_radius : float
         mm.
     """
-    first = as_points(first_axis, "first axis", minimum=2)
-    second = resampled(second_axis, _SPACING)
+    even = second.resampled(_SPACING)
     # Each piece of the second axis counts by its middle.
-    middles = (second[1:] + second[:-1]) / 2
-    nearest = closest_points(first, middles)
+    nearest = first.nearest((even.points[1:] + even.points[:-1]) / 2)
     # What lies beyond an end is nearest to that end, up to rounding.
-    inner = np.clip(nearest.arc_lengths, _ROUNDING, length(first) - _ROUNDING)
+    inner = np.clip(nearest.arc_lengths, _ROUNDING, first.length - _ROUNDING)
     beside = nearest.arc_lengths == inner
     near = nearest.distances < first_radius + second_radius
-    pieces = np.linalg.norm(np.diff(second, axis=0), axis=1)
-    return float(pieces[beside & near].sum())
+    return float(even.pieces[beside & near].sum())
 
 
 def nothing_moved(treated: TreatedStent, left: DiameterProfile | None) -> Iterator[Caution]:
@@ -137,8 +123,8 @@ def edge_at_stent(treated: TreatedStent) -> float:
     moved, surface = treated.result.state.indices, treated.result.surface
     radius = treated.stent.radius
     # Coarser than the axis is given; a median asks for no more.
-    axis = resampled(treated.axis.points, radius / 2)
-    at_stent = closest_points(axis, surface.points[moved]).distances <= AT_STENT * radius
+    axis = treated.axis.line.resampled(radius / 2)
+    at_stent = axis.nearest(surface.points[moved]).distances <= AT_STENT * radius
     is_there = np.zeros(len(surface.points), dtype=bool)
     is_there[moved[at_stent]] = True
     near = surface.triangles[is_there[surface.triangles].all(axis=1)]
@@ -155,10 +141,7 @@ def narrowed(own: DiameterProfile, final: DiameterProfile) -> Iterator[Caution]:
 def overlap(first: TreatedStent, second: TreatedStent) -> Iterator[Caution]:
     """Whether two stents overlap."""
     common = overlap_length(
-        first.axis.points,
-        first.stent.radius,
-        second.axis.points,
-        second.stent.radius,
+        first.axis.line, first.stent.radius, second.axis.line, second.stent.radius
     )
     if common > 0:
         numbers = {"first": first.number, "second": second.number, "length_mm": common}
@@ -208,8 +191,8 @@ def is_same_branch(first: NeighborLumen, second: NeighborLumen) -> bool:
     Each way has to pass the other's narrowed place within the radius that was there before.
     """
     for one, other in ((first, second), (second, first)):
-        place = point_at(one.path, np.array([one.distance]))
-        if closest_points(other.path, place).distances[0] > one.before / 2:
+        place = Line(one.path).at(np.array([one.distance]))
+        if Line(other.path).nearest(place).distances[0] > one.before / 2:
             return False
     return True
 

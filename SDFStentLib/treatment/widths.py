@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry import arc_lengths, closest_points, length
+from ..geometry import Line
 from ..lumen import DiameterProfile
 from ..validation import Flags, Floats
 from ..vessel import Lesion
@@ -90,9 +90,10 @@ def _references(places: Floats, lesions: Sequence[Lesion]) -> tuple[Floats, Flag
     found = np.full(len(places), np.nan)
     is_deep = np.zeros(len(places), dtype=bool)
     for lesion in lesions:
-        nearest = closest_points(lesion.line, places)
-        along, whole = nearest.arc_lengths, length(lesion.line)
-        healthy = np.interp(along, arc_lengths(lesion.line), lesion.healthy)
+        line = Line(lesion.line)
+        nearest, whole = line.nearest(places), line.length
+        along = nearest.arc_lengths
+        healthy = np.interp(along, line.arc_lengths, lesion.healthy)
         # Beyond an end of the line its end is the nearest, up to rounding.
         inside = (along > _SAME) & (along < whole - _SAME) & (nearest.distances <= healthy / 2)
         found[inside] = np.fmin(found, healthy)[inside]

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..geometry import Surface, length, without_repeats
+from ..geometry import Line, Surface, length, without_repeats
 from ..lumen import RAYS, Mask, near_wall, wall_map
 from ..validation import Floats, as_number, as_points, read_only
 
@@ -115,7 +115,7 @@ def apposition(
     if not len(near.triangles):
         # Short and thin in a wide lumen: all of the wall is farther away than that.
         near = near_wall(surface, line, np.inf)
-    wall = wall_map(near, line, spacing=SPACING, window=widest)
+    wall = wall_map(near, Line(line), spacing=SPACING, window=widest)
     edges = wall.arc_length
     # A piece between two stations has the mean of both.
     own = radius_at(edges)[:, None]

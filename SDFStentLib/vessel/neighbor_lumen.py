@@ -11,6 +11,7 @@ import numpy as np
 
 from ..cautions import Caution
 from ..geometry import (
+    Line,
     Surface,
     arc_lengths,
     cut,
@@ -234,7 +235,7 @@ def _seen(surface: Surface, part: _Part) -> Floats:
     """Narrowest width and mean width (2, n) of the sections, by rays from the way."""
     stations = part.stations
     near = near_wall(surface, stations, part.reach)
-    rays = rays_from(near, arc_lengths(stations), stations, frames(stations)).distance
+    rays = rays_from(near, arc_lengths(stations), stations, frames(Line(stations))).distance
     wall = across_alone(np.where(np.isfinite(rays), rays, np.nan))
     width = wall + np.roll(wall, RAYS // 2, axis=1)
     return np.stack([width.min(axis=1), width.mean(axis=1)])

@@ -110,7 +110,7 @@ def find_ostia(
         What leads to its root is no branch, but the vessel from which this one comes. Where all of
         its ends lie in flat caps, what leads to no cap is no vessel.
     """
-    tube = expected_tube(surface, axis.points)
+    tube = expected_tube(surface, axis.line)
     wall, places, ends = _faces_of_wall(tube, faces), tube.places, np.empty((0, 3))
     if centerline is not None:
         ends = centerline.points[[centerline.roots[0], *centerline.leaves]]

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...geometry import without_repeats
+from ...geometry import Line
 from ...units import Frame, as_frame
 from ...validation import InputError, Points, as_patient_points
 from ..content import FileContent
@@ -144,7 +144,7 @@ def _unit(markup: dict[str, Any]) -> str:
 
 
 def _spline(control_points: Points, name: str) -> Points:
-    if len(without_repeats(control_points)) < 2:
+    if len(Line(control_points).without_repeats().points) < 2:
         raise InputError(f"{name}: expected a curve, got one place only; place more points.")
     if len(control_points) == 2:
         return control_points

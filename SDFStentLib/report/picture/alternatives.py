@@ -6,12 +6,11 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from ...geometry import point_at
 from ...plan import PlanResult
 from ...treatment import TreatedStent
 from ...validation import InputError, check_is_a
 from ..words import millimeters
-from .drawing import GRAY, INK, Drawing, Line, Mark, Words
+from .drawing import GRAY, INK, Drawing, Mark, Stroke, Words
 from .marks import color_limits, color_scale, curve, length_scale, section_marks
 from .painting import painted
 from .shapes import Lumen, Panel, lumen_of, panel_of, strut_curves, wall_diameters
@@ -56,7 +55,7 @@ def alternatives_scene(results: Mapping[str, PlanResult]) -> tuple[Drawing, list
     cloud = np.concatenate([wall.points for wall in walls])
     radii = [stent.stent.widest_diameter / 2 for stent in stents]
     view = best_view(
-        [stent.axis.points for stent in stents],
+        [stent.axis.line for stent in stents],
         max(radii),
         cloud,
         PANEL_WIDTH / (BOTTOM - TOP),
@@ -85,9 +84,9 @@ def _apart(lumens: Sequence[Lumen]) -> list[Lumen]:
     """Without those whose narrowest place is marked already: plans share stretches of vessel."""
     kept: list[Lumen] = []
     for lumen in sorted(lumens, key=lambda one: float(one.diameters[0].min())):
-        place = point_at(lumen.axis, [lumen.narrowest])
+        place = lumen.axis.at([lumen.narrowest])
         near = lumen.diameters.max()
-        if all(np.linalg.norm(place - point_at(one.axis, [one.narrowest])) > near for one in kept):
+        if all(np.linalg.norm(place - one.axis.at([one.narrowest])) > near for one in kept):
             kept.append(lumen)
     return kept
 
@@ -102,7 +101,7 @@ def _headings(results: Mapping[str, PlanResult]) -> Iterator[Mark]:
         yield Words(note, middle, 93, 20, GRAY)
         if column:
             edge = column * PANEL_WIDTH
-            yield Line([(edge, 40), (edge, BOTTOM)], "#d9dee3", 1.5)
+            yield Stroke([(edge, 40), (edge, BOTTOM)], "#d9dee3", 1.5)
     words = "Research use only. Not for clinical decisions."
     yield Words(words, (len(results) + 1) * PANEL_WIDTH - 20, bottom, 15, GRAY, "end")
 

@@ -12,7 +12,7 @@ INK = "#212933"
 GRAY = "#6b7580"
 
 
-class Line(NamedTuple):
+class Stroke(NamedTuple):
     """A polyline; `dashes` are the lengths of dash and gap."""
 
     points: Sequence[tuple[float, float]]
@@ -53,7 +53,7 @@ class Disc(NamedTuple):
     color: str
 
 
-Mark = Line | Words | Box | Disc
+Mark = Stroke | Words | Box | Disc
 
 
 class Drawing(NamedTuple):
@@ -69,7 +69,7 @@ def shifted(marks: Sequence[Mark], down: float) -> list[Mark]:
     """The marks further down the page."""
     moved: list[Mark] = []
     for mark in marks:
-        if isinstance(mark, Line):
+        if isinstance(mark, Stroke):
             moved.append(mark._replace(points=[(x, y + down) for x, y in mark.points]))
         else:
             moved.append(mark._replace(y=mark.y + down))
@@ -91,7 +91,7 @@ def svg(drawing: Drawing) -> str:
 
 
 def _element(mark: Mark) -> str:
-    if isinstance(mark, Line):
+    if isinstance(mark, Stroke):
         corners = " ".join(f"{x:.2f},{y:.2f}" for x, y in mark.points)
         dashes = "stroke-dasharray='{:g} {:g}' ".format(*mark.dashes) if mark.dashes else ""
         return (

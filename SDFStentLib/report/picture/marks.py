@@ -6,9 +6,8 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
-from ...geometry import point_at
 from ...validation import Points
-from .drawing import Box, Line, Mark, Words
+from .drawing import Box, Mark, Stroke, Words
 from .shapes import Lumen, diameter_colors, section_ring
 from .view import PANEL_WIDTH, View, label_side
 
@@ -31,8 +30,8 @@ def length_scale(view: View) -> Iterator[Mark]:
     steps = (0.5, 1, 2, 5, 10, 20, 50, 100, 200)
     nice = max(step for step in steps if step <= max(190 / view.per_mm, 0.5))
     left, right, y = 60, 60 + nice * view.per_mm, 654
-    yield Line([(left, y), (right, y)], width=2.5)
-    yield from (Line([(x, y - 7), (x, y + 7)], width=2.5) for x in (left, right))
+    yield Stroke([(left, y), (right, y)], width=2.5)
+    yield from (Stroke([(x, y - 7), (x, y + 7)], width=2.5) for x in (left, right))
     yield Words(f"{nice:g} mm", (left + right) / 2, 683, 16)
 
 
@@ -47,7 +46,7 @@ def color_scale(lower: float, upper: float, middle: float) -> Iterator[Mark]:
     every = next(each for each in (1, 2, 4, 10, 20, 50, 100) if halves / each <= 7)
     for tick in range(0, halves + 1, every):
         x = left + width * tick / halves
-        yield Line([(x, y + 20), (x, y + 26)], width=1.5)
+        yield Stroke([(x, y + 20), (x, y + 26)], width=1.5)
         yield Words(f"{lower + tick / 2:g}", x, 686, 14)
     yield Words("Lumen diameter (mm)", middle, 637, 15)
 
@@ -63,7 +62,7 @@ def section_marks(
     covered, panels, labels = view.pixels(cloud), tuple(shown), np.empty((0, 2))
     for lumen in lumens:
         values = lumen.at(lumen.narrowest)
-        center = view.pixels(point_at(lumen.axis, [lumen.narrowest]))[0]
+        center = view.pixels(lumen.axis.at([lumen.narrowest]))[0]
         gap = 0.7 * view.per_mm * lumen.diameters.max()
         away = label_side(covered, center, gap, LABEL, labels)
         leader = away * (1 - np.min(LABEL / 2 / np.maximum(np.abs(away), 1e-9)))
@@ -71,12 +70,12 @@ def section_marks(
         for column, side in panels:
             yield curve(view, section_ring(lumen, side), column, RED, 2.5)
             start = center + np.array([column * PANEL_WIDTH, 0])
-            yield Line([tuple(start), tuple(start + leader)], RED, 1.5)
+            yield Stroke([tuple(start), tuple(start + leader)], RED, 1.5)
             x, y = start + away
             yield Words(f"{values[side]:.1f} mm", x, y + 6, 18, RED, is_bold=True)
 
 
-def curve(view: View, points: Points, column: int, color: str, width: float) -> Line:
+def curve(view: View, points: Points, column: int, color: str, width: float) -> Stroke:
     """A curve on the vessel in the panel of that column, over the wall."""
     corners = view.pixels(points) + np.array([column * PANEL_WIDTH, 0])
-    return Line([(float(x), float(y)) for x, y in corners], color, width)
+    return Stroke([(float(x), float(y)) for x, y in corners], color, width)

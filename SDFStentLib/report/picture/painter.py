@@ -19,9 +19,9 @@ from vtkmodules.vtkPythonContext2D import vtkPythonItem
 from vtkmodules.vtkRenderingContext2D import vtkContext2D, vtkContextActor, vtkPen
 from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow, vtkWindowToImageFilter
 
-from ...geometry import cut, length
+from ...geometry import Line
 from ...validation import Points, one_line
-from .drawing import Box, Disc, Drawing, Line, Words
+from .drawing import Box, Disc, Drawing, Stroke, Words
 from .panel import seen
 from .shapes import Panel
 
@@ -92,7 +92,7 @@ class _Painter:
             context.GetBrush().SetColorF(*_rgb(mark.color))
             if isinstance(mark, Words):
                 self.words(context, mark)
-            elif isinstance(mark, Line):
+            elif isinstance(mark, Stroke):
                 self.line(context, mark)
             else:
                 self.area(context, mark)
@@ -111,7 +111,7 @@ class _Painter:
         right, down = (drop, 0.0) if mark.is_upright else (0.0, drop)
         context.DrawString(*self.at(mark.x + right, mark.y + down), one_line(mark.text))
 
-    def line(self, context: vtkContext2D, mark: Line) -> None:
+    def line(self, context: vtkContext2D, mark: Stroke) -> None:
         context.GetPen().SetLineType(vtkPen.SOLID_LINE)
         context.GetPen().SetWidth(OVERSAMPLING * mark.width)
         for piece in _dashes(mark):
@@ -130,13 +130,13 @@ class _Painter:
             context.DrawRect(*corner, OVERSAMPLING * mark.width, OVERSAMPLING * mark.height)
 
 
-def _dashes(mark: Line) -> list[Points]:
+def _dashes(mark: Stroke) -> list[Points]:
     """The pieces of a line that are drawn: VTK's own dashes look unlike those of an SVG."""
-    line = np.pad(np.array(mark.points, dtype=np.float64), ((0, 0), (0, 1)))
+    line = Line(np.pad(np.array(mark.points, dtype=np.float64), ((0, 0), (0, 1))))
     if not mark.dashes:
-        return [line]
-    whole, (dash, gap) = length(line), mark.dashes
-    return [cut(line, at, min(at + dash, whole)) for at in np.arange(0, whole, dash + gap)]
+        return [line.points]
+    whole, (dash, gap) = line.length, mark.dashes
+    return [line.cut(at, min(at + dash, whole)).points for at in np.arange(0, whole, dash + gap)]
 
 
 def _rgb(color: str) -> tuple[float, ...]:

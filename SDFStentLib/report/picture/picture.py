@@ -9,7 +9,7 @@ import numpy as np
 from ...plan import PlanResult
 from ...treatment import TreatedStent
 from ...validation import check_is_a
-from .drawing import GRAY, INK, Drawing, Line, Mark, Words
+from .drawing import GRAY, INK, Drawing, Mark, Stroke, Words
 from .marks import color_limits, color_scale, curve, length_scale, section_marks
 from .painting import painted
 from .shapes import Panel, lumen_of, panel_of, strut_curves, wall_diameters
@@ -51,7 +51,7 @@ def before_after_scene(result: PlanResult, title: str) -> tuple[Drawing, list[Pa
     """What `before_after_picture` paints: all that is flat, and the walls under it."""
     surface, stents = result.inputs.surface, result.treatment.final_stents
     moments = surface.surface, result.treatment.surface
-    cloud, axes = np.concatenate([one.points for one in moments]), [s.axis.points for s in stents]
+    cloud, axes = np.concatenate([one.points for one in moments]), [s.axis.line for s in stents]
     radii = [stent.stent.widest_diameter / 2 for stent in stents]
     view = best_view(axes, max(radii), cloud, PANEL_WIDTH / (BOTTOM - TOP), surface.frame)
     lumens = [lumen for lumen in map(lumen_of, stents) if len(lumen.arc_length)]
@@ -79,5 +79,5 @@ def _headings(stents: Sequence[TreatedStent], title: str) -> Iterator[Mark]:
         heading = f"{('Before', 'After')[side]}: minimum lumen {minimum}"
         yield Words(heading, middle, 65, 23, is_bold=True)
         yield Words(note, middle, 93, 15, GRAY)
-    yield Line([(WIDTH / 2, 50), (WIDTH / 2, BOTTOM)], "#d9dee3", 1.5)
+    yield Stroke([(WIDTH / 2, 50), (WIDTH / 2, BOTTOM)], "#d9dee3", 1.5)
     yield Words("Research use only. Not for clinical decisions.", 984, 674, 12, GRAY)

@@ -8,7 +8,7 @@ from typing import Any
 
 from ..branches import again_words, stretches_of
 from ..stents import stent_titles
-from .drawing import GRAY, INK, Box, Disc, Drawing, Line, Mark, Words, shifted
+from .drawing import GRAY, INK, Box, Disc, Drawing, Mark, Stroke, Words, shifted
 
 _WIDTH, _HEIGHT = 820, 380
 _LEFT, _RIGHT, _TOP, _BOTTOM = 62, 14, 62, 48
@@ -66,7 +66,7 @@ def diameter_plot(
     marks = [*_beyond(first, last), *_grid(across, up)]
     marks += _strip(first, last, across, stretches) if again is None else _gone(first, last, again)
     curves = [
-        Line([(across(position), up(value)) for position, value in piece], color, width, dashes)
+        Stroke([(across(position), up(value)) for position, value in piece], color, width, dashes)
         for key, _, color, dashes, width in (*_CURVES[1:4:2], *_CURVES[0:3:2], *_CURVES[4:])
         for piece in _pieces(positions, along[key])
     ]
@@ -147,13 +147,13 @@ def _grid(across: _Scale, up: _Scale) -> Iterator[Mark]:
     right, floor = _WIDTH - _RIGHT, _HEIGHT - _BOTTOM
     for tick in up.ticks():
         y = up(tick)
-        yield Line([(_LEFT, y), (right, y)], "#dddddd")
+        yield Stroke([(_LEFT, y), (right, y)], "#dddddd")
         yield Words(f"{tick:g}", _LEFT - 8, y + 4, anchor="end")
     for tick in across.ticks():
         x = across(tick)
-        yield Line([(x, floor), (x, floor + 5)])
+        yield Stroke([(x, floor), (x, floor + 5)])
         yield Words(f"{tick:g}", x, floor + 19)
-    yield Line([(_LEFT, _TOP), (_LEFT, floor), (right, floor)])
+    yield Stroke([(_LEFT, _TOP), (_LEFT, floor), (right, floor)])
     along = "position from the proximal end of the stent, proximal to distal (mm)"
     yield Words(along, (_LEFT + right) / 2, _HEIGHT - 8)
     yield Words("lumen diameter (mm)", 18, (_TOP + floor) / 2, is_upright=True)
@@ -230,7 +230,7 @@ def _crossed(words: Words, drawn: Sequence[Mark]) -> int:
     top, low = words.y - words.size, words.y + 4
     count = 0
     for mark in drawn:
-        if isinstance(mark, Line):
+        if isinstance(mark, Stroke):
             count += sum(left < x < right and top < y < low for x, y in mark.points)
         elif isinstance(mark, Words):
             start, end = _span(mark)
@@ -251,5 +251,5 @@ def _span(words: Words) -> tuple[float, float]:
 def _legend() -> Iterator[Mark]:
     for number, (_, label, color, dashes, width) in enumerate(_CURVES):
         x, y = _LEFT + 4 + 235 * (number // 2), 14 + 22 * (number % 2)
-        yield Line([(x, y), (x + 34, y)], color, width, dashes)
+        yield Stroke([(x, y), (x + 34, y)], color, width, dashes)
         yield Words(label, x + 42, y + 4, color=INK, anchor="start")

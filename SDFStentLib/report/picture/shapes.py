@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...geometry import Surface, across, closest_points, length, point_at
+from ...geometry import Line, Surface, across
 from ...stent import stent_lattice
 from ...treatment import TreatedStent
 from ...validation import Floats, Points, Triangles
@@ -56,7 +56,7 @@ def panel_of(
 class Lumen(NamedTuple):
     """Diameters (2, k) before and after at arc lengths (k,) of a stent axis, mm; all known."""
 
-    axis: Points
+    axis: Line
     arc_length: Floats
     diameters: Floats
 
@@ -74,7 +74,7 @@ def lumen_of(stent: TreatedStent) -> Lumen:
     """Where both diameters are known; that may be nowhere."""
     both = np.stack([stent.before.inscribed_diameter, stent.after.inscribed_diameter])
     known = np.isfinite(both).all(axis=0)
-    return Lumen(stent.axis.points, stent.before.arc_length[known], both[:, known])
+    return Lumen(stent.axis.line, stent.before.arc_length[known], both[:, known])
 
 
 def wall_diameters(points: Points, lumens: Sequence[Lumen], side: int) -> Floats:
@@ -86,10 +86,10 @@ def wall_diameters(points: Points, lumens: Sequence[Lumen], side: int) -> Floats
     found = np.full(len(points), np.nan)
     for lumen in lumens:
         far = REACH / 2 * lumen.diameters.max()
-        low, high = lumen.axis.min(axis=0) - far, lumen.axis.max(axis=0) + far
+        low, high = lumen.axis.points.min(axis=0) - far, lumen.axis.points.max(axis=0) + far
         near = np.flatnonzero(((points > low) & (points < high)).all(axis=1))
-        foot = closest_points(lumen.axis, points[near])
-        beside = np.abs(foot.arc_lengths / length(lumen.axis) - 0.5) < 0.5 - 1e-9
+        foot = lumen.axis.nearest(points[near])
+        beside = np.abs(foot.arc_lengths / lumen.axis.length - 0.5) < 0.5 - 1e-9
         at = np.flatnonzero(beside & (foot.distances < far))
         found[near[at]] = np.interp(foot.arc_lengths[at], lumen.arc_length, lumen.diameters[side])
     return found
@@ -128,8 +128,8 @@ def section_ring(lumen: Lumen, side: int) -> Points:
     """The marked section, before or after: a circle (65, 3) across the axis, closed, mm."""
     at, radius = lumen.narrowest, lumen.at(lumen.narrowest)[side] / 2
     # Where the axis leaves the lumen, the radius is 0 and tells no direction.
-    reach = max(radius, length(lumen.axis) / 100)
-    start, center, end = point_at(lumen.axis, [at - reach, at, at + reach])
+    reach = max(radius, lumen.axis.length / 100)
+    start, center, end = lumen.axis.at([at - reach, at, at + reach])
     one, other = across(((end - start) / np.linalg.norm(end - start))[None])[0]
     angle = np.linspace(0, 2 * np.pi, 65)[:, None]
     return np.asarray(center + radius * (np.cos(angle) * one + np.sin(angle) * other))

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...geometry import across, length, point_at
+from ...geometry import Line, across
 from ...validation import Floats, Points
 
 WIDTH, HEIGHT = 1200, 700
@@ -67,13 +67,13 @@ class View(NamedTuple):
 
 
 def best_view(
-    axes: Sequence[Points], radius: float, cloud: Points, aspect: float, frame: str | None
+    axes: Sequence[Line], radius: float, cloud: Points, aspect: float, frame: str | None
 ) -> View:
     """The view in which the stents lie flat, and the vessels around them beside each other.
 
     Parameters
     ----------
-    axes : sequence of (k, 3) arrays
+    axes : sequence of Line
         Stent axes, mm.
     radius : float
         Largest radius of a stent, mm.
@@ -91,8 +91,8 @@ def best_view(
         and surroundings are least deep, so that little lies before them. The head (z) is up
         unless the view is along it.
     """
-    stations = np.concatenate([point_at(axis, np.linspace(0, length(axis), 25)) for axis in axes])
-    reach = max(1.3 * max(map(length, axes)), 6 * radius)
+    stations = np.concatenate([axis.at(np.linspace(0, axis.length, 25)) for axis in axes])
+    reach = max(1.3 * max(axis.length for axis in axes), 6 * radius)
     some = cloud[:: max(1, len(cloud) // (4 * VIEW_POINTS))]
     far = np.min([np.linalg.norm(some - each, axis=1) for each in stations], axis=0)
     nearby = np.vstack([some[far < reach], stations])

@@ -1,0 +1,230 @@
+"""An open polyline as one value: checked once, never changed, and measured once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..validation import Floats, Indices, InputError, Points, as_number, as_points, read_only
+from .segments import closest_on_segments
+
+MOST_SEGMENTS = 20_000
+"""Of a line that is made anew: one per 0.01 mm of 200 mm. Each is worth some ms where measured."""
+
+REPEATED = 1e-9
+"""Distance up to which a point repeats the one before it, mm."""
+
+
+class ClosestPoints(NamedTuple):
+    """The points of a line that are nearest to k places, the first ones of equals."""
+
+    points: Points
+    distances: Floats
+    arc_lengths: Floats
+    segments: Indices
+    fractions: Floats
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class Line:
+    """An open polyline. Immutable, checked when it is made and never again.
+
+    Repeated points (pieces without length) are normal.
+
+    Parameters
+    ----------
+    points : array_like, shape (n, 3)
+        mm; copied.
+    name : str
+        What to call it in messages.
+
+    Raises
+    ------
+    InputError
+        No point, or coordinates that are no finite numbers.
+    """
+
+    points: Points
+
+    def __init__(self, points: ArrayLike, name: str = "polyline") -> None:
+        object.__setattr__(self, "points", read_only(as_points(points, name, minimum=1)))
+
+    @classmethod
+    def _of(cls, points: Points) -> Line:
+        """Points that follow from those of a line are sound."""
+        line = object.__new__(cls)
+        points.setflags(write=False)
+        object.__setattr__(line, "points", points)
+        return line
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+    @cached_property
+    def pieces(self) -> Floats:
+        """Length of each of the n - 1 pieces, mm."""
+        return np.linalg.norm(np.diff(self.points, axis=0), axis=1)
+
+    @cached_property
+    def length(self) -> float:
+        """Of the whole line, mm; 0 for a single point."""
+        return float(self.pieces.sum())
+
+    @cached_property
+    def arc_lengths(self) -> Floats:
+        """At each of the n points, mm; 0 at the first."""
+        return read_only(np.concatenate([[0.0], np.cumsum(self.pieces)]))
+
+    @cached_property
+    def directions(self) -> Floats:
+        """Unit tangent (n, 3) at each point: the mean direction of the two pieces that meet there.
+
+        A repeated point gets the tangent of the point it repeats; at a turn of exactly 180 degrees
+        the direction of arrival counts.
+
+        Raises
+        ------
+        InputError
+            A line without length.
+        """
+        self.check_length()
+        count, lengths = len(self.points), self.pieces
+        solid = np.flatnonzero(lengths > 0)
+        directions = np.diff(self.points, axis=0)[solid] / lengths[solid, None]
+        # Per point the solid piece that arrives and the one that leaves; ends have only one.
+        arriving = np.clip(np.searchsorted(solid, np.arange(count)) - 1, 0, None)
+        leaving = np.clip(np.searchsorted(solid, np.arange(count)), None, len(solid) - 1)
+        sums = directions[arriving] + directions[leaving]
+        sizes = np.linalg.norm(sums, axis=1, keepdims=True)
+        turned_back = sizes[:, 0] < 1e-12
+        sums[turned_back], sizes[turned_back] = directions[arriving[turned_back]], 1.0
+        return read_only(sums / sizes)
+
+    def at(self, arc_length: ArrayLike) -> Floats:
+        """The place (3,), or places (k, 3), at arc lengths, mm.
+
+        Below zero they count as the start, beyond the length as the end.
+        """
+        if len(self.points) == 1:
+            return np.broadcast_to(self.points[0], (*np.shape(arc_length), 3)).copy()
+        segments, fractions = self.located(arc_length)
+        weights = np.asarray(fractions)[..., None]
+        ends = self.points[segments], self.points[np.asarray(segments) + 1]
+        return (1.0 - weights) * ends[0] + weights * ends[1]
+
+    def located(self, arc_length: ArrayLike) -> tuple[Indices, Floats]:
+        """Piece and fraction along it, in [0, 1], at arc lengths on a line of n > 1 points."""
+        at = self.arc_lengths
+        wanted = np.clip(np.asarray(arc_length, dtype=np.float64), 0.0, at[-1])
+        segments = np.clip(np.searchsorted(at, wanted, side="right") - 1, 0, len(at) - 2)
+        lengths = at[segments + 1] - at[segments]
+        fractions = (wanted - at[segments]) / np.where(lengths > 0, lengths, 1.0)
+        return segments, np.clip(fractions, 0.0, 1.0)
+
+    def nearest(self, places: Points) -> ClosestPoints:
+        """Of places (k, 3), on the line's pieces; works in blocks of bounded memory."""
+        line = self.points if len(self.points) > 1 else np.repeat(self.points, 2, axis=0)
+        found = closest_on_segments(line[:-1], line[1:], places)
+        at = self.arc_lengths if len(self.points) > 1 else np.zeros(2)
+        along = at[found.segments] + found.fractions * np.diff(at)[found.segments]
+        return ClosestPoints(found.points, found.distances, along, found.segments, found.fractions)
+
+    def cut(self, start: float, end: float) -> Line:
+        """The part between two arc lengths, mm, with exact new ends, without repeats.
+
+        Raises
+        ------
+        InputError
+            Nothing of the line lies between `start` and `end`.
+        """
+        at = self.arc_lengths
+        first, last = max(start, 0.0), min(end, at[-1])
+        if not first < last:
+            raise InputError(
+                f"cut: expected a start before the end on a polyline of {at[-1]:g} mm, "
+                f"got {start:g} to {end:g} mm."
+            )
+        inside = self.points[(at > first) & (at < last)]
+        ends = self.at([first, last])
+        return Line._of(np.concatenate([ends[:1], inside, ends[1:]])).without_repeats()
+
+    def resampled(self, spacing: float) -> Line:
+        """Points at equal arc length of about `spacing` mm; both ends are kept exactly.
+
+        Raises
+        ------
+        InputError
+            As `segment_count`, or a line without length.
+        """
+        return self.resampled_to(segment_count(self.length, spacing) + 1)
+
+    def resampled_to(self, count: int) -> Line:
+        """`count` points, two at least, at equal arc length; both ends are kept exactly.
+
+        Raises
+        ------
+        InputError
+            `count` below two, or a line without length.
+        """
+        if count < 2:
+            raise InputError(f"count: expected at least 2 points, got {count}.")
+        self.check_length()
+        result = self.at(np.linspace(0.0, self.length, count))
+        result[0], result[-1] = self.points[0], self.points[-1]
+        return Line._of(result)
+
+    def reversed(self) -> Line:
+        """The same line from its end to its start."""
+        return Line._of(self.points[::-1])
+
+    def without_repeats(self) -> Line:
+        """The line without points that repeat the one before; first and last are kept exactly."""
+        kept = self.distinct
+        return self if len(kept) == len(self) else Line._of(self.points[kept])
+
+    @property
+    def distinct(self) -> Indices:
+        """Indices of the points that `without_repeats` keeps; one when all of them coincide."""
+        points = self.points
+        if (self.pieces > REPEATED).all():
+            return np.arange(len(points))
+        kept = [0]
+        for i in range(1, len(points)):
+            if np.linalg.norm(points[i] - points[kept[-1]]) > REPEATED:
+                kept.append(i)
+        if len(kept) > 1 and np.linalg.norm(points[-1] - points[kept[-1]]) <= REPEATED:
+            kept[-1] = len(points) - 1
+        return np.array(kept, dtype=np.int64)
+
+    def check_length(self) -> None:
+        """`InputError` for points that are all at one place."""
+        if self.length <= 0:
+            raise InputError(
+                f"polyline: expected two different points, got {len(self)} points at one place."
+            )
+
+
+def as_line(value: Line | ArrayLike, name: str = "polyline") -> Line:
+    """The line that it is, or one through points (n, 3), mm; `InputError` as `Line`."""
+    return value if isinstance(value, Line) else Line(value, name)
+
+
+def segment_count(length: float, spacing: float) -> int:
+    """How many segments of about that length fill a line, at least one; mm.
+
+    Raises
+    ------
+    InputError
+        Spacing not positive, or more than `MOST_SEGMENTS`.
+    """
+    spacing = as_number(spacing, "spacing", unit="mm", above=0)
+    if length / MOST_SEGMENTS > spacing:
+        raise InputError(
+            f"spacing: expected at least {length / MOST_SEGMENTS:.2g} (mm) on a line of "
+            f"{length:.4g} mm, got {spacing:g}; more than {MOST_SEGMENTS} places take too long."
+        )
+    return max(1, round(length / spacing))
