@@ -32,7 +32,7 @@ from SDFStentLib.stent import (
     balloon_by_rule,
     stent_axis,
 )
-from SDFStentLib.treatment import Preview, Treatment
+from SDFStentLib.treatment import Treatment
 from SDFStentLib.validation import InputError
 
 CENTER = AtCenter([0.0, 0, 50])
@@ -237,14 +237,6 @@ def test_a_stent_that_was_dilated_again_is_dilated_as_it_lies_and_lies_there_onc
         Treatment(vessel.surface, smaller, vessel.centerline)
 
 
-def test_a_preview_dilates_the_same_stent_again():
-    treatment = a_redilation("distal", a_short_device())
-    preview = Preview(treatment.surface, treatment.centerline).of(treatment.stents)
-    expected = [stent.axis.points for stent in treatment.result.stents]
-    for seen, axis in zip(preview.stents, expected, strict=True):
-        np.testing.assert_array_equal(seen.axis.points, axis)
-
-
 @pytest.mark.parametrize(
     ("second", "words"),
     [
@@ -426,13 +418,3 @@ def test_sizes_that_contradict_each_other_are_said_and_nothing_is_written(
     assert deploy(*more, diameter=diameter) == 2
     assert words in capsys.readouterr().err
     assert not Path("out.vtp").exists()
-
-
-def test_the_axis_of_a_kept_end_follows_a_bend():
-    angles = np.linspace(0, np.pi, 200)
-    arc = np.column_stack([30 * np.cos(angles), 30 * np.sin(angles), 0 * angles])
-    stent = Stent(6.0, placement=AlongAxis(arc), foreshortening_fraction=0.2, keeps="distal")
-    axis = stent_axis(stent).points
-    assert Line(axis).length == pytest.approx(0.8 * Line(arc).length)
-    np.testing.assert_allclose(axis[-1], arc[-1])
-    assert Line(axis).arc_lengths[-1] == pytest.approx(0.8 * 30 * np.pi, rel=1e-3)

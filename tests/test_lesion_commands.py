@@ -145,11 +145,6 @@ def test_the_place_and_the_minimum_are_those_of_spheres_on_the_path(pulmonary, d
         assert along[away.argmin()] == pytest.approx(lesion["along_branch_mm"], abs=1.5)
 
 
-def test_the_csv_is_never_written_over_an_input(tube, capsys):
-    said = said_of(["measure", *tube, "--csv", tube[0]], capsys, code=2)
-    assert "expected another file than the input" in said
-
-
 def test_the_marked_reference_stands_for_the_lesion_beside_it_only(pulmonary, capsys):
     before = document_of(["measure", *pulmonary], capsys)["lesions"]
     wide = before[0]["reference"]["proximal"]

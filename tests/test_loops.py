@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from trees import unbranched
 
-from SDFStentLib.centerline.point_tree import as_parents
 from SDFStentLib.cli import main
 from SDFStentLib.cli.demo import _written_patient
 from SDFStentLib.geometry import Line, SurfaceIndex
@@ -75,11 +74,6 @@ def test_a_local_surface_misses_nothing_of_the_whole_one(seed):
             np.testing.assert_array_equal(*corners)
         exact = whole.distances(queries).distance
         np.testing.assert_allclose(local.distances(queries), exact, rtol=1e-14, atol=0)
-
-
-def test_a_centerline_that_goes_round_in_a_place_is_refused():
-    with pytest.raises(InputError, match="got a circle that holds point"):
-        as_parents(np.array([-1, 3, 1, 2]), 4)
 
 
 def test_a_rim_that_meets_itself_is_refused():

@@ -334,12 +334,6 @@ def test_stations_outside_the_surface_have_no_diameter_and_it_is_said_where():
     assert profile.minimum > 0
 
 
-def test_a_profile_that_lies_nowhere_in_the_lumen_has_no_statistics():
-    profile = diameter_profile(Surface(*a_round_tube()), [[50, 0, 0], [50, 0, 9]])
-    assert np.isnan([profile.minimum, profile.mean, profile.sd, profile.maximum]).all()
-    assert np.isnan(profile.minimum_arc_length)
-
-
 def a_profile(inscribed, equivalent=None):
     inscribed = np.array(inscribed, dtype=float)
     equivalent = inscribed if equivalent is None else np.array(equivalent, dtype=float)

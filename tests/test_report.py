@@ -18,7 +18,7 @@ from SDFStentLib.lumen import DiameterProfile
 from SDFStentLib.report import Report, document_json, write_report, write_report_figure
 from SDFStentLib.report.html import certificate_sentence, html_page
 from SDFStentLib.report.lesions import treated_lesion_section
-from SDFStentLib.report.picture.drawing import Box, Disc, Stroke, Words
+from SDFStentLib.report.picture.drawing import Box, Stroke, Words
 from SDFStentLib.report.picture.plot import diameter_plot, figure
 from SDFStentLib.report.report import StentResult
 from SDFStentLib.report.words import millimeters, number_text
@@ -198,15 +198,6 @@ def test_every_length_in_the_document_carries_its_unit():
             assert key.endswith(("_mm", "_mm2", "_s")) or key.startswith("percent"), key
 
 
-def test_several_stents_each_have_their_diameters():
-    first = a_report().stents[0]
-    document = a_report(stents=(first, replace(first, lesions=()))).as_dict()
-    assert [stent["lesions"] for stent in document["stents"]] == [[1], []]
-    assert all("minimum_lumen" in stent["diameters"] for stent in document["stents"])
-    assert [branch["stent"] for branch in document["branches"]] == [1, 2]
-    assert "Stent 2 of 2" in html_page(document)
-
-
 def test_profiles_at_different_stations_are_refused():
     with pytest.raises(InputError, match="after: expected the stations of the profile before"):
         StentResult({}, a_profile([1, 2, 3]), a_profile([1, 2]), np.array(5.0))
@@ -215,15 +206,6 @@ def test_profiles_at_different_stations_are_refused():
 
 
 # Files
-
-
-def test_the_suffix_decides_between_json_and_page(tmp_path):
-    write_report(a_report(), tmp_path / "r.json")
-    write_report(a_report(), tmp_path / "r.HTML")
-    document = json.loads((tmp_path / "r.json").read_text("utf-8"))
-    assert document == a_report().as_dict()
-    assert (tmp_path / "r.HTML").read_text("utf-8") == html_page(a_report().as_dict())
-    assert html_page(document) == html_page(a_report().as_dict())
 
 
 def test_what_cannot_be_written_is_refused_and_leaves_no_file(tmp_path):
@@ -453,20 +435,6 @@ def test_the_plot_tells_the_stent_and_its_free_parts_from_the_vessel_beyond():
     assert "<h2>Not in contact all round</h2>" in html_page(document)
 
 
-@pytest.mark.parametrize(("other", "is_above"), [(-0.8, True), (+0.8, False)])
-def test_the_number_of_the_narrowest_place_keeps_clear_of_the_other_curve(other, is_above):
-    diameters = with_surroundings().as_dict()["diameters"]
-    narrow, along = diameters["minimum_lumen"], diameters["along"]
-    for key in ("mis_before_mm", "equivalent_before_mm"):
-        along[key] = [narrow["after_mm"] + other] * len(along[key])
-    marks = diameter_plot(diameters).marks
-    (words,) = (
-        one for one in marks if getattr(one, "text", "") == f"min {narrow['after_mm']:.2f} mm"
-    )
-    (disc,) = (one for one in marks if isinstance(one, Disc) and one.color == words.color)
-    assert (words.y < disc.y) == is_above
-
-
 def test_a_curve_is_interrupted_where_nothing_was_measured():
     marks = diameter_plot(with_gaps().as_dict()["diameters"]).marks
     colored = [mark for mark in marks if getattr(mark, "color", "") in ("#b35806", "#111111")]
@@ -474,12 +442,6 @@ def test_a_curve_is_interrupted_where_nothing_was_measured():
     curves = [line for line in lines if line.points[0][1] > 62]  # below the legend
     # Before, both diameters: the run of two stations; a single station makes no line.
     assert [len(line.points) for line in curves] == [2, 2, 5]
-
-
-def test_a_plot_of_nothing_says_so():
-    along = a_report().as_dict()["diameters"]["along"]
-    nothing = {key: [None] for key in along} | {"arc_length_mm": [0.0]}
-    assert diameter_plot({"along": nothing}) is None
 
 
 # The figure and the picture

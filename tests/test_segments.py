@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from deployment_cases import ANATOMIES, anatomy
 from scipy.spatial import cKDTree
-from trees import unbranched
 from vtkmodules.vtkCommonDataModel import vtkPlane, vtkPlaneCollection
 from vtkmodules.vtkFiltersCore import (
     vtkConnectivityFilter,
@@ -272,12 +271,6 @@ def test_names_of_files_differ_in_more_than_the_size_of_their_letters():
     assert max(map(len, kept)) < 100
 
 
-def test_caps_are_known_without_a_model():
-    phantom = branching_pulmonary_artery()
-    found = segment_of(Vessel(phantom.surface, phantom.centerline), 0.1, 0.9)
-    assert [face.kind for face in found.before.faces] == ["inlet", "outlet", "outlet", "wall"]
-
-
 def test_an_open_end_within_the_segment_is_closed_flat():
     phantom = branching_pulmonary_artery()
     wall = phantom.triangles[phantom.face_ids == 1]
@@ -455,15 +448,3 @@ def test_a_wall_that_crosses_itself_is_a_sentence():
     vessel = Vessel(tube.surface.with_points(points), tube.centerline)
     with pytest.raises(DeploymentError, match="expected one that is watertight and sound"):
         extract_segment(vessel, [0, 0, 10], [0, 0, 30])
-
-
-def test_a_line_in_a_wider_vessel_is_followed_by_its_own_direction():
-    """The plane stands across the centerline, also where that is stored coarsely."""
-    tube = straight_tube()
-    line = unbranched(np.array([[0, 0, 0.0], [0, 0, 13], [0, 0, 40]]))
-    found = extract_segment(Vessel(tube.surface, line), [0.5, 0, 9], [0, 0.4, 30])
-    for plane, sign in zip(found.planes, (1, -1), strict=True):
-        np.testing.assert_allclose(plane.normal, [0, 0, sign], atol=1e-9)
-    assert Line(np.array([found.planes[0].origin, found.planes[1].origin])).arc_lengths[-1] == (
-        pytest.approx(21.0)
-    )

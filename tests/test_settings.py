@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from SDFStentLib.deformation import BLENDS, FALLOFFS, RULES, DeploymentSettings
+from SDFStentLib.deformation import RULES, DeploymentSettings
 from SDFStentLib.parameter import parameters_of
 from SDFStentLib.plan import method_parameters
 from SDFStentLib.stent import Balloon, Shape, Stent, StentEnd, Waist
@@ -44,23 +44,6 @@ def test_the_preview_differs_from_the_default_only_in_effort():
     effort = {"step", "step_tolerance", "finish", "facet_compensation", "untangle", "certify"}
     assert differing <= effort
     assert preview.rule == default.rule
-
-
-def test_the_step_rule_carries_steps_distances_and_profiles():
-    for rule, step in RULES.items():
-        assert DeploymentSettings(rule=rule).step_rule().step == step
-        assert DeploymentSettings(rule=rule, step=0.3).step_rule().step == 0.3
-    rule = DeploymentSettings(
-        influence_distance=4, contact_tolerance=0.02, step_tolerance=0.07, falloff="cosine",
-        blend="quadratic",
-    ).step_rule()  # fmt: skip
-    assert (rule.influence_distance, rule.contact_tolerance, rule.tolerance) == (4, 0.02, 0.07)
-    assert (rule.falloff, rule.blend) == (FALLOFFS["cosine"], BLENDS["quadratic"])
-
-    def cubic(x):
-        return (1 - x) ** 3
-
-    assert DeploymentSettings(falloff=cubic).step_rule().falloff is cubic
 
 
 @pytest.mark.parametrize(

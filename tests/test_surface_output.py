@@ -7,7 +7,6 @@ from vtkmodules.vtkCommonCore import vtkIntArray, vtkStringArray
 
 from SDFStentLib.files import (
     add_arrays,
-    check_surface_output,
     encode_vtp,
     polydata_from_arrays,
     read_surface,
@@ -160,16 +159,6 @@ def test_unfit_points_are_refused_and_nothing_is_written(tmp_path):
         with pytest.raises(InputError, match=words):
             write_surface(path, surface, indices, points)
     assert not path.exists()
-
-
-def test_outputs_are_checked_before_anything_is_computed(tmp_path):
-    with pytest.raises(InputError, match=r"expected one of \.vtp, .* got '.vtu'"):
-        check_surface_output(tmp_path / "a.vtu")
-    with pytest.raises(InputError, match="got 'no suffix'"):
-        check_surface_output(tmp_path / "a")
-    with pytest.raises(InputError, match="expected an existing folder"):
-        check_surface_output(tmp_path / "none" / "a.vtp")
-    assert check_surface_output(tmp_path / "A.VTP") == (tmp_path / "A.VTP").resolve()
 
 
 def test_a_full_disk_is_said_and_the_old_file_stays(tmp_path):

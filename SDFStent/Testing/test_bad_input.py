@@ -131,13 +131,6 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize("spoil", CASES, ids=lambda f: f.__name__)
-def test_the_logic_raises_one_sentence(spoil, aLogic, theParameters, aScene):
-    spoil(theParameters, aScene)
-    with pytest.raises(InputError, match=CASES[spoil]):
-        aLogic.deploy(theParameters)
-
-
 # The panel picks the first segment by itself, so it is never left without one.
 @pytest.mark.parametrize(
     "spoil", [case for case in CASES if case is not segmentNotChosen], ids=lambda f: f.__name__

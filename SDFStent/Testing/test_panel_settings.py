@@ -43,15 +43,6 @@ def test_shapes_are_named_in_words_from_gradual_to_steep(host, aPanel, name):
         assert getattr(aPanel._parameterNode.method, name) == list(known)[index]
 
 
-def test_the_blend_reaches_the_library(host, aStent):
-    from SDFStentSlicer import Plans
-
-    host.choose(aStent.ui.blendComboBox, 1)
-    assert aStent._parameterNode.method.blend == "quadratic"
-    for live in (False, True):
-        assert Plans.settingsOf(aStent._parameterNode, live).blend == "quadratic"
-
-
 def test_choices_are_those_of_the_library(theModule):
     from SDFStentSlicer.ParameterNode import CHOICE_LABELS, MethodParameters
 
@@ -63,15 +54,6 @@ def test_choices_are_those_of_the_library(theModule):
         for value in known:
             MethodParameters(**{name: value})
         assert getattr(MethodParameters(), name) == getattr(DeploymentSettings(), name)
-
-
-def test_the_panel_takes_the_sizes_that_the_library_takes(theModule):
-    from SDFStentSlicer.ParameterNode import StentParameters
-
-    from SDFStentLib.stent import MAXIMUM_DIAMETER, MAXIMUM_LENGTH
-
-    stent = StentParameters(diameter=MAXIMUM_DIAMETER, length=MAXIMUM_LENGTH)
-    assert (stent.diameter, stent.length) == (100.0, 500.0)
 
 
 @pytest.mark.parametrize(

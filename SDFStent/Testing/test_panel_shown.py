@@ -75,15 +75,6 @@ def test_a_plan_that_is_not_deployed_shows_the_segment(host, aSegmentation):
     assert inThreeD(aSegmentation) == ["bone", "lumen"]
 
 
-def test_the_segment_is_named_once(host, aSegmentation):
-    from PySide6 import QtWidgets
-
-    section = aSegmentation.ui.inputsCollapsibleButton
-    texts = [label.text for label in section.findChildren(QtWidgets.QLabel)]
-    texts = [text() if callable(text) else text for text in texts]
-    assert [text.strip() for text in texts if "Segment" in text] == ["Segment:"]
-
-
 @pytest.mark.parametrize("when", ["deployed", "live", "running", "saved"])
 def test_without_stents_the_vessel_is_as_it_was(host, aStent, aScene, tmp_path, when):
     ui, vessel = aStent.ui, aStent._parameterNode.vessel
