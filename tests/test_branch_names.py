@@ -201,25 +201,6 @@ def test_damaged_models_are_refused_in_a_sentence_or_read():
     assert outcomes == {"read", "sentence"}
 
 
-def test_places_in_warnings_are_told_in_the_file_s_unit_as_well(a_patient, artery, capsys):
-    x, y, z = artery.axis_at(15.0)[0]
-    files = [str(a_patient / "pa.vtp"), "--centerline", str(a_patient / "line.vtp")]
-    at = ["--center", *(str(value / 10) for value in (x, y, z))]
-    report = a_patient / "report.json"
-    arguments = [
-        "deploy", *files, "--units", "cm", *at, "--length", "26", "--diameter", "9",
-        "-o", str(a_patient / "out.vtp"), "--report", str(report), "--verbose",
-    ]  # fmt: skip
-    assert main(arguments) in (0, 3)
-    said = next(line for line in capsys.readouterr().err.splitlines() if "junction" in line)
-    assert " mm (in the file " in said
-    in_mm = np.array(said.split("near (")[1].split(")")[0].split(","), dtype=float)
-    filed = np.array(said.split("in the file ")[1].split(" cm)")[0].split(","), dtype=float)
-    np.testing.assert_allclose(10 * filed, in_mm, rtol=1e-3)
-    document = json.loads(report.read_text(encoding="utf-8"))
-    assert any(line[:-60] in said for line in document["warnings"])
-
-
 def test_every_template_with_a_place_tells_it_in_the_file_s_unit():
     for kind, words in TEMPLATES.items():
         assert words.count("{x") == words.count("{filed}"), kind

@@ -7,7 +7,6 @@ import numpy as np
 from child_processes import PROJECT
 
 from SDFStentLib.cautions import TEMPLATES, Caution
-from SDFStentLib.validation import InputError
 
 SOURCES = [
     path
@@ -36,18 +35,6 @@ def test_every_kind_is_made_somewhere_and_says_one_sentence():
     for kind, template in TEMPLATES.items():
         assert re.fullmatch(r"[a-z]+(-[a-z]+)*", kind)
         assert template.endswith((".", "{reason}"))
-
-
-def test_an_error_names_the_remedy_of_who_reads_it_also_behind_labels():
-    error = InputError("stent: too wide; check the unit of the files", "units", end=".")
-    assert str(error) == "stent: too wide; check the unit of the files."
-    labeled = error.labeled("Stent 2: ").labeled("plan.json: ")
-    assert str(labeled) == f"plan.json: Stent 2: {error}"
-    told = labeled.sentence({"units": " (--units mm)", "to": " (--to)"})
-    assert told == "plan.json: Stent 2: stent: too wide; check the unit of the files (--units mm)."
-    python = InputError("accept it ", "accept", otherwise="(accept=True)", end=".")
-    assert str(python) == "accept it (accept=True)."
-    assert python.sentence({"accept": "(--accept)"}) == "accept it (--accept)."
 
 
 def test_no_code_looks_for_words_in_a_sentence():

@@ -6,7 +6,6 @@ from mesh_files import assert_refused_by_name, octahedron
 
 from SDFStentLib.files import (
     add_arrays,
-    axis_of,
     encode_vtp,
     in_frame_of,
     polydata_from_arrays,
@@ -51,16 +50,6 @@ def test_an_axis_runs_as_its_cell_says(tmp_path):
     assert np.array_equal(read_axis(path), POINTS[::-1])
     with pytest.raises(InputError, match="expected one line as axis, got 2"):
         read_axis(saved(tmp_path, [[0, 1, 2], [2, 3]]))
-
-
-def test_a_markups_curve_is_an_axis_and_a_centerline(tmp_path):
-    path = tmp_path / "Kurve 1.mrk.json"
-    path.write_bytes(new_markups(POINTS, "RAS", "mm"))
-    lines = read_lines(path, "cm")
-    assert lines.frame == "RAS"
-    assert lines.units == "cm"  # mm is what Slicer always writes, the caller knows better
-    assert np.array_equal(axis_of(lines)[::10], 10 * POINTS)
-    assert len(read_centerline(path).branches) == 1
 
 
 def test_a_markups_file_that_names_another_unit_is_believed(tmp_path):
@@ -131,16 +120,3 @@ def test_pieces_too_far_apart_name_the_file(tmp_path):
     path = saved(tmp_path, [np.arange(20), np.arange(20, 40)], points=points)
     with pytest.raises(InputError, match=r"c\.vtp: "):
         read_centerline(path)
-
-
-def test_real_centerlines_become_trees(data_dir):
-    for name, units, lines in (
-        ("pulmonary_centerline_cm", "cm", 1496),
-        ("aorta_iliac_centerline_cm", "cm", 1273),
-        ("vmtk_aorta_centerline_mm", "mm", 2),
-        ("vmtk_aorta_centerline_branches_mm", "mm", 6),
-    ):
-        found = read_lines(data_dir / f"{name}.vtp", units)
-        assert len(found.lines) == lines
-        assert 1 < np.nanmedian(found.inscribed_radius) < 15
-        assert len(found.centerline().leaves) == 2

@@ -50,17 +50,6 @@ def _pushed_through(points, height=-15.0):
     return after
 
 
-def test_a_sphere_is_sound(sphere):
-    check = check_surface(Surface(*sphere))
-    assert check.passed
-    assert check.is_watertight
-    assert check.is_manifold
-    assert check.is_outward
-    assert check.sentence() == "The surface is watertight and has no self-intersection."
-    assert check.topology.component_count == 1
-    assert json.loads(json.dumps(check.as_dict()))["self_intersecting_triangles"] == []
-
-
 def test_a_sphere_turned_inside_out_does_not_pass(sphere):
     check = check_surface(Surface(sphere[0], sphere[1][:, ::-1]))
     assert not check.passed

@@ -38,16 +38,6 @@ def test_the_first_line_says_both_lengths_and_why(a_folder, capsys, more, first)
     assert stent["foreshortening_reason"] in page
 
 
-@pytest.mark.parametrize(("length", "is_told"), [("9", True), ("30", False)])
-def test_a_lesion_that_a_shortened_stent_does_not_cover_is_a_warning(
-    a_folder, capsys, length, is_told
-):
-    assert deploy(place=["--center", "0", "0", "2", "--length", length]) in (0, 3)
-    found = re.search(r"Lesion 1 is not wholly covered: ([\d.]+) of its", capsys.readouterr().err)
-    assert (found is not None) == is_told
-    assert not found or 0 < float(found[1]) < 40
-
-
 def assert_no_words_lie_on_others(svg):
     """A letter is about half as wide as it is high."""
     boxes = []

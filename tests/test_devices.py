@@ -131,13 +131,6 @@ def test_the_axis_of_a_stent_has_the_length_of_its_device_at_its_diameter():
     assert stent_axis(wider, tube).deployed_length == pytest.approx(27.2)
 
 
-def test_without_a_device_and_with_the_generic_one_a_tenth_is_lost():
-    for device in (None, device_named("generic")):
-        assert Stent(6.0, placement=CENTER, length=20, device=device).foreshortening == 0.1
-        own = Stent(6.0, placement=CENTER, length=20, device=device, foreshortening_fraction=0.3)
-        assert own.foreshortening == 0.3
-
-
 # ---- what is refused
 
 
@@ -373,21 +366,6 @@ def test_deploy_takes_the_length_of_the_device_at_the_diameter(a_folder, a_table
     assert plan.stents[0].device == a_device(**SHORT)
     again = run_plan(plan).treatment
     assert again.stents[0].axis.deployed_length == pytest.approx(14)
-
-
-def test_a_device_at_a_lesion_is_centered_by_its_own_length(a_folder, a_table_file):
-    device = ["--device", "bench-16", "--device-table", str(a_table_file)]
-    ends = {}
-    for name, more in (
-        ("device", device),
-        ("same", ["--length", "16", "--foreshortening", ".125"]),
-    ):
-        place = ["--at-lesion", "1"]
-        assert deploy(*more, "--report", f"{name}.json", place=place, out=f"{name}.vtp") == 0
-        (stent,) = json.loads(Path(f"{name}.json").read_text(encoding="utf-8"))["stents"]
-        ends[name] = [stent["axis"]["start_mm"], stent["axis"]["end_mm"]]
-    np.testing.assert_allclose(ends["device"], ends["same"], atol=1e-9)
-    assert Path("device.vtp").read_bytes() == Path("same.vtp").read_bytes()
 
 
 @pytest.mark.parametrize(

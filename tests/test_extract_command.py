@@ -154,14 +154,6 @@ def test_a_treated_vessel_that_is_another_one_is_a_sentence(a_folder, capsys, fa
     assert not Path("seg").exists()
 
 
-def test_the_frame_is_kept(a_folder):
-    data = read_surface("tube.vtp", "cm").polydata()
-    set_frame_of_polydata(data, "LPS")
-    Path("tube.vtp").write_bytes(encode_vtp(data))
-    assert extract() == 0
-    assert read_surface("seg/before/mesh-complete.exterior.vtp", "cm").frame == "LPS"
-
-
 def test_files_of_others_are_not_replaced(a_folder, capsys):
     Path("seg").mkdir()
     Path("seg/thesis.txt").write_text("mine", encoding="utf-8")

@@ -93,22 +93,3 @@ def test_lines_that_share_no_point_become_one_tree_however_many_are_looked_at_to
     for tree in trees[1:]:
         np.testing.assert_array_equal(tree.points, trees[0].points)
         np.testing.assert_array_equal(tree.parent, trees[0].parent)
-
-
-def test_pairs_that_are_looked_at_grow_with_the_lines_not_with_their_square(monkeypatch):
-    """Of 300 points within 0.3 mm of every segment nearly all are of lines that are merged."""
-    looked_at, within = [], line_graph._within
-
-    def counted(*arguments):
-        found = within(*arguments)
-        looked_at.append(len(found[0]))
-        return found
-
-    monkeypatch.setattr(line_graph, "_within", counted)
-    totals = []
-    for count in (50, 200):
-        looked_at.clear()
-        Centerline.from_lines(*lines_beside_each_other(count, outlets=1))
-        totals.append(sum(looked_at))
-    # 16 times as many when all are looked at together.
-    assert totals[1] < 6 * totals[0]

@@ -121,13 +121,6 @@ def test_a_branch_is_called_by_the_faces_that_it_leads_to():
     assert (ostium.name, ostium.face_ids) == (plain, ())
 
 
-def test_a_vessel_without_branches_has_no_ostium():
-    for tube in (phantoms.stenosed_tube(), phantoms.bent_tube(), phantoms.helix_tube()):
-        line = tube.axis_at(np.linspace(12, 28, 60))
-        assert ostia_of(tube.surface, line, tube.centerline) == ()
-        assert ostia_of(tube.surface, line) == ()
-
-
 def test_where_a_placement_snaps_does_not_decide_about_a_branch(data_dir):
     """Once the left iliac was free, 8.5 mm away, and 0.1 mm farther covered, 6.2 mm inside."""
     found = []

@@ -465,15 +465,6 @@ def test_the_figure_is_the_same_drawing_in_both_formats(tmp_path):
     assert size == [2 * drawing.width, 2 * drawing.height]
 
 
-def test_a_figure_says_where_nothing_could_be_measured():
-    nothing = a_profile([math.nan] * 5)
-    stent = replace(
-        a_report().stents[0], before=nothing, after=nothing, prescribed_diameter=math.nan
-    )
-    marks = figure(a_report(stents=(stent,)).as_dict()).marks
-    assert marks[0].text == "Stent: no diameter could be measured"
-
-
 @pytest.mark.parametrize("zone", ["Z", "+00:00"])
 def test_the_time_of_a_report_reads_without_letters_of_a_computer(zone):
     document = a_report(created=f"2026-01-02T03:04:05{zone}").as_dict()
@@ -516,12 +507,3 @@ def test_the_page_holds_the_picture_or_says_why_there_is_none(tmp_path):
     assert "no picture of the vessel. No <OpenGL>." in PageReader(without).text
     assert "picture" not in html_page(a_report().as_dict())
     assert json.loads(document_json(a_report(picture=png).as_dict())) == a_report().as_dict()
-
-
-def test_certificates_and_numbers_of_any_kind_become_plain_values():
-    class Certificate:
-        def as_dict(self):
-            return {"watertight": np.bool_(True), "faces": np.array([1, 2]), "ids": {3, 1}}
-
-    document = a_report(certificate=Certificate()).as_dict()
-    assert document["certificate"] == {"watertight": True, "faces": [1, 2], "ids": [1, 3]}

@@ -117,18 +117,3 @@ def test_every_parameter_of_the_method_is_told_lengths_in_mm(in_cm: PlanResult) 
     page = html_page(document)
     for name, text in rows.items():
         assert f"<td>{name}</td><td>{text}</td>" in page
-
-
-def test_the_report_tells_which_face_ids_changed(in_cm: PlanResult) -> None:
-    told = plan_report(in_cm).as_dict()["changes"]["faces"]
-    array = in_cm.inputs.surface.polydata().GetCellData().GetArray("ModelFaceID")
-    ids = vtk_to_numpy(array)
-    before, after = in_cm.inputs.surface.points, in_cm.treatment.points
-    moved = (before != after).any(axis=1)[in_cm.inputs.surface.triangles].any(axis=1)
-    for face in told:
-        assert face["moved_triangles"] == (moved & (ids == face["id"])).sum() > 0
-        assert face["triangles"] == (ids == face["id"]).sum()
-    assert {face["id"] for face in told} == set(ids[moved].tolist())
-    page = html_page(plan_report(in_cm).as_dict())
-    first = told[0]
-    assert f"{first['id']}: " in page or f"{first['id']} (" in page

@@ -167,18 +167,6 @@ def test_a_stent_is_held_against_the_healthy_vessel_at_its_ends_and_where_that_i
     np.testing.assert_allclose(healthy, found, equal_nan=True)
 
 
-def test_beyond_its_end_a_lesion_says_nothing_of_the_healthy_vessel():
-    """Rounding does not tell whether the end of its line is the nearest place there."""
-    random = np.random.default_rng(6)
-    for line in np.cumsum(random.normal((3, 0, 0), 1.0, (50, 12, 3)), axis=1):
-        away = np.linspace(0.5, 10.0, 20)
-        beyond = line[-1] + away[:, None] * Line(line[-2:]).directions[0]
-        widths = np.full(20, 8.0)
-        native = DiameterProfile(away - away[0], beyond, widths, widths)
-        lesion = replace(a_lesion_of(6.0, 6.0), line=line, healthy=np.full(12, 6.0))
-        assert healthy_vessel(native, 9.5, [lesion]) == (8.0, 8.0, 8.0)
-
-
 def test_a_stent_for_a_lesion_across_a_junction_warns_of_no_choice_there():
     """The branch is the lesion's; the proposal itself was warned of when it was carried out."""
     main, side = np.linspace((0, 0, 0), (0, 0, 60), 61), np.linspace((1, 0, 30), (20, 0, 30), 20)

@@ -90,14 +90,6 @@ def test_a_face_without_area_and_a_point_without_face_have_zero_normals():
 # ------------------------------------------------------------------------------------- topology
 
 
-def test_euler_characteristic_of_sphere_and_torus():
-    for triangles, genus in ((TETRAHEDRON, 0), (_box()[1], 0), (_torus()[1], 1)):
-        edges = topology.edges(triangles)
-        points = triangles.max() + 1
-        assert points - len(edges.vertices) + len(triangles) == 2 - 2 * genus
-        assert np.all(edges.face_counts == 2)
-
-
 def test_an_opened_surface_has_the_boundary_of_its_missing_face():
     triangles = _box()[1]
     assert topology.surface_topology(triangles).is_closed
@@ -309,11 +301,3 @@ def test_volume_of_a_closed_surface_a_kilometre_away_keeps_its_figures():
     away = np.array([1e6, 1e6, -1e6])
     # Out there a coordinate is known to 1.2e-10 mm, a ten billionth of the torus' size.
     assert signed_volume(points + away, triangles) == pytest.approx(volume, rel=1e-9)
-
-
-def test_the_volume_of_an_open_surface_is_that_of_the_cone_from_the_middle_of_its_corners():
-    points = np.array([[0, 0, 0], [3, 0, 0], [0, 3, 0], [3, 3, 3.0], [9, 9, 9]])
-    triangles = np.array([[0, 1, 2], [1, 3, 2]])
-    middle = points[triangles].mean(axis=(0, 1))
-    cones = [np.linalg.det(points[corners] - middle) / 6 for corners in triangles]
-    assert signed_volume(points, triangles) == pytest.approx(sum(cones), rel=1e-12)

@@ -17,18 +17,6 @@ from SDFStentLib.geometry import (
 from SDFStentLib.validation import InputError
 
 
-def test_a_surface_keeps_what_it_is_given_and_shares_none_of_it():
-    points, triangles = octahedron()
-    made = Surface(points, triangles)
-    assert np.array_equal(made.points, points)
-    assert np.array_equal(made.triangles, triangles)
-    first = points[0].copy()
-    points[0] += 1
-    triangles[0] = triangles[0][::-1]
-    assert np.array_equal(made.points[0], first)
-    assert not np.array_equal(made.triangles[0], triangles[0])
-
-
 def test_nothing_of_a_surface_can_be_changed():
     made = Surface(*octahedron())
     arrays = (made.points, made.triangles, *made.neighbors, made.face_normals, made.vertex_normals)

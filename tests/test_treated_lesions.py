@@ -11,7 +11,7 @@ from SDFStentLib.phantoms import stenosed_tube, vascular_tree
 from SDFStentLib.report import residual_fact
 from SDFStentLib.stent import AtCenter, Stent
 from SDFStentLib.treatment import Residual, Treatment, residual_of, treated_lesions
-from SDFStentLib.vessel import find_lesions, lesion_sections
+from SDFStentLib.vessel import find_lesions
 
 
 @pytest.fixture(scope="module")
@@ -41,24 +41,6 @@ def test_a_lesion_beside_the_stent_is_that_of_before(tree_with_two_lesions):
             assert one.stents == exact.stents
         assert plain[found.index(treated)].after.percent_diameter < 10
         assert fast[found.index(treated)].after is not treated
-
-
-def test_sections_are_cut_of_the_lesions_whose_areas_somebody_asks_for(monkeypatch):
-    made = vascular_tree(6, 1.0, {0: 0.4, 5: 0.4})
-    cut, plain = [], lesion_sections.equivalent_diameters
-    monkeypatch.setattr(
-        lesion_sections, "equivalent_diameters", lambda *wall: cut.append(1) or plain(*wall)
-    )
-    found = find_lesions(made.surface, made.centerline)
-    treated_lesions(found, (), made.surface)
-    assert not cut
-    for one in found:
-        narrowest = np.pi / 4 * one.minimum_diameter**2
-        assert 0.97 * narrowest < one.minimum_area < 1.1 * narrowest
-    count = len(cut)
-    assert count == 2 * len(found)
-    assert np.isfinite([one.percent_area for one in found]).all()
-    assert len(cut) == count
 
 
 @pytest.mark.parametrize(("shift", "side"), [(-4.0, "distal"), (4.0, "proximal"), (0.0, "within")])

@@ -247,17 +247,3 @@ def test_escape_ends_place_wherever_the_focus_is(host, aStent, theView):  # noqa
     host.process()
     assert not isPlacing()
     assert slicer.util.arrayFromMarkupsControlPoints(handle, world=True).tolist() == points
-
-
-def test_the_middle_of_the_lumen_is_found_close_to_an_end_of_the_vessel(aStent):
-    from SDFStentSlicer.Dragging import Ray
-    from SDFStentSlicer.LumenMiddle import middleOn
-
-    tree, wall = treeOf(aStent), aStent._parameterNode.vessel.GetPolyData()
-    chain, before = tree.ancestry(tree.leaves[0]), np.array([0.0, 100.0, 0.0])
-    at = tree.arc_length[chain]
-    close = tree.points[chain[(at > 1.0) & (at < tree.inscribed_radius[0])]]
-    assert len(close) > 2
-    for point in close:
-        found = middleOn(wall, Ray(point + before, -before / 100.0))
-        np.testing.assert_allclose(found, point, atol=0.3)
