@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -86,21 +87,24 @@ class Parameter:
             raise InputError(f"{name}: expected one of {', '.join(self.names)}, got {value!r}.")
         return str(value)
 
-    def schema(self) -> dict[str, Any]:
-        """The parameter in a JSON schema (draft 7)."""
+    @property
+    def sentence(self) -> str:
+        """What it does, for a document that describes it."""
         unit = f" ({self.unit})" if self.unit else ""
-        sentence = f"{self.does[0].upper()}{self.does[1:]}{unit}."
-        found: dict[str, Any] = {"description": sentence}
+        return f"{self.does[0].upper()}{self.does[1:]}{unit}."
+
+    def schema(self) -> dict[str, Any]:
+        """The values that it takes in a JSON schema (draft 7), None left aside."""
         if self.names:
-            return {**found, "enum": list(self.names)}
+            return {"enum": list(self.names)}
         if not self.is_number:
-            return {**found, "type": "boolean"}
-        found["type"] = ["number", "null"] if self.is_optional else "number"
+            return {"type": "boolean"}
+        found: dict[str, Any] = {"type": "number", "maximum": self.most}
         if self.above is not None:
-            return {**found, "exclusiveMinimum": self.above, "maximum": self.most}
+            return {**found, "exclusiveMinimum": self.above}
         if self.may_be_zero and self.least:
-            return {**found, "anyOf": [{"const": 0}, {"minimum": self.least}], "maximum": self.most}
-        return {**found, "minimum": self.lowest, "maximum": self.most}
+            return {**found, "anyOf": [{"const": 0}, {"minimum": self.least}]}
+        return {**found, "minimum": self.lowest}
 
 
 def parameter(does: str, **more: Any) -> dict[str, Parameter]:
@@ -114,8 +118,17 @@ def parameters_of(kind: Any) -> dict[str, Parameter]:
     return {name: found for name, found in own.items() if found is not None}
 
 
-def check_parameters(values: Any) -> None:
-    """Refuse numbers and choices out of their range in a dataclass; `InputError`."""
+def check_parameters(values: Any, label: str = "") -> None:
+    """Refuse numbers out of their range in a dataclass, those in tuples, too; `InputError`."""
     for name, one in parameters_of(values).items():
         if one.is_number:
-            one.number(getattr(values, name), one.called or name)
+            for value in _flat(getattr(values, name)):
+                one.number(value, f"{label}{one.called or name}")
+
+
+def _flat(value: Any) -> Iterator[Any]:
+    if isinstance(value, tuple):
+        for part in value:
+            yield from _flat(part)
+    else:
+        yield value

@@ -18,7 +18,6 @@ from SDFStentLib.cli import main
 from SDFStentLib.geometry import Line
 from SDFStentLib.plan import (
     Plan,
-    device_document,
     device_named,
     device_table,
     from_document,
@@ -26,6 +25,7 @@ from SDFStentLib.plan import (
     plan_from_document,
     plan_text,
     run_plan,
+    to_document,
 )
 from SDFStentLib.report import device_sentence, planned_device_sentences
 from SDFStentLib.stent import AlongAxis, AtCenter, Balloon, BetweenPoints, Device, Stent, stent_axis
@@ -294,7 +294,7 @@ def test_only_what_a_row_has_is_told_as_of_its_source(name, size, words):
 
 def test_a_device_comes_back_from_its_row_and_from_a_plan_exactly():
     for device in (*device_table(), a_device(covered=False, cell="hybrid", verified=True)):
-        row = json.loads(json.dumps(device_document(device)))
+        row = json.loads(json.dumps(to_document(device)))
         assert from_document(Device, row, "row") == device
         stent = Stent(
             9.0 if not device.lengths else 15.0,
@@ -306,16 +306,16 @@ def test_a_device_comes_back_from_its_row_and_from_a_plan_exactly():
         document = json.loads(plan_text(Plan((stent,))))
         assert plan_from_document(document) == Plan((stent,))
         assert hash(plan_from_document(document)) == hash(Plan((stent,)))
-    assert device_document(None) is None
+    assert to_document(None) is None
 
 
 def test_the_schema_knows_the_keys_and_the_rows_of_the_table():
     jsonschema = pytest.importorskip("jsonschema")
-    definition = SCHEMA["definitions"]["device"]
+    definition = SCHEMA["properties"]["stents"]["items"]["properties"]["device"]["anyOf"][0]
     assert list(definition["properties"]) == [field.name for field in fields(Device)]
     validator = jsonschema.Draft7Validator(SCHEMA)
     for device in device_table():
-        validator.validate(a_plan_with(device_document(device)))
+        validator.validate(a_plan_with(to_document(device)))
     validator.validate(a_plan_with(ROW))
     for bad in ({}, {"name": 3}, {**ROW, "lengths": [[12]]}, {**ROW, "color": "red"}):
         assert not validator.is_valid(a_plan_with(bad))

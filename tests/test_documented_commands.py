@@ -241,8 +241,9 @@ def commands_by_document() -> dict[str, list[list[str]]]:
         for line in command_lines(path.read_text(encoding="utf-8")):
             for command in variants(line):
                 arguments = arguments_of(command)
-                outputs = slice(arguments.index("-o"), None) if arguments[0] in ALIKE else slice(0)
-                told = " ".join(word for word in arguments if word not in arguments[outputs])
+                told = " ".join(arguments)
+                if arguments[0] in ALIKE:
+                    told = told.partition(" -o ")[0]
                 first.setdefault(told, (path.name, arguments))
     names = [name for name, _ in first.values()]
     return {name: [one for where, one in first.values() if where == name] for name in names}

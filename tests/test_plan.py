@@ -7,7 +7,6 @@ import json
 import os
 import re
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -26,6 +25,7 @@ from SDFStentLib.plan import (
     load_plan,
     method_parameters,
     plan_from_document,
+    plan_schema,
     plan_text,
     run_plan,
     save_plan,
@@ -48,11 +48,7 @@ from SDFStentLib.treatment import Treatment, size_cautions
 from SDFStentLib.treatment.warnings import overlap_length
 from SDFStentLib.validation import DeploymentError, InputError
 
-SCHEMA = json.loads(
-    (Path(__file__).parents[1] / "SDFStentLib" / "plan" / "plan.schema.json").read_text(
-        encoding="utf-8"
-    )
-)
+SCHEMA = plan_schema()
 RANDOM = np.random.default_rng(20)
 QUICK = DeploymentSettings(certify=False)
 
@@ -248,7 +244,7 @@ def test_the_schema_knows_the_same_keys_as_the_reader(tmp_path):
     assert set(SCHEMA["properties"]["inputs"]["properties"]) == set(document["inputs"])
     settings = SCHEMA["properties"]["settings"]["properties"]
     assert set(settings) == set(method_parameters()) == set(document["settings"])
-    stent = SCHEMA["definitions"]["stent"]
+    stent = SCHEMA["properties"]["stents"]["items"]
     assert set(stent["properties"]) == set(document["stents"][0])
     for key in stent["required"]:
         lacking = a_document()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from dataclasses import fields
 from pathlib import Path
@@ -10,13 +9,9 @@ from pathlib import Path
 import pytest
 
 from SDFStentLib.deformation import RULES, DeploymentSettings
-from SDFStentLib.parameter import parameters_of
-from SDFStentLib.plan import method_parameters
-from SDFStentLib.stent import Balloon, Shape, Stent, StentEnd, Waist
 from SDFStentLib.validation import InputError
 
 LENGTHS = {name: one for name, one in DeploymentSettings.parameters().items() if one.unit == "mm"}
-PARTS = {"waist": Waist, "start": StentEnd, "end": StentEnd}
 WIDTHS = {name: one for name, one in LENGTHS.items() if one.lowest == 0}
 """Those that may be zero."""
 
@@ -77,23 +72,6 @@ def test_lengths_have_bounds_that_are_said(name):
         words = rf"^{name}: expected a number .*{least}.* at most {one.most:g} \(mm\), got "
         with pytest.raises(InputError, match=words):
             DeploymentSettings(**{name: value})
-
-
-def test_the_schema_of_plans_has_the_same_parameters():
-    path = Path(__file__).parents[1] / "SDFStentLib" / "plan" / "plan.schema.json"
-    schema = json.loads(path.read_text(encoding="utf-8"))
-    found = schema["properties"]["settings"]["properties"]
-    assert found == {name: one.schema() for name, one in method_parameters().items()}
-    stent = schema["definitions"]["stent"]["properties"]
-    shape = stent["shape"]["properties"]
-    for kind, properties in (
-        (Stent, stent),
-        (Balloon, stent["balloon"]["properties"]),
-        (Shape, shape),
-        *((kind, shape[name]["properties"]) for name, kind in PARTS.items()),
-    ):
-        known = {name: one.schema() for name, one in parameters_of(kind).items()}
-        assert known == {name: properties[name] for name in known}
 
 
 def test_the_method_document_names_every_setting_with_its_default():

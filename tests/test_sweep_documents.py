@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-import json
 import math
 import tracemalloc
 
 import numpy as np
 import pytest
-from child_processes import PROJECT, python
+from child_processes import python
 from cohort_cases import PLAN, document, sweep_in, tube_folder, write_sweep
 from scipy import stats
 
 from SDFStentLib import InputError
-from SDFStentLib.cohort import cases_of, load_sweep, sweep_from_document
+from SDFStentLib.cohort import cases_of, load_sweep, sweep_from_document, sweep_schema
 from SDFStentLib.cohort.axes import NAMES
 from SDFStentLib.cohort.sampling import samples
 
-SCHEMA = json.loads(
-    (PROJECT / "SDFStentLib" / "cohort" / "sweep.schema.json").read_text(encoding="utf-8")
-)
+SCHEMA = sweep_schema()
 
 
 @pytest.fixture(scope="module")

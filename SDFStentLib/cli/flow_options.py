@@ -9,7 +9,7 @@ from pathlib import Path
 from ..flow import FlowAnswer, Known, flow_value, known_flow, networks_of, read_wave
 from ..report import document_json
 from ..validation import InputError
-from .option_table import TALK, UNITS, add_table
+from .option_table import ACCEPTANCE, NAMES, ROOT, SURFACE, TALK, UNITS, VERBOSE, add_table
 from .outputs import Outputs
 from .place import in_mm
 
@@ -24,14 +24,14 @@ def add_flow(command: argparse.ArgumentParser) -> None:
         "inlet, the drop over each narrowing and the flow to each main branch, with their ranges, "
         "by a network of the vessels. Methods, sources and limits: docs/flow.md."
     )
+    add_table(command, SURFACE)
     add_table(command, "--centerline FILE  any form", required=True)
     add_table(
         command,
-        """\
+        f"""\
 --plan PLAN  what is done to the vessel; without it only what is before is told
 --root X Y Z  the end of the centerline near this point is proximal; a plan has its own
---names F  JSON: what vessels are called, each by a place in it or the face at its end
-""",
+{NAMES}""",
     )
     add_known(command)
     add_table(
@@ -42,6 +42,7 @@ def add_flow(command: argparse.ArgumentParser) -> None:
 --export-0d DIR  the networks as before.json and after.json for svZeroDSolver
 """,
     )
+    add_table(command, ACCEPTANCE + UNITS + VERBOSE + TALK)
 
 
 def add_known(command: argparse.ArgumentParser) -> None:
@@ -82,9 +83,7 @@ def add_simulate(command: argparse.ArgumentParser) -> None:
 --coarser X = 1  edges so many times as long, for a quick look (default 1)
 --processes N = 2  of the solver (default 2)
 --no-run  only write the folder
---root X Y Z  the end of the centerline near this point is proximal
---names F  JSON: what vessels are called, each by a place in it or the face at its end
-{UNITS}""",
+{ROOT}{NAMES}{UNITS}""",
     )
     add_known(command)
     add_table(

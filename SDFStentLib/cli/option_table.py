@@ -3,16 +3,25 @@
 from __future__ import annotations
 
 import argparse
+import json
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from difflib import get_close_matches
 from typing import Any, NoReturn
 
 from ..parameter import Parameter
-from ..plan import Plan, method_parameters, plan_of_method
+from ..plan import Plan, method_parameters, plan_of_method, plan_schema
 from ..units import MILLIMETERS
 
 UNITS = f"--units {{{','.join(MILLIMETERS)}}} = mm  of the files (default mm)\n"
+ROOT = "--root X Y Z  the end of the centerline near this point is proximal\n"
+SURFACE = "surface SURFACE  VTP, VTK, STL, PLY or OBJ\n"
+NAMES = "--names F  JSON: what vessels are called, each by a place in it or the face at its end\n"
+ACCEPTANCE = """\
+--accept-changed-inputs  go on although a file is not the one that the plan was made with
+"""
+JSON = "--json  print JSON instead of sentences\n"
+VERBOSE = "--verbose  say all of it\n"
 TALK = """\
 --quiet  say nothing but errors
 --debug  show where an error came from
@@ -123,6 +132,20 @@ def method_of(options: argparse.Namespace) -> Plan:
     return plan_of_method({name: getattr(options, name) for name, one in parameters if one.option})
 
 
+def add_schema(command: argparse.ArgumentParser, documents: str) -> None:
+    """The option that prints the JSON schema of plans or of sweeps."""
+
+    def text() -> str:
+        if documents == "plans":
+            return json.dumps(plan_schema(), indent=2) + "\n"
+        from ..cohort import sweep_schema  # late: what a sweep needs is large
+
+        return json.dumps(sweep_schema(), indent=2) + "\n"
+
+    words = f"print the JSON schema of {documents}"
+    command.add_argument("--schema", action=Printed, const=text, help=words)
+
+
 class Parser(argparse.ArgumentParser):
     """A parser that says in one sentence what is wrong."""
 
@@ -149,12 +172,14 @@ class Parser(argparse.ArgumentParser):
         self.exit(2, f"{self.prog}: {message}; see {self.prog} --help.\n")
 
 
-class ShortHelp(argparse.Action):
-    """Prints the help of another parser, and ends."""
+class Printed(argparse.Action):
+    """Prints what a function gives, and ends."""
 
-    def __init__(self, option_strings: Sequence[str], dest: str, const: Parser, help: str) -> None:
+    def __init__(
+        self, option_strings: Sequence[str], dest: str, const: Callable[[], str], help: str
+    ) -> None:
         super().__init__(option_strings, argparse.SUPPRESS, 0, const, argparse.SUPPRESS, help=help)
 
     def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> NoReturn:
-        self.const.print_help()
+        print(self.const(), end="")
         parser.exit()

@@ -9,20 +9,24 @@ from ..stent import Balloon, Shape, Stent, Waist
 from ..version import VERSION
 from .flow_options import add_flow, add_known, add_simulate
 from .option_table import (
+    ACCEPTANCE,
+    JSON,
+    NAMES,
+    ROOT,
+    SURFACE,
     TALK,
     UNITS,
+    VERBOSE,
     Parser,
-    ShortHelp,
+    Printed,
     add_method,
     add_parameter,
+    add_schema,
     add_table,
 )
 
 OF_STENT = parameters_of(Stent)
 
-SURFACE = "surface SURFACE  VTP, VTK, STL, PLY or OBJ\n"
-JSON = "--json  print JSON instead of sentences\n"
-VERBOSE = "--verbose  say all of it\n"
 USUAL_PLACE = """\
 --centerline FILE  of the vessel, any form
 --center X Y Z  the middle of the stent
@@ -34,16 +38,12 @@ OTHER_PLACES = """\
 --from X Y Z  one end
 --to X Y Z  the other end
 """
-NAMES = "--names F  JSON: what vessels are called, each by a place in it or the face at its end\n"
 MARKS = f"""\
 --root X Y Z  the end of the centerline near this point is proximal (default: the tree tells)
 --reference X Y Z ...  healthy vessel that the lesion beside it is measured against; once or twice
 {NAMES}"""
 DEVICE = "--device NAME  one of `sdfstent devices`; sets its lengths\n"
 DEVICE_TABLE = "--device-table F  JSON with devices of your own, too\n"
-ACCEPTANCE = """\
---accept-changed-inputs  go on although a file is not the one that the plan was made with
-"""
 HIDING = "--hide-device  pictures without the struts of the stents\n"
 OUTPUT = f"""\
 --figure F  diameters as .png or .svg
@@ -85,7 +85,7 @@ def parser() -> Parser:
         ("centerline", "extract the centerline of a surface", _centerline),
         ("sweep", "many deployments", _sweep),
         ("extract", "a segment for a flow solver", _extract),
-        ("flow", "pressures and flows before and after", _flow),
+        ("flow", "pressures and flows before and after", add_flow),
         ("simulate", "flow in three dimensions, before and after", add_simulate),
         ("devices", "the device table", _devices),
         ("demo", "treat a synthetic patient", _demo),
@@ -152,7 +152,8 @@ def _deploy(command: argparse.ArgumentParser, first: Parser) -> None:
 {OUTPUT}""",
     )
     add_table(command, VERBOSE + TALK)
-    command.add_argument("-h", "--help", action=ShortHelp, const=first, help="the first of these")
+    words = "the first of these"
+    command.add_argument("-h", "--help", action=Printed, const=first.format_help, help=words)
     command.add_argument("--help-all", action="help", help="all of these")
 
 
@@ -166,6 +167,7 @@ def _run(command: argparse.ArgumentParser) -> None:
     add_table(command, ACCEPTANCE)
     add_table(command.add_argument_group("output"), OUTPUT)
     add_table(command, VERBOSE + TALK)
+    add_schema(command, "plans")
 
 
 def _compare(command: argparse.ArgumentParser) -> None:
@@ -265,6 +267,7 @@ def _sweep(command: argparse.ArgumentParser) -> None:
 --status DIR  how far the sweep in a folder is
 {TALK}""",
     )
+    add_schema(command, "sweeps")
 
 
 def _extract(command: argparse.ArgumentParser) -> None:
@@ -288,15 +291,8 @@ def _extract(command: argparse.ArgumentParser) -> None:
         f"""\
 --close-branches  cut side branches off and close them
 --after SURFACE2  the treated vessel, cut by the same planes
---root X Y Z  the end of the centerline near this point is proximal
-{NAMES}{UNITS}{TALK}""",
+{ROOT}{NAMES}{UNITS}{TALK}""",
     )
-
-
-def _flow(command: argparse.ArgumentParser) -> None:
-    add_table(command, SURFACE)
-    add_flow(command)
-    add_table(command, ACCEPTANCE + UNITS + VERBOSE + TALK)
 
 
 def _devices(command: argparse.ArgumentParser) -> None:

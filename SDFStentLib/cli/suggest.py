@@ -7,7 +7,7 @@ import os
 import shlex
 from pathlib import Path
 
-from ..plan import InputFiles, Plan, device_document, device_named, device_table, save_plan
+from ..plan import InputFiles, Plan, device_named, device_table, save_plan, to_document
 from ..report import (
     device_rows,
     device_sentence,
@@ -65,7 +65,7 @@ def devices_command(options: argparse.Namespace, _console: Console) -> int:
     else:
         devices = (device_named(options.name, options.device_table),)
     if options.json:
-        listed = [device_document(device) for device in devices]
+        listed = [to_document(device) for device in devices]
         print(document_json({"devices": listed}), end="")
     elif options.name is None:
         for device in devices:

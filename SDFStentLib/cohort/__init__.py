@@ -13,6 +13,7 @@ from .executors import worker_count as worker_count
 from .manifest import write_manifest as write_manifest
 from .reader import Cohort as Cohort
 from .runner import run_sweep as run_sweep
+from .schema import sweep_schema as sweep_schema
 from .tally import Tally as Tally
 from .tally import duration_in_words as duration_in_words
 from .tally import last_tally as last_tally

@@ -12,15 +12,14 @@ from numpy.typing import NDArray
 
 from ..parameter import parameters_of
 from ..plan import (
-    device_document,
     device_named,
     from_document,
     in_words,
     number,
     section,
     sequence,
-    shape_document,
     text_value,
+    to_document,
 )
 from ..stent import Device, Shape, StentEnd, Waist
 from ..validation import InputError, as_number
@@ -44,6 +43,9 @@ _LISTED = ("branch", "lesion", "device", "shape")
 
 MOST = 1e6
 """Of a number on an axis: a length in mm that nobody has, and a ratio."""
+
+MOST_STEPS = 100_000
+"""Of a range."""
 
 DECIMALS = 6
 """To which drawn numbers are rounded: a millionth of a millimeter."""
@@ -173,8 +175,8 @@ def _spread(name: str, value: Mapping[str, Any], where: str) -> Axis:
 def _stepped(name: str, given: Mapping[str, Any], where: str) -> Axis:
     section(given, where, ("from", "to", "steps"))
     steps = number(given["steps"], f"{where}.steps")
-    if not isinstance(steps, int) or not 1 < steps <= 100_000:
-        raise InputError(f"{where}.steps: expected 2 to 100000, got {in_words(steps)}.")
+    if not isinstance(steps, int) or not 1 < steps <= MOST_STEPS:
+        raise InputError(f"{where}.steps: expected 2 to {MOST_STEPS}, got {in_words(steps)}.")
     low, high = (_number(given[key], f"{where}.{key}") for key in ("from", "to"))
     return Axis(name, tuple(round(v, DECIMALS) for v in np.linspace(low, high, steps).tolist()))
 
@@ -207,18 +209,22 @@ def _branch(value: Any, where: str) -> int | str:
 def _device(value: Any, where: str) -> Mapping[str, Any]:
     """The row of the table: a name may mean something else where the worker is."""
     if isinstance(value, Mapping):
-        found = device_document(from_document(Device, plain(value), where))
-    else:
-        try:
-            found = device_document(device_named(text_value(value, where)))
-        except InputError as error:
-            raise error.labeled(f"{where}: ") from error
-    assert found is not None
+        return _document(Device, value, where)
+    try:
+        found: Mapping[str, Any] = to_document(device_named(text_value(value, where)))
+    except InputError as error:
+        raise error.labeled(f"{where}: ") from error
     return found
 
 
 def _shape(value: Any, where: str) -> Mapping[str, Any] | None:
-    return None if value is None else shape_document(from_document(Shape, plain(value), where))
+    return None if value is None else _document(Shape, value, where)
+
+
+def _document(kind: type, value: Any, where: str) -> Mapping[str, Any]:
+    """What is whole and right of it."""
+    found: Mapping[str, Any] = to_document(from_document(kind, plain(value), where))
+    return found
 
 
 def _two(value: Any, where: str) -> tuple[float, float]:

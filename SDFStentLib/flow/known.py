@@ -6,11 +6,12 @@ import csv
 import math
 import os
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
+from ..parameter import Parameter, check_parameters, parameter
 from ..units import MOST_FLOW
 from ..validation import Floats, InputError, as_number, as_path
 from .integral import integral_to
@@ -84,54 +85,65 @@ class Wave:
         return np.interp(at, self.time, self.flow)
 
 
+def _flow(does: str, which: str, **more: Any) -> dict[str, Parameter]:
+    more |= {"unit": "mL/s", "above": 0, "most": MOST_FLOW, "called": f"{which} flow"}
+    return parameter(does, **more)
+
+
+def _pressure(does: str, where: str, **more: Any) -> dict[str, Parameter]:
+    more |= {"unit": "mmHg", "most": MOST_PRESSURE, "called": f"{where} pressure"}
+    return parameter(does, is_optional=True, **more)
+
+
 @dataclass(frozen=True)
 class Known:
-    """Of a patient before treatment. Immutable; `InputError` for values that contradict.
+    """Of a patient before treatment. Immutable; `InputError` for values that contradict."""
 
-    Attributes
-    ----------
-    mean : float
-        Flow into the vessel, mL/s.
-    peak : float, optional
-        Flow, mL/s.
-    wave : Wave, optional
-        In place of the peak; it is scaled to the mean flow.
-    inlet, wedge : float, optional
-        Mean pressures in the main artery and beyond the outlets, mmHg; both or none.
-    split_right : float, optional
-        Share of the flow to the right, in (0, 1).
-    right : tuple of three floats, optional
-        A place in the right main branch, mm, where the frame does not tell where right is.
-    """
-
-    mean: float
-    peak: float | None = None
-    wave: Wave | None = None
-    inlet: float | None = None
-    wedge: float | None = None
-    split_right: float | None = None
-    right: tuple[float, float, float] | None = None
+    mean: float = field(metadata=_flow("flow into the vessel", "mean"))
+    peak: float | None = field(
+        default=None,
+        metadata=_flow("not below the mean; none beside a wave", "peak", is_optional=True),
+    )
+    wave: Wave | None = field(
+        default=None, metadata=parameter("in place of the peak; it is scaled to the mean flow")
+    )
+    inlet: float | None = field(
+        default=None,
+        metadata=_pressure("mean pressure at the inlet, with the wedge pressure", "inlet", above=0),
+    )
+    wedge: float | None = field(
+        default=None,
+        metadata=_pressure("mean pressure beyond the outlets, below the inlet's", "wedge", least=0),
+    )
+    split_right: float | None = field(
+        default=None,
+        metadata=parameter(
+            "share of the flow to the right",
+            **{"above": 0, "most": 1, "is_optional": True, "called": "split to the right"},
+        ),
+    )
+    right: tuple[float, float, float] | None = field(
+        default=None,
+        metadata=parameter(
+            "a place in the right main branch, where the frame does not tell where right is"
+        ),
+    )
 
     def __post_init__(self) -> None:
-        mean = as_number(self.mean, "mean flow", unit="mL/s", above=0, maximum=MOST_FLOW)
-        _set(self, mean=mean)
+        check_parameters(self)
         wave = self.wave
-        if wave is not None and not math.isclose(wave.mean, mean, rel_tol=1e-12):
-            _set(self, wave=wave.scaled(mean))
+        if wave is not None and not math.isclose(wave.mean, self.mean, rel_tol=1e-12):
+            object.__setattr__(self, "wave", wave.scaled(self.mean))
         if self.peak is not None:
             if wave is not None:
                 raise InputError("flow: expected a peak flow or a wave, got both; leave one out.")
-            peak = as_number(self.peak, "peak flow", unit="mL/s", minimum=mean, maximum=MOST_FLOW)
-            _set(self, peak=peak)
-        _check_pressures(self)
-        if self.split_right is not None:
-            split = as_number(self.split_right, "split to the right", above=0, maximum=1)
-            if split == 1:
-                raise InputError(
-                    "split to the right: expected a share below 1, got 1; leave it out where only "
-                    "one lung has flow."
-                )
-            _set(self, split_right=split)
+            as_number(self.peak, "peak flow", unit="mL/s", minimum=self.mean, maximum=MOST_FLOW)
+        _check_pressures(self.inlet, self.wedge)
+        if self.split_right == 1:
+            raise InputError(
+                "split to the right: expected a share below 1, got 1; leave it out where only "
+                "one lung has flow."
+            )
 
     @property
     def has_pressures(self) -> bool:
@@ -144,30 +156,18 @@ class Known:
         return self.peak if self.wave is None else self.wave.peak
 
 
-def _set(value: Any, **fields: Any) -> None:
-    """Fields of a frozen value that is being made."""
-    for name, one in fields.items():
-        object.__setattr__(value, name, one)
-
-
-def _check_pressures(known: Known) -> None:
-    inlet, wedge = known.inlet, known.wedge
+def _check_pressures(inlet: float | None, wedge: float | None) -> None:
     if (inlet is None) != (wedge is None):
         given, lacks = ("inlet", "wedge") if wedge is None else ("wedge", "inlet")
         raise InputError(
             f"pressures: expected those at the inlet and beyond the lungs, got that of the {given} "
             f"alone; give that of the {lacks}, too, or none."
         )
-    if inlet is None:
-        return
-    wedge = as_number(wedge, "wedge pressure", unit="mmHg", minimum=0, maximum=MOST_PRESSURE)
-    inlet = as_number(inlet, "inlet pressure", unit="mmHg", above=0, maximum=MOST_PRESSURE)
-    if inlet <= wedge:
+    if inlet is not None and wedge is not None and inlet <= wedge:
         raise InputError(
             f"pressures: expected more at the inlet than beyond the lungs, got {inlet:g} and "
             f"{wedge:g} mmHg, which contradict each other; correct one of them."
         )
-    _set(known, inlet=inlet, wedge=wedge)
 
 
 def flow_value(text: str, name: str = "flow") -> float:

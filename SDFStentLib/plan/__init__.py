@@ -13,7 +13,6 @@ from .details import read_details as read_details
 from .details import stent_details as stent_details
 from .device_file import device_vtp as device_vtp
 from .device_file import write_device as write_device
-from .devices import device_document as device_document
 from .devices import device_named as device_named
 from .devices import device_table as device_table
 from .document import POINT_PLACEMENTS as POINT_PLACEMENTS
@@ -43,9 +42,14 @@ from .run import PlanResult as PlanResult
 from .run import as_read as as_read
 from .run import run_plan as run_plan
 from .run import treatment_of as treatment_of
+from .schema import INPUTS as INPUTS
+from .schema import plan_schema as plan_schema
 from .shapes import read_profile as read_profile
-from .shapes import shape_document as shape_document
 from .steps import StepFiles as StepFiles
 from .today import Today as Today
 from .typed import from_document as from_document
+from .typed import list_of as list_of
+from .typed import object_schema as object_schema
+from .typed import or_null as or_null
+from .typed import to_document as to_document
 from .vessel_names import load_names as load_names

@@ -7,15 +7,13 @@ nothing of a plan is lost on the way through it.
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, NamedTuple
 
 from ..stent import Balloon, Device, Placement, Shape, Stent
-from .devices import device_document
 from .json_document import parsed
-from .shapes import shape_document
-from .typed import from_document
+from .typed import from_document, to_document
 
 
 @dataclass(frozen=True)
@@ -40,10 +38,10 @@ class StentSizes(NamedTuple):
 def details_document(stent: Stent | StentDetails) -> dict[str, Any]:
     """The details of a stent as values of JSON; null where it has none."""
     return {
-        "device": device_document(stent.device),
-        "balloon": None if stent.balloon is None else asdict(stent.balloon),
+        "device": to_document(stent.device),
+        "balloon": to_document(stent.balloon),
         "keeps": stent.keeps,
-        "shape": shape_document(stent.shape),
+        "shape": to_document(stent.shape),
         "may_be_shortened": stent.may_be_shortened,
     }
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from dataclasses import fields
 from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
@@ -53,14 +52,6 @@ def device_named(name: str, path: str | os.PathLike[str] | None = None) -> Devic
     )
 
 
-def device_document(device: Device | None) -> dict[str, Any] | None:
-    """A row of the table, without what is not known of it."""
-    if device is None:
-        return None
-    own = {field.name: (getattr(device, field.name), field.default) for field in fields(Device)}
-    return {key: _listed(value) for key, (value, default) in own.items() if value != default}
-
-
 @cache
 def _own_table() -> tuple[Device, ...]:
     return _table_of(Path(__file__).with_name("devices.json"))
@@ -94,7 +85,3 @@ def _rows_of(document: Any) -> tuple[Device, ...]:
             )
         rows[device.name.casefold()] = device
     return tuple(rows.values())
-
-
-def _listed(value: Any) -> Any:
-    return [_listed(item) for item in value] if isinstance(value, tuple) else value

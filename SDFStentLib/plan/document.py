@@ -1,4 +1,4 @@
-"""Plans as JSON documents: writing. `reader` reads; `plan.schema.json` describes them."""
+"""Plans as JSON documents: writing. `reader` reads, `schema` describes them."""
 
 from __future__ import annotations
 

@@ -1,15 +1,13 @@
-"""Shapes of stents as documents, and profiles as tables in files."""
+"""Profiles of stents as tables in files."""
 
 from __future__ import annotations
 
 import csv
 import io
 import os
-from dataclasses import asdict
 from typing import Any
 
 from ..files import read_text
-from ..stent import Shape
 from ..validation import InputError, as_path, in_short
 
 HEADER = ("fraction", "diameter")
@@ -46,16 +44,6 @@ def read_profile(path: str | os.PathLike[str]) -> tuple[tuple[float, float], ...
             "add some."
         )
     return tuple(_row(path, at, row) for at, row in enumerate(rows[1:], start=1))
-
-
-def shape_document(shape: Shape | None) -> dict[str, Any] | None:
-    """A shape as values of JSON, without the parts that it has not."""
-    if shape is None:
-        return None
-    document = {name: part for name, part in asdict(shape).items() if part not in (None, ())}
-    if shape.table:
-        document["table"] = [list(row) for row in shape.table]
-    return document
 
 
 def _row(path: Any, at: int, row: list[str]) -> tuple[float, float]:

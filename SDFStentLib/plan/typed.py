@@ -1,11 +1,13 @@
-"""Dataclasses from their documents, by the types of their own fields."""
+"""Dataclasses from their documents, back, and what describes these, by their own fields."""
 
 from __future__ import annotations
 
 import types
+from collections.abc import Sequence
 from dataclasses import MISSING, fields, is_dataclass
 from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
+from ..parameter import Parameter, parameters_of
 from ..validation import InputError
 from .json_document import number, section, sequence, text_value, truth
 
@@ -41,6 +43,64 @@ def from_document(kind: type[T], value: Any, where: str, **made: Any) -> T:
         return kind(**found, **made)
     except InputError as error:
         raise error.labeled(f"{where}: ") from error
+
+
+def to_document(value: Any) -> Any:
+    """A dataclass as values of JSON, without what is as it is by default."""
+    if isinstance(value, tuple):
+        return [to_document(item) for item in value]
+    if not is_dataclass(value):
+        return value
+    own = {one.name: (getattr(value, one.name), one.default) for one in fields(value)}
+    return {name: to_document(part) for name, (part, default) in own.items() if part != default}
+
+
+def schema_of(kind: Any, **made: Any) -> dict[str, Any]:
+    """What `from_document` takes for a dataclass, as a JSON schema (draft 7).
+
+    What its fields do and may be is said by their parameters; `made` has fields that are read by
+    others.
+    """
+    required, _ = _keys(kind)
+    known, properties = parameters_of(kind), {}
+    for name, hint in _hints(kind).items():
+        one = known.get(name)
+        told = {} if one is None else {"description": one.sentence}
+        properties[name] = {**told, **(made.get(name) or _schema(hint, one))}
+    return object_schema(properties, required)
+
+
+def object_schema(properties: dict[str, Any], required: Sequence[str] = ()) -> dict[str, Any]:
+    """An object with these keys and no other ones."""
+    found = {"type": "object", "additionalProperties": False, "properties": properties}
+    return {**found, "required": list(required)} if required else found
+
+
+def or_null(schema: dict[str, Any]) -> dict[str, Any]:
+    """The same, or null."""
+    return {"anyOf": [schema, {"type": "null"}]}
+
+
+def list_of(schema: dict[str, Any], count: int | None = None) -> dict[str, Any]:
+    """A list, of so many items where that is given."""
+    found = {"type": "array", "items": schema}
+    return found if count is None else {**found, "minItems": count, "maxItems": count}
+
+
+def _schema(hint: Any, one: Parameter | None) -> dict[str, Any]:
+    """What `_typed` takes."""
+    if get_origin(hint) in (Union, types.UnionType):
+        (inner,) = (each for each in get_args(hint) if each is not type(None))
+        return or_null(_schema(inner, one))
+    if is_dataclass(hint):
+        return schema_of(hint)
+    if get_origin(hint) is tuple:
+        first, *others = get_args(hint)
+        count = None if others == [...] else 1 + len(others)
+        return list_of(_schema(first, one), count)
+    if one is not None and (one.names or one.is_number):
+        return one.schema()
+    return {"type": {float: "number", bool: "boolean"}.get(hint, "string")}
 
 
 def _hints(kind: Any) -> dict[str, Any]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from ..parameter import parameters_of
 from ..stent import Device, Stent
 from ..treatment import TreatedStent
 from .words import UNKNOWN
@@ -16,26 +17,12 @@ def device_section(device: Device | None) -> dict[str, Any] | None:
     """A device as a report has it; null where a number is not known."""
     if device is None:
         return None
-    return {
-        "name": device.name,
-        "family": device.family or None,
-        "manufacturer": device.manufacturer or None,
-        "covered": device.covered,
-        "cell": device.cell,
-        "nominal_length_mm": device.nominal_length,
-        "sold_lengths_mm": list(device.sold_lengths),
-        "lengths_mm": [list(pair) for pair in device.lengths],
-        "foreshortening_fraction": device.foreshortening_fraction,
-        "nominal_diameters_mm": device.nominal_diameters,
-        "maximum_diameter_mm": device.maximum_diameter,
-        "reported_diameters_mm": device.reported_diameters,
-        "reported_lengths_mm": device.reported_lengths,
-        "generic": device.generic,
-        "source": device.source or None,
-        "source_date": device.source_date or None,
-        "verified": device.verified,
-        "note": device.note or None,
-    }
+    known = parameters_of(Device)
+    found = {}
+    for name, value in vars(device).items():
+        unit = known[name].unit if name in known else ""
+        found[f"{name}_{unit}" if unit else name] = None if value == "" else value
+    return found
 
 
 def device_rows(device: Device) -> list[tuple[str, str]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ..plan import shape_document
+from ..plan import to_document
 from ..stent import OfStent, Stent
 from ..treatment import TreatedStent
 from .devices import section_device_rows
@@ -149,7 +149,8 @@ def shape_section(treated: TreatedStent) -> dict[str, Any] | None:
     if shape is None or profile is None:
         return None
     return {
-        **(shape_document(shape) or {}),
+        "cap_height": shape.cap_height,
+        **to_document(shape),
         "fractions": profile.fractions,
         "diameters_mm": profile.diameters,
     }
@@ -180,7 +181,7 @@ def shape_rows(shape: Mapping[str, Any] | None) -> list[tuple[str, str]]:
         rows.append(("Profile", f"a table of {len(shape['table'])} diameters"))
     diameters = shape["diameters_mm"]
     rows.append(("Prescribed along it", f"{min(diameters):.2f} to {max(diameters):.2f} mm"))
-    if shape.get("cap_height", 1) != 1:
+    if shape["cap_height"] != 1:
         rows.append(
             ("Caps beyond its ends", f"{number_text(shape['cap_height'], 2)} of the radius")
         )

@@ -6,13 +6,13 @@ What is not known stays unknown: no number stands in for it.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY, dataclass, field
 from typing import Any
 
 import numpy as np
 
 from ..cautions import Caution
-from ..parameter import parameter
+from ..parameter import check_parameters, parameter
 from ..validation import InputError, as_number, in_short, printable
 
 MAXIMUM_DIAMETER = 100.0
@@ -40,6 +40,8 @@ def part_field(does: str, least: float, most: float, **more: Any) -> Any:
     return parameter(does, least=least, most=most, **more)
 
 
+OPTIONAL = {"is_optional": True}
+SEEN = "with which its source saw it used, smallest and largest; no limits"
 CELLS = ("closed", "open", "hybrid", "unknown")
 """Kinds of cells between the struts."""
 
@@ -51,40 +53,7 @@ _ROUNDING = 1e-12
 
 @dataclass(frozen=True)
 class Device:
-    """A row of the device table. Lengths and diameters in mm.
-
-    Attributes
-    ----------
-    name : str
-        What it is chosen by.
-    family, manufacturer : str
-        Empty where not known.
-    covered : bool or None
-        None where not known, or where there are both.
-    cell : str
-        One of `CELLS`.
-    nominal_length : float, optional
-        Of the one length that the row is about, as packed.
-    sold_lengths : tuple of float
-        In place of it, all lengths in which it is sold, as packed, rising.
-    lengths : tuple of (diameter, length)
-        How long it is at which diameter, by rising diameter; needs the nominal length.
-    foreshortening_fraction : float, optional
-        In place of `lengths`, the part of the nominal length that is lost: at the nominal
-        diameters, and where the row is generic at any.
-    nominal_diameters : (float, float), optional
-        For which it is made.
-    maximum_diameter : float, optional
-        To which it may be expanded at most.
-    reported_diameters, reported_lengths : (float, float), optional
-        With which the source saw it used; no limits.
-    generic : bool
-        No product: its numbers are assumptions and need no source.
-    source, source_date : str
-        Where the numbers are from. A row with a number has one, or is generic.
-    verified : bool
-        Whether somebody has compared the numbers with the maker's own document.
-    note : str
+    """A row of the device table. Lengths and diameters in mm; empty or None is not known.
 
     Raises
     ------
@@ -92,24 +61,64 @@ class Device:
         Numbers without a source, or that contradict each other.
     """
 
-    name: str
+    name: str = field(metadata=parameter("what it is chosen by"))
     _: KW_ONLY
     family: str = ""
     manufacturer: str = ""
-    covered: bool | None = None
-    cell: str = "unknown"
-    nominal_length: float | None = None
-    sold_lengths: tuple[float, ...] = ()
-    lengths: tuple[Range, ...] = ()
-    foreshortening_fraction: float | None = None
-    nominal_diameters: Range | None = None
-    maximum_diameter: float | None = None
-    reported_diameters: Range | None = None
-    reported_lengths: Range | None = None
-    generic: bool = False
-    source: str = ""
+    covered: bool | None = field(
+        default=None, metadata=parameter("null where not known, or where there are both")
+    )
+    cell: str = field(default="unknown", metadata=parameter("between the struts", names=CELLS))
+    nominal_length: float | None = field(
+        default=None,
+        metadata=length_field("as packed, of the one length that the row is about", **OPTIONAL),
+    )
+    sold_lengths: tuple[float, ...] = field(
+        default=(),
+        metadata=length_field(
+            "in place of the nominal length, all lengths in which it is sold, as packed, rising"
+        ),
+    )
+    lengths: tuple[Range, ...] = field(
+        default=(),
+        metadata=length_field(
+            "pairs of a diameter and the length at it, by rising diameter; needs the nominal length"
+        ),
+    )
+    foreshortening_fraction: float | None = field(
+        default=None,
+        metadata=part_field(
+            "in place of lengths, the part of the nominal length that is lost: at the nominal "
+            "diameters, and where the row is generic at any",
+            LEAST_FORESHORTENING,
+            MOST_FORESHORTENING,
+            **OPTIONAL,
+        ),
+    )
+    nominal_diameters: Range | None = field(
+        default=None,
+        metadata=diameter_field("for which it is made, smallest and largest", **OPTIONAL),
+    )
+    maximum_diameter: float | None = field(
+        default=None, metadata=diameter_field("to which it may be expanded at most", **OPTIONAL)
+    )
+    reported_diameters: Range | None = field(
+        default=None, metadata=diameter_field(SEEN, **OPTIONAL)
+    )
+    reported_lengths: Range | None = field(default=None, metadata=length_field(SEEN, **OPTIONAL))
+    generic: bool = field(
+        default=False,
+        metadata=parameter("no product: its numbers are assumptions and need no source"),
+    )
+    source: str = field(
+        default="",
+        metadata=parameter("where its numbers are from; needed with a number unless generic"),
+    )
     source_date: str = ""
-    verified: bool = False
+    verified: bool = field(
+        default=False,
+        metadata=parameter("whether its numbers were compared with the maker's own document"),
+    )
     note: str = ""
 
     def __post_init__(self) -> None:
@@ -210,20 +219,13 @@ class Device:
         return table[:, 0], table[:, 1]
 
     def _check_numbers(self) -> None:
-        for name in ("nominal_length", "maximum_diameter"):
-            largest = MAXIMUM_LENGTH if name == "nominal_length" else MAXIMUM_DIAMETER
-            if getattr(self, name) is not None:
-                self._number(getattr(self, name), name, above=0, maximum=largest)
+        check_parameters(self, f"device {printable(self.name)}, ")
         for name in ("nominal_diameters", "reported_diameters", "reported_lengths"):
             ends = getattr(self, name)
-            if ends is None:
-                continue
-            largest = MAXIMUM_LENGTH if name == "reported_lengths" else MAXIMUM_DIAMETER
-            if len(ends) != 2:
+            if ends is not None and len(ends) != 2:
                 raise self._error(name, "a smallest and a largest", f"{len(ends)} numbers")
-            low, high = (self._number(end, name, above=0, maximum=largest) for end in ends)
-            if low > high:
-                raise self._error(name, "the smaller one first", f"{low:g} and {high:g} mm")
+            if ends is not None and ends[0] > ends[1]:
+                raise self._error(name, "the smaller one first", f"{ends[0]:g} and {ends[1]:g} mm")
         most, wide = self.maximum_diameter, self.nominal_diameters
         if most is not None and wide is not None and wide[1] > most:
             raise self._error(
@@ -231,8 +233,6 @@ class Device:
             )
 
     def _check_sold(self) -> None:
-        for value in self.sold_lengths:
-            self._number(value, "sold_lengths", above=0, maximum=MAXIMUM_LENGTH)
         if (np.diff(self.sold_lengths) <= 0).any():
             listed = ", ".join(f"{value:g}" for value in self.sold_lengths)
             raise self._error("sold_lengths", "rising lengths, each once", f"{listed} mm")
@@ -241,10 +241,6 @@ class Device:
 
     def _check_lengths(self) -> None:
         low, high = LEAST_FORESHORTENING, MOST_FORESHORTENING
-        if self.foreshortening_fraction is not None:
-            self._number(
-                self.foreshortening_fraction, "foreshortening_fraction", minimum=low, maximum=high
-            )
         if not self.lengths:
             return
         if self.foreshortening_fraction is not None:
@@ -255,7 +251,6 @@ class Device:
             if len(pair) != 2:
                 raise self._error("lengths", "a diameter and a length", f"{len(pair)} numbers")
             self._number(pair[0], "lengths", above=0, maximum=MAXIMUM_DIAMETER)
-            self._number(pair[1], "lengths", above=0, maximum=MAXIMUM_LENGTH)
             lost = 1.0 - pair[1] / self.nominal_length
             if not low - _ROUNDING <= lost <= high + _ROUNDING:
                 raise self._error(
