@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import re
 import runpy
-from functools import partial
 from html.parser import HTMLParser
 
 import numpy as np
@@ -16,13 +15,11 @@ from tube_files import INPUTS, plan_of, write_tube
 from SDFStentLib.cli import main
 from SDFStentLib.files import encode_vtp, polydata_from_arrays
 from SDFStentLib.phantoms import straight_tube
-from SDFStentLib.plan import compare, comparison, load_plan
+from SDFStentLib.plan import compare, load_plan
 from SDFStentLib.report import comparison_document, comparison_page, comparison_pictures
-from SDFStentLib.report.alternatives import comparison_rows
 from SDFStentLib.report.picture import painting
 from SDFStentLib.report.picture.alternatives import alternatives_scene
 from SDFStentLib.report.picture.drawing import Words
-from SDFStentLib.treatment import vessel
 from SDFStentLib.validation import DeploymentError
 
 MIDDLE = {"center": [0, 0, 2]}  # cm; the throat of the tube
@@ -171,23 +168,6 @@ def test_the_least_lumen_beyond_the_ends_is_that_of_the_stations_there(a_run_fol
                 assert told == min(values)
 
 
-def test_the_vessel_is_read_once_and_its_lesions_are_found_once(a_folder, monkeypatch):
-    names = written(a_folder, **PLANS)
-    read, found = [], []
-    for module, name, calls in (
-        (comparison, "plan_files", read),
-        (vessel, "find_lesions", found),
-    ):
-        real = getattr(module, name)
-        counted = partial(lambda calls, real, *args: calls.append(0) or real(*args), calls, real)
-        monkeypatch.setattr(module, name, counted)
-    plans = {name: load_plan(name) for name in names}
-    results = compare(plans).results
-    befores = [[one.before for one in result.lesions] for result in results.values()]
-    assert all(mine is its for mine, its in zip(befores[0], befores[2], strict=True))
-    assert (len(read), len(found)) == (1, 1)
-
-
 # The picture
 
 
@@ -314,35 +294,6 @@ def test_a_page_without_picture_says_why(a_folder, monkeypatch):
     page = comparison_page(comparison_document(result), pictures)
     assert "No OpenGL here." in page
     assert Page(page).images == 0
-
-
-def test_lesions_that_no_plan_changes_share_one_row():
-    def a_lesion(number, left):
-        degrees = {"percent_diameter": 40.0, "percent_area": 64.0}
-        return {
-            "number": number,
-            "branch_name": "a",
-            **degrees,
-            "after": {**degrees, "percent_diameter": left},
-            "stents": [],
-            "is_left_beyond": False,
-        }
-
-    report = {
-        "certificate": None,
-        "stents": [],
-        "lesions": [a_lesion(1, 40.0), a_lesion(2, 30.0), a_lesion(3, 40.0)],
-        "branches": [],
-        "apposition": [],
-        "changes": None,
-        "left": None,
-        "warnings": [],
-    }
-    rows = {row.title: row for row in comparison_rows([{"name": "x", "report": report}])}
-    assert rows["Other lesions, by diameter"].note == "lesion 1 40 %, lesion 3 40 %"
-    assert rows["Stenosis left of lesion 2"].cells == (
-        ("30 % by diameter, 64 % by area; not stented.",),
-    )
 
 
 def test_the_picture_is_written_as_a_png_of_all_panels(a_folder, capsys):

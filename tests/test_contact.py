@@ -43,22 +43,3 @@ def test_the_mean_is_that_of_the_contacts_one_by_one(count, parts):
     late = excess - (total / 0.8 - current)
     assert late.min() > -1e-9
     assert (late <= (before - current) / parts + 1e-9).all()
-
-
-def test_neighbors_share_which_new_contact_is_near_but_not_how_far_it_is():
-    rng = np.random.default_rng(5)
-    hits, centres = cloud(120, 2), cloud(300, 3)
-    times = rng.uniform(0, 0.8, len(hits))
-    asking = np.repeat(centres, 4, axis=0) + rng.uniform(-0.2, 0.2, (1200, 3))
-    cells = np.repeat(np.arange(300), 4)
-    near = nearest_distance(asking, hits) < 6.5
-    asking, cells = asking[near], cells[near]
-    before = np.full(len(asking), 6.5)
-    new = new_contacts(hits, times)
-    own = new.excess(asking, np.arange(len(asking)), before)
-    shared = new.excess(asking, cells, before)
-    assert (own != shared).any()
-    # What a neighbor is nearest to is mostly the nearest; where two are as near as each other, it
-    # may have come at another time of the same part of the step.
-    assert np.abs(shared - own).mean() < 0.02
-    assert np.mean(np.abs(shared - own) > 0.1) < 0.02

@@ -9,7 +9,6 @@ from collections import Counter
 from functools import cache
 from pathlib import Path
 
-import pytest
 from child_processes import PROJECT, python
 
 LIBRARY = PROJECT / "SDFStentLib"
@@ -267,15 +266,6 @@ def is_true_table(room) -> bool:
         and all(getattr(contents, name, None) is not None for name in names)
         and not hasattr(contents, "nothing")
     )
-
-
-def test_the_librarys_own_table_says_the_same_to_type_checkers_and_at_run_time():
-    assert dir(table("")) == sorted(names_of(""))
-
-
-def test_what_is_not_in_a_table_of_contents_is_refused_by_name():
-    with pytest.raises(AttributeError, match=r"'SDFStentLib' has no attribute 'nothing'"):
-        table("").nothing  # noqa: B018
 
 
 def test_a_table_of_contents_begins_with_its_purpose_in_one_sentence():

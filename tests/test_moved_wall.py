@@ -7,7 +7,7 @@ import pytest
 
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.geometry import Line
-from SDFStentLib.lumen import known_lumen, measured_after, measured_at, moved_wall
+from SDFStentLib.lumen import measured_after, measured_at, moved_wall
 from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube
 from SDFStentLib.stent import AtCenter, Stent
 from SDFStentLib.treatment import Treatment, treated_lesions
@@ -51,27 +51,6 @@ def test_what_is_not_measured_again_is_what_a_whole_search_finds(treated):
     np.testing.assert_allclose(found.spheres.radii, plain.spheres.radii, atol=1e-3)
     np.testing.assert_allclose(found.equivalent, plain.equivalent, atol=1e-3)
     assert not np.allclose(found.spheres.radii, before.spheres.radii, atol=1e-2)
-
-
-def test_only_stations_near_the_moved_wall_are_measured_again(treated, monkeypatch):
-    made, way, result = treated
-    places, directions = stations_along(way)
-    before = measured_at(made.surface, places, directions)
-    searched = []
-    search = known_lumen.inscribed_spheres
-
-    def counted(points, triangles, centers, *rest):
-        searched.append(len(centers))
-        return search(points, triangles, centers, *rest)
-
-    monkeypatch.setattr(known_lumen, "inscribed_spheres", counted)
-    nothing = moved_wall(made.surface, made.surface)
-    again = measured_after(before, nothing, made.surface)
-    assert searched == [0]
-    np.testing.assert_array_equal(again.spheres.radii, before.spheres.radii)
-    np.testing.assert_array_equal(again.equivalent, before.equivalent)
-    measured_after(before, moved_wall(made.surface, result.surface), result.surface)
-    assert 0 < searched[1] <= len(places)
 
 
 def test_lesions_after_are_those_of_a_whole_search(treated):

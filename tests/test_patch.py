@@ -28,15 +28,6 @@ def normals_of(points, triangles, active, axis):
     return patch.outward_normals(vertices, field.direction, field.distance), field.direction
 
 
-def test_the_patch_has_every_face_of_an_active_vertex_and_no_other(tube):
-    points, triangles = tube
-    active = middle_of(points)
-    patch = Patch.around(Surface(points, triangles), active)
-    touching = np.isin(triangles, active).any(axis=1)
-    np.testing.assert_array_equal(patch.faces, np.flatnonzero(touching))
-    np.testing.assert_array_equal(patch.vertices[patch.triangles], triangles[touching])
-
-
 @pytest.mark.parametrize("winding", ["outward", "inward"])
 def test_normals_point_out_of_the_lumen_whatever_the_winding(tube, winding):
     points, triangles = tube
