@@ -102,7 +102,7 @@ LONGEST = (
     "test_segments", "test_cli", "test_app_server", "test_cli_words", "test_long_inputs",
     "test_panel_plans", "test_fast_measuring", "test_panel_looks", "test_panel",
     "test_panel_device", "test_panel_placing", "test_ostia", "test_outside_judges",
-    "test_lesion_commands", "test_strict_readers", "test_identities", "test_panel_shown",
+    "test_lesion_commands", "test_vtk_readers", "test_identities", "test_panel_shown",
     "test_tree_around", "test_recipes", "test_compare", "test_memory", "test_plan_exchange",
 )  # fmt: skip
 """Files that take longest go first, so that at the end no process waits for another."""

@@ -1,17 +1,24 @@
-"""What the document of cohorts shows is run here, with fewer cases, and holds."""
+"""What the document of cohorts shows is run here, and a treatment as flat rows."""
 
 from __future__ import annotations
 
+import csv
 import json
+import math
 import os
 import re
 import sys
 
+import numpy as np
 import pytest
 from child_processes import PROJECT, begun, ended
+from tube_files import write_tube
 
+from SDFStentLib import AtCenter, Stent, Treatment
 from SDFStentLib.cli import main
 from SDFStentLib.cohort import Cohort, sweep_from_document
+from SDFStentLib.phantoms import branching_pulmonary_artery
+from SDFStentLib.treatment import label_of
 
 TEXT = (PROJECT / "docs" / "cohorts.md").read_text(encoding="utf-8")
 
@@ -75,3 +82,71 @@ def test_the_document_names_every_axis_and_every_exit_code():
         assert name in table or f"`{last}`" in table, name
     codes = TEXT.split("| exit code | |")[1].split("\n\n")[0]
     assert set(re.findall(r"^\| (\d+) \|", codes, re.M)) == {"0", "2", "3", "4", "130"}
+
+
+# A treatment as flat rows, places along branches, and the researcher's loop in the documents.
+
+
+@pytest.fixture(scope="module")
+def treated():
+    """Two stents, the second one across the mouth of a branch."""
+    vessel = branching_pulmonary_artery()
+    line = vessel.centerline
+    first, second = (
+        Stent(size, placement=AtCenter(line.point_at(0, at)), length=10, name=name)
+        for size, at, name in ((10.6, 8.0, "upper"), (7.4, line_length(line, 0), ""))
+    )
+    return Treatment(vessel.surface, [first, second], line).result
+
+
+def line_length(line, branch):
+    points = line.branches[branch]
+    return float(line.arc_length[points[-1]] - line.arc_length[points[0]])
+
+
+def test_a_row_tells_what_the_result_and_its_report_tell(treated):
+    for stent, row in zip(treated.stents, treated.to_dict(), strict=True):
+        inscribed = stent.after.inscribed_diameter
+        assert row["lumen_after_mm"] == np.nanmin(inscribed)
+        assert row["mean_lumen_after_mm"] == pytest.approx(np.nanmean(inscribed), rel=1e-12)
+        assert row["lumen_before_mm"] == np.nanmin(stent.before.inscribed_diameter)
+        assert row["diameter_mm"] == stent.stent.diameter
+        assert [row[f"end_{axis}_mm"] for axis in "xyz"] == stent.axis.points[-1].tolist()
+        assert row["certified"] is treated.certificate.passed
+        assert row["moved_points"] == len(treated.indices)
+        shares = [branch.covered_share for branch in stent.branches]
+        if shares:
+            assert row["branch_covered_percent"] == pytest.approx(100 * max(shares), rel=1e-12)
+        else:
+            assert math.isnan(row["branch_covered_percent"])
+    assert treated.stents[1].branches, "the second stent lies at the mouth of a branch"
+
+
+def test_the_loop_in_the_documents_runs_and_its_table_can_be_read(tmp_path, monkeypatch):
+    write_tube(tmp_path)
+    (tmp_path / "tube.vtp").rename(tmp_path / "artery.vtp")
+    (tmp_path / "line.vtp").rename(tmp_path / "centerline.vtp")
+    monkeypatch.chdir(tmp_path)
+    text = (PROJECT / "docs" / "cohorts.md").read_text(encoding="utf-8")
+    program = re.search(r"## By hand.*?```python\n(.*?)```", text, re.S).group(1)
+    exec(compile(program, "docs/cohorts.md", "exec"), {})
+    with open("table.csv", newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [float(row["diameter_mm"]) for row in rows] == [6.0, 6.0, 6.5, 6.5, 7.0, 7.0]
+    for row in rows:
+        assert row["certified"] == "True"
+        assert float(row["lumen_after_mm"]) == pytest.approx(float(row["diameter_mm"]), rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("names", "labels"),
+    [
+        (["Stent 1"], [""]),
+        (["stump"], ["Stent 1 (stump): "]),
+        (["Stent 1", ""], ["Stent 1: ", "Stent 2: "]),
+        (["Stent 1", "Stent 1"], ["Stent 1: ", "Stent 2 (Stent 1): "]),
+    ],
+)
+def test_a_warning_names_its_stent_once(names, labels):
+    stents = [Stent(7.0, placement=AtCenter((0, 0, 0)), length=10, name=name) for name in names]
+    assert [label_of(stents, number + 1) for number in range(len(names))] == labels

@@ -1,16 +1,24 @@
+"""Surfaces from files, and whether a centerline lies in the same space."""
+
+from __future__ import annotations
+
 import hashlib
 
 import numpy as np
 import pytest
-from mesh_files import assert_refused_by_name, octahedron
+from mesh_files import assert_refused_by_name, octahedron, open_tube
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 
 from SDFStentLib.files import (
+    check_same_space,
     encode_vtp,
     polydata_from_arrays,
     polydata_from_lines,
     read_surface,
+    size_warnings,
 )
+from SDFStentLib.files.same_space import InsideTest
+from SDFStentLib.geometry import Surface
 from SDFStentLib.validation import InputError
 
 
@@ -83,3 +91,91 @@ def test_bad_files_give_one_sentence_with_their_name(tmp_path):
         assert_refused_by_name(read_surface, tmp_path / name, words)
     with pytest.raises(InputError, match="units: expected one of"):
         read_surface(tmp_path / "nan.vtp", "inch")
+
+
+HERE = np.array([100.0, 60.0, 20.0])
+
+
+def moved_tube():
+    points, triangles = open_tube()
+    return points + HERE, triangles
+
+
+def axis(start=1.0, end=59.0, count=80):
+    return HERE + np.stack([np.zeros(count)] * 2 + [np.linspace(start, end, count)], axis=1)
+
+
+@pytest.mark.parametrize("is_known", [False, True])
+@pytest.mark.parametrize("flip", [1, -1])
+def test_inside_and_outside_need_no_orientation_whether_it_is_known_to_be_closed(flip, is_known):
+    points, triangles = octahedron(radius=30, rounds=3)
+    generator = np.random.default_rng(3)
+    queries = generator.normal(size=(300, 3))
+    queries /= np.linalg.norm(queries, axis=1, keepdims=True)
+    # The facets of the sphere are less than 1 mm inside of it.
+    surface = Surface(points, triangles[:, ::flip])
+    assert not is_known or surface.topology.is_closed
+    test = InsideTest(surface)
+    assert test.is_inside(28.5 * queries).all()
+    assert not test.is_inside(30.5 * queries).any()
+
+
+def test_a_centerline_in_an_open_vessel_fits_and_an_end_that_sticks_out_is_only_said():
+    assert check_same_space(Surface(*moved_tube()), axis()) == ()
+    (said,) = check_same_space(Surface(*moved_tube()), axis(-20, 59), centerline_name="c.vtp")
+    assert said.kind == "partly-outside"
+    assert said.numbers["outside_percent"] == pytest.approx(100 * 20 / 79, abs=1.5)  # of 80 points
+    assert str(said) == "c.vtp: 26 % of its points lie outside of surface."
+
+
+@pytest.mark.parametrize("factor", [10, 0.1, 1000, 0.001])
+def test_other_units_are_recognized_and_the_option_named(factor):
+    words = rf"c.vtp: expected it inside s.vtp, got 0 % .* {1 / factor:g} times .* name that"
+    with pytest.raises(InputError, match=words):
+        check_same_space(
+            Surface(*moved_tube()), factor * axis(), surface_name="s.vtp", centerline_name="c.vtp"
+        )
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        (axis() * (-1, -1, 1), "(?!.*units).*one is in RAS and the other in LPS"),
+        (axis() * (-0.1, -0.1, 0.1), r".*different units .*also, one is in RAS"),
+        (axis() + np.array([40, -13, 7]), ".*check that the two belong together"),
+        (0.1 * axis(30, 36), ".*it would fit 10 times as large"),
+    ],
+)
+def test_frames_units_and_other_patients_are_told_apart(line, words):
+    with pytest.raises(InputError, match=f"^{words}"):
+        check_same_space(Surface(*moved_tube()), line)
+
+
+def test_the_size_of_a_vessel_is_expected():
+    points, triangles = octahedron(radius=30)
+    assert size_warnings(Surface(points, triangles), "s") == ()
+    (small,) = size_warnings(Surface(points / 10, triangles), "s.stl", "mm")
+    assert "s.stl: read in mm, it is 6 mm long and about" in str(small)
+    assert "name the unit of the file if it is another" in str(small)
+    assert len(size_warnings(Surface(points * 100, triangles), "s")) == 1
+    (tube,) = size_warnings(Surface(open_tube()[0] / 10, open_tube()[1]), "tube")
+    assert "wide" not in str(tube)  # the volume of an open surface says nothing
+    thin = points / 30 * (0.5, 0.5, 40)  # 80 mm long, 1 mm wide
+    assert len(size_warnings(Surface(thin, triangles), "s")) == 1
+
+
+@pytest.mark.parametrize("away", [(100, 0, 0), (3000, 0, 0), (0, 0, 9000)])
+def test_a_line_that_fits_only_as_a_spot_is_not_blamed_on_units(away):
+    points, triangles = open_tube()  # it passes by the origin, where everything shrinks to
+    line = axis() - HERE + away
+    with pytest.raises(InputError, match="it lies elsewhere, and neither other units") as caught:
+        check_same_space(Surface(points, triangles), line)
+    assert "times as large" not in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ["aorta_iliac", "pulmonary"])
+def test_a_vessel_in_cm_that_is_read_in_mm_is_told(data_dir, name):
+    """An aorta of 2 mm got stents of 1.6 mm without a word."""
+    path = data_dir / f"{name}_surface_cm.vtp"
+    assert [one.kind for one in read_surface(path).warnings] == ["unusual-size"]
+    assert read_surface(path, units="cm").warnings == ()

@@ -1,0 +1,165 @@
+"""Files as bytes: their names, frames and numbers, and how they are written whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import stat
+
+import numpy as np
+import pytest
+from child_processes import python
+from hypothesis import given
+from hypothesis import strategies as some
+
+from SDFStentLib.files import atomic_path, check_writable, write_bytes
+from SDFStentLib.files.content import frame_in_text, header_text, read_content
+from SDFStentLib.files.formats.text_numbers import numbers_in
+from SDFStentLib.units import as_frame, millimeters_per
+from SDFStentLib.validation import InputError
+
+
+def test_what_is_no_file_is_said(tmp_path):
+    (tmp_path / "empty").write_bytes(b"")
+    os.mkfifo(tmp_path / "pipe")
+    for name, words in (
+        ("missing", "no such file"),
+        (".", "got a folder"),
+        ("empty", "got an empty file"),
+        ("pipe", "got a device or a pipe"),
+        ("x" * 300, "cannot be read"),
+    ):
+        with pytest.raises(InputError, match=words):
+            read_content(tmp_path / name)
+
+
+def test_units_are_three():
+    assert [millimeters_per(units) for units in ("mm", "cm", "m")] == [1, 10, 1000]
+    for units in ("inch", None, ["mm"]):
+        with pytest.raises(InputError, match="units: expected one of mm, cm, m"):
+            millimeters_per(units)
+
+
+def test_frames_are_found_in_headers_and_as_old_numbers():
+    assert as_frame(" ras ") == as_frame("0") == "RAS"
+    assert as_frame("LPS") == as_frame("1") == "LPS"
+    assert as_frame("IJK") is None
+    assert frame_in_text("3D Slicer output. SPACE=LPS") == "LPS"
+    assert frame_in_text("vtk output") is None
+    for frame in ("RAS", "LPS", None):
+        assert frame_in_text(header_text(frame)) == frame
+
+
+# Numbers in text: every word a number, or an error.
+
+
+KINDS = ["i1", "u1", "i2", "u2", "i4", "u4", "i8", "u8"]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_limits_of_every_integer_type_come_back_and_one_more_does_not(kind):
+    limits = np.iinfo(kind)
+    for value in (limits.min, limits.max, 0):
+        assert numbers_in(f" {value} 1\n".encode(), kind).tolist() == [value, 1]
+    for value in (limits.min - 1, limits.max + 1, 10**30):
+        with pytest.raises(ValueError, match=r"beyond|word|data"):
+            numbers_in(f"1 {value}".encode(), kind)
+
+
+@given(some.lists(some.floats(allow_nan=False)))
+def test_written_floats_come_back_bit_by_bit(values):
+    text = " ".join(map(repr, values)).encode()
+    assert numbers_in(text, np.float64).tobytes() == np.array(values, float).tobytes()
+
+
+@given(some.lists(some.text(alphabet="0123456789+-.eExna_ ,\n", max_size=6), max_size=5))
+def test_what_is_read_is_what_python_reads_word_by_word(words):
+    text = " ".join(words)
+    try:
+        expected = [float(word) for word in text.split() if "_" not in word or 1 / 0]
+    except (ValueError, ZeroDivisionError):
+        expected = None
+    try:
+        found = numbers_in(text.encode(), np.float64).tolist()
+    except ValueError:
+        found = None
+    assert (found is None) == (expected is None)
+    assert found is None or np.array_equal(found, expected, equal_nan=True)
+
+
+@pytest.mark.parametrize("text", [b"1.5", b"1e300", b"nan", b"inf", b"0x10", b"1,2", b"1_0"])
+def test_other_words_are_no_integers(text):
+    with pytest.raises(ValueError, match=r"word|data|number"):
+        numbers_in(text, np.int64)
+
+
+def test_a_failing_block_leaves_the_old_file_and_nothing_else(tmp_path):
+    target = tmp_path / "out.json"
+    target.write_bytes(b"old")
+
+    def write_half():
+        with atomic_path(target) as temporary:
+            temporary.write_bytes(b"half")
+            raise KeyError("stop")
+
+    with pytest.raises(KeyError, match="stop"):
+        write_half()
+    assert target.read_bytes() == b"old"
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_a_link_stays_a_link_and_permissions_stay(tmp_path):
+    target, link = tmp_path / "real", tmp_path / "link"
+    target.write_bytes(b"old")
+    target.chmod(0o640)
+    link.symlink_to(target)
+    write_bytes(link, b"new")
+    assert link.is_symlink()
+    assert target.read_bytes() == b"new"
+    assert stat.S_IMODE(target.stat().st_mode) == 0o640
+
+
+def test_a_new_file_has_the_usual_permissions(tmp_path):
+    write_bytes(tmp_path / "ours", b"")
+    (tmp_path / "theirs").write_bytes(b"")
+    assert (tmp_path / "ours").stat().st_mode == (tmp_path / "theirs").stat().st_mode
+
+
+def test_places_that_cannot_be_written_are_named(tmp_path):
+    with pytest.raises(InputError, match="got a folder"):
+        check_writable(tmp_path)
+    with pytest.raises(InputError, match="expected an existing folder"):
+        check_writable(tmp_path / "none" / "out")
+    with pytest.raises(InputError, match="cannot be written"):
+        check_writable("nul\0l")
+    with pytest.raises(InputError, match="cannot be written"):
+        write_bytes(tmp_path / ("x" * 300), b"")
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(InputError, match="a device or a pipe"):
+        check_writable(tmp_path / "pipe")
+
+
+def test_a_folder_without_permission_is_named(tmp_path, monkeypatch):
+    # As root every folder can be written, so the answer of the system is replaced.
+    monkeypatch.setattr(os, "access", lambda *_: False)
+    with pytest.raises(InputError, match="no permission to write"):
+        check_writable(tmp_path / "out")
+
+
+def test_a_full_disk_is_one_sentence_and_leaves_the_old_file(tmp_path):
+    # A limit on the size of files fails in the same place as a full disk.
+    target = tmp_path / "out"
+    target.write_bytes(b"old")
+    script = """
+import resource, sys
+from SDFStentLib.files.atomic import write_bytes
+from SDFStentLib.validation import InputError
+resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
+try:
+    write_bytes(sys.argv[1], b"x" * 100_000)
+except InputError as error:
+    print(error)
+"""
+    run = python(script, target)
+    assert "cannot be written (File too large); free space" in run.stdout
+    assert target.read_bytes() == b"old"
+    assert list(tmp_path.iterdir()) == [target]

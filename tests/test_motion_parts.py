@@ -1,0 +1,155 @@
+"""Parts of the motion: patch, contacts, smooth minimum and profiles."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from deployment_cases import phantom
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from mesh_files import open_tube
+from oracle import PlainField, fall_off, smin
+
+from SDFStentLib.deformation import BLENDS, FALLOFFS
+from SDFStentLib.deformation.contact_search import FEW
+from SDFStentLib.deformation.contact_set import PHASES, NewContacts
+from SDFStentLib.deformation.patch import Patch
+from SDFStentLib.field import CapsuleChain
+from SDFStentLib.geometry import Surface, smooth_minimum
+
+
+@pytest.fixture(scope="module")
+def tube():
+    return open_tube(radius=3.0, length=30.0, around=16, along=20)
+
+
+def middle_of(points, low=10, high=20):
+    return np.flatnonzero((points[:, 2] > low) & (points[:, 2] < high))
+
+
+def normals_of(points, triangles, active, axis):
+    patch = Patch.around(Surface(points, triangles), active)
+    field = CapsuleChain.along(axis).field(points[active])
+    vertices = patch.points(points, points[active])
+    return patch.outward_normals(vertices, field.direction, field.distance), field.direction
+
+
+@pytest.mark.parametrize("winding", ["outward", "inward"])
+def test_normals_point_out_of_the_lumen_whatever_the_winding(tube, winding):
+    points, triangles = tube
+    wound = triangles if winding == "outward" else triangles[:, ::-1]
+    normals, direction = normals_of(points, wound, middle_of(points), [[0.0, 0, 5], [0, 0, 25]])
+    # Diagonals of the quads tilt a vertex normal by a few degrees.
+    assert np.einsum("ij,ij->i", normals, direction).min() > 0.98
+
+
+def test_mixed_winding_tells_no_side(tube):
+    points, triangles = tube
+    turned = np.random.default_rng(3).random(len(triangles)) < 0.4
+    wound = np.where(turned[:, None], triangles[:, ::-1], triangles)
+    patch = Patch.around(Surface(points, wound), middle_of(points))
+    field = CapsuleChain.along([[0.0, 0, 5], [0, 0, 25]]).field(points[middle_of(points)])
+    vertices = patch.points(points, points[middle_of(points)])
+    assert patch.outward_normals(vertices, field.direction, field.distance) is None
+
+
+@pytest.mark.parametrize("winding", ["outward", "inward"])
+def test_the_wall_of_a_vessel_beside_the_stented_one_looks_back_at_the_stent(winding):
+    made = phantom("tube_with_neighbor")
+    active = middle_of(made.points)
+    axis = made.axis_at(np.linspace(10, 30, 50))
+    wound = made.triangles if winding == "outward" else made.triangles[:, ::-1]
+    normals, direction = normals_of(made.points, wound, active, axis)
+    facing = np.einsum("ij,ij->i", normals, direction)
+    x, y, _ = made.points[active].T
+    own = np.hypot(x, y) < 3.5
+    # The own wall is a narrowing cone, at most 25 degrees from the direction.
+    assert facing[own].min() > 0.8
+    # The neighbor's axis is at x = 8: its near side faces the stent, its far side does not.
+    assert facing[~own & (x < 6) & (np.abs(y) < 1)].max() < -0.8
+    assert facing[~own & (x > 10) & (np.abs(y) < 1)].min() > 0.8
+
+
+# Who is nearest among the points in contact, as they come, and in the mean of a step.
+
+
+def cloud(count, seed=0, spread=5.0):
+    return np.random.default_rng(seed).normal(size=(count, 3)) * spread + [300, -200, 100]
+
+
+def new_contacts(points, times, growth=0.8):
+    return NewContacts(points, np.asarray(times, dtype=float), growth)
+
+
+def nearest_distance(asking, points, bound=6.5):
+    return np.minimum(np.linalg.norm(asking[:, None] - points, axis=2).min(axis=1), bound)
+
+
+@pytest.mark.parametrize(("count", "parts"), [(1, np.inf), (FEW, np.inf), (120, PHASES)])
+def test_the_mean_is_that_of_the_contacts_one_by_one(count, parts):
+    """Against the plain sum over all contact times, one contact after the other."""
+    rng = np.random.default_rng(4)
+    held, hits, asking = cloud(150), cloud(count, 2), cloud(400, 3)
+    times = rng.uniform(0, 0.8, len(hits))
+    before = nearest_distance(asking, held)
+    near = nearest_distance(asking, hits) < before
+    asking, before = asking[near], before[near]
+    excess = new_contacts(hits, times).excess(asking, np.arange(len(asking)), before)
+
+    current, total, last = before, np.zeros(len(asking)), 0.0
+    for number in np.argsort(times):
+        total += current * (times[number] - last)
+        last = times[number]
+        current = np.minimum(current, np.linalg.norm(asking - hits[number], axis=1))
+    total += current * (0.8 - last)
+    # Of many contacts only the nearest in each part of the step counts: the others' drop comes at
+    # most one part late. Few are exact.
+    late = excess - (total / 0.8 - current)
+    assert late.min() > -1e-9
+    assert (late <= (before - current) / parts + 1e-9).all()
+
+
+# The smooth minimum and the profiles, against their closed forms.
+
+
+DISTANCE = st.floats(-20, 20, allow_nan=False)
+WIDTH = st.floats(0.01, 3)
+ROUNDING = 1e-12  # mm: a few operations on numbers below 20
+
+
+def pair(first, second):
+    return np.array([first], dtype=float), np.array([second], dtype=float)
+
+
+@settings(max_examples=100, deadline=None, derandomize=True)
+@given(DISTANCE, DISTANCE, st.one_of(st.just(0.0), WIDTH))
+def test_the_smooth_minimum_is_the_papers_kernel_form_with_its_chain_rule(first, second, k):
+    a, b = pair(first, second)
+    along_first, along_second = np.array([[1.0, 0, 0]]), np.array([[0.0, 1, 0]])
+    plain = smin(PlainField(a, along_first), PlainField(b, along_second), k)
+    value, share = smooth_minimum(a, b, k)
+    assert value[0] == pytest.approx(plain.distance[0], abs=ROUNDING)
+    gradient = share[0] * along_first[0] + (1 - share[0]) * along_second[0]
+    np.testing.assert_allclose(gradient, plain.gradient[0], atol=1e-10)
+
+
+def test_without_width_it_is_the_hard_minimum_and_the_first_of_equals_wins():
+    value, share = smooth_minimum(np.array([1.0, 2, 5]), np.array([2.0, 2, 3]), 0)
+    assert value.tolist() == [1, 2, 3]
+    assert share.tolist() == [1, 1, 0]
+
+
+@pytest.mark.parametrize("name", [*FALLOFFS, *BLENDS])
+def test_every_profile_falls_monotonically_from_one_to_zero(name):
+    profile = {**FALLOFFS, **BLENDS}[name]
+    values = profile(np.linspace(0, 1, 1001))
+    # One rounding of a sum of terms near 1.
+    assert values[0] == pytest.approx(1, abs=1e-15)
+    assert values[-1] == pytest.approx(0, abs=1e-15)
+    assert (np.diff(values) < 1e-15).all()
+
+
+def test_the_default_fall_off_is_the_papers():
+    distance = np.linspace(-2, 9, 200)
+    weight = FALLOFFS["compact"](np.clip(distance / 6.5, 0, 1))
+    np.testing.assert_allclose(weight, fall_off(distance, 6.5), atol=1e-15)
