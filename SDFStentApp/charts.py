@@ -45,6 +45,12 @@ def plot_of(chart: Any) -> dict[str, Any]:
     }
 
 
+def opacity_of(chart: Any) -> float:
+    """Of its lines: those of a former plan are weak."""
+    series = chart.GetNthPlotSeriesNode(0)
+    return 1.0 if series is None else series.GetOpacity()
+
+
 def _line(node: Any, along: Any, columns: Any, across: _Scale, up: _Scale) -> dict[str, Any]:
     """A series; interrupted where it is not known."""
     values = columns[node.GetYColumnName()]
@@ -56,7 +62,8 @@ def _line(node: Any, along: Any, columns: Any, across: _Scale, up: _Scale) -> di
         isOpen = isKnown
     color = "#" + "".join(f"{round(255 * part):02x}" for part in node.GetColor())
     isDashed = node.GetLineStyle() == node.LineStyleDash
-    return {"name": node.GetYColumnName(), "path": " ".join(path), "color": color, "dash": isDashed}
+    drawn = {"color": color, "dash": isDashed, "opacity": node.GetOpacity()}
+    return {"name": node.GetYColumnName(), "path": " ".join(path), **drawn}
 
 
 class _Scale:

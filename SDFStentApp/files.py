@@ -13,10 +13,11 @@ from vtkmodules.vtkCommonCore import vtkPoints
 from SDFStentLib.plan import load_plan, read_input_files
 from SDFStentLib.validation import InputError
 
+from .chunks import LARGEST_UPLOAD
+
 SURFACES = (".vtp", ".vtk", ".stl", ".ply", ".obj")
 CENTERLINES = (".vtp", ".vtk")
 PLANS = (".json",)
-LARGEST_UPLOAD = 256 * 2**20
 DEEPEST, MOST = 4, 400
 """Folders below a named one, and files, that are listed."""
 

@@ -17,7 +17,7 @@ from trame_server.utils.namespace import Translator
 
 from . import python_layer
 from .application import Application
-from .charts import plot_of, table_of
+from .charts import opacity_of, plot_of, table_of
 from .exports import NAMES, exported, zipped_folder
 from .files import PLANS, Folders, Opened, Uploads, open_plan, open_vessel, save_model
 from .selectors import PlaceWidget
@@ -159,7 +159,8 @@ class Page:
         """Table and plot, where they have changed, and whether there is something to save."""
         parameters = self.parameters
         chart, table = parameters.outputChart, parameters.outputTable
-        stamp = (chart and (chart.GetID(), chart.GetTitle()), table and table.GetTable().GetMTime())
+        drawn = chart and (chart.GetID(), chart.GetTitle(), opacity_of(chart))
+        stamp = (drawn, table and table.GetTable().GetMTime())
         state = self.server.state
         state.canSave = self.panel.savePlanButton.enabled
         state.atHand = at_hand_of(self.widget)

@@ -14,6 +14,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+from aiohttp import web
+
 READY_WITHIN_S = 90.0
 FIRST_VISIT_WITHIN_S = 120.0
 END_WITHIN_S = 3.0
@@ -30,7 +32,10 @@ Arrays of less than a megabyte, of which a preview makes hundreds, are not asked
 
 
 class PageProcess:
-    """Made with a running event loop. `on_end(page)` is called once, when it has ended, by itself or by `end`."""
+    """Made with a running event loop: gets ready, and opens what it is told when it is `wanted`.
+
+    `on_end(page)` is called once, when it has ended, by itself or by `end`.
+    """
 
     def __init__(
         self, told: dict[str, Any], kept_s: float, on_end: Callable[[PageProcess], None]
@@ -40,29 +45,40 @@ class PageProcess:
         self._process: asyncio.subprocess.Process | None = None
         self._workshop = tempfile.TemporaryDirectory(prefix="sdfstent-page-")
         self._starting = asyncio.ensure_future(_started(self._workshop.name))
-        self._visitors = 0
+        self._visitors: list[web.WebSocketResponse] = []
         self._leaving: asyncio.TimerHandle | None = None
         loop = asyncio.get_running_loop()
         self._port: asyncio.Future[int] = loop.create_future()
+        self._is_wanted = asyncio.Event()
         self._life = asyncio.ensure_future(self._live({**told, "secret": self.secret}))
+
+    def wanted(self) -> PageProcess:
+        """Open what there is to show; it is visited soon, or ends."""
+        self._is_wanted.set()
         self._leave_after(FIRST_VISIT_WITHIN_S)
+        return self
 
     async def port(self) -> int:
         """Where it listens. Raises `RuntimeError` with a sentence if it could not start."""
         return await asyncio.shield(self._port)
 
     @contextlib.contextmanager
-    def visited(self) -> Iterator[None]:
+    def visited(self, browser: web.WebSocketResponse) -> Iterator[None]:
         """Within the block a browser is connected."""
-        self._visitors += 1
+        self._visitors.append(browser)
         if self._leaving is not None:
             self._leaving.cancel()
         try:
             yield
         finally:
-            self._visitors -= 1
-            if self._visitors == 0:
+            self._visitors.remove(browser)
+            if not self._visitors:
                 self._leave_after(self._kept_s)
+
+    async def leave_others(self, browser: web.WebSocketResponse) -> None:
+        """Show it to one browser only, whose window has the size of the picture."""
+        others = [other for other in self._visitors if other is not browser and other.prepared]
+        await asyncio.gather(*(other.close() for other in others))
 
     async def end(self) -> None:
         """End it and wait until it is gone."""
@@ -71,7 +87,7 @@ class PageProcess:
         if self._starting.exception() is None:
             process = self._starting.result()
             assert process.stdin is not None
-            if self._process is None:
+            if self._process is None or not self._is_wanted.is_set():
                 _kill(process)  # it has not been told anything yet
             process.stdin.close()
             done, _ = await asyncio.wait([self._life], timeout=END_WITHIN_S)
@@ -90,7 +106,12 @@ class PageProcess:
             self._process = process = await asyncio.shield(self._starting)
             assert process.stdin is not None
             assert process.stdout is not None
-            process.stdin.write(json.dumps(told).encode() + b"\n")
+            ended = asyncio.ensure_future(process.wait())
+            wanted = asyncio.ensure_future(self._is_wanted.wait())
+            await asyncio.wait([ended, wanted], return_when=asyncio.FIRST_COMPLETED)
+            wanted.cancel()
+            if not ended.done():
+                process.stdin.write(json.dumps(told).encode() + b"\n")
             await self._become_ready(process)
             await process.wait()
         finally:

@@ -9,6 +9,7 @@ import shutil
 import sys
 import threading
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -19,19 +20,25 @@ HEADER = "X-SDFStent-Page"
 """Names the secret without which this process answers nobody."""
 
 
-async def run(told: dict[str, Any], ready: Callable[[int], None]) -> None:
-    """Serve one page on a port of this machine until the process ends; `ready` gets the port."""
+def prepare() -> None:
+    """Load what every page needs, which takes most of the time until one is there."""
     os.environ["WSLINK_READY_MSG"] = ""
     if not os.environ.get("DISPLAY"):
         # Without a screen VTK finds this window by itself, but only after a warning.
         os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
     sys.path.append(str(MODULE))
-    from trame.app import get_server
+    import_module("SDFStentApp.page")
     from vtkmodules.vtkCommonCore import vtkLogger
+
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)
+
+
+async def run(told: dict[str, Any], ready: Callable[[int], None]) -> None:
+    """Serve one page on a port of this machine until the process ends; `ready` gets the port."""
+    from trame.app import get_server
 
     from .page import Page, Plain
 
-    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)
     server = get_server("sdfstent", client_type="vue3", translator=Plain())
     page = Page(server, {**told, "module": MODULE})
     page.build()
@@ -70,7 +77,6 @@ def _guard(app: Any, secret: str) -> None:
 
 def main() -> None:
     """Read what to show from the first line of stdin, say the port on stdout, and end with stdin."""
-    told = json.loads(sys.stdin.readline())
     answer = os.dup(1)
     os.dup2(2, 1)  # whatever others print is no answer
 
@@ -82,9 +88,13 @@ def main() -> None:
         shutil.rmtree(os.environ["TMPDIR"], ignore_errors=True)  # the server may be gone as well
         os._exit(0)
 
+    prepare()
+    line = sys.stdin.readline()
+    if not line:
+        end_with_stdin()
     threading.Thread(target=end_with_stdin, daemon=True).start()
     sys.argv = sys.argv[:1]
-    asyncio.run(run(told, ready))
+    asyncio.run(run(json.loads(line), ready))
 
 
 if __name__ == "__main__":

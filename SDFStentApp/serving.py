@@ -24,6 +24,7 @@ from typing import Any, NamedTuple
 import aiohttp
 from aiohttp import web
 
+from .chunks import LARGEST_UPLOAD, Chunks
 from .page_process import PageProcess
 from .process import HEADER
 
@@ -67,6 +68,7 @@ class Server:
         self.token = secrets.token_urlsafe(24)
         self.pages: dict[str, PageProcess] = {}
         self._first: PageProcess | None = None
+        self._spare: PageProcess | None = None
         self._client: aiohttp.ClientSession | None = None
         self._way: Path | None = None
 
@@ -95,7 +97,7 @@ class Server:
                 "Other machines can reach it, and what passes can be read on the way: put a proxy with TLS in front of it."
             )
         self._say("Ctrl-C ends it.")
-        self._first = self._start()  # it gets ready while the browser starts
+        self._first = self._start()  # it opens what there is to show while the browser starts
         if self.settings.opens_browser and _has_screen():
             self._show(address)
 
@@ -108,19 +110,30 @@ class Server:
         asyncio.get_running_loop().run_in_executor(None, webbrowser.open, self._way.as_uri())
 
     def _start(self) -> PageProcess:
-        page = PageProcess(self.settings.told, self.settings.kept_s, self._forget)
+        page = (self._spare or self._prepared()).wanted()
+        self._spare = None
         self.pages[page.name] = page
         return page
+
+    def _prepared(self) -> PageProcess:
+        return PageProcess(self.settings.told, self.settings.kept_s, self._forget)
+
+    def _keep_one_ready(self) -> None:
+        if self._spare is None and len(self.pages) < self.settings.most_pages:
+            self._spare = self._prepared()
 
     def _forget(self, page: PageProcess) -> None:
         self.pages.pop(page.name, None)
         if page is self._first:
             self._first = None
+        if page is self._spare:
+            self._spare = None
 
     async def _end_all(self) -> None:
         if self._way is not None:
             self._way.unlink(missing_ok=True)
-        await asyncio.gather(*(page.end() for page in list(self.pages.values())))
+        left = [*self.pages.values(), self._spare]
+        await asyncio.gather(*(page.end() for page in left if page is not None))
 
     async def _answer(self, request: web.Request) -> web.StreamResponse:
         token, slash, rest = request.match_info["path"].partition("/")
@@ -152,6 +165,7 @@ class Server:
             await page.port()
         except RuntimeError as error:
             return _sentence(500, str(error))
+        self._keep_one_ready()
         raise web.HTTPFound(f"{way}{page.name}/{INDEX}", headers=KEPT_HEADERS)
 
     async def _pass(self, request: web.Request, page: PageProcess, tail: str) -> web.StreamResponse:
@@ -188,7 +202,8 @@ class Server:
         browser = web.WebSocketResponse(
             max_msg_size=LARGEST_MESSAGE, compress=False, heartbeat=HEARTBEAT_S
         )
-        with page.visited():
+        chunks = Chunks(LARGEST_UPLOAD + LARGEST_MESSAGE)
+        with page.visited(browser):
             with _reaching():
                 inside = await self._client.ws_connect(
                     f"http://127.0.0.1:{await page.port()}/{tail}",
@@ -197,7 +212,9 @@ class Server:
                 )
             try:
                 await browser.prepare(request)
-                await _until_one_ends([_pass_on(browser, inside), _pass_on(inside, browser)])
+                await page.leave_others(browser)
+                sent = _pass_on(browser, inside, chunks.are_bounded)
+                await _until_one_ends([sent, _pass_on(inside, browser)])
             finally:
                 await inside.close()
             await browser.close()
@@ -241,13 +258,15 @@ def _passed_on(request: web.Request, page: PageProcess) -> dict[str, str]:
     return {**kept, HEADER: page.secret}
 
 
-async def _pass_on(source: Any, target: Any) -> None:
-    """Messages from one side to the other, as long as both are open."""
+async def _pass_on(
+    source: Any, target: Any, may_pass: Callable[[bytes], bool] = lambda _data: True
+) -> None:
+    """Messages from one side to the other, as long as both are open and send what may pass; text says nothing here."""
     async for message in source:
         if message.type == aiohttp.WSMsgType.BINARY:
+            if not may_pass(message.data):
+                return
             await target.send_bytes(message.data)
-        elif message.type == aiohttp.WSMsgType.TEXT:
-            await target.send_str(message.data)
 
 
 async def _until_one_ends(ways: list[Awaitable[None]]) -> None:

@@ -6,7 +6,8 @@ from html import escape
 
 from SDFStentLib.units import MILLIMETERS
 
-from .files import LARGEST_UPLOAD, SURFACES
+from .chunks import LARGEST_UPLOAD
+from .files import SURFACES
 from .selectors import NEW, NodeComboBox, PlaceWidget, SegmentSelector
 from .tables import Table
 from .ui_file import Arranged, Placed
@@ -275,7 +276,7 @@ DIAMETERS = """
 <text v-for="t in plot.across" :x="t.at" :y="plot.height - 18" text-anchor="middle">{{ t.text }}</text>
 <text :x="plot.width / 2" :y="plot.height - 3" text-anchor="middle">{{ plot.words[0] }}</text>
 <text :transform="'translate(11 ' + plot.height / 2 + ') rotate(-90)'" text-anchor="middle">{{ plot.words[1] }}</text></g>
-<path v-for="l in plot.lines" :d="l.path" :stroke="l.color" :stroke-dasharray="l.dash ? '7 5' : null"></path>
+<path v-for="l in plot.lines" :d="l.path" :stroke="l.color" :opacity="l.opacity" :stroke-dasharray="l.dash ? '7 5' : null"></path>
 </svg><figcaption><span v-for="l in plot.lines"><i :class="{dash: l.dash}" :style="{background: l.color}"></i>{{ l.name }}</span></figcaption></figure>
 <details v-show="plot.lines.length"><summary>{{ table.title || 'Table' }}</summary><div class="table"><table>
 <thead><tr><th v-for="c in table.columns">{{ c }}</th></tr></thead>
@@ -284,8 +285,8 @@ DIAMETERS = """
 """
 
 GONE = """
-<div class="gone" role="alert">The connection to sdfstent app is lost, or it has ended. Load the page again: it goes on where it was while it is kept
-(sdfstent app --keep). If that does not help, start sdfstent app again and use the address that it prints.</div>
+<div class="gone" role="alert">The connection is lost, sdfstent app has ended, or this page was opened in another window. Load the page again: it goes on where it was while
+it is kept (sdfstent app --keep). If that does not help, start sdfstent app again and use the address that it prints.</div>
 """
 
 

@@ -8,6 +8,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from SDFStentLib.validation import InputError
+
 
 def shown(default: Any, signal: str = "") -> Any:
     """An attribute that the page shows; where `signal` is named it is emitted with every new value."""
@@ -159,10 +161,16 @@ class Number(Widget):
         return {**super().state(), **ends, **words, "decimals": self.decimals}
 
     def edit(self, value: Any) -> None:
-        isNumber = isinstance(value, (int, float)) and not isinstance(value, bool)
-        if isNumber and value == value and self.enabled:
-            self.value = value
         self.tell()  # what was no number, or beyond the ends, is shown as it is now
+        isNumber = isinstance(value, (int, float)) and not isinstance(value, bool)
+        if not (isNumber and value == value and self.enabled):
+            return
+        if not self.minimum <= value <= self.maximum:
+            raise InputError(
+                f"Expected {self.minimum:g} to {self.maximum:g}{self.suffix}, got {value:g}; "
+                f"it stays {self.value:g}{self.suffix}."
+            )
+        self.value = value
 
 
 class LineEdit(Widget):

@@ -48,8 +48,9 @@ class AppServer:
         self.origin, self.token = self.address.rstrip("/").rsplit("/", 1)
 
     def pages(self) -> list[psutil.Process]:
-        """The processes behind its pages."""
-        return psutil.Process(self.process.pid).children(recursive=True)
+        """The processes behind its pages; one that waits for the next page listens nowhere yet."""
+        children = psutil.Process(self.process.pid).children(recursive=True)
+        return [child for child in children if child.net_connections()]
 
     def interrupt(self) -> str:
         """Ctrl-C; what it said on stderr all in all."""

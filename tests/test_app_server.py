@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import asyncio
 import http.client
 import os
 import re
 import socket
 import stat
+import struct
 import sys
 import time
 from pathlib import Path
@@ -21,8 +23,21 @@ NEEDED = ("slicer", "trame", "trame_rca", "aiohttp")
 for name in NEEDED:
     pytest.importorskip(name, reason="the extra app is not installed")
 
+import aiohttp  # noqa: E402
+import msgpack  # noqa: E402
 from app_server import AppServer, get  # noqa: E402
 from child_processes import PATIENCE  # noqa: E402
+
+from SDFStentApp.chunks import Chunks  # noqa: E402
+
+HELLO = {
+    "wslink": "1.0",
+    "id": "system:c0:0",
+    "method": "wslink.hello",
+    "args": [{"secret": "wslink-secret"}],
+    "kwargs": {},
+}
+"""What a page's script says first."""
 
 
 def way_from(server):
@@ -100,6 +115,52 @@ def test_a_page_takes_no_messages_for_another_site(a_server):
         assert " 101 " in answers(a_server, *asks, *own).splitlines()[0]
 
 
+async def told_too_much(address, frame):
+    """What becomes of who sends a frame to a page, and of two that look at it in turn."""
+    async with aiohttp.ClientSession() as client:
+        first = await client.ws_connect(address)
+        await first.send_bytes(chunk(msgpack.packb(HELLO)))
+        await first.receive()  # the page answers
+        await first.send_bytes(frame)
+        said = await first.receive(timeout=PATIENCE)
+        second = await client.ws_connect(address)
+        third = await client.ws_connect(address)
+        left = await second.receive(timeout=PATIENCE)
+        return said.type, left.type, third.closed
+
+
+def chunk(content, length=None):
+    return struct.pack("<III", 7, 0, len(content) if length is None else length) + content
+
+
+def test_nobody_makes_a_page_take_memory_and_two_windows_do_not_share_a_picture(a_server):
+    address = get(a_server.address)[2].replace("http", "ws", 1).replace("index.html", "ws")
+    (page,) = a_server.pages()
+    before = page.memory_info().rss
+    closed = (aiohttp.WSMsgType.CLOSE, aiohttp.WSMsgType.CLOSE, False)
+    for frame in (chunk(b"x", 1_500_000_000), b"", b"abc", chunk(b"more than it says", 3)):
+        assert asyncio.run(told_too_much(address, frame)) == closed
+    assert page.memory_info().rss < before + 300e6
+
+
+def test_messages_are_bounded_together():
+    chunks = Chunks(100)
+    assert chunks.are_bounded(chunk(b"x" * 40, 60))
+    assert not Chunks(50).are_bounded(chunk(b"x" * 40, 60))
+    assert chunks.are_bounded(chunk(b"x" * 20, 60))  # the first is there, whole
+    assert all(chunks.are_bounded(chunk(b"x" * 50)) for _message in range(100))
+
+
+def test_another_process_is_ready_for_the_next_page(a_server):
+    get(a_server.address)
+    spare, deadline = [], time.monotonic() + PATIENCE
+    while len(spare) < 1 and time.monotonic() < deadline:
+        children = psutil.Process(a_server.process.pid).children()
+        spare = [child for child in children if child not in a_server.pages()]
+    get(a_server.address)
+    assert spare[0] in a_server.pages()
+
+
 def test_a_page_that_has_failed_is_another_one_at_once_when_it_is_loaded_again(a_server):
     _, _, address = get(a_server.address)
     for _time in range(3):
@@ -115,10 +176,10 @@ def test_a_server_that_is_killed_leaves_no_page_and_the_next_one_opens_the_brows
     a_server, tmp_path
 ):
     get(a_server.address)
-    (page,) = a_server.pages()
+    processes = psutil.Process(a_server.process.pid).children()  # and one that waits
     a_server.process.kill()
     a_server.process.wait()
-    page.wait(timeout=PATIENCE)
+    assert psutil.wait_procs(processes, PATIENCE)[1] == []
     assert list(a_server.folder.iterdir()) == []
     browser, opened = tmp_path / "browser", tmp_path / "opened"
     browser.write_text(f'#!/bin/sh\necho "$@" > "{opened}"\n', encoding="utf-8")

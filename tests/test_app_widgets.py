@@ -11,6 +11,7 @@ from SDFStentApp import template
 from SDFStentApp.tables import CAN_BE_CHECKED, CAN_BE_EDITED, CHECKED, TableItem
 from SDFStentApp.ui_file import Panel
 from SDFStentApp.widgets import Number
+from SDFStentLib.validation import InputError
 
 UI = Path(__file__).resolve().parents[1] / "SDFStent" / "Resources" / "UI" / "SDFStent.ui"
 JUNK = [None, "x", [], {}, float("nan"), [1, 2, 3, 4], [-1, 0], ["a", "b"], {"a": 1}, 10**9, True]
@@ -60,9 +61,15 @@ def test_a_number_stays_within_its_ends_and_tells_what_it_is():
     number, heard = Number("n"), []
     number.minimum, number.maximum = 1.0, 5.0
     number.connect("valueChanged(double)", heard.append)
-    for value in (3, 99, -99, *JUNK):
+    number.suffix = " mm"
+    for value in (3, *JUNK):
         if value != 10**9:
             number.edit(value)
+    for value in (99, -99, 1e300, float("inf")):
+        with pytest.raises(InputError, match=r"^Expected 1 to 5 mm, got .*; it stays 3 mm\.$"):
+            number.edit(value)
+    for value in (99, -99):
+        number.value = value  # as Qt does for a program
     assert (number.value, heard) == (1.0, [3.0, 5.0, 1.0])
     number.maximum = 0.5 + number.minimum
     number.value = 5
@@ -84,8 +91,11 @@ def test_junk_from_a_browser_changes_nothing(a_panel):
     for widget in a_panel.widgets.values():
         for value in JUNK:
             isText = isinstance(value, str) and widget.edited == "text"
-            isNumber = value == 10**9 and isinstance(widget, Number)
-            if not (isText or isNumber or isinstance(value, bool)):
+            isNumber = value == 10**9 and isinstance(widget, Number) and widget.enabled
+            if isNumber:
+                with pytest.raises(InputError, match="Expected"):
+                    widget.edit(value)
+            elif not (isText or isinstance(value, bool)):
                 widget.edit(value)
     assert {name: widget.state() for name, widget in a_panel.widgets.items()} == before
 

@@ -29,6 +29,9 @@ DRAWN_ATTRIBUTE = "SDFStent.DrawnAs"
 STRUT_WIDTH = 3
 """Pixels."""
 
+OLD_OPACITY = 0.25
+"""Of a plot."""
+
 VIEW_LENGTHS, VIEW_DIAMETERS = 2.5, 8.0
 """So many times the length of a lesion, or the diameter of its vessel, are seen when it is chosen."""
 
@@ -292,6 +295,14 @@ def showChart(parameterNode, x, series, dashed, top):
                 node.SetXColumnName(x)
                 node.SetYColumnName(column)
     return chart
+
+
+def fadeChart(chart, isOld):
+    """Draw the lines of a chart weakly where they are of another plan, or of none."""
+    for index in range(chart.GetNumberOfPlotSeriesNodes()):
+        series = chart.GetNthPlotSeriesNode(index)
+        if series is not None:
+            series.SetOpacity(OLD_OPACITY if isOld else 1.0)
 
 
 def showPlace(point, size):

@@ -6,7 +6,7 @@ from slicer.i18n import tr as _
 
 from SDFStentLib.validation import printable
 
-from . import Flow, Outputs, Sizes
+from . import Display, Flow, Outputs, Sizes
 from .AtHand import AtHand
 from .ParameterNode import METHOD_PARAMETERS, Placement, methodOf, stentOf, stentsOf
 from .Steps import Steps
@@ -125,6 +125,9 @@ class PanelState:
             if standing.missing
             else _("Changed since this deployment; click Deploy.")
         )
+        if parameterNode.outputChart is not None:
+            isTold = bool(parameterNode.certificateSummary)
+            Display.fadeChart(parameterNode.outputChart, isOld or not isTold)
         self.atHand.show(parameterNode.atHand, isOld)
         sentences = [standing.missing, parameterNode.status, changed if isOld else ""]
         self.ui.statusLabel.text = printable("\n".join(filter(None, sentences)))

@@ -60,10 +60,13 @@ def test_auto_update_marks_nothing_that_it_is_about_to_renew(host, aStent):
     assert not isMarked(aStent)
     settle(host, aStent)
     assert not isMarked(aStent)
+    line = aStent._parameterNode.outputChart.GetNthPlotSeriesNode(0)
+    assert line.GetOpacity() == 1.0
     aStent._parameterNode.stent.handle.SetNthControlPointPositionWorld(0, 500, 500, 500)
     settle(host, aStent)  # ends with an error: what is shown is the vessel before treatment
     assert "expected a point within" in aStent.ui.statusLabel.text
     assert "before treatment" in aStent.ui.lumenLabel.text
+    assert line.GetOpacity() < 0.5  # of the stent before
     assert not isMarked(aStent)
 
 
