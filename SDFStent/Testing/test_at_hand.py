@@ -70,16 +70,6 @@ def test_flow_has_a_line_of_its_own(host, aStent):
     assert line.endswith(f"-> {moment.drops[0].recovered.value:.1f} mmHg")
 
 
-def test_of_several_stents_the_selected_one_is_told(host, aStent):
-    host.click(aStent.ui.copyStentButton)
-    aStent.ui.diameterSlider.value = 9.5
-    deploy(host, aStent)
-    assert corner()[0][0].startswith("9.5 x ")
-    aStent.ui.stentTable.selectRow(0)
-    host.process()
-    assert not corner()[0][0].startswith("9.5 x ")
-
-
 def test_a_vessel_with_arrays_is_shown_in_one_color_once(host, theInputs):
     from SDFStentSlicer.Showing import ONE_COLOR
 

@@ -147,15 +147,6 @@ def test_the_panel_shows_the_sentence(spoil, host, aPanel, aLogic, theParameters
     assert aPanel.ui.lumenLabel.text == ""
 
 
-def test_an_output_that_the_user_deletes_is_made_again(aLogic, theParameters, aScene):
-    points = aLogic.deploy(theParameters).points
-    for node in (theParameters.outputVessel, theParameters.outputStents, theParameters.outputTable):
-        aScene.RemoveNode(node)
-    np.testing.assert_array_equal(aLogic.deploy(theParameters).points, points)
-    assert theParameters.outputVessel is not None
-    assert theParameters.outputTable.GetNumberOfRows() > 5
-
-
 def test_deleting_a_node_while_deploying_ends_with_a_sentence_or_a_result(
     host, aPanel, aLogic, theParameters, aScene
 ):

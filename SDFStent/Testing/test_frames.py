@@ -14,21 +14,6 @@ def working(milliseconds):
         time.sleep(0.001)
 
 
-def test_a_thread_advances_in_the_host_only_while_it_is_waited_for(host):
-    from SDFStentSlicer.Portions import inPortions
-
-    advanced = []
-    portions = inPortions(lambda: [advanced.append(working(1)) for _ in range(1000)])
-    next(portions)
-    counts = [len(advanced)]
-    host.process(0.3)
-    counts.append(len(advanced))
-    while len(advanced) < counts[1] + 6:  # Ends: a thread that is waited for advances.
-        next(portions)
-    portions.close()
-    assert counts[1] - counts[0] < 5
-
-
 def test_what_nobody_waits_for_ends_before_the_full_method_begins(host, aStent):
     from SDFStentSlicer.Portions import inPortions
 

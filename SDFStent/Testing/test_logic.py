@@ -198,12 +198,6 @@ def test_table_and_chart_hold_the_diameters_in_mm(aLogic, theParameters):
     assert "watertight" in theParameters.certificateSummary
 
 
-def test_the_branches_near_a_stent_are_named_with_what_it_covers(aLogic, theParameters):
-    (treated,) = aLogic.deploy(theParameters).stents
-    assert [branch.is_fully_covered for branch in treated.branches] == [True]
-    assert "Right pulmonary artery: fully covered" in theParameters.lumenSummary
-
-
 def test_maps_color_the_output_with_a_legend(aLogic, theParameters):
     from SDFStentSlicer.ParameterNode import SurfaceMap
     from SDFStentSlicer.Results import mapOf
@@ -257,28 +251,3 @@ def test_the_handle_snaps_to_the_centerline(aLogic, theParameters):
     aLogic.snapHandle(theParameters, handle)
     snapped = handle.GetNthControlPointPositionWorld(0)
     assert Conversion.centerlineOf(theParameters.centerline).project(snapped).distance < 1e-6
-
-
-def test_parameters_are_read_once_until_they_change(theParameters):
-    from SDFStentSlicer.ParameterNode import methodOf, stentOf, stentsOf
-
-    stents, method = stentsOf(theParameters), methodOf(theParameters)
-    assert stentsOf(theParameters) is stents
-    with slicer.util.NodeModify(theParameters):
-        theParameters.method.tissueGap = 0.7
-        assert methodOf(theParameters).tissueGap == 0.7
-        theParameters.stent.diameter = 7.25
-        assert stentOf(theParameters).diameter == 7.25
-    assert methodOf(theParameters).tissueGap == 0.7
-    assert method.tissueGap == 0.4  # what was read stays what it was
-    assert stentsOf(theParameters)[0].handle is not None
-    slicer.mrmlScene.RemoveNode(theParameters.stents[0].handle)
-    assert stentsOf(theParameters)[0].handle is None
-
-
-def test_a_handle_that_was_saved_goes_with_its_storage(aLogic, theParameters, aScene):
-    count = aScene.GetNumberOfNodes()
-    aLogic.addStent(theParameters).AddDefaultStorageNode()
-    assert aScene.GetNumberOfNodes() > count
-    aLogic.removeStent(theParameters)
-    assert aScene.GetNumberOfNodes() == count

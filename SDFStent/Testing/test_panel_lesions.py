@@ -85,20 +85,6 @@ def test_add_with_a_lesion_selected_places_a_stent_there_that_opens_it(host, the
     assert parameters.stent.length == 20.0
 
 
-def test_a_stent_elsewhere_covers_no_lesion_and_has_no_percentage(host, theInputs):
-    found(host, theInputs)
-    host.click(theInputs.ui.addStentButton)
-    parameters = theInputs._parameterNode
-    centerline = theInputs.logic.centerlineOf(parameters)
-    root = centerline.points[centerline.roots[0]]
-    place = centerline.path_from_proximal(root, 12.0).points[-1]
-    parameters.stent.handle.SetNthControlPointPositionWorld(0, *place)
-    theInputs.ui.diameterSlider.value, theInputs.ui.lengthSlider.value = 11.0, 8.0
-    deploy(host, theInputs)
-    assert "This stent covers no lesion of 15 % or more." in theInputs.ui.lumenLabel.text
-    assert "stenosis:" not in theInputs.ui.lumenLabel.text
-
-
 def test_lesions_are_found_once_per_vessel_and_again_for_another(host, theInputs):
     parameters = theInputs._parameterNode
     first = found(host, theInputs)

@@ -233,27 +233,6 @@ def test_the_color_legend_keeps_the_colors_of_the_application(host, aStent):
         assert ours.GetShadow() == theirs.GetShadow()
 
 
-def test_names_with_control_characters_are_printable_in_the_results(host, aStent):
-    aStent._parameterNode.stent.label = "a\nb\x1b\u202e"
-    aStent.ui.diameterSlider.value = 3.0
-    deploy(host, aStent)
-    shown = r"a\nb\x1b\u202e"
-    assert f"\n{shown}, 3.0 mm\n" in aStent.ui.lumenLabel.text
-    (line, *_others) = aStent.ui.warningLabel.text.splitlines()
-    assert line.startswith(f"Warning: Stent 1 ({shown}): ")
-
-
-def test_a_button_that_loads_saves_or_removes_says_what(aPanel):
-    from PySide6 import QtWidgets
-
-    buttons = [
-        one for one in vars(aPanel.ui).values() if isinstance(one, QtWidgets.QAbstractButton)
-    ]
-    texts = [button.text.removesuffix("...") for button in buttons]
-    assert len(set(texts)) == len(texts)
-    assert not {"Load", "Save", "Remove", "Table"} & set(texts)
-
-
 NAME = "Left pulmonary artery, at its origin"
 
 

@@ -11,17 +11,6 @@ def test_a_step_of_zero_reads_automatic(aStent):
     assert aStent.ui.stepSpinBox.text == "0.500 mm"
 
 
-def test_rules_are_named_for_the_user_and_stored_as_the_library_calls_them(host, aPanel):
-    box, method = aPanel.ui.ruleComboBox, aPanel._parameterNode.method
-    assert [box.itemText(i) for i in range(box.count)] == ["adaptive", "as in the paper"]
-    assert method.rule == "events"
-    host.choose(box, 1)
-    assert method.rule == "published"
-    aPanel.exit()
-    aPanel.enter()
-    assert box.currentText == "as in the paper"
-
-
 @pytest.mark.parametrize("name", ["falloff", "blend"])
 def test_shapes_are_named_in_words_from_gradual_to_steep(host, aPanel, name):
     from SDFStentSlicer.ParameterNode import CHOICE_LABELS
@@ -73,13 +62,6 @@ def test_a_slider_reaches_farther_only_for_a_value_that_needs_it(aStent, name, w
     assert getattr(method, name) == wide
     aStent.ui.defaultsButton.click()
     assert slider.maximum == usual
-
-
-def test_a_diameter_beyond_the_slider_is_shown_as_it_is(aStent):
-    parameters = aStent._parameterNode
-    parameters.stent.diameter = 65.0
-    assert aStent.ui.diameterSlider.value == 65.0
-    assert parameters.stents[0].diameter == 65.0
 
 
 def test_the_axis_is_smoothed_as_long_as_the_slider_says(host, aStent, tmp_path):

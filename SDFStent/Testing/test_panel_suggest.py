@@ -153,16 +153,6 @@ def test_a_lesion_that_is_gone_is_no_longer_offered(host, aLesion):
     assert not panel.ui.suggestButton.enabled
 
 
-def test_the_console_suggests_as_the_panel(aLogic, theParameters):
-    search = aLogic.lesionSearch(theParameters)
-    for _part in search.portions():
-        pass
-    suggested = aLogic.suggestStent(theParameters, search.found[0])
-    assert len(theParameters.stents) == 1  # it was there
-    assert theParameters.stent.diameter == suggested.stent.diameter
-    assert "Rule: " in theParameters.status
-
-
 def test_a_lesion_of_another_vessel_is_refused(aLogic, theParameters):
     from dataclasses import replace
 

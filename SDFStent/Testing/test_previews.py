@@ -6,7 +6,7 @@ import threading
 import numpy as np
 import pytest
 import vtk
-from panel_helpers import expanded, pointsOf, settle, theThroat
+from panel_helpers import pointsOf, settle, theThroat
 
 
 def shown(parameters):
@@ -33,17 +33,6 @@ def test_the_preview_is_the_library_s(aLogic, theParameters):
     expected[seen.indices] = seen.coordinates
     np.testing.assert_array_equal(points, expected.astype(np.float32))
     assert len(seen.indices) > 100
-
-
-def test_a_preview_after_another_place_starts_from_the_vessel_itself(aLogic, theParameters):
-    handle = theParameters.stent.handle
-    first = previewed(aLogic, theParameters)
-    handle.SetNthControlPointPositionWorld(0, *(theThroat() + np.array([0, 0, 3.0])))
-    assert np.abs(previewed(aLogic, theParameters) - first).max() > 0.1
-    handle.SetNthControlPointPositionWorld(0, *theThroat())
-    np.testing.assert_array_equal(previewed(aLogic, theParameters), first)
-    expanded(aLogic, theParameters)  # all points are set by it
-    np.testing.assert_array_equal(previewed(aLogic, theParameters), first)
 
 
 def test_the_minimum_lumen_is_told_while_dragging_and_marked(host, aStent, theModule, monkeypatch):
@@ -167,14 +156,6 @@ def test_numbers_and_certificate_of_another_place_are_taken_away(host, aStent):
     assert "about" in aStent.ui.lumenLabel.text
 
 
-def test_the_vessel_can_be_shown_without_stents_after_a_preview(aLogic, theParameters):
-    before = pointsOf(theParameters.vessel)
-    previewed(aLogic, theParameters)
-    aLogic.reset(theParameters)
-    np.testing.assert_array_equal(shown(theParameters), before)
-    assert not aLogic.hasSteps(theParameters)
-
-
 @pytest.mark.parametrize("spoil", ["outside", "far away", "too wide"])
 def test_where_no_stent_can_be_the_vessel_is_shown_as_it_was_and_said_to_be(host, aStent, spoil):
     parameters, handle = aStent._parameterNode, aStent._parameterNode.stent.handle
@@ -207,17 +188,6 @@ def test_where_no_stent_can_be_the_vessel_is_shown_as_it_was_and_said_to_be(host
     settle(host, aStent)
     assert "prescribed" in aStent.ui.lumenLabel.text
     assert aStent.ui.statusLabel.text == ""
-
-
-def test_what_a_vessel_needs_is_made_when_it_is_chosen(host, theInputs, monkeypatch):
-    from SDFStentLib.treatment import Preview
-
-    made = []
-    prepare = Preview.prepare
-    monkeypatch.setattr(Preview, "prepare", lambda self: (made.append(1), prepare(self)))
-    host.processUntil(lambda: not theInputs.lesions.isBusy)
-    host.processUntil(lambda: not theInputs.preparation.isRunning)
-    assert made == [1]
 
 
 def test_normals_computed_where_points_changed_are_those_computed_everywhere(aVessel, monkeypatch):

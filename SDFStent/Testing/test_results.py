@@ -129,12 +129,6 @@ def test_selecting_a_stent_makes_no_nodes_and_survives_a_deleted_table(twoStents
     assert aScene.GetNumberOfNodes() == count - 1
 
 
-def test_a_single_stent_is_named_without_a_number(host, aStent):
-    aStent.ui.nameEdit.text = "Left"
-    deploy(host, aStent)
-    assert aStent._parameterNode.outputChart.GetTitle() == "Diameter along Left"
-
-
 def test_the_panel_says_that_it_is_for_research_only(aPanel):
     line = aPanel.ui.researchLabel
     assert line.text == "Research use only, not a medical device."
