@@ -395,26 +395,3 @@ def test_files_and_page_show_a_stent_that_is_dilated_again_once(a_folder, capsys
         assert words in page, words
     assert "Not in contact all round" not in page
     assert "Stent 1: The stent does not touch" not in capsys.readouterr().out
-
-
-@pytest.mark.parametrize(
-    ("more", "diameter", "words"),
-    [
-        ([], None, "expected --diameter D of the lumen or --balloon D, got neither; give one"),
-        (
-            ["--balloon", "7"],
-            "6",
-            "expected either --diameter, of the lumen, or --balloon, got both",
-        ),
-        (["--recoil", "7"], "6", "recoil: expected a number at least 0 and at most 0.5, got 7"),
-        (["--balloon", "-7"], None, "balloon diameter: expected a number greater than 0"),
-        (["--redilate", "5"], "6", "redilation: expected more than the 6 mm of stent 1, got 5 mm"),
-        (["--keep", "top"], "6", "invalid choice: 'top'"),
-    ],
-)
-def test_sizes_that_contradict_each_other_are_said_and_nothing_is_written(
-    a_folder, capsys, more, diameter, words
-):
-    assert deploy(*more, diameter=diameter) == 2
-    assert words in capsys.readouterr().err
-    assert not Path("out.vtp").exists()

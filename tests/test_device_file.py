@@ -61,21 +61,3 @@ def test_a_straight_mesh_of_ones_own_is_laid_where_the_stent_is(a_folder):
     np.testing.assert_allclose(
         np.hypot(*made.points[:, :2].T), np.hypot(*centered[:, :2].T), atol=1e-6
     )
-
-
-@pytest.mark.parametrize(
-    ("options", "sentence"),
-    [
-        (["--export-device", "d.stl"], "expected a device that ends in .vtp"),
-        (["--device-mesh", "tube.vtp"], "expected --export-device F with --device-mesh"),
-        (["--export-device", "d.vtp", "--device-mesh", "no.vtp"], "no.vtp: no such file"),
-        (["--export-device", "d.vtp", "--device-mesh", "line.vtp"], "line.vtp: "),
-        (["--export-device", "tube.vtp"], "expected another file than the input"),
-    ],
-)
-def test_what_cannot_be_written_is_said_and_nothing_is(a_folder, capsys, options, sentence):
-    assert deploy(*options) == 2
-    said = capsys.readouterr().err
-    assert sentence in said
-    assert said.count("\n") == 1
-    assert not Path("out.vtp").exists()

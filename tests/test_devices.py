@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from test_plan import SCHEMA, a_document
 from trees import unbranched
-from tube_files import PLACE, deploy
+from tube_files import deploy
 
 from SDFStentLib.cli import main
 from SDFStentLib.geometry import Line
@@ -366,30 +366,6 @@ def test_deploy_takes_the_length_of_the_device_at_the_diameter(a_folder, a_table
     assert plan.stents[0].device == a_device(**SHORT)
     again = run_plan(plan).treatment
     assert again.stents[0].axis.deployed_length == pytest.approx(14)
-
-
-@pytest.mark.parametrize(
-    ("more", "words"),
-    [
-        (["--device", "bench"], "expected a known one (such as bench-34, bench-16), got 'bench'"),
-        (["--device", "bench-16"], "expected 16 mm, the length of bench-16, got 20 mm"),
-        (["--device", "numed-cp"], "say how much of its length it loses (--foreshortening F), or"),
-        (["--device", "bench-34", "--diameter", "23"], "expected at most 22 mm"),
-        ([], "expected --device NAME with --device-table, got none; name one."),
-    ],
-)
-def test_deploy_says_what_is_wrong_with_a_device_and_writes_nothing(
-    a_folder,
-    a_table_file,
-    capsys,
-    more,
-    words,
-):
-    assert deploy(*more, "--device-table", str(a_table_file)) == 2
-    assert words in capsys.readouterr().err
-    assert not Path("out.vtp").exists()
-    assert deploy(*more[:2], "--device-table", "none.json", place=PLACE) == 2
-    assert not Path("out.vtp").exists()
 
 
 def test_the_page_names_the_device_its_source_and_that_it_is_unverified(a_folder, a_table_file):

@@ -197,26 +197,6 @@ def test_without_a_flow_there_is_no_word_of_pressure(a_folder, capsys):
 
 
 @pytest.mark.parametrize(
-    ("more", "line", "words"),
-    [
-        (("--mean-flow", "0mL/s"), "line.vtp", "--mean-flow: expected a number greater than 0"),
-        (("--mean-flow", "5"), "line.vtp", "--mean-flow: expected a flow with its unit"),
-        (("--wedge", "5"), "line.vtp", "expected --mean-flow Q"),
-        (("--export-0d", "nets"), "line.vtp", "expected --mean-flow Q"),
-        (("--mean-flow", "5mL/s"), None, "flow: expected a centerline of the vessel tree"),
-        (("--mean-flow", "5mL/s", "--split-right", "0.5"), "line.vtp", "(--right X Y Z), or"),
-    ],
-)
-def test_a_flow_that_cannot_be_is_refused_before_the_deployment(
-    a_folder, capsys, more, line, words
-):
-    place = ["--axis", "axis.vtp"] if line is None else ["--center", "0", "0", "2", "--length", "9"]
-    assert deploy(*more, line=line, place=place) == 2
-    assert words in capsys.readouterr().err
-    assert not Path("out.vtp").exists()
-
-
-@pytest.mark.parametrize(
     ("flow", "words"),
     [
         ([5, 20], "flow: expected an object with mean"),

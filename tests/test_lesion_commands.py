@@ -172,35 +172,6 @@ def deployed(arguments, tmp_path, capsys, code=0):
     return said, json.loads(report.read_text(encoding="utf-8")) if code == 0 else None
 
 
-@pytest.mark.parametrize("number", ["0", "2", "-1"])
-def test_a_lesion_that_is_not_there_ends_in_how_many_there_are(tube, tmp_path, capsys, number):
-    place = ["--at-lesion", number, "--length", 10, "--diameter", 6]
-    said, _ = deployed([*tube, *place], tmp_path, capsys, code=2)
-    assert f"--at-lesion: expected 1, as the vessel has one lesion, got {number}; see" in said
-    assert len(said.splitlines()) == 1
-    assert not list(tmp_path.iterdir())
-
-
-def test_a_vessel_without_lesions_has_none_to_place_a_stent_at(healthy, tmp_path, capsys):
-    place = ["--at-lesion", 1, "--length", 10, "--diameter", 8]
-    said, _ = deployed([*healthy, *place], tmp_path, capsys, code=2)
-    assert "expected a vessel with a lesion, got one in which none of 15 % or more was" in said
-
-
-def test_what_belongs_to_a_lesion_is_asked_for(tube, tmp_path, capsys):
-    for more, words in (
-        ([*tube, "--at-lesion", 1], "expected --length L (mm) with --at-lesion"),
-        ([tube[0], "--at-lesion", 1, "--length", 9], "expected --centerline FILE with --at-lesion"),
-        ([*tube, "--at-lesion", "1.5", "--length", 9], "expected a whole number, got '1.5'"),
-        (
-            [*tube, "--at-lesion", 1, "--center", 0, 0, 1, "--length", 9],
-            "expected one place, got --center and --at-lesion",
-        ),
-    ):
-        said, _ = deployed([*more, "--diameter", 6], tmp_path, capsys, code=2)
-        assert words in said
-
-
 def test_a_stent_at_a_lesion_has_the_middle_of_its_extent(tube, tmp_path, capsys):
     place = ["--at-lesion", 1, "--length", 20, "--diameter", 6]
     said, report = deployed([*tube, *place], tmp_path, capsys)

@@ -375,25 +375,3 @@ def test_the_shell_takes_a_profile_from_a_table_and_flares(a_folder):
     assert wanted[0] == pytest.approx(7.5)
     assert wanted[-1] == pytest.approx(5.8)
     assert stent["shape"]["cap_height"] == 0.4
-
-
-@pytest.mark.parametrize(
-    ("more", "diameter", "words"),
-    [
-        (["--waist", "7"], "6", "waist: expected at most the 6 mm of the stent, got 7 mm"),
-        (["--waist-position", "0.5"], "6", "expected --waist D with --waist-position, got none"),
-        (["--waist-length", "5"], "6", "expected --waist D with --waist-length, got none; give"),
-        (["--profile", "p.csv"], "6", "expected --profile alone, which has all diameters, got it"),
-        (["--profile", "p.csv"], None, "expected fractions that rise from 0 to 1, each once, got"),
-        (["--profile", "none.csv"], None, "none.csv: no such file"),
-        (["--flare-start", "9", "30"], "6", "expected at most its length of 18.0 mm, got 30 mm"),
-        (["--cap-height", "2"], "6", "cap height: expected a number at least 0.1 and at most 1"),
-    ],
-)
-def test_a_shape_that_contradicts_itself_is_said_and_nothing_is_written(
-    a_folder, capsys, more, diameter, words
-):
-    Path("p.csv").write_text("fraction,diameter\n0,6\n1,6\n0.5,5\n", encoding="utf-8")
-    assert deploy(*more, diameter=diameter) == 2
-    assert words in capsys.readouterr().err
-    assert not Path("out.vtp").exists()

@@ -19,7 +19,7 @@ from SDFStentLib.centerline import Centerline
 from SDFStentLib.cli import main
 from SDFStentLib.geometry import Line
 from SDFStentLib.lumen import DiameterProfile
-from SDFStentLib.phantoms import stenosed_tube, straight_tube
+from SDFStentLib.phantoms import stenosed_tube
 from SDFStentLib.plan import load_plan, run_plan
 from SDFStentLib.report import ratio_sentence
 from SDFStentLib.stent import AtCenter, Stent, stent_axis
@@ -345,42 +345,6 @@ def test_suggest_prints_json_and_takes_a_device(a_folder, capsys):
     (stent,) = load_plan("p.json").stents
     assert (stent.device.name, stent.length) == ("own", 16)
     assert stent.diameter == one["lumen_diameter_mm"]
-
-
-@pytest.mark.parametrize(
-    ("more", "words"),
-    [
-        (["--lesion", "2"], "--lesion: expected 1, as the vessel has one lesion, got 2; see"),
-        (["--lesion", "0"], "--lesion: expected 1, as the vessel has one lesion, got 0; see"),
-        (["--ratio", "5"], "ratio to the adjacent vessel: expected a number at least 0.2 and at"),
-        (["--margin", "-1"], "margin: expected a number at least 0"),
-        (["--device", "numed-cp"], "its shortening is not known; say how much of its length it"),
-        (["--device", "none"], "device: expected a known one"),
-        (["--device-table", "x.json"], "expected --device NAME with --device-table, got none"),
-        (["-o", "line.vtp"], "expected another file than the input"),
-    ],
-)
-def test_what_cannot_be_suggested_is_said_and_nothing_is_written(a_folder, capsys, more, words):
-    before = sorted(path.name for path in a_folder.iterdir())
-    assert main([*SUGGEST, *more]) == 2
-    assert words in capsys.readouterr().err
-    assert sorted(path.name for path in a_folder.iterdir()) == before
-
-
-def test_a_vessel_without_a_lesion_gets_no_plan(tmp_path, monkeypatch, capsys):
-    from SDFStentLib.files import encode_vtp, polydata_from_arrays, polydata_from_lines
-
-    tube = straight_tube(edge_length=1.0)
-    lines = [np.arange(len(tube.centerline.points))]
-    for name, data in (
-        ("tube", polydata_from_arrays(tube.points, tube.triangles)),
-        ("line", polydata_from_lines(tube.centerline.points, lines)),
-    ):
-        (tmp_path / f"{name}.vtp").write_bytes(encode_vtp(data))
-    monkeypatch.chdir(tmp_path)
-    assert main(["suggest", "tube.vtp", "--centerline", "line.vtp"]) == 2
-    assert "none of 15 % or more was found; there is nothing to treat." in capsys.readouterr().err
-    assert not Path("tube_plan.json").exists()
 
 
 def deployed_in_the_tube(capsys, *options):

@@ -46,32 +46,6 @@ def test_a_dry_run_tells_count_cases_time_and_disk_and_writes_nothing(there, cap
     assert sorted(there.iterdir()) == before
 
 
-@pytest.mark.parametrize(
-    ("words", "sentence"),
-    [
-        (["sweep"], "expected one of SWEEP, --table DIR and --status DIR"),
-        (["sweep", "sweep.json", "--table", "out"], "expected one of SWEEP"),
-        (["sweep", "sweep.json"], "expected -o DIR"),
-        (["sweep", "none.json", "-o", "out"], "none.json"),
-        (["sweep", "sweep.json", "-o", "no/such"], "no/such: cannot be written"),
-        (["sweep", "sweep.json", "-o", "out", "--workers", "0"], "workers: expected a whole"),
-        (["sweep", "sweep.json", "-o", "o", "--workers", "1", "--scheduler", "a"], "got both"),
-        (["sweep", "--status", "."], "expected the folder of a cohort"),
-        (["sweep", "--table", "nowhere"], "expected the folder of a cohort"),
-    ],
-)  # fmt: skip
-def test_what_cannot_be_done_ends_in_one_sentence_and_writes_nothing(
-    there, capsys, words, sentence
-):
-    write_sweep(there)
-    before = sorted(there.iterdir())
-    assert main(words) == 2
-    error = capsys.readouterr().err
-    assert sentence in error
-    assert error.count("\n") == 1
-    assert sorted(there.iterdir()) == before
-
-
 def test_a_terminal_shows_counts_rate_and_time_left(there, capsys, monkeypatch):
     write_sweep(there, axes={"diameter": [6, 6.5, 40]})
     monkeypatch.setattr("sys.stderr.isatty", lambda: True)

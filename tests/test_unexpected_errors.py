@@ -3,55 +3,19 @@
 from __future__ import annotations
 
 import json
-import os
 import shutil
 from pathlib import Path
 
 import pytest
 from child_processes import installed
 from cohort_cases import bytes_of, document, sweep_in, tube_folder
+from test_refusals import made
 
 from SDFStentLib.cohort import run_sweep
 
 PLACED = "deploy tube.vtp --units cm --centerline line.vtp --center 0 0 2 --length 20 -o out.vtp"
 PROFILE = PLACED + " --profile"
 DEPLOY = PLACED + " --diameter 6"
-LONG = "a" * 300
-HUGE = 10**308
-
-
-def made(folder):
-    """The tube with whatever the commands below name."""
-    tube_folder(folder)
-    big = "x" * 140_000
-    for name, data in {
-        "cr.csv": b"fraction,diameter\r0,6\r1,7\r",
-        "crlf.csv": b"fraction,diameter\r\n0,6\r\n1,7\r\n",
-        "mixed.csv": b"fraction,diameter\r0,6\n\r\n1,7",
-        "quoted.csv": b'fraction,diameter\r"0","6"\r1,7',
-        "field.csv": f"fraction,diameter\n0,{big}\n1,7\n".encode(),
-        "text.csv": f'fraction,diameter\n0,"{big}\n1,7\n'.encode(),
-        "header.csv": f"{big},diameter\n0,6\n1,7\n".encode(),
-        "nul.csv": b"fraction,diameter\n0,\x006\n1,7\n",
-    }.items():
-        (folder / name).write_bytes(data)
-    for name, axes in {
-        "uniform": {"diameter": {"uniform": [-HUGE, HUGE]}},
-        "normal": {"diameter": {"normal": [6, HUGE]}},
-        "within": {"lesion": 1, "offset": {"normal": [0, 1], "within": [-HUGE, HUGE]}},
-        "listed": {"diameter": [6, HUGE]},
-        "steps": {"diameter": {"from": -HUGE, "to": HUGE, "steps": 5}},
-    }.items():
-        sampling = {"method": "sobol", "count": 4}
-        changes = {} if name in ("listed", "steps") else {"sampling": sampling}
-        text = json.dumps(document(axes={"length": 10, **axes}, **changes))
-        (folder / f"{name}.json").write_text(text, encoding="utf-8")
-    stent = {"diameter": 0.1, "length": 55, "placement": {"center": [0, 0, 2]}}
-    plan = document()["plan"] | {"stents": [stent]}
-    (folder / "thin.json").write_text(json.dumps(plan), encoding="utf-8")
-    shutil.copy(folder / "thin.json", folder / "same.json")
-    plan = document()["plan"] | {"flow": {"mean": 1, "peak": HUGE}}
-    (folder / "flow.json").write_text(json.dumps(plan), encoding="utf-8")
 
 
 @pytest.fixture(scope="module")
@@ -80,52 +44,6 @@ def ended(shell):
 def process(folder, command, **streams):
     """The installed command once it is done."""
     return installed(*command.split(), folder=folder, **streams)
-
-
-NOT_A_TABLE = "csv: expected rows of fraction,diameter, got what is none (field larger than field"
-RANGE = "expected a number at least -1e+06 and at most 1e+06, got "
-FLOW = "peak flow: expected a number at least 1 and at most 10000 (mL/s), got 1e+308"
-REFUSED = {
-    f"{PROFILE} field.csv": NOT_A_TABLE,
-    f"{PROFILE} text.csv": NOT_A_TABLE,
-    f"{PROFILE} header.csv": NOT_A_TABLE,
-    f"{PROFILE} nul.csv": "expected",
-    "sweep uniform.json --dry-run": f"axes.diameter.uniform[0]: {RANGE}-1000",
-    "sweep uniform.json -o out": f"axes.diameter.uniform[0]: {RANGE}-1000",
-    "sweep normal.json --dry-run": f"axes.diameter.normal[1]: {RANGE}1000",
-    "sweep within.json --dry-run": f"axes.offset.within[0]: {RANGE}-1000",
-    "sweep listed.json --dry-run": f"axes.diameter[1]: {RANGE}1000",
-    "sweep steps.json --dry-run": f"axes.diameter.from: {RANGE}-1000",
-    f"{DEPLOY} --mean-flow 1mL/s --peak-flow 1e308mL/s": "--peak-flow: expected a number",
-    f"{DEPLOY} --mean-flow 1e308mL/s": "at most 10000 (mL/s), got 1e+308; choose such a number",
-    "run flow.json -o out": FLOW,
-    f"demo -o {LONG}": "cannot be written (File name too long)",
-    f"extract tube.vtp --units cm --centerline line.vtp --from 0 0 1 --to 0 0 3 -o {LONG}": (
-        "cannot be written (File name too long)"
-    ),
-    f"{DEPLOY} --steps {LONG}": "cannot be written (File name too long)",
-    f"{DEPLOY} --report {LONG}.json": "cannot be written (File name too long)",
-    f"{DEPLOY} --report {LONG}/r.json": "cannot be written (File name too long)",
-    f"run thin.json -o {LONG}": "cannot be written (File name too long)",
-    f"compare thin.json same.json -o {LONG}": "cannot be written (File name too long)",
-    f"sweep listed.json -o {LONG}": "",
-    f"sweep --status {LONG}": "expected the folder of a cohort",
-    f"measure tube.vtp --units cm --centerline line.vtp --csv {LONG}.csv": (
-        "cannot be written (File name too long)"
-    ),
-    f"check {LONG}.vtp": "cannot be read (File name too long)",
-    f"app {LONG}.vtp": "expected a file",
-}
-
-
-@pytest.mark.parametrize("command", REFUSED, ids=lambda text: text.replace(LONG, "LONG")[-60:])
-def test_what_cannot_be_done_is_refused_in_one_sentence(folder, command, ended):
-    before = sorted(os.listdir(folder))
-    code, _, error = ended(folder, command)
-    assert code == 2, error
-    assert REFUSED[command] in error
-    assert error.count("\n") == 1
-    assert sorted(os.listdir(folder)) == before
 
 
 def test_a_thin_stent_is_drawn_with_as_many_rings_as_can_be_told_apart(folder):
