@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from deployment_cases import anatomy, phantom
+from deployment_cases import anatomy, arc, phantom
 from scipy.spatial import KDTree
 
+from SDFStentLib.field.radius_shares import fractions_of
 from SDFStentLib.stent import AlongAxis, AtCenter, Shape, Stent, StentEnd, Waist
 from SDFStentLib.treatment import Treatment
 
@@ -122,6 +123,21 @@ def test_the_certificate_notices_wall_inside_of_a_wide_part_that_no_sphere_sees(
     assert check.wall.depth == pytest.approx(across, abs=0.04)
     assert f"wall {check.wall.depth:.2f} mm inside of the stent" in check.fault()
     assert check.as_dict()["wall"]["inside_mm"] == check.wall.depth
+
+
+def test_feet_on_an_axis_of_few_nodes_are_those_on_the_curve():
+    """Outside of a bend many points are nearest to a single node."""
+    bend = 12.0
+    nodes = arc(bend, 90.0, count=20)
+    angle = np.linspace(0.02, np.pi / 2 - 0.02, 500)
+    for side in (-4.0, 4.0):
+        far = bend + side
+        points = np.column_stack([far * np.sin(angle), 0 * angle, bend - far * np.cos(angle)])
+        found = fractions_of(points, nodes)
+        np.testing.assert_allclose(found, angle / (np.pi / 2), rtol=0, atol=1e-3)
+        np.testing.assert_allclose(fractions_of(points, nodes[::-1]), 1 - found, atol=1e-12)
+    beyond = np.array([[-3.0, 0, 1.0], [bend + 1, 0, bend + 2.0]])
+    assert fractions_of(beyond, nodes).tolist() == [0.0, 1.0]
 
 
 def test_wall_drawn_along_by_a_flare_beside_it_is_certified():

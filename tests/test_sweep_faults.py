@@ -9,9 +9,8 @@ import signal
 import threading
 import time
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
-from multiprocessing import Pipe, active_children
+from multiprocessing import active_children
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 from child_processes import COMMAND, PATIENCE, PROJECT, begun, installed, python
@@ -27,8 +26,7 @@ from cohort_cases import (
 )
 
 from SDFStentLib import DeploymentError, InputError
-from SDFStentLib.cli.sweep import _Watcher
-from SDFStentLib.cohort import Cohort, Tally, cases_of, last_tally, run_sweep, watch
+from SDFStentLib.cohort import Cohort, cases_of, last_tally, run_sweep
 from SDFStentLib.cohort.store import Store
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="signals and limits of POSIX")
@@ -224,18 +222,6 @@ def test_a_case_that_takes_longer_than_the_limit_has_failed_and_the_others_go_on
     assert f"{ALL}: {COUNT} certified" in out
 
 
-def test_time_without_a_case_is_told_once_in_a_while():
-    """Counts come twice a second: five minutes without a case, then one, and three more."""
-    said: list[str] = []
-    watcher = _Watcher(SimpleNamespace(complain=said.append))
-    watcher.draw = lambda *_: None
-    for half in range(2 * 541):
-        done = 0 if half < 2 * 300 else 1 if half < 2 * 360 else 2
-        watcher.show(Tally(8, certified=done, seconds=half / 2))
-    times = [re.findall("back for (.*?);", sentence) for sentence in said]
-    assert times == [["60 s"], ["2 min"], ["4 min"], ["60 s"], ["2 min"]]
-
-
 def test_a_minute_without_a_case_is_told_by_the_command(there):
     """The minute is a second here, or more on a slow machine."""
     environment = hold_at(there, 1)
@@ -284,37 +270,6 @@ def test_a_time_limit_is_refused_where_nobody_could_be_ended(there, way):
     with pytest.raises(InputError, match="time_limit: expected worker processes on this machine"):
         run_sweep(sweep, there / "out", **way)
     assert not (there / "out").exists()
-
-
-class Doomed:
-    """What `Watch` knows of a process."""
-
-    def __init__(self, pid):
-        self.pid, self.is_killed = pid, False
-
-    def kill(self):
-        self.is_killed = True
-
-
-def test_workers_of_which_none_begins_a_case_are_all_ended(monkeypatch):
-    """One that is stopped while it takes a case keeps the others from taking any."""
-    reading, writing = Pipe(duplex=False)
-    workers, now = [Doomed(1), Doomed(2)], [0.0]
-    monkeypatch.setattr(watch, "monotonic", lambda: now[0])
-    one = watch.Watch(5)
-    one.begin(reading, workers)
-    now[0] = watch.START_SECONDS
-    assert one.overdue() == []
-    writing.send_bytes(b"2 abc")
-    now[0] += 1
-    assert one.overdue() == []
-    one.finished("abc")
-    now[0] += watch.START_SECONDS
-    assert one.overdue() == []
-    assert not any(worker.is_killed for worker in workers)
-    now[0] += 0.1
-    assert one.overdue() == []
-    assert all(worker.is_killed for worker in workers)
 
 
 @pytest.fixture

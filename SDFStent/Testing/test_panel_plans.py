@@ -164,13 +164,6 @@ def test_the_table_says_what_the_results_say(host, aPlan):
     assert rowOf(aPlan, 0)[1:] == [""] * 4
 
 
-def test_a_handle_that_is_moved_makes_the_row_an_old_one(host, aPlan):
-    deploy(host, aPlan)
-    assert "Changed" not in aPlan.ui.planTable.item(0, 1).toolTip()
-    aPlan._parameterNode.stent.handle.SetNthControlPointPositionWorld(0, 0.0, 0.0, 20.0)
-    assert aPlan.ui.planTable.item(0, 1).toolTip().endswith("Changed since this deployment.")
-
-
 def test_a_plan_is_renamed_in_the_table(host, aPlan):
     host.click(aPlan.ui.duplicatePlanButton)
     rename(aPlan, 1, " One long stent ")

@@ -228,16 +228,6 @@ def test_a_deleted_node_is_not_replaced_by_its_neighbor(role, host, aDeployment,
     assert getattr(aDeployment._parameterNode, role) is None
 
 
-def test_a_deleted_handle_is_not_replaced_by_another_stents(host, aStent, aScene):
-    host.click(aStent.ui.addStentButton)
-    first, second = (stent.handle for stent in aStent._parameterNode.stents)
-    aScene.RemoveNode(second)
-    host.process()
-    assert [stent.handle for stent in aStent._parameterNode.stents] == [first, None]
-    assert aStent._parameterNode.stent.handle is None
-    assert "choose a handle" in aStent.ui.statusLabel.text
-
-
 def test_the_output_is_made_again_after_it_was_deleted(host, aDeployment, aScene):
     other = addModel(aScene, "Somebody else's")
     points = pointsOf(other)
