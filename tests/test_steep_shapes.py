@@ -7,7 +7,8 @@ import pytest
 from deployment_cases import anatomy, arc, phantom
 from scipy.spatial import KDTree
 
-from SDFStentLib.field.radius_shares import fractions_of
+from SDFStentLib.field import fractions_of
+from SDFStentLib.geometry import Line
 from SDFStentLib.stent import AlongAxis, AtCenter, Shape, Stent, StentEnd, Waist
 from SDFStentLib.treatment import Treatment
 
@@ -129,15 +130,16 @@ def test_feet_on_an_axis_of_few_nodes_are_those_on_the_curve():
     """Outside of a bend many points are nearest to a single node."""
     bend = 12.0
     nodes = arc(bend, 90.0, count=20)
+    axis, back = Line(nodes), Line(nodes[::-1])
     angle = np.linspace(0.02, np.pi / 2 - 0.02, 500)
     for side in (-4.0, 4.0):
         far = bend + side
         points = np.column_stack([far * np.sin(angle), 0 * angle, bend - far * np.cos(angle)])
-        found = fractions_of(points, nodes)
+        found = fractions_of(points, axis)
         np.testing.assert_allclose(found, angle / (np.pi / 2), rtol=0, atol=1e-3)
-        np.testing.assert_allclose(fractions_of(points, nodes[::-1]), 1 - found, atol=1e-12)
+        np.testing.assert_allclose(fractions_of(points, back), 1 - found, atol=1e-12)
     beyond = np.array([[-3.0, 0, 1.0], [bend + 1, 0, bend + 2.0]])
-    assert fractions_of(beyond, nodes).tolist() == [0.0, 1.0]
+    assert fractions_of(beyond, axis).tolist() == [0.0, 1.0]
 
 
 def test_wall_drawn_along_by_a_flare_beside_it_is_certified():
