@@ -17,7 +17,7 @@ from tube_files import deploy
 
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.geometry import Line
-from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube, straight_tube
+from SDFStentLib.phantoms import stenosed_tube, straight_tube
 from SDFStentLib.plan import Plan, load_plan, plan_from_document, plan_text, run_plan
 from SDFStentLib.report.branches import stent_branch_sentences
 from SDFStentLib.stent import (
@@ -26,7 +26,6 @@ from SDFStentLib.stent import (
     AtDistalEnd,
     AtProximalEnd,
     Balloon,
-    BetweenPoints,
     OfStent,
     Stent,
     balloon_by_rule,
@@ -200,22 +199,6 @@ def test_only_a_length_that_the_second_dilatation_loses_is_warned_of():
         assert second.axis.deployed_length == first.axis.deployed_length
         told = [w.stent for w in treatment.result.warnings if w.kind == "shortened"]
         assert told == [1, *expected]
-
-
-def test_two_overlapping_stents_of_which_one_is_dilated_again_are_certified():
-    vessel = branching_pulmonary_artery(edge_length=1.1)
-    stents = [
-        *(Stent(7.5, placement=BetweenPoints(*vessel.axis_at(e))) for e in ((19, 36), (32, 46))),
-        Stent(8.5, placement=OfStent(1), foreshortening_fraction=0.1),
-    ]
-    result = Treatment(vessel.surface, stents, vessel.centerline).result
-    assert result.certificate.passed
-    # The first lies there as the third.
-    (told,) = [warning.numbers for warning in result.warnings if warning.kind == "overlap"]
-    assert (told["first"], told["second"]) == (2, 3)
-    first, _, again = result.stents
-    assert again.axis.deployed_length == pytest.approx(0.9 * first.axis.deployed_length)
-    assert np.median(again.after.inscribed_diameter) == pytest.approx(8.5, rel=0.01)
 
 
 @pytest.mark.parametrize("third", [1, 2])

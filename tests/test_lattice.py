@@ -236,8 +236,3 @@ def test_a_straight_body_on_a_straight_line_only_turns_and_moves():
     np.testing.assert_allclose((placed - (one + other) / 2) @ way, body[:, 2], atol=1e-9)
     # Turned, not mirrored.
     assert np.linalg.det(np.diff(placed[:4], axis=0)) * np.linalg.det(np.diff(body[:4], axis=0)) > 0
-
-
-def test_x_points_where_it_is_asked_to():
-    placed = carried([[1, 0, 0], [0, 1, 0]], Line([[0, 0, 0], [0, 0, 10]]), first_normal=[0, 1, 3])
-    np.testing.assert_allclose(placed, [[0, 1, 5], [-1, 0, 5]], atol=1e-12)

@@ -18,7 +18,7 @@ from SDFStentLib.files import (
     polydata_from_lines,
     set_frame_of_polydata,
 )
-from SDFStentLib.geometry import Line, Surface
+from SDFStentLib.geometry import Surface
 from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube
 from SDFStentLib.plan import (
     Plan,
@@ -32,7 +32,6 @@ from SDFStentLib.plan import (
     scaled,
     turned,
 )
-from SDFStentLib.plan.document import plan_document
 from SDFStentLib.plan.json_document import unscaled
 from SDFStentLib.report import plan_report
 from SDFStentLib.stent import (
@@ -45,7 +44,6 @@ from SDFStentLib.stent import (
     Stent,
 )
 from SDFStentLib.treatment import Treatment, size_cautions
-from SDFStentLib.treatment.warnings import overlap_length
 from SDFStentLib.validation import DeploymentError, InputError
 
 SCHEMA = plan_schema()
@@ -125,13 +123,6 @@ def test_changing_the_unit_rounds_nothing():
         for factor in (1.0, 10.0, 1000.0):
             assert scaled(unscaled(value, factor), factor) == value
     assert scaled(1.1, 10.0) == 11.0  # 1.1 * 10 in floats is 11.000000000000002
-
-
-def test_files_are_relative_to_the_plan_and_absolute_without_one(tmp_path):
-    plan = a_plan(tmp_path)
-    inputs = plan_document(plan, str(tmp_path))["inputs"]
-    assert inputs["surface"]["file"] == "vessel/a.vtp"
-    assert plan_document(plan)["inputs"]["surface"]["file"] == str(tmp_path / "vessel" / "a.vtp")
 
 
 def test_points_stand_in_the_unit_of_the_file_and_sizes_in_mm():
@@ -343,15 +334,6 @@ def test_a_stent_far_wider_than_the_native_lumen_is_said_with_both_numbers(facto
         )
         assert float(found[1]) == pytest.approx(factor, abs=0.05)
         assert float(found[2]) == pytest.approx(widest, abs=0.2)
-
-
-def test_overlap_is_the_common_length_of_two_axes():
-    first = Line([[0.0, 0, 0], [20, 0, 0]])
-    for shift, common in ((15.0, 5.0), (20.0, 0.0), (5.0, 10.0), (-6.0, 4.0)):
-        second = Line([[shift, 0, 0], [shift + 10, 0, 0]])
-        assert overlap_length(first, 3, second, 3) == pytest.approx(common, abs=1e-9)
-    beside = Line(first.points + np.array([0, 6.1, 0]))
-    assert overlap_length(first, 3, beside, 3) == 0
 
 
 def test_a_plan_of_files_gives_the_same_points_as_its_arrays(a_patient):

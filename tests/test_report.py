@@ -358,20 +358,6 @@ def test_a_page_without_any_diameter_or_stent_still_says_so():
 # The plot
 
 
-def test_a_stent_that_lies_in_the_vessel_no_more_is_no_bar_on_the_floor_of_its_plot():
-    """In the plot itself, on the page and in the figure."""
-    document = a_report().as_dict()
-    plain, again = (diameter_plot(document["diameters"], (), number) for number in (None, 2))
-    boxes = [[mark for mark in plot.marks if isinstance(mark, Box)] for plot in (plain, again)]
-    assert len(boxes[0]) == len(boxes[1]) + 1
-    words = [mark.text for mark in again.marks if isinstance(mark, Words)]
-    assert "the stent, dilated again as stent 2" in words
-    assert "the stent" not in words
-    document["stents"][0]["dilated_again_as"] = 2
-    drawn = [mark.text for mark in figure(document).marks if isinstance(mark, Words)]
-    assert "the stent, dilated again as stent 2" in drawn
-
-
 def test_the_curves_of_the_plot_are_the_measured_diameters():
     diameters = a_report().as_dict()["diameters"]
     marks = diameter_plot(diameters).marks

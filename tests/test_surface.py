@@ -179,25 +179,6 @@ def _area(loop, normal):
     return 0.5 * np.cross(shifted, following).sum(axis=0) @ normal / np.linalg.norm(normal)
 
 
-def test_a_cut_through_vertices_is_the_polygon_of_those_vertices():
-    points, triangles = _torus(24, 12)
-    loops = plane_section(points, triangles, [0, 0, 0], [0, 1, 0])
-    assert sorted(len(loop.points) for loop in loops) == [12, 12]
-    for loop in loops:
-        assert loop.is_closed
-        # Regular 12-gon of radius 1, to rounding.
-        assert _area(loop, np.array([0, 1, 0])) == pytest.approx(3.0, rel=1e-12)
-
-
-def test_holes_run_clockwise():
-    points, triangles = _torus(48, 24)
-    loops = plane_section(points, triangles, [0, 0, 0.01], [0, 0, 1])
-    areas = sorted(_area(loop, np.array([0, 0, 1])) for loop in loops)
-    assert len(areas) == 2
-    assert areas[0] == pytest.approx(-np.pi * 2**2, rel=0.02)  # polygon of 48 corners
-    assert areas[1] == pytest.approx(np.pi * 4**2, rel=0.02)
-
-
 @pytest.mark.parametrize("height", [0.0, 0.5, 1.0, 3.0])
 def test_a_box_cut_at_any_height_gives_its_base_or_nothing(height):
     points, triangles = _box()

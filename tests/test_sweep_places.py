@@ -75,13 +75,6 @@ def test_a_stent_at_a_lesion_has_its_middle_and_moves_by_the_offset(folder):
         )
 
 
-def test_a_diameter_over_the_lumen_needs_no_place_of_its_own(folder):
-    swept = Swept(folder, axes={"diameter_over_lumen": [1.5]})
-    line = swept.inputs.vessel.centerline
-    radius = line.inscribed_radius[np.argmin(np.abs(line.points[:, 2] - 20))]
-    assert swept.plan().stents[0].diameter == pytest.approx(3 * radius, rel=0.02)
-
-
 def test_a_diameter_over_the_reference_is_that_of_the_lesion(folder):
     swept = Swept(folder, axes={"lesion": [1], "diameter_over_reference": [0.9]})
     # The tube is 6 mm wide beside its throat; the wall is a polygon in it.
