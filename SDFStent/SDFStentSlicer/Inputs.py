@@ -152,7 +152,7 @@ class Inputs:
         diameters = 2 * way.inscribed_radius
         if np.isnan(diameters).all() and parameterNode.vessel is not None:
             native = treatment.Vessel(self.vessel(parameterNode).surface, tree)
-            diameters = native.diameters(way.points, SPACING).inscribed_diameter
+            diameters = native.diameters(way.line, SPACING).inscribed_diameter
         known = diameters[np.isfinite(diameters)]
         return float(round(np.quantile(known, AS_WIDE_AS), 1)) if len(known) else 8.0
 

@@ -22,7 +22,7 @@ from ..report import (
     lesions_csv,
 )
 from ..stent import Stent, stent_axis
-from ..validation import InputError, Points, as_number, one_line
+from ..validation import InputError, as_number, one_line
 from ..vessel import SMALL_VESSEL
 from .console import Console
 from .outputs import Outputs
@@ -58,11 +58,8 @@ def measure_command(options: argparse.Namespace, console: Console) -> int:
     smallest = SMALL_VESSEL if options.smallest_vessel is None else options.smallest_vessel
     smallest = as_number(smallest, "--smallest-vessel", unit="mm", minimum=0)
     inputs = inputs_of(options)
-    ways, warnings = _ways(options, way, inputs)
+    lines, warnings = _lines(options, way, inputs, spacing)
     vessel, units = inputs.vessel, inputs.surface.units
-    lines = [
-        MeasuredLine(title, points, vessel.diameters(points, spacing)) for title, points in ways
-    ]
     warnings += [gap.labeled(f"{line.title}: ") for line in lines for gap in line.profile.gaps]
     outputs.write()
     if options.json:
@@ -120,17 +117,19 @@ def check_command(options: argparse.Namespace, _console: Console) -> int:
     return 0 if check.passed else NOT_SOUND
 
 
-def _ways(
-    options: argparse.Namespace, way: str | None, inputs: InputFiles
-) -> tuple[list[tuple[str, Points]], list[Caution]]:
-    """The lines to be measured with their titles, and warnings."""
-    warnings = list(inputs.warnings)
+def _lines(
+    options: argparse.Namespace, way: str | None, inputs: InputFiles, spacing: float
+) -> tuple[list[MeasuredLine], list[Caution]]:
+    """What is asked for, measured, and warnings."""
+    vessel, warnings = inputs.vessel, list(inputs.warnings)
     if way is None:
         if not options.tables:
             return [], warnings
-        names = inputs.vessel.branch_names
-        titles = {n: names[n - 1][:1].upper() + names[n - 1][1:] for n in inputs.vessel.branches}
-        return [(titles[n], line) for n, line in inputs.vessel.branches.items()], warnings
+        names = [name[:1].upper() + name[1:] for name in vessel.branch_names]
+        return [
+            MeasuredLine(names[number - 1], line, vessel.diameters(line, spacing))
+            for number, line in vessel.branches.items()
+        ], warnings
     place = place_of(options, way, inputs.surface.frame)
     stent = Stent(
         _PROBE_DIAMETER,
@@ -139,7 +138,7 @@ def _ways(
         foreshortening_fraction=0.0,
         may_be_shortened=True,
     )
-    axis = stent_axis(stent, inputs.vessel.centerline)
+    axis = stent_axis(stent, vessel.centerline)
     if way == "axis":
         surface = inputs.surface
         warnings += check_same_space(
@@ -150,7 +149,8 @@ def _ways(
         )
     # Of what is said about a stent, the junctions and the length hold for a part to measure.
     told = [caution for caution in axis.warnings if caution.kind != "tight-bend"]
-    return [("Part", axis.points)], [*warnings, *place.warnings, *told]
+    part = MeasuredLine("Part", axis.line, vessel.diameters(axis.line, spacing))
+    return [part], [*warnings, *place.warnings, *told]
 
 
 def _write_lesions(path: Path, inputs: InputFiles) -> None:

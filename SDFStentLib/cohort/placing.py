@@ -32,8 +32,8 @@ class Excluded(Exception):
 class _Place(NamedTuple):
     """The middle of a stent on the centerline."""
 
-    way: Points
-    """(n, 3) from the root to the end of the branch, mm."""
+    way: Line
+    """From the root to the end of the branch."""
     at: float
     """Along the way, mm."""
     start: float
@@ -43,14 +43,14 @@ class _Place(NamedTuple):
     @property
     def point(self) -> Points:
         """(3,) mm."""
-        return Line(self.way).at(np.array([self.at]))[0]
+        return self.way.at(np.array([self.at]))[0]
 
     def placement(self, deployed_length: float, tree: Centerline) -> Placement:
         """By its middle; where that is not enough to lead into the branch, by its distal end."""
         distal = self.at + deployed_length / 2
-        if distal <= self.start or distal > Line(self.way).arc_lengths[-1]:
+        if distal <= self.start or distal > self.way.arc_lengths[-1]:
             return AtCenter(self.point)
-        end = Line(self.way).at(np.array([distal]))[0]
+        end = self.way.at(np.array([distal]))[0]
         leads = tree.path_around(self.point, deployed_length).points[-1]
         if self.at < self.start or np.linalg.norm(leads - end) > NEAR:
             return AtDistalEnd(end)
@@ -112,7 +112,7 @@ def _place(parameters: Parameters, inputs: InputFiles) -> _Place | None:
         along = as_number(
             parameters["distance"], "distance", unit="mm", minimum=0, maximum=float(end - start)
         )
-    way = tree.points[tree.ancestry(int(points[-1]))]
+    way = Line(tree.points[tree.ancestry(int(points[-1]))])
     return _Place(way, float(start + along), float(start), None)
 
 
@@ -124,9 +124,9 @@ def _at_lesion(parameters: Parameters, tree: Centerline, lesions: tuple[Lesion, 
         raise InputError(f"lesion: expected one of the {len(lesions)} there are, got {number}.")
     lesion = lesions[number - 1]
     points = tree.branches[lesion.branch]
-    way = tree.points[tree.ancestry(int(points[-1]))]
+    way = Line(tree.points[tree.ancestry(int(points[-1]))])
     middle = (lesion.start + lesion.end) / 2
-    low, high = -middle, Line(way).arc_lengths[-1] - middle
+    low, high = -middle, way.arc_lengths[-1] - middle
     at = middle + as_number(offset, "offset", unit="mm", minimum=low, maximum=float(high))
     return _Place(way, at, float(tree.arc_length[points[0]]), lesion)
 
@@ -210,9 +210,9 @@ def _check_ratio(ratio: float, bounds: tuple[float, float], what: str) -> None:
         raise Excluded(f"{what}: {ratio:.3f}, beyond {bounds[0]:g} to {bounds[1]:g}")
 
 
-def _distances_to_ends(axis: Points, tree: Centerline) -> Iterator[float]:
+def _distances_to_ends(axis: Line, tree: Centerline) -> Iterator[float]:
     """From the ends of an axis along the centerline to its root and to the outlets below, mm."""
-    first, last = (tree.project(end) for end in (axis[0], axis[-1]))
+    first, last = (tree.project(end) for end in axis.points[[0, -1]])
     yield first.arc_length
     for leaf in tree.leaves:
         if last.index in tree.ancestry(int(leaf)):
@@ -234,14 +234,14 @@ def _middle(base: Stent, plan: Plan, inputs: InputFiles) -> Points:
     return _halfway(_axis(base, plan, inputs))
 
 
-def _axis(stent: Stent, plan: Plan, inputs: InputFiles) -> Points:
+def _axis(stent: Stent, plan: Plan, inputs: InputFiles) -> Line:
     vessel = inputs.vessel
     change = AxisChange(plan.straightening_fraction, plan.settings.axis_smoothing)
-    return axis_in_vessel(stent, vessel.centerline, vessel.surface, change).points
+    return axis_in_vessel(stent, vessel.centerline, vessel.surface, change).line
 
 
-def _halfway(axis: Points) -> Points:
-    middle: Points = Line(axis).at(Line(axis).arc_lengths[-1:] / 2)[0]
+def _halfway(axis: Line) -> Points:
+    middle: Points = axis.at(axis.arc_lengths[-1:] / 2)[0]
     return middle
 
 

@@ -229,9 +229,7 @@ def _check_lines(points: Points, lines: Sequence[NDArray[np.int64]], name: str) 
             f"{name}: expected a centerline of lines, got {len(points)} points without a line; "
             "save the centerline, not its surface or its points."
         )
-    if not any(
-        len(line) > 1 and len(Line(points[line]).without_repeats().points) > 1 for line in lines
-    ):
+    if not any(len(line) > 1 and len(Line(points[line]).without_repeats()) > 1 for line in lines):
         raise InputError(
             f"{name}: expected a line of at least two different points, got one point; "
             "compute the centerline again."

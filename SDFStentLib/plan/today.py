@@ -38,7 +38,7 @@ def today_of(vessel: Vessel, result: TreatmentResult, spacing: float = 1.0) -> T
     done = stents[: again[0]]
     surface = done[-1].result.surface
     by_then = Vessel(surface)
-    lumen = {one.number: by_then.diameters(one.axis.points, spacing).minimum for one in done}
+    lumen = {one.number: by_then.diameters(one.axis.line, spacing).minimum for one in done}
     lesions = None
     if vessel.lesions is not None:
         lesions = treated_lesions(vessel.lesions, done, surface, vessel.surface)

@@ -19,19 +19,19 @@ from .words import UNKNOWN, millimeters
 
 
 class MeasuredLine(NamedTuple):
-    """A line (n, 3), mm, along which diameters were measured."""
+    """A line along which diameters were measured."""
 
     title: str
-    points: Points
+    line: Line
     profile: DiameterProfile
 
 
 def diameter_table(line: MeasuredLine, units: str) -> str:
     """Lines of text; the ends are in the unit of the file."""
     profile = line.profile
-    ends = " to ".join(filed_point(line.points[end], units) for end in (0, -1))
+    ends = " to ".join(filed_point(line.line.points[end], units) for end in (0, -1))
     rows = [
-        f"{line.title}: {Line(line.points).length:.1f} mm, from {ends} {units}",
+        f"{line.title}: {line.line.length:.1f} mm, from {ends} {units}",
         "  at (mm)  inscribed (mm)  equivalent (mm)",
     ]
     for at, *diameters in zip(
@@ -52,9 +52,9 @@ def diameter_section(line: MeasuredLine) -> dict[str, Any]:
     profile = line.profile
     return {
         "title": line.title,
-        "start_mm": line.points[0].tolist(),
-        "end_mm": line.points[-1].tolist(),
-        "length_mm": Line(line.points).length,
+        "start_mm": line.line.points[0].tolist(),
+        "end_mm": line.line.points[-1].tolist(),
+        "length_mm": line.line.length,
         "arc_length_mm": profile.arc_length.tolist(),
         "inscribed_mm": [_known(value) for value in profile.inscribed_diameter],
         "equivalent_mm": [_known(value) for value in profile.equivalent_diameter],

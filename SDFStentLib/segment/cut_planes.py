@@ -73,28 +73,29 @@ class PlaneFinder:
         self.wall = cKDTree(self.points[np.unique(self.triangles[~self.is_cap])])
         self.reach = self.wall.query(self.axis.points)[0]
 
-    def check_inside(self, way: Points, place: Location, word: str) -> None:
+    def check_inside(self, way: Line, place: Location, word: str) -> None:
         """`InputError` where the first point of a way was taken for a place outside the vessel."""
-        section = section_around(self.points, self.triangles, way[0], self.direction(way))
+        start = way.points[0]
+        section = section_around(self.points, self.triangles, start, self.direction(way))
         # The tip of a centerline may lie beyond its vessel.
-        wall = float(self.wall.query(way[0])[0])
+        wall = float(self.wall.query(start)[0])
         radius = wall if section is None else float(np.sqrt(section.area / np.pi))
         if place.distance > OFF * radius:
             raise InputError(
                 f"segment {word}: expected a place in the vessel, got one {place.distance:.1f} mm "
-                f"from its centerline at {self.vessel.said(way[0])}, where it has a radius of "
+                f"from its centerline at {self.vessel.said(start)}, where it has a radius of "
                 f"{radius:.1f} mm; check the place, its unit (mm, cm) and its frame (RAS, LPS)."
             )
 
-    def has_parted(self, place: Points, way: Points) -> bool:
+    def has_parted(self, place: Points, way: Line) -> bool:
         """Whether a branch at a place is beside the vessel that a way runs through."""
-        return bool(Line(way).nearest(place[None]).distances[0] > self.wall.query(place)[0])
+        return bool(way.nearest(place[None]).distances[0] > self.wall.query(place)[0])
 
-    def direction(self, way: Points) -> Floats:
-        """The direction of a line (k, 3) at its first point."""
-        span = min(TANGENT * float(self.wall.query(way[0])[0]), Line(way).length)
+    def direction(self, way: Line) -> Floats:
+        """The direction of a line at its first point."""
+        span = min(TANGENT * float(self.wall.query(way.points[0])[0]), way.length)
         at = np.linspace(0.0, max(span, SAME), 9)
-        parabola = np.polyfit(at, Line(way).at(at), 2)
+        parabola = np.polyfit(at, way.at(at), 2)
         return np.asarray(parabola[1] / np.linalg.norm(parabola[1]))
 
     def fault(self, origin: Points, normal: Floats) -> str:
@@ -110,14 +111,14 @@ class PlaneFinder:
             return "cuts a branch of it, too"
         return "runs into another vessel" if self._is_elsewhere(section, origin) else ""
 
-    def steps(self, line: Points) -> Iterator[Step]:
-        """Places along a line (k, 3) and its direction there."""
-        along, at = 0.0, Line(line).arc_lengths
+    def steps(self, line: Line) -> Iterator[Step]:
+        """Places along a line and its direction there."""
+        along, at = 0.0, line.arc_lengths
         # Ends: goes on by a tenth of the spacing at least.
         while along < at[-1] - SAME:
-            place = Line(line).at([along])[0]
-            rest = np.vstack([place, line[at > along]])
-            yield Step(along, place, self.direction(rest))
+            place = line.at([along])[0]
+            rest = np.vstack([place, line.points[at > along]])
+            yield Step(along, place, self.direction(Line(rest)))
             along += max(STEP * float(self.wall.query(place)[0]), SPACING / 10)
 
     def _is_crossed_elsewhere(self, section: SectionAround, origin: Points, normal: Floats) -> bool:

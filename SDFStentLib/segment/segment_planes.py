@@ -26,7 +26,7 @@ TRIES = 4
 """Other places that are tried for a sentence."""
 
 Places = tuple[Location, Location]
-Lines = tuple[Points, Points]
+Lines = tuple[Line, Line]
 """The way from one end of a segment to the other, and back."""
 
 
@@ -48,8 +48,8 @@ class SegmentEnds(NamedTuple):
     """Where a segment of a vessel begins and ends."""
 
     start: Location
-    way: Points
-    """(k, 3) of the centerline from its start to its end, mm."""
+    way: Line
+    """On the centerline from its start to its end."""
     finder: PlaneFinder
     opened: OpenSegment
     """The vessel between the planes there."""
@@ -79,18 +79,18 @@ def segment_ends(
     """
     tree = vessel.tree
     places = tree.ends_of_path(as_point(start, "segment start"), as_point(end, "segment end"))
-    way = tree.path(*places).points
-    if Line(way).length <= SAME:
+    way = tree.path(*places).line
+    if way.length <= SAME:
         raise InputError(
             "segment: expected two places apart, got such that are nearest to the same one of the "
             f"centerline, {vessel.said(places[0].point)}; move one of them, or check their unit "
             "(mm, cm) and frame (RAS, LPS)."
         )
-    finder = PlaneFinder(vessel)
-    for place, line, word in zip(places, (way, way[::-1]), WORDS, strict=True):
+    finder, lines = PlaneFinder(vessel), (way, way.reversed())
+    for place, line, word in zip(places, lines, WORDS, strict=True):
         finder.check_inside(line, place, word)
     planes, faults = _planes(finder, places)
-    lines, moves = (way, way[::-1]), _NOWHERE
+    moves = _NOWHERE
     if any(faults):
         moves = _moves(finder, lines, faults)
         if not nearest or moves == _NOWHERE:
@@ -99,15 +99,15 @@ def segment_ends(
         planes, _ = _planes(finder, places)
     by = [0.0 if move is None else move.by for move in moves]
     opened = segment_between(vessel, planes)
-    return SegmentEnds(places[0], tree.path(*places).points, finder, opened, (by[0], by[1]))
+    return SegmentEnds(places[0], tree.path(*places).line, finder, opened, (by[0], by[1]))
 
 
 def _planes(finder: PlaneFinder, places: Places) -> tuple[tuple[CutPlane, ...], tuple[str, ...]]:
     """Across the vessel at two places, into the way between them, and what is wrong with each."""
-    way = finder.vessel.tree.path(*places).points
+    way = finder.vessel.tree.path(*places).line
     planes, faults = [], []
-    for place, line in zip(places, (way, way[::-1]), strict=True):
-        plane = CutPlane(finder.vessel.branch_name(place), line[0], finder.direction(line))
+    for place, line in zip(places, (way, way.reversed()), strict=True):
+        plane = CutPlane(finder.vessel.branch_name(place), line.points[0], finder.direction(line))
         planes.append(plane)
         faults.append(finder.fault(plane.origin, plane.normal))
     return tuple(planes), tuple(faults)
@@ -124,7 +124,7 @@ def _refusal(finder: PlaneFinder, lines: Lines, faults: Sequence[str], moves: _M
                 advice = f"move it {move.by:.1f} mm into the segment, to {place}"
             said.append(
                 f"segment {word}: expected a plane that meets only this vessel, the one at "
-                f"{finder.vessel.said(line[0])}, {fault}; {advice}"
+                f"{finder.vessel.said(line.points[0])}, {fault}; {advice}"
             )
     return "; ".join(said) + "."
 
@@ -136,7 +136,7 @@ def _moves(finder: PlaneFinder, lines: Lines, faults: Sequence[str]) -> _Moves:
         for line, fault in zip(lines, faults, strict=True)
     ]
     for moves in islice(zip(*tried, strict=False), TRIES):
-        if sum(move.by for move in moves if move is not None) >= Line(lines[0]).length:
+        if sum(move.by for move in moves if move is not None) >= lines[0].length:
             break
         planes, left = _planes(finder, _moved(finder.vessel.tree, lines, moves))
         if not any(left) and bounds_a_segment(finder.vessel, planes):
@@ -147,13 +147,13 @@ def _moves(finder: PlaneFinder, lines: Lines, faults: Sequence[str]) -> _Moves:
 def _moved(tree: Centerline, lines: Lines, moves: _Moves) -> Places:
     """The first points of lines, moved."""
     first, last = (
-        tree.project(line[0] if move is None else move.place)
+        tree.project(line.points[0] if move is None else move.place)
         for line, move in zip(lines, moves, strict=True)
     )
     return first, last
 
 
-def _free(finder: PlaneFinder, line: Points) -> Iterator[_Move]:
+def _free(finder: PlaneFinder, line: Line) -> Iterator[_Move]:
     """Places along a line at which a plane meets only the vessel there, as a sentence has them."""
     for step in finder.steps(line):
         if not finder.fault(step.place, step.direction):

@@ -86,17 +86,17 @@ def close_side_branches(
     return ClosedBranches(kept, tuple(_named(ends, left)))
 
 
-def _sides_within(ends: SegmentEnds, lumen: ClosedSurface) -> list[Points]:
-    """From where they leave the way: lines (k, 3) to the ends of the tree within the segment."""
+def _sides_within(ends: SegmentEnds, lumen: ClosedSurface) -> list[Line]:
+    """From where they leave the way: lines to the ends of the tree within the segment."""
     tree, found = ends.finder.vessel.tree, []
     root = tree.ancestry(ends.start.index)[0]
     for tip in (*tree.leaves, *tree.roots):
         if tree.ancestry(tip)[0] != root:
             continue
         line = tree.path(ends.start, tree.points[tip]).points
-        last = int(np.flatnonzero(Line(ends.way).nearest(line).distances <= SAME)[-1])
-        side = line[last:]
-        if Line(side).length > INSIDE and _ends_in(side, lumen):
+        last = int(np.flatnonzero(ends.way.nearest(line).distances <= SAME)[-1])
+        side = Line(line[last:])
+        if side.length > INSIDE and _ends_in(side, lumen):
             found.append(side)
     return found
 
@@ -106,12 +106,12 @@ def _lumen(opened: OpenSegment) -> ClosedSurface:
     return ClosedSurface(surface.points, surface.triangles)
 
 
-def _ends_in(side: Points, lumen: ClosedSurface) -> bool:
-    return bool(lumen.contains(Line(side).at([Line(side).length - INSIDE]))[0])
+def _ends_in(side: Line, lumen: ClosedSurface) -> bool:
+    return bool(lumen.contains(side.at([side.length - INSIDE]))[0])
 
 
 def _steps(
-    ends: SegmentEnds, side: Points, number: int, closed: Collection[int]
+    ends: SegmentEnds, side: Line, number: int, closed: Collection[int]
 ) -> Iterator[tuple[Step, int]]:
     """Along a side branch, until it is closed."""
     steps = takewhile(lambda _: number not in closed, ends.finder.steps(side))
@@ -138,17 +138,18 @@ def _all_cut(states: Sequence[OpenSegment], plane: CutPlane) -> tuple[OpenSegmen
     return tuple(cut)
 
 
-def _is_on(side: Points, place: Points) -> bool:
-    return bool(Line(side).nearest(place[None]).distances[0] <= SAME)
+def _is_on(side: Line, place: Points) -> bool:
+    return bool(side.nearest(place[None]).distances[0] <= SAME)
 
 
-def _named(ends: SegmentEnds, sides: Sequence[Points]) -> Iterator[OpenBranch]:
+def _named(ends: SegmentEnds, sides: Sequence[Line]) -> Iterator[OpenBranch]:
     """Branches by the names of their ends, one for all that leave at one place."""
     vessel = ends.finder.vessel
-    for origin in dict.fromkeys(tuple(side[0]) for side in sides):
-        own = [side for side in sides if tuple(side[0]) == origin]
-        shared = min(len(side) for side in own)
-        same = np.all([side[:shared] == own[0][:shared] for side in own], axis=(0, 2))
+    lines = [side.points for side in sides]
+    for origin in dict.fromkeys(tuple(line[0]) for line in lines):
+        own = [line for line in lines if tuple(line[0]) == origin]
+        shared = min(len(line) for line in own)
+        same = np.all([line[:shared] == own[0][:shared] for line in own], axis=(0, 2))
         last = int(np.flatnonzero(same)[-1])
         place = vessel.tree.project(own[0][max(last, 1)])
         yield OpenBranch(vessel.branch_name(place), own[0][0])

@@ -111,6 +111,6 @@ def _places(
     for at in np.r_[beyond, before].tolist():
         rest = line[Line(line).arc_lengths < at - SPACING / 10]
         back = np.vstack([Line(line).at([at]), rest[::-1]])
-        normal = finders[0].direction(back)
+        normal = finders[0].direction(Line(back))
         if not any(finder.fault(back[0], normal) for finder in finders):
             yield at

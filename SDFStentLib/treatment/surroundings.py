@@ -8,7 +8,7 @@ from typing import NamedTuple
 from weakref import WeakKeyDictionary
 
 from ..centerline import Centerline
-from ..geometry import NamedFaces, Surface
+from ..geometry import Line, NamedFaces, Surface
 from ..lumen import (
     AxisStations,
     DiameterProfile,
@@ -93,7 +93,7 @@ class Surroundings(NamedTuple):
 
 def surveyed_once(
     native: Surface,
-    axis: Points,
+    axis: Line,
     centerline: Centerline | None,
     faces: NamedFaces | None,
     given: Sequence[str | None] = (),
@@ -102,7 +102,7 @@ def surveyed_once(
 
     So it is where another diameter is tried: nothing about a stent but its axis matters.
     """
-    last, rows = _known.get(native), axis.tobytes()
+    last, rows = _known.get(native), axis.points.tobytes()
     if (
         last is not None
         and last.axis == rows
@@ -119,7 +119,7 @@ def surveyed_once(
 def surveyed(
     native: Surface,
     found: Surface,
-    axis: Points,
+    axis: Line,
     centerline: Centerline | None,
     faces: NamedFaces | None,
     given: Sequence[str | None] = (),
@@ -130,8 +130,8 @@ def surveyed(
     ----------
     native, found : Surface
         The vessel before any stent, and as this one finds it; the same triangles.
-    axis : (n, 3) array
-        Of the stent, mm.
+    axis : Line
+        Of the stent.
     centerline : Centerline or None
         As the stent finds it. Without it branches are found, and followed through their lumen.
     faces : NamedFaces or None
@@ -164,8 +164,8 @@ def _given_name(way: Points | None, tree: Centerline, given: Sequence[str | None
     return None if way is None else given[branch_of(tree, tree.project(way[0]))]
 
 
-def lumen_around(native: Surface, axis: Points, centerline: Centerline | None) -> DiameterProfile:
-    """The lumen along a stent's axis (n, 3), mm, and beyond its ends, before any stent."""
+def lumen_around(native: Surface, axis: Line, centerline: Centerline | None) -> DiameterProfile:
+    """The lumen along a stent's axis and beyond its ends, before any stent."""
     along = axis_stations(extended_axis(native, axis, centerline), PROFILE_SPACING)
     wall = open_at_ends(native, along.points)
     measured = measured_once(native, along.points, along.directions, wall)

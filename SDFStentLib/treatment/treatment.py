@@ -236,11 +236,11 @@ class Treatment:
         No state takes part in it: who has a thread to spare may ask for it there, once, while this
         one iterates.
         """
-        axis = self._first.axis.points
+        axis = self._first.axis.line
         return surveyed_once(self.surface, axis, self.centerline, self.faces, self.given_names)
 
     def _surveyed(self, stage: Stage) -> Survey:
-        found, axis = stage.deployment.surface, stage.axis.points
+        found, axis = stage.deployment.surface, stage.axis.line
         how = stage.centerline, self.faces, self.given_names
         return surveyed(self.surface, found, axis, *how)
 

@@ -74,11 +74,11 @@ class Vessel:
         return () if tree is None else given_names(self.surface, tree, self.names, self.faces)
 
     @property
-    def branches(self) -> dict[int, Points]:
-        """Those of the centerline that have a length, (k, 3) mm, by number from 1 at the root."""
+    def branches(self) -> dict[int, Line]:
+        """Those of the centerline that have a length, by number from 1 at the root."""
         tree = self.centerline
-        lines = [] if tree is None else [tree.points[branch] for branch in tree.branches]
-        return {number: line for number, line in enumerate(lines, start=1) if Line(line).length > 0}
+        lines = [] if tree is None else [Line(tree.points[branch]) for branch in tree.branches]
+        return {number: line for number, line in enumerate(lines, start=1) if line.length > 0}
 
     @cached_property
     def lesions(self) -> tuple[Lesion, ...] | None:
@@ -143,15 +143,15 @@ class Vessel:
 
     def compared(self, proposed: Suggestion, lesions: Sequence[Lesion]) -> Suggestion:
         """A proposal with the healthy vessel, as measured where it will lie; all its lesions."""
-        native = lumen_around(self.surface, proposed.axis.points, self.centerline)
+        native = lumen_around(self.surface, proposed.axis.line, self.centerline)
         return proposed.within(healthy_vessel(native, proposed.deployed_length, lesions))
 
     def native_lumen(self, stent: Stent) -> float:
         """Smallest inscribed diameter where a stent lies, before it, mm; NaN where not known."""
         axis = axis_in_vessel(stent, self.centerline, self.surface)
-        return self.diameters(axis.points, PROFILE_SPACING).minimum
+        return self.diameters(axis.line, PROFILE_SPACING).minimum
 
-    def diameters(self, line: Points, spacing: float) -> DiameterProfile:
+    def diameters(self, line: Line, spacing: float) -> DiameterProfile:
         """`diameter_profile` along a line through it."""
         return diameter_profile(self.surface, line, spacing)
 

@@ -144,7 +144,7 @@ def _unit(markup: dict[str, Any]) -> str:
 
 
 def _spline(control_points: Points, name: str) -> Points:
-    if len(Line(control_points).without_repeats().points) < 2:
+    if len(Line(control_points).without_repeats()) < 2:
         raise InputError(f"{name}: expected a curve, got one place only; place more points.")
     if len(control_points) == 2:
         return control_points
