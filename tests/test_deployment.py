@@ -9,8 +9,6 @@ import pytest
 from deployment_cases import anatomy_case, hairpin, phantom, phantom_case
 
 from SDFStentLib.deformation import Deployment, DeploymentSettings, deploy
-from SDFStentLib.deformation.attempt import Attempt
-from SDFStentLib.deformation.deployment import GAP_RAMP
 from SDFStentLib.geometry import Precision
 from SDFStentLib.validation import InputError
 
@@ -103,22 +101,6 @@ def test_companions_do_not_change_what_the_wall_does_in_an_anatomy(data_dir, nam
         deployment_of(case, companions=case.points + 0.3).result.points,
         deployment_of(case).result.points,
     )
-
-
-@both
-def test_companions_at_one_place_are_dragged_once_and_stay_together(case, settings):
-    line = case.axis + np.array([0, 5.0, 0])
-    once = deployment_of(case, settings, companions=line)
-    thrice = deployment_of(case, settings, companions=np.concatenate([line, line[::-1], line]))
-    for state, other in zip(once, thrice, strict=True):
-        first, second, third = np.split(other.companions, 3)
-        np.testing.assert_array_equal(first, state.companions)
-        np.testing.assert_array_equal(second[::-1], first)
-        np.testing.assert_array_equal(third, first)
-        np.testing.assert_array_equal(other.coordinates, state.coordinates)
-    assert (first != line).any()
-    runs = [Attempt(run, GAP_RAMP, 0.4).motion for run in (once, thrice)]
-    assert np.count_nonzero(~runs[1].touchable) == np.count_nonzero(~runs[0].touchable) > 0
 
 
 # The certificate --------------------------------------------------------------------------------

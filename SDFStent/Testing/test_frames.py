@@ -4,7 +4,6 @@ import threading
 import time
 
 import numpy as np
-import pytest
 from panel_helpers import settle
 
 
@@ -38,71 +37,6 @@ def test_what_nobody_waits_for_ends_before_the_full_method_begins(host, aStent):
     isOver.set()
     settle(host, aStent)
     assert "(9.0 prescribed)" in aStent.ui.lumenLabel.text
-
-
-class VirtualTime:
-    """Time that passes only where something is said to take it; in place of `time` and of the event loop's timers."""
-
-    def __init__(self):
-        self.now, self.turn = 0.0, None
-
-    def perf_counter(self):
-        return self.now
-
-
-@pytest.fixture
-def virtual(monkeypatch):
-    from SDFStentSlicer import Clock, SteppedRun
-
-    time = VirtualTime()
-
-    class Timer:
-        TURN_S = Clock.QtTimer.TURN_S
-
-        def __init__(self, call, milliseconds, isRepeated):
-            self._call = call
-
-        def start(self):
-            time.turn = self._call
-
-        def stop(self):
-            time.turn = None
-
-    monkeypatch.setattr(SteppedRun, "time", time)
-    monkeypatch.setattr(SteppedRun, "_application", SteppedRun._Application())
-    monkeypatch.setattr(Clock, "_kinds", [Timer])
-    return time
-
-
-@pytest.mark.parametrize("frame", [0.046, 0.1, 0.28])
-@pytest.mark.parametrize("step", [0.001, 0.005, 0.02])
-def test_half_of_the_frames_of_a_drag_carry_a_new_surface(host, virtual, frame, step):
-    """Of previews of 40 ms with numbers of 20 ms, one after the other; `bench_dragging.py` measures the panel's own."""
-    from SDFStentSlicer import Clock
-    from SDFStentSlicer.SteppedRun import SteppedRun
-
-    shown, told, carried, turns = [], [], [], []
-
-    def preview():
-        for results, seconds in ((shown, 0.04), (told, 0.02)):
-            for _ in range(round(seconds / step)):
-                virtual.now += step
-                yield 0.0
-            results.append(virtual.now)
-
-    run = SteppedRun(lambda _: None, lambda error: run.start(preview()))
-    run.start(preview())
-    while virtual.now < 10.0:  # Ends: every turn has a frame, which takes time.
-        before = virtual.now
-        virtual.turn()
-        turns.append(virtual.now - before)
-        virtual.now += frame
-        carried.append(bool(shown))
-        shown.clear()
-    run.cancel()
-    assert np.mean(carried[3:]) >= 0.5  # what a frame costs has to be seen first
-    assert len(told) >= 2.0 * virtual.now
-    assert max(turns) <= Clock.QtTimer.TURN_S[1] + step
 
 
 def test_a_preview_is_shown_by_the_turn_that_hears_of_the_change(host, aStent, monkeypatch):

@@ -2,7 +2,6 @@
 
 import slicer
 from panel_helpers import deploy, settle
-from sdfstent_host.module_panel import ModulePanel
 
 
 def bottomOf(widget, panel):
@@ -156,31 +155,6 @@ def test_the_table_needs_no_scrolling_sideways_in_a_narrow_panel(host, aStent):
         assert aStent.ui.stentTable.horizontalScrollBar().maximum() == 0
 
 
-LONG = ("", "a word and " * 30, "/a/path/without/a/space" * 10)
-
-
-def test_no_text_of_a_label_changes_the_width_of_the_panel(host, aStent):
-    from PySide6 import QtWidgets
-
-    openSections(aStent)
-    # What is found in the meantime would be shown, and laid out, between two texts.
-    host.processUntil(lambda: not (aStent.lesions.isBusy or aStent.recoil.isBusy))
-    settle(host, aStent)
-    labels = [one for one in vars(aStent.ui).values() if isinstance(one, QtWidgets.QLabel)]
-    labels = [one for one in labels if not one.text.endswith(":")]
-    assert {"statusLabel", "profileLabel", "lesionLabel"} <= {one.objectName for one in labels}
-    for label in labels:
-        label.visible = True
-        before = host.widths(aStent).copy()
-        heights = []
-        for text in LONG:
-            label.text = text
-            host.process()
-            heights.append(label.heightForWidth(400))
-        assert host.widths(aStent) == before, label.objectName
-        assert heights[1] > 2 * label.fontMetrics().height(), label.objectName
-
-
 def openSections(panel):
     for name, widget in vars(panel.ui).items():
         if name.endswith("CollapsibleButton"):
@@ -307,35 +281,3 @@ def test_no_line_of_the_results_is_cut(host, aStent):
                 lambda: all(one.height >= one.heightForWidth(one.width) for one in labels), 60.0
             )
     area.takeWidget()
-
-
-def squeezed(ui):
-    """The names of what is visible and lower than it has to be."""
-    from PySide6 import QtWidgets
-
-    low = []
-    for name, widget in vars(ui).items():
-        if isinstance(widget, QtWidgets.QWidget) and widget.isVisible():
-            needed = widget.minimumSizeHint().height()
-            if isinstance(widget, QtWidgets.QLabel) and widget.wordWrap:
-                needed = widget.heightForWidth(widget.width)
-            if widget.height < needed:
-                low.append(name)
-    return low
-
-
-def test_no_text_squeezes_the_panel_on_a_later_visit(host, aStent):
-    shown = ModulePanel(host, aStent, 460, 800)
-    shown.visit()
-    shown.leave()
-    shown.visit()
-    aStent.ui.diameterSlider.value = 8.0
-    deploy(host, aStent)
-    host.processUntil(lambda: not squeezed(aStent.ui), 5.0)
-    host.choose(aStent.ui.placementComboBox, 4)
-    host.processUntil(lambda: not squeezed(aStent.ui), 5.0)
-    high = aStent.parent.height
-    aStent.ui.stentsCollapsibleButton.collapsed = True
-    host.processUntil(lambda: aStent.parent.height < high, 5.0)
-    assert not squeezed(aStent.ui)
-    shown.leave()

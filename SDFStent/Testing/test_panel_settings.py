@@ -116,29 +116,3 @@ def test_a_straightened_stent_is_measured_along_its_straightened_axis(aLogic, th
     own = diameter_profile(vessel, straight.points)
     assert treated.before.minimum == pytest.approx(own.minimum, abs=1e-6)
     assert abs(treated.before.mean - diameter_profile(vessel, plain.points).mean) > 1e-4
-
-
-def test_measuring_leaves_the_applications_thread_free(aLogic, theParameters, monkeypatch):
-    """What takes the time, of all three parts of it: else the window stands still."""
-    import threading
-
-    from SDFStentSlicer import Deploying, Stenting
-
-    ran = set()
-
-    def watched(name, function):
-        def call(*arguments):
-            ran.add((name, threading.current_thread() is threading.main_thread()))
-            return function(*arguments)
-
-        return call
-
-    treatment = Deploying.Treatment
-    for name in ("survey", "result"):
-        own = getattr(treatment, name)
-        get = own.fget if isinstance(own, property) else own.func
-        monkeypatch.setattr(treatment, name, property(watched(name, get)))
-    monkeypatch.setattr(Stenting, "treated_lesions", watched("lesions", Stenting.treated_lesions))
-    for _fraction in aLogic.steps(theParameters):
-        pass
-    assert ran == {("survey", False), ("result", False), ("lesions", False)}

@@ -302,26 +302,6 @@ def withStent(path, **values):
     path.write_text(json.dumps(document), encoding="utf-8")
 
 
-def test_a_redilation_comes_back_from_a_plan(aLogic, theParameters, aDetailedPlan):
-    from SDFStentLib.plan import load_plan
-
-    withStent(aDetailedPlan, **AGAIN)
-    aLogic.loadPlan(aDetailedPlan, theParameters)
-    assert [stent.redilation for stent in theParameters.stents] == [10.0]
-    again = aDetailedPlan.with_name("again.json")
-    aLogic.savePlan(again, theParameters)
-    first, second = (load_plan(path).stents for path in (aDetailedPlan, again))
-    assert first[0] == second[0]
-    assert (second[1].balloon, second[1].keeps) == (first[1].balloon, first[1].keeps)
-    assert second[1].placement == first[1].placement
-    small, large = aLogic.deploy(theParameters).stents
-    assert large.axis.deployed_length < small.axis.deployed_length
-    assert large.after.minimum == pytest.approx(9.0, abs=0.15)
-    assert "Stent 1, dilated again, 9.0 mm" in theParameters.lumenSummary
-    title = theParameters.outputChart.GetTitle()
-    assert title == "Diameter along Stent 1, dilated again"
-
-
 @pytest.mark.parametrize(
     "change",
     [
@@ -350,27 +330,6 @@ def test_a_redilation_that_is_another_than_at_once_is_a_row_of_its_own(
     _first, found = Plans.planOf(theParameters).stents
     assert replace(found, name=expected.name) == expected
     assert found.name == (expected.name or "Stent")
-
-
-def test_two_redilations_of_one_stent_and_one_between_others_come_back(
-    aLogic, theParameters, aDetailedPlan
-):
-    from SDFStentSlicer import Plans
-
-    from SDFStentLib.plan import load_plan
-
-    withStent(aDetailedPlan, **AGAIN)
-    withStent(aDetailedPlan, **{**AGAIN, "diameter": 9.9, "balloon": None})
-    document = json.loads(aDetailedPlan.read_text(encoding="utf-8"))
-    other = {**document["stents"][0], "name": "other"}
-    document["stents"].insert(2, other)  # the last one still dilates the first
-    aDetailedPlan.write_text(json.dumps(document), encoding="utf-8")
-    aLogic.loadPlan(aDetailedPlan, theParameters)
-    assert [stent.redilation for stent in theParameters.stents] == [10.0, 0.0, 0.0]
-    expected, found = load_plan(aDetailedPlan).stents, Plans.planOf(theParameters).stents
-    assert [one.placement for one in expected[1::2]] == [OfStent(1), OfStent(1)]
-    assert [one.placement for one in found[1::2]] == [OfStent(1), OfStent(2)]  # as it lies by then
-    assert [one.diameter for one in found] == [one.diameter for one in expected]
 
 
 def test_a_redilation_of_a_redilation_comes_back(aLogic, theParameters, aDetailedPlan, tmp_path):

@@ -1,7 +1,6 @@
 """What is seen while something is dragged."""
 
 import re
-import threading
 
 import numpy as np
 import pytest
@@ -122,26 +121,6 @@ def test_the_full_method_begins_unseen_before_a_hand_is_taken_to_have_stopped(
     assert told == [True]  # from the full method to the first preview: nothing flickers in between
     assert "(9.5 prescribed)" in ui.lumenLabel.text
     assert not session.isPreview
-
-
-def test_no_full_method_begins_by_itself_while_abandoned_ones_still_run(host, aStent):
-    from SDFStentSlicer.Portions import inPortions
-
-    session, end = aStent.session, threading.Event()
-    aStent.ui.autoUpdateCheckBox.checked = True
-    settle(host, aStent)
-    for _ in range(2):
-        abandoned = inPortions(end.wait)
-        next(abandoned)
-        abandoned.close()
-    aStent.ui.diameterSlider.value = 9.0
-    host.processUntil(lambda: not session._timer.isActive() and not session.isRunning)
-    host.process(0.1)
-    assert session.isBusy
-    assert not session.isRunning
-    end.set()
-    settle(host, aStent)
-    assert "(9.0 prescribed)" in aStent.ui.lumenLabel.text
 
 
 def test_numbers_and_certificate_of_another_place_are_taken_away(host, aStent):
