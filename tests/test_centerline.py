@@ -247,22 +247,6 @@ def test_a_real_tree_ends_only_where_one_of_its_lines_does(data_dir):
     assert len(tree.leaves) == len(lines) == 92
 
 
-def test_a_tree_of_fifty_branches_has_all_their_leaves():
-    trunk = np.array([[0.0, 0, 0], [0, 0, 100]])
-    lines = [Line(trunk).resampled(0.5).points]
-    for k in range(1, 51):
-        side = [np.cos(k), np.sin(k), 0.3]
-        start = np.array([0, 0, 2.0 * k - 1])
-        lines.append(
-            np.concatenate(
-                [a_line(trunk[0], start), a_line(start, start + 30 * np.array(side))[1:]]
-            )
-        )
-    points, indices = stacked(lines)
-    tree = Centerline.from_lines(points, indices, np.ones(len(points)))
-    assert len(tree.leaves) == 51
-
-
 # ---- what the tree answers
 
 

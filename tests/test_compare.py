@@ -149,25 +149,6 @@ def test_the_page_shows_the_numbers_of_every_run(a_run_folder):
     assert (told[0], told[2]) == ("", "")
 
 
-def test_the_least_lumen_beyond_the_ends_is_that_of_the_stations_there(a_run_folder):
-    for name in PLANS:
-        for stent in own_report(a_run_folder, name)["stents"]:
-            along = stent["diameters"]["along"]
-            for when in ("before", "after"):
-                values = [
-                    value
-                    for at, value, own in zip(
-                        along["arc_length_mm"],
-                        along[f"mis_{when}_mm"],
-                        along["prescribed_mm"],
-                        strict=True,
-                    )
-                    if own is None and value is not None
-                ]
-                told = stent["diameters"]["minimum_lumen"][f"beyond_{when}_mm"]
-                assert told == min(values)
-
-
 # The picture
 
 

@@ -222,17 +222,3 @@ def test_a_body_is_carried_without_twist():
     across = np.cross(tangent / np.linalg.norm(tangent, axis=1, keepdims=True), inward)
     angle = np.unwrap(np.arctan2(np.sum(normals * across, 1), np.sum(normals * inward, 1)))
     np.testing.assert_allclose((angle - angle[0])[5:-5], (-torsion * (at - at[0]))[5:-5], atol=2e-3)
-
-
-def test_a_straight_body_on_a_straight_line_only_turns_and_moves():
-    rng = np.random.default_rng(8)
-    body = rng.normal(size=(60, 3)) * [2, 2, 9]
-    one, other = np.array([3.0, -2, 5]), np.array([13.0, 8, -4])
-    placed = carried(body, Line([one, other]))
-    gaps, kept = (np.linalg.norm(p[:, None] - p, axis=2) for p in (body, placed))
-    np.testing.assert_allclose(kept, gaps, atol=1e-9)
-    way = (other - one) / np.linalg.norm(other - one)
-    # Middle to middle; what is longer than the line goes straight on.
-    np.testing.assert_allclose((placed - (one + other) / 2) @ way, body[:, 2], atol=1e-9)
-    # Turned, not mirrored.
-    assert np.linalg.det(np.diff(placed[:4], axis=0)) * np.linalg.det(np.diff(body[:4], axis=0)) > 0

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import tracemalloc
-
 import numpy as np
 import pytest
 
@@ -47,24 +45,6 @@ def test_near_pairs_are_all_that_are_near_whatever_the_block(monkeypatch, block,
     assert len(found) == len(pairs.nodes) > 0
     for key, distance in expected.items():
         assert found[key] == pytest.approx(distance, abs=1e-12)
-
-
-def test_dense_points_of_a_wide_vessel_in_two_pieces_are_joined_in_little_memory():
-    """2 x 1,200 points every 0.02 mm, 10 mm wide: a million pairs, all but few of one piece."""
-    height = 0.02 * np.arange(1200)
-    ends = height, height + height[-1] + 3.0
-    points = np.concatenate([np.column_stack([0 * z, 0 * z, z]) for z in ends])
-    lines = [np.arange(1200), 1200 + np.arange(1200)]
-    tracemalloc.start()
-    line = Centerline.from_lines(points, lines, np.full(2400, 10.0))
-    peak = tracemalloc.get_traced_memory()[1] / 1e6
-    tracemalloc.stop()
-    # Thinned to steps of 0.05 mm, a 200th of the radius; both pieces are whole.
-    assert 2 * 1199 * 0.02 / 0.05 <= len(line.points) <= 2 * 1199 * 0.02 / 0.05 + 8
-    assert line.points[:, 2].max() == points[:, 2].max()
-    assert len(line.leaves) == 1
-    # 1,366 MB with all pairs at once.
-    assert peak < 100
 
 
 def lines_beside_each_other(count, outlets, seed=0):

@@ -17,7 +17,7 @@ from SDFStentLib.geometry import (
     signed_volume,
 )
 from SDFStentLib.phantoms import Phantom
-from SDFStentLib.phantoms.axis import helical_axis, planar_axis
+from SDFStentLib.phantoms.axis import planar_axis
 from SDFStentLib.phantoms.field import Tube, TubeUnion
 from SDFStentLib.phantoms.junction import branching_tube
 from SDFStentLib.validation import InputError
@@ -184,29 +184,6 @@ def test_a_vessel_too_thin_for_the_edges_is_refused() -> None:
     thin = [Tube(axis, lambda at: np.full(np.shape(at), 0.35)) for axis in axes]
     with pytest.raises(InputError, match="edge_length: 1 mm is too long for the narrowest places"):
         branching_tube(TubeUnion(thin, blend_width=0.2, beyond=4.0), 1.0)
-
-
-AXES = {
-    "planar": planar_axis(
-        [(5, 0), (9, 0.1), (4, -0.2), (3, 0)], heading=(1, 2, 3), toward=(0, 1, 0)
-    ),
-    "helix": helical_axis(8.0, 14.0, 1.5),
-}
-
-
-@pytest.mark.parametrize("name", list(AXES))
-def test_an_axis_is_run_through_at_unit_speed_without_twist(name: str) -> None:
-    axis = AXES[name]
-    at = axis.sampled(0.001, beyond=2.0)
-    tangent, normal = axis.tangent(at), axis.normal(at)
-    np.testing.assert_allclose(np.einsum("ij,ij->i", tangent, normal), 0, atol=1e-12)
-    np.testing.assert_allclose(np.linalg.norm(normal, axis=1), 1, atol=1e-12)
-    # Central differences: the curvature (below 0.2 / mm) times the step where pieces join.
-    velocity = np.gradient(axis.point(at), at, axis=0)
-    np.testing.assert_allclose(velocity, tangent, atol=3e-4)
-    turning = np.gradient(normal, at, axis=0)
-    twist = np.einsum("ij,ij->i", turning, np.cross(tangent, normal))
-    np.testing.assert_allclose(twist, 0, atol=1e-3)
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,7 @@ from SDFStentLib.lumen import DiameterProfile
 from SDFStentLib.report import Report, document_json, write_report, write_report_figure
 from SDFStentLib.report.html import certificate_sentence, html_page
 from SDFStentLib.report.lesions import treated_lesion_section
-from SDFStentLib.report.picture.drawing import Box, Stroke, Words
+from SDFStentLib.report.picture.drawing import Stroke
 from SDFStentLib.report.picture.plot import diameter_plot, figure
 from SDFStentLib.report.report import StentResult
 from SDFStentLib.report.words import millimeters, number_text
@@ -179,23 +179,6 @@ def test_what_is_not_known_is_null_and_never_nan():
     assert document["diameters"]["along"]["mis_before_mm"] == [None, 6.0, 4.0, None, 8.0]
     assert document["diameters"]["minimum_lumen"]["after_mm"] is None
     assert document["branches"][0]["lumen_before_mm"] is None
-
-
-def test_every_length_in_the_document_carries_its_unit():
-    def keys(value):
-        if isinstance(value, dict):
-            for key, item in value.items():
-                yield key, item
-                yield from keys(item)
-        elif isinstance(value, list):
-            for item in value:
-                yield from keys(item)
-
-    document = a_report().as_dict()
-    measured = {key: document[key] for key in ("diameters", "branches", "timings")}
-    for key, value in keys(measured):
-        if isinstance(value, float):
-            assert key.endswith(("_mm", "_mm2", "_s")) or key.startswith("percent"), key
 
 
 def test_profiles_at_different_stations_are_refused():
@@ -404,21 +387,6 @@ def test_curves_go_on_beyond_the_stent_and_numbers_do_not():
     assert beyond == [[8 + 2, 8.4 + 2], [None, None]]
     assert whole == plain
     assert whole["stent_ends_mm"] == [0, 4]
-
-
-def test_the_plot_tells_the_stent_and_its_free_parts_from_the_vessel_beyond():
-    document = with_surroundings().as_dict()
-    (plot,) = [figure(document).marks]
-    boxes = [mark for mark in plot if isinstance(mark, Box)]
-    proximal, distal, stent, free = boxes
-    assert proximal.x + proximal.width == pytest.approx(stent.x)
-    assert stent.x + stent.width == pytest.approx(distal.x)
-    # Four of ten millimeters, and half of these are free.
-    assert stent.width == pytest.approx(0.4 * (distal.x + distal.width - proximal.x))
-    assert (free.x, free.width) == pytest.approx((stent.x, stent.width / 2))
-    words = [mark.text for mark in plot if isinstance(mark, Words)]
-    assert "the stent; yellow: not in contact all round, 2.0 mm" in words
-    assert "<h2>Not in contact all round</h2>" in html_page(document)
 
 
 def test_a_curve_is_interrupted_where_nothing_was_measured():

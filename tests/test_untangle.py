@@ -9,7 +9,7 @@ from deployment_cases import anatomy_case
 from SDFStentLib.certificate import Comparison, self_intersecting_triangles
 from SDFStentLib.deformation import Deployment, DeploymentSettings
 from SDFStentLib.deformation.motion import Motion
-from SDFStentLib.deformation.untangle import IDLE_ROUNDS, Tangle, untangled
+from SDFStentLib.deformation.untangle import Tangle, untangled
 from SDFStentLib.field import CapsuleChain
 from SDFStentLib.geometry import Precision
 
@@ -120,25 +120,6 @@ def test_a_pulled_vertex_is_put_back_and_none_enters_the_stent():
 def new_faults(before, after, triangles, precision=None):
     everything = np.arange(len(triangles))
     return Comparison(before, triangles, precision or Precision()).new_faults(after, everything)
-
-
-def test_untangling_stops_when_it_gets_no_further_and_keeps_the_best_it_had():
-    flat, bent, triangles = a_folded_sheet()
-    motion, order = motion_of(bent, AXIS)
-    before, numbered = in_order(flat, order, triangles)
-    seen = []
-
-    class Scripted(Comparison):
-        def new_faults(self, after, faces):
-            seen.append(after.copy())
-            return np.arange(100, 100 + (5, 3, 4)[min(len(seen) - 1, 2)])
-
-    faults = Scripted(before, numbered, Precision())
-    outcome = untangled(motion, 0.0, faults, Tangle(motion.positions, np.arange(100, 106)))
-    assert outcome.rounds == len(seen) == 2 + IDLE_ROUNDS
-    assert outcome.faulty.tolist() == [100, 101, 102]
-    np.testing.assert_array_equal(outcome.positions, seen[1])
-    assert (seen[-1] != seen[1]).any()
 
 
 def test_a_face_that_its_neighbors_turn_over_is_a_fault_though_it_stays():
