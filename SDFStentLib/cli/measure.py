@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +13,7 @@ from ..report import (
     MeasuredLine,
     diameter_section,
     diameter_table,
+    document_json,
     filed_point,
     lesion_list,
     lesion_section,
@@ -64,7 +64,7 @@ def measure_command(options: argparse.Namespace, console: Console) -> int:
     outputs.write()
     if options.json:
         document = _document(inputs, lines, warnings, smallest)
-        print(json.dumps(document, indent=2, allow_nan=False))
+        print(document_json(document), end="")
         return 0
     told: list[str] = []
     if vessel.lesions is not None and vessel.root is not None:
@@ -111,7 +111,7 @@ def check_command(options: argparse.Namespace, _console: Console) -> int:
         ],
     }
     if options.json:
-        print(json.dumps(document, indent=2, allow_nan=False))
+        print(document_json(document), end="")
     elif not options.quiet:
         _print_check(document)
     return 0 if check.passed else NOT_SOUND
@@ -173,7 +173,7 @@ def _document(
         "schema": "sdfstent-diameters",
         "version": 1,
         **_surface_document(inputs.surface),
-        "root_mm": None if vessel.root is None else vessel.root.tolist(),
+        "root_mm": vessel.root,
         "lesions": sections(large),
         "smallest_vessel_mm": smallest,
         "lesions_of_small_vessels": sections(small),

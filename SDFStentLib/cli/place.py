@@ -59,12 +59,9 @@ def check_place(
     InputError
         None although one is needed, several, or one without what belongs to it.
     """
-    if options.root is not None and options.centerline is None:
-        raise InputError("expected --centerline FILE with --root, got none; give one.")
-    if options.reference and options.centerline is None:
-        raise InputError("expected --centerline FILE with --reference, got none; give one.")
-    if options.names and options.centerline is None:
-        raise InputError("expected --centerline FILE with --names, got none; give one.")
+    for name in ("root", "reference", "names"):
+        if getattr(options, name) and options.centerline is None:
+            raise InputError(f"expected --centerline FILE with --{name}, got none; give one.")
     given = [name for name in POINT_PLACEMENTS if getattr(options, name) is not None]
     if (options.from_point is None) != (options.to is None):
         raise InputError("expected both --from and --to, got one of them; give the other end.")

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import asdict, replace
-from typing import NamedTuple, overload
+from typing import NamedTuple
 
 from ..plan import plan_text
 from ..version import VERSION
 from .axes import plain
-from .sampling import Parameters, samples
+from .sampling import Parameters, Samples
 from .value import Patient, Sweep
 
 FORMAT = 1
@@ -33,28 +33,22 @@ class Case(NamedTuple):
     parameters: Parameters
 
 
-def cases_of(sweep: Sweep) -> Sequence[Case]:
+def cases_of(sweep: Sweep) -> Cases:
     """All cases in order, made when they are asked for: every patient has the same samples."""
-    return _Cases(sweep)
+    return Cases(sweep)
 
 
-class _Cases(Sequence[Case]):
+class Cases:
+    """As of `cases_of`."""
+
     def __init__(self, sweep: Sweep) -> None:
-        self._samples = samples(sweep.axes, sweep.sampling)
+        self._samples = Samples(sweep.axes, sweep.sampling)
         self._bases = [_base(sweep, patient) for patient in sweep.patients]
 
     def __len__(self) -> int:
         return len(self._samples) * len(self._bases)
 
-    @overload
-    def __getitem__(self, at: int) -> Case: ...
-
-    @overload
-    def __getitem__(self, at: slice) -> list[Case]: ...
-
-    def __getitem__(self, at: int | slice) -> Case | list[Case]:
-        if isinstance(at, slice):
-            return [self[index] for index in range(len(self))[at]]
+    def __getitem__(self, at: int) -> Case:
         index = range(len(self))[at]
         patient, row = divmod(index, len(self._samples))
         return self._case(index, patient, self._samples[row])

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Sequence
 from pathlib import Path
 from time import perf_counter
 from typing import NamedTuple
 
-from .cases import Case
+from .cases import Cases
 from .store import Store
 from .value import Sweep
 from .worker import Task, run_case, task_of
@@ -34,7 +33,7 @@ class Estimate(NamedTuple):
         return cases * self.case_seconds / workers + patients * self.read_seconds
 
 
-def estimated(sweep: Sweep, cases: Sequence[Case]) -> Estimate:
+def estimated(sweep: Sweep, cases: Cases) -> Estimate:
     """Carry out a few cases in a temporary folder, and forget them."""
     chosen = [cases[at] for at in sorted({0, len(cases) // 2, len(cases) - 1})][:TRIED]
     seconds, sizes, failed, read = [], [], 0, 0.0

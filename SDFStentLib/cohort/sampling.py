@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable, Iterator, Sequence
-from typing import Any, overload
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,7 @@ _BLOCK = 4096
 """Samples made at once."""
 
 
-def samples(axes: tuple[Axis, ...], sampling: Sampling) -> Sequence[Parameters]:
+class Samples:
     """The samples in order; the same axes, method, count and seed give the same ones.
 
     A random or Sobol sweep of more samples begins with those of fewer; a Latin hypercube does not.
@@ -32,10 +32,7 @@ def samples(axes: tuple[Axis, ...], sampling: Sampling) -> Sequence[Parameters]:
     InputError
         A grid of more than `MOST_SAMPLES`.
     """
-    return _Samples(axes, sampling)
 
-
-class _Samples(Sequence[Parameters]):
     def __init__(self, axes: tuple[Axis, ...], sampling: Sampling) -> None:
         self._axes = axes
         self._shares: NDArray[np.float64] | None = None
@@ -51,16 +48,8 @@ class _Samples(Sequence[Parameters]):
     def __len__(self) -> int:
         return self._count
 
-    @overload
-    def __getitem__(self, at: int) -> Parameters: ...
-
-    @overload
-    def __getitem__(self, at: slice) -> list[Parameters]: ...
-
-    def __getitem__(self, at: int | slice) -> Parameters | list[Parameters]:
-        places = np.arange(self._count)[at] if isinstance(at, slice) else range(self._count)[at]
-        found = self._at(np.atleast_1d(places))
-        return found if isinstance(at, slice) else found[0]
+    def __getitem__(self, at: int) -> Parameters:
+        return self._at(np.atleast_1d(range(self._count)[at]))[0]
 
     def __iter__(self) -> Iterator[Parameters]:
         for start in range(0, self._count, _BLOCK):
@@ -85,29 +74,15 @@ def _shares(sampling: Sampling, width: int) -> NDArray[np.float64]:
     generator = np.random.default_rng(sampling.seed)
     if sampling.method == "random":
         return generator.random((sampling.count, width))
-    if sampling.method == "latin-hypercube":
-        return _latin_hypercube(sampling, width)
     # Late: scipy.stats costs more to import than most sweeps to write down.
     from scipy.stats import qmc
 
+    kind = qmc.Sobol if sampling.method == "sobol" else qmc.LatinHypercube
     with warnings.catch_warnings():
         # Sobol's points are best in powers of two; any number of them is still a good spread.
         warnings.filterwarnings("ignore", "The balance properties", UserWarning)
-        found: NDArray[np.float64] = _engine(qmc.Sobol, width, generator).random(sampling.count)
+        found: NDArray[np.float64] = _engine(kind, width, generator).random(sampling.count)
     return found
-
-
-def _latin_hypercube(sampling: Sampling, width: int) -> NDArray[np.float64]:
-    """Those of `scipy.stats.qmc.LatinHypercube`, which takes twice the memory for them."""
-    (own,) = np.random.SeedSequence(sampling.seed).spawn(1)
-    generator, count = np.random.default_rng(own), sampling.count
-    shares = generator.random((count, width))
-    for column in shares.T:
-        order = np.arange(1, count + 1)
-        generator.shuffle(order)
-        np.subtract(order, column, out=column)
-        column /= count
-    return shares
 
 
 def _engine(kind: Callable[..., Any], width: int, generator: np.random.Generator) -> Any:

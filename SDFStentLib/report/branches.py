@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from html import escape
 from typing import Any
 
 from ..treatment import TreatedStent
 from ..units import MILLIMETERS
 from ..vessel import FREE, LISTED, Apposition, NeighborLumen, Ostium
 from .facts import coverage_fact
+from .markup import Cell, heading, paragraph, table
 from .words import millimeters, number_text
 
 NONE_NEAR = f"No side branch was found within {LISTED:.0f} mm of the stent."
@@ -51,23 +51,22 @@ def branch_section(
 
 def branch_table(branches: Sequence[Mapping[str, Any]]) -> list[str]:
     """A part of the page; that no branch is near is said as well."""
+    title = heading("Side branches")
     if not branches:
-        return [f"<h2>Side branches</h2><p>{NONE_NEAR}</p>"]
-    rows = "".join(
-        f"<tr><td>{branch['stent']}</td><td>{escape(branch['name'])}</td>"
-        f"<td class='n'>{millimeters(branch['ostium_start_mm'], 1, signed=True)}</td>"
-        f"<td class='n'>{millimeters(branch['ostium_end_mm'], 1, signed=True)}</td>"
-        f"<td class='{'free' if branch['coverage'] == FREE else 'covered'}'>"
-        f"{branch['coverage']}</td>"
-        f"<td>{branch_lumen_words(branch)}</td></tr>"
-        for branch in branches
-    )
-    return [
-        "<h2>Side branches</h2><table><tr><th>stent</th><th>branch</th>"
-        "<th class='n'>ostium from</th><th class='n'>to</th><th>ostium</th><th>its lumen</th></tr>"
-        f"{rows}</table><p class='small'>From the proximal end of the stent along its axis; "
-        "negative: proximal of it.</p>"
+        return [title, paragraph(NONE_NEAR)]
+    rows = [
+        (
+            str(one["stent"]),
+            one["name"],
+            *(millimeters(one[f"ostium_{end}_mm"], 1, signed=True) for end in ("start", "end")),
+            Cell(one["coverage"], "free" if one["coverage"] == FREE else "covered"),
+            branch_lumen_words(one),
+        )
+        for one in branches
     ]
+    head = ("stent", "branch", "ostium from", "to", "ostium", "its lumen")
+    note = "From the proximal end of the stent along its axis; negative: proximal of it."
+    return [title, table(rows, head, ("", "", "n", "n")), paragraph(note, "small")]
 
 
 def branch_lumen_words(branch: Mapping[str, Any]) -> str:
@@ -107,15 +106,20 @@ def apposition_table(stretches: Sequence[Mapping[str, Any]]) -> list[str]:
     """A part of the page; nothing where the stent touches all along."""
     if not stretches:
         return []
-    rows = "".join(
-        f"<tr><td>{one['stent']}</td><td class='n'>{millimeters(one['start_mm'], 1)}</td>"
-        f"<td class='n'>{millimeters(one['end_mm'], 1)}</td>"
-        f"<td class='n'>{one['percent_free']:.0f} %</td></tr>"
+    rows = [
+        (
+            str(one["stent"]),
+            *(millimeters(one[f"{end}_mm"], 1) for end in ("start", "end")),
+            f"{one['percent_free']:.0f} %",
+        )
         for one in stretches
+    ]
+    note = (
+        "From the proximal end of the stent. Across the ostium of a branch there is no wall to "
+        "touch."
     )
     return [
-        "<h2>Not in contact all round</h2><table><tr><th>stent</th><th class='n'>from</th>"
-        "<th class='n'>to</th><th class='n'>of the circumference is free</th></tr>"
-        f"{rows}</table><p class='small'>From the proximal end of the stent. Across "
-        "the ostium of a branch there is no wall to touch.</p>"
+        heading("Not in contact all round"),
+        table(rows, ("stent", "from", "to", "of the circumference is free"), ("", *"nnn")),
+        paragraph(note, "small"),
     ]

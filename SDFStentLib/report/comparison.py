@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from base64 import b64encode
 from collections.abc import Iterable, Mapping, Sequence
 from datetime import datetime, timezone
 from html import escape
 from typing import Any
 
 from ..plan import PlanComparison
-from ..validation import DeploymentError, check_is_a, printable
+from ..validation import DeploymentError, check_is_a
 from ..version import VERSION
 from .alternatives import Row, comparison_rows
 from .flow import FLOW_NOTE
-from .html import in_words
+from .markup import beginning, page, paragraph, picture
 from .of_plan import plan_report
 from .picture import alternatives_picture
 from .report import DEFINITIONS
@@ -117,22 +116,17 @@ def comparison_page(document: Mapping[str, Any], pictures: Sequence[bytes] | str
     sheets = _sheets(alternatives)
     shown = [] if isinstance(pictures, str) else [*pictures]
     names = ", ".join(str(one["name"]) for one in alternatives)
-    parts = [
-        "<!DOCTYPE html>\n<html lang='en'><head><meta charset='utf-8'>",
-        "<meta name='viewport' content='width=device-width'>",
-        f"<title>Plans compared: {escape(names)}</title><style>{_STYLE}</style></head><body>",
-        "<h1>Virtual stenting: plans compared</h1>",
-        f"<p class='sub'>{escape(_of_which_vessel(alternatives))} &middot; "
-        f"{escape(in_words(document['created']))} &middot; sdfstent "
-        f"{escape(str(document['sdfstent_version']))}</p>",
-        f"<p class='notice'>{escape(document['notice'])}</p>",
-        *([f"<p class='small'>{escape(pictures)}</p>"] if isinstance(pictures, str) else []),
-    ]
+    parts = beginning("Virtual stenting: plans compared", document, _of_which_vessel(alternatives))
+    if isinstance(pictures, str):
+        parts.append(paragraph(pictures, "small"))
     for place, sheet in enumerate(sheets):
-        images = "".join(map(_image, shown[place : place + 1]))
+        images = "".join(
+            picture(one, "The vessel before and after each plan")
+            for one in shown[place : place + 1]
+            if one
+        )
         parts.append(f"<section>{images}{_table(sheet)}</section>")
-    parts += [_footnotes(alternatives), "</body></html>\n"]
-    return printable("\n".join(parts))
+    return page(f"Plans compared: {names}", [*parts, _footnotes(alternatives)], _STYLE)
 
 
 def _sheets(things: Sequence[Any]) -> list[Sequence[Any]]:
@@ -148,13 +142,6 @@ def _of_which_vessel(alternatives: Iterable[Mapping[str, Any]]) -> str:
     return str(report["inputs"][0]["file"]).replace("\\", "/").split("/")[-1]
 
 
-def _image(picture: bytes) -> str:
-    if not picture:
-        return ""
-    data = b64encode(picture).decode("ascii")
-    return f"<img alt='The vessel before and after each plan' src='data:image/png;base64,{data}'>"
-
-
 def _table(alternatives: Sequence[Mapping[str, Any]]) -> str:
     names = "".join(f"<th>{escape(str(one['name']))}</th>" for one in alternatives)
     rows = "".join(map(_row, comparison_rows(alternatives)))
@@ -162,12 +149,12 @@ def _table(alternatives: Sequence[Mapping[str, Any]]) -> str:
 
 
 def _row(row: Row) -> str:
-    note = f"<p class='note'>{escape(row.note)}</p>" if row.note else ""
+    note = paragraph(row.note, "note") if row.note else ""
     looks = [""] * len(row.cells)
     if row.is_good is not None:
         looks = [f" class='{'good' if one else 'bad'}'" for one in row.is_good]
     cells = "".join(
-        f"<td{look}>{''.join(f'<p>{escape(line)}</p>' for line in lines)}</td>"
+        f"<td{look}>{''.join(map(paragraph, lines))}</td>"
         for look, lines in zip(looks, row.cells, strict=True)
     )
     return f"<tr><td><b>{escape(row.title)}</b>{note}</td>{cells}</tr>"

@@ -4,16 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from html import escape
+from dataclasses import dataclass
 from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from ..geometry import Line
 from ..lumen import DiameterProfile
 from ..treatment import TreatedStent
 from ..units import MILLIMETERS
-from ..validation import Points
+from ..validation import InputError, Points, read_only
+from ..vessel import Apposition, NeighborLumen, Ostium
 from .facts import BEYOND, MINIMUM
 from .lesions import covered_words, lesion_rows
+from .markup import paragraph, table
 from .stents import prescribed_words
 from .words import UNKNOWN, millimeters
 
@@ -48,19 +53,19 @@ def diameter_table(line: MeasuredLine, units: str) -> str:
 
 
 def diameter_section(line: MeasuredLine) -> dict[str, Any]:
-    """Plain values; None where a diameter is not known."""
+    """As values of JSON."""
     profile = line.profile
     return {
         "title": line.title,
-        "start_mm": line.line.points[0].tolist(),
-        "end_mm": line.line.points[-1].tolist(),
+        "start_mm": line.line.points[0],
+        "end_mm": line.line.points[-1],
         "length_mm": line.line.length,
-        "arc_length_mm": profile.arc_length.tolist(),
-        "inscribed_mm": [_known(value) for value in profile.inscribed_diameter],
-        "equivalent_mm": [_known(value) for value in profile.equivalent_diameter],
-        "minimum_mm": _known(profile.minimum),
-        "mean_mm": _known(profile.mean),
-        "maximum_mm": _known(profile.maximum),
+        "arc_length_mm": profile.arc_length,
+        "inscribed_mm": profile.inscribed_diameter,
+        "equivalent_mm": profile.equivalent_diameter,
+        "minimum_mm": profile.minimum,
+        "mean_mm": profile.mean,
+        "maximum_mm": profile.maximum,
     }
 
 
@@ -71,10 +76,6 @@ def filed_point(point: Points, units: str) -> str:
 
 def _cell(value: float) -> str:
     return f"{value:.2f}" if math.isfinite(value) else "-"
-
-
-def _known(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None
 
 
 def lumen_sentence(stent: TreatedStent) -> str:
@@ -95,7 +96,7 @@ def first_numbers(diameters: Mapping[str, Any], lesions: Sequence[Mapping[str, A
         (MINIMUM, *(millimeters(narrow[f"{when}_mm"]) for when in ("before", "after"))),
         (BEYOND, *(millimeters(narrow[f"beyond_{when}_mm"]) for when in ("before", "after"))),
         *lesion_rows(lesions or ()),
-        ("Mean lumen diameter &plusmn; SD", _mean_sd(before), _mean_sd(after)),
+        ("Mean lumen diameter \N{PLUS-MINUS SIGN} SD", _mean_sd(before), _mean_sd(after)),
         ("Smallest to largest", _range(before), _range(after)),
         (
             "Mean equivalent diameter",
@@ -103,25 +104,25 @@ def first_numbers(diameters: Mapping[str, Any], lesions: Sequence[Mapping[str, A
             millimeters(after["equivalent_mean_mm"]),
         ),
     ]
-    prescribed = [value for value in diameters["along"]["prescribed_mm"] if value is not None]
-    wanted = _span(prescribed)
-    lines = [
-        f"<tr class='first'><td>{name}</td><td class='n'>{old}</td><td class='n'>{new}</td></tr>"
-        for name, old, new in rows
-    ]
-    return (
-        "<table><tr><th>over the stented length</th><th class='n'>before</th>"
-        f"<th class='n'>after</th></tr>{''.join(lines)}</table><p class='small'>"
-        f"Prescribed lumen diameter: {wanted}. Mean after minus prescribed: "
-        f"{millimeters(over['mean_after_minus_prescribed_mm'], signed=True)}.<br>"
-        f"{escape(covered_words(lesions))}</p>"
+    wanted = _span([one for one in diameters["along"]["prescribed_mm"] if one is not None])
+    error = millimeters(over["mean_after_minus_prescribed_mm"], signed=True)
+    head = ("over the stented length", "before", "after")
+    return "".join(
+        [
+            table(rows, head, ("", "n", "n"), row_look="first"),
+            paragraph(
+                f"Prescribed lumen diameter: {wanted}. Mean after minus prescribed: {error}.",
+                "small",
+            ),
+            paragraph(covered_words(lesions), "small"),
+        ]
     )
 
 
 def _mean_sd(statistics: Mapping[str, Any]) -> str:
     if statistics["mean_mm"] is None:
         return UNKNOWN
-    return f"{statistics['mean_mm']:.2f} &plusmn; {statistics['sd_mm']:.2f} mm"
+    return f"{statistics['mean_mm']:.2f} \N{PLUS-MINUS SIGN} {statistics['sd_mm']:.2f} mm"
 
 
 def _range(statistics: Mapping[str, Any]) -> str:
@@ -136,3 +137,124 @@ def _span(values: Sequence[float]) -> str:
     if round(low, 2) == round(high, 2):
         return f"{low:.2f} mm"
     return f"{low:.2f} to {high:.2f} mm"
+
+
+@dataclass(frozen=True)
+class StentResult:
+    """What one stent is, and what it did to the lumen.
+
+    `before` and `after` are measured at the same stations, over the stented length; the two
+    profiles around it at those and beyond both ends.
+    """
+
+    description: Mapping[str, Any]
+    """Device, lengths, diameters, axis and profile, with units in the keys (`..._mm`)."""
+    before: DiameterProfile
+    after: DiameterProfile
+    prescribed_diameter: NDArray[np.float64]
+    """Per station, mm; one number for all is enough."""
+    branches: tuple[Ostium, ...] = ()
+    neighbors: tuple[NeighborLumen, ...] = ()
+    apposition: Apposition | None = None
+    around_before: DiameterProfile | None = None
+    around_after: DiameterProfile | None = None
+    lesions: tuple[int, ...] | None = None
+    """Numbers of the lesions that it covers; None when none were looked for."""
+
+    @property
+    def units(self) -> str:
+        """Of the surface's file."""
+        return str(self.description.get("axis", {}).get("units", "mm"))
+
+    def __post_init__(self) -> None:
+        stations = self.before.arc_length.shape
+        if self.after.arc_length.shape != stations or not np.allclose(
+            self.after.arc_length, self.before.arc_length, rtol=0, atol=1e-6
+        ):
+            raise InputError(
+                "after: expected the stations of the profile before, got "
+                f"{len(self.after.arc_length)} others; measure both along the same axis."
+            )
+        prescribed = np.asarray(self.prescribed_diameter, dtype=np.float64)
+        if prescribed.shape not in ((), stations):
+            raise InputError(
+                f"prescribed_diameter: expected one number or {stations[0]}, "
+                f"got shape {prescribed.shape}."
+            )
+        whole = read_only(np.broadcast_to(prescribed, stations))
+        object.__setattr__(self, "prescribed_diameter", whole)
+
+
+def stent_section(stent: StentResult) -> dict[str, Any]:
+    """A stent as a report has it."""
+    return {
+        **stent.description,
+        "lesions": stent.lesions,
+        "diameters": _diameter_section(stent),
+    }
+
+
+def _along(stent: StentResult) -> dict[str, Any]:
+    """The curves of the plot: nothing is prescribed beyond the ends of the stent."""
+    before, after = stent.around_before or stent.before, stent.around_after or stent.after
+    at, own = before.arc_length, stent.before.arc_length
+    prescribed = np.interp(at, own, stent.prescribed_diameter, left=np.nan, right=np.nan)
+    return {
+        "arc_length_mm": at,
+        "mis_before_mm": before.inscribed_diameter,
+        "mis_after_mm": after.inscribed_diameter,
+        "equivalent_before_mm": before.equivalent_diameter,
+        "equivalent_after_mm": after.equivalent_diameter,
+        "prescribed_mm": prescribed,
+    }
+
+
+def _diameter_section(stent: StentResult) -> dict[str, Any]:
+    before, after = stent.before, stent.after
+    error = after.inscribed_diameter - stent.prescribed_diameter
+    return {
+        "along": _along(stent),
+        "stent_ends_mm": before.arc_length[[0, -1]],
+        "over_stented_length": {
+            "before": _statistics(before),
+            "after": _statistics(after),
+            "mean_after_minus_prescribed_mm": _mean(error),
+        },
+        "minimum_lumen": {
+            "before_mm": before.minimum,
+            "before_at_mm": before.minimum_arc_length,
+            "after_mm": after.minimum,
+            "after_at_mm": after.minimum_arc_length,
+            **_beyond(stent),
+        },
+    }
+
+
+def _beyond(stent: StentResult) -> dict[str, float]:
+    """The narrowest of the measured vessel before and behind the stent; NaN where there is none."""
+    ends = stent.before.arc_length[[0, -1]]
+    found = {}
+    for name, around in (("before", stent.around_before), ("after", stent.around_after)):
+        least = math.nan
+        if around is not None:
+            is_beyond = (around.arc_length < ends[0]) | (around.arc_length > ends[1])
+            values = around.inscribed_diameter[is_beyond]
+            known = values[np.isfinite(values)]
+            least = float(known.min()) if len(known) else math.nan
+        found[f"beyond_{name}_mm"] = least
+    return found
+
+
+def _statistics(profile: DiameterProfile) -> dict[str, float]:
+    return {
+        "minimum_mm": profile.minimum,
+        "maximum_mm": profile.maximum,
+        "mean_mm": profile.mean,
+        "sd_mm": profile.sd,
+        "equivalent_mean_mm": _mean(profile.equivalent_diameter),
+    }
+
+
+def _mean(values: NDArray[np.float64]) -> float:
+    known = values[np.isfinite(values)]
+    return float(known.mean()) if len(known) else math.nan

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from html import escape
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ..flow import UNCERTAIN, Band, FlowAnswer, Moment
+from .markup import paragraph, table
 from .words import RESEARCH_USE
 
 Section = Mapping[str, Any]
@@ -85,7 +85,7 @@ def _section(answer: FlowAnswer, name: str, moment: Moment) -> dict[str, Any]:
 
 
 def _triple(band: Band | None) -> dict[str, float] | None:
-    return None if band is None else {name: one for name, one in band._asdict().items()}
+    return None if band is None else band._asdict()
 
 
 Rows = list[tuple[str, str]]
@@ -142,17 +142,20 @@ def stents_in(section: Section) -> int:
     return sum(one["name"].startswith("stent ") for one in narrowings)
 
 
-def flow_part(section: Section | None) -> list[str]:
-    """A table and its notes for a page; nothing without a flow."""
-    if section is None:
-        return []
-    rows = "".join(
-        f"<tr><th colspan='2'>{escape(at)}</th></tr>"
-        + "".join(f"<tr><td>{escape(a)}</td><td>{escape(b)}</td></tr>" for a, b in told)
-        for at, told in flow_moments(section)
-    )
-    notes = (f"<p class='small'>{escape(note)}</p>" for note in section["notes"])
-    return [f"<table class='words'>{rows}</table>", *notes]
+def flow_part(section: Section) -> list[str]:
+    """A table and its notes for a page."""
+    return [moments_table(flow_moments(section)), *notes_part(section)]
+
+
+def moments_table(moments: Sequence[tuple[str, Rows]]) -> str:
+    """Headings, each with its rows."""
+    rows = [row for at, told in moments for row in ((at,), *told)]
+    return table(rows, look="words")
+
+
+def notes_part(section: Section) -> list[str]:
+    """What has to be known of the numbers."""
+    return [paragraph(note, "small") for note in section["notes"]]
 
 
 def _at(moment: str, section: Section) -> str:

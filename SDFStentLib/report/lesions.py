@@ -6,13 +6,13 @@ import csv
 import io
 import math
 from collections.abc import Mapping, Sequence
-from html import escape
 from typing import Any
 
 from ..treatment import Residual, TreatedLesion
 from ..units import MILLIMETERS
 from ..vessel import SMALL_VESSEL, SMALLEST_DEGREE, HealthyPlace, Lesion
 from .facts import LINE_LOST, residual_fact, stenosis_fact
+from .markup import heading, paragraph, table
 from .words import UNKNOWN, degree_text, degrees_text, millimeters, point_words
 
 LEAST = f"{100 * SMALLEST_DEGREE:.0f} % or more"
@@ -56,20 +56,20 @@ def lesion_section(number: int, lesion: Lesion, units: str = "mm") -> dict[str, 
         "arc_length_mm": lesion.arc_length,
         "vessel": lesion.vessel + 1,
         "generation": lesion.generation,
-        "place_mm": list(lesion.point),
-        "place": list(_filed(lesion.point, units)),
+        "place_mm": lesion.point,
+        "place": _filed(lesion.point, units),
         "units": units,
         "extent": {
             "start_mm": lesion.start,
             "end_mm": lesion.end,
             "length_mm": lesion.length,
         },
-        "path_mm": lesion.line.tolist(),
+        "path_mm": lesion.line,
         **_degrees(lesion),
         "reference": {
             "words": lesion.reference,
             "diameter_mm": lesion.reference_diameter,
-            "area_mm2": _known(lesion.reference_area),
+            "area_mm2": lesion.reference_area,
             "proximal": _healthy_section(lesion.proximal),
             "distal": _healthy_section(lesion.distal),
         },
@@ -81,7 +81,7 @@ def treated_lesion_section(treated: TreatedLesion, units: str = "mm") -> dict[st
     return {
         **lesion_section(treated.number, treated.before, units),
         "after": _degrees(treated.after),
-        "stents": list(treated.stents),
+        "stents": treated.stents,
         "is_left_beyond": treated.is_left_beyond,
     }
 
@@ -92,10 +92,10 @@ def residual_section(residual: Residual | None) -> dict[str, Any] | None:
         return None
     return {
         "words": residual_fact(residual).words,
-        "percent_diameter": _known(residual.percent),
-        "minimum_mm": _known(residual.minimum),
+        "percent_diameter": residual.percent,
+        "minimum_mm": residual.minimum,
         "reference_mm": residual.reference,
-        "place_mm": list(residual.point),
+        "place_mm": residual.point,
         "lesion": residual.lesion,
         "side": residual.side,
         "stent": residual.stent,
@@ -209,28 +209,33 @@ def lesion_table(lesions: Sequence[Section] | None) -> list[str]:
     """All lesions of the vessel, with what is left of each."""
     if lesions is None:
         return []
-    title = "<h2>Lesions of the vessel</h2>"
+    title = heading("Lesions of the vessel")
     if not lesions:
-        return [f"{title}<p>{escape(NO_LESION)}</p>"]
-    rows = "".join(
-        f"<tr><td>{one['number']}</td><td class='place'>{escape(one['branch_name'])}, "
-        f"{millimeters(one['along_branch_mm'], 1)} along it; "
-        f"{point_words(one['place_mm'], one['units'])}</td>"
-        f"<td class='n'>{millimeters(one['extent']['length_mm'], 1)}</td>"
-        f"<td class='n'>{millimeters(one['minimum']['diameter_mm'])}</td>"
-        f"<td class='n'>{millimeters(one['reference']['diameter_mm'])}</td>"
-        f"<td class='n'>{degree_text(one['percent_diameter'])}</td>"
-        f"<td class='n degree'>{degree_text(one['after']['percent_diameter'])}</td>"
-        f"<td>{', '.join(map(str, one['stents'])) or 'none'}</td></tr>"
+        return [title, paragraph(NO_LESION)]
+    columns = {
+        "lesion": "",
+        "narrowest at (x, y, z)": "place",
+        **dict.fromkeys(
+            ("length", "minimum diameter", "reference diameter", "diameter stenosis before"), "n"
+        ),
+        "after": "n degree",
+        "stent": "",
+    }
+    rows = [
+        (
+            str(one["number"]),
+            f"{one['branch_name']}, {millimeters(one['along_branch_mm'], 1)} along it; "
+            f"{point_words(one['place_mm'], one['units'])}",
+            millimeters(one["extent"]["length_mm"], 1),
+            millimeters(one["minimum"]["diameter_mm"]),
+            millimeters(one["reference"]["diameter_mm"]),
+            degree_text(one["percent_diameter"]),
+            degree_text(one["after"]["percent_diameter"]),
+            ", ".join(map(str, one["stents"])) or "none",
+        )
         for one in lesions
-    )
-    return [
-        f"{title}<table><tr><th>lesion</th><th>narrowest at (x, y, z)</th>"
-        "<th class='n'>length</th><th class='n'>minimum diameter</th>"
-        "<th class='n'>reference diameter</th><th class='n'>diameter stenosis before</th>"
-        "<th class='n'>after</th><th>stent</th></tr>"
-        f"{rows}</table>"
     ]
+    return [title, table(rows, [*columns], [*columns.values()])]
 
 
 def lesions_csv(lesions: Sequence[Lesion], units: str = "mm") -> str:
@@ -273,11 +278,11 @@ def _cell(value: Any) -> Any:
 def _degrees(lesion: Lesion) -> Mapping[str, Any]:
     return {
         "minimum": {
-            "diameter_mm": _known(lesion.minimum_diameter),
-            "area_mm2": _known(lesion.minimum_area),
+            "diameter_mm": lesion.minimum_diameter,
+            "area_mm2": lesion.minimum_area,
         },
-        "percent_diameter": _known(lesion.percent_diameter),
-        "percent_area": _known(lesion.percent_area),
+        "percent_diameter": lesion.percent_diameter,
+        "percent_area": lesion.percent_area,
     }
 
 
@@ -285,15 +290,11 @@ def _healthy_section(place: HealthyPlace | None) -> dict[str, Any] | None:
     if place is None:
         return None
     return {
-        "place_mm": list(place.point),
+        "place_mm": place.point,
         "arc_length_mm": place.arc_length,
         "diameter_mm": place.diameter,
-        "area_mm2": _known(place.area),
+        "area_mm2": place.area,
     }
-
-
-def _known(value: float) -> float | None:
-    return value if math.isfinite(value) else None
 
 
 def _filed(point: Sequence[float], units: str) -> tuple[float, ...]:

@@ -15,11 +15,11 @@ from ..validation import check_is_a
 from ..version import VERSION
 from .changes import change_section, settings_section
 from .devices import device_section
+from .diameters import StentResult
 from .flow import flow_section
 from .lesions import residual_section, treated_lesion_section
 from .report import Report
 from .sizing import diameters_section, redilation_section
-from .stent_result import StentResult
 from .stents import shape_section, shortening_reason
 from .summary import today_section
 

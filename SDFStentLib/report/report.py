@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-import math
 import os
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field, is_dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from ..files import atomic_path, write_bytes
 from ..lumen import REACH
 from ..validation import InputError, as_path, check_is_a
 from ..vessel import SMALLEST_DEGREE
 from .branches import branch_section, free_stretches
-from .stent_result import StentResult, stent_section
-from .words import RESEARCH_USE, document_json
+from .diameters import StentResult, stent_section
+from .words import RESEARCH_USE, document_json, plain
 
 SCHEMA = "sdfstent-report"
 SCHEMA_VERSION = 1
@@ -133,7 +130,7 @@ class Report:
             "timings": {f"{name}_s": seconds for name, seconds in self.timings.items()},
             "definitions": DEFINITIONS,
         }
-        return {key: _plain(value, key) for key, value in document.items()}
+        return {key: plain(value, key) for key, value in document.items()}
 
 
 def write_report(report: Report, path: str | os.PathLike[str]) -> None:
@@ -187,28 +184,3 @@ def write_report_figure(report: Report, path: str | os.PathLike[str]) -> None:
 
     drawing = figure(report.as_dict())
     write_bytes(path, svg(drawing).encode() if suffix == ".svg" else painted(drawing))
-
-
-def _plain(value: Any, name: str) -> Any:
-    """Plain Python values for JSON; None instead of NaN and infinity."""
-    if hasattr(value, "as_dict"):
-        return _plain(value.as_dict(), name)
-    if is_dataclass(value) and not isinstance(value, type):
-        return _plain(asdict(value), name)
-    if isinstance(value, Mapping):
-        return {str(key): _plain(item, f"{name}.{key}") for key, item in value.items()}
-    if isinstance(value, np.ndarray | np.generic):
-        return _plain(value.tolist(), name)
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    if value is None or isinstance(value, bool | int | str):
-        return value
-    if isinstance(value, os.PathLike):
-        return os.fspath(value)
-    if isinstance(value, Sequence | set | frozenset):
-        items = sorted(value) if isinstance(value, set | frozenset) else value
-        return [_plain(item, f"{name}[{number}]") for number, item in enumerate(items)]
-    raise InputError(
-        f"{name}: expected numbers, texts, lists and mappings, got {type(value).__name__}; "
-        "give plain values to the report."
-    )

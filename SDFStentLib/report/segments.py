@@ -65,8 +65,8 @@ def segment_document(found: ExtractedSegment, inputs: Mapping[str, Any]) -> dict
         "planes": [
             {
                 "branch": plane.name,
-                "origin": (plane.origin / _SCALE).tolist(),
-                "normal": plane.normal.tolist(),
+                "origin": plane.origin / _SCALE,
+                "normal": plane.normal,
                 "closed": plane.is_closed,
             }
             for plane in found.planes
@@ -108,8 +108,8 @@ def _section(segment: Segment) -> dict[str, Any]:
                 "kind": face.kind,
                 "file": f"mesh-surfaces/{face.name}.vtp",
                 "area": face.area / _SCALE**2,
-                "center": (face.center / _SCALE).tolist(),
-                "normal": face.normal.tolist(),
+                "center": face.center / _SCALE,
+                "normal": face.normal,
             }
             for face in segment.faces
         ],

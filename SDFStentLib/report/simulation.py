@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from html import escape
 from typing import Any
 
 import numpy as np
 
 from ..simulation import UNSTEADY, CaseResult, Found, Prepared, Simulated
 from ..validation import Floats
-from .flow import band_words, brief
-from .html import page
+from .flow import band_words, brief, moments_table, notes_part
+from .html import file_part
+from .markup import beginning, page
 from .picture.drawing import GRAY, Drawing, Mark, Stroke, Words, svg
 from .words import RESEARCH_USE
 
@@ -65,7 +65,7 @@ def simulation_document(found: Simulated) -> dict[str, Any]:
         "inputs": made["inputs"],
         "notes": [*_notes(found), *NOTES],
         "main_outlet": made["main_outlet"],
-        "along_mm": found.along.tolist(),
+        "along_mm": found.along,
         "meshes": {name: state["meshes"] for name, state in made["states"].items()},
         **{name: _moments(found, name, result) for name, result in found.fine.items()},
     }
@@ -104,8 +104,8 @@ def _section(found: Simulated, state: str, fine: Found, coarse: Found | None) ->
             for name, face in fine.faces.items()
             if name != "inlet"
         },
-        "static_along_mmhg": _listed(fine.pressure + (level or 0.0)),
-        "fastest_along_m_s": _listed(fine.speed),
+        "static_along_mmhg": fine.pressure + (level or 0.0),
+        "fastest_along_m_s": fine.speed,
     }
 
 
@@ -210,30 +210,17 @@ def _notes(found: Simulated) -> Iterator[str]:
 
 def simulation_page(document: Section) -> str:
     """The page made from a document of `simulation_document`: it loads nothing from elsewhere."""
-    rows = "".join(
-        f"<tr><th colspan='2'>{escape(heading)}, before -&gt; after</th></tr>"
-        + "".join(f"<tr><td>{escape(a)}</td><td>{escape(b)}</td></tr>" for a, b in told)
-        for heading, told in simulation_moments(document)
-    )
-    drawings = "".join(
-        f"<section>{svg(plot)}</section>"
-        for plot in (
-            along_plot(document, "static_along_mmhg", "static pressure (mmHg)"),
-            along_plot(document, "fastest_along_m_s", "fastest blood (m/s)"),
+    moments = [(f"{at}, before -> after", told) for at, told in simulation_moments(document)]
+    drawings = [
+        f"<section>{svg(along_plot(document, key, words))}</section>"
+        for key, words in (
+            ("static_along_mmhg", "static pressure (mmHg)"),
+            ("fastest_along_m_s", "fastest blood (m/s)"),
         )
-    )
-    notes = "".join(f"<p class='small'>{escape(note)}</p>" for note in document["notes"])
-    files = "".join(
-        f"<tr><td>{escape(name)}</td><td>{escape(str(file))}</td></tr>"
-        for name, file in document["inputs"].items()
-    )
+    ]
     title = "Flow in three dimensions, before and after"
-    return page(
-        title,
-        f"<h1>{title}</h1><p class='notice'>{escape(document['notice'])}</p>"
-        f"<table class='words'>{rows}</table>{drawings}{notes}"
-        f"<h2>Files</h2><table class='file'>{files}</table>",
-    )
+    parts = [*beginning(title, document), moments_table(moments), *drawings]
+    return page(title, [*parts, *notes_part(document), *file_part(document["inputs"])])
 
 
 def along_plot(document: Section, key: str, words: str) -> Drawing:
@@ -268,10 +255,6 @@ def along_plot(document: Section, key: str, words: str) -> Drawing:
         marks += [Stroke([(start, 16), (start + 30, 16)], COLORS[name], 2.6)]
         marks += [Words(name, start + 38, 20, anchor="start")]
     return Drawing(_WIDTH, _HEIGHT, tuple(marks), f"{words} along the centerline")
-
-
-def _listed(values: Floats) -> list[float | None]:
-    return [value if np.isfinite(value) else None for value in values.tolist()]
 
 
 def _floats(values: Sequence[float | None]) -> Floats:

@@ -154,7 +154,7 @@ def suggestion_section(suggestion: Suggestion, devices: Sequence[Device] = ()) -
 
 
 def ratio_section(ratios: SizeRatios) -> dict[str, Any]:
-    """The ratios as a report has them; null for one that is not known, none to no stenosis."""
+    """The ratios as a report has them; none to no stenosis."""
     found = {
         "stent_to_adjacent": ratios.stent_to_adjacent,
         "stent_to_proximal": ratios.diameter / ratios.healthy.proximal,
@@ -162,7 +162,7 @@ def ratio_section(ratios: SizeRatios) -> dict[str, Any]:
     }
     if not math.isnan(ratios.stenosis_diameter):
         found["balloon_to_stenosis"] = ratios.balloon_to_stenosis
-    return {name: None if math.isnan(ratio) else ratio for name, ratio in found.items()}
+    return found
 
 
 def _diameter(side: HealthyPlace | None) -> float | None:

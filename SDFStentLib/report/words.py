@@ -4,10 +4,15 @@ from __future__ import annotations
 
 import json
 import math
+import os
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, is_dataclass
 from typing import Any
 
+import numpy as np
+
 from ..units import MILLIMETERS
+from ..validation import InputError
 
 UNKNOWN = "not known"
 RESEARCH_USE = "Research use only, not a medical device."
@@ -25,8 +30,33 @@ _INPUT_WORDS = {
 
 
 def document_json(document: Mapping[str, Any]) -> str:
-    """Plain values as JSON text; numbers that are not known are `null`, never NaN."""
-    return json.dumps(document, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
+    """Values as JSON text; numbers that are not known are `null`, never NaN."""
+    return json.dumps(plain(document), indent=2, allow_nan=False, ensure_ascii=False) + "\n"
+
+
+def plain(value: Any, name: str = "document") -> Any:
+    """Plain values for JSON, None for NaN and infinity; `InputError` for what has no place."""
+    if hasattr(value, "as_dict"):
+        return plain(value.as_dict(), name)
+    if is_dataclass(value) and not isinstance(value, type):
+        return plain(asdict(value), name)
+    if isinstance(value, Mapping):
+        return {str(key): plain(item, f"{name}.{key}") for key, item in value.items()}
+    if isinstance(value, np.ndarray | np.generic):
+        return plain(value.tolist(), name)
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if value is None or isinstance(value, bool | int | str):
+        return value
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    if isinstance(value, Sequence | set | frozenset):
+        items = sorted(value) if isinstance(value, set | frozenset) else value
+        return [plain(item, f"{name}[{number}]") for number, item in enumerate(items)]
+    raise InputError(
+        f"{name}: expected numbers, texts, lists and mappings, got {type(value).__name__}; "
+        "give plain values to the report."
+    )
 
 
 def input_rows(entry: Mapping[str, Any]) -> list[tuple[str, str]]:
