@@ -57,6 +57,9 @@ def test_a_closed_part_tells_what_is_set_in_it(host, aStent):
 def test_the_progress_bar_is_there_while_a_deployment_runs(host, aStent, aStepAtATime):
     ui = aStent.ui
     aStent.parent.resize(520, 1300)  # Slicer's panel scrolls; this one would squeeze its sections
+    # What is found in the meantime would be shown, and laid out.
+    host.processUntil(lambda: not (aStent.lesions.isBusy or aStent.recoil.isBusy))
+    settle(host, aStent)
     host.process()
     assert not ui.progressBar.visible
     bottom = bottomOf(ui.deployButton, aStent)
