@@ -15,7 +15,6 @@ from oracle import field as fold_from_the_distal_end
 
 from SDFStentLib.field import FOLDS, CapsuleChain, Field
 from SDFStentLib.field.capsule_chain import runs_forward
-from SDFStentLib.validation import InputError
 
 EXACT = 1e-9  # mm: what the issue demands; rounding leaves 1e-13
 
@@ -166,27 +165,6 @@ def test_an_axis_the_other_way_round_has_the_same_nodes_and_field_to_the_last_bi
     distal = replace(there, fold="distal"), replace(back, fold="distal")
     apart = np.abs(distal[0].field(case.points).distance - distal[1].field(case.points).distance)
     assert apart.max() > 1e-3
-
-
-@pytest.mark.parametrize(
-    ("make", "message"),
-    [
-        (lambda: along(capsule_length=0), "capsule length: expected a number greater than 0"),
-        (lambda: along(smoothing_width=-1), "smoothing width: expected a number at least 0"),
-        (lambda: along(fold="proximal"), "fold: expected one of both, distal, got 'proximal'"),
-        (lambda: along([[0, 0, 0]]), "stent axis: expected a line with length"),
-        (lambda: along([[0, 0, np.nan], [0, 0, 1]]), "stent axis: expected finite coordinates"),
-        (lambda: along(np.zeros((3, 3))), "stent axis: expected a line with length"),
-        (lambda: CapsuleChain(np.zeros((2, 3))), "distinct neighbors, got a repeated node"),
-    ],
-)
-def test_bad_chains_are_refused(make, message):
-    with pytest.raises(InputError, match=message):
-        make()
-
-
-def along(axis=AXES["straight"], **more):
-    return CapsuleChain.along(axis, **more)
 
 
 def windowed(chain, points, near):

@@ -14,7 +14,6 @@ from SDFStentLib.certificate.face_quality import (
     smallest_angles,
 )
 from SDFStentLib.geometry import Precision, Surface
-from SDFStentLib.validation import InputError
 
 
 def _sphere(rings=16, around=24, radius=10.0):
@@ -242,19 +241,3 @@ def test_several_places_are_counted(sphere):
     before = np.r_[points, points + aside]
     after = np.r_[_pushed_through(points), _pushed_through(points) + aside]
     assert "at 2 places, most of them near" in certify(Surface(before, both), after).sentence()
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"after": np.zeros((4, 3))}, "points as before, got 4"),
-        ({"moved": [100000]}, "moved: expected indices or a mask"),
-        ({"moved": [0.5]}, "moved: expected indices or a mask"),
-        ({"precision": Precision(np.float32, 1e39)}, "too large for"),
-    ],
-)
-def test_bad_input_is_named(sphere, changes, message):
-    points, triangles = sphere
-    after = changes.pop("after", points)
-    with pytest.raises(InputError, match=message):
-        certify(Surface(points, triangles), after, **changes)

@@ -67,14 +67,6 @@ def test_no_input_may_lie_in_a_folder_that_is_replaced(tmp_path):
         Outputs([source]).add_folder(tmp_path / "steps", a_folder_of("new"), is_step)
 
 
-def test_steps_may_lie_in_the_folder_that_is_made_for_the_outputs(tmp_path):
-    outputs = Outputs(folder=tmp_path / "new")
-    outputs.add(tmp_path / "new" / "out.vtp", writing("out"))
-    outputs.add_folder(tmp_path / "new" / "steps", a_folder_of("step"), is_step)
-    outputs.write()
-    assert everything_in(tmp_path) == {"new/out.vtp": "out", "new/steps/step_0000.vtp": "step"}
-
-
 def test_a_mount_point_is_said_before_anything_is_computed(tmp_path, monkeypatch):
     (tmp_path / "disk").mkdir()
     monkeypatch.setattr(os.path, "ismount", lambda path: str(path).endswith("disk"))

@@ -306,11 +306,3 @@ def test_a_folder_that_is_no_cohort_is_refused(tmp_path):
     for use in (Cohort, write_manifest):
         with pytest.raises(InputError, match="expected the folder of a cohort"):
             use(tmp_path)
-
-
-def test_one_way_to_carry_it_out_is_enough(folder, tmp_path):
-    with pytest.raises(InputError, match="expected one of workers, scheduler and executor"):
-        run_sweep(sweep_in(folder), tmp_path, workers=2, executor=Inline())
-    for workers in (0, 1.5, True, 5000):
-        with pytest.raises(InputError, match="workers: expected a whole number from 1 to "):
-            run_sweep(sweep_in(folder), tmp_path, workers=workers)

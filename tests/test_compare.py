@@ -232,14 +232,6 @@ def test_what_cannot_be_compared_is_said_and_nothing_written(a_folder, capsys, o
     assert not (a_folder / "out").exists()
 
 
-def test_two_plans_of_one_name_are_refused(a_folder, capsys):
-    written(a_folder, one=PLANS["one"])
-    (a_folder / "more").mkdir()
-    (a_folder / "more" / "one.json").write_text("{}", encoding="utf-8")
-    assert main(["compare", "one.json", "more/one.json", "-o", "out"]) == 2
-    assert "one.json is called one, too; rename one of the files" in capsys.readouterr().err
-
-
 def test_a_plan_without_centerline_is_compared_and_its_lesions_were_not_looked_for(a_folder):
     alone = plan_of({"diameter": 6.0, "placement": {"axis": {"file": "axis.vtp"}}})
     alone["inputs"] = {key: value for key, value in INPUTS.items() if key != "centerline"}

@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 from SDFStentLib.certificate import check_surface, intersections
 from SDFStentLib.certificate.triangle_contact import certain_contact, exact_contact
 from SDFStentLib.geometry import Precision, Surface
-from SDFStentLib.validation import InputError
 
 
 def intersecting_pairs(points, triangles, among=None):
@@ -305,19 +304,6 @@ def test_a_large_triangle_among_many_small_ones_is_found():
     assert len(crossing) > 1
     assert set(crossing) <= set(found.tolist())
     assert np.array_equal(self_intersecting_triangles(points, triangles, [3000]), crossing)
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"among": [0, 7]}, "triangle indices from 0 to 1"),
-        ({"among": [0.5]}, "indices or a mask of 2"),
-    ],
-)
-def test_bad_input_is_named(changes, message):
-    points = np.array([*FLAT, [1, 1, 1]], dtype=float)
-    with pytest.raises(InputError, match=message):
-        self_intersecting_triangles(points, np.array([[0, 1, 2], [0, 1, 3]]), **changes)
 
 
 # ----------------------------------------------------------------------- real vessels and MeshLab

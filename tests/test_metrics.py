@@ -10,7 +10,6 @@ from SDFStentLib.geometry import Line, Surface, SurfaceIndex
 from SDFStentLib.geometry.distance import closest_points_on_triangles
 from SDFStentLib.lumen import (
     DiameterProfile,
-    Until,
     diameter_profile,
     displacements,
     equivalent_diameters,
@@ -223,18 +222,6 @@ def test_there_is_no_sphere_outside_and_none_but_a_point_on_the_wall():
     assert np.isnan(found.radii[0])
     assert np.isnan(found.centers[0]).all()
     assert found.radii[1] == pytest.approx(0, abs=1e-9)
-
-
-def test_spheres_are_refused_without_a_direction_across_which_to_search():
-    tube = a_round_tube()
-    with pytest.raises(InputError, match="at least 2 points or a tangent for each, got 1"):
-        inscribed_spheres(*tube, [[0, 0, 20]])
-    with pytest.raises(InputError, match="got zero at point 1; remove repeated axis points"):
-        inscribed_spheres(*tube, [[0, 0, 20], [0, 0, 21]], [[0, 0, 1], [0, 0, 0]])
-    with pytest.raises(InputError, match="one for each of the 1 centers, got 2"):
-        inscribed_spheres(*tube, [[0, 0, 20]], upward(2))
-    with pytest.raises(InputError, match="tolerance: expected a number greater than 0"):
-        inscribed_spheres(*tube, [[0, 0, 20]], upward(1), Until(0))
 
 
 # Cross-sections and profiles

@@ -240,15 +240,6 @@ def test_faces_are_called_as_the_model_calls_them():
     np.testing.assert_array_equal(np.unique(found.before.face_ids), sorted(kept))
 
 
-def test_names_of_files_differ_in_more_than_the_size_of_their_letters():
-    phantom = branching_pulmonary_artery()
-    names = {3: "l" * 300, 4: "L" * 300}
-    vessel = Vessel(phantom.surface, phantom.centerline, faces=NamedFaces(phantom.face_ids, names))
-    kept = [face.name for face in segment_of(vessel, 0.1, 0.9).before.faces]
-    assert len({name.casefold() for name in kept}) == len(kept) == 4
-    assert max(map(len, kept)) < 100
-
-
 def test_an_open_end_within_the_segment_is_closed_flat():
     phantom = branching_pulmonary_artery()
     wall = phantom.triangles[phantom.face_ids == 1]

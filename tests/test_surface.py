@@ -17,7 +17,6 @@ from SDFStentLib.geometry import (
     topology,
     vertex_normals,
 )
-from SDFStentLib.validation import InputError
 
 TETRAHEDRON = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
 TETRAHEDRON_POINTS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
@@ -258,19 +257,6 @@ def test_rays_through_vertices_and_edges_are_counted_once():
 
 
 # ----------------------------------------------------------------------------------------- errors
-
-
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda p, t: plane_section(p, t, [0, 0, 0], [0, 0, 0]), "the zero vector"),
-        (lambda p, t: plane_section(p, t, [0, 0], [0, 0, 1]), r"shape \(n, 3\)"),
-    ],
-)
-def test_bad_input_is_named(call, message):
-    points, triangles = _box()
-    with pytest.raises(InputError, match=message):
-        call(points, triangles)
 
 
 # ------------------------------------------------------------------------------ parts of a surface

@@ -80,13 +80,6 @@ def test_what_is_no_precision_is_refused(values, message):
         Precision(**values).stored(np.eye(3))
 
 
-def test_stored_points_are_rounded_in_the_unit_of_the_file():
-    points = np.random.default_rng(3).normal(size=(50, 3))
-    assert Precision().stored(points) is points
-    expected = (points * 0.1).astype(np.float32).astype(np.float64)
-    assert np.array_equal(Precision(np.float32, 0.1).stored(points), expected)
-
-
 # Fans of faces round the vertices: the walk that is fast against the graph that is plain.
 
 

@@ -169,11 +169,3 @@ def test_a_document_of_a_cohort_that_lacks_something_is_none(cohort, change, end
         assert "expected the folder of a cohort, got one" in error
         assert error.count("\n") == 1
     assert (cohort / "victim" / "mine.txt").exists()
-
-
-@pytest.mark.parametrize("text", [*DAMAGED, '{"total": "many"}', '{"total": 2, "failed": []}'])
-def test_counts_that_are_damaged_are_not_told(cohort, text, ended):
-    (cohort / "out" / "progress.json").write_text(text, encoding="utf-8")
-    code, out, error = ended(cohort, "sweep --status out")
-    assert code == 0, error
-    assert "of 2 cases" in out
