@@ -12,6 +12,7 @@ from SDFStentLib.deformation import DeploymentSettings, deploy
 from SDFStentLib.geometry import Balls, Line, Surface, SurfaceIndex, nearest_distances
 from SDFStentLib.geometry.distance import closest_points_on_triangles
 from SDFStentLib.lumen import (
+    StationSearch,
     Until,
     equivalent_diameters,
     inscribed_spheres,
@@ -30,7 +31,9 @@ from SDFStentLib.phantoms import (
     vascular_tree,
 )
 from SDFStentLib.vessel import branch_lumen
-from SDFStentLib.vessel.branch_lumen import branch_lumens
+from SDFStentLib.vessel.branch_lumen import branch_lumens, tree_lumen
+from SDFStentLib.vessel.narrowings import narrowings
+from SDFStentLib.vessel.own_diameters import measured_runs
 from SDFStentLib.vessel.runs import vessel_runs
 
 PHANTOMS = {
@@ -150,9 +153,9 @@ def test_ends_of_vessels_are_the_same_where_their_spheres_are_searched_to_the_en
     def whole(points, triangles, stations, directions, until):
         assert np.isfinite(until.enough).any()
         to_the_end = until._replace(enough=np.inf)
-        return inscribed_spheres(points, triangles, stations, directions, to_the_end)
+        return StationSearch(points, triangles, stations, directions, to_the_end)
 
-    monkeypatch.setattr(branch_lumen, "inscribed_spheres", whole)
+    monkeypatch.setattr(branch_lumen, "StationSearch", whole)
     unmeasured = surface.with_points(surface.points)
     for one, exact in zip(fast, vessel_runs(branch_lumens(unmeasured, tree)), strict=True):
         np.testing.assert_allclose(one.diameter, exact.diameter, atol=1e-3)
@@ -164,9 +167,9 @@ def test_a_tree_is_measured_once_for_whoever_asks(a_vessel_and_its_tree, monkeyp
 
     def counted(*arguments):
         searches.append(arguments)
-        return inscribed_spheres(*arguments)
+        return StationSearch(*arguments)
 
-    monkeypatch.setattr(branch_lumen, "inscribed_spheres", counted)
+    monkeypatch.setattr(branch_lumen, "StationSearch", counted)
     unmeasured = surface.with_points(surface.points)
     lumens = branch_lumens(unmeasured, tree)
     assert branch_lumens(unmeasured, tree) is lumens
@@ -175,6 +178,24 @@ def test_a_tree_is_measured_once_for_whoever_asks(a_vessel_and_its_tree, monkeyp
     for one, other in zip(branch_lumens(unmeasured, again), lumens, strict=True):
         np.testing.assert_array_equal(one.diameter, other.diameter)
     assert len(searches) == 2
+
+
+def test_vessels_with_a_narrowing_are_measured_exactly_and_others_nearly_so(a_vessel_and_its_tree):
+    surface, tree = a_vessel_and_its_tree
+    told = measured_runs(surface, tree)
+    lumens = tree_lumen(surface, tree)
+    exact = lumens.spheres.exact()
+    for run in told:
+        at = lumens.stations_of(run)
+        known = np.isfinite(run.diameter)
+        share = run.diameter[known] / (2 * exact.radii[at][known])
+        # Spheres that leave their vessel are told smaller.
+        if narrowings(run):
+            assert (share <= 1 + 1e-3).all()
+            assert np.median(share) == pytest.approx(1, abs=1e-3)
+        else:
+            assert np.median(share) == pytest.approx(1, abs=0.03)
+            assert (share <= 1.1).all()
 
 
 def test_a_surface_goes_half_round_a_point_on_it():

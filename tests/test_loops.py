@@ -10,7 +10,7 @@ from SDFStentLib.cli import main
 from SDFStentLib.cli.demo import _written_patient
 from SDFStentLib.geometry import Line, SurfaceIndex
 from SDFStentLib.lumen import LocalSurface
-from SDFStentLib.lumen.spheres import inscribed
+from SDFStentLib.lumen.spheres import climb, inscribed
 from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube
 from SDFStentLib.phantoms.field import Rim
 from SDFStentLib.phantoms.junction import _rim_loop
@@ -94,7 +94,7 @@ def test_a_line_is_made_anew_with_a_bounded_number_of_segments(length, spacing):
 
 def test_a_climb_that_does_not_settle_ends_with_the_exact_radius_of_where_it_is(monkeypatch):
     tube = stenosed_tube(edge_length=1.5)
-    monkeypatch.setattr(inscribed, "_ROUNDS", 1)
+    monkeypatch.setattr(climb, "_ROUNDS", 1)
     axis = [[0.5, 0, 10], [0.5, 0, 20], [0.5, 0, 30]]
     spheres = inscribed.inscribed_spheres(tube.points, tube.triangles, axis)
     exact = SurfaceIndex(tube.points, tube.triangles).distances(spheres.centers).distance

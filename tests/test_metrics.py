@@ -16,7 +16,7 @@ from SDFStentLib.lumen import (
     face_stretches,
     inscribed_spheres,
 )
-from SDFStentLib.lumen.spheres import inscribed
+from SDFStentLib.lumen.spheres import climb, inscribed
 from SDFStentLib.lumen.spheres.wall_points import WallPoints
 from SDFStentLib.phantoms import branching_pulmonary_artery
 from SDFStentLib.validation import InputError
@@ -162,14 +162,14 @@ def test_a_fine_surface_is_searched_among_its_points_with_the_same_result(
     points, triangles = a_round_tube(count=90, length=60, spacing=0.6)
     points = points * [1.0, 0.8, 1.0]
     starts = np.linspace([2.0, 0.5, 20], [-1.5, 0, 40], 12)
-    monkeypatch.setattr(inscribed, "_ROUGHLY", np.inf)
+    monkeypatch.setattr(climb, "_ROUGHLY", np.inf)
     plain = inscribed_spheres(points, triangles, starts)
     levels = []
     monkeypatch.setattr(
-        inscribed, "WallPoints", lambda *given: levels.append(given[1]) or WallPoints(*given)
+        climb, "WallPoints", lambda *given: levels.append(given[1]) or WallPoints(*given)
     )
-    monkeypatch.setattr(inscribed, "_ROUGHLY", roughly)
-    monkeypatch.setattr(inscribed, "_FINER", finer)
+    monkeypatch.setattr(climb, "_ROUGHLY", roughly)
+    monkeypatch.setattr(climb, "_FINER", finer)
     fine = inscribed_spheres(points, triangles, starts)
     assert len(levels) >= (1 if roughly == 100 else 4)
     np.testing.assert_allclose(fine.radii, plain.radii, rtol=0, atol=1e-4)

@@ -9,7 +9,12 @@ from benchmarks.judges import wall_distances
 from benchmarks.trees.surface import Wall
 from benchmarks.trees.truth import Spheres
 from SDFStentLib.geometry import Line
-from SDFStentLib.lumen import diameter_profile, inscribed_spheres, with_own_spheres
+from SDFStentLib.lumen import (
+    LocalSurface,
+    diameter_profile,
+    inscribed_spheres,
+    with_own_spheres,
+)
 from SDFStentLib.phantoms import Opening, TrueVessel, branching_pulmonary_artery, straight_tube
 from SDFStentLib.phantoms.axis import narrowing, planar_axis
 from SDFStentLib.phantoms.field import Tube, TubeUnion
@@ -113,7 +118,9 @@ def test_a_throat_beside_which_a_branch_leaves_is_told_as_it_is():
     found = inscribed_spheres(points, triangles, stations, ways)
     astray = np.linalg.norm(found.centers - stations, axis=1) >= found.radii
     assert (2 * found.radii[astray] / truth[astray]).max() > 1.4, "no sphere leaves its vessel"
-    told = with_own_spheres((points, triangles), stations, ways, found, [np.arange(len(along))])
+    told = with_own_spheres(
+        LocalSurface(points, triangles, stations), stations, ways, found, [np.arange(len(along))]
+    )
     assert told.radii == pytest.approx(wall_distances(points, triangles, told.centers), rel=1e-5)
     assert (told.radii[~astray] == found.radii[~astray]).all()
     excess = 2 * told.radii[astray] / truth[astray] - 1
@@ -170,5 +177,6 @@ def test_lines_beside_the_middle_of_a_vessel_keep_their_spheres():
     stations = np.column_stack([np.full(15, 2.7), np.zeros(15), along])
     ways = np.tile([0.0, 0.0, 1.0], (15, 1))
     found = inscribed_spheres(tube.points, tube.triangles, stations, ways)
-    told = with_own_spheres((tube.points, tube.triangles), stations, ways, found, [np.arange(15)])
+    wall = LocalSurface(tube.points, tube.triangles, stations)
+    told = with_own_spheres(wall, stations, ways, found, [np.arange(15)])
     np.testing.assert_array_equal(told.radii, found.radii)

@@ -128,6 +128,10 @@ class SurfaceIndex:
             distance[block], closest[block], triangle[block] = self._distances(queries[block])
         return SurfaceDistance(distance, closest, triangle)
 
+    def nearest_middles(self, queries: Points) -> Floats:
+        """Distance (n,) from every query to the nearest centroid."""
+        return self._discs.nearest(queries)
+
     def near(self, queries: Points, radii: Floats) -> NearPairs:
         """Pairs of query (n, 3) and triangle: all that come within `radii` (n,), and few more."""
         query, triangle = self._discs.near(queries, radii)
@@ -154,7 +158,7 @@ class SurfaceIndex:
         return closest
 
     def _distances(self, queries: Points) -> SurfaceDistance:
-        query, triangle, _ = self.near(queries, self._discs.nearest(queries))
+        query, triangle, _ = self.near(queries, self.nearest_middles(queries))
         places = queries.take(query, axis=0)
         closest = self.closest_points(places, triangle)
         distance = norm(places - closest)

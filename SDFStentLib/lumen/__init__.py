@@ -38,6 +38,7 @@ from .section_areas import section_loops as section_loops
 from .spheres import FollowedWall as FollowedWall
 from .spheres import InscribedSpheres as InscribedSpheres
 from .spheres import LocalSurface as LocalSurface
+from .spheres import StationSearch as StationSearch
 from .spheres import Until as Until
 from .spheres import followed_wall as followed_wall
 from .spheres import inscribed_spheres as inscribed_spheres

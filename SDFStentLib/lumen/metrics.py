@@ -21,7 +21,7 @@ from .closed_ends import NO_CAPS, open_at_ends, past_closed_ends
 from .cross_section import winding_numbers
 from .cut_sections import cut_at_ostia
 from .rounded_ends import past_rounded_ends
-from .spheres import with_own_spheres
+from .spheres import LocalSurface, with_own_spheres
 from .stations import Stations, measured_at
 
 _WINDING_INSIDE = 0.3
@@ -188,7 +188,7 @@ def profile_of(
     seen = np.delete(triangles, caps, axis=0) if len(caps) else triangles
     # Sections are cut round spheres: those that have left the vessel are a branch's.
     lines = [np.arange(len(measured.points))]
-    own = with_own_spheres((points, seen), *measured[:3], lines)
+    own = with_own_spheres(LocalSurface(points, seen, measured.points), *measured[:3], lines)
     measured = past_closed_ends(points, triangles, measured._replace(spheres=own), caps)
     stations, equivalent = measured.points, measured.equivalent.copy()
     is_cut = np.zeros(len(stations), dtype=bool)

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from functools import cached_property
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from ..centerline import BranchLumen, Centerline
 from ..geometry import Surface, is_inside, tangents
-from ..lumen import InscribedSpheres, Until, closed_surface, holes_of, inscribed_spheres
-from ..validation import Flags, Floats, InputError, Points
+from ..lumen import InscribedSpheres, StationSearch, Until, closed_surface, holes_of
+from ..validation import Flags, Floats, Indices, InputError, Points
+from .runs import VesselRun
 
 _SAFELY = 1 + 1e-9
 """Factor on a radius that is enough, against rounding."""
@@ -24,8 +26,8 @@ TOLERANCE = 1e-4
 """Of the search for the spheres, mm; far below what a tenth of a diameter needs."""
 
 
-_known: WeakKeyDictionary[Surface, tuple[Centerline, tuple[BranchLumen, ...]]] = WeakKeyDictionary()
-"""Of the last centerline: lesions and flow ask for the same."""
+_ROUGHLY = 0.95
+"""Share of a rough sphere that surely holds no wall."""
 
 
 def branch_lumens(surface: Surface, centerline: Centerline) -> tuple[BranchLumen, ...]:
@@ -41,31 +43,71 @@ def branch_lumens(surface: Surface, centerline: Centerline) -> tuple[BranchLumen
     InputError
         The whole centerline is outside of the surface.
     """
-    known = _known.get(surface)
-    if known is None or known[0] is not centerline:
-        known = _known[surface] = centerline, _measured(surface, centerline)
-    return known[1]
+    return tree_lumen(surface, centerline).exact
 
 
-def _measured(surface: Surface, centerline: Centerline) -> tuple[BranchLumen, ...]:
-    lumens = centerline.lumens
-    stations = np.concatenate([lumen.points for lumen in lumens])
-    directions = np.concatenate([tangents(lumen.points) for lumen in lumens])
-    to_end = np.concatenate(_distances_to_ends(lumens))
-    # What is wider than this so near to an end is not used, however wide it is.
-    until = Until(TOLERANCE, _SAFELY / END_REACH * to_end)
-    spheres = inscribed_spheres(surface.points, surface.triangles, stations, directions, until)
-    diameter = 2 * spheres.radii
-    is_in = are_in_lumen(stations, spheres, surface)
-    if not (is_in & np.isfinite(diameter)).any():
-        raise InputError(
-            "lesions: expected a centerline inside of the surface, got one that is outside "
-            "everywhere; check that both are of one patient and in one unit."
+class TreeLumen:
+    """The lumen along all branches of a tree, as `branch_lumens` has it, roughly or exactly."""
+
+    def __init__(self, surface: Surface, centerline: Centerline) -> None:
+        self.centerline, self._lumens = centerline, centerline.lumens
+        self._ends = np.cumsum([len(lumen.points) for lumen in self._lumens])
+        stations = np.concatenate([lumen.points for lumen in self._lumens])
+        directions = np.concatenate([tangents(lumen.points) for lumen in self._lumens])
+        self._to_end = np.concatenate(_distances_to_ends(self._lumens))
+        # What is wider than this so near to an end is not used, however wide it is.
+        until = Until(TOLERANCE, _SAFELY / END_REACH * self._to_end)
+        wall = surface.points, surface.triangles
+        self.spheres = StationSearch(*wall, stations, directions, until)
+        centers, radii = self.spheres.rough
+        self._is_in = are_in_lumen(stations, InscribedSpheres(centers, _ROUGHLY * radii), surface)
+        if not (self._is_in & np.isfinite(radii)).any():
+            raise InputError(
+                "lesions: expected a centerline inside of the surface, got one that is outside "
+                "everywhere; check that both are of one patient and in one unit."
+            )
+
+    @cached_property
+    def rough(self) -> tuple[BranchLumen, ...]:
+        """With `StationSearch.rough` spheres."""
+        return self._told(self.spheres.rough)
+
+    @cached_property
+    def exact(self) -> tuple[BranchLumen, ...]:
+        """With the largest spheres."""
+        return self._told(self.spheres.exact())
+
+    def stations_of(self, run: VesselRun) -> Indices:
+        """Which of the spheres (n,) are those at the stations of a vessel."""
+        found = np.empty(len(run.along), dtype=np.int64)
+        for lumen, end in zip(self._lumens, self._ends, strict=True):
+            own = run.branch == lumen.branch
+            if own.any():
+                at = np.abs(lumen.along - run.branch_along[own, None]).argmin(axis=1)
+                found[own] = end - len(lumen.along) + at
+        return found
+
+    def _told(self, spheres: InscribedSpheres) -> tuple[BranchLumen, ...]:
+        diameter = 2 * spheres.radii
+        is_near_end = END_REACH * spheres.radii > self._to_end
+        diameter[~self._is_in | ~(diameter > 0) | is_near_end] = np.nan
+        columns = (np.split(column, self._ends[:-1]) for column in (diameter, spheres.centers))
+        return tuple(
+            lumen._replace(diameter=d, centers=c)
+            for lumen, d, c in zip(self._lumens, *columns, strict=True)
         )
-    diameter[~is_in | ~(diameter > 0) | (END_REACH * spheres.radii > to_end)] = np.nan
-    ends = np.cumsum([len(lumen.points) for lumen in lumens])[:-1]
-    columns = zip(lumens, np.split(diameter, ends), np.split(spheres.centers, ends), strict=True)
-    return tuple(lumen._replace(diameter=d, centers=c) for lumen, d, c in columns)
+
+
+_known: WeakKeyDictionary[Surface, TreeLumen] = WeakKeyDictionary()
+"""Of the last centerline: lesions and flow ask for the same."""
+
+
+def tree_lumen(surface: Surface, centerline: Centerline) -> TreeLumen:
+    """Measured once for a surface and its centerline; errors as of `branch_lumens`."""
+    known = _known.get(surface)
+    if known is None or known.centerline is not centerline:
+        known = _known[surface] = TreeLumen(surface, centerline)
+    return known
 
 
 def _distances_to_ends(lumens: Sequence[BranchLumen]) -> list[Floats]:

@@ -11,7 +11,7 @@ from ..centerline import Centerline
 from ..geometry import NamedFaces, Surface, SurfaceIndex, is_inside
 from ..lumen import closed_surface
 from ..validation import Floats, InputError, Points, in_short
-from .branch_lumen import branch_lumens
+from .branch_lumen import tree_lumen
 from .branch_names import faces_at_ends
 from .runs import VesselRun, is_main, vessel_runs
 
@@ -64,7 +64,7 @@ def given_names(
     """
     if not names:
         return ()
-    runs = vessel_runs(branch_lumens(surface, centerline))
+    runs = vessel_runs(tree_lumen(surface, centerline).rough)
     marked: dict[int, str] = {}
     for one in names:
         label = f"names: {one.name!r}"

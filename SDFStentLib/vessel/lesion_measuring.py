@@ -10,8 +10,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..geometry import Surface, arc_lengths, tangents
-from ..lumen import InscribedSpheres, MovedWall, inscribed_spheres, with_own_spheres
+from ..geometry import Surface, arc_lengths, norm, tangents
+from ..lumen import InscribedSpheres, MovedWall, StationSearch, Until, with_own_spheres
 from ..validation import Flags, Floats, Points
 from .branch_lumen import are_in_lumen
 from .lesion_sections import between_neighbors, cut_at, on_line, tightest
@@ -108,11 +108,11 @@ def _spheres(
     if not lines:
         return []
     places, ways = (np.concatenate(column) for column in zip(*lines, strict=True))
-    wall = surface.points, surface.triangles
-    found = inscribed_spheres(*wall, places, ways)
+    ways /= norm(ways)[:, None]
+    search = StationSearch(surface.points, surface.triangles, places, ways, Until())
     ends = np.cumsum([len(line) for line, _ in lines])[:-1]
     parts = np.split(np.arange(len(places)), ends)
-    found = with_own_spheres(wall, places, ways, found, parts)
+    found = with_own_spheres(search.surface, places, ways, search.exact(), parts)
     if may_be_outside:
         found.radii[~are_in_lumen(places, found, surface)] = np.nan
     return [found.at(part) for part in parts]

@@ -24,15 +24,14 @@ from ..geometry import (
 )
 from ..lumen import equivalent_diameters
 from ..validation import Floats, Points, as_points
-from .branch_lumen import branch_lumens
 from .branch_names import named_branches, size_words
 from .lesion_measuring import as_place, lesions_after, measured
 from .lesion_sections import OWN_SECTION
 from .lesion_value import HealthyPlace, Lesion, Place, reference_words
 from .narrowings import Narrowing, Plateau, narrowings
-from .own_diameters import with_own_diameters
+from .own_diameters import measured_runs
 from .plateaus import PLATEAU, healthy_caliber
-from .runs import VesselRun, is_main, vessel_runs
+from .runs import VesselRun, is_main
 
 _ASLANT = 2.0
 """An axis that goes aslant meets the section within so many radii of its middle."""
@@ -84,8 +83,7 @@ def find_lesions(
         No surface, or a centerline outside of it.
     """
     surface = as_surface(surface)
-    lumens = branch_lumens(surface, centerline)
-    runs = with_own_diameters(surface, lumens, vessel_runs(lumens))
+    runs = measured_runs(surface, centerline)
     found = _found(runs)
     faces = checked_faces(faces, len(surface.triangles))
     named = named_branches(surface, centerline, faces, given)

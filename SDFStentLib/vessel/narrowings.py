@@ -130,13 +130,13 @@ class _Sides(NamedTuple):
     """Its diameter where it is narrowest, mm."""
 
 
-def narrowings(run: VesselRun) -> list[Narrowing]:
-    """The narrowings of a vessel from its start to its end."""
+def narrowings(run: VesselRun, eased: float = 0.0) -> list[Narrowing]:
+    """The narrowings of a vessel from its start to its end, or shallower ones by so much, too."""
     along, diameter = known_stations(run)
     if len(along) < 3:
         return []
     before, after = _sides(run, along, diameter, plateaus_of(run))
-    degree, counts = _degrees(along, diameter, before, after)
+    degree, counts = _degrees(along, diameter, before, after, eased)
     throats = [
         first + int(np.where(counts, diameter, np.inf)[first : last + 1].argmin())
         for first, last in _parts(along, degree > EDGE_DEGREE, diameter / (1 - degree))
@@ -215,7 +215,7 @@ def _where_lost(own: _Sides, other: _Sides, wanted: Floats, diameter: Floats) ->
 
 
 def _degrees(
-    along: Floats, diameter: Floats, before: _Sides, after: _Sides
+    along: Floats, diameter: Floats, before: _Sides, after: _Sides, eased: float
 ) -> tuple[Floats, Flags]:
     """How much narrower (n,) than the line from plateau to plateau, and where that counts."""
     span = after.along - before.along
@@ -235,7 +235,7 @@ def _degrees(
     one_sided = np.where(away <= FOCAL * line, SMALLEST_FOCAL, SMALLEST_ONE_SIDED)
     enough = np.where(is_one_sided, one_sided, SMALLEST_DEGREE)
     is_told = ~is_one_sided | (away <= ONE_SIDED_REACH * line)
-    return degree, is_told & (degree >= enough) & (recovery >= SMALLEST_RECOVERY)
+    return degree, is_told & (degree >= enough - eased) & (recovery >= SMALLEST_RECOVERY - eased)
 
 
 def _reference(run: VesselRun, at: int, before: _Sides, after: _Sides) -> Reference:

@@ -1,50 +1,61 @@
-"""Vessels as wide as they are themselves beside branches that leave at a throat."""
+"""The vessels of a tree, measured: roughly all of them, exactly those with something to tell.
+
+Which branch a vessel goes on in, and how wide vessels are beside each other, rough spheres tell as
+well as exact ones; so they do where a vessel has no narrowing. Vessels that may have one are
+measured exactly. Spheres that leave their vessel beside a throat count as what it is itself.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
-from ..centerline import BranchLumen
+from ..centerline import Centerline
 from ..geometry import Surface, tangents
-from ..lumen import InscribedSpheres, with_own_spheres
-from ..validation import Points
-from .runs import VesselRun
+from ..lumen import InscribedSpheres, LocalSurface, with_own_spheres
+from ..validation import Indices
+from .branch_lumen import tree_lumen
+from .narrowings import narrowings
+from .runs import VesselRun, vessel_runs
+
+_ROUGHLY = 0.05
+"""Of the reference by which a narrowing may be deeper than rough spheres tell."""
 
 
-def with_own_diameters(
-    surface: Surface, lumens: Sequence[BranchLumen], runs: Sequence[VesselRun]
-) -> list[VesselRun]:
-    """Vessels without the spheres that have left them; which vessel goes on where is as before.
+def measured_runs(surface: Surface, centerline: Centerline) -> list[VesselRun]:
+    """The vessels of a tree as wide as they are themselves beside branches that leave at a throat.
 
-    Parameters
-    ----------
-    surface : Surface
-    lumens : sequence of BranchLumen
-        With the spheres of all stations.
-    runs : sequence of VesselRun
-        Of these.
+    Errors as of `branch_lumens`.
     """
-    of_branch = {lumen.branch: lumen for lumen in lumens}
+    tree = tree_lumen(surface, centerline)
+    runs, wall = vessel_runs(tree.rough), tree.spheres.surface
+    stations = [tree.stations_of(run) for run in runs]
+    own = _own(wall, runs, [tree.spheres.rough.at(which) for which in stations])
+    asked = [number for number, run in enumerate(own) if narrowings(run, _ROUGHLY)]
+    if asked:
+        ends = np.cumsum([len(stations[number]) for number in asked])
+        exact = tree.spheres.exact(np.concatenate([stations[number] for number in asked]))
+        parts = [exact.at(part) for part in np.split(np.arange(ends[-1]), ends[:-1])]
+        for number, run in zip(asked, _own(wall, [runs[n] for n in asked], parts), strict=True):
+            own[number] = run
+    return own
+
+
+def _own(
+    wall: LocalSurface, runs: Sequence[VesselRun], spheres: Sequence[InscribedSpheres]
+) -> list[VesselRun]:
+    """Vessels with the spheres at their stations, but those that have left them.
+
+    What is not known of a vessel stays so.
+    """
     stations = np.concatenate([run.points for run in runs])
     ends = np.cumsum([len(run.along) for run in runs])
-    lines = np.split(np.arange(len(stations)), ends[:-1])
-    found = InscribedSpheres(
-        np.concatenate([_centers(run, of_branch) for run in runs]),
-        np.concatenate([run.diameter / 2 for run in runs]),
-    )
+    lines: list[Indices] = np.split(np.arange(len(stations)), ends[:-1])
+    centers = np.concatenate([found.centers for found in spheres])
+    radii = np.concatenate([found.radii for found in spheres])
+    is_known = np.isfinite(np.concatenate([run.diameter for run in runs]))
+    found = InscribedSpheres(centers, np.where(is_known, radii, np.nan))
     ways = np.concatenate([tangents(run.points) for run in runs])
-    wall = surface.points, surface.triangles
     diameter = 2 * with_own_spheres(wall, stations, ways, found, lines).radii
     return [run._replace(diameter=diameter[line]) for run, line in zip(runs, lines, strict=True)]
-
-
-def _centers(run: VesselRun, of_branch: Mapping[int, BranchLumen]) -> Points:
-    """Of the spheres at a vessel's stations, (n, 3) mm."""
-    found = np.full((len(run.along), 3), np.nan)
-    for branch in np.unique(run.branch).tolist():
-        own, lumen = run.branch == branch, of_branch[branch]
-        at = np.abs(lumen.along - run.branch_along[own, None]).argmin(axis=1)
-        found[own] = lumen.centers[at]
-    return found

@@ -1,10 +1,11 @@
 """The largest sphere inside a lumen round a place."""
 
+from .climb import InscribedSpheres as InscribedSpheres
+from .climb import Until as Until
 from .followed import FollowedWall as FollowedWall
 from .followed import followed_wall as followed_wall
-from .inscribed import InscribedSpheres as InscribedSpheres
 from .inscribed import SphereSearch as SphereSearch
-from .inscribed import Until as Until
+from .inscribed import StationSearch as StationSearch
 from .inscribed import inscribed_spheres as inscribed_spheres
 from .local_surface import LocalSurface as LocalSurface
 from .own import with_own_spheres as with_own_spheres

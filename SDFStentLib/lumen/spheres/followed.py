@@ -13,7 +13,7 @@ import numpy as np
 
 from ...geometry import Balls, across, dot, norm
 from ...validation import Floats, Indices, Points
-from .inscribed import InscribedSpheres
+from .climb import InscribedSpheres
 from .max_min_step import LinearRows, largest_steps
 
 _ACROSS = 6

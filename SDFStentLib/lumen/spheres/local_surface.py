@@ -74,8 +74,8 @@ class LocalSurface:
 
         By those in the box round these centers: elsewhere the surface may be finer or coarser.
         """
-        reach = self._vertex_distances(centers)
-        margin = _ROUND * reach.max()
+        reach = self.index.nearest_middles(centers)
+        margin = _ROUND * reach.max(initial=0.0)
         low, high = centers.min(axis=0) - margin, centers.max(axis=0) + margin
         middles, radii = self.index.centroids, self.index.disc_radii
         is_near = np.all((middles >= low) & (middles <= high), axis=1)

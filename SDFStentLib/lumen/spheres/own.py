@@ -12,8 +12,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...geometry import across, arc_lengths, norm
-from ...validation import Floats, Indices, Points, Triangles
-from .inscribed import InscribedSpheres
+from ...validation import Floats, Indices, Points
+from .climb import InscribedSpheres
 from .local_surface import LocalSurface
 
 _CENTERED = 0.5
@@ -30,7 +30,7 @@ _FINEST = 0.005
 
 
 def with_own_spheres(
-    wall: tuple[Points, Triangles],
+    wall: LocalSurface,
     stations: Points,
     directions: Points,
     found: InscribedSpheres,
@@ -40,8 +40,8 @@ def with_own_spheres(
 
     Parameters
     ----------
-    wall : tuple of (k, 3) and (m, 3) arrays
-        Points, mm, and triangles that bound the spheres.
+    wall : LocalSurface
+        What bounds the spheres.
     stations, directions : (n, 3) arrays
         mm.
     found : InscribedSpheres
@@ -68,7 +68,7 @@ def with_own_spheres(
     if which:
         again, places = np.concatenate(which), np.concatenate(middles)
         ways = directions[again] / norm(directions[again])[:, None]
-        own = _round(LocalSurface(*wall, places), places, across(ways))
+        own = _round(wall, places, across(ways))
         smaller = own.radii < radii[again]
         centers[again[smaller]], radii[again[smaller]] = own.at(np.flatnonzero(smaller))
     return InscribedSpheres(centers, radii)

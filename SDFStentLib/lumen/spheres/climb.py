@@ -1,0 +1,185 @@
+"""How a sphere climbs to the middle of a lumen.
+
+The centre is free in the plane through the axis point normal to the axis. It climbs: at a centre c
+every nearby triangle i has a distance d_i and a unit direction g_i away from it, and because the
+distance to a triangle is convex,
+
+    d_i(c + x) >= d_i + g_i x.
+
+The step x therefore solves a small linear programme, largest t with t <= d_i + g_i x and x in a
+box, and the true distance after the step is at least t: every step climbs. The new centre lies
+inside the old sphere, which holds no wall, so a centre can never pass through one.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...validation import Floats, Indices, Points
+from .local_surface import LocalSurface
+from .max_min_step import largest_steps
+from .near_walls import Neighborhood
+from .wall_points import WallPoints
+
+_FIRST_BOX, _SMALLEST_BOX, _LARGEST_BOX = 0.05, 0.005, 0.5
+"""Half width of the box of a step, as a fraction of the present radius. With 0.5 even the corner
+of the box is nearer than the wall."""
+
+WAY_BOX = 0.25
+"""The same on a way: from one place to the next the middle moves farther than a search's end does.
+Where spheres end does not depend on it."""
+
+_ROUGH_TOLERANCE = 1e-3
+"""Of a search among a part of the triangles, mm."""
+
+_ROUNDS = 200
+"""Most steps of a climb; one that is not done by then ends where it is, with the radius there."""
+
+_ROUGHLY, _FINER = 60, 30
+"""Points of the wall round a sphere in the first search, and so many times more in the next."""
+
+_TOGETHER = 800
+"""Stations of about one size that are searched roughly together: every step costs something."""
+
+_ON_WALL = 1e-9
+"""An axis point nearer to the wall than this, mm, lies on it: rounding tells no direction away."""
+
+
+class InscribedSpheres(NamedTuple):
+    """Centres (n, 3) and radii (n,), mm; NaN in both where there is no lumen round the point."""
+
+    centers: Points
+    radii: Floats
+
+    def at(self, which: Indices | slice) -> InscribedSpheres:
+        """Some of them."""
+        return InscribedSpheres(self.centers[which], self.radii[which])
+
+
+class Until(NamedTuple):
+    """Where the search for a sphere ends."""
+
+    tolerance: float = 1e-6
+    """A centre stays when the linear model promises less gain than this, mm."""
+    enough: Floats | float = np.inf
+    """(n,) or one for all: a centre stays, too, when its sphere is larger than this, mm."""
+
+    def at(self, which: Indices | slice) -> Until:
+        """That of some spheres."""
+        enough = np.asarray(self.enough)
+        return self._replace(enough=enough[which]) if enough.ndim else self
+
+
+def largest_spheres(
+    surface: LocalSurface, starts: Points, axes: Floats, until: Until
+) -> InscribedSpheres:
+    """Climb among points of the wall, then on it, then make sure that no wall lies between."""
+    return exact_spheres(surface, starts, axes, rough_spheres(surface, starts, axes, until), until)
+
+
+def exact_spheres(
+    surface: LocalSurface, starts: Points, axes: Floats, rough: InscribedSpheres, until: Until
+) -> InscribedSpheres:
+    """Climb on the wall from rough spheres, then make sure that no wall lies between."""
+    centers, bounds = rough.centers.copy(), rough.radii.copy()
+    lost = np.isnan(bounds)
+    centers[lost], bounds[lost] = starts[lost], surface.distances(starts[lost])
+    box = np.where(lost, _FIRST_BOX, _SMALLEST_BOX)
+    begin = InscribedSpheres(centers, bounds)
+    spheres = climbed(surface, begin, axes, until, first_box=box)
+    return in_their_lumen(surface, starts, axes, until, spheres)[0]
+
+
+def in_their_lumen(
+    surface: LocalSurface, starts: Points, axes: Floats, until: Until, found: InscribedSpheres
+) -> tuple[InscribedSpheres, Indices]:
+    """Spheres, those climbed to anew that a wall may part from their axis points, and which."""
+    centers, radii = found
+    # Empty spheres that overlap lie in the same lumen, and most hold the axis point anyway.
+    moved = np.linalg.norm(centers - starts, axis=1)
+    doubtful = np.flatnonzero(~(moved < radii - _ON_WALL))
+    exact = surface.distances(starts[doubtful])
+    is_apart = ~(moved[doubtful] < radii[doubtful] + exact - _ON_WALL)
+    again = doubtful[is_apart]
+    begin = InscribedSpheres(starts[again], exact[is_apart])
+    centers[again], radii[again] = climbed(surface, begin, axes[again], until.at(again))
+    return InscribedSpheres(centers, radii), again
+
+
+def rough_spheres(
+    surface: LocalSurface, starts: Points, axes: Floats, until: Until
+) -> InscribedSpheres:
+    """Spheres among points of the wall, few first; radii are no smaller than to the wall.
+
+    NaN where that leads out of the surface, and where the wall has few triangles.
+    """
+    found = InscribedSpheres(starts.copy(), np.full(len(starts), np.nan))
+    around = surface.triangles_round(starts)
+    # Among about as many points round every sphere, whatever its size.
+    for own in np.array_split(np.argsort(around), len(starts) // _TOGETHER + 1):
+        usual = float(np.quantile(around[own], 0.25)) if len(own) else 0.0
+        if usual > _ROUGHLY / 2:
+            stride = max(1.0, usual / _ROUGHLY)
+            spheres = _among_points(surface, stride, starts[own], axes[own], until.at(own))
+            found.centers[own], found.radii[own] = spheres
+    return found
+
+
+def _among_points(
+    surface: LocalSurface, stride: float, starts: Points, axes: Floats, until: Until
+) -> InscribedSpheres:
+    """Spheres among the middles of one triangle of so many, then of more of them."""
+    centers, radii = starts.copy(), np.full(len(starts), np.nan)
+    strides = [stride]
+    # Ends: what is appended falls to 2.
+    while strides[-1] > 2 * _FINER:
+        strides.append(strides[-1] / _FINER)
+    for number, each in enumerate(strides):
+        wall = WallPoints(surface, each)
+        centers = np.where(np.isnan(radii)[:, None], starts, centers)
+        begin = InscribedSpheres(centers, wall.distances(centers))
+        box = 2 * _SMALLEST_BOX if number else _FIRST_BOX
+        centers, radii = climbed(wall, begin, axes, until, first_box=box)
+    return InscribedSpheres(centers, radii)
+
+
+def climbed(
+    surface: LocalSurface | WallPoints,
+    begin: InscribedSpheres,
+    axes: Floats,
+    until: Until,
+    *,
+    first_box: float | Floats = _FIRST_BOX,
+) -> InscribedSpheres:
+    """Local maxima reached from the centers of spheres that are at most as large as given."""
+    spheres = InscribedSpheres(begin.centers.copy(), begin.radii.copy())
+    centers, radii = spheres
+    box = first_box * radii
+    active = np.flatnonzero(radii > _ON_WALL)
+    near = Neighborhood(surface, len(centers))
+    for _ in range(_ROUNDS):
+        if len(active) == 0:
+            break
+        # Inside the box the radius grows and every distance shrinks by at most its half diagonal.
+        reach = 2 * np.sqrt(2) * box[active]
+        rows = near.rows(centers, radii, axes, reach, active)
+        radii[active] = rows.radii
+        step, height = largest_steps(rows, box[active])
+        moves = (height - rows.radii > until.tolerance) & (rows.radii <= until.at(active).enough)
+        active, step, height = active[moves], step[moves], height[moves]
+        length = np.linalg.norm(step, axis=1)
+        centers[active] += np.einsum("ni,nij->nj", step, axes[active])
+        # The true radius lies between `height` and this; the next round finds it.
+        radii[active] += length
+        near.forget(active, length)
+        is_held = np.abs(step).max(axis=1) > 0.99 * box[active]
+        box[active] = np.where(is_held, 3 * box[active], 2 * length)
+        box[active] = np.clip(box[active], _SMALLEST_BOX * height, _LARGEST_BOX * height)
+        outside = np.any((centers < surface.lowest) | (centers > surface.highest), axis=1)
+        centers[outside], radii[outside] = np.nan, np.nan
+        active = active[~outside[active]]
+    if len(active):
+        radii[active] = surface.distances(centers[active])
+    return spheres
