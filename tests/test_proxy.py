@@ -200,3 +200,11 @@ def test_a_previewed_lumen_is_that_of_the_stent():
     phantom = fine_tube()
     one = Preview(phantom.surface, phantom.centerline).of(two_stents(phantom.centerline)).stents[0]
     assert one.minimum_lumen() == pytest.approx(7.2, rel=0.03)
+
+
+def test_a_sphere_among_points_of_a_tube_is_the_tube_s():
+    phantom = phantoms.straight_tube(3.0, 40, 0.4)
+    centers = phantom.axis_at(np.linspace(10, 30, 9)) + np.array([0.9, -0.4, 0.0])
+    normals = phantom.surface.vertex_normals
+    radii = rough_radii(phantom.surface.points, centers, normals)
+    assert radii == pytest.approx(3.0, abs=0.4**2 / (8 * 3.0) + 0.01)

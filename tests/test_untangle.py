@@ -134,3 +134,12 @@ def test_a_face_that_its_neighbors_turn_over_is_a_fault_though_it_stays():
     assert face not in self_intersecting_triangles(after, triangles, [face])
     beside = np.setdiff1d(np.arange(len(triangles)), face)
     assert face in Comparison(flat, triangles, Precision()).new_faults(after, beside)
+
+
+def test_what_is_left_after_the_last_round_is_named(monkeypatch):
+    monkeypatch.setattr("SDFStentLib.deformation.untangle.ROUNDS", 0)
+    flat, bent, triangles = a_folded_sheet()
+    _, faults, _, outcome = untangled_sheet(flat, bent, triangles)
+    left = faults.new_faults(outcome.positions, np.arange(len(triangles)))
+    assert len(left)
+    np.testing.assert_array_equal(outcome.faulty, left)
