@@ -10,7 +10,7 @@ from SDFStentLib.centerline import Centerline
 from SDFStentLib.geometry import Surface
 from SDFStentLib.phantoms import TrueVessel
 from SDFStentLib.phantoms.axis import narrowing, planar_axis
-from SDFStentLib.phantoms.field import Tube, TubeUnion
+from SDFStentLib.phantoms.field import TubeField, TubeUnion
 from SDFStentLib.phantoms.junction import branching_tube
 from SDFStentLib.phantoms.mesh import swept_tube
 from SDFStentLib.phantoms.value import assembled
@@ -124,7 +124,7 @@ def bifurcation_case(seed: int, where: str | None, fineness: float = 0.3) -> Cas
         TrueVessel("side", side, lambda at: np.full(np.shape(at), right), before),
     )
     edge = fineness * min(right, (1 - depth) * left)
-    union = TubeUnion([Tube(v.axis, v.radius) for v in vessels], 0.3 * right, 4 * edge)
+    union = TubeUnion([TubeField(v.axis, v.radius) for v in vessels], 0.3 * right, 4 * edge)
     patch = branching_tube(union, edge)
     made = assembled("bifurcation", patch, vessels, [])
     known = []

@@ -16,7 +16,7 @@ from SDFStentLib.files import read_centerline, read_surface
 from SDFStentLib.geometry import Line, NamedFaces, Surface
 from SDFStentLib.lumen import ExtendedAxis, extended_axis
 from SDFStentLib.phantoms.axis import planar_axis
-from SDFStentLib.phantoms.field import Tube, TubeUnion
+from SDFStentLib.phantoms.field import TubeField, TubeUnion
 from SDFStentLib.phantoms.junction import branching_tube
 from SDFStentLib.stent import AtProximalEnd, BetweenPoints, Stent, stent_axis
 from SDFStentLib.vessel import find_ostia
@@ -44,8 +44,8 @@ def a_tee(angle_deg=90.0, radius=5.0, side_radius=2.5, edge_length=0.7):
     angle = np.deg2rad(angle_deg)
     heading = (np.sin(angle), 0.0, np.cos(angle))
     side = planar_axis([(22.0, 0.0)], start=(0, 0, 30.0), heading=heading, toward=(0, 1, 0))
-    tubes = [Tube(main, lambda s: np.full(np.shape(s), radius))]
-    tubes.append(Tube(side, lambda s: np.full(np.shape(s), side_radius)))
+    tubes = [TubeField(main, lambda s: np.full(np.shape(s), radius))]
+    tubes.append(TubeField(side, lambda s: np.full(np.shape(s), side_radius)))
     return branching_tube(TubeUnion(tubes, blend_width=0.3, beyond=4 * edge_length), edge_length)
 
 

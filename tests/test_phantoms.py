@@ -18,7 +18,7 @@ from SDFStentLib.geometry import (
 )
 from SDFStentLib.phantoms import Phantom
 from SDFStentLib.phantoms.axis import planar_axis
-from SDFStentLib.phantoms.field import Tube, TubeUnion
+from SDFStentLib.phantoms.field import TubeField, TubeUnion
 from SDFStentLib.phantoms.junction import branching_tube
 from SDFStentLib.validation import InputError
 
@@ -181,7 +181,7 @@ def test_a_vessel_too_thin_for_the_edges_is_refused() -> None:
         planar_axis([(30.0, 0.0)]),
         planar_axis([(12.0, 0.0)], start=(0, 0, 15), heading=(1, 0, 0), toward=(0, 1, 0)),
     ]
-    thin = [Tube(axis, lambda at: np.full(np.shape(at), 0.35)) for axis in axes]
+    thin = [TubeField(axis, lambda at: np.full(np.shape(at), 0.35)) for axis in axes]
     with pytest.raises(InputError, match="edge_length: 1 mm is too long for the narrowest places"):
         branching_tube(TubeUnion(thin, blend_width=0.2, beyond=4.0), 1.0)
 

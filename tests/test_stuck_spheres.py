@@ -15,9 +15,9 @@ from SDFStentLib.lumen import (
     inscribed_spheres,
     with_own_spheres,
 )
-from SDFStentLib.phantoms import Opening, TrueVessel, branching_pulmonary_artery, straight_tube
+from SDFStentLib.phantoms import TrueOpening, TrueVessel, branching_pulmonary_artery, straight_tube
 from SDFStentLib.phantoms.axis import narrowing, planar_axis
-from SDFStentLib.phantoms.field import Tube, TubeUnion
+from SDFStentLib.phantoms.field import TubeField, TubeUnion
 from SDFStentLib.phantoms.junction import branching_tube
 from SDFStentLib.phantoms.value import assembled
 from SDFStentLib.plan import read_input_files
@@ -94,11 +94,11 @@ def a_throat_beside_a_branch():
         TrueVessel("main", main, lambda along: 3.0 * narrowing(along, 29.5, 4.0, 0.6)),
         TrueVessel("side", side, lambda along: np.full(np.shape(along), 2.2), joint=26.0),
     )
-    tubes = [Tube(vessel.axis, vessel.radius) for vessel in vessels]
+    tubes = [TubeField(vessel.axis, vessel.radius) for vessel in vessels]
     union = TubeUnion(tubes, blend_width=0.5, beyond=1.4)
     patch = branching_tube(union, 0.35)
     ends = [
-        Opening(str(number), number, rim.center, rim.outward, rim.radius)
+        TrueOpening(str(number), number, rim.center, rim.outward, rim.radius)
         for number, rim in enumerate(union.rims(), start=2)
     ]
     return assembled("throat beside a branch", patch, vessels, ends, 29.5)

@@ -12,7 +12,7 @@ from vtkmodules.vtkCommonCore import vtkIdList
 from vtkmodules.vtkCommonDataModel import vtkStaticCellLocator
 
 from ..cautions import Caution
-from ..geometry import ClosedSurface, Surface, as_surface, face_areas, signed_volume
+from ..geometry import Surface, as_surface, face_areas, signed_volume
 from ..units import flipped
 from ..validation import InputError, Points, as_points
 from .polydata import polydata_from_polygons
@@ -143,8 +143,7 @@ class InsideTest:
         doubtful, known = np.flatnonzero(inside), self._surface.known_topology
         if known is not None and known.is_closed:
             # Quickly told. A point on the surface may come out either way: the rays decide.
-            closed = ClosedSurface(self._surface.points, self._surface.triangles)
-            doubtful = doubtful[~closed.contains(queries[doubtful])]
+            doubtful = doubtful[~self._surface.contains(queries[doubtful])]
         for index in doubtful:
             inside[index] = self._is_inside(queries[index])
         return inside

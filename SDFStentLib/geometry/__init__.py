@@ -35,6 +35,7 @@ from .plane_cut import section_around as section_around
 from .polyline import arc_lengths as arc_lengths
 from .polyline import closest_points as closest_points
 from .polyline import cut as cut
+from .polyline import is_inside as is_inside
 from .polyline import length as length
 from .polyline import point_at as point_at
 from .polyline import resampled as resampled
@@ -47,8 +48,6 @@ from .rows import dot as dot
 from .rows import norm as norm
 from .rows import product as product
 from .rows import ranges as ranges
-from .section import ClosedSurface as ClosedSurface
-from .section import is_inside as is_inside
 from .section import plane_section as plane_section
 from .segments import closest_on_segments as closest_on_segments
 from .segments import distances_to_segments as distances_to_segments

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from numpy.typing import ArrayLike
 
-from ..validation import Floats, Points
+from ..validation import Flags, Floats, Points, Triangles
 from .line import ClosestPoints, Line
+from .section import Inside
 
 
 def length(points: Points) -> float:
@@ -46,3 +47,8 @@ def closest_points(points: ArrayLike, places: Points) -> ClosestPoints:
 def without_repeats(points: ArrayLike) -> Points:
     """The polyline without repeats."""
     return Line(points).without_repeats().points
+
+
+def is_inside(queries: Points, points: Points, triangles: Triangles) -> Flags:
+    """As `Surface.contains`."""
+    return Inside(points, triangles).contains(queries)

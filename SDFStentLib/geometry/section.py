@@ -111,26 +111,15 @@ def crossings(points: Points, triangles: Triangles, origin: Points, normal: Poin
     return Crossings(cut, np.column_stack([below, above_ends]), corners, node.reshape(2, -1).T)
 
 
-def is_inside(queries: Points, points: Points, triangles: Triangles) -> Flags:
-    """Whether each query (k,) lies inside a closed surface, see `ClosedSurface`."""
-    return ClosedSurface(points, triangles).contains(queries)
-
-
-class ClosedSurface:
-    """A closed surface, prepared for questions about what lies inside.
-
-    Parameters
-    ----------
-    points, triangles : (n, 3) and (m, 3) arrays
-        Known to be sound. Orientation does not matter; when it is open answers mean little.
-    """
+class Inside:
+    """What lies inside of a closed surface, see `Surface.contains`."""
 
     def __init__(self, points: Points, triangles: Triangles) -> None:
         self._points, self._triangles = points, triangles
         self._lowest, self._highest = _extents(points[:, 0], triangles)
 
     def contains(self, queries: Points) -> Flags:
-        """Whether each query (k,) lies inside: its ray upward meets the surface an odd time.
+        """Whether each query (k, 3) lies inside: its ray upward meets the surface an odd time.
 
         Whether a face is met is decided by edge in one fixed order, so that a ray through an edge
         or a vertex is counted once and not twice. A query exactly on the surface may come out

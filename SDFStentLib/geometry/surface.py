@@ -9,6 +9,7 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from ..validation import (
+    Flags,
     Floats,
     InputError,
     Points,
@@ -19,6 +20,7 @@ from ..validation import (
     read_only,
 )
 from .faces import face_normals, vertex_normals
+from .section import Inside
 from .topology import (
     Topology,
     VertexNeighbors,
@@ -127,6 +129,18 @@ class Surface:
     def vertex_normals(self) -> Floats:
         """Unit normals (n, 3) of the points, the faces' weighted with their areas."""
         return read_only(vertex_normals(self.points, self.triangles))
+
+    def contains(self, places: Points) -> Flags:
+        """Whether each place (k, 3) lies inside of the surface, mm, whatever its winding.
+
+        It has to be closed: else answers mean little. A place exactly on it may come out either
+        way.
+        """
+        return self._inside.contains(places)
+
+    @cached_property
+    def _inside(self) -> Inside:
+        return Inside(self.points, self.triangles)
 
     def _keep(self, points: Points, mesh: _Mesh) -> None:
         object.__setattr__(self, "points", read_only(points))

@@ -9,7 +9,7 @@ from .phantoms import stenosed_tube as stenosed_tube
 from .phantoms import straight_tube as straight_tube
 from .phantoms import tube_with_neighbor as tube_with_neighbor
 from .tree import vascular_tree as vascular_tree
-from .value import Opening as Opening
 from .value import Phantom as Phantom
-from .value import Throat as Throat
+from .value import TrueOpening as TrueOpening
+from .value import TrueThroat as TrueThroat
 from .value import TrueVessel as TrueVessel

@@ -13,7 +13,7 @@ from ..validation import Floats, InputError, Points, as_point, as_points
 
 
 @dataclass(frozen=True, eq=False)
-class Axis:
+class TrueAxis:
     """A curve parametrized by arc length, which continues straight beyond both ends.
 
     Attributes
@@ -42,7 +42,7 @@ def planar_axis(
     start: ArrayLike = (0.0, 0.0, 0.0),
     heading: ArrayLike = (0.0, 0.0, 1.0),
     toward: ArrayLike = (1.0, 0.0, 0.0),
-) -> Axis:
+) -> TrueAxis:
     """Straight lines and circular arcs in a plane, each continuing in the last one's direction.
 
     Parameters
@@ -86,10 +86,10 @@ def planar_axis(
     def constant_normal(arc_length: ArrayLike) -> Points:
         return np.tile(normal, (np.size(arc_length), 1))
 
-    return Axis(float(knots[-1]), point, tangent, constant_normal)
+    return TrueAxis(float(knots[-1]), point, tangent, constant_normal)
 
 
-def helical_axis(coil_radius: float, pitch: float, turns: float) -> Axis:
+def helical_axis(coil_radius: float, pitch: float, turns: float) -> TrueAxis:
     """A helix about the z axis.
 
     Parameters
@@ -130,7 +130,7 @@ def helical_axis(coil_radius: float, pitch: float, turns: float) -> Axis:
         back = (torsion * inside)[:, None]
         return np.cos(back) * outward + np.sin(back) * across
 
-    return Axis(length, point, tangent, untwisted_normal)
+    return TrueAxis(length, point, tangent, untwisted_normal)
 
 
 def narrowing(
@@ -153,7 +153,7 @@ def narrowing(
     return np.asarray(1 - depth_fraction * (1 + np.cos(np.pi * offset)) / 2)
 
 
-def inscribed_radii(axis: Axis, radius: Callable[[Floats], Floats], at: ArrayLike) -> Floats:
+def inscribed_radii(axis: TrueAxis, radius: Callable[[Floats], Floats], at: ArrayLike) -> Floats:
     """Radius of the largest sphere around each axis point that the tube's wall holds.
 
     The wall is made of circles in the planes across the axis; where the radius changes along
@@ -162,7 +162,7 @@ def inscribed_radii(axis: Axis, radius: Callable[[Floats], Floats], at: ArrayLik
 
     Parameters
     ----------
-    axis : Axis
+    axis : TrueAxis
         The tube's axis.
     radius : callable
         Radius of the circle by arc length, mm.

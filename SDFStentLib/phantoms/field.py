@@ -9,16 +9,16 @@ import numpy as np
 
 from ..geometry import dot, norm, smooth_minimum
 from ..validation import Floats, Points
-from .axis import Axis
+from .axis import TrueAxis
 
 SAMPLE_SPACING = 0.1
 """Of the axes, mm; between samples axis and radius are parabolas, which err by less than 1e-4."""
 
 
-class Tube(NamedTuple):
+class TubeField(NamedTuple):
     """An axis and its radius by arc length, mm."""
 
-    axis: Axis
+    axis: TrueAxis
     radius: Callable[[Floats], Floats]
 
 
@@ -40,7 +40,7 @@ class FieldValues(NamedTuple):
 class _Table(NamedTuple):
     """A tube at its samples.
 
-    Axis points, tangents and curvature vectors (n, 3); radius with its first and second
+    TrueAxis points, tangents and curvature vectors (n, 3); radius with its first and second
     derivative (n, 3); how far each sample stands for the axis before and after it (n, 2).
     """
 
@@ -61,7 +61,7 @@ class TubeUnion:
 
     Parameters
     ----------
-    tubes : sequence of Tube
+    tubes : sequence of TubeField
     blend_width : float
         w, mm.
     beyond : float
@@ -73,7 +73,7 @@ class TubeUnion:
 
     def __init__(
         self,
-        tubes: Sequence[Tube],
+        tubes: Sequence[TubeField],
         blend_width: float,
         beyond: float,
         open_ends: Sequence[int] | None = None,
@@ -167,7 +167,7 @@ class TubeUnion:
         return distance - (radius + slope * step + 0.5 * change * step**2)[:, 0], gradient
 
 
-def _table(tube: Tube, samples: Floats) -> _Table:
+def _table(tube: TubeField, samples: Floats) -> _Table:
     ahead, behind = samples + 1e-3, samples - 1e-3
     radius, after, before = tube.radius(samples), tube.radius(ahead), tube.radius(behind)
     radii = np.stack([radius, (after - before) / 2e-3, (after - 2 * radius + before) / 1e-6], 1)

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..geometry import dot, edges, face_normals
 from ..validation import Floats, Indices, Points, Triangles
-from .axis import Axis
+from .axis import TrueAxis
 
 ROW_HEIGHT = np.sqrt(0.75)
 """Height of an equilateral triangle over its side."""
@@ -24,7 +24,7 @@ class FacedMesh(NamedTuple):
 
 
 def swept_tube(
-    axis: Axis, radius: Callable[[Floats], Floats], edge_length: float, first_face_id: int = 1
+    axis: TrueAxis, radius: Callable[[Floats], Floats], edge_length: float, first_face_id: int = 1
 ) -> FacedMesh:
     """A closed tube of circles across the axis: wall, cap at the start, cap at the end.
 
@@ -34,7 +34,7 @@ def swept_tube(
 
     Parameters
     ----------
-    axis : Axis
+    axis : TrueAxis
         Must bend with a radius larger than the tube's.
     radius : callable
         Radius of the circle by arc length, mm.
@@ -175,7 +175,7 @@ def _cotangent(points: Points, apex: Indices, start: Indices, end: Indices) -> F
 
 
 def _stations(
-    axis: Axis, radius: Callable[[Floats], Floats], edge_length: float
+    axis: TrueAxis, radius: Callable[[Floats], Floats], edge_length: float
 ) -> tuple[Floats, int]:
     """Arc lengths of the circles and how many points each has."""
     samples = axis.sampled(min(0.05, axis.length / 1000))

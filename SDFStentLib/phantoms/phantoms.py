@@ -13,26 +13,11 @@ from dataclasses import replace
 import numpy as np
 
 from ..validation import Floats, InputError, as_number, read_only
-from .axis import Axis, helical_axis, narrowing, planar_axis
-from .field import Tube, TubeUnion
+from .axis import TrueAxis, helical_axis, narrowing, planar_axis
+from .field import TubeField, TubeUnion
 from .junction import branching_tube
 from .mesh import FacedMesh, swept_tube
-from .value import Opening, Phantom, Throat, TrueVessel, assembled, ends_of
-
-__all__ = [
-    "Opening",
-    "Phantom",
-    "Throat",
-    "TrueVessel",
-    "arch_with_coarctation",
-    "bent_tube",
-    "branching_pulmonary_artery",
-    "hairpin_tube",
-    "helix_tube",
-    "stenosed_tube",
-    "straight_tube",
-    "tube_with_neighbor",
-]
+from .value import Phantom, TrueOpening, TrueVessel, assembled, ends_of
 
 
 def straight_tube(radius: float = 3.0, length: float = 40.0, edge_length: float = 0.8) -> Phantom:
@@ -203,7 +188,7 @@ def branching_pulmonary_artery(edge_length: float = 0.9) -> Phantom:
         TrueVessel("main and left pulmonary artery", main, main_and_left),
         TrueVessel("right pulmonary artery", side, right, joint=junction),
     )
-    tubes = [Tube(vessel.axis, vessel.radius) for vessel in vessels]
+    tubes = [TubeField(vessel.axis, vessel.radius) for vessel in vessels]
     union = TubeUnion(tubes, blend_width=2.0, beyond=4 * edge_length)
     patch = branching_tube(union, edge_length)
     names = (
@@ -212,7 +197,7 @@ def branching_pulmonary_artery(edge_length: float = 0.9) -> Phantom:
         "right pulmonary artery outlet",
     )
     openings = [
-        Opening(name, number + 2, read_only(rim.center), read_only(rim.outward), rim.radius)
+        TrueOpening(name, number + 2, read_only(rim.center), read_only(rim.outward), rim.radius)
         for number, (name, rim) in enumerate(zip(names, union.rims(), strict=True))
     ]
     wall = patch.points[np.unique(patch.triangles[patch.face_ids == 1])]
@@ -257,7 +242,7 @@ def tube_with_neighbor(
 
 def _single(
     name: str,
-    axis: Axis,
+    axis: TrueAxis,
     radius: Callable[[Floats], Floats],
     edge_length: float,
     throat: float | None = None,

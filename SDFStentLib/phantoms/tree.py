@@ -11,9 +11,9 @@ from ..centerline import Centerline
 from ..geometry import Surface, ranges, smooth_minimum
 from ..validation import Floats, Indices, Points, as_number, read_only
 from .axis import narrowing, planar_axis
-from .field import FieldValues, Tube, TubeUnion
+from .field import FieldValues, TubeField, TubeUnion
 from .junction import branching_tube
-from .value import CENTERLINE_SPACING, Opening, Phantom, TrueVessel
+from .value import CENTERLINE_SPACING, Phantom, TrueOpening, TrueVessel
 
 ROOT_RADIUS = 5.0
 """mm."""
@@ -81,7 +81,7 @@ def vascular_tree(
     parents = {branch.parent for branch in layout}
     leaves = [n for n in range(len(layout)) if n not in parents]
     # The ends reach less than three radii beyond their rims, where they are cut off.
-    union = _Tree([Tube(v.axis, v.radius) for v in vessels], leaves, 3 * edge_length)
+    union = _Tree([TubeField(v.axis, v.radius) for v in vessels], leaves, 3 * edge_length)
     patch = branching_tube(union, edge_length, is_repaired=True)
     wall = patch.points[np.unique(patch.triangles[patch.face_ids == 1])]
     names = ("inlet", *(f"outlet of branch {n}" for n in leaves))
@@ -92,7 +92,7 @@ def vascular_tree(
         centerline=_centerline(layout, vessels, lambda at: union.inscribed_radii(at, wall)),
         vessels=vessels,
         openings=tuple(
-            Opening(name, number + 2, read_only(rim.center), read_only(rim.outward), rim.radius)
+            TrueOpening(name, number + 2, read_only(rim.center), read_only(rim.outward), rim.radius)
             for number, (name, rim) in enumerate(zip(names, union.rims(), strict=True))
         ),
     )
@@ -153,7 +153,7 @@ def _centerline(
 class _Tree(TubeUnion):
     """The union of many tubes, of which only those near a place are looked at."""
 
-    def __init__(self, tubes: list[Tube], leaves: list[int], beyond: float) -> None:
+    def __init__(self, tubes: list[TubeField], leaves: list[int], beyond: float) -> None:
         super().__init__(tubes, BLEND_WIDTH, beyond, open_ends=leaves)
         lower, upper = self.bounds()
         self._lower = lower - _MARGIN - _CELL

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..centerline import Centerline
 from ..geometry import NamedFaces, Surface
 from ..validation import Floats, Points, Triangles, read_only
-from .axis import Axis, inscribed_radii
+from .axis import TrueAxis, inscribed_radii
 from .mesh import FacedMesh
 
 CENTERLINE_SPACING = 0.5
@@ -27,13 +27,13 @@ class TrueVessel:
     """
 
     name: str
-    axis: Axis
+    axis: TrueAxis
     radius: Callable[[Floats], Floats]
     joint: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
-class Opening:
+class TrueOpening:
     """A flat cap: name, face id, center (3,) mm, unit normal (3,) out of the lumen, radius mm."""
 
     name: str
@@ -44,7 +44,7 @@ class Opening:
 
 
 @dataclass(frozen=True, eq=False)
-class Throat:
+class TrueThroat:
     """The narrowest place: vessel number, arc length mm, point (3,) mm, diameters mm."""
 
     vessel: int
@@ -69,9 +69,9 @@ class Phantom:
         largest sphere inside the exact wall; caps are not counted as wall.
     vessels : tuple of TrueVessel
         The exact axes and section radii.
-    openings : tuple of Opening
+    openings : tuple of TrueOpening
         In order of the face ids.
-    throat : Throat or None
+    throat : TrueThroat or None
         Where a stent belongs.
     """
 
@@ -80,8 +80,8 @@ class Phantom:
     face_ids: NDArray[np.int64]
     centerline: Centerline
     vessels: tuple[TrueVessel, ...]
-    openings: tuple[Opening, ...]
-    throat: Throat | None = None
+    openings: tuple[TrueOpening, ...]
+    throat: TrueThroat | None = None
 
     @property
     def points(self) -> Points:
@@ -111,7 +111,7 @@ def assembled(
     name: str,
     patch: FacedMesh,
     vessels: tuple[TrueVessel, ...],
-    openings: Sequence[Opening],
+    openings: Sequence[TrueOpening],
     throat: float | None = None,
 ) -> Phantom:
     """A phantom with its centerline, whose radii are those of swept tubes, and its throat.
@@ -134,13 +134,13 @@ def assembled(
     )
 
 
-def ends_of(vessel: TrueVessel, first_face_id: int, prefix: str = "") -> list[Opening]:
+def ends_of(vessel: TrueVessel, first_face_id: int, prefix: str = "") -> list[TrueOpening]:
     """The two openings of a tube; face ids count on from the given one."""
     stations = np.array([0.0, vessel.axis.length])
     centers, tangents = vessel.axis.point(stations), vessel.axis.tangent(stations)
     radii = vessel.radius(stations)
     return [
-        Opening(
+        TrueOpening(
             prefix + ("inlet", "outlet")[end],
             first_face_id + end,
             read_only(centers[end]),
@@ -151,9 +151,9 @@ def ends_of(vessel: TrueVessel, first_face_id: int, prefix: str = "") -> list[Op
     ]
 
 
-def _throat(vessel: TrueVessel, arc_length: float) -> Throat:
+def _throat(vessel: TrueVessel, arc_length: float) -> TrueThroat:
     ends = vessel.radius(np.array([0.0, vessel.axis.length]))
-    return Throat(
+    return TrueThroat(
         vessel=0,
         arc_length=arc_length,
         point=read_only(vessel.axis.point(arc_length)[0]),

@@ -51,7 +51,7 @@ class CutPlane:
             object.__setattr__(self, name, read_only(getattr(self, name)))
 
 
-class Step(NamedTuple):
+class TriedPlace(NamedTuple):
     """A place on a line along which a plane is looked for."""
 
     along: float
@@ -111,14 +111,14 @@ class PlaneFinder:
             return "cuts a branch of it, too"
         return "runs into another vessel" if self._is_elsewhere(section, origin) else ""
 
-    def steps(self, line: Line) -> Iterator[Step]:
+    def steps(self, line: Line) -> Iterator[TriedPlace]:
         """Places along a line and its direction there."""
         along, at = 0.0, line.arc_lengths
         # Ends: goes on by a tenth of the spacing at least.
         while along < at[-1] - SAME:
             place = line.at([along])[0]
             rest = np.vstack([place, line.points[at > along]])
-            yield Step(along, place, self.direction(Line(rest)))
+            yield TriedPlace(along, place, self.direction(Line(rest)))
             along += max(STEP * float(self.wall.query(place)[0]), SPACING / 10)
 
     def _is_crossed_elsewhere(self, section: SectionAround, origin: Points, normal: Floats) -> bool:

@@ -10,9 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry import ClosedSurface, Line
+from ..geometry import Line, Surface
 from ..validation import Points
-from .cut_planes import SAME, CutPlane, Step
+from .cut_planes import SAME, CutPlane, TriedPlace
 from .open_segment import OpenSegment
 from .segment import closed_segment
 from .segment_planes import SegmentEnds
@@ -59,7 +59,7 @@ def close_side_branches(
     as_outlets : bool
         Whether the openings become outlets in place of wall; then a `STUB` of each stays on.
     """
-    lumen = _lumen(ends.opened)
+    lumen = closed_segment(ends.opened).surface
     sides = _sides_within(ends, lumen)
     kept = tuple(states)
     closed: set[int] = set()
@@ -81,12 +81,12 @@ def close_side_branches(
         if found is not None:
             kept = found
             closed.update(i for i, side in enumerate(sides) if _is_on(side, step.place))
-    rest = _lumen(kept[0])
+    rest = closed_segment(kept[0]).surface
     left = [side for side in sides if _ends_in(side, rest)]
     return ClosedBranches(kept, tuple(_named(ends, left)))
 
 
-def _sides_within(ends: SegmentEnds, lumen: ClosedSurface) -> list[Line]:
+def _sides_within(ends: SegmentEnds, lumen: Surface) -> list[Line]:
     """From where they leave the way: lines to the ends of the tree within the segment."""
     tree, found = ends.finder.vessel.tree, []
     root = tree.ancestry(ends.start.index)[0]
@@ -101,24 +101,19 @@ def _sides_within(ends: SegmentEnds, lumen: ClosedSurface) -> list[Line]:
     return found
 
 
-def _lumen(opened: OpenSegment) -> ClosedSurface:
-    surface = closed_segment(opened).surface
-    return ClosedSurface(surface.points, surface.triangles)
-
-
-def _ends_in(side: Line, lumen: ClosedSurface) -> bool:
+def _ends_in(side: Line, lumen: Surface) -> bool:
     return bool(lumen.contains(side.at([side.length - INSIDE]))[0])
 
 
 def _steps(
     ends: SegmentEnds, side: Line, number: int, closed: Collection[int]
-) -> Iterator[tuple[Step, int]]:
+) -> Iterator[tuple[TriedPlace, int]]:
     """Along a side branch, until it is closed."""
     steps = takewhile(lambda _: number not in closed, ends.finder.steps(side))
     return ((step, number) for step in steps)
 
 
-def _plane(ends: SegmentEnds, step: Step, lumen: ClosedSurface) -> CutPlane | None:
+def _plane(ends: SegmentEnds, step: TriedPlace, lumen: Surface) -> CutPlane | None:
     """Across a side branch at a place; None where it has not parted or is not alone."""
     finder = ends.finder
     if not finder.has_parted(step.place, ends.way) or not lumen.contains(step.place[None])[0]:

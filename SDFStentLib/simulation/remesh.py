@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..certificate import check_surface
-from ..geometry import ClosedSurface, Surface, SurfaceIndex, section_around
+from ..geometry import Surface, SurfaceIndex, section_around
 from ..segment import Segment
 from ..validation import DeploymentError, Flags, Floats, Indices, Points
 from .mmg import MeditMesh, by_mmg
@@ -88,7 +88,7 @@ def axis_of(surface: Surface, is_wall: Flags, line: Points) -> Axis:
     from scipy.spatial import cKDTree
 
     if surface.topology.is_watertight:
-        line = line[ClosedSurface(surface.points, surface.triangles).contains(line)]
+        line = line[surface.contains(line)]
     corners = surface.points[surface.triangles[is_wall]]
     wall = np.vstack([corners.reshape(-1, 3), corners.mean(axis=1)])
     return Axis(line, np.asarray(cKDTree(wall).query(line)[0]))

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from ..centerline import Centerline
-from ..geometry import ClosedSurface, Surface, SurfaceIndex
+from ..geometry import Surface, SurfaceIndex
 from ..lumen import closed_surface
 from ..stent import Placement, placement_points
 from ..validation import InputError, Points
@@ -16,7 +16,7 @@ ON_WALL = 0.5
 """A point so near to the wall is one on it, as a click on the surface gives, mm."""
 
 
-class Lumen:
+class VesselInside:
     """The inside of a vessel; what many questions about it need is made once.
 
     Parameters
@@ -31,10 +31,6 @@ class Lumen:
     def closed(self) -> Surface:
         """The surface with its open ends closed."""
         return closed_surface(self.surface)
-
-    @cached_property
-    def _inside(self) -> ClosedSurface:
-        return ClosedSurface(self.closed.points, self.closed.triangles)
 
     @cached_property
     def _wall(self) -> SurfaceIndex:
@@ -62,6 +58,6 @@ class Lumen:
 
     def _beyond(self, point: Points) -> float:
         """How far outside of the wall a point (3,) is, mm; 0 inside."""
-        if self._inside.contains(point[None])[0]:
+        if self.closed.contains(point[None])[0]:
             return 0.0
         return float(self._wall.distances(point[None]).distance[0])

@@ -19,7 +19,7 @@ from ..geometry import Surface
 from ..lumen import rough_radii
 from ..stent import Stent
 from ..validation import Indices, Points, as_number, read_only
-from .in_lumen import Lumen
+from .in_lumen import VesselInside
 from .straightening import AxisChange, axis_in_vessel
 from .surroundings import PROFILE_SPACING
 from .value import PlacedStent, label_of, labeled, resolved, switched_on
@@ -86,7 +86,7 @@ class Preview:
     def __init__(self, surface: Surface, centerline: Centerline | None = None) -> None:
         self.surface, self.centerline = surface, centerline
         self._proxy = Proxy(surface, None if centerline is None else centerline.points)
-        self._points, self._lumen = surface.points.copy(), Lumen(surface)
+        self._points, self._lumen = surface.points.copy(), VesselInside(surface)
 
     def prepare(self) -> None:
         """Make now what the first preview needs and what is the same wherever it will be."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..cautions import Caution
 from ..certificate import check_surface
-from ..geometry import ClosedSurface, Surface
+from ..geometry import Surface
 from ..segment import (
     HOLE,
     CutPlane,
@@ -178,13 +178,12 @@ def _dead_ends(segment: Segment, parts: VesselParts) -> Iterator[Caution]:
     An opening is that of the branch whose centerline ends nearest to it, which may be before it.
     """
     tree = parts.tree
-    lumen = ClosedSurface(segment.surface.points, segment.surface.triangles)
     tips = np.r_[tree.leaves, tree.roots]
     away = np.linalg.norm(parts.openings[:, None] - tree.points[tips], axis=2)
     for tip in np.setdiff1d(tips, tips[np.argmin(away, axis=1)]):
         beside = tree.points[tree.neighbors.of(tip)[0]]
         inward = tree.points[tip] + 0.5 * (beside - tree.points[tip])
-        if lumen.contains(inward[None])[0]:
+        if segment.surface.contains(inward[None])[0]:
             x, y, z = tree.points[tip].tolist()
             yield Caution("dead-end", {}, (x, y, z))
 

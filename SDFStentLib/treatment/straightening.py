@@ -20,7 +20,7 @@ from ..geometry import Line, Surface, smoothed_line
 from ..lumen import LocalSurface
 from ..stent import Stent, StentAxis, moved_axis, stent_axis, straight_way, turned_way
 from ..validation import Floats, Points
-from .in_lumen import Lumen
+from .in_lumen import VesselInside
 from .profile import with_profile
 
 KEPT = 0.5
@@ -51,7 +51,7 @@ NONE = AxisChange()
 def axis_in_vessel(
     stent: Stent,
     centerline: Centerline | None,
-    vessel: Surface | Lumen,
+    vessel: Surface | VesselInside,
     change: AxisChange = NONE,
     *,
     lies_on: StentAxis | None = None,
@@ -62,7 +62,7 @@ def axis_in_vessel(
     The vessel is given as its lumen where many axes are asked for. `InputError` for points of the
     placement outside of it.
     """
-    lumen = vessel if isinstance(vessel, Lumen) else Lumen(vessel)
+    lumen = vessel if isinstance(vessel, VesselInside) else VesselInside(vessel)
     axis = stent_axis(stent, centerline, lies_on=lies_on)
     if centerline is not None:
         lumen.check(stent.placement, centerline)
@@ -126,7 +126,9 @@ class _Told(NamedTuple):
     stent_radius: float
 
 
-def _smoothed(axis: StentAxis, stent: Stent, lumen: Lumen, smoothing_length: float) -> StentAxis:
+def _smoothed(
+    axis: StentAxis, stent: Stent, lumen: VesselInside, smoothing_length: float
+) -> StentAxis:
     """An axis made smooth as far as possible.
 
     A stent that has a length keeps it, as one that is straightened. One that goes from end to end,
@@ -148,14 +150,18 @@ def _as_long_as_it_lies(axis: StentAxis) -> StentAxis:
     return replace(axis, nominal_length=lies / foreshortened, prescribed_length=lies)
 
 
-def _straightened(axis: StentAxis, stent: Stent, lumen: Lumen, fraction: float) -> StentAxis:
+def _straightened(axis: StentAxis, stent: Stent, lumen: VesselInside, fraction: float) -> StentAxis:
     """An axis made straight as far as possible."""
     told = _Told("straightened-less", fraction, stent.radius)
     return _turned(axis, stent, lumen, told, lambda keeps: straight_way(axis.line, keeps))
 
 
 def _turned(
-    axis: StentAxis, stent: Stent, lumen: Lumen, told: _Told, way_keeping: Callable[[str], Way]
+    axis: StentAxis,
+    stent: Stent,
+    lumen: VesselInside,
+    told: _Told,
+    way_keeping: Callable[[str], Way],
 ) -> StentAxis:
     """An axis whose pieces have turned as far as possible.
 
