@@ -1,4 +1,4 @@
-"""What the document of cohorts shows is run here, and a treatment as flat rows."""
+"""What the examples and the document of cohorts show is run here, and a treatment as flat rows."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ import json
 import math
 import os
 import re
+import runpy
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -150,3 +152,30 @@ def test_the_loop_in_the_documents_runs_and_its_table_can_be_read(tmp_path, monk
 def test_a_warning_names_its_stent_once(names, labels):
     stents = [Stent(7.0, placement=AtCenter((0, 0, 0)), length=10, name=name) for name in names]
     assert [label_of(stents, number + 1) for number in range(len(names))] == labels
+
+
+# The examples run, and give the number that they say.
+
+
+EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("*.py"))
+
+
+@pytest.fixture(scope="module")
+def a_demo_folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("examples") / "demo"
+    assert main(["demo", "-o", str(folder), "--quiet"]) == 0
+    return folder
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_an_example_runs_and_its_number_holds(path, a_demo_folder, monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", [str(path), str(a_demo_folder)])
+    runpy.run_path(str(path), run_name="__main__")  # the example itself asserts its number
+    assert "mm" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_an_example_is_short_and_asserts(path):
+    text = path.read_text(encoding="utf-8")
+    assert 10 <= len(text.splitlines()) <= 32
+    assert "assert " in text.split("__main__")[1]

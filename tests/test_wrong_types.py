@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 import SDFStentLib
-from SDFStentLib import InputError, Stent, Surface
+from SDFStentLib import Stent, Surface
 from SDFStentLib.cautions import Caution
 from SDFStentLib.cli.console import Console, error_line
 from SDFStentLib.geometry import NamedFaces
 from SDFStentLib.phantoms import straight_tube
-from SDFStentLib.validation import as_patient_points, one_line
+from SDFStentLib.validation import InputError, as_number, as_patient_points, one_line
 
 WRONG = [
     None, "8", b"x", 3, 3.5, float("nan"), [], {}, object(), np.zeros((2, 2)), [None], 1e400, -1,
@@ -77,3 +77,28 @@ def test_what_the_shell_says_of_a_name_is_one_printable_line(capsys):
     lines = [*said.out.splitlines(), *said.err.splitlines()]
     assert len(lines) == 3
     assert all(line.isprintable() for line in lines)
+
+
+# Checks at the door, where values of Python itself are extreme.
+
+
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [
+        (
+            10**400,
+            r"got 1000000000000000000000000000000000000000\.\.\. \(401 characters\); choose such",
+        ),
+        (
+            -(10**400),
+            r"got -100000000000000000000000000000000000000\.\.\. \(402 characters\); choose such",
+        ),
+        (10**5000, "got (a number of thousands of digits|1000)"),  # older Pythons write it
+        ("x" * 1000, r"got 'x+\.\.\. \(1002 characters\); choose such"),
+    ],
+    ids=["large", "negative", "huge", "text"],
+)
+def test_a_number_that_no_float_can_hold_is_refused_in_a_short_sentence(value, said):
+    with pytest.raises(InputError, match=rf"^size: expected a number \(mm\), {said}") as caught:
+        as_number(value, "size", unit="mm")
+    assert len(str(caught.value)) < 120
