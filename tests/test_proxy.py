@@ -148,19 +148,6 @@ def two_stents(line: Centerline) -> list[Stent]:
     return [Stent(7.2, placement=AtCenter(place), length=12) for place in places]
 
 
-def test_several_stents_are_previewed_in_order():
-    phantom = fine_tube()
-    stents = two_stents(phantom.centerline)
-    seen = Preview(phantom.surface, phantom.centerline).of(stents)
-    treatment = Treatment(phantom.surface, stents, phantom.centerline, PREVIEW)
-    for state in treatment:
-        last = state
-    shown = phantom.surface.points.copy()
-    shown[seen.indices] = seen.coordinates
-    assert np.linalg.norm(shown - last.points(), axis=1).max() < 0.5
-    assert [one.number for one in seen.stents] == [1, 2]
-
-
 def test_a_stent_s_error_names_it():
     phantom = fine_tube()
     far = Stent(6, placement=AlongAxis([[90, 0, 0], [99, 0, 0]]), name="far")

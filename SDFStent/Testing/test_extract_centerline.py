@@ -61,13 +61,6 @@ def test_where_it_is_missing_the_panel_says_how_to_install_it(host, aPanel, aVes
     assert slicer.util.selectedModules == []
 
 
-def test_it_is_said_as_well_before_anything_else_is_chosen(host, aPanel, aVessel):
-    """Without a centerline the line also asks for one: that must not hide the answer to a click."""
-    aPanel.ui.vesselSelector.setCurrentNode(aVessel[0])
-    host.click(aPanel.ui.extractButton)
-    assert "extension SlicerVMTK, which is not installed" in aPanel.ui.statusLabel.text
-
-
 def test_a_vessel_under_a_transform_is_refused(host, aPanel, aVessel, aScene, theirModule):
     matrix = aScene.AddNewNodeByClass("vtkMRMLLinearTransformNode")
     aVessel[0].SetAndObserveTransformNodeID(matrix.GetID())

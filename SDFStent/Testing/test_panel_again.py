@@ -41,16 +41,6 @@ def test_a_stent_that_dilates_again_takes_the_handle_above_it_and_leaves_none(
     np.testing.assert_allclose(third.handle.GetNthControlPointPositionWorld(0), theThroat())
 
 
-def test_whichever_is_chosen_first_handle_or_placement_it_shortens_as_its_stent(host, twoStents):
-    ui, parameters = twoStents.ui, twoStents._parameterNode
-    host.click(ui.copyStentButton)
-    ui.handleSelector.setCurrentNode(parameters.stents[1].handle)
-    host.choose(ui.placementComboBox, 5)
-    assert planned(twoStents)[2].placement.number == 2
-    assert planned(twoStents)[2].foreshortening_fraction is None
-    assert not ui.foreshorteningSlider.enabled
-
-
 def test_a_stent_is_dilated_again_after_another_one(host, twoStents):
     """Against the library's treatment of the same stents."""
     from SDFStentLib.stent import AtCenter, OfStent, Stent

@@ -323,27 +323,6 @@ def test_a_deleted_segmentation_leaves_no_segment_of_its_neighbor(host, aPanel, 
     assert not aPanel._parameterNode.segmentID.startswith("B")
 
 
-def test_a_segment_does_not_count_while_the_vessel_is_a_model(host, aDeployment, aScene):
-    parameters = aDeployment._parameterNode
-    addSegmentation(aScene, "A")
-    parameters.segmentID = "A1"
-    assert aDeployment.ui.lumenLabel.enabled
-    assert not aDeployment.logic.hasChanged(parameters)
-
-
-def test_a_segment_survives_saving_and_loading(host, aPanel, aScene, tmp_path):
-    addSegmentation(aScene, "Z")
-    aPanel.ui.vesselSelector.setCurrentNode(addSegmentation(aScene, "A", 3))
-    aPanel.ui.segmentSelector.setCurrentSegmentID("A2")
-    path = tmp_path / "segments.mrb"
-    assert aScene.WriteToMRB(str(path))
-    host.newScene()
-    assert aScene.ReadFromMRB(str(path), True)
-    assert aPanel._parameterNode.vessel.GetName() == "A"
-    assert aPanel._parameterNode.segmentID == "A2"
-    assert aPanel.ui.segmentSelector.currentSegmentID() == "A2"
-
-
 # Arrays
 
 
