@@ -17,7 +17,7 @@ from SDFStentLib.files import read_centerline, read_surface
 from SDFStentLib.lumen import axis_stations, diameter_profile, extended_axis, profile_around
 from SDFStentLib.stent import AlongAxis, AtCenter, Stent, stent_axis
 from SDFStentLib.treatment import Treatment
-from SDFStentLib.treatment.warnings import is_same_branch, narrowed_neighbors
+from SDFStentLib.treatment.warnings import narrowed_neighbors
 from SDFStentLib.vessel import NeighborLumen, apposition
 from SDFStentLib.vessel.apposition import GAP
 
@@ -126,16 +126,6 @@ def test_a_covered_branch_that_is_pinched_is_told(data_dir, with_tree, with_face
 
 def lumen_along(path, name="side branch 1"):
     return NeighborLumen(name, np.array(path, float), 5.0, 4.0, 3.0, by_area=False)
-
-
-def test_a_branch_is_the_same_where_the_ways_run_in_one_lumen_whatever_its_name():
-    here = lumen_along([[0, 0, 0], [20, 0, 0]])
-    shifted = lumen_along([[1, 0.5, 0], [21, 0.5, 0]], "side branch 2")
-    beside = lumen_along([[0, 5, 0], [20, 5, 0]])
-    farther = lumen_along([[40, 0, 0], [60, 0, 0]])
-    assert is_same_branch(here, shifted)
-    assert not is_same_branch(here, beside)
-    assert not is_same_branch(here, farther)
 
 
 def test_of_two_branches_with_one_name_both_are_told_and_of_one_branch_the_worst():

@@ -302,14 +302,6 @@ def test_a_balloon_leaves_the_lumen_that_is_deployed_and_three_diameters_are_tol
     assert again.plan.stents[0].balloon.diameter == 7
 
 
-def test_recoil_is_raised_where_the_balloon_is_over_three_times_the_lumen(a_folder, capsys):
-    (stent,) = reported("--balloon", "11.5", diameter=None)  # the throat has 3.6 mm
-    assert stent["recoil_fraction"] == 0.1
-    assert "more than that was seen where the balloon was over 3 times" in stent["recoil_reason"]
-    assert stent["lumen_diameter_mm"] == pytest.approx(10.35)
-    capsys.readouterr()
-
-
 def test_a_recoil_of_ones_own_goes_with_either_way_to_give_the_balloon(a_folder):
     (one,) = reported("--recoil", "0.05")
     (other,) = reported("--balloon", "6", "--recoil", "0.05", diameter=None)

@@ -11,7 +11,6 @@ import pytest
 from deployment_cases import ANATOMIES, anatomy
 
 from SDFStentLib import phantoms
-from SDFStentLib.cautions import TEMPLATES, Caution
 from SDFStentLib.cli import main
 from SDFStentLib.files import (
     add_arrays,
@@ -199,11 +198,3 @@ def test_damaged_models_are_refused_in_a_sentence_or_read():
             outcomes.add("read")
             assert all(isinstance(n, int) and name for n, name in names.items())
     assert outcomes == {"read", "sentence"}
-
-
-def test_every_template_with_a_place_tells_it_in_the_file_s_unit():
-    for kind, words in TEMPLATES.items():
-        assert words.count("{x") == words.count("{filed}"), kind
-    caution = Caution("cap-bulged", {"height_mm": 0.5}, (10.0, -20.0, 30.0))
-    assert "(in the file 1, -2, 3 cm)" in caution.sentence(units="cm")
-    assert "in the file" not in caution.sentence()

@@ -6,7 +6,6 @@ import re
 
 import numpy as np
 import pytest
-from deployment_cases import anatomy_case
 from scipy.spatial import KDTree
 
 from SDFStentLib import phantoms
@@ -49,24 +48,3 @@ def test_edges_long_against_the_radius_are_told_where_the_lumen_misses_by_more_t
         assert 0.6 * radius < stated < sides.max()
         assert f"radius is {radius:g} mm" in text
         assert "at most 1.1 mm" in text
-
-
-def test_a_surface_refined_as_advised_is_not_told():
-    radius = 4.6
-    made = phantoms.straight_tube(radius=4.0, length=48.0, edge_length=3.2)
-    axis = made.axis_at(np.linspace(16, 30, 50))
-    advised = coarse_of(treated(made, axis, radius))[0].numbers["fine_mm"]
-    finer = phantoms.straight_tube(radius=4.0, length=48.0, edge_length=advised)
-    result = treated(finer, axis, radius)
-    assert not coarse_of(result)
-    assert narrowest_share(result, radius) > 0.99
-
-
-@pytest.mark.parametrize(
-    ("name", "start", "length", "ratio"),
-    [("aorta_iliac", 200, 36, 1.6), ("aorta_iliac", 387, 20, 1.05), ("pulmonary", 12, 25, 1.05),
-     ("pulmonary", 115, 15, 1.6), ("vmtk_aorta", 20, 25, 1.6)],
-)  # fmt: skip
-def test_no_anatomy_is_told(data_dir, name, start, length, ratio):
-    case = anatomy_case(data_dir, name, float(start), float(length), ratio=ratio, leaf=0)
-    assert not coarse_of(treated(case, case.axis, case.radius))

@@ -178,15 +178,6 @@ def test_edges_of_a_fifth_of_a_millimeter_or_of_six_are_stented_to_size(
     assert np.abs(after - 2.4 * radius).max() < tolerance
 
 
-def test_triangles_that_name_a_corner_twice_change_nothing():
-    tube = a_stenosis()
-    clean = treated(tube.points, tube.triangles, its_stent(tube))
-    twice = tube.triangles[::50][:, [0, 0, 1]]
-    result = treated(tube.points, np.concatenate([tube.triangles, twice]), its_stent(tube))
-    assert result.certificate.passed
-    np.testing.assert_array_equal(result.points, clean.points)
-
-
 def test_triangles_without_area_in_a_watertight_wall_pass_or_are_named():
     """Every 37th face is cut at the middle of one side, and a flat face closes the gap."""
     tube = a_stenosis()

@@ -216,14 +216,6 @@ def test_rigid_motion_moves_the_spheres_along_and_scaling_scales_them():
     np.testing.assert_allclose(after.radii, 2 * before.radii, rtol=0, atol=1e-4)
 
 
-def test_there_is_no_sphere_outside_and_none_but_a_point_on_the_wall():
-    points, triangles = a_round_tube(radius=4.0, count=4)
-    found = inscribed_spheres(points, triangles, stations([30, 0, 20], [2, 2, 20]), upward(2))
-    assert np.isnan(found.radii[0])
-    assert np.isnan(found.centers[0]).all()
-    assert found.radii[1] == pytest.approx(0, abs=1e-9)
-
-
 # Cross-sections and profiles
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import copy
 import json
-import os
 import re
 from dataclasses import replace
 
@@ -454,10 +453,3 @@ def test_half_of_a_character_is_no_text():
     stent = Stent(6, placement=AtCenter(np.zeros(3)), length=9)
     with pytest.raises(InputError, match="stent name: expected a text"):
         plan_text(Plan((replace(stent, name="\udcff"),)))
-
-
-@pytest.mark.skipif(os.name == "nt", reason="Windows has no such file names")
-def test_the_name_of_a_file_that_is_no_valid_text_comes_back(tmp_path):
-    plan = Plan(surface=InputFile(str(tmp_path / os.fsdecode(b"gef\xe4\xdf.vtp"))))
-    save_plan(plan, tmp_path / "plan.json")
-    assert load_plan(tmp_path / "plan.json") == plan

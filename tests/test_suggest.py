@@ -376,11 +376,3 @@ def test_a_stent_beside_the_lesion_is_compared_with_the_vessel_there(a_folder, c
     assert "Stent : healthy vessel 1.3" in out
     assert "balloon : stenosis" not in out
     assert "is 1.3" in warning
-
-
-def test_the_stent_is_named_where_its_ratio_is_warned_of(a_folder):
-    assert main([*SUGGEST, "--ratio", "1.3", "--quiet"]) == 0
-    result = run_plan(load_plan("tube_plan.json"))
-    (caution,) = result.size_warnings
-    assert (caution.kind, caution.stent) == ("overdilated", 1)
-    assert caution.sentence().startswith("Stent 1 (lesion 1): The stent of 7.")
