@@ -6,7 +6,7 @@ import json
 
 import numpy as np
 import pytest
-from mesh_files import octahedron
+from mesh_files import octahedron, open_tube
 
 from SDFStentLib.files import encode_vtp, polydata_from_arrays, polydata_from_lines, read_surface
 from SDFStentLib.phantoms import stenosed_tube
@@ -203,3 +203,30 @@ def test_a_lumen_that_is_noticeably_too_narrow_is_told_with_its_place(
         assert f"{100 * short:.1f} %" in told[0]
         assert f"{100 * short:.1f} % narrower" in report["certificate"]["sentence"]
         assert "narrower than prescribed" in one_line(run.stderr)
+
+
+@pytest.mark.parametrize("kind", ["moebius", "turned"])
+def test_a_certificate_tells_of_winding_that_the_input_had(shell, tmp_path, kind):
+    points, triangles = open_tube(radius=4.0, length=40.0)
+    if kind == "turned":
+        triangles = triangles.copy()
+        triangles[5] = triangles[5][::-1]
+        words = "triangles are wound against their neighbors, as they were"
+    else:
+        strip_points, strip_triangles = strip(1)
+        triangles = np.vstack([triangles, strip_triangles + len(points)])
+        points = np.vstack([points, strip_points * 2 + [0, 0, 20]])
+        words = "one-sided"
+    write(tmp_path / "tube.vtp", points, triangles)
+    data = polydata_from_lines([[0, 0, 10], [0, 0, 30]], [np.arange(2)])
+    (tmp_path / "axis.vtp").write_bytes(encode_vtp(data))
+    run = shell(
+        "deploy", "tube.vtp", "--axis", "axis.vtp", "--diameter", "9", "-o", "out.vtp",
+        "--report", "out.json", folder=tmp_path,
+    )  # fmt: skip
+    assert run.returncode == 0, run.stderr
+    assert words in run.stdout
+    found = json.loads((tmp_path / "out.json").read_text(encoding="utf-8"))["certificate"]
+    assert words in found["sentence"]
+    assert found["orientable"] == (kind == "turned")
+    assert not found["consistently_wound"]

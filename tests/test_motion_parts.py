@@ -192,3 +192,12 @@ def test_the_field_of_the_other_fold_draws_no_single_point_in_by_a_millimeter(da
         for axis in (case.axis, case.axis[::-1])
     )
     assert np.linalg.norm(there - back, axis=1).max() < 0.3
+
+
+@pytest.mark.parametrize("name", list(FALLOFFS))
+def test_every_fall_off_is_flat_at_both_ends_so_that_the_field_has_no_crease(name):
+    h = 1e-4
+    profile = FALLOFFS[name]
+    # Flat: the difference quotient vanishes as h; second derivatives here are below 20.
+    assert abs(profile(np.array([h]))[0] - 1) / h < 20 * h
+    assert abs(profile(np.array([1 - h]))[0]) / h < 20 * h
