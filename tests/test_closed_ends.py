@@ -5,10 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+from trees import unbranched
 
+from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.files import read_surface
 from SDFStentLib.geometry import Surface
 from SDFStentLib.lumen import diameter_profile, flat_caps
+from SDFStentLib.stent import AtCenter, Stent
+from SDFStentLib.treatment import Treatment
 
 RADIUS, LENGTH = 4.0, 30.0
 
@@ -162,3 +166,16 @@ def test_the_inlet_of_a_patient_is_not_narrow(data_dir, surface, line):
     start = profile.inscribed_diameter[:4]
     # Both trunks are nearly cylindrical for their first 10 mm.
     np.testing.assert_allclose(start, profile.inscribed_diameter[5], rtol=0.05)
+
+
+def test_the_vessel_between_a_stent_and_a_cap_is_as_wide_as_its_wall():
+    """And not as the way to the cap is long, nor as the cap is bulged."""
+    surface, height = Surface(*a_capped_duct(a_circle())), np.linspace(0, LENGTH, 61)
+    tree = unbranched(np.column_stack([0 * height, 0 * height, height]), np.full(61, RADIUS))
+    stent = Stent(9.5, placement=AtCenter([0, 0, 9.0]), length=10.0)
+    treated = Treatment(surface, [stent], tree, DeploymentSettings(certify=False)).result.stents[0]
+    lumen = 2 * RADIUS * np.cos(np.pi / 32)
+    for neighbor in treated.neighbors:
+        assert not neighbor.by_area
+        assert neighbor.before == pytest.approx(lumen, rel=1e-6)
+        assert neighbor.after >= neighbor.before - 1e-6
