@@ -25,7 +25,7 @@ from SDFStentLib.flow import (
     svzerod_document,
     tree_of,
 )
-from SDFStentLib.flow.blocks import blocks_of
+from SDFStentLib.flow.blocks import Stream, blocks_of, turns_of
 from SDFStentLib.flow.channels import Channel, Widths, widths_of
 from SDFStentLib.geometry import Line
 from SDFStentLib.lumen import equivalent_diameters, inscribed_spheres
@@ -36,14 +36,15 @@ MMHG = 133.322
 RHO, MU = 1060.0, 0.004
 
 
-def block(x, narrow, wide=None):
-    """Of ellipses along a straight vessel, mm."""
+def block(x, narrow, wide=None, flow=10.0):
+    """Of ellipses along a straight vessel, mm, at a flow in mL/s."""
     x, narrow = np.asarray(x, float), np.asarray(narrow, float)
     line = np.column_stack([x, 0 * x, 0 * x])
     none = np.zeros(len(x), dtype=np.int64)
     channel = Channel(line, x, narrow, narrow, none, x, -1)
     widths = Widths(narrow, narrow if wide is None else np.asarray(wide, float))
-    blocks = blocks_of([channel], (widths,), np.ones(1)).blocks
+    stream = Stream(np.array([1e-6 * flow]), np.zeros(1))
+    blocks = blocks_of([channel], (widths,), stream)
     return Network(blocks, tree_of(np.array([-1])))
 
 
@@ -71,8 +72,58 @@ def test_a_tube_costs_what_poiseuille_says_and_an_ellipse_what_white_says():
 def test_a_sudden_expansion_before_a_long_vessel_loses_what_borda_and_carnot_say():
     x = np.r_[0.0, 10.0, 10.0 + 1e-6, np.linspace(11, 600, 6000)]
     lost = block(x, np.where(x <= 10, 3.0, 6.0)).stenosis[0]
-    expected = RHO / 2 * (1 / area(3.0) - 1 / area(6.0)) ** 2
+    # Of even speeds that carry the energy of a parabola, twice that of the mean one.
+    expected = RHO * (1 / area(3.0) - 1 / area(6.0)) ** 2
     assert lost == pytest.approx(expected, rel=0.01)
+
+
+def test_blood_that_enters_a_tube_costs_what_was_measured_there():
+    """Behind a wide vessel layers begin thin: more than Poiseuille's by 1.33 heads (Shah 1978),
+    one of which is what a parabola has more than an even profile."""
+    x = np.r_[np.linspace(0, 20, 41), 20 + np.geomspace(0.01, 500, 3000)]
+    narrow = np.where(x <= 20, 40.0, 4.0)
+    tube = block(x, narrow, flow=10.0)
+    speed = 10e-6 / area(4.0)
+    reynolds = RHO * speed * 0.004 / MU
+    even = speed * area(4.0) * tube.blocks[0].jet
+    developed = x[np.searchsorted(even, 1.99**0.5 * speed)] - 20
+    assert developed == pytest.approx(0.0288 * reynolds * 4.0, rel=0.15)  # Schiller 1922
+    poiseuille = 128 * MU * 10e-6 * 0.5 / (np.pi * 0.004**4)
+    lost = tube.resistance[0] * 10e-6 + RHO / 2 * speed**2 * (2 - 1)
+    assert (lost - poiseuille) / (RHO / 2 * speed**2) == pytest.approx(1.33, rel=0.1)
+
+
+def branch(angle, diameter=4.0, share=0.3):
+    """The losses of a branch that leaves a tube of 6 mm, mechanical heads of both by speed."""
+    x = np.linspace(0, 300, 601)
+    none = np.zeros(len(x), dtype=np.int64)
+    trunk = np.column_stack([x, 0 * x, 0 * x])
+    side = trunk[-1] + np.outer(x, [np.cos(angle), np.sin(angle), 0.0])
+    channels = [
+        Channel(line, start + x, size + 0 * x, size + 0 * x, none, x, above)
+        for line, start, size, above in ((trunk, 0.0, 6.0, -1), (side, 300.0, diameter, 0))
+    ]
+    widths = [Widths(one.inscribed, one.inscribed) for one in channels]
+    stream = Stream(1e-6 * np.array([10.0, 10.0 * share]), turns_of(channels, widths))
+    _, side_block = blocks_of(channels, widths, stream)
+    speeds = 10e-6 / area(6.0), 10e-6 * share / area(diameter)
+    return RHO * side_block.mixing[-1] * (10e-6 * share) ** 2, speeds
+
+
+@pytest.mark.parametrize("degrees", [0, 30, 60, 90])
+def test_a_branch_costs_what_its_angle_and_its_speed_say(degrees):
+    """Mynard 2015: half of the square of the change of speed, at three quarters of the angle."""
+    lost, (first, second) = branch(np.radians(degrees), 5.0)
+    turned = 0.75 * np.radians(degrees)
+    whole = first**2 + second**2 - 2 * first * second * np.cos(turned)
+    # Twice, for both are parabolas.
+    assert lost == pytest.approx(RHO * whole, rel=0.02)
+
+
+def test_blood_that_speeds_up_into_a_branch_loses_only_what_moves_across():
+    lost, (first, second) = branch(np.radians(60), 2.0)
+    assert second > first
+    assert lost == pytest.approx(RHO * (first * np.sin(np.radians(45))) ** 2, rel=0.02)
 
 
 def test_a_vessel_that_widens_slowly_loses_nothing_but_friction():
@@ -83,20 +134,24 @@ def test_a_vessel_that_widens_slowly_loses_nothing_but_friction():
 
 def test_narrowings_on_both_sides_of_any_share_tell_nearly_the_same():
     x = np.linspace(0, 200, 2001)
-    depths = np.linspace(0.01, 0.5, 246)  # 0.2 % apart, as 14.9 and 15.1 are
-    losses = np.array([block(x, throat(x, depth)).stenosis[0] for depth in depths])
-    assert (np.diff(losses) > 0).all()
-    # It grows as smoothly as a power of the depth does.
-    at = np.searchsorted(depths, 0.15)
-    assert losses[at + 1] / losses[at - 1] < 1.1
-    assert np.abs(np.diff(np.log(losses[10:]), 2)).max() < 0.01
+    depths = np.r_[0.0, np.linspace(0.003, 0.499, 249)]  # 0.2 % apart
+    for flow in (2e-6, 10e-6, 20e-6):
+        tubes = [block(x, throat(x, depth), flow=1e6 * flow) for depth in depths]
+        costs = np.array([one.resistance[0] * flow + one.stenosis[0] * flow**2 for one in tubes])
+        costs = (costs[1:] - costs[0]) / MMHG
+        steps = np.diff(costs)
+        # Where blood begins to part from the wall, at some 4 %, friction ends there.
+        assert steps.min() > -0.02
+        assert (steps[depths[1:-1] >= 0.1] > 0).all()
+        low, high = np.searchsorted(depths, [0.1485, 0.1505]) - 1
+        assert (high - low, costs[high] / costs[low]) < (2, 1.06)
 
 
 REFERENCE = {0.5: {2: 0.34, 5: 1.37, 10: 4.57, 20: 18.7}, 0.7: {2: 2.90, 5: 14.7, 8: 37.4}}
 """Recovered drops, mmHg, of an axisymmetric P2-P1 reference by narrowing and mL/s."""
 
-STATIC = {0.5: {2: 0.453, 5: 2.28, 10: 8.26, 20: 30.8}, 0.7: {2: 3.48, 5: 18.4, 8: 44.4}}
-"""Static drops over the stented length."""
+LOWEST = {0.5: {2: 0.64, 5: 2.70, 10: 9.42, 20: 34.0}, 0.7: {2: 4.03, 5: 20.7, 8: 49.3}}
+"""Static drops to the throat."""
 
 
 @pytest.mark.parametrize("depth", REFERENCE)
@@ -109,7 +164,7 @@ def test_stenosed_tubes_cost_what_the_navier_stokes_equations_say(depth):
         drop = FlowModel(channels, known_flow(flow)).answer(None, lines).before["mean"].drops[0]
         assert drop.recovered.value == pytest.approx(recovered, rel=0.15)
         assert drop.recovered.low < recovered < drop.recovered.high
-        static = STATIC[depth][flow]
+        static = LOWEST[depth][flow]
         assert drop.maximal.value == pytest.approx(static, rel=0.15)
         assert drop.maximal.low < static < drop.maximal.high
 
@@ -357,23 +412,6 @@ def test_what_no_wall_moved_near_is_as_it_was_and_the_rest_is_as_measured_anew()
         section = equivalent_diameters(*wall, after.points, ways)
         known = np.isfinite(section) & np.isfinite(after.section)
         assert after.section[known] == pytest.approx(section[known], rel=0.005)
-
-
-def test_what_is_kept_of_blocks_and_widths_tells_what_all_anew_tells(a_fork):
-    channels, right = a_fork
-    model = FlowModel(channels, known_flow(40.0, right=right, **PRESSURES))
-    changed = channels[2]._replace(
-        inscribed=0.8 * channels[2].inscribed, section=0.8 * channels[2].section
-    )
-    after = [*channels[:2], changed, *channels[3:]]
-    lines = [Part("all", np.vstack([channels[0].points, channels[-1].points]))]
-    # Values that are equal, but not the same, are made anew.
-    anew = [one._replace() for one in after]
-    told, plain = (model.answer(one, lines) for one in (after, anew))
-    assert told.after == plain.after
-    assert told.after != told.before
-    assert any(a is b for a, b in zip(*(one.blocks for one in told.networks), strict=True))
-    assert not any(a is b for a, b in zip(*(one.blocks for one in plain.networks), strict=True))
 
 
 def test_a_narrowing_at_an_ostium_costs_from_the_vessel_above_on(a_fork):

@@ -10,12 +10,20 @@ from typing import NamedTuple
 import numpy as np
 
 from ..validation import Floats, InputError
-from .blocks import Blocks, Method, blocks_of, outlet_diameters, shares_of
+from .blocks import Block, Method, Stream, blocks_of, outlet_diameters, shares_of, turns_of
 from .blood import PASCAL_PER_MMHG, PER_ML, Blood
 from .channels import Channel, widths_of
 from .known import Known
 from .network import Network, Outlets, State, steady_states, tree_of
-from .outlets import NOTHING_KNOWN, SAMPLES, SideClues, Sides, fitted_outlets, sides_of
+from .outlets import (
+    NOTHING_KNOWN,
+    SAMPLES,
+    SideClues,
+    Sides,
+    fitted_outlets,
+    outlet_shares,
+    sides_of,
+)
 from .spans import Part, Piece, Ways, drop_over
 
 USUAL = Method()
@@ -128,10 +136,12 @@ class FlowModel:
         self.channels, self.known, self._clues = tuple(channels), known, clues
         self._widths, self._ways = widths_of(channels), Ways(channels)
         self._tree = tree_of(np.array([one.above for one in channels]))
-        # How a jet divides where vessels do is told by the usual shares of the outlets.
+        # Profiles, and how a jet divides where vessels do, are those of the usual shares.
         self._diameters = outlet_diameters(channels, self._widths)
-        self._shares = shares_of(channels, self._diameters**USUAL.power)
-        self._blocks: dict[float, Blocks] = {}
+        weights = self._diameters**USUAL.power
+        shares = shares_of(channels, outlet_shares(weights, self._sides(weights), known))
+        self._stream = Stream(PER_ML * known.mean * shares, turns_of(channels, self._widths))
+        self._blocks: dict[float, tuple[Block, ...]] = {}
         self._usual = self._case(USUAL)
 
     @cached_property
@@ -139,12 +149,8 @@ class FlowModel:
         """To both sides of the usual one."""
         return [(self._case(low), self._case(high)) for _, (low, high) in UNCERTAIN]
 
-    def _case(self, method: Method) -> _Case:
-        weights, wider = self._diameters**method.power, method.wider
-        if wider not in self._blocks:
-            self._blocks[wider] = blocks_of(self.channels, self._widths, self._shares, wider)
-        network = Network(self._blocks[wider].blocks, self._tree, method)
-        sides = sides_of(self.channels, network, weights, self._clues)
+    def _sides(self, weights: Floats) -> Sides | None:
+        sides = sides_of(self.channels, self._tree, weights, self._clues)
         if self.known.split_right is not None and not (sides and sides.is_known):
             raise InputError(
                 "split to the right: expected a vessel of which the right branch is known, got one "
@@ -152,6 +158,14 @@ class FlowModel:
                 "right",
                 end=", or leave the split out.",
             )
+        return sides
+
+    def _case(self, method: Method) -> _Case:
+        weights, wider = self._diameters**method.power, method.wider
+        if wider not in self._blocks:
+            self._blocks[wider] = blocks_of(self.channels, self._widths, self._stream, wider)
+        network = Network(self._blocks[wider], self._tree, method)
+        sides = self._sides(weights)
         outlets = fitted_outlets(network, weights, sides, self.known)
         return _Case(network, sides, outlets)
 
@@ -162,10 +176,8 @@ class FlowModel:
         if after is None:
             return [[case.network] for case in cases]
         widths = widths_of(after, (self.channels, self._widths))
-        blocks = {
-            wider: blocks_of(after, widths, self._shares, wider, known).blocks
-            for wider, known in self._blocks.items()
-        }
+        stream = self._stream._replace(turns=turns_of(after, widths))
+        blocks = {wider: blocks_of(after, widths, stream, wider) for wider in self._blocks}
         each = [case.network for case in cases]
         return [[one, one._replace(blocks=blocks[one.method.wider])] for one in each]
 

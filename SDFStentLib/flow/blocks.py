@@ -1,23 +1,35 @@
-"""What a stretch of vessel costs: friction, inertia, and the jet that a narrowing leaves behind.
+"""What a stretch of vessel costs: friction, inertia, turns, and the jet behind a narrowing.
 
 Formulas and their sources: docs/flow.md.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
-from ..validation import Floats
-from .blood import Blood
+from ..validation import Flags, Floats
+from .blood import ADULT, Blood
 from .channels import Channel, Widths
-from .integral import integral_to
 
-MIXING = 8.0
-"""Diameters of the vessel within which a jet loses all but 1/e of what it is faster than the mean:
-the jets of steady laminar flow behind two narrowings of known shape mix so (docs/flow.md)."""
+PARTS = -0.09
+"""Thwaites: a laminar layer of momentum thickness d parts from a wall along which the core of speed
+u slows by more than so many viscosities over d^2."""
+
+SETTLES = 26.4
+"""Sparrow et al.: a profile settles as exp(-SETTLES nu x / (u r^2)), the square of the first root
+of the Bessel function J2."""
+
+TURNS = 0.75
+"""Hager, Mynard: part of the angle of a branch by which blood that goes into it is turned."""
+
+THIN = 0.05
+"""Of the radius: layers are taken for as thick at least, for the friction of thinner ones has no
+bounds."""
 
 
 class Method(NamedTuple):
@@ -25,7 +37,7 @@ class Method(NamedTuple):
 
     blood: Blood = Blood()
     loss: float = 1.0
-    """Times the loss of a jet that mixes, by Borda and Carnot."""
+    """Times the loss of a jet that mixes, and of turns."""
     power: float = 7 / 3
     """Flow to an outlet goes with its diameter to this power, where nothing tells more."""
     wider: float = 0.0
@@ -42,9 +54,10 @@ class Block(NamedTuple):
     friction: Floats
     """Resistance from its start to each station, over the viscosity, 1/m^3."""
     mixing: Floats
-    """Loss of jets from its start to each station, over density and loss of a method, 1/m^4."""
+    """Loss of jets and turns from its start to each station, over density and loss of a method,
+    1/m^4."""
     jet: Floats
-    """Speed of the fastest blood over the flow, 1/m^2; 1 / area where there is no jet."""
+    """Over the flow the even speed that would carry as much energy, 1/m^2."""
     area: Floats
     """m^2."""
     slenderness: float
@@ -80,87 +93,180 @@ def shares_of(channels: Sequence[Channel], weights: Floats) -> Floats:
     return shares
 
 
-class Blocks(NamedTuple):
-    """The blocks of a tree, and what they were made of."""
+def turns_of(channels: Sequence[Channel], widths: Sequence[Widths]) -> Floats:
+    """By channel (n,) the angle to the one above, each over a diameter of that, radians."""
+    angles = np.zeros(len(channels))
+    for number, channel in enumerate(channels):
+        if channel.above < 0:
+            continue
+        above = channels[channel.above]
+        reach = float(np.sqrt(4 / np.pi * widths[channel.above].area[-1]))
+        before = min(
+            int(np.searchsorted(above.along, above.along[-1] - reach)), len(above.along) - 2
+        )
+        behind = max(int(np.searchsorted(channel.along, channel.along[0] + reach)), 1)
+        first = above.points[-1] - above.points[before]
+        second = channel.points[min(behind, len(channel.points) - 1)] - channel.points[0]
+        both = np.sqrt((first @ first) * (second @ second))
+        angles[number] = np.arccos(np.clip((first @ second) / both, -1, 1))
+    return angles
 
-    blocks: tuple[Block, ...]
-    widths: tuple[Widths, ...]
+
+class Stream(NamedTuple):
+    """The usual flow through a tree, which shapes the profiles in it."""
+
+    flow: Floats
+    """(n,) through the channels, m^3/s."""
+    turns: Floats
+    """(n,) as of `turns_of`."""
 
 
 def blocks_of(
-    channels: Sequence[Channel],
-    widths: tuple[Widths, ...],
-    shares: Floats,
-    wider: float = 0.0,
-    before: Blocks | None = None,
-) -> Blocks:
+    channels: Sequence[Channel], widths: Sequence[Widths], stream: Stream, wider: float = 0.0
+) -> tuple[Block, ...]:
     """The blocks of a tree.
 
     Parameters
     ----------
     channels, widths : sequences
-    shares : (n,) array
-        Of the flow, which a jet needs to be known by where it comes into a branch.
+    stream : Stream
     wider : float
         By which all diameters are larger, mm.
-    before : Blocks, optional
-        Those of other widths, all else alike: where a channel has the same and the same jet comes
-        in, its block is the same value.
     """
-    found: list[Block] = []
-    for number, (channel, size) in enumerate(zip(channels, widths, strict=True)):
-        above = channel.above
-        share = float(shares[number] / shares[above]) if above >= 0 else 1.0
-        excess = _excess(found, above, share)
-        if (
-            before is not None
-            and size is before.widths[number]
-            and excess == _excess(before.blocks, above, share)
-        ):
-            found.append(before.blocks[number])
-            continue
-        x = 1e-3 * (channel.along - channel.along[0])
-        found.append(_block(x, size.widened(wider) if wider else size, excess))
-    return Blocks(tuple(found), widths)
-
-
-def _excess(blocks: Sequence[Block], above: int, share: float) -> float:
-    """By how much a jet that comes in is faster than the mean, 1/m^2.
-
-    Blood that turns into branches slows down without loss; a jet goes on as it is.
-    """
-    return 0.0 if above < 0 else float(blocks[above].jet[-1] - 1 / blocks[above].area[-1]) / share
-
-
-def _block(x: Floats, size: Widths, excess: float) -> Block:
-    """Of ellipses at places (n,), m; a jet comes in that is faster than the mean, 1/m^2."""
+    size = Widths(*(np.concatenate(axis) for axis in zip(*widths, strict=True))).widened(wider)
     b, a = 0.5e-3 * size.narrow, 0.5e-3 * size.wide
     area = np.pi * a * b
-    jets = _jets(x, area, excess)
-    # Over a step the excess over the mean changes from one end's to the other's.
-    faster, slowed = jets - 1 / area, np.maximum(jets[:-1] - jets[1:], 0.0)
-    mixed = np.zeros(len(x))
-    np.cumsum(slowed * (faster[1:] + faster[:-1]) / 2, out=mixed[1:])
-    friction = 4 * (a**2 + b**2) / (np.pi * (a * b) ** 3)
-    return Block(
-        friction=integral_to(friction, x),
-        mixing=mixed,
-        jet=jets,
-        area=area,
-        slenderness=float(integral_to(1 / area, x)[-1]),
-        length=float(x[-1] - x[0]),
-    )
+    way = _way(channels)
+    # The kinematic viscosity over the flow, 1/m.
+    spread = np.repeat(ADULT.viscosity / ADULT.density / stream.flow, np.diff(way.starts))
+    layer = _layers(way, area, spread)
+    profile = _profile(layer)
+    attached = np.sqrt(profile.energy) / area
+    momentum = (4 / 15 - layer / 10) * layer / 2 * np.sqrt(area / np.pi)
+    slowing = np.diff(profile.core / area, append=0.0)
+    clings = momentum**2 * slowing > PARTS * spread * way.step
+    kept = np.exp(-np.pi * SETTLES * spread * way.step)
+    jet, mixed = _jets(way, (attached, clings, kept), stream)
+    # The wall rubs against what moves along it: not against the dead water round a jet.
+    friction = 4 * (a**2 + b**2) / (np.pi * (a * b) ** 3) * profile.friction * attached / jet
+    resisted, slender = (_summed(way.step, values) for values in (friction, 1 / area))
+    found = []
+    for start, end in pairwise(way.starts):
+        found.append(
+            Block(
+                friction=resisted[start:end] - resisted[start],
+                mixing=mixed[start:end],
+                jet=jet[start:end],
+                area=area[start:end],
+                slenderness=float(slender[end - 1] - slender[start]),
+                length=float(way.step[start : end - 1].sum()),
+            )
+        )
+    return tuple(found)
 
 
-def _jets(x: Floats, area: Floats, excess: float) -> Floats:
-    """Speed of a jet over the flow (n,): as fast as the mean at least, and slowing to it."""
-    mean = 1 / area
-    kept = np.exp(-np.diff(x) / (MIXING * np.sqrt(4 * area[1:] / np.pi))).tolist()
-    # As plain numbers: a few stations at a time.
-    means = mean.tolist()
-    jet = means[0] + excess
-    jets = [jet]
-    for k, share in enumerate(kept):
-        jet = means[k + 1] + max(jet - means[k + 1], 0.0) * share
+class _Way(NamedTuple):
+    """The stations of all channels one after the other."""
+
+    starts: list[int]
+    """(n + 1,) where those of each channel begin, and the end."""
+    above: list[int]
+    """(n,)"""
+    step: Floats
+    """(m,) from each station to the next one, m; 0 at the end of a channel."""
+
+
+def _way(channels: Sequence[Channel]) -> _Way:
+    along = 1e-3 * np.concatenate([one.along for one in channels])
+    starts = np.cumsum([0, *(len(one.along) for one in channels)])
+    last = starts[1:] - 1
+    step = np.diff(along, append=0.0)
+    step[last] = 0.0
+    return _Way(starts.tolist(), [one.above for one in channels], step)
+
+
+def _summed(step: Floats, values: Floats) -> Floats:
+    """Integral of values (n,) to each place, by trapezoids."""
+    return np.append(0.0, np.cumsum(step[:-1] * (values[1:] + values[:-1]) / 2))
+
+
+class _Profile(NamedTuple):
+    """Of a core and a parabola in the layer at the wall, as Schiller has it."""
+
+    core: Floats
+    """Its speed over the mean one."""
+    energy: Floats
+    """Flow of energy over that of an even profile."""
+    friction: Floats
+    """What it loses over what a developed one does."""
+
+
+def _profile(layer: Floats) -> _Profile:
+    """By the thickness of the layer over the radius (n,)."""
+    core = 1 / (1 - 2 / 3 * layer + layer**2 / 6)
+    energy = (1 - 38 / 35 * layer + 47 / 140 * layer**2) * core**3
+    thick = np.maximum(layer, THIN)
+    return _Profile(core, energy, core**2 * (4 - thick) / (12 * thick))
+
+
+def _rates() -> tuple[list[float], list[float]]:
+    """How the square of a layer grows, by thousandths of the radius.
+
+    With the core's speed c over the mean one, and the flow of momentum m over that of an even
+    profile, the balance of momentum over a section is
+    (c c' - m') dt = 4 pi spread c / t dx + (c^2 - m) d(log area):
+    a factor for 4 pi spread dx, and a power of the area.
+    """
+    t = np.maximum(np.linspace(0, 1, 1001), 1e-3)
+    c = 1 / (1 - 2 / 3 * t + t**2 / 6)
+    even = 1 - 14 / 15 * t + 4 / 15 * t**2
+    steeper = (2 / 3 - t / 3) * c**2
+    left = c * steeper - (8 / 15 * t - 14 / 15) * c**2 - 2 * even * c * steeper
+    return (2 * c / left).tolist(), (2 * c**2 * (1 - even) / (t * left)).tolist()
+
+
+_GROWS, _WIDENS = _rates()
+
+
+def _layers(way: _Way, area: Floats, spread: Floats) -> Floats:
+    """Thickness of the layer over the radius (m,); into the tree blood comes developed."""
+    # As plain numbers: one station after the other.
+    steps = (4 * np.pi * spread * way.step).tolist()
+    growth = np.diff(np.log(area), append=0.0).tolist()
+    found: list[float] = []
+    for (start, end), above in zip(pairwise(way.starts), way.above, strict=True):
+        found.append(found[way.starts[above + 1] - 1] if above >= 0 else 1.0)
+        square = found[-1] ** 2
+        for k in range(start, end - 1):
+            at = int(1000 * found[k])
+            square = min((square + steps[k] * _GROWS[at]) * math.exp(_WIDENS[at] * growth[k]), 1.0)
+            found.append(math.sqrt(square))
+    return np.array(found)
+
+
+def _jets(way: _Way, parts: tuple[Floats, Flags, Floats], stream: Stream) -> tuple[Floats, Floats]:
+    """Speed over the flow (m,), and what jets and turns have lost in their channel.
+
+    `parts` are the speed (m,) attached to the wall, whether it stays so, and by which factor a jet
+    comes nearer to it.
+    """
+    even, clings, kept = (column.tolist() for column in parts)
+    flow, turns = stream.flow.tolist(), (TURNS * stream.turns).tolist()
+    jets: list[float] = []
+    losses: list[float] = []
+    for number, (start, end) in enumerate(pairwise(way.starts)):
+        above = way.above[number]
+        last = way.starts[above + 1] - 1
+        speed = jets[last] * flow[above] / flow[number] if above >= 0 else 0.0
+        jet, lost = max(speed * math.cos(turns[number]), even[start]), 0.0
         jets.append(jet)
-    return np.array(jets)
+        losses.append(lost)
+        lost = (speed * math.sin(turns[number])) ** 2 / 2
+        for k in range(start, end - 1):
+            to = even[k + 1]
+            excess = 0.0 if clings[k] and jet <= even[k] else max(jet - to, 0.0)
+            jet = to + excess * kept[k]
+            lost += excess**2 * (1 - kept[k] ** 2) / 2
+            jets.append(jet)
+            losses.append(lost)
+    return np.array(jets), np.array(losses)

@@ -141,8 +141,13 @@ def widths_of(
 
 
 def _known(channel: Channel, before: Sequence[Floats], is_outlet: bool) -> Floats:
-    """Inscribed diameters (n,), where they are not known those of sections or of stations near."""
-    diameter = np.where(np.isfinite(channel.inscribed), channel.inscribed, channel.section)
+    """Inscribed diameters (n,), where they are not known those of sections or of stations near.
+
+    At the inlet those of stations near: the cap cuts its sections.
+    """
+    diameter = channel.inscribed
+    if channel.above >= 0 or not np.isfinite(diameter).any():
+        diameter = np.where(np.isfinite(diameter), diameter, channel.section)
     known = np.isfinite(diameter) & (diameter > 0)
     away = channel.along[-1] - channel.along[known].max(initial=-np.inf)
     is_lost = is_outlet and not away <= LOST * diameter[known][-1:].sum()

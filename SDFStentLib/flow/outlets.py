@@ -14,7 +14,7 @@ from .blocks import shares_of
 from .blood import PASCAL_PER_MMHG, PER_ML
 from .channels import Channel
 from .known import Known
-from .network import Network, Outlets, lost_to, steady, steady_states
+from .network import Network, Outlets, Tree, lost_to, steady, steady_states
 
 MAIN = 0.1
 """Share of the outlets, weighted, from which a branch is a main one: that of the narrowest left
@@ -57,7 +57,7 @@ class Sides(NamedTuple):
 
 def sides_of(
     channels: Sequence[Channel],
-    network: Network,
+    tree: Tree,
     weights: Floats,
     clues: SideClues = NOTHING_KNOWN,
 ) -> Sides | None:
@@ -69,7 +69,7 @@ def sides_of(
     Parameters
     ----------
     channels : sequence of Channel
-    network : Network
+    tree : Tree
     weights : (k,) array
         Of the outlets.
     clues : SideClues, optional
@@ -85,7 +85,7 @@ def sides_of(
             break
         number = below[0]
     first, second = below[:2]
-    turned = _is_right(channels, network, (first, second), clues.frame, clues.right)
+    turned = _is_right(channels, tree, (first, second), clues.frame, clues.right)
     pair = (second, first) if turned else (first, second)
     names = ("main branch 1", "main branch 2") if turned is None else ("left", "right")
     if clues.names:
@@ -94,12 +94,12 @@ def sides_of(
             names = one, other
     lines = [channels[number].points for number in pair]
     places = np.array([line[len(line) // 2] for line in lines])
-    return Sides(names, pair, network.tree.leads_to[list(pair)], turned is not None, places)
+    return Sides(names, pair, tree.leads_to[list(pair)], turned is not None, places)
 
 
 def _is_right(
     channels: Sequence[Channel],
-    network: Network,
+    tree: Tree,
     pair: tuple[int, int],
     frame: Frame | None,
     right: Points | None,
@@ -120,9 +120,26 @@ def _is_right(
         return number == pair[0]
     if frame is None:
         return None
-    ends = np.array([channels[number].points[-1, 0] for number in network.tree.outlets])
-    first, second = (float(ends[network.tree.leads_to[number]].mean()) for number in pair)
+    ends = np.array([channels[number].points[-1, 0] for number in tree.outlets])
+    first, second = (float(ends[tree.leads_to[number]].mean()) for number in pair)
     return first > second if frame == "RAS" else first < second
+
+
+def _of_the_right(count: int, sides: Sides | None, known: Known) -> Flags:
+    """Which outlets (k,) share the known split; none where it is not known."""
+    if known.split_right is None:
+        return np.zeros(count, dtype=bool)
+    assert sides is not None
+    return sides.outlets[1]
+
+
+def outlet_shares(weights: Floats, sides: Sides | None, known: Known) -> Floats:
+    """Of the flow (k,): by the weights of the outlets, and by the split where it is known."""
+    is_right, shares = _of_the_right(len(weights), sides, known), weights / weights.sum()
+    if known.split_right is not None:
+        for which, part in ((is_right, known.split_right), (~is_right, 1 - known.split_right)):
+            shares[which] *= part / shares[which].sum()
+    return shares
 
 
 def fitted_outlets(network: Network, weights: Floats, sides: Sides | None, known: Known) -> Outlets:
@@ -136,14 +153,8 @@ def fitted_outlets(network: Network, weights: Floats, sides: Sides | None, known
     InputError
         Pressures that cannot drive the flow through this vessel.
     """
-    is_right = np.zeros(len(weights), dtype=bool)
-    if known.split_right is not None:
-        assert sides is not None
-        is_right = sides.outlets[1]
-    shares = weights / weights.sum()
-    if known.split_right is not None:
-        for which, part in ((is_right, known.split_right), (~is_right, 1 - known.split_right)):
-            shares[which] *= part / shares[which].sum()
+    is_right = _of_the_right(len(weights), sides, known)
+    shares = outlet_shares(weights, sides, known)
     flow = PER_ML * known.mean
     firm = _firm(network, shares, flow)
     if not known.has_pressures:

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..geometry import closest_on_segments
 from ..validation import Flags, Floats, Points
+from .blocks import SETTLES
 from .channels import Channel
 from .network import Network
 
@@ -137,8 +138,14 @@ def _at(values: Floats, station: float) -> float:
 
 
 def _left_in_jet(piece: Piece, end: int, network: Network, flow: Floats) -> float:
-    """What a jet at one end of a part will lose where the vessel goes on as wide, Pa."""
+    """What a jet at one end of a part will lose where the vessel goes on as wide, Pa.
+
+    Less what the dead water round it spares of the friction there.
+    """
     block, station = network.blocks[piece.block], piece[1 if end == 0 else 2]
     jet, area = (_at(values, station) for values in (block.jet, block.area))
-    q, method = float(flow[piece.block]), network.method
-    return method.loss * method.blood.density / 2 * (q * (jet - 1 / area)) ** 2
+    q, (blood, loss) = float(flow[piece.block]), network.method[:2]
+    settled = min(math.sqrt(2) / area, jet)
+    # Poiseuille's friction over the length in which a profile settles.
+    spared = 8 * blood.density / SETTLES * (abs(q) / area) * (q / area) * math.log(jet / settled)
+    return loss * blood.density / 2 * (q * (jet - settled)) ** 2 - spared
