@@ -220,7 +220,11 @@ def test_a_wave_is_solved_over_cycles_and_flows_may_be_set_at_outlets():
     time = np.linspace(0, 0.8, 21)
     flow = FLOW * (1 + 0.5 * np.sin(2 * math.pi * time / 0.8))
     wave = Wave(tuple(time.tolist()), tuple(flow.tolist()))
-    outlets = (Outlet("main", "pressure", 0.0, 15.0), Outlet("branch", "flow", 5.0, 5.0))
+    outlets = (
+        Outlet("main", "pressure", 0.0, 15.0),
+        Outlet("branch", "flow", 5.0, 5.0),
+        Outlet("lung", "resistance", 1000.0, 2.0),
+    )
     conditions = Conditions(FLOW, wave, outlets)
     texts = solver_files(conditions, time_steps(conditions, 0.3, 1.5, 1000.0))
     root = ElementTree.fromstring(texts["solver.xml"])
@@ -238,6 +242,16 @@ def test_a_wave_is_solved_over_cycles_and_flows_may_be_set_at_outlets():
     assert (count - start + 1) / every == pytest.approx(20)
     outlet = root.find("Add_equation/Add_BC[@name='main']")
     assert (outlet.findtext("Time_dependence"), outlet.findtext("Value")) == ("Steady", "0.0")
+    lung = root.find("Add_equation/Add_BC[@name='lung']")
+    assert lung.findtext("Time_dependence") == "RCR"
+    proximal, compliance, distal, start = (
+        float(lung.findtext(f"RCR_values/{name}"))
+        for name in ("Proximal_resistance", "Capacitance", "Distal_resistance", "Initial_pressure")
+    )
+    assert (proximal, proximal + distal) == pytest.approx((100.0, 1000.0))
+    assert (proximal + distal) * compliance == pytest.approx(0.75)
+    # It begins as full as it is in the mean.
+    assert start == pytest.approx(2.0 * distal)
     tables = {
         name: np.array([row.split() for row in texts[f"{name}.flow"].splitlines()[1:]], float)
         for name in ("inlet", "branch")
@@ -258,8 +272,8 @@ def tube_flow(points, radius):
     return np.column_stack([0 * z, 0 * z, speed]), lost[-1] - np.interp(z, fine, lost)
 
 
-def write_result(case, radius, *, step=10, shuffled=False, factor=1.0):
-    """A result as the solver writes it, here an exact solution."""
+def write_result(case, radius, *, step=10, shuffled=False, factor=1.0, flow=1.0):
+    """A result as the solver writes it, here an exact solution, of so many times the flow."""
     volume, _ = read_volume(case / "mesh" / "mesh-complete.mesh.vtu")
     points = volume.points / 10
     velocity, pressure = tube_flow(points, radius)
@@ -267,7 +281,7 @@ def write_result(case, radius, *, step=10, shuffled=False, factor=1.0):
         np.random.default_rng(0).permutation(len(points)) if shuffled else np.arange(len(points))
     )
     corners = np.argsort(order)[volume.tetrahedra]
-    arrays = {"Velocity": velocity[order], "Pressure": factor * pressure[order]}
+    arrays = {"Velocity": flow * velocity[order], "Pressure": factor * flow * pressure[order]}
     (case / "results").mkdir(exist_ok=True)
     path = case / "results" / f"result_{step:03d}.vtu"
     path.write_bytes(encode_vtu(points[order], corners, arrays, {}))
@@ -316,6 +330,32 @@ def test_an_exact_solution_is_read_with_its_drop_flow_and_wall_shear(folder, cap
     page = Path("out.html").read_text(encoding="utf-8")
     assert page.count("<svg") == 2
     assert "http" not in page.replace("http://www.w3.org/2000/svg", "")
+
+
+def test_a_wave_is_told_by_the_mean_of_its_last_cycle_and_by_its_peak(folder, capsys):
+    waves = 1 + 0.5 * np.sin(2 * math.pi * np.arange(21) / 20)
+    rows = [f"{0.04 * k},{FLOW * one}" for k, one in enumerate(waves)]
+    Path("wave.csv").write_text("\n".join(["s,mL/s", *rows]), encoding="utf-8")
+    known = ["--wave", "wave.csv", *KNOWN[2:]]
+    assert simulate("--no-run", "--quiet", "--coarser", "5", out="wave", known=known) == 0
+    solver = ElementTree.parse("wave/before/solver.xml").getroot()
+    outlet = solver.find("Add_equation/Add_BC[@name='outlet']")
+    assert outlet.findtext("Time_dependence") == "RCR"
+    # Five frames of the cycle before it, which do not count, and the last one's.
+    for k, one in enumerate([3.0] * 5 + waves[:20].tolist()):
+        write_results(folder / "wave", step=10 * k + 10, flow=one)
+    assert main(["simulate", "--read", "wave", "--json", "out.json"]) == 0
+    before = json.loads(Path("out.json").read_text(encoding="utf-8"))["before"]
+    drops = [before[moment]["static_drop_mmhg"]["value"] for moment in ("mean", "peak")]
+    volume, _ = read_volume("wave/before/mesh/mesh-complete.mesh.vtu")
+    length = np.ptp(volume.points[:, 2]) / 10
+    drop = 8 * MU * FLOW * length / (math.pi * (RADIUS / 10) ** 4) / MMHG
+    assert drops == pytest.approx([drop, 1.5 * drop], rel=1e-6)
+    flows = [before[moment]["inflow_ml_s"] for moment in ("mean", "peak")]
+    assert flows[1] == pytest.approx(1.5 * flows[0])
+    said = capsys.readouterr().out
+    assert "peak" in said
+    assert "did not become steady" not in said
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from xml.etree import ElementTree
 
 from ..flow import ADULT
-from .conditions import Conditions
+from .conditions import Conditions, Outlet
 
 RESULTS = "results"
 """Folder of what the solver writes, and the first part of its names."""
@@ -35,6 +35,11 @@ LEAST_BETWEEN = 10
 
 CYCLES, CYCLE_FRAMES, SAMPLES, MODES = 3, 20, 100, 16
 """Of a wave: cycles, what is saved of the last one, and rows and harmonics of its file."""
+
+RC_TIME, PROXIMAL = 0.75, 0.1
+"""Of a wave, whose outlets have compliance: resistance times compliance of the lungs, s, the same
+in health and disease (Lankhaar, Eur Heart J 2008;29:1688), and the part of the resistance before
+it, a choice."""
 
 _LINEAR = {
     "Linear_algebra": {"@type": "fsils", "Preconditioner": "fsils"},
@@ -101,6 +106,9 @@ def solver_files(conditions: Conditions, steps: Steps) -> dict[str, str]:
             texts[f"{outlet.name}.flow"] = _flow_file(conditions, steps, share)
             bounds.append(_flow_bound(outlet.name, f"{outlet.name}.flow", steps))
             continue
+        if outlet.kind == "resistance" and conditions.wave is not None:
+            bounds.append(_bound(outlet.name, "Neu", "RCR", {"RCR_values": _windkessel(outlet)}))
+            continue
         kind = "Resistance" if outlet.kind == "resistance" else "Steady"
         bounds.append(_bound(outlet.name, "Neu", kind, {"Value": outlet.value}))
     bounds.append(_bound("wall", "Dir", "Steady", {"Value": 0.0}))
@@ -164,6 +172,18 @@ def _equation(bounds: list[dict[str, Any]]) -> dict[str, Any]:
         ],
         "LS": {"@type": "NS", **_LINEAR},
         "Add_BC": bounds,
+    }
+
+
+def _windkessel(outlet: Outlet) -> dict[str, float]:
+    """Of the same mean pressure as the resistance, at which it begins."""
+    distal = (1 - PROXIMAL) * outlet.value
+    return {
+        "Proximal_resistance": PROXIMAL * outlet.value,
+        "Capacitance": RC_TIME / outlet.value,
+        "Distal_resistance": distal,
+        "Distal_pressure": 0.0,
+        "Initial_pressure": distal * outlet.flow,
     }
 
 
