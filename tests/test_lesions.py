@@ -277,7 +277,7 @@ def test_a_short_vessel_without_any_plateau_has_no_reference_and_no_lesion():
     columns = (np.outer(along, [0.0, 0, 1]), along, diameter, np.zeros(17, dtype=np.int64))
     run = VesselRun(*columns, along, (), (branch, branch), 0, 1, 4.0, 2)
     assert len(narrowings(run)) == 1
-    assert _found([run]) == []
+    assert _found([run], [0]) == []
 
 
 def straight_run(diameter, start=0.0, parent=-1, side_branches=()):
@@ -295,7 +295,7 @@ def test_the_ostium_of_a_branch_within_its_parent_s_narrowing_is_the_same_lesion
     parent = straight_run(5 - 3 * bump, side_branches=(SideBranch(29.0, 5.0, 1),))
     beyond = np.arange(0, 25.1, 0.5)
     child = straight_run(5 - (5 - ostium) * np.clip(1 - beyond / 4, 0, 1), 29.0, 0)
-    found = _found([parent, child])
+    found = _found([parent, child], [0, 1])
     assert len(narrowings(child)) == 1
     assert [one.vessel for one in found] == [0, 1][:count]
 

@@ -52,6 +52,10 @@ class TreeLumen:
     def __init__(self, surface: Surface, centerline: Centerline) -> None:
         self.centerline, self._lumens = centerline, centerline.lumens
         self._ends = np.cumsum([len(lumen.points) for lumen in self._lumens])
+        firsts = [0, *self._ends.tolist()]
+        self._of_branch = {
+            one.branch: (one, n) for one, n in zip(self._lumens, firsts, strict=False)
+        }
         stations = np.concatenate([lumen.points for lumen in self._lumens])
         directions = np.concatenate([tangents(lumen.points) for lumen in self._lumens])
         self._to_end = np.concatenate(_distances_to_ends(self._lumens))
@@ -80,11 +84,9 @@ class TreeLumen:
     def stations_of(self, run: VesselRun) -> Indices:
         """Which of the spheres (n,) are those at the stations of a vessel."""
         found = np.empty(len(run.along), dtype=np.int64)
-        for lumen, end in zip(self._lumens, self._ends, strict=True):
-            own = run.branch == lumen.branch
-            if own.any():
-                at = np.abs(lumen.along - run.branch_along[own, None]).argmin(axis=1)
-                found[own] = end - len(lumen.along) + at
+        for branch in np.unique(run.branch).tolist():
+            own, (lumen, first) = run.branch == branch, self._of_branch[branch]
+            found[own] = first + np.abs(lumen.along - run.branch_along[own, None]).argmin(axis=1)
         return found
 
     def _told(self, spheres: InscribedSpheres) -> tuple[BranchLumen, ...]:

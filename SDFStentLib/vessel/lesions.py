@@ -83,8 +83,8 @@ def find_lesions(
         No surface, or a centerline outside of it.
     """
     surface = as_surface(surface)
-    runs = measured_runs(surface, centerline)
-    found = _found(runs)
+    runs, asked = measured_runs(surface, centerline)
+    found = _found(runs, asked)
     faces = checked_faces(faces, len(surface.triangles))
     named = named_branches(surface, centerline, faces, given)
     areas = _healthy_areas(surface, found)
@@ -235,13 +235,15 @@ class _Found(NamedTuple):
         return float(self.run.diameter[at])
 
 
-def _found(runs: Sequence[VesselRun]) -> list[_Found]:
-    """The narrowings of all vessels; of one that lies across a division the vessel's own part.
+def _found(runs: Sequence[VesselRun], asked: Sequence[int]) -> list[_Found]:
+    """The narrowings of some vessels; of one that lies across a division the vessel's own part.
 
     Without healthy vessel on any side nothing tells how wide it should be.
     """
     every = [
-        _Found(number, run, narrow) for number, run in enumerate(runs) for narrow in narrowings(run)
+        _Found(number, runs[number], narrow)
+        for number in asked
+        for narrow in narrowings(runs[number])
     ]
     found = [one for one in every if any(side is not None for side in one.sides)]
     found = [one for one in found if not any(other.continues(one) for other in found)]

@@ -23,10 +23,10 @@ _ROUGHLY = 0.05
 """Of the reference by which a narrowing may be deeper than rough spheres tell."""
 
 
-def measured_runs(surface: Surface, centerline: Centerline) -> list[VesselRun]:
+def measured_runs(surface: Surface, centerline: Centerline) -> tuple[list[VesselRun], list[int]]:
     """The vessels of a tree as wide as they are themselves beside branches that leave at a throat.
 
-    Errors as of `branch_lumens`.
+    And the numbers of those that may have a narrowing. Errors as of `branch_lumens`.
     """
     tree = tree_lumen(surface, centerline)
     runs, wall = vessel_runs(tree.rough), tree.spheres.surface
@@ -39,7 +39,7 @@ def measured_runs(surface: Surface, centerline: Centerline) -> list[VesselRun]:
         parts = [exact.at(part) for part in np.split(np.arange(ends[-1]), ends[:-1])]
         for number, run in zip(asked, _own(wall, [runs[n] for n in asked], parts), strict=True):
             own[number] = run
-    return own
+    return own, asked
 
 
 def _own(

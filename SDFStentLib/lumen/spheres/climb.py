@@ -72,13 +72,6 @@ class Until(NamedTuple):
         return self._replace(enough=enough[which]) if enough.ndim else self
 
 
-def largest_spheres(
-    surface: LocalSurface, starts: Points, axes: Floats, until: Until
-) -> InscribedSpheres:
-    """Climb among points of the wall, then on it, then make sure that no wall lies between."""
-    return exact_spheres(surface, starts, axes, rough_spheres(surface, starts, axes, until), until)
-
-
 def exact_spheres(
     surface: LocalSurface, starts: Points, axes: Floats, rough: InscribedSpheres, until: Until
 ) -> InscribedSpheres:
@@ -109,14 +102,13 @@ def in_their_lumen(
 
 
 def rough_spheres(
-    surface: LocalSurface, starts: Points, axes: Floats, until: Until
+    surface: LocalSurface, starts: Points, axes: Floats, until: Until, around: Floats
 ) -> InscribedSpheres:
     """Spheres among points of the wall, few first; radii are no smaller than to the wall.
 
-    NaN where that leads out of the surface, and where the wall has few triangles.
+    NaN where that leads out of the surface, and where the wall has few triangles `around` (n,).
     """
     found = InscribedSpheres(starts.copy(), np.full(len(starts), np.nan))
-    around = surface.triangles_round(starts)
     # Among about as many points round every sphere, whatever its size.
     for own in np.array_split(np.argsort(around), len(starts) // _TOGETHER + 1):
         usual = float(np.quantile(around[own], 0.25)) if len(own) else 0.0

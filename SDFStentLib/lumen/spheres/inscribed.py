@@ -21,7 +21,6 @@ from .climb import (
     climbed,
     exact_spheres,
     in_their_lumen,
-    largest_spheres,
     rough_spheres,
 )
 from .local_surface import LocalSurface
@@ -111,6 +110,12 @@ class StationSearch:
         self._is_exact = np.zeros(len(centers), dtype=bool)
 
     @cached_property
+    def _around(self) -> Floats:
+        """About how many triangles (n,) a sphere round a station has."""
+        any_stations = len(self._stations) > 0
+        return self.surface.triangles_round(self._stations) if any_stations else np.empty(0)
+
+    @cached_property
     def rough(self) -> InscribedSpheres:
         """Of all stations, among middles of the wall's triangles: radii are no smaller than exact.
 
@@ -119,9 +124,9 @@ class StationSearch:
         """
         found = InscribedSpheres(np.empty_like(self._stations), np.empty(len(self._stations)))
         axes = across(self._directions)
-        for block in _parts(self.surface, self._stations):
+        for block in _parts(self._stations, self._around):
             starts, until = self._stations[block], self._until.at(block)
-            rough = rough_spheres(self.surface, starts, axes[block], until)
+            rough = rough_spheres(self.surface, starts, axes[block], until, self._around[block])
             spheres, again = in_their_lumen(self.surface, starts, axes[block], until, rough)
             found.centers[block], found.radii[block] = spheres
             self._is_exact[block[again]] = True
@@ -133,7 +138,7 @@ class StationSearch:
         directions, until = self._directions[which], self._until.at(which)
         axes, found = across(directions), InscribedSpheres(*(part.copy() for part in rough))
         begun = np.flatnonzero(~self._is_exact[which])
-        for part in _parts(self.surface, stations[begun]):
+        for part in _parts(stations[begun], self._around[which][begun]):
             block = begun[part]
             begin = rough.at(block), until.at(block)
             spheres = exact_spheres(self.surface, stations[block], axes[block], *begin)
@@ -185,7 +190,9 @@ def _free_stuck(
         return
     both = np.r_[stuck, stuck]
     starts = np.concatenate([side.places[stuck] for side in sides])
-    anew = largest_spheres(surface, starts, across(directions[both]), until.at(both))
+    axes, around = across(directions[both]), surface.triangles_round(starts)
+    rough = rough_spheres(surface, starts, axes, until.at(both), around)
+    anew = exact_spheres(surface, starts, axes, rough, until.at(both))
     # What is larger as seen from one side only may be another vessel's.
     radii = np.where(np.isnan(anew.radii), np.inf, anew.radii).reshape(2, -1)
     smaller = anew.at(np.arange(len(stuck)) + len(stuck) * radii.argmin(axis=0))
@@ -210,10 +217,9 @@ def _see_each_other(
     return np.flatnonzero(found)
 
 
-def _parts(surface: LocalSurface, centers: Points) -> Iterator[Indices]:
-    """Stations that are searched together: near each other, with not too many triangles."""
+def _parts(centers: Points, triangles: Floats) -> Iterator[Indices]:
+    """Stations that are searched together: near each other, with not too many triangles (n,)."""
     todo = [np.arange(len(centers))] if len(centers) else []
-    triangles = surface.triangles_round(centers) if todo else np.empty(0)
     # Ends: parts are halved until they are small, or one station.
     while todo:
         part = todo.pop()
