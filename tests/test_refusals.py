@@ -161,7 +161,7 @@ REFUSED = {
     deploy("--foreshortening 0.9"): "foreshortening: expected a number",
     deploy("--waists 3"): "unrecognized arguments: --waists 3",
     deploy("--output-centerline c.stl"): "c.stl: expected one of .vtp, .vtk",
-    deploy(out="out.xyz"): "out.xyz: expected one of .vtp, .vtk, .stl, .ply, .obj",
+    deploy(out="out.xyz"): "out.xyz: expected a surface that ends in .vtp, .vtk, .stl, .ply, .obj",
     deploy(out="none/out.vtp"): "expected an existing folder",
     deploy(out="tube.vtp"): "tube.vtp: expected another file than the input",
     deploy("--report r.txt"): "ends in .json, .html, got '.txt'; rename it.",

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ..cautions import Caution
-from ..files import StagingFolder, cannot_write, check_writable, commit, sweep
+from ..files import StagingFolder, cannot_write, check_folder, check_writable, commit, sweep
 from ..validation import InputError
 from .signals import check_interrupted, uninterrupted, uninterrupted_from_now
 
@@ -166,11 +166,7 @@ def _check_folder(path: str | os.PathLike[str], may_come: Path | None = None) ->
         raise InputError(f"{path}: expected a folder, got a file; name another one.")
     if may_come is not None and target.parent == may_come and not may_come.exists():
         return target
-    holder = target if target.is_dir() else target.parent
-    if not holder.is_dir():
-        raise InputError(f"{path}: expected an existing folder, {holder} is none; create it first.")
-    if not os.access(holder, os.W_OK | os.X_OK):
-        raise InputError(f"{path}: no permission to write in {holder}; choose another folder.")
+    check_folder(path, target if target.is_dir() else target.parent)
     return target
 
 

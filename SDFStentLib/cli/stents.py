@@ -37,8 +37,6 @@ def check_sizes(options: argparse.Namespace) -> None:
         raise InputError(
             "expected either --diameter, of the lumen, or --balloon, got both; leave one out."
         )
-    if options.device is None and options.device_table is not None:
-        raise InputError("expected --device NAME with --device-table, got none; name one.")
 
 
 def _check_profile_alone(options: argparse.Namespace) -> None:
@@ -75,8 +73,10 @@ def shape_of(options: argparse.Namespace) -> Shape | None:
 
 
 def device_of(options: argparse.Namespace) -> Device | None:
-    """The device that was named; `InputError` for one that is not there."""
+    """The device that was named; `InputError` for one that is not there, or a table alone."""
     if options.device is None:
+        if options.device_table is not None:
+            raise InputError("expected --device NAME with --device-table, got none; name one.")
         return None
     return device_named(options.device, options.device_table)
 

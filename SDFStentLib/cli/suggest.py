@@ -16,7 +16,7 @@ from ..report import (
     suggestion_sentences,
 )
 from ..treatment import SizingWishes
-from ..validation import InputError, one_line
+from ..validation import one_line
 from .console import Console
 from .outputs import Outputs
 from .place import check_lesion_number, inputs_of, plan_of
@@ -25,8 +25,6 @@ from .stents import device_of
 
 def suggest_command(options: argparse.Namespace, console: Console) -> int:
     """Propose a stent for a lesion and write the plan of it."""
-    if options.device is None and options.device_table is not None:
-        raise InputError("expected --device NAME with --device-table, got none; name one.")
     wishes = SizingWishes(options.ratio, options.margin, device_of(options), options.foreshortening)
     outputs = Outputs([options.surface, options.centerline, options.names])
     plan, name = Plan(), options.output or f"{Path(options.surface).stem}_plan.json"

@@ -8,6 +8,7 @@ from typing import Any
 
 from ..files import read_text
 from ..plan import (
+    check_schema,
     in_words,
     number,
     parsed,
@@ -56,12 +57,8 @@ def sweep_from_document(document: Any, folder: str | None = None) -> Sweep:
         As `load_sweep`.
     """
     folder = os.path.abspath(folder or ".")
-    if not isinstance(document, Mapping) or document.get("schema") != SCHEMA:
-        found = in_words(document.get("schema") if isinstance(document, Mapping) else document)
-        raise InputError(f"schema: expected {SCHEMA!r}, got {found}; this is no sweep.")
+    check_schema(document, SCHEMA, SCHEMA_VERSION, "this is no sweep")
     given = section(document, "sweep", ("schema", "version", "plan", "axes"), KEYS)
-    if given["version"] != SCHEMA_VERSION or given["version"] is True:
-        raise InputError(f"version: expected {SCHEMA_VERSION}, got {in_words(given['version'])}.")
     axes = _axes(given["axes"])
     template, folder_of_plan = template_of(given["plan"], folder)
     stent = _whole(given.get("stent", 1), "stent")

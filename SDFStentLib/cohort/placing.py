@@ -236,7 +236,7 @@ def _middle(base: Stent, plan: Plan, inputs: InputFiles) -> Points:
 
 def _axis(stent: Stent, plan: Plan, inputs: InputFiles) -> Line:
     vessel = inputs.vessel
-    change = AxisChange(plan.straightening_fraction, plan.settings.axis_smoothing)
+    change = AxisChange.of(plan.straightening_fraction, plan.settings)
     return axis_in_vessel(stent, vessel.centerline, vessel.surface, change).line
 
 

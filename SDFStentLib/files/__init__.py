@@ -2,6 +2,7 @@
 
 from .atomic import atomic_path as atomic_path
 from .atomic import cannot_write as cannot_write
+from .atomic import check_folder as check_folder
 from .atomic import check_suffix as check_suffix
 from .atomic import check_writable as check_writable
 from .atomic import flush_to_disk as flush_to_disk

@@ -87,19 +87,20 @@ def check_writable(path: str | os.PathLike[str]) -> Path:
             raise InputError(f"{path}: expected a file to write, got a folder; add a file name.")
         if target.exists() and not target.is_file():
             raise InputError(f"{path}: expected a file to write, got a device or a pipe.")
-        if not target.parent.is_dir():
-            raise InputError(
-                f"{path}: expected an existing folder, {target.parent} is none; create it first."
-            )
-        if not os.access(target.parent, os.W_OK | os.X_OK):
-            raise InputError(
-                f"{path}: no permission to write in {target.parent}; choose another folder."
-            )
+        check_folder(path, target.parent)
     except InputError:
         raise
     except (OSError, ValueError) as error:  # ValueError: a null character in the name
         raise cannot_write(path, error) from error
     return target
+
+
+def check_folder(path: str | os.PathLike[str], folder: Path) -> None:
+    """Refuse a folder for `path` that does not exist or may not be written."""
+    if not folder.is_dir():
+        raise InputError(f"{path}: expected an existing folder, {folder} is none; create it first.")
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise InputError(f"{path}: no permission to write in {folder}; choose another folder.")
 
 
 def flush_to_disk(path: Path) -> None:

@@ -15,7 +15,7 @@ from vtkmodules.vtkCommonDataModel import vtkDataSetAttributes, vtkPolyData
 from ..cautions import Caution
 from ..units import millimeters_per
 from ..validation import InputError, as_path, as_points, check_is_a
-from .atomic import check_writable, write_bytes
+from .atomic import check_suffix, check_writable, write_bytes
 from .content import header_text
 from .formats import encode_legacy, encode_obj, encode_ply, encode_stl, encode_vtp, fits_ply
 from .normal_arrays import refresh_normals
@@ -79,12 +79,7 @@ def write_surface(
 
 def check_surface_output(path: str | os.PathLike[str]) -> Path:
     """The file that `write_surface` would replace; `InputError` early where it could not."""
-    suffix = as_path(path).suffix.lower()
-    if suffix not in SURFACE_SUFFIXES:
-        raise InputError(
-            f"{path}: expected one of {', '.join(SURFACE_SUFFIXES)} to write, got "
-            f"{suffix or 'no suffix'!r}; rename it."
-        )
+    check_suffix(as_path(path), "a surface", SURFACE_SUFFIXES)
     return check_writable(path)
 
 

@@ -25,6 +25,7 @@ from .inputs import Marks as Marks
 from .inputs import input_file as input_file
 from .inputs import read_input_files as read_input_files
 from .inputs import read_plan_inputs as read_plan_inputs
+from .json_document import check_schema as check_schema
 from .json_document import in_words as in_words
 from .json_document import number as number
 from .json_document import parsed as parsed

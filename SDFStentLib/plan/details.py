@@ -7,7 +7,7 @@ nothing of a plan is lost on the way through it.
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -37,13 +37,7 @@ class StentSizes(NamedTuple):
 
 def details_document(stent: Stent | StentDetails) -> dict[str, Any]:
     """The details of a stent as values of JSON; null where it has none."""
-    return {
-        "device": to_document(stent.device),
-        "balloon": to_document(stent.balloon),
-        "keeps": stent.keeps,
-        "shape": to_document(stent.shape),
-        "may_be_shortened": stent.may_be_shortened,
-    }
+    return {one.name: to_document(getattr(stent, one.name)) for one in fields(StentDetails)}
 
 
 def stent_details(stent: Stent | StentDetails) -> str:
@@ -83,16 +77,11 @@ def detailed_stent(details: str, sizes: StentSizes, placement: Placement, name: 
     found = read_details(details)
     if found.device is not None and found.device.lengths:
         sizes = sizes._replace(foreshortening_fraction=None)
-    return Stent(
-        **sizes._asdict(),
-        placement=placement,
-        name=name,
-        device=found.device,
-        balloon=None if found.balloon is None else _that_leaves(found.balloon, sizes.diameter),
-        keeps=found.keeps,
-        shape=None if found.shape is None else _for_diameter(found.shape, sizes.diameter),
-        may_be_shortened=found.may_be_shortened,
-    )
+    more = vars(found) | {
+        "balloon": found.balloon and _that_leaves(found.balloon, sizes.diameter),
+        "shape": found.shape and _for_diameter(found.shape, sizes.diameter),
+    }
+    return Stent(**sizes._asdict(), **more, placement=placement, name=name)
 
 
 def details_words(details: str) -> str:

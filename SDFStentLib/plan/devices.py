@@ -11,7 +11,7 @@ from typing import Any
 from ..files import read_text
 from ..stent import Device
 from ..validation import InputError, as_path, in_short
-from .json_document import in_words, parsed, section, sequence
+from .json_document import check_schema, in_words, parsed, section, sequence
 from .typed import from_document
 
 SCHEMA = "sdfstent-devices"
@@ -67,14 +67,7 @@ def _table_of(path: Path) -> tuple[Device, ...]:
 
 def _rows_of(document: Any) -> tuple[Device, ...]:
     table = section(document, "device table", ("schema", "version", "devices"))
-    if table["schema"] != SCHEMA:
-        raise InputError(
-            f"schema: expected {SCHEMA!r}, got {in_words(table['schema'])}; correct it."
-        )
-    if table["version"] != SCHEMA_VERSION or table["version"] is True:
-        raise InputError(
-            f"version: expected {SCHEMA_VERSION}, got {in_words(table['version'])}; correct it."
-        )
+    check_schema(table, SCHEMA, SCHEMA_VERSION, "correct it")
     rows: dict[str, Device] = {}
     for index, value in enumerate(sequence(table["devices"], "devices")):
         device = from_document(Device, value, f"devices[{index}]")

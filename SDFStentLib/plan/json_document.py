@@ -67,6 +67,19 @@ def section(
     return value
 
 
+def check_schema(document: Any, schema: str, version: int, otherwise: str) -> None:
+    """Refuse a document of another schema or version; `otherwise` says what to do or think."""
+    found = document.get("schema") if isinstance(document, Mapping) else document
+    if found != schema:
+        raise InputError(f"schema: expected {schema!r}, got {in_words(found)}; {otherwise}.")
+    found = document.get("version")
+    if found != version or not isinstance(found, int) or isinstance(found, bool):
+        raise InputError(
+            f"version: expected {version}, got {in_words(found)}; use the version of sdfstent "
+            "that wrote it."
+        )
+
+
 def sequence(value: Any, where: str) -> Sequence[Any]:
     """The value if it is a list."""
     if not isinstance(value, Sequence) or isinstance(value, str):

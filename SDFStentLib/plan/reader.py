@@ -16,7 +16,17 @@ from ..stent import AlongAxis, BetweenPoints, InputFile, OfStent, Placement, Ste
 from ..units import MILLIMETERS, Frame
 from ..validation import InputError, as_path
 from .document import POINT_PLACEMENTS, SCHEMA, SCHEMA_VERSION
-from .json_document import in_words, number, parsed, scaled, section, sequence, text_value, truth
+from .json_document import (
+    check_schema,
+    in_words,
+    number,
+    parsed,
+    scaled,
+    section,
+    sequence,
+    text_value,
+    truth,
+)
 from .plan import Plan, method_parameters, plan_of_method
 from .typed import from_document
 from .vessel_names import read_names
@@ -87,7 +97,7 @@ def plan_from_document(
     InputError
         Another schema or version, unknown or missing keys, or values that do not belong there.
     """
-    _check_version(document)
+    check_schema(document, SCHEMA, SCHEMA_VERSION, "this is no plan")
     section(document, "plan", ("schema", "version", "stents"), _PARTS)
     _check_count(document["stents"])
     inputs = section(document.get("inputs", {}), "inputs", (), _INPUT_KEYS)
@@ -225,18 +235,6 @@ def _method(value: Any) -> dict[str, Any]:
         elif not (parameter.is_optional and given[key] is None):
             given[key] = _float(given[key], where)
     return given
-
-
-def _check_version(document: Any) -> None:
-    if not isinstance(document, Mapping) or document.get("schema") != SCHEMA:
-        found = in_words(document.get("schema") if isinstance(document, Mapping) else document)
-        raise InputError(f"schema: expected {SCHEMA!r}, got {found}; this is no plan.")
-    version = document.get("version")
-    if version != SCHEMA_VERSION or not isinstance(version, int):
-        raise InputError(
-            f"version: expected {SCHEMA_VERSION}, got {in_words(version)}; "
-            "use the version of sdfstent that wrote the plan."
-        )
 
 
 def _file(value: Any, where: str, folder: str | None) -> InputFile | None:

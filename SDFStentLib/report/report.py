@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ..files import atomic_path, write_bytes
+from ..files import atomic_path, check_suffix, write_bytes
 from ..lumen import REACH
 from ..validation import InputError, as_path, check_is_a
 from ..vessel import SMALLEST_DEGREE
@@ -142,19 +142,14 @@ def write_report(report: Report, path: str | os.PathLike[str]) -> None:
         No report, another suffix than .json, .html and .htm, or a file that cannot be written.
     """
     check_is_a(report, Report, "report")
-    suffix = as_path(path).suffix.lower()
-    if suffix == ".json":
+    check_suffix(as_path(path), "a report", (".json", ".html", ".htm"))
+    if Path(path).suffix.lower() == ".json":
         text = document_json(report.as_dict())
-    elif suffix in (".html", ".htm"):
+    else:
         # Late, as below: a document needs neither the page nor the drawing.
         from .html import html_page
 
         text = html_page(report.as_dict(), report.picture)
-    else:
-        raise InputError(
-            f"{os.fspath(path)}: expected a report file that ends in .json or .html, "
-            f"got {suffix or 'no suffix'!r}."
-        )
     with atomic_path(path) as temporary:
         # The name of a file need not be valid text; JSON reads the escape back.
         temporary.write_text(text, encoding="utf-8", errors="backslashreplace")
@@ -170,12 +165,7 @@ def write_report_figure(report: Report, path: str | os.PathLike[str]) -> None:
     DeploymentError
         A PNG is wanted and nothing here can render; the message names what to install.
     """
-    suffix = Path(path).suffix.lower()
-    if suffix not in FIGURE_SUFFIXES:
-        raise InputError(
-            f"{os.fspath(path)}: expected a figure that ends in {' or '.join(FIGURE_SUFFIXES)}, "
-            f"got {suffix or 'no suffix'!r}."
-        )
+    check_suffix(path, "a figure", FIGURE_SUFFIXES)
     if not report.stents:
         raise InputError("figure: expected a report with at least one stent, got none.")
     from .picture.drawing import svg
@@ -183,4 +173,6 @@ def write_report_figure(report: Report, path: str | os.PathLike[str]) -> None:
     from .picture.plot import figure
 
     drawing = figure(report.as_dict())
-    write_bytes(path, svg(drawing).encode() if suffix == ".svg" else painted(drawing))
+    write_bytes(
+        path, svg(drawing).encode() if Path(path).suffix.lower() == ".svg" else painted(drawing)
+    )

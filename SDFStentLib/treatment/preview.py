@@ -111,7 +111,7 @@ class Preview:
                 tree = None if is_last else centerline
                 with labeled(label_of(stents, number)):
                     stent, lies_on = resolved(planned, {one.number: one for one in previewed})
-                    change = AxisChange(fraction, settings.axis_smoothing)
+                    change = AxisChange.of(fraction, settings)
                     axis = axis_in_vessel(stent, centerline, self._lumen, change, lies_on=lies_on)
                     probes = self._proxy.probes(axis.points)
                     check_width(stent.widest_diameter, axis, self.surface, probes)

@@ -16,6 +16,7 @@ import numpy as np
 
 from ..cautions import Caution
 from ..centerline import Centerline
+from ..deformation import DeploymentSettings
 from ..geometry import Line, Surface, smoothed_line
 from ..lumen import LocalSurface
 from ..stent import Stent, StentAxis, moved_axis, stent_axis, straight_way, turned_way
@@ -43,6 +44,11 @@ class AxisChange(NamedTuple):
     """As for `straightened`."""
     smoothing_length: float = 0.0
     """As for `smoothed_line`, mm; before it is straightened."""
+
+    @classmethod
+    def of(cls, straightening_fraction: float, settings: DeploymentSettings) -> AxisChange:
+        """What a plan and its settings ask for."""
+        return cls(straightening_fraction, settings.axis_smoothing)
 
 
 NONE = AxisChange()

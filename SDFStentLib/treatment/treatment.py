@@ -174,7 +174,7 @@ class Treatment:
         surface: Surface,
         placed: Mapping[int, PlacedStent],
     ) -> PlacedStent:
-        change = AxisChange(self.straightening_fraction, self.settings.axis_smoothing)
+        change = AxisChange.of(self.straightening_fraction, self.settings)
         with labeled(self.label(number)):
             stent, lies_on = resolved(planned, placed)
             axis = axis_in_vessel(stent, centerline, surface, change, lies_on=lies_on)

@@ -11,15 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...validation import in_short
+from .stored_polydata import Damage
 from .text_numbers import numbers_in
 
 _WORD = re.compile(rb"\s*(\S{0,1000})")
 _LONGEST_LINE = 100_000
 _MOST_DIGITS = 15
-
-
-class LegacyDamage(ValueError):
-    """What is wrong in a legacy file, as the second half of a sentence."""
 
 
 class LegacyCursor:
@@ -55,16 +52,14 @@ class LegacyCursor:
         """The next word as a name, in which VTK writes blanks as %20."""
         word = self.word()
         if not word:
-            raise LegacyDamage("expected the name of an array, got the end of the file")
+            raise Damage("expected the name of an array, got the end of the file")
         return unquote_to_bytes(word.encode("latin-1")).decode("utf-8", "surrogateescape")
 
     def count(self) -> int:
         """The next word as a number from 0."""
         word = self.word()
         if not (word.isascii() and word.isdigit() and len(word) <= _MOST_DIGITS):
-            raise LegacyDamage(
-                f"expected a number from 0, got {in_short(word) if word else 'the end'}"
-            )
+            raise Damage(f"expected a number from 0, got {in_short(word) if word else 'the end'}")
         return int(word)
 
     def numbers(self, count: int, dtype: str) -> NDArray[Any]:
@@ -77,9 +72,9 @@ class LegacyCursor:
         try:
             values = numbers_in(text, dtype)
         except ValueError as error:
-            raise LegacyDamage(f"expected {count} numbers, got {error}") from error
+            raise Damage(f"expected {count} numbers, got {error}") from error
         if len(values) != count:
-            raise LegacyDamage(f"expected {count} numbers, got {len(values)}")
+            raise Damage(f"expected {count} numbers, got {len(values)}")
         return values
 
     def bits(self, count: int) -> NDArray[np.uint8]:
@@ -88,7 +83,7 @@ class LegacyCursor:
             return np.unpackbits(np.frombuffer(self._bytes(-(-count // 8)), np.uint8))[:count]
         values = self.numbers(count, "u1")
         if count and values.max() > 1:
-            raise LegacyDamage(f"expected bits 0 and 1, got {values.max()}")
+            raise Damage(f"expected bits 0 and 1, got {values.max()}")
         return values
 
     def colors(self, count: int) -> NDArray[np.uint8]:
@@ -97,13 +92,13 @@ class LegacyCursor:
             return self.numbers(count, "u1")
         values = self.numbers(count, "f4")
         if not ((values >= 0) & (values <= 1)).all():
-            raise LegacyDamage("expected colors from 0 to 1, got others")
+            raise Damage("expected colors from 0 to 1, got others")
         return (values * np.float32(255) + np.float32(0.5)).astype(np.uint8)
 
     def strings(self, count: int) -> list[bytes]:
         """The next texts: a line each, or with their lengths before them."""
         if count > len(self._data) - self._at:
-            raise LegacyDamage(f"expected {count} texts, got the end of the file")
+            raise Damage(f"expected {count} texts, got the end of the file")
         self._end_line()
         if self._is_text:
             return [unquote_to_bytes(self._line()) for _ in range(count)]
@@ -131,7 +126,7 @@ class LegacyCursor:
         if found is None or (
             len(found[1]) == 1000 and not self._data[found.end() : found.end() + 1].isspace()
         ):
-            raise LegacyDamage("expected words, got one of more than 1000 letters")
+            raise Damage("expected words, got one of more than 1000 letters")
         return found
 
     def _words(self, count: int) -> bytes:
@@ -141,9 +136,7 @@ class LegacyCursor:
         first = int(np.searchsorted(self._word_starts, self._at))
         if first + count > len(self._word_starts):
             left = len(self._word_starts) - first
-            raise LegacyDamage(
-                f"expected {count} numbers, got {left} words up to the end of the file"
-            )
+            raise Damage(f"expected {count} numbers, got {left} words up to the end of the file")
         start = self._at
         is_last = first + count == len(self._word_starts)
         self._at = len(self._data) if is_last else int(self._word_starts[first + count]) - 1
@@ -153,32 +146,32 @@ class LegacyCursor:
         self._end_line()
         if size > len(self._data) - self._at:
             left = len(self._data) - self._at
-            raise LegacyDamage(f"expected {size} bytes, got {left} up to the end of the file")
+            raise Damage(f"expected {size} bytes, got {left} up to the end of the file")
         self._at += size
         return self._data[self._at - size : self._at]
 
     def _end_line(self) -> None:
         """Go behind the end of the line of a header."""
         if self._at < len(self._data) and self._line().strip():
-            raise LegacyDamage("expected the end of a line, got more words")
+            raise Damage("expected the end of a line, got more words")
 
     def _line(self) -> bytes:
         end = self._data.find(b"\n", self._at, self._at + _LONGEST_LINE)
         if end < 0 and len(self._data) - self._at > _LONGEST_LINE:
-            raise LegacyDamage(f"expected lines, got one of more than {_LONGEST_LINE} letters")
+            raise Damage(f"expected lines, got one of more than {_LONGEST_LINE} letters")
         start, self._at = self._at, len(self._data) if end < 0 else end + 1
         if start == len(self._data):
-            raise LegacyDamage("expected another line, got the end of the file")
+            raise Damage("expected another line, got the end of the file")
         return self._data[start : len(self._data) if end < 0 else end].rstrip(b"\r")
 
     def _counted_string(self) -> bytes:
         """A text after its length in 1, 2, 4 or 8 bytes; the first two bits say in how many."""
         if self._at >= len(self._data):
-            raise LegacyDamage("expected another text, got the end of the file")
+            raise Damage("expected another text, got the end of the file")
         width = (8, 4, 2, 1)[self._data[self._at] >> 6]
         words = self._data[self._at : self._at + width]
         length = int.from_bytes(words, "big") & ((1 << (8 * width - 2)) - 1)
         self._at += width + length
         if self._at > len(self._data):
-            raise LegacyDamage("expected another text, got the end of the file")
+            raise Damage("expected another text, got the end of the file")
         return self._data[self._at - length : self._at]

@@ -29,6 +29,24 @@ class Kind(NamedTuple):
         return self.vtk_class == "vtkBitArray"
 
 
+class Damage(ValueError):
+    """What is wrong with a file, as the second half of a sentence."""
+
+
+def check_cells(offsets: NDArray[np.int64], corners: NDArray[np.int64], point_count: int) -> None:
+    """`Damage` for offsets that do not rise to the number of corners, and corners without a point.
+
+    Parameters as of `Cells` in `polydata`.
+    """
+    if offsets[0] != 0 or offsets[-1] != len(corners) or (np.diff(offsets) < 0).any():
+        raise Damage(f"expected offsets that rise to {len(corners)}, got others")
+    if len(corners) and (corners.min() < 0 or corners.max() >= point_count):
+        raise Damage(
+            f"expected point indices from 0 to {point_count - 1} in its cells, got "
+            f"{corners.min()} to {corners.max()}"
+        )
+
+
 @dataclass(frozen=True)
 class StoredArray:
     """An array with its name.

@@ -14,8 +14,16 @@ from numpy.typing import NDArray
 
 from ...validation import InputError, in_short
 from ..content import kind_in_words
-from .legacy_cursor import LegacyCursor, LegacyDamage
-from .stored_polydata import CELL_KINDS, ArrayGroup, Kind, StoredArray, StoredPolydata
+from .legacy_cursor import LegacyCursor
+from .stored_polydata import (
+    CELL_KINDS,
+    ArrayGroup,
+    Damage,
+    Kind,
+    StoredArray,
+    StoredPolydata,
+    check_cells,
+)
 
 _Cells = tuple[NDArray[np.int64], NDArray[np.int64]]
 
@@ -86,7 +94,7 @@ def decode_legacy(data: bytes, name: str) -> StoredPolydata:
     start = len(data) - len(lines[3])
     try:
         return _Reader(LegacyCursor(data, start, is_text=coding == b"ASCII"), name).polydata()
-    except LegacyDamage as error:
+    except Damage as error:
         raise InputError(f"{name}: {error}; the file is damaged, write it again.") from error
 
 
@@ -108,7 +116,7 @@ class _Reader:
         while word := self._cursor.word():
             self._block(word.lower())
         if self._points is None:
-            raise LegacyDamage("expected POINTS, found none")
+            raise Damage("expected POINTS, found none")
         nothing = np.zeros(1, np.int64), np.zeros(0, np.int64)
         cells = {kind: self._cells.get(kind, nothing) for kind in CELL_KINDS}
         self._check_corners(cells)
@@ -119,12 +127,10 @@ class _Reader:
     def _check_rows(self, key: str, count: int) -> None:
         for announced in self._row_counts[key]:
             if announced != count:
-                raise LegacyDamage(f"expected data of {count} {key}s, got {announced}")
+                raise Damage(f"expected data of {count} {key}s, got {announced}")
         for array in self._groups[key].arrays:
             if len(array.values) != count * (array.components if array.kind.is_text else 1):
-                raise LegacyDamage(
-                    f"expected {count} rows in its {key} array {array.name}, got others"
-                )
+                raise Damage(f"expected {count} rows in its {key} array {array.name}, got others")
 
     def _check_data_set(self) -> None:
         word, kind = self._cursor.word().upper(), ""
@@ -139,13 +145,7 @@ class _Reader:
     def _check_corners(self, cells: dict[str, _Cells]) -> None:
         count = len(self._points.values) if self._points else 0
         for offsets, corners in cells.values():
-            if offsets[0] != 0 or offsets[-1] != len(corners) or (np.diff(offsets) < 0).any():
-                raise LegacyDamage(f"expected cells that end at {len(corners)} corners, got others")
-            if len(corners) and (corners.min() < 0 or corners.max() >= count):
-                raise LegacyDamage(
-                    f"expected point indices from 0 to {count - 1} in its cells, got "
-                    f"{corners.min()} to {corners.max()}"
-                )
+            check_cells(offsets, corners, count)
 
     def _block(self, word: str) -> None:
         if word == "points":
@@ -160,23 +160,23 @@ class _Reader:
         elif word == "metadata":
             self._cursor.metadata(0)
         elif self._group is self._groups["field"]:
-            raise LegacyDamage(f"expected POINTS, cells or data, got {in_short(word)}")
+            raise Damage(f"expected POINTS, cells or data, got {in_short(word)}")
         else:
             self._read_attribute(word)
 
     def _read_points(self) -> None:
         count = self._cursor.count()
         if self._points is not None:
-            raise LegacyDamage("expected POINTS once, got them twice")
+            raise Damage("expected POINTS once, got them twice")
         points = self._array("Points", count, 3, self._kind())
         if points.kind.is_text or points.kind.is_bit:
-            raise LegacyDamage("expected points of numbers, got others")
+            raise Damage("expected points of numbers, got others")
         self._points = points
 
     def _read_cells(self, kind: str) -> None:
         count, size = self._cursor.count(), self._cursor.count()
         if kind in self._cells:
-            raise LegacyDamage(f"expected one block of {kind}, got two")
+            raise Damage(f"expected one block of {kind}, got two")
         if self._cursor.next_is("OFFSETS"):
             offsets = self._listed("OFFSETS", count)
             corners = self._listed("CONNECTIVITY", size)
@@ -189,7 +189,7 @@ class _Reader:
         found = self._cursor.word().upper()
         kind = self._kind()
         if found != word or kind.dtype not in ("i4", "i8"):
-            raise LegacyDamage(f"expected {word} of integers, got {in_short(found)}")
+            raise Damage(f"expected {word} of integers, got {in_short(found)}")
         return self._cursor.numbers(count, kind.dtype).astype(np.int64)
 
     def _read_fields(self) -> None:
@@ -216,14 +216,14 @@ class _Reader:
             components = self._cursor.count() if role.components is None else role.components
             self._add(self._array(name, self._rows, components, self._kind()), role.name)
         else:
-            raise LegacyDamage(f"expected a block of data, got {in_short(word)}")
+            raise Damage(f"expected a block of data, got {in_short(word)}")
 
     def _read_scalars(self) -> None:
         name, kind, components = self._cursor.name(), self._kind(), 1
         if not self._cursor.next_is("LOOKUP_TABLE"):
             components = self._cursor.count()
         if self._cursor.word().upper() != "LOOKUP_TABLE":
-            raise LegacyDamage(f"expected LOOKUP_TABLE after the scalars {name}, got none")
+            raise Damage(f"expected LOOKUP_TABLE after the scalars {name}, got none")
         self._shown = name, self._cursor.word()
         self._add(self._array(name, self._rows, components, kind), "Scalars")
 
@@ -235,9 +235,7 @@ class _Reader:
 
     def _add(self, array: StoredArray, role: str = "") -> None:
         if any(array.name == other.name for other in self._group.arrays):
-            raise LegacyDamage(
-                f"expected arrays of different names, got {in_short(array.name)} twice"
-            )
+            raise Damage(f"expected arrays of different names, got {in_short(array.name)} twice")
         self._group.arrays.append(array)
         if role and array.name is not None:
             self._group.roles.setdefault(role, array.name)
@@ -245,12 +243,12 @@ class _Reader:
     def _kind(self) -> Kind:
         word = self._cursor.word().lower()
         if word not in _KINDS:
-            raise LegacyDamage(f"expected a type of numbers, got {in_short(word)}")
+            raise Damage(f"expected a type of numbers, got {in_short(word)}")
         return _KINDS[word]
 
     def _array(self, name: str, rows: int, components: int, kind: Kind) -> StoredArray:
         if not 1 <= components <= _MOST_COMPONENTS:
-            raise LegacyDamage(f"expected 1 to {_MOST_COMPONENTS} components, got {components}")
+            raise Damage(f"expected 1 to {_MOST_COMPONENTS} components, got {components}")
         count = rows * components
         if kind.is_text:
             strings = self._cursor.strings(count)
@@ -279,7 +277,7 @@ def _from_list(listed: NDArray[np.int64], count: int) -> _Cells:
         heads.append(at)
         at += 1 + numbers[at]
     if at != len(numbers) or len(heads) != count:
-        raise LegacyDamage(f"expected {count} cells in {len(numbers)} numbers, got others")
+        raise Damage(f"expected {count} cells in {len(numbers)} numbers, got others")
     is_corner = np.ones(len(listed), dtype=bool)
     is_corner[heads] = False
     return np.concatenate([[0], np.cumsum(listed[heads])]).astype(np.int64), listed[is_corner]

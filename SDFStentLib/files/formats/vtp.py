@@ -10,9 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...validation import InputError, in_short
-from .stored_polydata import CELL_KINDS, ArrayGroup, Kind, StoredArray, StoredPolydata
+from .stored_polydata import (
+    CELL_KINDS,
+    ArrayGroup,
+    Damage,
+    Kind,
+    StoredArray,
+    StoredPolydata,
+    check_cells,
+)
 from .vtp_arrays import encoding_of, read_array, whole_number
-from .vtp_bytes import Damage, Encoding
+from .vtp_bytes import Encoding
 from .vtp_markup import Element, parsed_markup
 
 _Cells = tuple[NDArray[np.int64], NDArray[np.int64]]
@@ -114,13 +122,7 @@ class _Reader:
         ends = self._integers(found["offsets"], count)
         offsets = np.concatenate([[0], ends])
         corners = self._integers(found["connectivity"], None)
-        if offsets[-1] != len(corners) or (np.diff(offsets) < 0).any():
-            raise Damage(f"expected offsets that rise to {len(corners)}, got others")
-        if len(corners) and (corners.min() < 0 or corners.max() >= point_count):
-            raise Damage(
-                f"expected point indices from 0 to {point_count - 1} in its cells, got "
-                f"{corners.min()} to {corners.max()}"
-            )
+        check_cells(offsets, corners, point_count)
         return offsets, corners
 
     def _integers(self, element: Element, count: int | None) -> NDArray[np.int64]:

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...validation import in_short
-from .stored_polydata import Kind, StoredArray
+from .stored_polydata import Damage, Kind, StoredArray
 from .text_numbers import numbers_in
-from .vtp_bytes import DECOMPRESSORS, Damage, Encoding, StoredBytes
+from .vtp_bytes import DECOMPRESSORS, Encoding, StoredBytes
 from .vtp_markup import Element, Markup
 
 STRING, BIT, ID_TYPE = Kind("vtkStringArray", "u1"), Kind("vtkBitArray", "u1"), "vtkIdTypeArray"

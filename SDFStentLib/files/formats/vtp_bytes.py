@@ -16,11 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .stored_polydata import Damage
 from .vtp_markup import Markup
-
-
-class Damage(ValueError):
-    """What is wrong with an array, as the second half of a sentence."""
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ...validation import Floats, Indices, InputError, Points
+from .stored_polydata import Damage, check_cells
 from .vtp_arrays import encoding_of, read_array, whole_number
-from .vtp_bytes import Damage, Encoding
+from .vtp_bytes import Encoding
 from .vtp_markup import Element, parsed_markup
 
 TETRAHEDRON = 10
@@ -62,8 +63,7 @@ def _piece(piece: Element, encoding: Encoding) -> VolumeArrays:
     kinds = parts.get("types", np.zeros(0)).ravel()
     if len(kinds) != cells or len(corners) != 4 * cells or (kinds != TETRAHEDRON).any():
         raise Damage("expected tetrahedra, got other cells")
-    if cells and (corners.min() < 0 or corners.max() >= count):
-        raise Damage(f"expected point indices from 0 to {count - 1} in its cells, got others")
+    check_cells(4 * np.arange(cells + 1), corners, count)
     known = _arrays(piece, "PointData", count, encoding)
     return VolumeArrays(points.astype(np.float64), corners.reshape(-1, 4), known)
 
