@@ -10,6 +10,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 from .units import MILLIMETERS
+from .validation import Place
 
 _BESIDE = (
     "lies {distance_mm:.1f} mm beside the centerline; the place on it that is nearest, "
@@ -241,7 +242,7 @@ class Caution:
 
     kind: str
     numbers: Mapping[str, float | str] = field(default_factory=dict)
-    place: tuple[float, float, float] | None = None
+    place: Place | None = None
     stent: int | None = None
     label: str = ""
 
@@ -283,7 +284,7 @@ def by_gravity(cautions: Iterable[Caution]) -> list[Caution]:
     return sorted(cautions, key=lambda caution: order.get(caution.kind, len(order)))
 
 
-def in_file(place: tuple[float, float, float] | None, units: str) -> str:
+def in_file(place: Place | None, units: str) -> str:
     """A place in mm in the unit of the file, to stand behind that in mm; empty where that is it."""
     if place is None or units == "mm":
         return ""

@@ -25,6 +25,9 @@ Points = NDArray[np.float64]
 Triangles = NDArray[np.int64]
 """(m, 3) array of indices into the points."""
 
+Place = tuple[float, float, float]
+"""A point as plain numbers, mm."""
+
 Floats = NDArray[np.float64]
 """Array of numbers, of the shape that its use says."""
 
@@ -132,6 +135,12 @@ def as_patient_points(values: ArrayLike, name: str = "points", *, minimum: int =
 def as_point(values: ArrayLike, name: str = "point") -> NDArray[np.float64]:
     """One finite point as a float64 array of shape (3,); `InputError` otherwise."""
     return as_points(np.reshape(np.asarray(values, dtype=object), (1, -1)), name, minimum=1)[0]
+
+
+def as_place(point: ArrayLike) -> Place:
+    """A point (3,) as plain numbers."""
+    x, y, z = np.asarray(point, dtype=np.float64).tolist()
+    return x, y, z
 
 
 def as_triangles(values: ArrayLike, point_count: int, name: str = "triangles") -> Triangles:

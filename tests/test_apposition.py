@@ -14,6 +14,7 @@ from vtkmodules.vtkFiltersCore import vtkImplicitPolyDataDistance
 from SDFStentLib import phantoms
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.files import read_centerline, read_surface
+from SDFStentLib.geometry import Line
 from SDFStentLib.lumen import axis_stations, diameter_profile, extended_axis, profile_around
 from SDFStentLib.stent import AlongAxis, AtCenter, Stent, stent_axis
 from SDFStentLib.treatment import Treatment
@@ -125,7 +126,7 @@ def test_a_covered_branch_that_is_pinched_is_told(data_dir, with_tree, with_face
 
 
 def lumen_along(path, name="side branch 1"):
-    return NeighborLumen(name, np.array(path, float), 5.0, 4.0, 3.0, by_area=False)
+    return NeighborLumen(name, Line(path), 5.0, 4.0, 3.0, by_area=False)
 
 
 def test_of_two_branches_with_one_name_both_are_told_and_of_one_branch_the_worst():

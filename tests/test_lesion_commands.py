@@ -203,7 +203,7 @@ def test_a_placement_covers_its_lesion_whatever_the_length_and_the_branch(data_d
             if isinstance(placement, AtDistalEnd) or is_shortened or length < 2 * lesion.length:
                 continue
             middle = Line(axis.points).resampled_to(101).points[50]
-            assert np.linalg.norm(middle - Line(lesion.line).resampled_to(101).points[50]) < 1.0
+            assert np.linalg.norm(middle - lesion.line.resampled_to(101).points[50]) < 1.0
 
 
 def test_of_a_lesion_of_which_nothing_is_left_nothing_lies_beyond_the_stents():
@@ -317,7 +317,10 @@ def test_the_marked_reference_gives_the_same_numbers_in_measure_deploy_and_run(
     assert "the vessel marked proximal to it" in marked["reference"]["words"]
     # By hand: spheres at the place that was marked and along the lesion.
     width = (
-        2 * inscribed_spheres(vessel.points, vessel.triangles, [places[0], first.line[0]]).radii[0]
+        2
+        * inscribed_spheres(
+            vessel.points, vessel.triangles, [places[0], first.line.points[0]]
+        ).radii[0]
     )
     assert marked["reference"]["diameter_mm"] == pytest.approx(width, rel=0.01)
     left = marked["after"]

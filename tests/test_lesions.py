@@ -158,7 +158,7 @@ def test_a_stent_s_length_changes_neither_lesion_nor_reference(length):
     assert lesions_within([before], axis) == (before,)
     after = lesion_after(before, done.surface)
     assert after.reference_diameter == pytest.approx(6.0, abs=0.05)
-    left = 2 * inscribed_spheres(done.points, made.triangles, before.line).radii.min()
+    left = 2 * inscribed_spheres(done.points, made.triangles, before.line.points).radii.min()
     assert after.percent_diameter == pytest.approx(
         100 * (1 - left / after.reference_diameter), abs=0.1
     )
@@ -275,7 +275,7 @@ def test_a_short_vessel_without_any_plateau_has_no_reference_and_no_lesion():
     diameter = 1.5 + 1.25 * np.abs(along - 12)
     branch = SideBranch(14.0, 3.0, 1)
     columns = (np.outer(along, [0.0, 0, 1]), along, diameter, np.zeros(17, dtype=np.int64))
-    run = VesselRun(*columns, along, (), (branch, branch), 0, 1, 4.0, 2)
+    run = VesselRun(Line(columns[0]), *columns[1:], along, (), (branch, branch), 0, 1, 4.0, 2)
     assert len(narrowings(run)) == 1
     assert _found([run], [0]) == []
 
@@ -284,7 +284,9 @@ def straight_run(diameter, start=0.0, parent=-1, side_branches=()):
     """A vessel along z with stations 0.5 mm apart."""
     along = start + 0.5 * np.arange(len(diameter))
     columns = (np.outer(along, [0.0, 0, 1]), along, diameter, np.zeros(len(along), dtype=np.int64))
-    return VesselRun(*columns, along, side_branches, (), parent, parent + 1, 5.0, 1)
+    return VesselRun(
+        Line(columns[0]), *columns[1:], along, side_branches, (), parent, parent + 1, 5.0, 1
+    )
 
 
 @pytest.mark.parametrize(("ostium", "count"), [(2.2, 1), (1.4, 2)])
@@ -304,7 +306,7 @@ def test_a_long_throat_that_two_lines_run_through_is_told_once():
     """Their narrowest places were farther from each other than the throat is wide."""
     made = phantom("stenosed_tube", edge_length=0.8, length=60.0)
     (lesion,) = find_lesions(made.surface, made.centerline)
-    other = replace(lesion, vessel=1, point=tuple(lesion.line[len(lesion.line) // 2 + 2]))
+    other = replace(lesion, vessel=1, point=tuple(lesion.line.points[len(lesion.line) // 2 + 2]))
     away = np.linalg.norm(np.subtract(other.point, lesion.point))
     assert away > lesion.minimum_diameter / 2
     assert _once([other, lesion]) == [lesion]
@@ -315,7 +317,7 @@ def ostial_vessel(along, diameter):
     """A vessel that begins at an ostium, with stations (n,) where it is so wide (n,)."""
     along, diameter = np.array(along), np.array(diameter)
     columns = (np.outer(along, [0.0, 0, 1]), along, diameter, np.zeros(len(along), dtype=np.int64))
-    return VesselRun(*columns, along, (), (), 0, 1, 5.0, 1)
+    return VesselRun(Line(columns[0]), *columns[1:], along, (), (), 0, 1, 5.0, 1)
 
 
 def test_where_stations_are_unevenly_apart_a_slope_is_no_healthy_vessel():

@@ -7,6 +7,7 @@ import pytest
 from deployment_cases import phantom
 
 from SDFStentLib.centerline import Stretch
+from SDFStentLib.geometry import Line
 from SDFStentLib.vessel import find_lesions
 from SDFStentLib.vessel.lesion_sections import LesionLine, _smallest
 from SDFStentLib.vessel.narrowings import narrowings
@@ -18,8 +19,8 @@ SPACING = 0.5
 def vessel_along(diameter, parent=-1) -> VesselRun:
     """A vessel along z."""
     along = SPACING * np.arange(len(diameter))
-    columns = np.outer(along, [0.0, 0, 1]), along, diameter, np.zeros(len(along), dtype=np.int64)
-    return VesselRun(*columns, along, (), (), parent, parent + 1, 5.0, 1)
+    columns = (np.outer(along, [0.0, 0, 1]), along, diameter, np.zeros(len(along), dtype=np.int64))
+    return VesselRun(Line(columns[0]), *columns[1:], along, (), (), parent, parent + 1, 5.0, 1)
 
 
 def through(*places):

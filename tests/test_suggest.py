@@ -289,7 +289,7 @@ def test_in_anatomies_the_proposed_stent_covers_its_lesion(data_dir, name):
         axis = stent_axis(one.stent, found.centerline).points
         assert Line(axis).length >= lesion.length - 1e-6
         # Both ends of the lesion lie beside the stent, not beyond it.
-        for end in lesion.line[[0, -1]]:
+        for end in lesion.line.points[[0, -1]]:
             assert np.linalg.norm(axis - end, axis=1).min() < 1.5
 
 

@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from SDFStentLib.geometry import (
+    Surface,
     face_areas,
     face_normals,
-    is_inside,
     oriented_triangles,
     plane_section,
     signed_volume,
@@ -235,25 +235,22 @@ def test_points_inside_a_torus():
     queries = rng.uniform(-4.2, 4.2, (3000, 3)) * [1, 1, 0.3]
     distance = np.hypot(np.hypot(queries[:, 0], queries[:, 1]) - 3, queries[:, 2])
     clear = np.abs(distance - 1) > 0.01  # the polygon torus lies up to 0.008 inside the round one
-    found = is_inside(queries, points, triangles)
+    found = Surface(points, triangles).contains(queries)
     assert np.array_equal(found[clear], distance[clear] < 1)
-    assert np.array_equal(is_inside(queries, points, triangles[:, ::-1]), found)
+    assert np.array_equal(Surface(points, triangles[:, ::-1]).contains(queries), found)
 
 
 def test_rays_through_vertices_and_edges_are_counted_once():
     points, triangles = _box((2.0, 2.0, 2.0))
     inside = [[1, 1, 1], [1, 1, 0.5], [0.5, 0.5, 1], [1.5, 0.5, 1]]
     outside = [[1, 1, -1], [1, 1, 3], [3, 1, 1], [-1, -1, -1], [1, 5, 1]]
-    found = is_inside(np.array(inside + outside), points, triangles)
+    found = Surface(points, triangles).contains(np.array(inside + outside))
     assert found.tolist() == [True] * 4 + [False] * 5
     ridge = np.vstack([points, [1, 1, 5]])
     roof = np.r_[triangles[:-2], [[1, 5, 8], [5, 7, 8], [7, 3, 8], [3, 1, 8]]]
     assert topology.surface_topology(roof).is_closed
-    assert is_inside(np.array([[1, 1, 1], [1, 1, 4], [1, 1, 6]]), ridge, roof).tolist() == [
-        True,
-        True,
-        False,
-    ]
+    along = np.array([[1.0, 1, 1], [1, 1, 4], [1, 1, 6]])
+    assert Surface(ridge, roof).contains(along).tolist() == [True, True, False]
 
 
 # ----------------------------------------------------------------------------------------- errors

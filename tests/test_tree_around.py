@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from SDFStentLib.centerline import Centerline
-from SDFStentLib.geometry import Line, is_inside
+from SDFStentLib.geometry import Line
 from SDFStentLib.lumen import ExtendedAxis, extended_axis, through_lumen
 from SDFStentLib.lumen.spheres import inscribed
 from SDFStentLib.phantoms import vascular_tree
@@ -40,22 +40,22 @@ def test_ways_leave_an_axis_as_each_of_them_does_by_itself(seed):
     tree = a_tree(seed)
     rng = np.random.default_rng(seed)
     junction = tree.points[tree.junctions[1]]
-    axis = tree.path_around(junction, 12.0).points
+    axis = tree.path_around(junction, 12.0).line
     reach, distance = 25.0, float(rng.uniform(0.3, 2.0))
     place = junction + rng.normal(0, 2, 3)
-    stops = [tree.project(end) for end in axis[[0, -1]]]
+    stops = [tree.project(end) for end in axis.points[[0, -1]]]
     ends = sorted(set().union(*(ends_around(tree, stop, reach) for stop in stops)))
     expected = []
     for end in sorted(ends, key=lambda node: (tree.parent[node] < 0, node)):
         for stop in stops:
             line = tree.path(stop, place_of(tree, end)).points
-            beside = np.flatnonzero(Line(axis).nearest(line).distances < distance)
+            beside = np.flatnonzero(axis.nearest(line).distances < distance)
             own = Line(line[beside[-1] if len(beside) else 0 :]).without_repeats().points
             if len(own) > 1 and Line(own).nearest(place[None]).distances[0] < 5.0:
                 expected.append(own)
     found = list(LinesFromAxis(tree, axis, reach).leaving(distance, place, 5.0))
     # What does not come so near may be among them.
-    found = [own for own in found if Line(own).nearest(place[None]).distances[0] < 5.0]
+    found = [own.points for own in found if own.nearest(place[None]).distances[0] < 5.0]
     assert 1 <= len(found) < len(expected)
     # Each is one of those expected; all others pass the place as one of them does.
     for own in found:
@@ -81,7 +81,7 @@ def test_the_way_into_a_branch_is_that_to_most_outlets_and_not_into_the_next_sma
     axis = ExtendedAxis(Line(lines[0]), 20.0, 20.0)
     opening = Ostium("branch", np.array([5.0, 0, 30]), 6.0, 14.0, 16 * np.pi, 1.0)
     (way,) = BranchWays(vascular_tree(1, 1.0).surface, axis, tree).into([opening])
-    assert abs(way[-1][1] - 3) < 0.1
+    assert abs(way.points[-1][1] - 3) < 0.1
 
 
 def test_ways_through_a_lumen_side_by_side_are_those_found_one_after_the_other():
@@ -130,4 +130,4 @@ def test_no_step_of_a_way_leads_out_of_the_lumen(data_dir, monkeypatch):
     monkeypatch.setattr(inscribed.SphereSearch, "spheres", noted)
     assert any(way is not None for way in BranchWays(surface, axis, None).into(ostia))
     # The first ones are the middles of openings, in the lumen or not.
-    assert is_inside(np.concatenate(asked[1:]), surface.points, surface.triangles).all()
+    assert surface.contains(np.concatenate(asked[1:])).all()

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from SDFStentLib.centerline import Centerline
-from SDFStentLib.geometry import Surface
+from SDFStentLib.geometry import Line, Surface
 from SDFStentLib.lumen import measured_at, moved_wall
 from SDFStentLib.phantoms import stenosed_tube, straight_tube
 from SDFStentLib.report import document_json, residual_fact, summary
@@ -115,7 +115,7 @@ def test_a_neighbor_whose_way_is_outside_of_the_lumen_has_no_diameter(tube):
     states = VesselStates(tube.surface, tube.surface, after, after)
     middle = tube.lesion.point[2]
     way = np.column_stack([np.zeros((9, 2)), np.linspace(middle - 4, middle + 4, 9)])
-    beside = NeighborStations(states, [NeighborWay("branch", way)])
+    beside = NeighborStations(states, [NeighborWay("branch", Line(way))])
     assert len(beside.points)
     measured = [
         measured_at(surface, beside.points, beside.directions) for surface in (tube.surface, after)
@@ -127,6 +127,6 @@ def test_a_neighbor_whose_way_is_outside_of_the_lumen_has_no_diameter(tube):
 
 def test_the_summary_names_a_branch_whose_lumen_is_not_known():
     way = np.array([[0.0, 0, 0], [0, 0, 5]])
-    lost = NeighborLumen("branch 2", way, 1.0, 4.1, math.nan, by_area=False)
+    lost = NeighborLumen("branch 2", Line(way), 1.0, 4.1, math.nan, by_area=False)
     told = summary._branches([SimpleNamespace(branches=(), neighbors=(lost,))])
     assert told == "Branches: 1 with a lumen that is not known: branch 2."

@@ -12,7 +12,6 @@ from .promises import NOTICEABLY_NARROWER as NOTICEABLY_NARROWER
 from .promises import WIDER as WIDER
 from .promises import LumenCheck as LumenCheck
 from .promises import MotionCheck as MotionCheck
-from .promises import Place as Place
 from .promises import WallCheck as WallCheck
 from .surface_check import SurfaceCheck as SurfaceCheck
 from .surface_check import check_surface as check_surface

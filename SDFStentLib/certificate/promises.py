@@ -7,9 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..cautions import Caution
-
-Place = tuple[float, float, float]
-"""Coordinates, mm."""
+from ..validation import Place
 
 NARROWER = 0.03
 """Share of the prescribed diameter by which a lumen may be narrower and still be the prescribed.

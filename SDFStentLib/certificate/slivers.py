@@ -7,9 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..cautions import Caution
-from ..validation import Indices, Points, Triangles, read_only
+from ..validation import Indices, Place, Points, Triangles, as_place, read_only
 from .face_quality import SLIVER_DEG, smallest_angles
-from .promises import Place
 
 MUCH_WORSE = 0.5
 """Share of its smallest angle that a triangle must have lost to be called much worse."""
@@ -79,5 +78,5 @@ def slivers_among(
     if not len(among):
         return Slivers(read_only(among))
     worst = int(angles.argmin())
-    x, y, z = points[triangles[among[worst]]].mean(axis=0).tolist()
-    return Slivers(read_only(among), float(angles[worst]), float(were[worst]), (x, y, z))
+    middle = as_place(points[triangles[among[worst]]].mean(axis=0))
+    return Slivers(read_only(among), float(angles[worst]), float(were[worst]), middle)

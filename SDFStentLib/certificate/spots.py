@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..geometry import component_labels
-from ..validation import Indices, Points, Triangles
+from ..validation import Indices, Place, Points, Triangles, as_place
 
 
 class Spot(NamedTuple):
@@ -22,7 +22,7 @@ class Spot(NamedTuple):
         The faces, ascending.
     """
 
-    center: tuple[float, float, float]
+    center: Place
     triangles: tuple[int, ...]
 
     def __str__(self) -> str:
@@ -56,8 +56,8 @@ def spots_of(points: Points, triangles: Triangles, faces: Indices, pairs: Indice
     centers = points[triangles[faces]].mean(axis=1)
     found = []
     for number in np.unique(label):
-        x, y, z = centers[label == number].mean(axis=0).tolist()
-        found.append(Spot((x, y, z), tuple(faces[label == number].tolist())))
+        center = as_place(centers[label == number].mean(axis=0))
+        found.append(Spot(center, tuple(faces[label == number].tolist())))
     return sorted(found, key=lambda spot: (-len(spot.triangles), spot.triangles))
 
 

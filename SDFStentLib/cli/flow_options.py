@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ..flow import FlowAnswer, Known, flow_value, known_flow, networks_of, read_wave
 from ..report import document_json
-from ..validation import InputError
+from ..validation import InputError, as_place
 from .option_table import ACCEPTANCE, NAMES, ROOT, SURFACE, TALK, UNITS, VERBOSE, add_table
 from .outputs import Outputs
 from .place import in_mm
@@ -119,8 +119,7 @@ def known_of(options: argparse.Namespace) -> Known | None:
         return None
     right = None
     if options.right is not None:
-        x, y, z = in_mm(options.right, options.units, "--right").tolist()
-        right = (x, y, z)
+        right = as_place(in_mm(options.right, options.units, "--right"))
     return known_flow(mean, wave, peak=peak, right=right, **values)
 
 

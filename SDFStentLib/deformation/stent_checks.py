@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..certificate import NARROWER, WIDER, LumenCheck, MotionCheck, Place
+from ..certificate import NARROWER, WIDER, LumenCheck, MotionCheck
 from ..field import CapsuleChain, fractions_of
 from ..geometry import Surface, may_meet_box
 from ..lumen import (
@@ -21,7 +21,7 @@ from ..lumen import (
     inscribed_spheres,
     winding_numbers,
 )
-from ..validation import Floats, Points, Triangles
+from ..validation import Floats, Place, Points, Triangles, as_place
 from .wall_around import WallAround
 from .wall_check import wall_check
 
@@ -61,7 +61,7 @@ def motion_check(
         Of the stent, and of the tissue gap, mm.
     """
     if not len(before):
-        return MotionCheck(0.0, radius, _place(chain.nodes[0]))
+        return MotionCheck(0.0, radius, as_place(chain.nodes[0]))
     moved = np.linalg.norm(after - before, axis=1)
     # All others are below their bound by nature.
     where = np.union1d(np.flatnonzero(moved > radius), [moved.argmax()])
@@ -69,7 +69,7 @@ def motion_check(
     bound = np.maximum(reach, radius)
     worst = int((moved[where] - bound).argmax())
     at = where[worst]
-    return MotionCheck(float(moved[at]), float(bound[worst]), _place(before[at]))
+    return MotionCheck(float(moved[at]), float(bound[worst]), as_place(before[at]))
 
 
 class Expected(NamedTuple):
@@ -144,14 +144,14 @@ def _narrowest(
         width[doubtful] = np.fmax(spheres.radii, width[doubtful])
     at = int((width / wanted).argmin())
     if width[at] < (1 - NARROWER) * wanted[at]:
-        return _Narrowest(float(width[at]), float(wanted[at]), _place(stations[at]))
+        return _Narrowest(float(width[at]), float(wanted[at]), as_place(stations[at]))
     middle = len(stations) // 2
     three = [middle, 0, -1]
     walls = (around.points, around.triangles), (points, triangles)
     if _is_outside(walls, stations[three], chain.line.directions[three]):
-        return _Narrowest(0.0, float(wanted[middle]), _place(stations[middle]))
+        return _Narrowest(0.0, float(wanted[middle]), as_place(stations[middle]))
     prescribed = float(wanted[at])
-    return _Narrowest(min(float(width[at]), prescribed), prescribed, _place(stations[at]))
+    return _Narrowest(min(float(width[at]), prescribed), prescribed, as_place(stations[at]))
 
 
 def _widest(
@@ -165,7 +165,7 @@ def _widest(
     points, triangles = after.points, after.triangles
     prescribed = _beside_wider_parts(chain, radius, stations)
     least = float(prescribed[0])
-    nothing = least, least, _place(stations[0])
+    nothing = least, least, as_place(stations[0])
     if not len(around.faces):
         return nothing
     most = (1 + WIDER) * prescribed
@@ -187,7 +187,7 @@ def _widest(
     ).radii
     native = np.fmax(native + _dragged(stent, stations[wide], native), prescribed[wide])
     worst = int((widths / native).argmax())
-    return float(widths[worst]), float(native[worst]), _place(stations[wide[worst]])
+    return float(widths[worst]), float(native[worst]), as_place(stations[wide[worst]])
 
 
 def _beside_wider_parts(chain: CapsuleChain, radius: float, stations: Points) -> Floats:
@@ -250,8 +250,3 @@ def _is_outside(
         return False
     whole = walls[-1]
     return all(winding_numbers(station[None], *whole)[0] < INSIDE for station in stations)
-
-
-def _place(point: Floats) -> Place:
-    x, y, z = np.asarray(point, dtype=np.float64).tolist()
-    return x, y, z

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..cautions import Caution
 from ..certificate import Comparison
 from ..geometry import VertexNeighbors, faces_at, vertex_neighbors
-from ..validation import Points, Triangles
+from ..validation import Place, Points, Triangles, as_place
 from .motion import Motion
 
 ROUNDS = 40
@@ -43,7 +43,7 @@ RELIEVED_RINGS = 3
 class Relief(NamedTuple):
     """A place where the facet compensation was taken back to take a fold apart."""
 
-    center: tuple[float, float, float]
+    center: Place
     """The point that was taken back farthest, mm."""
     depth: float
     """By how much, mm: about as far as facets now lie inside."""
@@ -101,8 +101,7 @@ def _relieved(
     pushed = np.linalg.norm(positions[near] - uncompensated[near], axis=1)
     relief = None
     if pushed.any():
-        x, y, z = uncompensated[near[pushed.argmax()]].tolist()
-        relief = Relief((x, y, z), float(pushed.max()))
+        relief = Relief(as_place(uncompensated[near[pushed.argmax()]]), float(pushed.max()))
     positions[near] = uncompensated[near]
     faulty = comparison.new_faults(positions, _faces_at(near, triangles, len(positions)))
     return Tangle(positions, faulty, relief=relief)

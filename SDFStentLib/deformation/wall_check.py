@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..certificate import NARROWER, NOTICEABLY_NARROWER, WallCheck
 from ..field import CapsuleChain, fractions_of
 from ..geometry import Line, compacted, norm
-from ..validation import Floats, Points, Triangles
+from ..validation import Floats, Points, Triangles, as_place
 
 PLACES = 5
 """Looked at along every side of a triangle, its corners among them."""
@@ -42,7 +42,7 @@ def wall_check(
     radius : float
         The largest of the stent, mm.
     """
-    nowhere = WallCheck(radius, 0.0, _place(chain.nodes[0]))
+    nowhere = WallCheck(radius, 0.0, as_place(chain.nodes[0]))
     if not len(triangles):
         return nowhere
     corners = points[_doubtful(points, triangles, chain, radius)]
@@ -54,7 +54,7 @@ def wall_check(
         return nowhere
     worst = np.unravel_index(found.share.argmax(), found.share.shape)
     wanted = float(found.wanted[worst])
-    return WallCheck(wanted, wanted * float(found.share[worst]), _place(found.places[worst]))
+    return WallCheck(wanted, wanted * float(found.share[worst]), as_place(found.places[worst]))
 
 
 def _doubtful(
@@ -144,8 +144,3 @@ def _weights(along: int) -> Floats:
     last = along - 1
     grid = [(i, j, last - i - j) for i in range(along) for j in range(along - i)]
     return np.array(grid, dtype=np.float64) / last
-
-
-def _place(point: Floats) -> tuple[float, float, float]:
-    x, y, z = point.tolist()
-    return x, y, z

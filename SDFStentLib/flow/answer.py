@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..validation import Floats, InputError
+from ..validation import Floats, InputError, Place, as_place
 from .blocks import Block, Method, Stream, blocks_of, outlet_diameters, shares_of, turns_of
 from .blood import PASCAL_PER_MMHG, PER_ML, Blood
 from .channels import Channel, widths_of
@@ -92,12 +92,11 @@ class FlowAnswer(NamedTuple):
     """Whether a wave was taken as a row of steady flows."""
 
     @property
-    def right_place(self) -> tuple[float, float, float] | None:
+    def right_place(self) -> Place | None:
         """In the right main branch, mm; None where it is not known."""
         if self.sides is None or not self.sides.is_known:
             return None
-        x, y, z = self.sides.places[1].tolist()
-        return x, y, z
+        return as_place(self.sides.places[1])
 
 
 def _reach(told: Floats) -> tuple[Floats, Floats]:

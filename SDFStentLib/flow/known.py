@@ -13,7 +13,7 @@ import numpy as np
 
 from ..parameter import Parameter, check_parameters, parameter
 from ..units import MOST_FLOW
-from ..validation import Floats, InputError, as_number, as_path
+from ..validation import Floats, InputError, Place, as_number, as_path
 
 UNITS = {"ml/s": 1.0, "l/min": 1000 / 60}
 """Milliliters a second in the units that a flow may have."""
@@ -121,7 +121,7 @@ class Known:
             **{"above": 0, "most": 1, "is_optional": True, "called": "split to the right"},
         ),
     )
-    right: tuple[float, float, float] | None = field(
+    right: Place | None = field(
         default=None,
         metadata=parameter(
             "a place in the right main branch, where the frame does not tell where right is"

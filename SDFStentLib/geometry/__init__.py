@@ -32,15 +32,6 @@ from .plane_cut import CutSurface as CutSurface
 from .plane_cut import SectionAround as SectionAround
 from .plane_cut import cut_along as cut_along
 from .plane_cut import section_around as section_around
-from .polyline import arc_lengths as arc_lengths
-from .polyline import closest_points as closest_points
-from .polyline import cut as cut
-from .polyline import is_inside as is_inside
-from .polyline import length as length
-from .polyline import point_at as point_at
-from .polyline import resampled as resampled
-from .polyline import tangents as tangents
-from .polyline import without_repeats as without_repeats
 from .precision import Precision as Precision
 from .rows import across as across
 from .rows import blocks_of as blocks_of

@@ -22,7 +22,7 @@ from ..geometry import (
     paired_sides,
     product,
 )
-from ..validation import Flags, Points, Triangles
+from ..validation import Flags, Place, Points, Triangles, as_place
 
 FLAT = np.cos(np.deg2rad(1.0))
 """Faces whose normals differ by less lie in one plane."""
@@ -49,7 +49,7 @@ _known: WeakKeyDictionary[Surface, list[FlatCap]] = WeakKeyDictionary()
 class BulgedCap(NamedTuple):
     """A flat cap that a deployment has pushed out of its plane."""
 
-    center: tuple[float, float, float]
+    center: Place
     """mm."""
     height: float
     """Largest motion out of the plane, mm."""
@@ -189,5 +189,4 @@ def _bulged(before: Surface, after: Surface, cap: FlatCap, has_moved: Flags) -> 
     height = float(np.abs((end - start) @ cap.normal).max())
     if height <= NOTICEABLE:
         return None
-    x, y, z = start.mean(axis=0).tolist()
-    return BulgedCap((x, y, z), height)
+    return BulgedCap(as_place(start.mean(axis=0)), height)

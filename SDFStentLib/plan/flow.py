@@ -17,7 +17,7 @@ from ..flow import (
 )
 from ..treatment import TreatmentResult, Vessel
 from ..units import Frame, flipped
-from ..validation import InputError
+from ..validation import InputError, as_place
 from ..vessel import SMALL_VESSEL
 from .plan import Plan
 
@@ -45,8 +45,7 @@ def flow_of_plan(plan: Plan, vessel: Vessel, frame: Frame | None) -> FlowModel |
     if known is None:
         return None
     if known.right is not None and plan.frame is not None and frame not in (None, plan.frame):
-        x, y, z = flipped(np.array(known.right)).tolist()
-        known = replace(known, right=(x, y, z))
+        known = replace(known, right=as_place(flipped(np.array(known.right))))
     return flow_model(vessel, known, frame)
 
 
@@ -66,5 +65,5 @@ def flow_answer(
     for number, lesion in enumerate(vessel.lesions or (), start=1):
         if lesion.reference_diameter >= SMALL_VESSEL:
             name, before = f"lesion {number}, {lesion.branch_name}", lesion.reference_diameter
-            parts.append(Part(name, lesion.line, before))
+            parts.append(Part(name, lesion.line.points, before))
     return model.answer(after, parts, solved_by_svzerod if has_svzerod() else None)

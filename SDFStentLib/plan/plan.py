@@ -17,7 +17,7 @@ from ..parameter import Parameter
 from ..stent import ByValue, InputFile, Stent
 from ..treatment import VesselName
 from ..units import Frame, flipped, millimeters_per
-from ..validation import InputError, check_is_a
+from ..validation import InputError, Place, check_is_a
 from ..version import VERSION
 
 STRAIGHTENING = Parameter(
@@ -69,8 +69,8 @@ class Plan(ByValue):
     settings: DeploymentSettings = field(default_factory=DeploymentSettings)
     straightening_fraction: float = 0.0
     sdfstent_version: str = VERSION
-    root: tuple[float, float, float] | None = None
-    reference: tuple[tuple[float, float, float], ...] = ()
+    root: Place | None = None
+    reference: tuple[Place, ...] = ()
     flow: Known | None = None
     names: tuple[VesselName, ...] = ()
 

@@ -14,7 +14,7 @@ from ..files import read_text
 from ..flow import Known
 from ..stent import AlongAxis, BetweenPoints, InputFile, OfStent, Placement, Stent
 from ..units import MILLIMETERS, Frame
-from ..validation import InputError, as_path
+from ..validation import InputError, Place, as_path, as_place
 from .document import POINT_PLACEMENTS, SCHEMA, SCHEMA_VERSION
 from .json_document import (
     check_schema,
@@ -168,10 +168,9 @@ class _StentReader:
         self.units, self.frame, self.folder = units, frame, folder
         self.axis_reader = axis_reader
 
-    def place(self, value: Any, where: str) -> tuple[float, float, float]:
+    def place(self, value: Any, where: str) -> Place:
         """A point as a plain tuple, mm."""
-        x, y, z = self._point(value, where).tolist()
-        return x, y, z
+        return as_place(self._point(value, where))
 
     def stent(self, value: Any, where: str) -> Stent:
         made = {}

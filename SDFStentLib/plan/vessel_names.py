@@ -9,10 +9,8 @@ from typing import Any
 from ..files import read_text
 from ..treatment import VesselName
 from ..units import MILLIMETERS
-from ..validation import InputError, as_path, one_line
+from ..validation import InputError, Place, as_path, one_line
 from .json_document import in_words, number, parsed, scaled, text_value, unscaled
-
-Place = tuple[float, float, float]
 
 
 def load_names(path: str | os.PathLike[str], units: str = "mm") -> tuple[VesselName, ...]:

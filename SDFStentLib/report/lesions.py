@@ -64,7 +64,7 @@ def lesion_section(number: int, lesion: Lesion, units: str = "mm") -> dict[str, 
             "end_mm": lesion.end,
             "length_mm": lesion.length,
         },
-        "path_mm": lesion.line,
+        "path_mm": lesion.line.points,
         **_degrees(lesion),
         "reference": {
             "words": lesion.reference,

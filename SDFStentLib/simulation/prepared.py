@@ -13,7 +13,7 @@ from ..flow import FlowModel, Moment, Part, Solve
 from ..geometry import Line, state_of
 from ..segment import Segment, SegmentFace
 from ..treatment import ExtractedSegment, SegmentWishes, Vessel, extract_segment
-from ..validation import Floats, Points
+from ..validation import Floats, Points, as_place
 from ..vessel import vessel_parts
 from .conditions import Conditions, conditions_of
 from .ends import SPACING, FlowEnds, ends_beyond
@@ -178,9 +178,8 @@ def _with_extensions(
             continue
         longer = [extended(segment, face.name, by) for segment in segments]
         if longer[0] is None or longer[1] is None:
-            x, y, z = face.center.tolist()
             numbers: dict[str, float | str] = {"name": face.name, "distance_mm": by}
-            warnings.append(Caution("no-room-for-tube", numbers, (x, y, z)))
+            warnings.append(Caution("no-room-for-tube", numbers, as_place(face.center)))
             continue
         segments, made[face.name] = (longer[0], longer[1]), by
     return segments, made, warnings

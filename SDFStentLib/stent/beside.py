@@ -8,7 +8,7 @@ import numpy as np
 
 from ..cautions import Caution
 from ..centerline import Centerline
-from ..validation import Floats
+from ..validation import Floats, as_place
 from .placement import AlongAxis, AtCenter, AtDistalEnd, BetweenPoints, OfStent, Placement
 
 FAR = 0.5
@@ -37,10 +37,9 @@ def beside(placement: Placement, centerline: Centerline) -> Iterator[Caution]:
         radius = place.inscribed_radius
         if place.distance <= (FAR * radius if np.isfinite(radius) else FAR_UNKNOWN):
             continue
-        x, y, z = place.point.tolist()
         if isinstance(placement, BetweenPoints):
             # The two ends are those of the part where one is measured.
             kind, which = "end-beside", {"end": name.removeprefix("stent ")}
         else:
             kind, which = "point-beside", {"point": name}
-        yield Caution(kind, {**which, "distance_mm": place.distance}, (x, y, z))
+        yield Caution(kind, {**which, "distance_mm": place.distance}, as_place(place.point))

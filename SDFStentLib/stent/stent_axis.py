@@ -10,7 +10,7 @@ import numpy as np
 from ..cautions import Caution
 from ..centerline import Centerline, CenterlinePath, JunctionChoice, Location
 from ..geometry import Line, tightest_bend
-from ..validation import Floats, InputError, Points, check_is_a, read_only
+from ..validation import Floats, InputError, Points, as_place, check_is_a, read_only
 from .beside import beside
 from .placement import (
     AlongAxis,
@@ -269,13 +269,11 @@ def _shortened(axis: StentAxis, lies_on: StentAxis | None) -> Iterator[Caution]:
 
 
 def _choice(choice: JunctionChoice) -> Caution:
-    x, y, z = choice.point.tolist()
-    return Caution("branch-chosen", {"rule": choice.rule}, (x, y, z))
+    return Caution("branch-chosen", {"rule": choice.rule}, as_place(choice.point))
 
 
 def _bend(axis: StentAxis, stent_radius: float) -> Iterator[Caution]:
     bend = tightest_bend(axis.line, window=stent_radius)
     if bend.radius < stent_radius:
-        x, y, z = bend.point.tolist()
         radii = {"bend_radius_mm": bend.radius, "stent_radius_mm": stent_radius}
-        yield Caution("tight-bend", radii, (x, y, z))
+        yield Caution("tight-bend", radii, as_place(bend.point))

@@ -8,8 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry import Line, Surface
+from ..geometry import Surface
 from ..lumen import moved_wall
+from ..validation import Place
 from ..vessel import Lesion, lesions_after, lesions_within
 from .value import PlacedStent
 
@@ -64,7 +65,7 @@ def treated_lesions(
     treated = []
     for number, pair in enumerate(zip(lesions, left, strict=True), start=1):
         covering, left_in = (
-            tuple(stent.number for stent in stents if lesions_within([one], stent.axis.points))
+            tuple(stent.number for stent in stents if lesions_within([one], stent.axis.line))
             for one in pair
         )
         treated.append(TreatedLesion(number, *pair, covering, not left_in and _is_left(pair[1])))
@@ -101,7 +102,7 @@ class Residual:
     percent: float
     minimum: float
     reference: float
-    point: tuple[float, float, float]
+    point: Place
     lesion: int
     side: str
     stent: int
@@ -169,7 +170,7 @@ def _nearest(lesion: TreatedLesion, stents: Sequence[PlacedStent]) -> tuple[int,
 
 def _spans(lesion: Lesion, stents: Sequence[PlacedStent]) -> list[_Span]:
     """Where stents lie, by the distances of their ends along the lesion's line and beyond it."""
-    line = Line(lesion.line)
+    line = lesion.line
     (start, end), directions = line.points[[0, -1]], line.directions
     found = []
     for stent in stents:

@@ -23,9 +23,8 @@ _SAME = 1e-6
 def uncovered_length(lesion: Lesion, axes: Sequence[Line]) -> float:
     """How much of a lesion is beyond the ends of stents with these axes, or in another
     vessel than they are, mm."""
-    whole = Line(lesion.line)
-    line = whole.resampled(_SPACING)
-    radii = np.interp(line.arc_lengths, whole.arc_lengths, lesion.healthy) / 2
+    line = lesion.line.resampled(_SPACING)
+    radii = np.interp(line.arc_lengths, lesion.line.arc_lengths, lesion.healthy) / 2
     beyond = np.all([_is_beyond(line.points, radii, axis) for axis in axes], axis=0)
     return float(beyond.mean() * line.length)
 
@@ -71,7 +70,7 @@ def placement_at(
     """
     nominal = as_number(stent_length, "stent length", unit="mm", above=0)
     half = nominal * (1 - foreshortening_fraction) / 2
-    line = Line(lesion.line)
+    line = lesion.line
     extent = line.length
     narrowest, at = lesion.arc_length - lesion.start, extent / 2
     if 2 * half < extent:
@@ -84,11 +83,11 @@ def placement_at(
     is_clear = not along or max(along) > lesion.end
     if (
         is_clear
-        and lesions_within([lesion], path.points)
+        and lesions_within([lesion], around)
         and uncovered_length(lesion, [around]) <= within
     ):
         return AtCenter(middle)
     if at + half <= extent:
         return AtDistalEnd(line.at(at + half))
-    beyond = centerline.path_from_proximal(lesion.line[-1], at + half - extent)
+    beyond = centerline.path_from_proximal(line.points[-1], at + half - extent)
     return AtDistalEnd(beyond.points[-1])

@@ -23,7 +23,7 @@ from ..segment import (
     segment_between,
     segment_ends,
 )
-from ..validation import DeploymentError, InputError, Points
+from ..validation import DeploymentError, InputError, Points, as_place
 from ..vessel import VesselParts, vessel_parts
 from .vessel import Vessel
 from .warnings import WIDEST
@@ -137,8 +137,7 @@ def _state_of(parts: VesselParts, vessel: Vessel, after: Vessel) -> VesselParts:
 def _open_branches(left: Sequence[OpenBranch]) -> Iterator[Caution]:
     """Side branches that could not be closed."""
     for branch in left:
-        x, y, z = branch.place.tolist()
-        yield Caution("open-branch", {"name": branch.name}, (x, y, z))
+        yield Caution("open-branch", {"name": branch.name}, as_place(branch.place))
 
 
 def _without_line(segment: Segment, planes: Sequence[CutPlane]) -> Iterator[Caution]:
@@ -151,25 +150,22 @@ def _without_line(segment: Segment, planes: Sequence[CutPlane]) -> Iterator[Caut
         if not plane.is_closed
     ]
     for number in np.setdiff1d(np.arange(len(caps)), ends):
-        x, y, z = centers[number].tolist()
-        yield Caution("branch-without-line", {"name": caps[number].name}, (x, y, z))
+        yield Caution("branch-without-line", {"name": caps[number].name}, as_place(centers[number]))
 
 
 def _moved_ends(ends: SegmentEnds) -> Iterator[Caution]:
     """Ends that lie elsewhere than was wanted."""
     for word, by, plane in zip(("start", "end"), ends.moved, ends.opened.planes, strict=False):
         if by > 0:
-            x, y, z = plane.origin.tolist()
-            yield Caution("end-moved", {"end": word, "distance_mm": by}, (x, y, z))
+            yield Caution("end-moved", {"end": word, "distance_mm": by}, as_place(plane.origin))
 
 
 def _holes(segment: Segment) -> Iterator[Caution]:
     """Openings of the wall that were closed."""
     for face in segment.faces:
         if face.name.split("_")[0] == HOLE:
-            x, y, z = face.center.tolist()
             width = 2 * float(np.sqrt(face.area / np.pi))
-            yield Caution("hole", {"diameter_mm": width, "name": face.name}, (x, y, z))
+            yield Caution("hole", {"diameter_mm": width, "name": face.name}, as_place(face.center))
 
 
 def _dead_ends(segment: Segment, parts: VesselParts) -> Iterator[Caution]:
@@ -184,8 +180,7 @@ def _dead_ends(segment: Segment, parts: VesselParts) -> Iterator[Caution]:
         beside = tree.points[tree.neighbors.of(tip)[0]]
         inward = tree.points[tip] + 0.5 * (beside - tree.points[tip])
         if segment.surface.contains(inward[None])[0]:
-            x, y, z = tree.points[tip].tolist()
-            yield Caution("dead-end", {}, (x, y, z))
+            yield Caution("dead-end", {}, as_place(tree.points[tip]))
 
 
 def _sound(segment: Segment, name: str) -> Segment:

@@ -20,7 +20,7 @@ from ..deformation import DeploymentSettings
 from ..geometry import Line, Surface, smoothed_line
 from ..lumen import LocalSurface
 from ..stent import Stent, StentAxis, moved_axis, stent_axis, straight_way, turned_way
-from ..validation import Floats, Points
+from ..validation import Floats, Points, as_place
 from .in_lumen import VesselInside
 from .profile import with_profile
 
@@ -191,9 +191,8 @@ def _moved(native: StentAxis, way: Way, found: Permitted, told: _Told) -> StentA
     axis = moved_axis(native, way.at(found.fraction), told.stent_radius)
     if found.fraction > told.fraction - NOTICEABLE:
         return axis
-    x, y, z = found.place.tolist()
     fractions = {"fraction": found.fraction, "prescribed_fraction": told.fraction}
-    limited = Caution(told.kind, fractions, (x, y, z))
+    limited = Caution(told.kind, fractions, as_place(found.place))
     return replace(axis, warnings=(*axis.warnings, limited))
 
 

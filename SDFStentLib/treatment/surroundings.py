@@ -23,7 +23,7 @@ from ..lumen import (
     open_at_ends,
     profile_around,
 )
-from ..validation import Floats, Points
+from ..validation import Floats
 from ..vessel import (
     Apposition,
     BranchWays,
@@ -159,9 +159,9 @@ def surveyed(
     return Survey(extended, branches, (*end_ways(extended), *into), along, measured, before, wall)
 
 
-def _given_name(way: Points | None, tree: Centerline, given: Sequence[str | None]) -> str | None:
-    """What the user calls the vessel that a way (n, 3) leads into."""
-    return None if way is None else given[branch_of(tree, tree.project(way[0]))]
+def _given_name(way: Line | None, tree: Centerline, given: Sequence[str | None]) -> str | None:
+    """What the user calls the vessel that a way leads into."""
+    return None if way is None else given[branch_of(tree, tree.project(way.points[0]))]
 
 
 def lumen_around(native: Surface, axis: Line, centerline: Centerline | None) -> DiameterProfile:
@@ -200,5 +200,5 @@ def surroundings(
         profile_around(states.final, along, after.at(own), wall.caps),
         survey.branches,
         beside.lumens(before.at(rest), after.at(rest)),
-        apposition(states.final, survey.axis.of_stent.points, radius),
+        apposition(states.final, survey.axis.of_stent, radius),
     )

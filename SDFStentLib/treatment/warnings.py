@@ -191,8 +191,8 @@ def is_same_branch(first: NeighborLumen, second: NeighborLumen) -> bool:
     Each way has to pass the other's narrowed place within the radius that was there before.
     """
     for one, other in ((first, second), (second, first)):
-        place = Line(one.path).at(np.array([one.distance]))
-        if Line(other.path).nearest(place).distances[0] > one.before / 2:
+        place = one.path.at(np.array([one.distance]))
+        if other.path.nearest(place).distances[0] > one.before / 2:
             return False
     return True
 

@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry import Line
 from ..lumen import DiameterProfile
 from ..validation import Flags, Floats
 from ..vessel import Lesion
@@ -90,7 +89,7 @@ def _references(places: Floats, lesions: Sequence[Lesion]) -> tuple[Floats, Flag
     found = np.full(len(places), np.nan)
     is_deep = np.zeros(len(places), dtype=bool)
     for lesion in lesions:
-        line = Line(lesion.line)
+        line = lesion.line
         nearest, whole = line.nearest(places), line.length
         along = nearest.arc_lengths
         healthy = np.interp(along, line.arc_lengths, lesion.healthy)
@@ -104,7 +103,7 @@ def _references(places: Floats, lesions: Sequence[Lesion]) -> tuple[Floats, Flag
 def _in_junction(places: Floats, lumen: Floats, lesions: Sequence[Lesion]) -> Flags:
     """Which spheres (n,) are those of a junction, for a lesion begins or ends at it within them."""
     ends = [
-        lesion.line[end]
+        lesion.line.points[end]
         for lesion in lesions
         for side, end in ((lesion.proximal, 0), (lesion.distal, -1))
         if side is None

@@ -9,9 +9,9 @@ from functools import partial
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..geometry import Line, Surface, length, without_repeats
+from ..geometry import Line, Surface, as_line
 from ..lumen import RAYS, Mask, near_wall, wall_map
-from ..validation import Floats, as_number, as_points, read_only
+from ..validation import Floats, as_number, read_only
 
 GAP = 0.3
 """Distance from stent to wall up to which they touch, mm: a strut is 0.1 to 0.3 mm thick."""
@@ -73,7 +73,7 @@ class Apposition:
 
 def apposition(
     surface: Surface,
-    axis: ArrayLike,
+    axis: Line | ArrayLike,
     radius: float | Callable[[Floats], Floats],
     *,
     gap: float = GAP,
@@ -88,7 +88,7 @@ def apposition(
     ----------
     surface : Surface
         After deployment, mm.
-    axis : array_like, shape (n, 3)
+    axis : Line or array_like, shape (n, 3)
         The stent's, proximal to distal, mm.
     radius : float or callable
         Of the stent, mm; or what gives it at arc lengths (n,) of the axis from its proximal end.
@@ -102,20 +102,20 @@ def apposition(
     InputError
         An axis that is no polyline, or numbers out of range.
     """
-    line = without_repeats(as_points(axis, "stent axis", minimum=2))
+    line = as_line(axis, "stent axis").without_repeats()
     as_number(gap, "gap", unit="mm", minimum=0)
     as_number(noticed, "noticed", minimum=0, maximum=1)
-    total = length(line)
+    total = line.length
     if callable(radius):
         radius_at, widest = radius, float(radius(np.linspace(0, total, 200)).max())
     else:
         widest = as_number(radius, "stent radius", unit="mm", above=0)
         radius_at = partial(np.full_like, fill_value=widest)
-    near = near_wall(surface, line, max(total, 2 * (widest + gap)))
+    near = near_wall(surface, line.points, max(total, 2 * (widest + gap)))
     if not len(near.triangles):
         # Short and thin in a wide lumen: all of the wall is farther away than that.
-        near = near_wall(surface, line, np.inf)
-    wall = wall_map(near, Line(line), spacing=SPACING, window=widest)
+        near = near_wall(surface, line.points, np.inf)
+    wall = wall_map(near, line, spacing=SPACING, window=widest)
     edges = wall.arc_length
     # A piece between two stations has the mean of both.
     own = radius_at(edges)[:, None]

@@ -10,7 +10,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from ..centerline import BranchLumen, Centerline
-from ..geometry import Surface, is_inside, tangents
+from ..geometry import Surface
 from ..lumen import InscribedSpheres, StationSearch, Until, closed_surface, holes_of
 from ..validation import Flags, Floats, Indices, InputError, Points
 from .runs import VesselRun
@@ -57,7 +57,7 @@ class TreeLumen:
             one.branch: (one, n) for one, n in zip(self._lumens, firsts, strict=False)
         }
         stations = np.concatenate([lumen.points for lumen in self._lumens])
-        directions = np.concatenate([tangents(lumen.points) for lumen in self._lumens])
+        directions = np.concatenate([lumen.line.directions for lumen in self._lumens])
         self._to_end = np.concatenate(_distances_to_ends(self._lumens))
         # What is wider than this so near to an end is not used, however wide it is.
         until = Until(TOLERANCE, _SAFELY / END_REACH * self._to_end)
@@ -142,5 +142,4 @@ def are_in_lumen(stations: Points, spheres: InscribedSpheres, surface: Surface) 
     holds_next = np.linalg.norm(stations[1:] - centers[:-1], axis=1) < radii[:-1]
     group = np.cumsum(np.r_[True, ~(holds[:-1] & holds_next)]) - 1
     first = np.searchsorted(group, np.arange(group[-1] + 1))
-    closed = closed_surface(surface)
-    return np.asarray(is_inside(stations[first], closed.points, closed.triangles)[group])
+    return np.asarray(closed_surface(surface).contains(stations[first])[group])

@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..centerline import Centerline
-from ..geometry import NamedFaces, Surface, SurfaceIndex, is_inside
+from ..geometry import NamedFaces, Surface, SurfaceIndex
 from ..lumen import closed_surface
-from ..validation import Floats, InputError, Points, in_short
+from ..validation import Floats, InputError, Place, Points, in_short
 from .branch_lumen import tree_lumen
 from .branch_names import faces_at_ends
 from .runs import VesselRun, is_main, vessel_runs
@@ -23,7 +23,7 @@ class VesselName(NamedTuple):
     """A vessel as the user calls it, and what tells which one it is."""
 
     name: str
-    at: int | tuple[float, float, float]
+    at: int | Place
     """The face of the model at its end, or a place in it, mm."""
 
     def turned(self) -> VesselName:
@@ -135,8 +135,7 @@ def _branch_at(place: Floats, label: str, surface: Surface, runs: Sequence[Vesse
 
 def _beyond(place: Points, surface: Surface) -> float:
     """How far outside of the wall a place (3,) is, mm; 0 inside."""
-    closed = closed_surface(surface)
-    if is_inside(place[None], closed.points, closed.triangles)[0]:
+    if closed_surface(surface).contains(place[None])[0]:
         return 0.0
     wall = SurfaceIndex(surface.points, surface.triangles)
     return float(wall.distances(place[None]).distance[0])

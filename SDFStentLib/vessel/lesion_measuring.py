@@ -10,12 +10,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..geometry import Surface, arc_lengths, norm, tangents
+from ..geometry import Surface, norm
 from ..lumen import InscribedSpheres, MovedWall, StationSearch, Until, with_own_spheres
-from ..validation import Flags, Floats, Points
+from ..validation import Flags, Floats, Points, as_place
 from .branch_lumen import are_in_lumen
 from .lesion_sections import between_neighbors, cut_at, on_line, tightest
-from .lesion_value import Lesion, Place
+from .lesion_value import Lesion
 
 _MATTERS = 3.0
 """Wall farther from a lesion's line than so many diameters of its reference bounds neither its
@@ -67,8 +67,8 @@ def lesions_after(
         for number, lesion in enumerate(lesions)
         if (which := _changed(lesion, moved)) is not None
     }
-    lines = [(_line(lesions[number]), which) for number, which in changed.items()]
-    pieces = [(line[which], ways[which]) for (line, ways), which in lines]
+    lines = [(lesions[number].line, which) for number, which in changed.items()]
+    pieces = [(line.points[which], line.directions[which]) for line, which in lines]
     begun = []
     # A wall that was moved past a place leaves it in tissue, or in another vessel.
     spheres = _spheres(surface, pieces, may_be_outside=True)
@@ -91,11 +91,11 @@ def _changed(lesion: Lesion, moved: MovedWall | None) -> Flags | None:
     """
     if moved is None:
         return np.ones(len(lesion.line), dtype=bool)
-    near = moved.within(lesion.line, _MATTERS * float(lesion.healthy.max()))
+    near = moved.within(lesion.line.points, _MATTERS * float(lesion.healthy.max()))
     # A sphere holds its place: no wall that it touches is farther from there than its diameter.
     unknown = np.isnan(lesion.diameters)
     reach = np.where(unknown, lesion.reference_diameter, lesion.diameters)
-    changed = near.comes_near(lesion.line, _BESIDE * reach)
+    changed = near.comes_near(lesion.line.points, _BESIDE * reach)
     if not changed.any() and not near.crosses(*on_line(lesion.line, cut_at(lesion.line))).any():
         return None
     return np.asarray(changed | unknown)
@@ -118,10 +118,6 @@ def _spheres(
     return [found.at(part) for part in parts]
 
 
-def _line(lesion: Lesion) -> tuple[Points, Points]:
-    return lesion.line, tangents(lesion.line)
-
-
 def _with_no_sphere(lesion: Lesion) -> Lesion:
     """With nothing known of its narrowest place, and so of its sections."""
     return replace(lesion, minimum_diameter=float("nan"), percent_diameter=float("nan"))
@@ -131,7 +127,7 @@ def _with_sphere(lesion: Lesion, along: Floats, spheres: InscribedSpheres) -> Le
     """With the smallest of the spheres at some arc lengths from its start."""
     if not np.isfinite(spheres.radii).any():
         return _with_no_sphere(lesion)
-    references = np.interp(along, arc_lengths(lesion.line), lesion.healthy)
+    references = np.interp(along, lesion.line.arc_lengths, lesion.healthy)
     narrowest = tightest(spheres.radii, references)
     minimum, at = 2 * float(spheres.radii[narrowest]), float(along[narrowest])
     reference = float(references[narrowest])
@@ -152,11 +148,5 @@ def _round_narrowest(lesion: Lesion) -> tuple[Floats, Points, Points]:
     known = np.isfinite(lesion.diameters)
     middle = len(lesion.line) // 2
     narrowest = tightest(lesion.diameters, lesion.healthy) if known.any() else middle
-    fine = between_neighbors(arc_lengths(lesion.line), narrowest)
+    fine = between_neighbors(lesion.line.arc_lengths, narrowest)
     return (fine, *on_line(lesion.line, fine))
-
-
-def as_place(point: Floats) -> Place:
-    """A point as a value."""
-    x, y, z = point.tolist()
-    return (x, y, z)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry import Surface, arc_lengths, tangents
+from ..geometry import Line, Surface
 from ..lumen import equivalent_diameters
 from ..validation import Floats, Points
 
@@ -40,8 +40,8 @@ class Section(NamedTuple):
 class LesionLine(NamedTuple):
     """The line of a lesion from its start to its end."""
 
-    points: Points
-    """(k, 3) mm."""
+    line: Line
+    """Through k points."""
     healthy: Floats
     """(k,) diameters of the healthy vessel, mm."""
     diameters: Floats
@@ -60,7 +60,7 @@ def smallest_section(surface: Surface, line: LesionLine, minimum: float) -> Sect
     minimum : float
         The lesion's inscribed diameter, mm.
     """
-    along = cut_at(line.points)
+    along = cut_at(line.line)
     areas = _own_areas(surface, line, along)
     smallest = tightest(areas, _wanted(line, along)) if np.isfinite(areas).any() else 0
     fine = between_neighbors(along, smallest)
@@ -68,9 +68,9 @@ def smallest_section(surface: Surface, line: LesionLine, minimum: float) -> Sect
     return _smallest(line, np.r_[along, fine], areas, minimum)
 
 
-def cut_at(line: Points) -> Floats:
+def cut_at(line: Line) -> Floats:
     """Where a lesion is cut, arc lengths (k,) from its start."""
-    return np.linspace(0.0, arc_lengths(line)[-1], max(SECTIONS, 2 * len(line)))
+    return np.linspace(0.0, line.arc_lengths[-1], max(SECTIONS, 2 * len(line)))
 
 
 def tightest(sizes: Floats, references: Floats) -> int:
@@ -88,24 +88,23 @@ def between_neighbors(along: Floats, number: int) -> Floats:
     return np.linspace(*ends, FINE_STATIONS)
 
 
-def on_line(line: Points, along: Floats) -> tuple[Points, Points]:
+def on_line(line: Line, along: Floats) -> tuple[Points, Points]:
     """Points and directions (k, 3) at some arc lengths of a line."""
-    at = arc_lengths(line)
     places, ways = (
-        np.column_stack([np.interp(along, at, column) for column in values.T])
-        for values in (line, tangents(line))
+        np.column_stack([np.interp(along, line.arc_lengths, column) for column in values.T])
+        for values in (line.points, line.directions)
     )
     return places, ways
 
 
 def _own_areas(surface: Surface, line: LesionLine, along: Floats) -> Floats:
     """Areas of the sections at some arc lengths from its start, NaN for those of other vessels."""
-    stations = on_line(line.points, along)
+    stations = on_line(line.line, along)
     sections = equivalent_diameters(surface.points, surface.triangles, *stations)
     known = np.isfinite(line.diameters)
     if not known.any():
         return np.full(len(along), np.nan)
-    widths = np.interp(along, arc_lengths(line.points)[known], line.diameters[known])
+    widths = np.interp(along, line.line.arc_lengths[known], line.diameters[known])
     return np.where(sections <= OWN_SECTION * widths, np.pi / 4 * sections**2, np.nan)
 
 
@@ -123,5 +122,5 @@ def _smallest(line: LesionLine, along: Floats, areas: Floats, minimum: float) ->
 
 def _wanted(line: LesionLine, along: Floats) -> Floats:
     """Areas of the healthy vessel at some arc lengths from a lesion's start."""
-    healthy = np.interp(along, arc_lengths(line.points), line.healthy)
+    healthy = np.interp(along, line.line.arc_lengths, line.healthy)
     return np.asarray(healthy**2 * line.area_ratio)

@@ -8,12 +8,9 @@ from functools import cached_property
 
 import numpy as np
 
-from ..geometry import Surface
-from ..validation import Floats, Points, read_only
+from ..geometry import Line, Surface
+from ..validation import Floats, Place, read_only
 from .lesion_sections import LesionLine, Section, smallest_section
-
-Place = tuple[float, float, float]
-"""A point, mm."""
 
 
 @dataclass(frozen=True)
@@ -61,8 +58,8 @@ class Lesion:
     """What it is measured against; None for a side that tells nothing, such as a junction."""
     reference: str
     """The same in words, to follow "against"."""
-    line: Points
-    """(k, 3) the centerline from `start` to `end`, mm."""
+    line: Line
+    """The centerline from `start` to `end`, through k points."""
     healthy: Floats
     """(k,) diameters of the healthy vessel at these points, mm."""
     diameters: Floats
@@ -75,7 +72,7 @@ class Lesion:
     """How many vessels lie between that and the root."""
 
     def __post_init__(self) -> None:
-        for name in ("line", "healthy", "diameters"):
+        for name in ("healthy", "diameters"):
             object.__setattr__(self, name, read_only(getattr(self, name)))
 
     @cached_property

@@ -13,21 +13,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..centerline import Centerline
-from ..geometry import (
-    NamedFaces,
-    Surface,
-    as_surface,
-    checked_faces,
-    closest_points,
-    point_at,
-    tangents,
-)
+from ..geometry import Line, NamedFaces, Surface, as_line, as_surface, checked_faces
 from ..lumen import equivalent_diameters
-from ..validation import Floats, Points, as_points
+from ..validation import Floats, Place, Points, as_place
 from .branch_names import named_branches, size_words
-from .lesion_measuring import as_place, lesions_after, measured
+from .lesion_measuring import lesions_after, measured
 from .lesion_sections import OWN_SECTION
-from .lesion_value import HealthyPlace, Lesion, Place, reference_words
+from .lesion_value import HealthyPlace, Lesion, reference_words
 from .narrowings import Narrowing, Plateau, narrowings
 from .own_diameters import measured_runs
 from .plateaus import PLATEAU, healthy_caliber
@@ -117,7 +109,7 @@ def _once(lesions: Sequence[Lesion]) -> list[Lesion]:
 
 def _is_in(place: Place, lesion: Lesion) -> bool:
     """Whether a place lies in the inner half of a sphere of a lesion."""
-    away = np.linalg.norm(lesion.line - place, axis=1)
+    away = np.linalg.norm(lesion.line.points - place, axis=1)
     at_narrowest = np.linalg.norm(np.subtract(place, lesion.point)) < lesion.minimum_diameter / 2
     return bool(at_narrowest or (away < lesion.diameters / 4).any())
 
@@ -158,38 +150,34 @@ def lesion_after(lesion: Lesion, surface: Surface) -> Lesion:
     return lesions_after([lesion], as_surface(surface))[0]
 
 
-def lesions_within(lesions: Sequence[Lesion], axis_points: ArrayLike) -> tuple[Lesion, ...]:
+def lesions_within(lesions: Sequence[Lesion], axis: Line | ArrayLike) -> tuple[Lesion, ...]:
     """Those of the lesions whose narrowest place a stent along an axis would cover.
 
     Parameters
     ----------
     lesions : sequence of Lesion
-    axis_points : array_like, shape (n, 3)
-        The axis of the stent from end to end, mm.
-
-    Raises
-    ------
-    InputError
-        Fewer than two points.
+    axis : Line or array_like, shape (n, 3)
+        Of the stent from end to end, mm.
     """
-    axis = as_points(axis_points, "axis", minimum=2)
-    return tuple(lesion for lesion in lesions if _passes(axis, lesion))
+    line = as_line(axis, "axis")
+    return tuple(lesion for lesion in lesions if _passes(line, lesion))
 
 
-def _passes(axis: Points, lesion: Lesion) -> bool:
-    """Whether an axis (n, 3) goes through a lesion's narrowest place, along its vessel.
+def _passes(axis: Line, lesion: Lesion) -> bool:
+    """Whether an axis goes through a lesion's narrowest place, along its vessel.
 
     It runs inside the sphere there and crosses the section. At a junction an axis into another
     branch may run inside the sphere as well.
     """
     radius, at = lesion.minimum_diameter / 2, lesion.arc_length - lesion.start
-    before, after = point_at(lesion.line, [at - radius, at + radius])
-    heights = (axis - lesion.point) @ (after - before)
+    before, after = lesion.line.at([at - radius, at + radius])
+    line = axis.points
+    heights = (line - lesion.point) @ (after - before)
     crossed = np.flatnonzero((heights[1:] < 0) != (heights[:-1] < 0))
     share = heights[crossed] / (heights[crossed] - heights[crossed + 1])
-    places = axis[crossed] + share[:, None] * (axis[crossed + 1] - axis[crossed])
+    places = line[crossed] + share[:, None] * (line[crossed + 1] - line[crossed])
     offsets = np.linalg.norm(places - lesion.point, axis=1)
-    nearest = closest_points(axis, np.array([lesion.point])).distances[0]
+    nearest = axis.nearest(np.array([lesion.point])).distances[0]
     return bool(nearest <= radius and (offsets <= _ASLANT * radius).any())
 
 
@@ -289,7 +277,7 @@ def _begun(
         proximal=sides[0],
         distal=sides[1],
         reference=reference_words(sides),
-        line=line,
+        line=Line(line),
         healthy=narrow.reference.at(along),
         diameters=np.r_[ends[0], run.diameter[inner], ends[1]],
         surface=surface,
@@ -326,10 +314,9 @@ def _along_plateau(run: VesselRun, side: Plateau) -> tuple[Points, Points, Float
     half = PLATEAU * side.diameter / 2
     at = np.linspace(side.arc_length - half, side.arc_length + half, _SECTIONS)
     at = np.clip(at, run.along[0], run.along[-1])
-    directions = tangents(run.points)
     line, ways = (
         np.column_stack([np.interp(at, run.along, column) for column in values.T])
-        for values in (run.points, directions)
+        for values in (run.points, run.line.directions)
     )
     known = np.isfinite(run.diameter)
     return line, ways, np.interp(at, run.along[known], run.diameter[known])

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..centerline import Centerline
-from ..geometry import Surface, arc_lengths, as_surface, tangents
+from ..geometry import Line, Surface, as_surface
 from ..lumen import equivalent_diameters, inscribed_spheres
-from ..validation import Floats, InputError, as_point
-from .lesion_measuring import as_place, measured
+from ..validation import Floats, InputError, as_place, as_point
+from .lesion_measuring import measured
 from .lesion_value import HealthyPlace, Lesion, reference_words
 
 
@@ -95,11 +95,11 @@ def _marked(
 ) -> HealthyPlace:
     """Healthy vessel where the user says so, measured on the way from the lesion."""
     location = centerline.project(as_point(place, "reference"))
-    path = centerline.path(lesion.line[len(lesion.line) // 2], location)
-    along = arc_lengths(path.points)
+    path = centerline.path(lesion.line.points[len(lesion.line) // 2], location)
+    along = path.line.arc_lengths
     near = path.points[along >= along[-1] - 1.0]
     station = location.point[None]
-    direction = tangents(near)[-1:]
+    direction = Line(near).directions[-1:]
     spheres = inscribed_spheres(surface.points, surface.triangles, station, direction)
     radius = float(spheres.radii[0])
     if not location.distance <= radius:
@@ -115,6 +115,6 @@ def _marked(
 def _tapering(lesion: Lesion, marked: Sequence[HealthyPlace]) -> Floats:
     """Healthy diameters (k,) along a lesion's line: on the straight line through the marked."""
     order = sorted(marked, key=lambda place: place.arc_length)
-    along = lesion.start + arc_lengths(lesion.line)
+    along = lesion.start + lesion.line.arc_lengths
     places = [place.arc_length for place in order]
     return np.asarray(np.interp(along, places, [place.diameter for place in order]))

@@ -10,17 +10,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from ..cautions import Caution
-from ..geometry import (
-    Line,
-    Surface,
-    arc_lengths,
-    cut,
-    frames,
-    is_inside,
-    length,
-    resampled,
-    tangents,
-)
+from ..geometry import Line, Surface, frames
 from ..lumen import (
     FARTHEST,
     RAYS,
@@ -31,7 +21,7 @@ from ..lumen import (
     near_wall,
     rays_from,
 )
-from ..validation import Floats, Indices, Points, read_only
+from ..validation import Floats, Indices, Points
 from .neighbor_ways import DISTAL, PROXIMAL, SHORTEST, NeighborWay
 
 NOTICEABLE = 0.05
@@ -54,8 +44,8 @@ class NeighborLumen:
     """A branch, or the vessel beyond an end of the stent, before and after treatment. All mm."""
 
     name: str
-    path: Points
-    """(n, 3) from the stent on."""
+    path: Line
+    """From the stent on."""
     distance: float
     """Along the path to where it lost most,"""
     before: float
@@ -64,9 +54,6 @@ class NeighborLumen:
     """and after treatment; NaN where it could not be measured."""
     by_area: bool
     """Whether these are equivalent diameters (of the circle of the same area), else inscribed."""
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "path", read_only(self.path))
 
     @property
     def loss(self) -> float:
@@ -134,8 +121,8 @@ class NeighborStations:
         self._worst = [_worst(part, surfaces) for part in self._parts]
         own = list(zip(self._parts, self._worst, strict=True))
         nothing = np.empty((0, 3))
-        self.points = np.concatenate([nothing, *(part.stations[at] for part, at in own)])
-        along = (tangents(part.stations)[at] for part, at in own)
+        self.points = np.concatenate([nothing, *(part.stations.points[at] for part, at in own)])
+        along = (part.stations.directions[at] for part, at in own)
         self.directions = np.concatenate([nothing, *along])
 
     def lumens(self, before: Stations, after: Stations) -> tuple[NeighborLumen, ...]:
@@ -144,8 +131,7 @@ class NeighborStations:
         # Where no section goes round a station, the wall may have been moved past it.
         doubtful = np.flatnonzero(np.isnan(after.equivalent))
         if len(doubtful):
-            closed = closed_surface(self._final)
-            is_in = is_inside(self.points[doubtful], closed.points, closed.triangles)
+            is_in = closed_surface(self._final).contains(self.points[doubtful])
             measured[1, 0, doubtful[~is_in]] = np.nan
         ends = np.cumsum([len(at) for at in self._worst])[:-1]
         each = zip(self._parts, self._worst, np.split(measured, ends, axis=2), strict=False)
@@ -158,8 +144,8 @@ class _Part(NamedTuple):
     way: NeighborWay
     start: float
     """Where on the way it begins, mm."""
-    stations: Points
-    """(n, 3) on it, equally spaced, mm."""
+    stations: Line
+    """On it, equally spaced."""
     reach: float
     """How far the wall round it is looked for, mm."""
 
@@ -187,21 +173,21 @@ class _Moved:
 
     def part_of(self, way: NeighborWay) -> _Part | None:
         """The part of a way whose wall has moved; None where there is none of some length."""
-        if self.points is None or length(way.points) <= SHORTEST:
+        if self.points is None or way.line.length <= SHORTEST:
             return None
-        stations = resampled(way.points, _SPACING)
+        stations = way.line.resampled(_SPACING).points
         distance = self.wall.query(stations)[0]
         beside = self.points.query_ball_point(stations, _BESIDE * distance + _SPACING)
         largest = np.array([self.motion[own].max(initial=0.0) for own in beside])
         rows = np.flatnonzero(largest > _MOTION * distance)
         if not len(rows):
             return None
-        step = length(way.points) / (len(stations) - 1)
+        step = way.line.length / (len(stations) - 1)
         start, end = max(rows[0] - 1, 0) * step, (rows[-1] + 1) * step
-        own = cut(way.points, start, end)
-        if length(own) <= SHORTEST:
+        own = way.line.cut(start, end)
+        if own.length <= SHORTEST:
             return None
-        return _Part(way, start, resampled(own, _SPACING), FARTHEST * float(distance.max()))
+        return _Part(way, start, own.resampled(_SPACING), FARTHEST * float(distance.max()))
 
 
 def _worst(part: _Part, surfaces: tuple[Surface, Surface]) -> Indices:
@@ -223,8 +209,8 @@ def _lumen(part: _Part, worst: Indices, pairs: Floats) -> NeighborLumen:
     kind, place = np.unravel_index(np.argmax(np.round(lost, 6)), lost.shape)
     return NeighborLumen(
         part.way.name,
-        part.way.points,
-        part.start + float(arc_lengths(part.stations)[worst[place]]),
+        part.way.line,
+        part.start + float(part.stations.arc_lengths[worst[place]]),
         float(pairs[0, kind, place]),
         float(pairs[1, kind, place]),
         bool(kind == 1),
@@ -234,8 +220,8 @@ def _lumen(part: _Part, worst: Indices, pairs: Floats) -> NeighborLumen:
 def _seen(surface: Surface, part: _Part) -> Floats:
     """Narrowest width and mean width (2, n) of the sections, by rays from the way."""
     stations = part.stations
-    near = near_wall(surface, stations, part.reach)
-    rays = rays_from(near, arc_lengths(stations), stations, frames(Line(stations))).distance
+    near = near_wall(surface, stations.points, part.reach)
+    rays = rays_from(near, stations.arc_lengths, stations.points, frames(stations)).distance
     wall = across_alone(np.where(np.isfinite(rays), rays, np.nan))
     width = wall + np.roll(wall, RAYS // 2, axis=1)
     return np.stack([width.min(axis=1), width.mean(axis=1)])

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..centerline import Centerline
-from ..geometry import Surface, closest_points, cut, length
+from ..geometry import Line, Surface
 from ..lumen import ExtendedAxis, through_lumen
 from ..validation import Points
 from .ostia import Ostium
@@ -41,19 +41,18 @@ class NeighborWay(NamedTuple):
     """A way into a vessel beside a stent."""
 
     name: str
-    points: Points
-    """(n, 3) from the stent on, mm."""
+    line: Line
+    """From the stent on."""
 
 
 def end_ways(axis: ExtendedAxis) -> tuple[NeighborWay, ...]:
     """The vessel beyond the ends of the stent, as far as it goes on."""
     first, ways = axis.before + axis.stent_length, []
     if axis.before > SHORTEST:
-        start = cut(axis.points, 0.0, axis.before)[::-1]
+        start = axis.line.cut(0.0, axis.before).reversed()
         ways.append(NeighborWay(PROXIMAL, start))
     if axis.after > SHORTEST:
-        end = cut(axis.points, first, np.inf)
-        ways.append(NeighborWay(DISTAL, end))
+        ways.append(NeighborWay(DISTAL, axis.line.cut(first, np.inf)))
     return tuple(ways)
 
 
@@ -73,38 +72,38 @@ class BranchWays:
     def __init__(self, surface: Surface, axis: ExtendedAxis, centerline: Centerline | None) -> None:
         self.surface, self.axis, self.centerline = surface, axis, centerline
 
-    def into(self, ostia: Sequence[Ostium]) -> list[Points | None]:
-        """(n, 3) from every opening on; None where a branch has no way of some length."""
+    def into(self, ostia: Sequence[Ostium]) -> list[Line | None]:
+        """From every opening on; None where a branch has no way of some length."""
         if not ostia:
             return []
-        feet = closest_points(self.axis.points, np.array([ostium.center for ostium in ostia]))
+        feet = self.axis.line.nearest(np.array([ostium.center for ostium in ostia]))
         if self.centerline is None:
             return self._through(feet.points, ostia)
-        reach = length(self.axis.points) + _OBLIQUE * float(feet.distances.max()) + MEASURED
+        reach = self.axis.line.length + _OBLIQUE * float(feet.distances.max()) + MEASURED
         beside = _LEAVES * max(_size(ostium) for ostium in ostia)
-        lines = LinesFromAxis(self.centerline, self.axis.points, reach, beside)
+        lines = LinesFromAxis(self.centerline, self.axis.line, reach, beside)
         return [_past(ostium, lines) for ostium in ostia]
 
-    def _through(self, feet: Points, ostia: Sequence[Ostium]) -> list[Points | None]:
+    def _through(self, feet: Points, ostia: Sequence[Ostium]) -> list[Line | None]:
         """From sphere to sphere, first the way from the axis to the opening."""
         starts = [np.array([foot, ostium.center]) for foot, ostium in zip(feet, ostia, strict=True)]
         ways = through_lumen(self.surface, starts, MEASURED)
-        ways = [np.concatenate([start[1:], way]) for start, way in zip(starts, ways, strict=True)]
-        return [way if length(way) > SHORTEST else None for way in ways]
+        lines = [Line(np.concatenate([s[1:], way])) for s, way in zip(starts, ways, strict=True)]
+        return [line if line.length > SHORTEST else None for line in lines]
 
 
-def _past(ostium: Ostium, lines: LinesFromAxis) -> Points | None:
+def _past(ostium: Ostium, lines: LinesFromAxis) -> Line | None:
     """Of the lines from the axis the one to most outlets that passes an opening near its middle.
 
     Where none does, that which passes nearest to it.
     """
     best, nearest = None, _size(ostium) + _SAME
     for own in lines.leaving(_LEAVES * _size(ostium), ostium.center, nearest):
-        found = closest_points(own, ostium.center[None])
+        found = own.nearest(ostium.center[None])
         first = float(found.arc_lengths[0])
-        if found.distances[0] < nearest - _SAME and length(own) - first > SHORTEST:
+        if found.distances[0] < nearest - _SAME and own.length - first > SHORTEST:
             nearest = float(found.distances[0])
-            best = cut(own, first, first + MEASURED)
+            best = own.cut(first, first + MEASURED)
             if nearest < _NEAR * _size(ostium):
                 break
     return best

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..centerline import Centerline
-from ..geometry import Surface, tangents
+from ..geometry import Surface
 from ..lumen import InscribedSpheres, LocalSurface, with_own_spheres
 from ..validation import Indices
 from .branch_lumen import tree_lumen
@@ -56,6 +56,6 @@ def _own(
     radii = np.concatenate([found.radii for found in spheres])
     is_known = np.isfinite(np.concatenate([run.diameter for run in runs]))
     found = InscribedSpheres(centers, np.where(is_known, radii, np.nan))
-    ways = np.concatenate([tangents(run.points) for run in runs])
+    ways = np.concatenate([run.line.directions for run in runs])
     diameter = 2 * with_own_spheres(wall, stations, ways, found, lines).radii
     return [run._replace(diameter=diameter[line]) for run, line in zip(runs, lines, strict=True)]

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..centerline import SAME_CALIBER, USUAL, BranchLumen, LumenTree, Stretch, joined_lumens
+from ..geometry import Line
 from ..validation import Flags, Floats, Indices, Points
 
 MURRAY_EXPONENT = 7 / 3
@@ -44,8 +45,8 @@ class SideBranch(NamedTuple):
 class VesselRun(NamedTuple):
     """Stations along one vessel, from the root's side on, and how it begins and ends."""
 
-    points: Points
-    """(n, 3) mm."""
+    line: Line
+    """Through the n stations."""
     along: Floats
     """(n,) arc length from the root, mm."""
     diameter: Floats
@@ -65,6 +66,11 @@ class VesselRun(NamedTuple):
     """Of the widest healthy part of what it leads to, mm; 0 where nothing is known."""
     outlets: int
     """To how many ends of the centerline it leads."""
+
+    @property
+    def points(self) -> Points:
+        """(n, 3) mm."""
+        return self.line.points
 
 
 def vessel_runs(lumens: Sequence[BranchLumen]) -> list[VesselRun]:
@@ -137,7 +143,7 @@ def _run(tree: LumenTree, first: int, parent: int, generation: int) -> tuple[Ves
     if parent >= 0:
         diameter[: _ostium(lumens[0], tree.own[first])] = np.nan
     run = VesselRun(
-        np.concatenate([lumen.points for lumen in lumens])[kept],
+        Line(np.concatenate([lumen.points for lumen in lumens])[kept]),
         along[kept],
         diameter[kept],
         np.concatenate([lumen.branch for lumen in lumens])[kept],

@@ -8,8 +8,8 @@ from itertools import product
 import numpy as np
 
 from ..centerline import Centerline, Location, points_between
-from ..geometry import norm, resampled, without_repeats
-from ..validation import Floats, Indices, Points
+from ..geometry import Line, norm
+from ..validation import Floats, Indices
 
 _FINE = 0.1
 """Distance of the points of an axis that tell how far from it something is, mm."""
@@ -78,21 +78,18 @@ class LinesFromAxis:
     Parameters
     ----------
     tree : Centerline
-    axis : (n, 3) array
-        mm.
+    axis : Line
     reach : float
         How far from each end of the axis they go at least, mm.
     beside : float, optional
         No more is asked for as the distance up to which they do not leave the axis, mm.
     """
 
-    def __init__(
-        self, tree: Centerline, axis: Points, reach: float, beside: float = np.inf
-    ) -> None:
+    def __init__(self, tree: Centerline, axis: Line, reach: float, beside: float = np.inf) -> None:
         # Late: scipy costs what a first frame should not pay.
         from scipy.spatial import cKDTree
 
-        stops = [tree.project(stop) for stop in (axis[0], axis[-1])]
+        stops = [tree.project(stop) for stop in axis.points[[0, -1]]]
         ends = set().union(*(ends_around(tree, stop, reach) for stop in stops))
         self._outlets = np.r_[outlets_of(tree), np.zeros(len(stops), dtype=np.int64)]
         self._points = np.concatenate([tree.points, [stop.point for stop in stops]])
@@ -111,10 +108,10 @@ class LinesFromAxis:
         step = norm(ahead - self._points.take(self._nodes, axis=0))
         step[self._starts - 1] = 0.0
         self._longest = float(step.max())
-        along = cKDTree(resampled(axis, _FINE))
+        along = cKDTree(axis.resampled(_FINE).points)
         self._from_axis = along.query(self._points, distance_upper_bound=beside)[0]
 
-    def leaving(self, distance: float, place: Floats, near: float) -> Iterator[Points]:
+    def leaving(self, distance: float, place: Floats, near: float) -> Iterator[Line]:
         """Those that may come near a place, each from where it leaves the axis for good, mm.
 
         Those to most outlets come first; of those along the same points there, one.
@@ -133,6 +130,6 @@ class LinesFromAxis:
             there = own[may[first[line] : ends[line]]]
             known.setdefault(there.tobytes(), (-int(self._outlets[there[-1]]), own))
         for _, own in sorted(known.values(), key=lambda way: way[0]):
-            points = without_repeats(self._points[own])
-            if len(points) > 1:
-                yield points
+            way = Line(self._points[own]).without_repeats()
+            if len(way) > 1:
+                yield way

@@ -11,8 +11,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...geometry import Surface, across, norm
-from ...geometry import tangents as polyline_tangents
+from ...geometry import Line, Surface, across, norm
 from ...validation import Floats, Indices, InputError, Points, Triangles, as_number, as_points
 from .climb import (
     WAY_BOX,
@@ -82,7 +81,7 @@ def inscribed_spheres(
         raise InputError(
             f"centers: expected at least 2 points or a tangent for each, got {len(centers)}."
         )
-    directions = polyline_tangents(centers) if tangents is None else _unit(tangents, centers)
+    directions = Line(centers).directions if tangents is None else _unit(tangents, centers)
     return StationSearch(points, triangles, centers, directions, until).exact()
 
 

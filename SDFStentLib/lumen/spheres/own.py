@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...geometry import across, arc_lengths, norm
+from ...geometry import Line, across, norm
 from ...validation import Floats, Indices, Points
 from .climb import InscribedSpheres
 from .local_surface import LocalSurface
@@ -57,7 +57,7 @@ def with_own_spheres(
     for line in lines:
         left, known = line[astray[line]], centered[line]
         if len(left) and known.any():
-            along = arc_lengths(stations[line])
+            along = Line(stations[line]).arc_lengths
             middles.append(
                 stations[left]
                 + np.column_stack(

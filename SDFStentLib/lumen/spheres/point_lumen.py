@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...geometry import across, dot, norm, tangents
+from ...geometry import Line, across, dot, norm
 from ...validation import Flags, Floats, InputError, Points, as_points
 from .max_min_step import LinearRows, largest_steps
 
@@ -46,7 +46,7 @@ def rough_radii(points: ArrayLike, centers: ArrayLike, normals: ArrayLike) -> Fl
     wall, starts = as_points(points, "points of the wall", minimum=1), as_points(centers, "centers")
     if len(starts) < 2:
         raise InputError(f"centers: expected at least 2 points, got {len(starts)}.")
-    along = tangents(starts)
+    along = Line(starts).directions
     is_cap = np.abs(along @ as_points(normals, "normals").T) > CAP
     axes, reached = across(along), starts.copy()
     largest, share = np.zeros(len(starts)), BOX
