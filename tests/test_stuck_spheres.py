@@ -158,7 +158,7 @@ def test_a_patient_s_throat_beside_branches_is_as_wide_as_an_independent_search_
     vessel = read_input_files(*names).vessel
     lesion = vessel.lesions[0]
     found = diameter_profile(vessel.surface, lesion.line, 1.0)
-    line = Line(lesion.line).resampled(1.0).points
+    line = lesion.line.resampled(1.0).points
     wall = Wall(vessel.surface.points, vessel.surface.triangles, np.zeros(1))
     judge = Spheres(wall, line, 10.0)
     told = found.inscribed_diameter
