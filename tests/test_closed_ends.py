@@ -9,7 +9,7 @@ from trees import unbranched
 
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.files import read_surface
-from SDFStentLib.geometry import Surface, arc_lengths, resampled, tangents
+from SDFStentLib.geometry import Line, Surface
 from SDFStentLib.lumen import diameter_profile, flat_caps, measured_at
 from SDFStentLib.lumen.metrics import profile_of
 from SDFStentLib.stent import AtCenter, Stent
@@ -183,9 +183,9 @@ def test_the_vessel_between_a_stent_and_a_cap_is_as_wide_as_its_wall():
 
 
 def test_spheres_searched_once_without_the_caps_are_those_searched_again():
-    surface, stations = Surface(*a_capped_duct(a_circle())), resampled(A_LINE, 1.0)
+    surface, stations = Surface(*a_capped_duct(a_circle())), Line(A_LINE).resampled(1.0).points
     once = diameter_profile(surface, A_LINE)
-    whole = measured_at(surface, stations, tangents(stations))
-    again = profile_of(surface, arc_lengths(stations), whole)
+    whole = measured_at(surface, stations, Line(stations).directions)
+    again = profile_of(surface, Line(stations).arc_lengths, whole)
     np.testing.assert_allclose(once.inscribed_diameter, again.inscribed_diameter, atol=1e-5)
     np.testing.assert_array_equal(once.equivalent_diameter, again.equivalent_diameter)
