@@ -107,6 +107,7 @@ class StationSearch:
         self.surface = LocalSurface(points, triangles, centers)
         self._stations, self._directions, self._until = centers, directions, until
         self._is_exact = np.zeros(len(centers), dtype=bool)
+        self._climbed = InscribedSpheres(np.empty_like(centers), np.empty(len(centers)))
 
     @cached_property
     def _around(self) -> Floats:
@@ -129,20 +130,23 @@ class StationSearch:
             spheres, again = in_their_lumen(self.surface, starts, axes[block], until, rough)
             found.centers[block], found.radii[block] = spheres
             self._is_exact[block[again]] = True
+        self._climbed.centers[:], self._climbed.radii[:] = found
         return found
 
     def exact(self, which: Indices | slice = slice(None)) -> InscribedSpheres:
         """Of some stations, or of all, in the order in which they come."""
-        rough, stations = self.rough.at(which), self._stations[which]
-        directions, until = self._directions[which], self._until.at(which)
-        axes, found = across(directions), InscribedSpheres(*(part.copy() for part in rough))
-        begun = np.flatnonzero(~self._is_exact[which])
-        for part in _parts(stations[begun], self._around[which][begun]):
-            block = begun[part]
-            begin = rough.at(block), until.at(block)
-            spheres = exact_spheres(self.surface, stations[block], axes[block], *begin)
-            found.centers[block], found.radii[block] = spheres
-        _free_stuck(self.surface, found, stations, directions, until)
+        rough, stations, axes = self.rough, self._stations, across(self._directions)
+        asked = np.arange(len(stations))[which]
+        begun = np.unique(asked[~self._is_exact[asked]])
+        for part in _parts(stations[begun], self._around[begun]):
+            own = begun[part]
+            begin = rough.at(own), self._until.at(own)
+            spheres = exact_spheres(self.surface, stations[own], axes[own], *begin)
+            self._climbed.centers[own], self._climbed.radii[own] = spheres
+            self._is_exact[own] = True
+        found = self._climbed.at(asked)
+        until = self._until.at(asked)
+        _free_stuck(self.surface, found, stations[asked], self._directions[asked], until)
         return found
 
 
