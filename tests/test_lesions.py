@@ -302,6 +302,17 @@ def test_the_ostium_of_a_branch_within_its_parent_s_narrowing_is_the_same_lesion
     assert [one.vessel for one in found] == [0, 1][:count]
 
 
+@pytest.mark.parametrize(("throat", "vessel"), [(29.5, 0), (30.5, 1)])
+def test_a_narrowing_across_a_division_is_told_with_the_narrower_of_its_parts(throat, vessel):
+    """2.80 mm were told, of the vessel beyond, where 2.42 are the narrowest."""
+    along = np.arange(0, 60.1, 0.5)
+    whole = 5 - 3 * np.clip(1 - np.abs(along - throat) / 6, 0, 1)
+    division = (SideBranch(30.0, 5.0, 1), SideBranch(30.0, 2.5, 2))
+    parent = straight_run(whole[:61])._replace(division=division)
+    (one,) = _found([parent, straight_run(whole[60:], 30.0, 0)], [0, 1])
+    assert (one.vessel, one.narrowest) == (vessel, 2.0)
+
+
 def test_a_long_throat_that_two_lines_run_through_is_told_once():
     """Their narrowest places were farther from each other than the throat is wide."""
     made = phantom("stenosed_tube", edge_length=0.8, length=60.0)

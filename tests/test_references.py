@@ -95,6 +95,29 @@ def test_a_mild_narrowing_at_an_ostium_is_told_if_it_ends_soon(end, count):
     assert len(narrowings(vessel_along(through((0, 3.4), (end, 5), (40, 5)), parent=0))) == count
 
 
+@pytest.mark.parametrize(("ostium", "reference"), [(2.2, 3.9), (3.0, 4.3)])
+def test_a_vessel_seen_to_widen_toward_its_ostium_tapers_from_there(ostium, reference):
+    """Narrowed beyond its funnel it was told against the narrower vessel distal of it alone."""
+    tapering = 4.6 - 0.1 * np.arange(0, 30, SPACING).clip(0, 12)
+    narrowed = through((0, ostium), (3, 2.2), (6, 4.0), (29.5, 4.0))
+    told = reference_of(np.minimum(tapering, narrowed), parent=0)
+    assert told == pytest.approx(reference, abs=0.1)
+
+
+def test_the_reference_falls_where_a_branch_as_wide_leaves():
+    """Half of what it takes was left to the vessel beyond, 4.9 mm where 4.2 go on."""
+    beyond = through((0, 6), (20, 6), (23, 2), (30, 4.2), (60, 4.2))
+    vessel = vessel_along(beyond)._replace(side_branches=(SideBranch(20.0, 5.1, 1),))
+    (one,) = narrowings(vessel)
+    assert one.reference.at(np.array([one.narrowest]))[0] == pytest.approx(4.2, abs=0.05)
+
+
+def test_a_long_gentle_narrowing_is_measured_beyond_its_foot():
+    """Its slope passed for healthy vessel: seven points too low."""
+    gentle = through((0, 4), (12, 3.9), (25, 2.2), (38, 3.55), (60, 3.3))
+    assert 100 * (1 - 2.2 / reference_of(gentle)) == pytest.approx(100 * (1 - 2.2 / 3.73), abs=5)
+
+
 @pytest.mark.parametrize(
     ("diameter", "is_own", "first"),
     [

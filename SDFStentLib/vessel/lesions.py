@@ -198,10 +198,13 @@ class _Found(NamedTuple):
         return proximal, distal
 
     def continues(self, other: _Found) -> bool:
-        """Whether it lies at the ostium of a vessel, and the other where its parent divides."""
+        """Whether it lies at the ostium of a vessel, and the other where its parent divides.
+
+        The narrower one is told.
+        """
         last = other.run.along[np.isfinite(other.run.diameter)][-1]
         is_met = other.narrow.end >= last and self._is_at_ostium_in(other)
-        return is_met and bool(other.run.division)
+        return is_met and bool(other.run.division) and self.narrowest <= other.narrowest
 
     def is_part_of(self, other: _Found) -> bool:
         """Whether it lies at an ostium within the narrowing of its parent: it is the same wall.

@@ -13,9 +13,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..centerline import SAME_CALIBER
 from ..validation import Flags, Floats
 from .plateaus import (
-    NEARLY_WIDEST,
+    PLATEAU,
     REFERENCE_REACH,
     Plateaus,
     known_stations,
@@ -28,10 +29,10 @@ from .runs import MURRAY_EXPONENT, SideBranch, VesselRun
 SMALLEST_DEGREE = 0.15
 """Of the reference diameter; less is the unevenness of healthy vessels and of segmentations."""
 
-SMALLEST_ONE_SIDED = 0.36
+SMALLEST_ONE_SIDED = 0.35
 """The same where healthy vessel lies on one side only, as at an ostium: branches of real trees
-begin narrower than they go on. One of 70 ends has one place of 43 %, and beside
-it nothing above 35 %, that nobody narrowed."""
+begin narrower than they go on. Of one with 70 ends, which nobody narrowed, nearly all that widen
+within `ONE_SIDED_REACH` do by less, the narrowest by 41 %."""
 
 SMALLEST_FOCAL = 0.30
 """The same where the vessel is healthy within `FOCAL`: in 96 trees hardly a vessel that nobody
@@ -40,7 +41,7 @@ narrowed begins so; within half as much again 30 do."""
 FOCAL = 0.8
 """Diameters within which a focal narrowing at an ostium ends."""
 
-SMALLEST_RECOVERY = 0.10
+SMALLEST_RECOVERY = 1 / 8
 """A narrowing is at least so much narrower than the narrower one of its two references: beyond it
 the vessel is wider again. Where it is not, the vessel tapers or divides."""
 
@@ -62,8 +63,12 @@ HEALTHY_AGAIN = 0.78
 """Share of the other side's diameter from which a plateau between a lesion and the vessel's end at
 a junction is healthy; less is a throat of the lesion."""
 
-STEPPED_OVER = 0.25
-"""Of the nearest plateau's width: the widest of those that begin within so much of it counts."""
+CLIMB = 1 / 3
+"""A plateau may be the foot of a narrowing: of those that begin within so much of its width beyond
+it, the widest counts in its place,"""
+
+GAIN = 0.03
+"""if it is so much wider, and so on: up a slope, not across a vessel that keeps its caliber."""
 
 REGAINED = 0.5
 """Share of what a narrowing lost that its vessel has regained where a plateau is healthy although
@@ -84,20 +89,25 @@ class Reference(NamedTuple):
 
     Between both plateaus D^(7/3) falls where branches leave by what the rule says that these take
     (`MURRAY_EXPONENT`), but by no more than `IN_STEPS` of the difference, and what is left of it
-    goes evenly along the vessel. With one plateau the reference is as wide as that everywhere: by
-    how much a vessel is wider above its branches than below is not told by one side.
+    goes evenly along the vessel. A branch as wide as the vessel beyond it makes a step by the rule.
+    With one plateau the reference is as wide as that, but for a vessel that tapers from an ostium.
     """
 
     proximal: Plateau | None
     distal: Plateau | None
     side_branches: tuple[SideBranch, ...] = ()
+    taper: float = 0.0
+    """Share by which it widens per mm from the distal plateau, which is alone, to an ostium,"""
+    widest: float = 0.0
+    """up to this diameter, mm."""
 
     def at(self, along: Floats) -> Floats:
         """Healthy diameters (n,) at some arc lengths from the root, mm."""
         known = [side for side in (self.proximal, self.distal) if side is not None]
         if len(known) == 1 or any(np.isnan(side.arc_length) for side in known):
             # A plateau that has no place is no wider than the other one.
-            return np.full(len(along), min(side.diameter for side in known))
+            narrower = min(known, key=lambda side: side.diameter)
+            return _tapered(along, *narrower, self.taper, self.widest)
         (first, before), (last, after) = known
         share = np.clip((along - first) / max(last - first, 1e-300), 0.0, 1.0)
         if before <= after:
@@ -105,11 +115,24 @@ class Reference(NamedTuple):
         fall = before**MURRAY_EXPONENT - after**MURRAY_EXPONENT
         between = [one for one in self.side_branches if first < one.arc_length < last]
         taken = np.array([one.caliber**MURRAY_EXPONENT for one in between])
-        taken *= min(1.0, IN_STEPS * fall / max(taken.sum(), 1e-300))
+        parts = any(one.caliber >= SAME_CALIBER * after for one in between)
+        taken *= min(1.0, (1.0 if parts else IN_STEPS) * fall / max(taken.sum(), 1e-300))
         places = np.array([one.arc_length for one in between])
         stepped = (along[:, None] > places) @ taken if between else 0.0
         left = before**MURRAY_EXPONENT - stepped - share * (fall - taken.sum())
         return np.asarray(left ** (1 / MURRAY_EXPONENT))
+
+
+def _tapered(
+    along: Floats,
+    middle: Floats | float,
+    diameter: Floats | float,
+    taper: Floats | float,
+    widest: Floats | float,
+) -> Floats:
+    """How wide (n,) a vessel is that widens from a plateau toward its ostium, mm; not where NaN."""
+    wider = diameter * (1 + taper * np.nan_to_num(middle - along))
+    return np.asarray(np.fmax(np.minimum(wider, widest), diameter))
 
 
 class Narrowing(NamedTuple):
@@ -127,7 +150,9 @@ class _Sides(NamedTuple):
     along: Floats
     diameter: Floats
     narrowest: Floats
-    """Its diameter where it is narrowest, mm."""
+    """Its diameter where it is narrowest, mm,"""
+    taper: Floats
+    """and by which share of its width the vessel is narrower beyond it, per mm."""
 
 
 def narrowings(run: VesselRun, eased: float = 0.0) -> list[Narrowing]:
@@ -163,7 +188,7 @@ def _sides(
     after = _nearest(along, diameter, plateaus, -1)
     own = before, after
     if run.parent >= 0:
-        before = _where_lost(own[0], own[1], own[1].diameter, diameter)
+        before = _where_lost(own[0], own[1], _widest_seen(diameter, own[1].diameter), diameter)
     calibers = np.array([one.caliber for one in run.division])
     # A branch of which nothing is known leaves open what the others ask for.
     if len(calibers) and calibers.all():
@@ -183,23 +208,53 @@ def _nearest(along: Floats, diameter: Floats, plateaus: Plateaus, way: int) -> _
     """
     if not len(plateaus.start):
         unknown = np.full(len(along), np.nan)
-        return _Sides(unknown, unknown, unknown)
+        return _Sides(unknown, unknown, unknown, unknown)
     near, far = (plateaus.end, plateaus.start) if way > 0 else (plateaus.start, plateaus.end)
     width, at = plateaus.narrowest[None, :], along[:, None]
     distance = np.maximum(way * (at - near), 0.0)
     can_be = (way * (at - far) >= 0) & (distance <= REFERENCE_REACH * width)
     widest = np.where(can_be, width, -np.inf).max(axis=1)
-    half_way = diameter + REGAINED * (widest - diameter)
-    is_wide = can_be & (width >= np.fmin(NEARLY_WIDEST * widest, half_way)[:, None])
+    enough = np.minimum(diameter + REGAINED * (widest - diameter), widest)
+    is_wide = can_be & (width >= enough[:, None])
     nearest = np.where(is_wide, distance, np.inf).min(axis=1)
     found = np.isfinite(nearest)
-    first = np.where(is_wide & (distance == nearest[:, None]), width, -np.inf).max(axis=1)
-    # Its near end may be the foot of the narrowing.
-    is_wide[found] &= distance[found] <= (nearest[found] + STEPPED_OVER * first[found])[:, None]
-    chosen = np.where(is_wide, width, -np.inf).argmax(axis=1)
-    place = (plateaus.start + plateaus.end) / 2
-    columns = place[chosen], plateaus.usual[chosen], plateaus.narrowest[chosen]
-    return _Sides(*(np.where(found, column, np.nan) for column in columns))
+    chosen = np.where(is_wide & (distance == nearest[:, None]), width, -np.inf).argmax(axis=1)
+    rows, is_wider = np.arange(len(along)), found
+    # Ends: each round finds a wider one, or returns.
+    while is_wider.any():
+        beyond = distance[rows, chosen] + CLIMB * plateaus.narrowest[chosen]
+        wider = np.where(can_be & (distance <= beyond[:, None]), width, -np.inf).argmax(axis=1)
+        gain = plateaus.narrowest[wider] / plateaus.narrowest[chosen] - 1
+        is_wider = found & (gain > GAIN)
+        chosen = np.where(is_wider, wider, chosen)
+    columns = (
+        (plateaus.start + plateaus.end) / 2,
+        plateaus.usual,
+        plateaus.narrowest,
+        _tapers(plateaus, way),
+    )
+    return _Sides(*(np.where(found, column[chosen], np.nan) for column in columns))
+
+
+def _tapers(plateaus: Plateaus, way: int) -> Floats:
+    """By which share per mm (n,) those are narrower that follow plateaus; 0 where none does."""
+    middle, width = (plateaus.start + plateaus.end) / 2, plateaus.usual
+    following = np.abs(middle - (middle - way * PLATEAU * width)[:, None]).argmin(axis=1)
+    apart = np.abs(middle[following] - middle)
+    falls = np.maximum(1 - width[following] / width, 0.0)
+    is_next = apart >= PLATEAU * width / 2
+    return np.asarray(np.divide(falls, apart, out=np.zeros(len(width)), where=is_next))
+
+
+def _widest_seen(diameter: Floats, distal: Floats) -> Floats:
+    """How wide (n,) a vessel may be toward its ostium, against what is healthy distal of it, mm.
+
+    It tapers from there where it is seen to widen, and goes on into the lumen of its parent before
+    it is as wide.
+    """
+    seen = np.maximum.accumulate(diameter)
+    widens = (1 - SMALLEST_DEGREE) * seen >= diameter
+    return np.asarray(np.where(widens & (seen < (1 - EDGE_DEGREE) * distal), FLARE, 1.0) * distal)
 
 
 def _where_lost(own: _Sides, other: _Sides, wanted: Floats, diameter: Floats) -> _Sides:
@@ -221,7 +276,8 @@ def _degrees(
     span = after.along - before.along
     share = np.divide(along - before.along, span, out=np.zeros(len(along)), where=span > 0)
     line = before.diameter + share * (after.diameter - before.diameter)
-    line = np.where(np.isnan(before.along), after.diameter, line)
+    wider = _tapered(along, after.along, after.diameter, after.taper, before.diameter)
+    line = np.where(np.isnan(before.along), wider, line)
     line = np.where(np.isnan(after.along), np.fmin(before.diameter, after.diameter), line)
     line = np.where(np.isfinite(line), line, diameter)
     degree = 1 - diameter / line
@@ -249,7 +305,8 @@ def _reference(run: VesselRun, at: int, before: _Sides, after: _Sides) -> Refere
     if run.parent >= 0 and sides[0] is not None and np.isnan(sides[0].arc_length):
         # At an ostium the other side stands for this one, and is told alone.
         sides[0] = None
-    return Reference(sides[0], sides[1], run.side_branches)
+    taper, widest = float(after.taper[at]), float(before.diameter[at])
+    return Reference(sides[0], sides[1], run.side_branches, taper, widest)
 
 
 def _extent(along: Floats, diameter: Floats, at: int, reference: Reference) -> Narrowing | None:
@@ -260,6 +317,8 @@ def _extent(along: Floats, diameter: Floats, at: int, reference: Reference) -> N
     for first, last in parts:
         if first <= at <= last:
             at = first + int(np.argmin(diameter[first : last + 1]))
+            if degree[at] < SMALLEST_DEGREE:
+                return None
             start = _edge(along, degree, first, first - 1, is_throat=first == at)
             end = _edge(along, degree, last, last + 1, is_throat=last == at)
             return Narrowing(start, end, float(along[at]), reference)
