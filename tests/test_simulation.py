@@ -24,11 +24,19 @@ from SDFStentLib.cli import main
 from SDFStentLib.files import encode_vtp, polydata_from_arrays, polydata_from_lines, read_volume
 from SDFStentLib.files.formats import decode_vtu, encode_vtu
 from SDFStentLib.flow import Wave
-from SDFStentLib.geometry import signed_volume
+from SDFStentLib.geometry import Surface, SurfaceIndex, signed_volume
 from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube, straight_tube
 from SDFStentLib.simulation import Conditions, Outlet, prepare
 from SDFStentLib.simulation.extension import extended
-from SDFStentLib.simulation.remesh import TOLERANCE, Wishes, axis_of, edges_around, remeshed
+from SDFStentLib.simulation.mmg import MeditMesh
+from SDFStentLib.simulation.remesh import (
+    TOLERANCE,
+    Wishes,
+    axis_of,
+    edges_around,
+    mended,
+    remeshed,
+)
 from SDFStentLib.simulation.solver_file import solver_files, time_steps
 from SDFStentLib.simulation.tetrahedra import dihedral_angles, filled
 from SDFStentLib.treatment import SegmentWishes, Vessel, extract_segment
@@ -115,6 +123,28 @@ def test_a_new_surface_lies_on_the_wall_with_enough_edges_round_the_throat(meshe
     off = np.hypot(*middles[:, :2].T) - tube.vessels[0].radius(middles[:, 2])
     assert np.abs(off).max() < TOLERANCE
     assert edges_around(surface, np.array([0, 0, 20.1]), np.array([0, 0, 1.0])) >= 20
+
+
+def test_a_triangle_that_is_turned_over_is_mended_along_the_wall(meshed):
+    _, segment, made = meshed
+    surface, wall = made.surface, [*segment.walls]
+    rng = np.random.default_rng(5)
+    points, triangles = surface.points.copy(), surface.triangles
+    inner = np.setdiff1d(triangles, triangles[~np.isin(made.face_ids, wall)])
+    for corner in rng.choice(inner, 3, replace=False):
+        # Beyond the far side of one of its triangles.
+        one = triangles[(triangles == corner).any(axis=1)][0]
+        points[corner] += 1.3 * (points[one[one != corner]].mean(axis=0) - points[corner])
+    none = np.zeros((0, 4), np.int64)
+    broken = MeditMesh(points, triangles, made.face_ids, none)
+    assert not check_surface(Surface(points, triangles)).passed
+    found = mended(broken)
+    assert check_surface(found).passed
+    assert np.abs(found.points - surface.points).max() < 0.3
+    assert SurfaceIndex(found.points, triangles).distances(points).distance.max() < 2 * TOLERANCE
+    np.testing.assert_array_equal(
+        mended(broken._replace(points=surface.points)).points, surface.points
+    )
 
 
 def test_faces_keep_their_numbers_and_ends_stay_flat(meshed):

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..certificate import check_surface
-from ..geometry import Surface, SurfaceIndex, section_around
+from ..geometry import Surface, SurfaceIndex, edges, section_around
 from ..segment import Segment
 from ..validation import DeploymentError, Flags, Floats, Indices, Points
 from .mmg import MeditMesh, by_mmg
@@ -22,6 +22,9 @@ TRIES = ((35, 1.0), (25, 0.9), (35, 0.7), (25, 0.7), (20, 0.5))
 """What is asked for in turn: degrees between two triangles from which on their edge is kept, as
 that round a cap is, and times the tolerance. MMG keeps it only nearly, and now and then lays a wall
 that is bent sharply over itself: with another angle it does not."""
+
+MENDS = 5
+"""Times at most that the corners of faulty triangles go to the mean of their neighbors."""
 
 GRADING = 1.25
 """How much longer an edge may be than the next one."""
@@ -130,8 +133,8 @@ def remeshed(segment: Segment, axis: Axis, wishes: Wishes) -> Remeshed:
             f"{part * wishes.tolerance}",
         ]
         made = by_mmg("mmgs", mesh, sizes, options)
-        away = SurfaceIndex(made.points, made.triangles).distances(old.points).distance.max()
-        surface = Surface(made.points, made.triangles, name="mesh")
+        surface = mended(made)
+        away = SurfaceIndex(surface.points, made.triangles).distances(old.points).distance.max()
         check = check_surface(surface)
         if not check.passed:
             fault = f"one that is not sound ({check.sentence().rstrip('.')})"
@@ -143,6 +146,33 @@ def remeshed(segment: Segment, axis: Axis, wishes: Wishes) -> Remeshed:
         f"mesh: expected one within {wishes.tolerance:g} mm of the wall, got {fault}; look for "
         "spikes and folds with sdfstent check, or choose other ends of the segment."
     )
+
+
+def mended(made: MeditMesh) -> Surface:
+    """A surface whose few turned or crossing triangles are spread out, where that mends them.
+
+    Corners between faces stay where they are.
+    """
+    points, triangles = made.points.copy(), made.triangles
+    ends = edges(triangles).vertices
+    both = np.vstack([ends, ends[:, ::-1]])
+    count = np.bincount(both[:, 0], minlength=len(points))
+    least, most = np.full(len(points), made.faces.max()), np.full(len(points), -1)
+    for corner in triangles.T:
+        np.minimum.at(least, corner, made.faces)
+        np.maximum.at(most, corner, made.faces)
+    surface = Surface(points, triangles, name="mesh")
+    for _ in range(MENDS):
+        faulty = [one for spot in check_surface(surface).places for one in spot.triangles]
+        if not faulty:
+            break
+        corners = np.unique(triangles[faulty])
+        corners = corners[least[corners] == most[corners]]
+        total = np.zeros_like(points)
+        np.add.at(total, both[:, 0], points[both[:, 1]])
+        points[corners] = total[corners] / count[corners, None]
+        surface = Surface(points, triangles, name="mesh")
+    return surface
 
 
 def edges_around(surface: Surface, origin: Points, normal: Floats) -> int:
