@@ -13,7 +13,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from SDFStentLib.geometry import Surface
+from SDFStentLib.geometry import Line, Surface
 from SDFStentLib.lumen import DiameterProfile
 from SDFStentLib.report import Report, document_json, write_report, write_report_figure
 from SDFStentLib.report.html import certificate_sentence, html_page
@@ -60,7 +60,7 @@ def a_lesion(minimum):
         proximal=HealthyPlace((0.0, 0.0, 2.0), 2.0, 8.0, math.nan),
         distal=None,
         reference="healthy vessel proximal of it (8.0 mm)",
-        line=np.array([[0.0, 0.0, 5.0], [0.0, 0.0, 15.0]]),
+        line=Line([[0.0, 0.0, 5.0], [0.0, 0.0, 15.0]]),
         healthy=np.array([8.0, 8.0]),
         diameters=np.array([math.nan, math.nan]),
         surface=no_wall,

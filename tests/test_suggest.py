@@ -174,7 +174,7 @@ def test_a_stent_for_a_lesion_across_a_junction_warns_of_no_choice_there():
     tree = Centerline(np.concatenate([main, side]), np.full(81, 3.0), parent)
     lesion = replace(
         a_lesion_of(8.0, 8.0),
-        line=main[23:34],
+        line=Line(main[23:34]),
         start=23.0,
         end=33.0,
         arc_length=28.0,
