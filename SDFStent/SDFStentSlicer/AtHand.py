@@ -25,20 +25,25 @@ class AtHand:
         if text and isOld:
             lines[-1] = _("changed since; not deployed yet")
         kind = {CERTIFIED: GOOD, NOT_CERTIFIED: BAD}.get(lines[-1], PENDING)
-        if ("\n".join(lines), kind) != (self.text, self.kind):
-            self.text, self.kind = "\n".join(lines), kind
-            for view in _views():
-                self._write(view)
+        self.text, self.kind = "\n".join(lines), kind
+        self.write()
 
-    def _write(self, view):
-        corner = view.cornerAnnotation()
-        corner.SetMaximumFontSize(LARGEST_FONT)
-        corner.SetText(vtkCornerAnnotation.UpperLeft, self.text)
-        font = corner.GetTextProperty()
-        font.SetColor(*COLORS[self.kind])
-        font.SetBackgroundColor(*BACKGROUND)
-        font.SetBackgroundOpacity(OPACITY if self.text else 0.0)
-        view.scheduleRender()
+    def write(self):
+        """Write the lines into the views that do not show them yet, as those of another layout."""
+        for view in _views():
+            corner = view.cornerAnnotation()
+            font, color = corner.GetTextProperty(), COLORS[self.kind]
+            shown = corner.GetText(vtkCornerAnnotation.UpperLeft) or ""
+            if shown == self.text and (not shown or font.GetColor() == color):
+                continue
+            corner.SetMaximumFontSize(LARGEST_FONT)
+            corner.SetText(vtkCornerAnnotation.UpperLeft, self.text)
+            font.SetColor(*color)
+            font.BoldOn()  # thin letters are hard to read from where an operator stands
+            font.ShadowOff()
+            font.SetBackgroundColor(*BACKGROUND)
+            font.SetBackgroundOpacity(OPACITY if self.text else 0.0)
+            view.scheduleRender()
 
 
 def _views():

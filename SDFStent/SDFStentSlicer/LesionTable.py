@@ -18,7 +18,7 @@ class LesionTable:
     """Searches in small portions once vessel and centerline are chosen, and shows in `ui.lesionTable` what was found.
 
     `onSelect(lesion)` is called when the user selects a lesion; `selected` is that one, None without. `onFound()` is called when
-    a search has ended.
+    a search has ended and the vessel could be measured.
     """
 
     def __init__(self, ui, searchOf, onSelect, onFound):
@@ -91,7 +91,8 @@ class LesionTable:
             none = search.sentence or none.format(percent=round(100 * SMALLEST_DEGREE))
             said = (search.remark, "" if search.found else none)
             self._show("\n".join(filter(None, said)), search.found)
-        self._onFound()
+            if not search.sentence:
+                self._onFound()
 
     def _show(self, sentence, lesions=()):
         """A sentence, or the lesions with a row each."""

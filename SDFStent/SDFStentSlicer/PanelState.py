@@ -25,14 +25,14 @@ class PanelState:
     def __init__(self, ui, logic, session, height):
         self.ui = ui
         self._logic, self._session, self._height = logic, session, height
-        self.atHand, self._steps = AtHand(), Steps(ui)
+        self.atHand, self.steps = AtHand(), Steps(ui)
         self._usualReach = {name: getattr(ui, name).maximum for name in METHOD_SLIDERS}
 
     def show(self, parameterNode):
         """After parameters have changed."""
         hasStents = len(stentsOf(parameterNode)) > 0
         self.ui.placeWidget.setCurrentNode(stentOf(parameterNode).handle if hasStents else None)
-        self._steps.show(parameterNode)
+        self.steps.show(parameterNode)
         self._showSegments(parameterNode)
         self._reach(parameterNode)
         self._hideResults(parameterNode)

@@ -12,17 +12,21 @@ LONGEST = 44
 
 
 class Steps:
-    """Writes the headings, and closes the first step once vessel and centerline are chosen."""
+    """Writes the headings, and closes the first step once it is known that vessel and centerline can be used."""
 
     def __init__(self, ui):
-        self._ui, self._isChosen = ui, False
+        self._ui, self._isDone = ui, False
+
+    def closeFirst(self):
+        """Vessel and centerline can be used: their step is done, until one of them is taken away."""
+        if not self._isDone:
+            self._isDone = self._ui.inputsCollapsibleButton.collapsed = True
 
     def show(self, parameterNode):
         """After parameters have changed."""
         vessel, centerline = parameterNode.vessel, parameterNode.centerline
-        isChosen = vessel is not None and centerline is not None
-        if isChosen != self._isChosen:
-            self._isChosen = self._ui.inputsCollapsibleButton.collapsed = isChosen
+        if self._isDone and (vessel is None or centerline is None):
+            self._isDone = self._ui.inputsCollapsibleButton.collapsed = False
         names = [node.GetName() for node in (vessel, centerline) if node is not None]
         hasStents = len(stentsOf(parameterNode)) > 0
         stent = stentOf(parameterNode)

@@ -95,6 +95,12 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
         ):
             # After selectors and logic have heard of it; of a deleted node a selector hears later (-10).
             self.addObserver(scene, event, method, priority=-1.0)
+        layout = scene.GetFirstNodeByClass("vtkMRMLLayoutNode")
+        if layout is not None:  # without a window there is none
+            self.addObserver(layout, vtkCommand.ModifiedEvent, self.onLayoutChanged, priority=-1.0)
+
+    def onLayoutChanged(self, caller=None, event=None):
+        self._state.atHand.write()
 
     def onSceneStartClose(self, caller=None, event=None):
         self.setParameterNode(None)
@@ -321,6 +327,7 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
         """Let the first preview wait for nothing that can be made now; the vessel is known by now."""
         self.preparation.cancel()
         if self._parameterNode is not None:
+            self._state.steps.closeFirst()
             self._state.show(self._parameterNode)
             self._showSections()
             self.preparation.start(self.logic.prepared(self._parameterNode))

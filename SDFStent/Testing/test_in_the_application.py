@@ -262,3 +262,27 @@ def test_results_are_in_one_folder_per_parameter_set(aLogic, theParameters, aSce
     aScene.RemoveNode(theParameters.outputTable)
     aLogic.deploy(theParameters)
     assert {folderOf(node) for node in outputsOf(theParameters)} == first
+
+
+def test_vessel_and_centerline_stay_open_until_they_can_be_used(host, aPanel, aVessel):
+    ui, (vessel, centerline) = aPanel.ui, aVessel
+    ui.vesselSelector.setCurrentNode(vessel)
+    for chosen in (vessel, centerline, vessel):  # the list of centerlines offers surfaces, too
+        ui.centerlineSelector.setCurrentNode(chosen)
+        host.processUntil(lambda: not aPanel.lesions.isBusy)
+        assert ui.inputsCollapsibleButton.collapsed == (chosen is centerline)
+        assert ("expected a model of lines" in ui.lesionLabel.text) == (chosen is vessel)
+        ui.inputsCollapsibleButton.collapsed = False  # to choose another one
+
+
+def test_a_3d_view_that_a_layout_adds_tells_of_the_stent_as_the_others_do(host, aStent, aScene):
+    slicer.app.showMainWindow(True)
+    deploy(host, aStent)
+    layout = aScene.GetFirstNodeByClass("vtkMRMLLayoutNode")
+    layout.SetViewArrangement(layout.SlicerLayoutDual3DView)
+    manager = slicer.app.layoutManager()
+    corners = [manager.threeDWidget(n).threeDView().cornerAnnotation() for n in range(2)]
+    told = [corner.GetText(corner.UpperLeft) for corner in corners]
+    slicer.app.showMainWindow(False)
+    assert told == 2 * [aStent._state.atHand.text]
+    assert told[0]

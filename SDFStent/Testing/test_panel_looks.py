@@ -36,6 +36,7 @@ def test_all_that_the_loop_needs_is_seen_without_scrolling(host, aStent, thePict
 
 def test_a_closed_part_tells_what_is_set_in_it(host, aStent):
     ui = aStent.ui
+    host.processUntil(lambda: not aStent.lesions.isBusy)
     assert ui.inputsCollapsibleButton.collapsed
     assert ui.inputsCollapsibleButton.text == "Vessel: Artery, Artery centerline"
     assert ui.deviceCollapsibleButton.text == "Device"

@@ -104,20 +104,30 @@ class App:
 class LayoutManager:
     """What the layout manager does to the 3D views."""
 
-    threeDViewCount = 1
-
     def __init__(self, application):
-        self._application = application
-        corner, renderer = vtkCornerAnnotation(), application.view.renderer
-        renderer.AddViewProp(corner)
-        view = types.SimpleNamespace(cornerAnnotation=lambda: corner, scheduleRender=lambda: None)
-        self._widget = types.SimpleNamespace(threeDView=lambda: view)
+        self._application, self._widgets = application, [_threeDWidget()]
+        view = self._widgets[0].threeDView()
+        application.view.renderer.AddViewProp(view.cornerAnnotation())
 
-    def threeDWidget(self, _number):
-        return self._widget
+    @property
+    def threeDViewCount(self):
+        """As many as the layout has; a view is made when it is first shown, with nothing in its corners."""
+        layout = self._application.scene.GetFirstNodeByClass("vtkMRMLLayoutNode")
+        return 2 if layout.GetViewArrangement() == layout.SlicerLayoutDual3DView else 1
+
+    def threeDWidget(self, number):
+        while len(self._widgets) <= number:
+            self._widgets.append(_threeDWidget())
+        return self._widgets[number]
 
     def resetThreeDViews(self):
         self._application.view.renderer.ResetCamera()
+
+
+def _threeDWidget():
+    corner = vtkCornerAnnotation()
+    view = types.SimpleNamespace(cornerAnnotation=lambda: corner, scheduleRender=lambda: None)
+    return types.SimpleNamespace(threeDView=lambda: view)
 
 
 class SampleDataLogic:
