@@ -149,6 +149,7 @@ def aPlanWithAWave(aStent, tmp_path):
     aStent.logic.savePlan(path, aStent._parameterNode)
     document = json.loads(path.read_text(encoding="utf-8"))
     del document["flow"]["peak"]
+    document["flow"]["mean"] /= 2
     document["flow"]["wave"] = {"time": [0, 0.2, 0.5, 0.8], "flow": [10, 60, 15, 10]}
     path.write_text(json.dumps(document), encoding="utf-8")
     return path
