@@ -6,11 +6,11 @@ import re
 
 import numpy as np
 import pytest
-from deployment_cases import phantom
+from deployment_cases import anatomy_case, phantom
 from mesh_files import open_tube
 from scipy.spatial import KDTree
 
-from SDFStentLib.deformation import DeploymentSettings
+from SDFStentLib.deformation import DeploymentSettings, deploy
 from SDFStentLib.field import CapsuleChain
 from SDFStentLib.geometry import Surface
 from SDFStentLib.stent import AlongAxis, AtCenter, Stent
@@ -234,6 +234,16 @@ def test_points_stored_twice_in_the_wall_stay_together(parts):
     # nearest: 0.004 mm in the transition zone, far below the stated error of the steps.
     atol = 1e-9 if parts == "halves" else 0.01
     np.testing.assert_allclose(result.points, whole.points[source], rtol=0, atol=atol)
+
+
+def test_points_stored_twice_stay_together_without_what_comes_after_the_steps(data_dir):
+    case = anatomy_case(data_dir, "vmtk_aorta", 20.0, 25.0, radius=7.0)
+    corners = case.points[case.triangles].reshape(-1, 3)
+    triangles = np.arange(len(corners)).reshape(-1, 3)
+    settings = DeploymentSettings(certify=False, untangle=False, finish=False)
+    result = deploy(Surface(corners, triangles), settings.chain(case.axis), case.radius, settings)
+    assert len(result.state.indices)
+    assert seam_width(corners, result.points) == 0.0
 
 
 def test_a_point_that_no_triangle_uses_is_no_wall():
