@@ -193,8 +193,8 @@ def test_profiles_at_different_stations_are_refused():
 
 def test_what_cannot_be_written_is_refused_and_leaves_no_file(tmp_path):
     for write, report, name, words in (
-        (write_report, a_report(), "r.pdf", r"ends in \.json or \.html, got '\.pdf'"),
-        (write_report_figure, a_report(), "f.gif", r"ends in \.png or \.svg, got '\.gif'"),
+        (write_report, a_report(), "r.pdf", r"ends in \.json, \.html, \.htm, got '\.pdf'"),
+        (write_report_figure, a_report(), "f.gif", r"ends in \.png, \.svg, got '\.gif'"),
         (write_report_figure, a_report(stents=()), "f.png", "at least one stent, got none"),
     ):
         with pytest.raises(InputError, match=words):

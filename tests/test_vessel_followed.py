@@ -139,12 +139,12 @@ def test_a_stent_that_is_placed_in_a_branch_leads_into_it(tree):
         start, end = tree.arc_length[points[[0, -1]]]
         if end - start < 6:
             continue
-        way = tree.points[tree.ancestry(int(points[-1]))]
+        way = Line(tree.points[tree.ancestry(int(points[-1]))])
         place = _Place(way, float(start) + 0.5, float(start), None)
         placement = place.placement(10.0, tree)
         by_end += isinstance(placement, AtDistalEnd)
         _, distal = ends_of(tree, placement, 10.0 / 0.9)
-        wanted = tree.project(Line(way).at(start + 5.5))
+        wanted = tree.project(way.at(start + 5.5))
         # Lines of one lumen are so far apart.
         aside = np.nanmax([1.0, 0.6 * wanted.inscribed_radius])
         assert np.linalg.norm(distal - wanted.point) < aside
