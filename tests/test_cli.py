@@ -34,6 +34,7 @@ from SDFStentLib.files import (
     polydata_from_arrays,
     polydata_from_lines,
     read_surface,
+    set_face_names,
 )
 from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube
 from SDFStentLib.plan import StepFiles, load_plan, run_plan
@@ -313,6 +314,32 @@ def test_without_opengl_the_report_comes_and_a_picture_is_refused_at_once(
         assert "it said: no OpenGL here" in capsys.readouterr().err
         assert left_over(a_folder) == before
     assert deploy("--figure", "x.svg", out="other.vtp") == 0
+
+
+def test_an_axis_alone_tells_the_branches_that_the_stent_covers(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    made = branching_pulmonary_artery()
+    surface = polydata_from_arrays(
+        made.points, made.triangles, cell_arrays={"ModelFaceID": made.face_ids}
+    )
+    set_face_names(surface, made.faces.names)
+    for name, positions in (("across", (14, 30)), ("distal", (50, 58))):
+        points = made.axis_at(np.linspace(*positions, 30))
+        line = polydata_from_lines(points, [np.arange(30)])
+        Path(f"{name}.vtp").write_bytes(encode_vtp(line))
+    Path("artery.vtp").write_bytes(encode_vtp(surface))
+    for axis, words in (
+        ("across", "1 covered: right pulmonary artery (fully)"),
+        ("distal", "No side branch was found within 10 mm of the stent."),
+    ):
+        options = ["--diameter", "8", "--axis", f"{axis}.vtp", "--report", f"{axis}.json"]
+        main(["deploy", "artery.vtp", *options, "-o", "out.vtp"])
+        assert words in capsys.readouterr().out
+    report = json.loads(Path("across.json").read_text(encoding="utf-8"))
+    (branch,) = report["branches"]
+    assert (branch["name"], round(branch["percent_covered"])) == ("right pulmonary artery", 100)
+    assert branch["lumen_before_mm"] > 0
+    assert json.loads(Path("distal.json").read_text(encoding="utf-8"))["branches"] == []
 
 
 def test_the_demo_names_its_files_where_they_are_and_leaves_no_empty_picture(
