@@ -18,7 +18,6 @@ from ..plan import (
     PlanResult,
     StepFiles,
     as_read,
-    lesions_beside,
     load_plan,
     read_plan_inputs,
     save_plan,
@@ -165,13 +164,12 @@ class _Job:
             self.mesh = read_surface(self.options.device_mesh, inputs.surface.units)
             self.console.warn(self.mesh.warnings)
         treatment = treatment_of(self.plan, inputs)
-        with lesions_beside(inputs.vessel):
-            with self.console.progress("Deploying") as show:
-                for state in treatment:
-                    show(state.fraction, f"diameter {2 * state.deployment.radius:.1f} mm")
-                    if self.steps is not None:
-                        self.steps.take(inputs.surface, state)
-            self.result = PlanResult(self.plan, inputs, treatment.result)
+        with self.console.progress("Deploying") as show:
+            for state in treatment:
+                show(state.fraction, f"diameter {2 * state.deployment.radius:.1f} mm")
+                if self.steps is not None:
+                    self.steps.take(inputs.surface, state)
+        self.result = PlanResult(self.plan, inputs, treatment.result)
         self.write_start = perf_counter()
         lost = self.outputs.write()
         cautions = [*self.result.warnings, *self.result.size_warnings, *lost]

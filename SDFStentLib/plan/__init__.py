@@ -41,7 +41,6 @@ from .reader import load_plan as load_plan
 from .reader import plan_from_document as plan_from_document
 from .run import PlanResult as PlanResult
 from .run import as_read as as_read
-from .run import lesions_beside as lesions_beside
 from .run import run_plan as run_plan
 from .run import treatment_of as treatment_of
 from .schema import INPUTS as INPUTS

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from threading import Thread
 
 import numpy as np
 
@@ -25,7 +23,6 @@ from ..treatment import (
     Treatment,
     TreatmentResult,
     TreatmentState,
-    Vessel,
     label_of,
     residual_of,
     size_cautions,
@@ -137,28 +134,10 @@ def run_plan(
     check_is_a(plan, Plan, "plan")
     inputs = read_plan_inputs(plan, accept_changed_inputs=accept_changed_inputs)
     treatment = treatment_of(plan, inputs)
-    with lesions_beside(inputs.vessel):
-        for state in treatment:
-            if progress is not None:
-                progress(state)
-        return PlanResult(plan, inputs, treatment.result)
-
-
-@contextmanager
-def lesions_beside(vessel: Vessel) -> Iterator[None]:
-    """A vessel's lesions are looked for on a thread while it is treated: no stent takes part."""
-
-    def look() -> None:
-        # What is wrong is told where somebody asks for them.
-        with suppress(InputError):
-            _ = vessel.lesions
-
-    thread = Thread(target=look, name="lesions")
-    thread.start()
-    try:
-        yield
-    finally:
-        thread.join()
+    for state in treatment:
+        if progress is not None:
+            progress(state)
+    return PlanResult(plan, inputs, treatment.result)
 
 
 def treatment_of(plan: Plan, inputs: InputFiles) -> Treatment:
