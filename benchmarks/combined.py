@@ -23,7 +23,7 @@ from SDFStentLib import phantoms
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.deformation import Deployment, DeploymentSettings
 from SDFStentLib.files import read_centerline, read_surface
-from SDFStentLib.geometry import Line, Precision, Surface, frames, nearest_distances
+from SDFStentLib.geometry import Precision, Surface, frames, nearest_distances
 from SDFStentLib.stent import (
     AtCenter,
     AtDistalEnd,
@@ -183,7 +183,7 @@ def judged(seed: int, number: int) -> Row:
     faces = meshlab_faces(stored, before.triangles)
     if len(faces):
         faces = np.setdiff1d(faces, meshlab_faces(native, before.triangles))
-    nodes, narrowest = Line(drawn.axis.points).resampled(1.0).points, 1.0
+    nodes, narrowest = drawn.axis.line.resampled(1.0).points, 1.0
     if certificate.lumen:
         narrowest = sweep.narrowest(before, stored, nodes, _prescribed(drawn.axis, nodes, radius))
     told = {one.kind for part in (certificate, *certificate.lumen) for one in part.cautions()}
@@ -225,9 +225,10 @@ def _prescribed(axis: StentAxis, nodes: np.ndarray, radius: float) -> np.ndarray
     """
     if axis.profile is None:
         return np.full(len(nodes), radius)
-    fine = Line(axis.points).resampled(0.2).points
+    line = axis.line.resampled(0.2)
+    fine = line.points
     radii = axis.profile.at(np.linspace(0, 1, len(fine))) / 2
-    along, first, second = frames(Line(fine)).swapaxes(0, 1)
+    along, first, second = frames(line).swapaxes(0, 1)
     turn = np.linspace(0, 2 * np.pi, RAYS, endpoint=False)[:, None, None]
     round_axis = np.cos(turn) * first + np.sin(turn) * second
     rings = fine + radii[:, None] * round_axis

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from SDFStentLib.geometry import Line, Surface
+from SDFStentLib.geometry import Surface
 
 from .sweep import DATA_FOLDER, vessel
 
@@ -52,7 +52,7 @@ def anatomy_case(name: str, start: float, length: float, radius: float) -> Case:
     return Case(
         name,
         made.surface,
-        Line(path.points).cut(start, start + length).points,
+        path.line.cut(start, start + length).points,
         radius,
         path.points,
     )

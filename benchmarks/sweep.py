@@ -43,7 +43,7 @@ from SDFStentLib.files import (  # noqa: E402
     read_centerline,
     read_surface,
 )
-from SDFStentLib.geometry import Line, Precision, Surface  # noqa: E402
+from SDFStentLib.geometry import Precision, Surface  # noqa: E402
 from SDFStentLib.lumen import InscribedSpheres, inscribed_spheres, open_at_ends  # noqa: E402
 from SDFStentLib.stent import (  # noqa: E402
     AlongAxis,
@@ -195,7 +195,7 @@ def random_stent(
     path: CenterlinePath = line.path(line.points[line.roots[0]], line.points[leaf])
     length = min(rng.uniform(*LENGTH), path.length - 2 * END_CLEARANCE)
     start = rng.uniform(END_CLEARANCE, path.length - END_CLEARANCE - length)
-    at = Line(path.points).arc_lengths
+    at = path.line.arc_lengths
     covered = (at >= start) & (at <= start + length)
     ratio = rng.uniform(*ratios)
     straightening = 0.0
@@ -205,7 +205,7 @@ def random_stent(
         start = float(rng.choice([0.0, rng.uniform(0, path.length - length), path.length - length]))
         covered = (at >= start - 1e-6) & (at <= start + length + 1e-6)
     radius = ratio * float(np.nanmax(path.inscribed_radius[covered]))
-    axis = Line(path.points).cut(start, start + length).points
+    axis = path.line.cut(start, start + length).points
     if straightening:
         where = vessel(name, folder)
         stent = Stent(2 * radius, placement=AlongAxis(axis))

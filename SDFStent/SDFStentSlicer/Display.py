@@ -11,7 +11,6 @@ from vtkmodules.vtkCommonDataModel import vtkPolyData
 from vtkmodules.vtkFiltersCore import vtkAppendPolyData, vtkAssignAttribute, vtkTubeFilter
 
 from SDFStentLib.files import polydata_from_arrays, polydata_from_lines
-from SDFStentLib.geometry import Line
 from SDFStentLib.stent import design_of, laid_along, stent_lattice
 
 from . import Outputs
@@ -109,7 +108,7 @@ def showTubes(node, axes):
     """Put one open tube per (stent axis, largest radius) into a model node, in place."""
     appended = vtkAppendPolyData()
     for axis, radius in axes:
-        spine = Line(axis.points).resampled(TUBE_SPACING).points
+        spine = axis.line.resampled(TUBE_SPACING).points
         line = polydata_from_lines(spine, [np.arange(len(spine))])
         tube = vtkTubeFilter()
         if axis.profile is not None:
