@@ -8,6 +8,7 @@ from .caps import off_caps as off_caps
 from .closed_ends import OpenWall as OpenWall
 from .closed_ends import open_at_ends as open_at_ends
 from .closed_surface import Holes as Holes
+from .closed_surface import VesselInside as VesselInside
 from .closed_surface import closed_surface as closed_surface
 from .closed_surface import holes_of as holes_of
 from .cross_section import equivalent_diameters as equivalent_diameters

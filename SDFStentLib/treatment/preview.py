@@ -16,10 +16,9 @@ import numpy as np
 from ..centerline import Centerline
 from ..deformation import DeploymentSettings, Proxy, ProxyState
 from ..geometry import Surface
-from ..lumen import rough_radii
+from ..lumen import VesselInside, rough_radii
 from ..stent import Stent
 from ..validation import Indices, Points, as_number, read_only
-from .in_lumen import VesselInside
 from .straightening import AxisChange, axis_in_vessel
 from .surroundings import PROFILE_SPACING
 from .value import PlacedStent, label_of, labeled, resolved, switched_on

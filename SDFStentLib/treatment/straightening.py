@@ -18,10 +18,10 @@ from ..cautions import Caution
 from ..centerline import Centerline
 from ..deformation import DeploymentSettings
 from ..geometry import Line, Surface, smoothed_line
-from ..lumen import LocalSurface
+from ..lumen import LocalSurface, VesselInside
 from ..stent import Stent, StentAxis, moved_axis, stent_axis, straight_way, turned_way
 from ..validation import Floats, Points, as_place
-from .in_lumen import VesselInside
+from .in_lumen import check_in_lumen
 from .profile import with_profile
 
 KEPT = 0.5
@@ -71,7 +71,7 @@ def axis_in_vessel(
     lumen = vessel if isinstance(vessel, VesselInside) else VesselInside(vessel)
     axis = stent_axis(stent, centerline, lies_on=lies_on)
     if centerline is not None:
-        lumen.check(stent.placement, centerline)
+        check_in_lumen(lumen, stent.placement, centerline)
     # An earlier stent's has been moved already.
     if change.smoothing_length and lies_on is None:
         axis = _smoothed(axis, stent, lumen, change.smoothing_length)

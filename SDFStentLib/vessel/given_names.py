@@ -8,15 +8,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ..centerline import Centerline
-from ..geometry import NamedFaces, Surface, SurfaceIndex
-from ..lumen import closed_surface
-from ..validation import Floats, InputError, Place, Points, in_short
+from ..geometry import NamedFaces, Surface
+from ..lumen import VesselInside
+from ..validation import Floats, InputError, Place, in_short
 from .branch_lumen import tree_lumen
 from .branch_names import faces_at_ends
 from .runs import VesselRun, is_main, vessel_runs
-
-ON_WALL = 0.5
-"""A place so near to the wall is one on it, as a click on the surface gives, mm."""
 
 
 class VesselName(NamedTuple):
@@ -125,20 +122,12 @@ def _branch_at(place: Floats, label: str, surface: Surface, runs: Sequence[Vesse
     )
     inside = np.linalg.norm(points - place, axis=1) / (radius / 2)
     nearest = int(inside.argmin())
-    if inside[nearest] > 1 and (beyond := _beyond(place, surface)) > ON_WALL:
+    if inside[nearest] > 1 and (beyond := VesselInside(surface).beyond(place)):
         raise InputError(
             f"{label}: expected a place in a vessel, got {np.round(place, 2).tolist()} mm, which "
             f"is {beyond:.1f} mm outside of the wall; move it into the vessel that is meant."
         )
     return int(branch[nearest])
-
-
-def _beyond(place: Points, surface: Surface) -> float:
-    """How far outside of the wall a place (3,) is, mm; 0 inside."""
-    if closed_surface(surface).contains(place[None])[0]:
-        return 0.0
-    wall = SurfaceIndex(surface.points, surface.triangles)
-    return float(wall.distances(place[None]).distance[0])
 
 
 def _branch_to(
