@@ -114,12 +114,12 @@ def _stents(document: Section) -> Lines:
 
 
 def _device(stent: Section) -> str:
-    device = stent.get("device")
+    device = stent["device"]
     return "" if device is None else device_words(device)
 
 
 def _size(key: str, stent: Section) -> str:
-    value = stent.get(key)
+    value = stent[key]
     return "" if value is None else millimeters(value)
 
 
@@ -210,9 +210,9 @@ def _contact(document: Section, stent: Section) -> str:
 
 
 def _stretch(document: Section) -> Lines:
-    return () if document["changes"] is None else (stretch_words(document["changes"]),)
+    return (stretch_words(document["changes"]),)
 
 
 def _flow(document: Section) -> Lines:
-    section = document.get("flow")
+    section = document["flow"]
     return () if section is None else tuple(map(": ".join, flow_rows(section, stents_in(section))))

@@ -90,8 +90,7 @@ def free_stretches(found: Apposition | None) -> Iterator[dict[str, float]]:
 
 def stretches_of(document: Mapping[str, Any], stent: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     """Those of one of the stents of a report document."""
-    number = stent.get("number", document["stents"].index(stent) + 1)
-    return [one for one in document["apposition"] if one["stent"] == number]
+    return [one for one in document["apposition"] if one["stent"] == stent["number"]]
 
 
 def stretch_sentence(one: Mapping[str, Any]) -> str:

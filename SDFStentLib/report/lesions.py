@@ -200,7 +200,7 @@ def covered_words(lesions: Sequence[Section] | None) -> str:
         return COVERS_NONE
     return " ".join(
         f"Lesion {one['number']} against {one['reference']['words']}."
-        f"{left_note(one['after']['percent_diameter'], one.get('is_left_beyond', False))}"
+        f"{left_note(one['after']['percent_diameter'], one['is_left_beyond'])}"
         for one in lesions
     )
 

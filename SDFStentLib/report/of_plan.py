@@ -9,19 +9,21 @@ from typing import Any
 
 from ..cautions import Caution
 from ..plan import PlanResult
-from ..treatment import TreatedLesion, TreatedStent, prescribed_diameters
+from ..treatment import TreatedLesion, TreatedStent
 from ..units import MILLIMETERS
 from ..validation import check_is_a
 from ..version import VERSION
+from .branches import branch_section, free_stretches
 from .changes import change_section, settings_section
 from .devices import device_section
-from .diameters import StentResult
+from .diameters import stent_diameters
 from .flow import flow_section
 from .lesions import residual_section, treated_lesion_section
-from .report import Report
+from .report import DEFINITIONS, SCHEMA, SCHEMA_VERSION, Report
 from .sizing import diameters_section, redilation_section
 from .stents import shape_section, shortening_reason
 from .summary import today_section
+from .words import RESEARCH_USE
 
 
 def plan_report(
@@ -49,52 +51,50 @@ def plan_report(
         Something else than a result.
     """
     check_is_a(result, PlanResult, "result")
-    certificate, units = result.treatment.certificate, result.inputs.surface.units
+    treatment, units = result.treatment, result.inputs.surface.units
     judged = None
-    if certificate is not None:
-        judged = {**certificate.as_dict(), "arrays_kept": not lost}
-    return Report(
-        inputs=tuple(_inputs(result)),
-        stents=tuple(_stent_result(stent, result, units) for stent in result.treatment.stents),
-        certificate=judged,
-        lesions=None
-        if result.lesions is None
-        else tuple(treated_lesion_section(one, units) for one in result.lesions),
-        left=residual_section(result.residual),
-        flow=None if result.flow is None else flow_section(result.flow),
-        today=today_section(result.today),
-        warnings=tuple(
+    if treatment.certificate is not None:
+        judged = {**treatment.certificate.as_dict(), "arrays_kept": not lost}
+    stents = [_stent_section(stent, result.lesions, units) for stent in treatment.stents]
+    seconds = {"read": result.inputs.seconds, **treatment.timings, **(timings or {})}
+    sections = {
+        "schema": SCHEMA,
+        "schema_version": SCHEMA_VERSION,
+        "notice": RESEARCH_USE,
+        "sdfstent_version": VERSION,
+        "created": datetime.now(timezone.utc).isoformat(timespec="seconds"),
+        "inputs": _inputs(result),
+        "stents": stents,
+        "diameters": stents[0]["diameters"],
+        "lesions": result.lesions
+        and [treated_lesion_section(one, units) for one in result.lesions],
+        "today": today_section(result.today),
+        "left": residual_section(result.residual),
+        "flow": None if result.flow is None else flow_section(result.flow),
+        "certificate": judged,
+        "branches": [
+            {"stent": stent.number, **branch_section(branch, stent.neighbors, units)}
+            for stent in treatment.stents
+            for branch in stent.branches
+        ],
+        "apposition": [
+            {"stent": stent.number, **stretch}
+            for stent in treatment.stents
+            for stretch in free_stretches(stent.apposition)
+        ],
+        "warnings": [
             caution.sentence(units=units)
             for caution in (*result.warnings, *result.size_warnings, *lost)
-        ),
-        timings={"read": result.inputs.seconds, **result.treatment.timings, **(timings or {})},
-        settings=settings_section(result),
-        changes=change_section(result),
-        created=datetime.now(timezone.utc).isoformat(timespec="seconds"),
-        version=VERSION,
-        picture=picture,
-    )
+        ],
+        "settings": settings_section(result),
+        "changes": change_section(result),
+        "timings": {f"{name}_s": taken for name, taken in seconds.items()},
+        "definitions": DEFINITIONS,
+    }
+    return Report(sections, picture)
 
 
-def _stent_result(stent: TreatedStent, result: PlanResult, units: str) -> StentResult:
-    covered, lesions = None, result.lesions
-    if lesions is not None:
-        covered = [one for one in lesions if stent.number in one.stents]
-    return StentResult(
-        description=_description(stent, lesions, units),
-        before=stent.before,
-        after=stent.after,
-        prescribed_diameter=prescribed_diameters(stent.stent, stent.axis, stent.before.arc_length),
-        branches=stent.branches,
-        neighbors=stent.neighbors,
-        apposition=stent.apposition,
-        around_before=stent.around_before,
-        around_after=stent.around_after,
-        lesions=None if covered is None else tuple(one.number for one in covered),
-    )
-
-
-def _description(
+def _stent_section(
     stent: TreatedStent, lesions: Sequence[TreatedLesion] | None, units: str
 ) -> dict[str, Any]:
     chosen, axis = stent.stent, stent.axis
@@ -123,6 +123,8 @@ def _description(
             "min_bend_radius_mm": axis.minimum_bend_radius(chosen.radius),
         },
         "moved_points": stent.moved_points,
+        "lesions": lesions and [one.number for one in lesions if stent.number in one.stents],
+        "diameters": stent_diameters(stent),
     }
 
 

@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..files import atomic_path, check_suffix, write_bytes
 from ..lumen import REACH
-from ..validation import InputError, as_path, check_is_a
+from ..validation import as_path, check_is_a
 from ..vessel import SMALLEST_DEGREE
-from .branches import branch_section, free_stretches
-from .diameters import StentResult, stent_section
-from .words import RESEARCH_USE, document_json, plain
+from .words import document_json, plain
 
 SCHEMA = "sdfstent-report"
 SCHEMA_VERSION = 1
@@ -57,34 +54,11 @@ DEFINITIONS = {
 }
 
 
-@dataclass(frozen=True)
-class Report:
-    """Everything that is told about a run; `as_dict` gives the document."""
+class Report(NamedTuple):
+    """What is told of a plan that was carried out, as `plan_report` makes it."""
 
-    inputs: tuple[Mapping[str, Any], ...]
-    """Per file: file, sha256, points, triangles, units, frame."""
-    stents: tuple[StentResult, ...]
-    certificate: Any = None
-    """A mapping, or an object with `as_dict()`."""
-    lesions: tuple[Mapping[str, Any], ...] | None = None
-    """Of the vessel, by number; None when none were looked for."""
-    left: Mapping[str, Any] | None = None
-    """What is narrowest in the treated vessels; None where no stent covers a lesion."""
-    flow: Mapping[str, Any] | None = None
-    """Pressures and flows before and after; None where no flow is known."""
-    today: Mapping[str, Any] | None = None
-    """Before a stent is dilated again, where the plan does that later; None where it does not."""
-    warnings: tuple[str, ...] = ()
-    timings: Mapping[str, float] = field(default_factory=dict)
-    """Seconds by name; the document calls them `<name>_s`."""
-    settings: Mapping[str, Any] | None = None
-    """Parameters of the method, with units in the keys."""
-    changes: Mapping[str, Any] | None = None
-    """What became of the points and triangles of the surface."""
-    created: str = ""
-    """Date and time, ISO 8601."""
-    version: str = ""
-    """Of the program."""
+    sections: Mapping[str, Any]
+    """Of the document, by name."""
     picture: bytes | str | None = None
     """For the page: a PNG, or the sentence that says why there is none."""
 
@@ -96,41 +70,7 @@ class Report:
         InputError
             A value that has no place in JSON.
         """
-        stents = [stent_section(stent) for stent in self.stents]
-        document = {
-            "schema": SCHEMA,
-            "schema_version": SCHEMA_VERSION,
-            "notice": RESEARCH_USE,
-            "sdfstent_version": self.version,
-            "created": self.created,
-            "inputs": self.inputs,
-            "stents": stents,
-            "diameters": stents[0]["diameters"] if stents else None,
-            "lesions": self.lesions,
-            "today": self.today,
-            "left": self.left,
-            "flow": self.flow,
-            "certificate": self.certificate,
-            "branches": [
-                {
-                    "stent": stent.description.get("number", place),
-                    **branch_section(branch, stent.neighbors, stent.units),
-                }
-                for place, stent in enumerate(self.stents, start=1)
-                for branch in stent.branches
-            ],
-            "apposition": [
-                {"stent": stent.description.get("number", place), **stretch}
-                for place, stent in enumerate(self.stents, start=1)
-                for stretch in free_stretches(stent.apposition)
-            ],
-            "warnings": self.warnings,
-            "settings": self.settings,
-            "changes": self.changes,
-            "timings": {f"{name}_s": seconds for name, seconds in self.timings.items()},
-            "definitions": DEFINITIONS,
-        }
-        return {key: plain(value, key) for key, value in document.items()}
+        return {key: plain(value, key) for key, value in self.sections.items()}
 
 
 def write_report(report: Report, path: str | os.PathLike[str]) -> None:
@@ -161,13 +101,11 @@ def write_report_figure(report: Report, path: str | os.PathLike[str]) -> None:
     Raises
     ------
     InputError
-        The suffix is another, there is nothing to draw, or the file cannot be written.
+        The suffix is another, or the file cannot be written.
     DeploymentError
         A PNG is wanted and nothing here can render; the message names what to install.
     """
     check_suffix(path, "a figure", FIGURE_SUFFIXES)
-    if not report.stents:
-        raise InputError("figure: expected a report with at least one stent, got none.")
     from .picture.drawing import svg
     from .picture.painting import painted
     from .picture.plot import figure

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ..stent import Device, OfStent, Stent
@@ -231,28 +231,20 @@ def _reference(covered: Sequence[TreatedLesion]) -> float | None:
     return covered[0].before.reference_diameter if covered else None
 
 
-def balloon_rows(told: dict[str, Any]) -> list[tuple[str, str]]:
-    """Name and value of balloon, lumen and reference; takes them out of a stent's fields."""
-    rows = []
-    if "redilates" in told:
-        rows.append(("Redilation", f"of stent {told.pop('redilates')}"))
-    balloon, share = told.pop("balloon_diameter_mm", None), told.pop("recoil_fraction", None)
-    reason = told.pop("recoil_reason", None)
+def balloon_rows(stent: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Name and value of balloon, lumen and reference of a report's stent."""
+    balloon, digits = stent["balloon_diameter_mm"], 1
+    rows = [("Redilation", f"of stent {stent['redilates']}")] if "redilates" in stent else []
     if balloon is not None:
+        digits, recoil = 2, f"{100 * stent['recoil_fraction']:g} % of the balloon"
         rows.append((DIAMETERS["balloon_diameter_mm"], millimeters(balloon)))
-    if share is not None:
-        rows.append(("Recoil", f"{100 * share:g} % of the balloon: {reason}"))
-    if "lumen_diameter_mm" in told:
-        digits = 1 if balloon is None else 2
-        lumen = millimeters(told.pop("lumen_diameter_mm"), digits)
-        rows.append((DIAMETERS["lumen_diameter_mm"], lumen))
-    if "reference_diameter_mm" in told:
-        reference = told.pop("reference_diameter_mm")
-        if reference is not None:
-            rows.append((DIAMETERS["reference_diameter_mm"], millimeters(reference)))
+        rows.append(("Recoil", f"{recoil}: {stent['recoil_reason']}"))
+    for key, places in (("lumen_diameter_mm", digits), ("reference_diameter_mm", 2)):
+        if stent[key] is not None:
+            rows.append((DIAMETERS[key], millimeters(stent[key], places)))
     labels = {key: f"{TO_HEALTHY} {where}" for key, where in RATIOS.items()}
     for key, words in {**labels, "balloon_to_stenosis": "Balloon : stenosis"}.items():
-        ratio = told.pop(key, None)
+        ratio = stent.get(key)
         if ratio is not None:
             rows.append((words, number_text(ratio, 2)))
     return rows

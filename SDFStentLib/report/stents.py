@@ -10,15 +10,7 @@ from ..stent import OfStent, Stent
 from ..treatment import TreatedStent
 from .devices import section_device_rows
 from .sizing import balloon_rows
-from .words import (
-    UNKNOWN,
-    flat,
-    millimeters,
-    number_text,
-    plain_label,
-    plain_text,
-    point_words,
-)
+from .words import millimeters, number_text, plain_text, point_words
 
 _PLACEMENTS = {
     "AtCenter": "by its middle",
@@ -29,9 +21,6 @@ _PLACEMENTS = {
     "OfStent": "where the earlier one lies",
 }
 
-_TOLD_ELSEWHERE = ("number", "name", "diameters", "lesions", "dilated_again_as")
-"""Of a stent: in its heading, and in the tables before."""
-
 
 def stent_titles(stents: Sequence[Mapping[str, Any]]) -> list[str]:
     """Such as "Stent 1 of 2: main"; one stent alone has no number.
@@ -39,9 +28,8 @@ def stent_titles(stents: Sequence[Mapping[str, Any]]) -> list[str]:
     Stents of the plan that are switched off are not in a report: the numbers are then those of
     the plan, as in the warnings.
     """
-    places = range(1, len(stents) + 1)
-    numbers = [stent.get("number", place) for place, stent in zip(places, stents, strict=True)]
-    if numbers != list(places):
+    numbers = [stent["number"] for stent in stents]
+    if numbers != [*range(1, len(stents) + 1)]:
         titles = [f"Stent {number} of the plan" for number in numbers]
     elif len(stents) > 1:
         titles = [f"Stent {number} of {len(stents)}" for number in numbers]
@@ -54,27 +42,25 @@ def stent_titles(stents: Sequence[Mapping[str, Any]]) -> list[str]:
 
 
 def stent_words(stent: Mapping[str, Any]) -> str:
-    """Size and placement in one sentence; empty where neither is told."""
-    sizes = [stent.get("lumen_diameter_mm"), stent.get("deployed_length_mm")]
-    size = " x ".join(millimeters(value, 1) for value in sizes if value is not None)
-    size += _packed_words(stent)
-    way = str(stent.get("placement", ""))
-    said = [size and f"Stent of {size}", way and f"placed {_PLACEMENTS.get(way, way)}"]
-    if "dilated_again_as" in stent:
-        said.append(f"dilated again as stent {stent['dilated_again_as']}")
-    words = ", ".join(part for part in said if part)
-    return words and f"{words[0].upper()}{words[1:]}."
+    """Size and placement in one sentence."""
+    sizes = [millimeters(stent[f"{key}_mm"], 1) for key in ("lumen_diameter", "deployed_length")]
+    words = f"Stent of {' x '.join(sizes)}{_packed_words(stent)}, placed {_placed(stent)}"
+    again = stent.get("dilated_again_as")
+    return f"{words}, dilated again as stent {again}." if again else f"{words}."
+
+
+def _placed(stent: Mapping[str, Any]) -> str:
+    return _PLACEMENTS[stent["placement"]]
 
 
 def _packed_words(stent: Mapping[str, Any]) -> str:
     """How long it was before it shortened, and why it did; empty where it did not."""
-    share, nominal = stent.get("foreshortening_fraction"), stent.get("nominal_length_mm")
-    if not share or nominal is None:
+    share = stent["foreshortening_fraction"]
+    if not share:
         return ""
-    reason = stent.get("foreshortening_reason")
     change = f"{number_text(100 * abs(share), 0)} % {'shorter' if share > 0 else 'longer'}"
-    said = f" (packed {millimeters(nominal, 1)}, {change} once expanded"
-    return f"{said}: {reason})" if reason else f"{said})"
+    packed = millimeters(stent["nominal_length_mm"], 1)
+    return f" (packed {packed}, {change} once expanded: {stent['foreshortening_reason']})"
 
 
 def stent_rows(stent: Mapping[str, Any], surface: Mapping[str, Any]) -> list[tuple[str, str]]:
@@ -82,64 +68,42 @@ def stent_rows(stent: Mapping[str, Any], surface: Mapping[str, Any]) -> list[tup
 
     Points are in the frame and the unit of the surface's file, an entry of the inputs.
     """
-    told = {key: value for key, value in stent.items() if key not in _TOLD_ELSEWHERE}
-    axis = dict(told.pop("axis", {}))
-    rows = [*section_device_rows(told.pop("device", None)), *balloon_rows(told)]
-    rows += shape_rows(told.pop("shape", None))
-    for key, words in (
-        ("nominal_length_mm", "Nominal length"),
-        ("deployed_length_mm", "Deployed length along the axis"),
-    ):
-        if key in told:
-            rows.append((words, millimeters(told.pop(key), 1)))
-    if "foreshortening_fraction" in told:
-        share, reason = told.pop("foreshortening_fraction"), told.pop("foreshortening_reason", None)
-        text = UNKNOWN if share is None else f"{number_text(100 * share, 0)} % of nominal length"
-        text += f", {reason}" if reason else ""
-        rows.append(("Foreshortening on expansion", text))
-    if "placement" in told:
-        name = str(told.pop("placement"))
-        rows.append(("Placed", _PLACEMENTS.get(name, name)))
-    moved = told.pop("moved_points", None)
-    rows += _axis_rows(axis, stent, surface)
-    if moved is not None:
-        rows.append(("Surface points that it moved", plain_text("", moved)))
-    return rows + [(plain_label(key), plain_text(key, value)) for key, value in flat(told)]
+    reason = stent["foreshortening_reason"]
+    share = f"{number_text(100 * stent['foreshortening_fraction'], 0)} % of nominal length"
+    return [
+        *section_device_rows(stent["device"]),
+        *balloon_rows(stent),
+        *shape_rows(stent["shape"]),
+        ("Nominal length", millimeters(stent["nominal_length_mm"], 1)),
+        ("Deployed length along the axis", millimeters(stent["deployed_length_mm"], 1)),
+        ("Foreshortening on expansion", f"{share}, {reason}" if reason else share),
+        ("Placed", _placed(stent)),
+        *_axis_rows(stent, surface),
+        ("Surface points that it moved", plain_text("", stent["moved_points"])),
+    ]
 
 
-def _axis_rows(
-    axis: dict[str, Any], stent: Mapping[str, Any], surface: Mapping[str, Any]
-) -> list[tuple[str, str]]:
-    rows = []
-    axis = {key: value for key, value in axis.items() if key not in ("start", "end", "units")}
-    units, frame = surface.get("units", "mm"), surface.get("frame")
+def _axis_rows(stent: Mapping[str, Any], surface: Mapping[str, Any]) -> list[tuple[str, str]]:
+    axis, frame = stent["axis"], surface["frame"]
     where = f"x, y, z{f', {frame}' if frame else ''}"
-    for key, words in (("start_mm", "Proximal end"), ("end_mm", "Distal end")):
-        if key in axis:
-            rows.append((f"{words} ({where})", point_words(axis.pop(key), units)))
-    length = axis.pop("length_mm", None)
-    if length is not None and length != stent.get("deployed_length_mm"):
-        rows.append(("Length of its axis", millimeters(length, 1)))
-    if "chord_mm" in axis:
-        rows.append(("Straight distance of its ends", millimeters(axis.pop("chord_mm"), 1)))
-    if "min_bend_radius_mm" in axis:
-        radius = axis.pop("min_bend_radius_mm")
-        rows.append(("Tightest bend of its axis", _bend_text(radius, length, stent)))
-    return rows + [(plain_label(key), plain_text(key, value)) for key, value in flat(axis)]
+    ends = (("start_mm", "Proximal end"), ("end_mm", "Distal end"))
+    return [
+        *((f"{words} ({where})", point_words(axis[key], axis["units"])) for key, words in ends),
+        ("Straight distance of its ends", millimeters(axis["chord_mm"], 1)),
+        ("Tightest bend of its axis", _bend_text(stent)),
+    ]
 
 
-def _bend_text(radius: float | None, length: float | None, stent: Mapping[str, Any]) -> str:
+def _bend_text(stent: Mapping[str, Any]) -> str:
     """The radius, and over which length of the axis it was found: it depends on that."""
+    radius, diameter = stent["axis"]["min_bend_radius_mm"], stent["lumen_diameter_mm"]
     if radius is None:
         return "none, the axis is straight"
-    text = f"radius {millimeters(radius, 1)}"
-    diameter = stent.get("lumen_diameter_mm")
-    if diameter is None:
-        return text
-    window = diameter / 2 if length is None else min(diameter, length) / 2
+    window = min(diameter, stent["axis"]["length_mm"]) / 2
     return (
-        f"{text}, of the circle through three points of the axis that are {millimeters(window, 1)} "
-        f"apart ({'the stent radius' if window == diameter / 2 else 'half of its length'})"
+        f"radius {millimeters(radius, 1)}, of the circle through three points of the axis that are "
+        f"{millimeters(window, 1)} apart "
+        f"({'the stent radius' if window == diameter / 2 else 'half of its length'})"
     )
 
 

@@ -47,8 +47,7 @@ def deployment_summary(result: PlanResult) -> Summary:
     certificate = result.treatment.certificate
     if certificate is not None:
         lines.append(certificate.sentence())
-    words = _of_each(stents, _deployed)
-    return Summary(f"Deployed: {words}." if stents else "Nothing was deployed.", lines)
+    return Summary(f"Deployed: {_of_each(stents, _deployed)}.", lines)
 
 
 def deployment_sentences(result: PlanResult) -> Iterator[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, is_dataclass
 from typing import Any
 
@@ -62,13 +62,14 @@ def plain(value: Any, name: str = "document") -> Any:
 def input_rows(entry: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Name and value of everything about an input file but its role."""
     rows = []
-    for key, value in flat({key: value for key, value in entry.items() if key != "role"}):
-        text = plain_text(key, value)
-        if key == "root_mm" and value is not None:
-            text = point_words(value, entry.get("units", "mm"))
-        if key == "frame" and value is None:
-            text = "not said by the file"
-        rows.append((_INPUT_WORDS.get(key, plain_label(key)), text))
+    for key, words in _INPUT_WORDS.items():
+        if key in entry:
+            text = plain_text(key, entry[key])
+            if key == "root_mm" and entry[key] is not None:
+                text = point_words(entry[key], entry["units"])
+            if key == "frame" and entry[key] is None:
+                text = "not said by the file"
+            rows.append((words, text))
     return rows
 
 
@@ -146,12 +147,3 @@ def point_words(position_mm: Sequence[float | None], units: str) -> str:
     stored = (None if value is None else value / factor for value in position_mm)
     filed = ", ".join(number_text(value, digits) for value in stored)
     return f"{text}; in the file {filed} {units}"
-
-
-def flat(values: Mapping[str, Any], prefix: str = "") -> Iterable[tuple[str, Any]]:
-    """Keys and values of nested mappings, keys joined by spaces."""
-    for key, value in values.items():
-        if isinstance(value, Mapping):
-            yield from flat(value, f"{prefix}{key} ")
-        else:
-            yield f"{prefix}{key}", value
