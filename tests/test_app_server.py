@@ -56,6 +56,22 @@ def a_server(tmp_path):
     server.close()
 
 
+@pytest.fixture(scope="module")
+def the_server(tmp_path_factory):
+    """One that no test ends."""
+    server = AppServer(tmp_path_factory.mktemp("workshop"), "--demo", "--keep", "0.2")
+    yield server
+    assert server.interrupt() == ""
+
+
+def page_of(server):
+    """A page of one's own, its process and where it is."""
+    known = server.pages()
+    address = get(server.address)[2]
+    (page,) = (one for one in server.pages() if one not in known)
+    return page, address
+
+
 def test_only_who_knows_the_token_is_answered_and_ctrl_c_leaves_nothing(a_server):
     assert a_server.origin.startswith("http://127.0.0.1:")
     for path in ("", "/", "/index.html", "/x/", f"/{a_server.token[:-1]}/", "/../", "/%2e%2e/"):
@@ -92,27 +108,26 @@ def answers(server, *lines):
         return wire.recv(4096).decode(errors="replace")
 
 
-def test_who_does_not_speak_http_is_answered_and_nobody_else_hears_of_it(a_server):
+def test_who_does_not_speak_http_is_answered_and_nobody_else_hears_of_it(the_server):
     for line in ("GARBAGE", "GET / HTTP/9.9", f"GET /{'a' * 100_000} HTTP/1.1", "\x16\x03\x01"):
-        assert " 400 " in answers(a_server, line).splitlines()[0]
-    assert " 400 " in answers(a_server, "POST / HTTP/1.1", "Host: x", "Content-Length: -5")
-    assert a_server.interrupt() == ""
+        assert " 400 " in answers(the_server, line).splitlines()[0]
+    assert " 400 " in answers(the_server, "POST / HTTP/1.1", "Host: x", "Content-Length: -5")
 
 
-def test_a_page_takes_no_messages_for_another_site(a_server):
-    _, _, address = get(a_server.address)
+def test_a_page_takes_no_messages_for_another_site(the_server):
+    _, address = page_of(the_server)
     path = "/" + address.partition("://")[2].partition("/")[2].replace("index.html", "ws")
-    host = a_server.origin.removeprefix("http://")
+    host = the_server.origin.removeprefix("http://")
     asks = [
         f"GET {path} HTTP/1.1", f"Host: {host}", "Upgrade: websocket", "Connection: Upgrade",
         "Sec-WebSocket-Version: 13", "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==",
     ]  # fmt: skip
     for origin in ("http://elsewhere.org", "null", f"http://{host}.org", "http://localhost:1"):
-        said = answers(a_server, *asks, f"Origin: {origin}")
+        said = answers(the_server, *asks, f"Origin: {origin}")
         assert " 403 " in said.splitlines()[0], origin
         assert "Another site has asked for this page." in said
     for own in ([], [f"Origin: http://{host}"], [f"Origin: https://{host}"]):
-        assert " 101 " in answers(a_server, *asks, *own).splitlines()[0]
+        assert " 101 " in answers(the_server, *asks, *own).splitlines()[0]
 
 
 async def told_too_much(address, frame):
@@ -133,9 +148,9 @@ def chunk(content, length=None):
     return struct.pack("<III", 7, 0, len(content) if length is None else length) + content
 
 
-def test_nobody_makes_a_page_take_memory_and_two_windows_do_not_share_a_picture(a_server):
-    address = get(a_server.address)[2].replace("http", "ws", 1).replace("index.html", "ws")
-    (page,) = a_server.pages()
+def test_nobody_makes_a_page_take_memory_and_two_windows_do_not_share_a_picture(the_server):
+    page, address = page_of(the_server)
+    address = address.replace("http", "ws", 1).replace("index.html", "ws")
     before = page.memory_info().rss
     closed = (aiohttp.WSMsgType.CLOSE, aiohttp.WSMsgType.CLOSE, False)
     for frame in (chunk(b"x", 1_500_000_000), b"", b"abc", chunk(b"more than it says", 3)):
@@ -151,14 +166,13 @@ def test_messages_are_bounded_together():
     assert all(chunks.are_bounded(chunk(b"x" * 50)) for _message in range(100))
 
 
-def test_another_process_is_ready_for_the_next_page(a_server):
-    get(a_server.address)
+def test_another_process_is_ready_for_the_next_page(the_server):
+    page_of(the_server)
     spare, deadline = [], time.monotonic() + PATIENCE
     while len(spare) < 1 and time.monotonic() < deadline:
-        children = psutil.Process(a_server.process.pid).children()
-        spare = [child for child in children if child not in a_server.pages()]
-    get(a_server.address)
-    assert spare[0] in a_server.pages()
+        children = psutil.Process(the_server.process.pid).children()
+        spare = [child for child in children if child not in the_server.pages()]
+    assert page_of(the_server)[0] == spare[0]
 
 
 def test_a_page_that_has_failed_is_another_one_at_once_when_it_is_loaded_again(a_server):

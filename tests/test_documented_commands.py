@@ -227,7 +227,7 @@ OTHERWISE = {
 """Commands that cannot just be run everywhere, why, and how they are run instead."""
 
 
-ALIKE = ("run", "centerline")
+ALIKE = ("run", "centerline", "demo")
 """Of these commands the place of the outputs is written last, and read by no other command."""
 
 

@@ -10,7 +10,6 @@ from scipy.spatial import cKDTree
 from tube_files import write_tube
 
 from SDFStentLib.files import (
-    check_vmtk,
     extract_lines,
     read_centerline,
     read_lines,
@@ -166,32 +165,29 @@ def test_a_vmtk_that_ends_its_process_costs_a_sentence(tmp_path, tube, body):
 
 
 @pytest.mark.skipif(HAS_VMTK, reason="VMTK is installed")
-def test_without_vmtk_the_sentence_says_how_to_install_it(tmp_path):
-    with pytest.raises(InputError, match="pip install"):
-        check_vmtk()
-    run = command("centerline", tmp_path / "none.vtp", "-o", tmp_path / "lines.vtp")
+def test_without_vmtk_the_sentence_says_how_to_install_it(tmp_path, shell):
+    run = shell("centerline", "none.vtp", "-o", "lines.vtp", folder=tmp_path)
     assert run.returncode == 2
     assert 'pip install "vmtk>=1.5"' in run.stderr
 
 
-@pytest.mark.parametrize("option", ["--inlet", "--outlet"])
-def test_an_end_that_is_not_finite_is_a_sentence(tmp_path, tube, option):
-    out = tmp_path / "lines.vtp"
-    run = command(
-        "centerline", tube, "-o", out, option, "nan", "0", "0",
-        **pretended_vmtk(tmp_path, ""),
-    )  # fmt: skip
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        (["-o", "lines.vtp", "--inlet", "nan", "0", "0"], "--inlet: expected three finite numbers"),
+        (["-o", "lines.vtp", "--outlet", "nan", "0", "0"], "--outlet: expected three finite num"),
+        *(
+            (["-o", f"lines{end}"], "one of .vtp, .vtk to write")
+            for end in (".mrk.json", ".stl", "")
+        ),
+    ],
+)
+def test_what_no_line_can_be_extracted_with_is_a_sentence(
+    tmp_path, tube, shell, monkeypatch, more, words
+):
+    pretended_vmtk(tmp_path, "")
+    monkeypatch.syspath_prepend(tmp_path)
+    run = shell("centerline", tube, *more, folder=tmp_path)
     assert run.returncode == 2
-    assert run.stderr == (
-        f"sdfstent centerline: {option}: expected three finite numbers, got nan; correct it.\n"
-    )
-
-
-@pytest.mark.parametrize("name", ["lines.mrk.json", "lines.stl", "lines"])
-def test_lines_go_into_vtp_or_vtk(tmp_path, name):
-    run = command(
-        "centerline", tmp_path / "none.vtp", "-o", tmp_path / name,
-        **pretended_vmtk(tmp_path, ""),
-    )  # fmt: skip
-    assert run.returncode == 2
-    assert "expected one of .vtp, .vtk to write a centerline" in run.stderr
+    assert words in run.stderr
+    assert run.stderr.count("\n") == 1

@@ -13,7 +13,7 @@ from multiprocessing import active_children
 from pathlib import Path
 
 import pytest
-from child_processes import COMMAND, PATIENCE, PROJECT, begun, installed, python
+from child_processes import COMMAND, PATIENCE, PROJECT, begun, python
 from cohort_cases import (
     bytes_of,
     hold_at,
@@ -412,13 +412,15 @@ def test_files_that_cannot_be_written_stop_the_sweep_where_no_disk_can_be_mounte
     assert not whole_cases(there)
 
 
-def test_a_second_sweep_into_the_same_folder_is_refused_while_the_first_one_runs(there, wanted):
+def test_a_second_sweep_into_the_same_folder_is_refused_while_the_first_one_runs(
+    there, wanted, shell
+):
     first = started(there, "--workers", "1", environment=hold_at(there, 1))
     wait_for(lambda: whole_cases(there))
-    code, _, error = ended(started(there, "--workers", "1"))
-    assert code == 2
-    assert "expected a folder where no sweep is running, another one is" in error
-    assert installed("sweep", "--status", "out", folder=there).stdout.startswith("Running: ")
+    second = shell("sweep", "sweep.json", "-o", "out", "--workers", "1", folder=there)
+    assert second.returncode == 2
+    assert "expected a folder where no sweep is running, another one is" in second.stderr
+    assert shell("sweep", "--status", "out", folder=there).stdout.startswith("Running: ")
     let_go(there)
     code, _, error = ended(first)
     assert (code, error) == (0, "")
