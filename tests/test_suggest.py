@@ -13,11 +13,10 @@ import numpy as np
 import pytest
 from deployment_cases import ANATOMIES, anatomy
 from test_devices import ROW, a_device, a_table
-from test_report import a_lesion
 
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.cli import main
-from SDFStentLib.geometry import Line
+from SDFStentLib.geometry import Line, Surface
 from SDFStentLib.lumen import DiameterProfile
 from SDFStentLib.phantoms import stenosed_tube
 from SDFStentLib.plan import load_plan, run_plan
@@ -28,7 +27,7 @@ from SDFStentLib.treatment.placing import uncovered_length
 from SDFStentLib.treatment.ratios import size_ratios
 from SDFStentLib.treatment.widths import beside_lesion, healthy_vessel
 from SDFStentLib.validation import InputError
-from SDFStentLib.vessel import HealthyPlace
+from SDFStentLib.vessel import HealthyPlace, Lesion
 
 SUGGEST = ["suggest", "tube.vtp", "--units", "cm", "--centerline", "line.vtp"]
 
@@ -40,8 +39,25 @@ def a_lesion_of(proximal, distal, minimum=4.0):
         for diameter in (proximal, distal)
     )
     known = [one.diameter for one in (proximal, distal) if one]
-    healthy = np.array([known[0], known[-1]])
-    return replace(a_lesion(minimum), proximal=proximal, distal=distal, healthy=healthy)
+    return Lesion(
+        branch=0,
+        branch_name="branch 1",
+        branch_arc_length=10.0,
+        arc_length=10.0,
+        start=5.0,
+        end=15.0,
+        point=(1.0, 2.0, 10.0),
+        minimum_diameter=minimum,
+        reference_diameter=8.0,
+        percent_diameter=100 * (1 - minimum / 8),
+        proximal=proximal,
+        distal=distal,
+        reference="healthy vessel proximal of it (8.0 mm)",
+        line=Line([[0.0, 0.0, 5.0], [0.0, 0.0, 15.0]]),
+        healthy=np.array([known[0], known[-1]]),
+        diameters=np.array([math.nan, math.nan]),
+        surface=Surface([[0, 0, -9], [1, 0, -9], [0, 1, -9]], [[0, 1, 2]]),
+    )
 
 
 @pytest.fixture(scope="module")
