@@ -35,7 +35,7 @@ SUGGEST = ["suggest", "tube.vtp", "--units", "cm", "--centerline", "line.vtp"]
 def a_lesion_of(proximal, distal, minimum=4.0):
     """With healthy vessel of these diameters on its sides, None for an unknown one."""
     proximal, distal = (
-        None if diameter is None else HealthyPlace((0.0, 0.0, 0.0), 0.0, diameter, math.nan)
+        None if diameter is None else HealthyPlace((0.0, 0.0, 0.0), 0.0, diameter, lambda: math.nan)
         for diameter in (proximal, distal)
     )
     known = [one.diameter for one in (proximal, distal) if one]

@@ -220,10 +220,10 @@ def _cuts(points: Points, triangles: Triangles, centers: Points, normals: Points
     is_above = heights >= 0
     # A bit for each station: eight are compared at once.
     above = np.packbits(is_above, axis=0)
-    one, other, third = (above[:, corner] for corner in triangles.T)
+    one, other, third = (above.take(corner, axis=1) for corner in triangles.T)
     is_cut = (one ^ other) | (other ^ third)
     cut = np.flatnonzero(is_cut.any(axis=0))
-    station, row = np.nonzero(np.unpackbits(is_cut[:, cut], axis=0, count=len(centers)))
+    station, row = np.nonzero(np.unpackbits(is_cut.take(cut, axis=1), axis=0, count=len(centers)))
     rows = triangles.take(cut.take(row), axis=0)
     # Every cut triangle has one side that goes down through its plane and one that goes up.
     bits = is_above[station[:, None], rows]

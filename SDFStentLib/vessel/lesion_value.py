@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -23,8 +23,13 @@ class HealthyPlace:
     """From the root, mm."""
     diameter: float
     """Inscribed, mm."""
-    area: float
-    """Of the cross-section, mm^2; NaN where no closed one lies round the place."""
+    cut: Callable[[], float] = field(repr=False)
+    """Tells its area when somebody asks for it."""
+
+    @property
+    def area(self) -> float:
+        """Of the cross-section, mm^2; NaN where no closed one lies round the place."""
+        return self.cut()
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cached_property, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -79,11 +80,10 @@ def find_lesions(
     found = _found(runs, asked)
     faces = checked_faces(faces, len(surface.triangles))
     named = named_branches(surface, centerline, faces, given)
-    areas = _healthy_areas(surface, found)
     main = [is_main(run, runs) for run in runs]
     starts = centerline.arc_length[[branch[0] for branch in centerline.branches]]
     lesions = []
-    for one, healthy in zip(found, areas, strict=True):
+    for one, healthy in zip(found, _healthy_places(surface, found), strict=True):
         otherwise = vessel_name(one.run, main[one.vessel])
         names = [name or otherwise for name in named]
         lesions.append(_begun(one, healthy, names, starts, surface))
@@ -289,27 +289,52 @@ def _begun(
     )
 
 
-def _healthy_areas(
+def _healthy_places(
     surface: Surface, found: Sequence[_Found]
 ) -> list[tuple[HealthyPlace | None, HealthyPlace | None]]:
     """The healthy places of all narrowings, with areas where sections are those of their vessel."""
     asked = [(one.run, side) for one in found for side in one.sides if side is not None]
-    if not asked:
-        return [(None, None)] * len(found)
-    stations = [_along_plateau(run, side) for run, side in asked]
-    cut = equivalent_diameters(
-        surface.points,
-        surface.triangles,
-        np.concatenate([line for line, _, _ in stations]),
-        np.concatenate([ways for _, ways, _ in stations]),
-    ).reshape(len(asked), _SECTIONS)
-    columns = zip(asked, cut, stations, strict=True)
-    places = iter([_healthy(*one, widths, inscribed) for one, widths, (_, _, inscribed) in columns])
+    sections = _HealthySections(surface, asked)
+    places = (
+        HealthyPlace(
+            as_place(_at(run, side.arc_length)),
+            side.arc_length,
+            side.diameter,
+            partial(sections.area, number),
+        )
+        for number, (run, side) in enumerate(asked)
+    )
 
     def next_of(side: Plateau | None) -> HealthyPlace | None:
         return None if side is None else next(places)
 
     return [(next_of(one.sides[0]), next_of(one.sides[1])) for one in found]
+
+
+class _HealthySections:
+    """Sections along some healthy vessels, all cut together when an area is first asked for."""
+
+    def __init__(self, surface: Surface, asked: Sequence[tuple[VesselRun, Plateau]]) -> None:
+        self._surface, self._asked = surface, asked
+
+    def area(self, number: int) -> float:
+        """Of the least oblong section of one of them, where it is as wide as the plateau, mm^2."""
+        return self._areas[number]
+
+    @cached_property
+    def _areas(self) -> list[float]:
+        stations = [_along_plateau(run, side) for run, side in self._asked]
+        lines, ways = (np.concatenate([one[k] for one in stations]) for k in (0, 1))
+        cut = equivalent_diameters(self._surface.points, self._surface.triangles, lines, ways)
+        areas = []
+        for (_, side), sections, one in zip(
+            self._asked, cut.reshape(-1, _SECTIONS), stations, strict=True
+        ):
+            own = sections <= OWN_SECTION * side.diameter
+            oblong = float((sections[own] / one[2][own]).min(initial=np.inf))
+            area = np.pi / 4 * (oblong * side.diameter) ** 2
+            areas.append(area if own.any() else float("nan"))
+        return areas
 
 
 def _along_plateau(run: VesselRun, side: Plateau) -> tuple[Points, Points, Floats]:
@@ -323,14 +348,6 @@ def _along_plateau(run: VesselRun, side: Plateau) -> tuple[Points, Points, Float
     )
     known = np.isfinite(run.diameter)
     return line, ways, np.interp(at, run.along[known], run.diameter[known])
-
-
-def _healthy(run: VesselRun, side: Plateau, sections: Floats, inscribed: Floats) -> HealthyPlace:
-    """With the area that its least oblong section has where it is as wide as the plateau."""
-    own = sections <= OWN_SECTION * side.diameter
-    oblong = float((sections[own] / inscribed[own]).min(initial=np.inf))
-    area = np.pi / 4 * (oblong * side.diameter) ** 2 if own.any() else float("nan")
-    return HealthyPlace(as_place(_at(run, side.arc_length)), side.arc_length, side.diameter, area)
 
 
 def _at(run: VesselRun, along: float) -> Floats:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -108,7 +109,7 @@ def _marked(
             "from the centerline; mark one in the lumen."
         )
     section = equivalent_diameters(surface.points, surface.triangles, station, direction)
-    area = float(np.pi / 4 * section[0] ** 2)
+    area = partial(float, np.pi / 4 * section[0] ** 2)
     return HealthyPlace(as_place(location.point), location.arc_length, 2 * radius, area)
 
 
