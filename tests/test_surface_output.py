@@ -63,6 +63,12 @@ def array_bits(polydata, skipped=()):
     return found
 
 
+def moved(surface):
+    points = surface.points.copy()
+    points[MOVED] += 1
+    return points
+
+
 def coordinates(polydata):
     return vtk_to_numpy(polydata.GetPoints().GetData())
 
@@ -72,7 +78,7 @@ def coordinates(polydata):
 def test_everything_but_the_moved_points_is_kept_bit_by_bit(tmp_path, kind, suffix):
     surface = rich_surface(tmp_path, kind)
     path = tmp_path / f"Größe neu.{suffix}"
-    assert write_surface(path, surface, MOVED, surface.points[MOVED] + 1) == ()
+    assert write_surface(path, surface, moved(surface)) == ()
     again = read_surface(path, "cm")
     before, after = surface.polydata(), again.polydata()
     kept = np.setdiff1d(np.arange(len(surface.points)), MOVED)
@@ -92,18 +98,16 @@ def test_everything_but_the_moved_points_is_kept_bit_by_bit(tmp_path, kind, suff
 def test_plain_formats_keep_the_mesh_and_the_tag_and_name_what_they_lose(tmp_path, suffix):
     surface = rich_surface(tmp_path)
     path = tmp_path / f"a b.{suffix}"
-    (said,) = write_surface(path, surface, MOVED, surface.points[MOVED] + 1)
+    (said,) = write_surface(path, surface, moved(surface))
     assert f".{suffix} cannot keep the arrays" in str(said)
     assert "name" in str(said)
     assert "patient" in str(said)
     assert "SPACE" not in str(said)
     assert ("Pressure" in str(said)) == (suffix != "ply")
     again = read_surface(path, "cm")
-    new = surface.points.copy()
-    new[MOVED] += 1
     corners = again.points[again.triangles]
     # One rounding to single precision of numbers up to 4 cm.
-    assert np.abs(corners - new[surface.triangles]).max() < 10 * 4 * 2**-24
+    assert np.abs(corners - moved(surface)[surface.triangles]).max() < 10 * 4 * 2**-24
     assert len(again.points) == len(surface.points)
     assert again.frame == "LPS"
 
@@ -111,11 +115,12 @@ def test_plain_formats_keep_the_mesh_and_the_tag_and_name_what_they_lose(tmp_pat
 @pytest.mark.parametrize("suffix", ["vtp", "vtk", "stl", "ply", "obj"])
 def test_writing_what_was_read_from_a_format_changes_nothing(tmp_path, suffix):
     first, second, third = (tmp_path / f"{number}.{suffix}" for number in range(3))
-    write_surface(first, rich_surface(tmp_path), [], np.zeros((0, 3)))
+    surface = rich_surface(tmp_path)
+    write_surface(first, surface, surface.points)
     one = read_surface(first, "cm")
-    write_surface(second, one, [], np.zeros((0, 3)))
+    write_surface(second, one, one.points)
     two = read_surface(second, "cm")
-    write_surface(third, two, [], np.zeros((0, 3)))
+    write_surface(third, two, two.points)
     assert two.points.tobytes() == one.points.tobytes()
     assert np.array_equal(two.triangles, one.triangles)
     assert second.read_bytes() == third.read_bytes()
@@ -125,7 +130,7 @@ def test_a_file_without_a_tag_is_written_without(tmp_path):
     surface = rich_surface(tmp_path, frame=None)
     for suffix in ("vtp", "vtk", "stl", "ply", "obj"):
         path = tmp_path / f"a.{suffix}"
-        write_surface(path, surface, [], [])
+        write_surface(path, surface, surface.points)
         assert b"SPACE" not in path.read_bytes()
         assert read_surface(path, "cm").frame is None
 
@@ -135,29 +140,26 @@ def test_more_arrays_can_be_written(tmp_path):
     stretch = np.linspace(1, 2, len(surface.triangles))
     displacement = np.ones_like(surface.points)
     path = tmp_path / "b.vtp"
-    write_surface(path, surface, [], [], {"Displacement": displacement}, {"AreaStretch": stretch})
+    arrays = {"Displacement": displacement}, {"AreaStretch": stretch}
+    write_surface(path, surface, surface.points, *arrays)
     polydata = read_surface(path, "cm").polydata()
     assert np.array_equal(vtk_to_numpy(polydata.GetCellData().GetArray("AreaStretch")), stretch)
     assert np.array_equal(
         vtk_to_numpy(polydata.GetPointData().GetArray("Displacement")), displacement
     )
     with pytest.raises(InputError, match="cell array a: expected 128 rows"):
-        write_surface(path, surface, [], [], None, {"a": np.zeros(3)})
+        write_surface(path, surface, surface.points, None, {"a": np.zeros(3)})
 
 
 def test_unfit_points_are_refused_and_nothing_is_written(tmp_path):
     surface = rich_surface(tmp_path)
     path = tmp_path / "b.vtp"
-    one = np.zeros((1, 3))
-    for indices, points, words in (
-        ([0, 1], one, "indices: expected 1 integers, got 2"),
-        ([0.5], one, "indices: expected 1 integers"),
-        ([66], one, "indices: expected 0 to 65"),
-        ([-1], one, "indices: expected 0 to 65"),
-        ([0], one * np.nan, "coordinates: expected finite"),
+    for points, words in (
+        (surface.points[1:], "points: expected the 66 of the surface, got 65"),
+        (surface.points * np.nan, "points: expected finite"),
     ):
         with pytest.raises(InputError, match=words):
-            write_surface(path, surface, indices, points)
+            write_surface(path, surface, points)
     assert not path.exists()
 
 
@@ -174,7 +176,7 @@ surface = read_surface(sys.argv[1], "cm")
 resource.setrlimit(resource.RLIMIT_FSIZE, (500, 500))
 for path in sys.argv[2:]:
     try:
-        write_surface(path, surface, [], [])
+        write_surface(path, surface, surface.points)
     except ValueError as error:
         print(error)
 """
@@ -196,8 +198,9 @@ def test_real_surfaces_go_round_with_all_arrays(tmp_path, data_dir):
     ):
         surface = read_surface(data_dir / f"{name}.vtp", units)
         path = tmp_path / f"{name}.vtp"
-        moved = np.arange(100)
-        write_surface(path, surface, moved, surface.points[moved] * 1.001)
+        points = surface.points.copy()
+        points[:100] *= 1.001
+        write_surface(path, surface, points)
         before, after = surface.polydata(), read_surface(path, units).polydata()
         assert coordinates(after)[100:].tobytes() == coordinates(before)[100:].tobytes()
         skipped = ["Normals", "Normals_"]

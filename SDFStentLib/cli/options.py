@@ -142,7 +142,8 @@ def _deploy(command: argparse.ArgumentParser, first: Parser) -> None:
         words = f"diameter of the {end} end, wider or narrower, and over which length"
         add_table(shape, f"--flare-{name} D MM  {words}")
     add_table(shape, "--profile F  CSV with rows fraction,diameter in place of --diameter")
-    add_parameter(shape, parameters_of(Shape)["cap_height"], Shape().cap_height)
+    for name, one in parameters_of(Shape).items():
+        add_parameter(shape, one, getattr(Shape(), name))
     add_method(command)
     add_known(command)
     add_table(

@@ -9,6 +9,7 @@ import sys
 import traceback
 from collections.abc import Callable, Sequence
 from decimal import Decimal
+from importlib import import_module
 from typing import TextIO
 
 from ..files import cannot_write
@@ -18,6 +19,15 @@ from .options import parser
 from .signals import INTERRUPTED, SENTENCE, interruptions
 
 DONE, UNEXPECTED, BAD_INPUT, NOT_CERTIFIED = 0, 1, 2, 3
+
+_BESIDE = {
+    "run": "deploy",
+    "check": "measure",
+    "centerline": "extract",
+    "simulate": "flow",
+    "devices": "suggest",
+}
+"""Commands that are in the file of another one."""
 
 _NEGATIVE = re.compile(r"-(\d+\.?\d*|\.\d+)[eE][-+]?\d{1,3}")
 
@@ -56,49 +66,9 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _imported(name: str) -> Callable[[argparse.Namespace, Console], int]:
     """The command, imported late: vtk and scipy take longer than most mistakes to be found."""
-    if name in ("deploy", "run"):
-        from .deploy import deploy_command, run_command
-
-        return deploy_command if name == "deploy" else run_command
-    if name in ("measure", "check"):
-        from .measure import check_command, measure_command
-
-        return measure_command if name == "measure" else check_command
-    if name == "centerline":
-        from .extract import centerline_command
-
-        return centerline_command
-    if name == "compare":
-        from .compare import compare_command
-
-        return compare_command
-    if name == "extract":
-        from .extract import extract_command
-
-        return extract_command
-    if name in ("flow", "simulate"):
-        from .flow import flow_command, simulate_command
-
-        return flow_command if name == "flow" else simulate_command
-    if name == "devices":
-        from .suggest import devices_command
-
-        return devices_command
-    if name == "suggest":
-        from .suggest import suggest_command
-
-        return suggest_command
-    if name == "sweep":
-        from .sweep import sweep_command
-
-        return sweep_command
-    if name == "app":
-        from .app import app_command
-
-        return app_command
-    from .demo import demo_command
-
-    return demo_command
+    module = import_module(f".{_BESIDE.get(name, name)}", __package__)
+    command: Callable[[argparse.Namespace, Console], int] = getattr(module, f"{name}_command")
+    return command
 
 
 def _drop_stdout() -> None:

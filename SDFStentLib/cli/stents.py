@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..parameter import parameters_of
 from ..plan import InputFiles, device_named, read_profile
 from ..stent import (
     AtCenter,
@@ -68,7 +69,8 @@ def shape_of(options: argparse.Namespace) -> Shape | None:
         for sizes in (options.flare_start, options.flare_end)
     )
     table = () if options.profile is None else read_profile(options.profile)
-    shape = Shape(waist, start, end, table, options.cap_height)
+    more = {name: getattr(options, name) for name in parameters_of(Shape)}
+    shape = Shape(waist, start, end, table, **more)
     return None if shape == Shape() else shape
 
 

@@ -64,4 +64,4 @@ def points_of(surface: SurfaceFile, moved: MovedPoints) -> Points:
 
 def write_restored(path: str | os.PathLike[str], surface: SurfaceFile, moved: MovedPoints) -> None:
     """Write the whole surface: the same bytes as if it had been written in the first place."""
-    write_surface(path, surface, moved.indices, moved.coordinates)
+    write_surface(path, surface, points_of(surface, moved))

@@ -109,7 +109,7 @@ def _steep_edges(motion: Motion, positions: Points, triangles: Triangles, radius
     sides = norm(positions[ends[:, 0]] - positions[ends[:, 1]])
     is_steep |= np.abs(at[:, 1] - at[:, 0]) * motion.chain.length > LEAP * sides
     # The corner of a flattened end lies on an edge that leads beyond it.
-    if shares.cap_height < 1:
+    if shares.are_flattened:
         is_beyond = (at <= 0) | (at >= 1)
         is_steep |= is_beyond[:, 0] != is_beyond[:, 1]
     # Others, such as those of a cap elsewhere, cannot follow the stent at all.

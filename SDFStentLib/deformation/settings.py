@@ -227,8 +227,8 @@ class DeploymentSettings:
         """
         shares = None
         if profile is not None:
-            fractions, diameters, cap_height = profile
-            shares = RadiusShares(fractions, diameters / diameters.max(), cap_height)
+            fractions, diameters, *caps = profile
+            shares = RadiusShares(fractions, diameters / diameters.max(), *caps)
         return CapsuleChain.along(
             axis,
             capsule_length=self.capsule_length,

@@ -56,12 +56,15 @@ class RadiusShares:
         """Those of the same stent with its nodes the other way round."""
         return RadiusShares(1 - self.fractions[::-1], self.shares[::-1], self.cap_height)
 
+    @property
+    def are_flattened(self) -> bool:
+        """Whether the caps beyond the ends are no half spheres."""
+        return self.cap_height < 1
+
     def at(self, points: Points, axis: Line) -> Floats:
         """Share (n,) of the radius that the stent has where it is nearest to points (n, 3)."""
         share = self.along(fractions_of(points, axis))
-        if self.cap_height == 1:
-            return share
-        return share * self._cap_share(points, axis)
+        return share * self._cap_share(points, axis) if self.are_flattened else share
 
     def along(self, fractions: Floats) -> Floats:
         """Shares at some parts of the length."""
@@ -98,7 +101,7 @@ class RadiusShares:
         angles = np.linspace(0, 2 * np.pi, WALL_RAYS, endpoint=False)[:, None, None]
         around = np.cos(angles) * frame[:, 1] + np.sin(angles) * frame[:, 2]
         wall = [(centers + own[:, None] * around).reshape(-1, 3)]
-        if in_caps and self.cap_height < 1:
+        if in_caps and self.are_flattened:
             for end, way in ((0, -1.0), (-1, 1.0)):
                 for angle in np.linspace(0, np.pi / 2, 20):
                     height = way * self.cap_height * own[end] * np.sin(angle) * frame[end, 0]

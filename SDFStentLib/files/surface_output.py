@@ -31,16 +31,15 @@ class _Encoded(NamedTuple):
 def write_surface(
     path: str | os.PathLike[str],
     surface: SurfaceFile,
-    indices: ArrayLike,
-    coordinates: ArrayLike,
+    points: ArrayLike,
     point_arrays: Mapping[str, ArrayLike] | None = None,
     cell_arrays: Mapping[str, ArrayLike] | None = None,
 ) -> tuple[Caution, ...]:
     """Write a surface with some of its points moved, whole or not at all.
 
     Unit, frame tag, data types, topology and every array are those of the file that was read;
-    the coordinates of the other points have the same bits. Normals are recomputed where the
-    surface changed. VTP is written binary, appended and compressed, the others binary, OBJ as
+    the coordinates of points that have not moved have the same bits. Normals are recomputed where
+    the surface changed. VTP is written binary, appended and compressed, the others binary, OBJ as
     text; STL is always single precision.
 
     Parameters
@@ -48,10 +47,8 @@ def write_surface(
     path : path
         The suffix says the format: .vtp, .vtk, .stl, .ply or .obj.
     surface : SurfaceFile
-    indices : array_like of int, shape (k,)
-        Points that moved.
-    coordinates : array_like, shape (k, 3)
-        Where they are now, mm.
+    points : array_like, shape (n, 3)
+        Where its points are now, mm.
     point_arrays, cell_arrays : mapping of name to array, optional
         More arrays to write, replacing those of the same name.
 
@@ -63,11 +60,11 @@ def write_surface(
     Raises
     ------
     InputError
-        Unknown suffix, indices or arrays that do not fit, or the file cannot be written.
+        Unknown suffix, points or arrays that do not fit, or the file cannot be written.
     """
     check_is_a(surface, SurfaceFile, "surface")
     target = check_surface_output(path)
-    polydata = polydata_with_points(surface, indices, coordinates)
+    polydata = _with_points(surface, points)
     add_arrays(polydata, point_arrays, cell_arrays)
     encoded = _encode(polydata, Path(path).suffix.lower(), surface)
     write_bytes(target, encoded.data)
@@ -83,23 +80,18 @@ def check_surface_output(path: str | os.PathLike[str]) -> Path:
     return check_writable(path)
 
 
-def polydata_with_points(
-    surface: SurfaceFile, indices: ArrayLike, coordinates: ArrayLike
-) -> vtkPolyData:
-    """New polydata in the unit of the file: the surface with points moved, normals recomputed.
-
-    Parameters as in `write_surface`; `InputError` for indices and coordinates that do not fit.
-    """
-    rows = np.asarray(indices, dtype=np.int64 if np.size(indices) == 0 else None).reshape(-1)
-    moved = as_points(coordinates, "coordinates")
-    if rows.dtype.kind not in "iu" or len(rows) != len(moved):
-        raise InputError(f"indices: expected {len(moved)} integers, got {len(rows)} {rows.dtype}.")
-    if len(rows) and (rows.min() < 0 or rows.max() >= len(surface.points)):
-        raise InputError(f"indices: expected 0 to {len(surface.points) - 1}, got others.")
+def _with_points(surface: SurfaceFile, points: ArrayLike) -> vtkPolyData:
+    """New polydata in the unit of the file: the surface with points moved, normals recomputed."""
+    after = as_points(points, "points")
+    if len(after) != len(surface.points):
+        raise InputError(
+            f"points: expected the {len(surface.points)} of the surface, got {len(after)}."
+        )
+    moved = (after != surface.points).any(axis=1)
     polydata = surface.polydata()
     values = vtk_to_numpy(polydata.GetPoints().GetData())
     before = values.astype(np.float64)
-    values[rows] = (moved / millimeters_per(surface.units)).astype(values.dtype)
+    values[moved] = (after[moved] / millimeters_per(surface.units)).astype(values.dtype)
     polydata.GetPoints().GetData().Modified()
     refresh_normals(polydata, before, values.astype(np.float64), surface.triangles)
     return polydata

@@ -102,9 +102,7 @@ class PlanResult:
                 "PrincipalStretchMax": result.stretch.largest,
                 "PrincipalStretchMin": result.stretch.smallest,
             }
-        return write_surface(
-            path, surface, result.indices, result.coordinates, point_arrays, cell_arrays
-        )
+        return write_surface(path, surface, result.points, point_arrays, cell_arrays)
 
     def write_centerline(self, path: str | os.PathLike[str]) -> tuple[Caution, ...]:
         """Write the moved centerline in the form of its file; `InputError` without one."""

@@ -5,8 +5,6 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-import numpy as np
-
 from ..files import SurfaceFile, write_surface
 from ..treatment import TreatmentState
 
@@ -51,9 +49,7 @@ class StepFiles:
         entries = []
         for number, state in enumerate(self._kept):
             name = f"step_{number:04d}.vtp"
-            points = state.points()
-            moved = np.flatnonzero((points != self._surface.points).any(axis=1))
-            write_surface(folder / name, self._surface, moved, points[moved])
+            write_surface(folder / name, self._surface, state.points())
             entries.append(f'    <DataSet timestep="{state.fraction:.9g}" part="0" file="{name}"/>')
         text = "\n".join(
             [
