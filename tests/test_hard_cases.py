@@ -13,6 +13,7 @@ from scipy.spatial import KDTree
 from SDFStentLib.deformation import DeploymentSettings, deploy
 from SDFStentLib.field import CapsuleChain
 from SDFStentLib.geometry import Surface
+from SDFStentLib.lumen import inscribed_spheres
 from SDFStentLib.stent import AlongAxis, AtCenter, Stent
 from SDFStentLib.treatment import Treatment
 
@@ -145,6 +146,21 @@ def test_a_stent_in_a_wider_one_names_the_lumen_that_this_one_left():
     after = result.stents[0].after
     assert float(found.group(1)) == pytest.approx(after.minimum, abs=0.1)
     assert float(found.group(1)) > 5.5
+
+
+def test_a_later_stent_that_pushes_tissue_into_an_earlier_one_is_told_of():
+    made = phantom("tube_with_neighbor")
+    own = made.axis_at(np.linspace(10, 30, 60))
+    axes = ((6.5, own), (9.0, np.add(own, [8.0, 0, 0])))
+    stents = [Stent(diameter, placement=AlongAxis(axis)) for diameter, axis in axes]
+    result = Treatment(made.surface, stents).result
+    (told,) = (one for one in result.warnings if one.kind == "narrowed")
+    assert told.stent == 1
+    before = result.stents[0].result.surface
+    for name, surface in (("minimum_mm", result.surface), ("earlier_minimum_mm", before)):
+        radii = inscribed_spheres(surface.points, surface.triangles, own).radii
+        assert told.numbers[name] == pytest.approx(2 * radii.min(), abs=0.05)
+    assert told.numbers["minimum_mm"] < 0.9 * told.numbers["earlier_minimum_mm"]
 
 
 def test_an_axis_beside_the_vessel_moves_nothing_and_says_why():

@@ -337,12 +337,21 @@ def test_the_shell_deploys_a_waist_at_the_throat_and_reports_the_profile(a_folde
 
 def test_the_shell_takes_a_profile_from_a_table_and_flares(a_folder):
     Path("p.csv").write_text("fraction,diameter\n0,6\n0.5,6.8\n1,6.2\n", encoding="utf-8")
-    assert deploy("--profile", "p.csv", "--report", "r.json", diameter=None) == 0
+    page = ["--report", "r.html"]
+    assert deploy("--profile", "p.csv", "--report", "r.json", *page, diameter=None) == 0
+    assert "<td>Profile</td><td>a table of 3 diameters</td>" in Path("r.html").read_text("utf-8")
     (stent,) = json.loads(Path("r.json").read_text(encoding="utf-8"))["stents"]
     assert stent["lumen_diameter_mm"] == 6.8
     assert stent["shape"]["table"] == [[0, 6], [0.5, 6.8], [1, 6.2]]
     more = ["--flare-start", "7.5", "4", "--flare-end", "5.8", "3", "--cap-height", "0.4"]
-    assert deploy(*more, "--report", "r.json", diameter="6.4") == 0
+    assert deploy(*more, "--report", "r.json", *page, diameter="6.4") == 0
+    for words in (
+        "<td>Proximal end of the stent</td><td>7.50 mm at the end, over 4.00 mm</td>",
+        "<td>Distal end of the stent</td><td>5.80 mm at the end, over 3.00 mm</td>",
+        "<td>Prescribed along it</td><td>5.80 to 7.50 mm</td>",
+        "<td>Caps beyond its ends</td><td>0.40 of the radius</td>",
+    ):
+        assert words in Path("r.html").read_text("utf-8")
     (stent,) = json.loads(Path("r.json").read_text(encoding="utf-8"))["stents"]
     wanted = [one for one in stent["diameters"]["along"]["prescribed_mm"] if one is not None]
     assert wanted[0] == pytest.approx(7.5)
