@@ -1,7 +1,9 @@
-"""The smallest section of a lesion, cut when somebody asks for areas."""
+"""Sections of lesions and of the healthy vessel beside them, cut when somebody asks for areas."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -9,6 +11,9 @@ import numpy as np
 from ..geometry import Line, Surface
 from ..lumen import equivalent_diameters
 from ..validation import Floats, Points
+from .narrowings import Plateau
+from .plateaus import PLATEAU
+from .runs import VesselRun
 
 SECTIONS = 16
 """At least so many sections along a lesion, and two to a station: by areas of a vessel that are a
@@ -17,6 +22,10 @@ quarter of its radius apart the smallest is known to the next ones."""
 OWN_SECTION = 1.5
 """Times the inscribed diameter up to which the circle of a section's area may be wide: what is
 wider is the section of the vessel from which this one comes, or goes on into a branch."""
+
+_HEALTHY_SECTIONS = 5
+"""Sections along healthy vessel, of which the least oblong tells the area: branches that leave, and
+lines that go aslant, only make them larger."""
 
 ABOUT = 1.01
 """Times the narrowest up to which another place is as narrow."""
@@ -124,3 +133,42 @@ def _wanted(line: LesionLine, along: Floats) -> Floats:
     """Areas of the healthy vessel at some arc lengths from a lesion's start."""
     healthy = np.interp(along, line.line.arc_lengths, line.healthy)
     return np.asarray(healthy**2 * line.area_ratio)
+
+
+class HealthySections:
+    """Sections along some healthy vessels, all cut together when an area is first asked for."""
+
+    def __init__(self, surface: Surface, asked: Sequence[tuple[VesselRun, Plateau]]) -> None:
+        self._surface, self._asked = surface, asked
+
+    def area(self, number: int) -> float:
+        """Of the least oblong section of one of them, where it is as wide as the plateau, mm^2."""
+        return self._areas[number]
+
+    @cached_property
+    def _areas(self) -> list[float]:
+        stations = [_along_plateau(run, side) for run, side in self._asked]
+        lines, ways = (np.concatenate([one[k] for one in stations]) for k in (0, 1))
+        cut = equivalent_diameters(self._surface.points, self._surface.triangles, lines, ways)
+        areas = []
+        for (_, side), sections, one in zip(
+            self._asked, cut.reshape(-1, _HEALTHY_SECTIONS), stations, strict=True
+        ):
+            own = sections <= OWN_SECTION * side.diameter
+            oblong = float((sections[own] / one[2][own]).min(initial=np.inf))
+            area = np.pi / 4 * (oblong * side.diameter) ** 2
+            areas.append(area if own.any() else float("nan"))
+        return areas
+
+
+def _along_plateau(run: VesselRun, side: Plateau) -> tuple[Points, Points, Floats]:
+    """Places (k, 3) along healthy vessel with its directions and inscribed diameters (k,)."""
+    half = PLATEAU * side.diameter / 2
+    at = np.linspace(side.arc_length - half, side.arc_length + half, _HEALTHY_SECTIONS)
+    at = np.clip(at, run.along[0], run.along[-1])
+    line, ways = (
+        np.column_stack([np.interp(at, run.along, column) for column in values.T])
+        for values in (run.points, run.line.directions)
+    )
+    known = np.isfinite(run.diameter)
+    return line, ways, np.interp(at, run.along[known], run.diameter[known])

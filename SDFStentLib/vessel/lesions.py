@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import cached_property, partial
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -15,23 +15,18 @@ from numpy.typing import ArrayLike
 
 from ..centerline import Centerline
 from ..geometry import Line, NamedFaces, Surface, as_line, as_surface, checked_faces
-from ..lumen import equivalent_diameters
-from ..validation import Floats, Place, Points, as_place
+from ..validation import Floats, Place, as_place
 from .branch_names import named_branches, size_words
 from .lesion_measuring import lesions_after, measured
-from .lesion_sections import OWN_SECTION
+from .lesion_sections import HealthySections
 from .lesion_value import HealthyPlace, Lesion, reference_words
 from .narrowings import Narrowing, Plateau, narrowings
 from .own_diameters import measured_runs
-from .plateaus import PLATEAU, healthy_caliber
+from .plateaus import healthy_caliber
 from .runs import VesselRun, is_main
 
 _ASLANT = 2.0
 """An axis that goes aslant meets the section within so many radii of its middle."""
-
-_SECTIONS = 5
-"""Sections along healthy vessel, of which the least oblong tells the area: branches that leave, and
-lines that go aslant, only make them larger."""
 
 SMALL_VESSEL = 3.0
 """Healthy diameter below which lesions come last, mm: pulmonary artery stents in the device table
@@ -294,7 +289,7 @@ def _healthy_places(
 ) -> list[tuple[HealthyPlace | None, HealthyPlace | None]]:
     """The healthy places of all narrowings, with areas where sections are those of their vessel."""
     asked = [(one.run, side) for one in found for side in one.sides if side is not None]
-    sections = _HealthySections(surface, asked)
+    sections = HealthySections(surface, asked)
     places = (
         HealthyPlace(
             as_place(_at(run, side.arc_length)),
@@ -309,45 +304,6 @@ def _healthy_places(
         return None if side is None else next(places)
 
     return [(next_of(one.sides[0]), next_of(one.sides[1])) for one in found]
-
-
-class _HealthySections:
-    """Sections along some healthy vessels, all cut together when an area is first asked for."""
-
-    def __init__(self, surface: Surface, asked: Sequence[tuple[VesselRun, Plateau]]) -> None:
-        self._surface, self._asked = surface, asked
-
-    def area(self, number: int) -> float:
-        """Of the least oblong section of one of them, where it is as wide as the plateau, mm^2."""
-        return self._areas[number]
-
-    @cached_property
-    def _areas(self) -> list[float]:
-        stations = [_along_plateau(run, side) for run, side in self._asked]
-        lines, ways = (np.concatenate([one[k] for one in stations]) for k in (0, 1))
-        cut = equivalent_diameters(self._surface.points, self._surface.triangles, lines, ways)
-        areas = []
-        for (_, side), sections, one in zip(
-            self._asked, cut.reshape(-1, _SECTIONS), stations, strict=True
-        ):
-            own = sections <= OWN_SECTION * side.diameter
-            oblong = float((sections[own] / one[2][own]).min(initial=np.inf))
-            area = np.pi / 4 * (oblong * side.diameter) ** 2
-            areas.append(area if own.any() else float("nan"))
-        return areas
-
-
-def _along_plateau(run: VesselRun, side: Plateau) -> tuple[Points, Points, Floats]:
-    """Places (k, 3) along healthy vessel with its directions and inscribed diameters (k,)."""
-    half = PLATEAU * side.diameter / 2
-    at = np.linspace(side.arc_length - half, side.arc_length + half, _SECTIONS)
-    at = np.clip(at, run.along[0], run.along[-1])
-    line, ways = (
-        np.column_stack([np.interp(at, run.along, column) for column in values.T])
-        for values in (run.points, run.line.directions)
-    )
-    known = np.isfinite(run.diameter)
-    return line, ways, np.interp(at, run.along[known], run.diameter[known])
 
 
 def _at(run: VesselRun, along: float) -> Floats:
