@@ -36,6 +36,11 @@ def as_frame(tag: str) -> Frame | None:
     return None
 
 
+def are_apart(one: Frame | None, other: Frame | None) -> bool:
+    """Whether two frames are both known, and not the same."""
+    return None not in (one, other) and one != other
+
+
 def flipped(points: Points) -> Points:
     """Points (n, 3) or one point (3,) in the other patient frame, RAS or LPS: x and y negated."""
     return points * (-1.0, -1.0, 1.0)

@@ -13,7 +13,7 @@ import pytest
 from cohort_cases import PLAN, bytes_of, sweep_in, tube_folder
 
 from SDFStentLib import InputError, Plan, Stent, plan_report, read_surface, run_plan
-from SDFStentLib.cohort import Cohort, cases_of, estimated, run_sweep, write_manifest
+from SDFStentLib.cohort import Cases, Cohort, estimated, run_sweep, write_manifest
 from SDFStentLib.cohort.moved import decoded, encoded
 from SDFStentLib.cohort.store import Store
 from SDFStentLib.files import encode_vtp, polydata_from_arrays
@@ -72,7 +72,7 @@ def moved(folder):
 
 def test_a_case_holds_what_the_plan_gives_by_itself(folder, whole):
     """The third case, carried out as a plan: the same surface byte for byte, the same report."""
-    case = list(cases_of(sweep_in(folder)))[2]
+    case = list(Cases(sweep_in(folder)))[2]
     assert case.parameters == {"diameter": 6.5, "branch": 1, "distance": 18}
     files = [InputFile(folder / name) for name in ("tube.vtp", "line.vtp")]
     stent = Stent(6.5, placement=AtCenter([0, 0, 18.0]), length=10)
@@ -153,7 +153,7 @@ def test_a_file_that_was_changed_behind_the_store_is_noticed(folder, tmp_path):
 def test_the_manifest_has_a_row_per_case_with_what_came_of_it(folder, whole):
     with (whole / "manifest.csv").open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    cases = list(cases_of(sweep_in(folder)))
+    cases = list(Cases(sweep_in(folder)))
     assert [row["case"] for row in rows] == [case.id for case in cases]
     for row, case in zip(rows, cases, strict=True):
         assert float(row["parameter_diameter"]) == case.parameters["diameter"]
@@ -187,7 +187,7 @@ def test_parquet_holds_the_same_table(whole):
 def test_parameters_and_displacements_come_as_arrays(folder, whole, moved):
     found = Cohort(moved).training_set()
     assert found.names == ("diameter", "branch", "distance")
-    wanted = [list(case.parameters.values()) for case in cases_of(sweep_in(folder))]
+    wanted = [list(case.parameters.values()) for case in Cases(sweep_in(folder))]
     np.testing.assert_array_equal(found.parameters, wanted)
     assert found.displacements.dtype == np.float32
     assert found.displacements.shape == (6, len(found.points), 3)
@@ -283,7 +283,7 @@ def test_another_sweep_is_refused_where_its_cases_would_be_lost_from_the_manifes
 def test_an_estimate_is_measured_and_leaves_nothing(folder):
     before = sorted(folder.iterdir())
     sweep = sweep_in(folder, store="moved")
-    found = estimated(sweep, list(cases_of(sweep)))
+    found = estimated(sweep, list(Cases(sweep)))
     assert (found.tried, found.failed) == (3, 0)
     assert found.case_seconds > 0
     assert 4_000 < found.case_bytes < 200_000

@@ -11,7 +11,7 @@ from cohort_cases import PLAN, document, sweep_in, tube_folder, write_sweep
 from scipy import stats
 
 from SDFStentLib import InputError
-from SDFStentLib.cohort import cases_of, load_sweep, sweep_from_document, sweep_schema
+from SDFStentLib.cohort import Cases, load_sweep, sweep_from_document, sweep_schema
 from SDFStentLib.cohort.axes import NAMES
 from SDFStentLib.cohort.sampling import Samples
 
@@ -33,7 +33,7 @@ def drawn(axes, method="random", count=4000, seed=3):
 
 def test_a_grid_has_every_combination_once_in_the_order_of_the_document(folder):
     axes = {"diameter": [6, 7], "branch": 1, "distance": {"from": 18, "to": 22, "steps": 3}}
-    rows = [case.parameters for case in cases_of(sweep_in(folder, axes=axes))]
+    rows = [case.parameters for case in Cases(sweep_in(folder, axes=axes))]
     assert [(row["diameter"], row["distance"]) for row in rows] == [
         (6, 18), (6, 20), (6, 22), (7, 18), (7, 20), (7, 22),
     ]  # fmt: skip
@@ -77,14 +77,14 @@ def test_the_seed_decides():
 
 
 def test_names_of_cases_are_the_same_in_another_process_and_another_folder(folder, tmp_path):
-    names = [case.id for case in cases_of(sweep_in(folder))]
+    names = [case.id for case in Cases(sweep_in(folder))]
     assert len(set(names)) == 6
     assert all(len(name) == 20 for name in names)
     other = tube_folder(tmp_path)
     path = write_sweep(other)
     program = (
-        "import sys; from SDFStentLib.cohort import cases_of, load_sweep\n"
-        "print(*[case.id for case in cases_of(load_sweep(sys.argv[1]))])"
+        "import sys; from SDFStentLib.cohort import Cases, load_sweep\n"
+        "print(*[case.id for case in Cases(load_sweep(sys.argv[1]))])"
     )
     assert python(program, path).stdout.split() == names
 
@@ -99,15 +99,15 @@ def test_names_of_cases_are_the_same_in_another_process_and_another_folder(folde
     ],
 )
 def test_whatever_changes_the_result_changes_the_names(folder, changes):
-    before = {case.id for case in cases_of(sweep_in(folder))}
-    assert not before & {case.id for case in cases_of(sweep_in(folder, **changes))}
+    before = {case.id for case in Cases(sweep_in(folder))}
+    assert not before & {case.id for case in Cases(sweep_in(folder, **changes))}
 
 
 def test_what_is_kept_and_how_the_patient_is_called_changes_no_name(folder):
-    before = [case.id for case in cases_of(sweep_in(folder))]
+    before = [case.id for case in Cases(sweep_in(folder))]
     inputs = {"name": "Ann", "units": "cm", "surface": "tube.vtp", "centerline": "line.vtp"}
     other = sweep_in(folder, store="moved", patients=[inputs])
-    assert [case.id for case in cases_of(other)] == before
+    assert [case.id for case in Cases(other)] == before
 
 
 def test_every_patient_gets_all_samples(folder):
@@ -118,7 +118,7 @@ def test_every_patient_gets_all_samples(folder):
         sampling={"method": "sobol", "count": 3, "seed": 0},
         axes={"diameter": {"uniform": [6, 7]}},
     )
-    cases = list(cases_of(found))
+    cases = list(Cases(found))
     assert [case.patient for case in cases] == [0, 0, 0, 1, 1, 1]
     assert [case.parameters for case in cases[:3]] == [case.parameters for case in cases[3:]]
     assert [case.number for case in cases] == [1, 2, 3, 4, 5, 6]

@@ -26,7 +26,7 @@ from cohort_cases import (
 )
 
 from SDFStentLib import DeploymentError, InputError
-from SDFStentLib.cohort import Cohort, cases_of, last_tally, run_sweep
+from SDFStentLib.cohort import Cases, Cohort, last_tally, run_sweep
 from SDFStentLib.cohort.store import Store
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="signals and limits of POSIX")
@@ -382,7 +382,7 @@ def test_what_is_not_whole_is_repeated_and_what_is_whole_is_not_touched(there, w
     out, store = there / "out", Store(there / "out")
     with ThreadPoolExecutor(1) as thread:
         run_sweep(sweep, out, executor=thread)
-        one, two, three, four, *_ = [case.id for case in cases_of(sweep)]
+        one, two, three, four, *_ = [case.id for case in Cases(sweep)]
         (store.path(one) / "moved.npz").write_bytes(b"cut short")
         (store.path(two) / "case.json").write_text("{", encoding="utf-8")
         (store.path(three) / "report.json.gz").unlink()

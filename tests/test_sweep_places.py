@@ -7,7 +7,7 @@ import pytest
 from cohort_cases import sweep_in, tube_folder
 
 from SDFStentLib import InputError
-from SDFStentLib.cohort import cases_of
+from SDFStentLib.cohort import Cases
 from SDFStentLib.cohort.placing import Excluded, plan_of_case
 from SDFStentLib.geometry import Line
 from SDFStentLib.phantoms import branching_pulmonary_artery
@@ -27,7 +27,7 @@ class Swept:
         self.sweep = sweep_in(folder, **changes)
         self.patient = self.sweep.patients[0]
         self.inputs = read_plan_inputs(self.patient.plan)
-        self.cases = list(cases_of(self.sweep))
+        self.cases = list(Cases(self.sweep))
 
     def plan(self, at=0, inputs=None):
         sweep = self.sweep

@@ -25,7 +25,7 @@ from ..plan import (
 from ..report import LEAST
 from ..stent import AlongAxis, BetweenPoints, InputFile, Placement, Stent
 from ..treatment import VesselName
-from ..units import MILLIMETERS, Frame
+from ..units import MILLIMETERS, Frame, are_apart
 from ..validation import InputError
 
 
@@ -183,7 +183,7 @@ def treated_of(options: argparse.Namespace, before: InputFiles) -> InputFiles:
     """The vessel after treatment; `InputError` where it is in another frame."""
     after = read_input_files(options.after, units=options.units)
     frames = [one.surface.frame for one in (before, after)]
-    if None not in frames and frames[0] != frames[1]:
+    if are_apart(*frames):
         raise InputError(
             f"{options.after}: expected the frame of {options.surface}, {frames[0]}, got "
             f"{frames[1]}; write both in one frame."

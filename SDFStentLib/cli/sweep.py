@@ -14,9 +14,9 @@ from multiprocessing import active_children
 from threading import Timer
 
 from ..cohort import (
+    Cases,
     Sweep,
     Tally,
-    cases_of,
     duration_in_words,
     estimated,
     last_tally,
@@ -178,7 +178,7 @@ def _status(tally: Tally, is_running: bool) -> str:
 
 
 def _dry_run(sweep: Sweep, options: argparse.Namespace, console: Console) -> int:
-    cases = cases_of(sweep)
+    cases = Cases(sweep)
     console.say(f"{len(cases)} cases, {len(sweep.patients)} patient(s).")
     for case in islice(cases, SHOWN):
         values = json.dumps(case.parameters, ensure_ascii=False)

@@ -4,7 +4,7 @@ What is named here is imported when it is first asked for: workers set their thr
 """
 
 from .cases import Case as Case
-from .cases import cases_of as cases_of
+from .cases import Cases as Cases
 from .document import load_sweep as load_sweep
 from .document import sweep_from_document as sweep_from_document
 from .estimate import Estimate as Estimate

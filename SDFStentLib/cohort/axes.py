@@ -163,12 +163,12 @@ def _spread(name: str, value: Mapping[str, Any], where: str) -> Axis:
         return _stepped(name, given, where)
     low, high = -np.inf, np.inf
     if kinds == ["uniform"]:
-        return Axis(name, (), *_rising(given["uniform"], f"{where}.uniform"))
+        return Axis(name, (), *rising(given["uniform"], f"{where}.uniform"))
     mean, sd = _two(given["normal"], f"{where}.normal")
     if sd <= 0:
         raise InputError(f"{where}.normal: expected a mean and an SD above 0, got SD {sd:g}.")
     if "within" in given:
-        low, high = _rising(given["within"], f"{where}.within")
+        low, high = rising(given["within"], f"{where}.within")
     return Axis(name, (), low, high, mean, sd)
 
 
@@ -234,12 +234,9 @@ def _two(value: Any, where: str) -> tuple[float, float]:
     return _number(ends[0], f"{where}[0]"), _number(ends[1], f"{where}[1]")
 
 
-def _rising(value: Any, where: str) -> tuple[float, float]:
+def rising(value: Any, where: str) -> tuple[float, float]:
+    """Two rising numbers of a document; `InputError` for anything else."""
     low, high = _two(value, where)
     if low >= high:
         raise InputError(f"{where}: expected two rising numbers, got {low:g} and {high:g}.")
     return low, high
-
-
-rising = _rising
-"""Two rising numbers of a document; `InputError` for anything else."""

@@ -33,13 +33,8 @@ class Case(NamedTuple):
     parameters: Parameters
 
 
-def cases_of(sweep: Sweep) -> Cases:
-    """All cases in order, made when they are asked for: every patient has the same samples."""
-    return Cases(sweep)
-
-
 class Cases:
-    """As of `cases_of`."""
+    """All cases of a sweep in order, made when asked for: every patient has the same samples."""
 
     def __init__(self, sweep: Sweep) -> None:
         self._samples = Samples(sweep.axes, sweep.sampling)

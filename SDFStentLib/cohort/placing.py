@@ -11,10 +11,10 @@ import numpy as np
 
 from ..centerline import Centerline
 from ..geometry import Line
-from ..plan import InputFiles, Plan, StentSizes, detailed_stent, stent_details
+from ..plan import InputFiles, Plan, StentSizes, detailed_stent, stent_details, turned
 from ..stent import AtCenter, AtDistalEnd, Placement, Stent
 from ..treatment import AxisChange, axis_in_vessel
-from ..units import flipped
+from ..units import are_apart
 from ..validation import InputError, Points, as_number
 from ..vessel import Lesion
 from .axes import PLACES, SHAPE_PARTS
@@ -90,8 +90,8 @@ def plan_of_case(
         placement = place.placement(stent.length * (1 - stent.foreshortening), _tree(inputs))
         stent = replace(stent, placement=placement)
     _check(stent, place, constraints, plan, inputs)
-    if place is not None and _is_turned(plan, inputs):
-        stent = replace(stent, placement=_turned(stent.placement))
+    if place is not None and are_apart(plan.frame, inputs.surface.frame):
+        stent = turned(stent)
     stents = (*plan.stents[: number - 1], stent, *plan.stents[number:])
     return replace(plan, stents=stents)
 
@@ -147,7 +147,7 @@ def _diameter(
     base: Stent, parameters: Parameters, place: _Place | None, plan: Plan, inputs: InputFiles
 ) -> float:
     if "diameter_over_lumen" in parameters:
-        middle = _middle(base, plan, inputs) if place is None else place.point
+        middle = _halfway(_axis(base, plan, inputs)) if place is None else place.point
         return _number(parameters["diameter_over_lumen"]) * _lumen(middle, inputs)
     if "diameter_over_reference" in parameters:
         assert place is not None
@@ -230,10 +230,6 @@ def _lumen(point: Points, inputs: InputFiles) -> float:
     return 2 * radius
 
 
-def _middle(base: Stent, plan: Plan, inputs: InputFiles) -> Points:
-    return _halfway(_axis(base, plan, inputs))
-
-
 def _axis(stent: Stent, plan: Plan, inputs: InputFiles) -> Line:
     vessel = inputs.vessel
     change = AxisChange.of(plan.straightening_fraction, plan.settings)
@@ -249,16 +245,6 @@ def _tree(inputs: InputFiles) -> Centerline:
     if inputs.vessel.centerline is None:
         raise InputError("place: expected a patient with a centerline, got one without.")
     return inputs.vessel.centerline
-
-
-def _is_turned(plan: Plan, inputs: InputFiles) -> bool:
-    """Whether points of the plan are in the other frame than the surface."""
-    return plan.frame is not None and inputs.surface.frame not in (None, plan.frame)
-
-
-def _turned(placement: Placement) -> Placement:
-    assert isinstance(placement, AtCenter | AtDistalEnd)
-    return type(placement)(flipped(placement.point))
 
 
 def _number(value: Any) -> float:

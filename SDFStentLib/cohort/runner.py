@@ -13,7 +13,7 @@ from functools import partial
 from time import monotonic
 
 from ..validation import DeploymentError, InputError
-from .cases import Case, cases_of
+from .cases import Case, Cases
 from .executors import LOOK, Workplace, finished, workplace
 from .manifest import cohort_document, write_manifest
 from .store import COHORT, WHOLE, Store, StoreError, as_json
@@ -77,7 +77,7 @@ def run_sweep(
         and the next run goes on from there; so it does after `KeyboardInterrupt`.
     """
     place = workplace(workers, scheduler, executor, sweep.time_limit)
-    store, cases = Store(folder), list(cases_of(sweep))
+    store, cases = Store(folder), list(Cases(sweep))
     with store.locked():
         _prepare(store, sweep, cases)
         run = _Run(store, place, progress, Tally(len(cases)))

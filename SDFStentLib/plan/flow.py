@@ -16,7 +16,7 @@ from ..flow import (
     solved_by_svzerod,
 )
 from ..treatment import TreatmentResult, Vessel
-from ..units import Frame, flipped
+from ..units import Frame, are_apart, flipped
 from ..validation import InputError, as_place
 from ..vessel import SMALL_VESSEL
 from .plan import Plan
@@ -44,7 +44,7 @@ def flow_of_plan(plan: Plan, vessel: Vessel, frame: Frame | None) -> FlowModel |
     known = plan.flow
     if known is None:
         return None
-    if known.right is not None and plan.frame is not None and frame not in (None, plan.frame):
+    if known.right is not None and are_apart(plan.frame, frame):
         known = replace(known, right=as_place(flipped(np.array(known.right))))
     return flow_model(vessel, known, frame)
 

@@ -20,7 +20,7 @@ from ..files import (
 )
 from ..stent import InputFile
 from ..treatment import Vessel, VesselName
-from ..units import Frame, flipped
+from ..units import Frame, are_apart, flipped
 from ..validation import InputError, Points
 from ..version import VERSION
 from .axis import changed_input, is_changed
@@ -69,7 +69,7 @@ class Marks(NamedTuple):
 
     def in_frame(self, frame: Frame | None) -> Marks:
         """The same places as a file of that frame has them."""
-        if None in (frame, self.frame) or frame == self.frame:
+        if not are_apart(frame, self.frame):
             return self
         root = None if self.root is None else flipped(self.root)
         reference = tuple(flipped(place) for place in self.reference)

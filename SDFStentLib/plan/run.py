@@ -28,6 +28,7 @@ from ..treatment import (
     size_cautions,
     treated_lesions,
 )
+from ..units import are_apart
 from ..validation import InputError, check_is_a
 from .flow import flow_answer, flow_of_plan
 from .inputs import InputFiles, in_same_space, input_file, read_plan_inputs
@@ -168,7 +169,7 @@ def treatment_of(plan: Plan, inputs: InputFiles) -> Treatment:
 
 def _stents(plan: Plan, inputs: InputFiles) -> tuple[Stent, ...]:
     """Those of a plan in the frame of the surface."""
-    is_turned = plan.frame is not None and inputs.surface.frame not in (None, plan.frame)
+    is_turned = are_apart(plan.frame, inputs.surface.frame)
     return tuple(map(turned, plan.stents)) if is_turned else plan.stents
 
 

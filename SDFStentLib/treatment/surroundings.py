@@ -61,69 +61,51 @@ class Survey(NamedTuple):
     """What spheres see of it."""
 
 
-class _Known(NamedTuple):
-    """The last survey of a vessel without stents, and what it is of."""
+class TreeNames(NamedTuple):
+    """By what side branches are found and called."""
 
-    axis: bytes
     centerline: Centerline | None
+    """As a stent finds it. Without it branches are found, and followed through their lumen."""
     faces: NamedFaces | None
+    """By which branches are named."""
     given: Sequence[str | None]
-    survey: Survey
+    """What the user calls them, by branch of the centerline; it comes first."""
+
+    def is_same(self, other: TreeNames) -> bool:
+        """Whether these are the very same things."""
+        same = self.centerline is other.centerline and self.faces is other.faces
+        return same and self.given == other.given
 
 
-_known: WeakKeyDictionary[Surface, _Known] = WeakKeyDictionary()
+_known: WeakKeyDictionary[Surface, tuple[bytes, TreeNames, Survey]] = WeakKeyDictionary()
+"""The last survey of a vessel without stents, with the axis and the names that it is of."""
 
 
 class Surroundings(NamedTuple):
-    """Of one stent."""
+    """Of one stent, when all have been deployed."""
 
-    stations: AxisStations
-    """Along it and beyond its ends; measured"""
-    before: DiameterProfile
-    """before any stent,"""
     after: DiameterProfile
-    """and after all of them."""
-    branches: tuple[Ostium, ...]
-    """Proximal to distal."""
+    """At the stations of its survey."""
     neighbors: tuple[NeighborLumen, ...]
     """Those whose wall has moved: beyond both ends, then branches by the names of their ostia."""
     apposition: Apposition
     """Contact with the wall after treatment."""
 
 
-def surveyed_once(
-    native: Surface,
-    axis: Line,
-    centerline: Centerline | None,
-    faces: NamedFaces | None,
-    given: Sequence[str | None] = (),
-) -> Survey:
+def surveyed_once(native: Surface, axis: Line, names: TreeNames) -> Survey:
     """`surveyed` of a first stent; not again where the last one of the vessel had the same axis.
 
     So it is where another diameter is tried: nothing about a stent but its axis matters.
     """
     last, rows = _known.get(native), axis.points.tobytes()
-    if (
-        last is not None
-        and last.axis == rows
-        and last.centerline is centerline
-        and last.faces is faces
-        and last.given == given
-    ):
-        return last.survey
-    survey = surveyed(native, native, axis, centerline, faces, given)
-    _known[native] = _Known(rows, centerline, faces, given, survey)
+    if last is not None and last[0] == rows and last[1].is_same(names):
+        return last[2]
+    survey = surveyed(native, native, axis, names)
+    _known[native] = rows, names, survey
     return survey
 
 
-def surveyed(
-    native: Surface,
-    found: Surface,
-    axis: Line,
-    centerline: Centerline | None,
-    faces: NamedFaces | None,
-    given: Sequence[str | None] = (),
-) -> Survey:
+def surveyed(native: Surface, found: Surface, axis: Line, names: TreeNames) -> Survey:
     """What is known of a stent's surroundings before it is deployed.
 
     Parameters
@@ -132,13 +114,9 @@ def surveyed(
         The vessel before any stent, and as this one finds it; the same triangles.
     axis : Line
         Of the stent.
-    centerline : Centerline or None
-        As the stent finds it. Without it branches are found, and followed through their lumen.
-    faces : NamedFaces or None
-        By which branches are named.
-    given : sequence of str or None
-        What the user calls them, by branch of the centerline; it comes first.
+    names : TreeNames
     """
+    centerline, faces, given = names
     extended = extended_axis(found, axis, centerline)
     branches = find_ostia(found, extended, faces, centerline)
     ways = BranchWays(found, extended, centerline).into(branches)
@@ -195,10 +173,7 @@ def surroundings(
     after = measured_after(before, moved, states.final, wall.triangles)
     own, rest = slice(len(along.points)), slice(len(along.points), None)
     return Surroundings(
-        along,
-        survey.before,
         profile_around(states.final, along, after.at(own), wall.caps),
-        survey.branches,
         beside.lumens(before.at(rest), after.at(rest)),
         apposition(states.final, survey.axis.of_stent, radius),
     )

@@ -28,7 +28,14 @@ from ..validation import Points, as_number, as_points, read_only
 from ..vessel import VesselStates
 from .stage import Stage, named_states
 from .straightening import AxisChange, axis_in_vessel
-from .surroundings import PROFILE_SPACING, Survey, surroundings, surveyed, surveyed_once
+from .surroundings import (
+    PROFILE_SPACING,
+    Survey,
+    TreeNames,
+    surroundings,
+    surveyed,
+    surveyed_once,
+)
 from .value import (
     PlacedStent,
     TreatedStent,
@@ -218,11 +225,11 @@ class Treatment:
             number=stage.number,
             stent=stage.stent,
             axis=stage.axis,
-            before=seen.before.taken(seen.stations.own),
-            after=seen.after.taken(seen.stations.own),
-            around_before=seen.before,
+            before=survey.before.taken(survey.stations.own),
+            after=seen.after.taken(survey.stations.own),
+            around_before=survey.before,
             around_after=seen.after,
-            branches=seen.branches,
+            branches=survey.branches,
             neighbors=seen.neighbors,
             apposition=seen.apposition if again == stage.number else None,
             again=None if again == stage.number else again,
@@ -236,13 +243,12 @@ class Treatment:
         No state takes part in it: who has a thread to spare may ask for it there, once, while this
         one iterates.
         """
-        axis = self._first.axis.line
-        return surveyed_once(self.surface, axis, self.centerline, self.faces, self.given_names)
+        names = TreeNames(self.centerline, self.faces, self.given_names)
+        return surveyed_once(self.surface, self._first.axis.line, names)
 
     def _surveyed(self, stage: Stage) -> Survey:
-        found, axis = stage.deployment.surface, stage.axis.line
-        how = stage.centerline, self.faces, self.given_names
-        return surveyed(self.surface, found, axis, *how)
+        names = TreeNames(stage.centerline, self.faces, self.given_names)
+        return surveyed(self.surface, stage.deployment.surface, stage.axis.line, names)
 
     def _narrowed(self, stage: Stage, treated: TreatedStent) -> Iterator[Caution]:
         """Whether later stents pushed tissue into this one; measured only if it may be."""
