@@ -6,8 +6,16 @@ import numpy as np
 from scipy.optimize import linprog
 
 from SDFStentLib.geometry import across
+from SDFStentLib.lumen import measured_at, open_at_ends, profile_around
 
 THINNED_ABOVE, THINNING = 8000, 8
+
+
+def measured_around(surface, stations):
+    """The profile of stations, measured where nothing is known of any."""
+    wall = open_at_ends(surface, stations.points)
+    measured = measured_at(surface, stations.points, stations.directions, wall.triangles)
+    return profile_around(surface, stations, measured, wall.caps)
 
 
 def nearest_points(query, corners):

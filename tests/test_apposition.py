@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 from deployment_cases import anatomy
 from ostium_truth import RayCaster
+from plain_measuring import measured_around
 from vtkmodules.vtkFiltersCore import vtkImplicitPolyDataDistance
 
 from SDFStentLib import phantoms
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.files import read_centerline, read_surface
 from SDFStentLib.geometry import Line
-from SDFStentLib.lumen import axis_stations, diameter_profile, extended_axis, profile_around
+from SDFStentLib.lumen import axis_stations, diameter_profile, extended_axis
 from SDFStentLib.stent import AlongAxis, AtCenter, Stent, stent_axis
 from SDFStentLib.treatment import Treatment
 from SDFStentLib.treatment.warnings import narrowed_neighbors
@@ -157,7 +158,7 @@ def test_diameters_go_on_beyond_both_ends_and_stop_with_the_vessel():
     vessel = phantoms.straight_tube(length=40.0)
     surface = vessel.surface
     axis = extended_axis(surface, [[0, 0, 12.0], [0, 0, 24.0]], vessel.centerline)
-    profile = profile_around(surface, axis_stations(axis))
+    profile = measured_around(surface, axis_stations(axis))
     assert profile.arc_length[[0, -1]] == pytest.approx([-12, 28])
     np.testing.assert_allclose(profile.inscribed_diameter, 6.0, rtol=0.02)
 

@@ -186,6 +186,6 @@ def test_spheres_searched_once_without_the_caps_are_those_searched_again():
     surface, stations = Surface(*a_capped_duct(a_circle())), Line(A_LINE).resampled(1.0).points
     once = diameter_profile(surface, A_LINE)
     whole = measured_at(surface, stations, Line(stations).directions)
-    again = profile_of(surface, Line(stations).arc_lengths, whole)
+    again = profile_of(surface, Line(stations).arc_lengths, whole, np.zeros(0, int))
     np.testing.assert_allclose(once.inscribed_diameter, again.inscribed_diameter, atol=1e-5)
     np.testing.assert_array_equal(once.equivalent_diameter, again.equivalent_diameter)

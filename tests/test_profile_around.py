@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from plain_measuring import measured_around
 from test_closed_ends import LENGTH, RADIUS, a_capped_duct, a_circle
 
 from SDFStentLib.geometry import Line, Surface
@@ -12,7 +13,6 @@ from SDFStentLib.lumen import (
     axis_stations,
     diameter_profile,
     extended_axis,
-    profile_around,
 )
 from SDFStentLib.phantoms import straight_tube
 
@@ -21,7 +21,7 @@ def test_the_stent_is_a_slice_of_its_surroundings():
     tube = straight_tube(length=60.0)
     axis = extended_axis(tube.surface, [[0, 0, 20.3], [0, 0, 41.0]], tube.centerline)
     stations = axis_stations(axis)
-    around, own = profile_around(tube.surface, stations), stations.own
+    around, own = measured_around(tube.surface, stations), stations.own
     alone = diameter_profile(tube.surface, axis.of_stent)
     np.testing.assert_allclose(around.arc_length[own], alone.arc_length, atol=1e-9)
     np.testing.assert_allclose(around.inscribed_diameter[own], alone.inscribed_diameter, atol=1e-3)
@@ -36,7 +36,7 @@ def test_a_stent_before_a_cap_is_in_a_vessel_as_wide_as_it_is(gap):
     surface = Surface(*a_capped_duct(a_circle()))
     line = np.array([[0.1, 0, 1e-9], [0.1, 0, LENGTH]])
     axis = ExtendedAxis(Line(line), gap, 15.0)
-    profile = profile_around(surface, axis_stations(axis))
+    profile = measured_around(surface, axis_stations(axis))
     np.testing.assert_allclose(
         profile.inscribed_diameter, 2 * RADIUS * np.cos(np.pi / 32), rtol=1e-4
     )
@@ -50,7 +50,7 @@ def test_between_a_stent_and_the_inlet_of_a_patient_it_is_as_wide(start, data_di
     way = tree.path(tree.points[tree.roots[0]], leaf).points
     axis = extended_axis(made.surface, Line(way).cut(start, start + 26.0).points, tree)
     stations = axis_stations(axis)
-    around = profile_around(made.surface, stations)
+    around = measured_around(made.surface, stations)
     whole = diameter_profile(made.surface, way)
     at = Line(way).nearest(stations.points).arc_lengths
     before = (around.arc_length < 0) & (at > 0.5)

@@ -31,8 +31,6 @@ CAPS_WITHIN = 2.0
 _SOME = 1000
 """Corners of the surface that tell the width."""
 
-NO_CAPS: Indices = np.empty(0, dtype=np.int64)
-
 
 class OpenWall(NamedTuple):
     """A surface without some of its caps."""
@@ -57,7 +55,7 @@ def open_at_ends(surface: Surface, axis: Points) -> OpenWall:
 
 
 def past_closed_ends(
-    points: Points, triangles: Triangles, measured: Stations, caps: Indices = NO_CAPS
+    points: Points, triangles: Triangles, measured: Stations, caps: Indices
 ) -> Stations:
     """The stations, spheres that touch a closed end of the vessel measured anew without its cap.
 

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..cautions import Caution
 from ..geometry import Line, Surface, as_line, as_surface, segment_count
 from ..validation import Flags, Floats, Indices, InputError, Points, read_only
-from .closed_ends import NO_CAPS, open_at_ends, past_closed_ends
+from .closed_ends import open_at_ends, past_closed_ends
 from .cross_section import winding_numbers
 from .cut_sections import cut_at_ostia
 from .rounded_ends import past_rounded_ends
@@ -158,7 +158,7 @@ def diameter_profile(
     stations = line.resampled_to(count * between + 1)
     wall = open_at_ends(surface, stations.points)
     measured = measured_at(surface, stations.points, stations.directions, wall.triangles)
-    profile = profile_of(surface, stations.arc_lengths, measured, caps=wall.caps)
+    profile = profile_of(surface, stations.arc_lengths, measured, wall.caps)
     return profile.taken(slice(None, None, between))
 
 
@@ -166,8 +166,8 @@ def profile_of(
     surface: Surface,
     arc_length: Floats,
     measured: Stations,
+    caps: Indices,
     parts: Sequence[slice] = (slice(None),),
-    caps: Indices = NO_CAPS,
 ) -> DiameterProfile:
     """`diameter_profile` of stations along an axis that are measured, in their order.
 
@@ -179,10 +179,10 @@ def profile_of(
         Positions of the stations, mm, from wherever they count.
     measured : Stations
         About equally far apart. The vessel may end at the first and the last one only.
+    caps : (m,) array of int
+        Triangles that spheres did not see, whatever a stent has made of them since.
     parts : sequence of slice
         Stations among which openings are looked for together; what the last one says counts.
-    caps : (m,) array of int, optional
-        Triangles that spheres did not see, whatever a stent has made of them since.
     """
     points, triangles = surface.points, surface.triangles
     seen = np.delete(triangles, caps, axis=0) if len(caps) else triangles

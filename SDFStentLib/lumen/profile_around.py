@@ -8,10 +8,9 @@ import numpy as np
 
 from ..geometry import Line, Surface
 from ..validation import Floats, Indices, Points
-from .closed_ends import NO_CAPS, open_at_ends
 from .extended_axis import ExtendedAxis
 from .metrics import DiameterProfile, profile_of
-from .stations import Stations, measured_at
+from .stations import Stations
 
 SHORTEST = 1e-6
 """Less vessel than this beyond an end is rounding, mm."""
@@ -65,10 +64,7 @@ def _part(line: Line, spacing: float, start: float) -> tuple[Floats, ...]:
 
 
 def profile_around(
-    surface: Surface,
-    stations: AxisStations,
-    measured: Stations | None = None,
-    caps: Indices = NO_CAPS,
+    surface: Surface, stations: AxisStations, measured: Stations, caps: Indices
 ) -> DiameterProfile:
     """The profile of a stent and of its surroundings; that of the stent alone is a part of it.
 
@@ -78,9 +74,9 @@ def profile_around(
         mm.
     stations : AxisStations
         Along the extended axis of the stent.
-    measured : Stations, optional
-        What is known there; measured now without.
-    caps : (m,) array of int, optional
+    measured : Stations
+        What is known there.
+    caps : (m,) array of int
         Triangles that the spheres of `measured` did not see.
 
     Returns
@@ -89,7 +85,4 @@ def profile_around(
         Positions count from the proximal end of the stent. Vessels may be closed at both ends of
         the extended axis, not at those of the stent.
     """
-    if measured is None:
-        wall, caps = open_at_ends(surface, stations.points)
-        measured = measured_at(surface, stations.points, stations.directions, wall)
-    return profile_of(surface, stations.arc_length, measured, stations.parts, caps)
+    return profile_of(surface, stations.arc_length, measured, caps, stations.parts)
