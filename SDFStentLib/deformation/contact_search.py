@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry import dot
+from ..geometry import dot, search_tree
 from ..validation import Points
 
 FEW = 32
@@ -31,7 +30,7 @@ class ContactSearch:
 
     def __init__(self, points: Points, *, is_exact: bool = False) -> None:
         self._points = points
-        self._tree = _tree(points) if len(points) > FEW or is_exact else None
+        self._tree = search_tree(points) if len(points) > FEW or is_exact else None
 
     def nearest(
         self, points: Points, bound: float
@@ -67,13 +66,3 @@ def squared_distances(
         pairs += squares
         pairs += dot(local, local)[:, None]
         yield part, pairs
-
-
-def _tree(points: Points) -> Any:
-    """A k-d tree; unbalanced and without compact nodes it builds faster and answers as fast.
-
-    SciPy's spatial package takes half a second to import, so it is imported when first needed.
-    """
-    from scipy.spatial import cKDTree
-
-    return cKDTree(points, balanced_tree=False, compact_nodes=False)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ..geometry import (
     across,
+    bits,
     closest_points_on_triangles,
     compacted,
     connected,
@@ -127,8 +128,8 @@ class WallAround:
         # Half of the squares of the distances, but for the stations' own, the same for all.
         squares = halves - product(stations - self._middle, corners)
         nearest = squares.min(axis=1, keepdims=True)
-        bits = np.packbits(squares <= nearest + slack, axis=0)[0]
-        one, other, third = (bits.take(corner) for corner in self.triangles.T)
+        near = bits(squares <= nearest + slack)[0]
+        one, other, third = (near.take(corner) for corner in self.triangles.T)
         may_be = one | other | third
         rows = np.flatnonzero(may_be)
         station, row = np.nonzero(np.unpackbits(may_be[None, rows], axis=0, count=len(stations)))

@@ -28,12 +28,14 @@ from .named_faces import NamedFaces as NamedFaces
 from .named_faces import checked_faces as checked_faces
 from .near_balls import Balls as Balls
 from .near_balls import nearest_distances as nearest_distances
+from .near_balls import search_tree as search_tree
 from .plane_cut import CutSurface as CutSurface
 from .plane_cut import SectionAround as SectionAround
 from .plane_cut import cut_along as cut_along
 from .plane_cut import section_around as section_around
 from .precision import Precision as Precision
 from .rows import across as across
+from .rows import bits as bits
 from .rows import blocks_of as blocks_of
 from .rows import dot as dot
 from .rows import norm as norm

@@ -23,6 +23,10 @@ _ALIKE = 1.5
 _STEPS = 64
 """and all that are smaller than so many such factors."""
 
+_LEAF = 48
+"""Points in a leaf of a search tree: made and asked in three quarters of the time that SciPy's
+usual 10 take."""
+
 
 class _Alike(NamedTuple):
     """Balls of about one size."""
@@ -52,10 +56,11 @@ class Balls:
         step = np.fmin(step, _STEPS).astype(np.int64)
         number = _parts(np.bincount(step))[step]
         if not number.any():
-            return (_Alike(np.arange(len(step)), float(self.radii.max()), _tree(self.middles)),)
+            tree = search_tree(self.middles)
+            return (_Alike(np.arange(len(step)), float(self.radii.max()), tree),)
         each = (np.flatnonzero(number == one) for one in range(int(number.max()) + 1))
         return tuple(
-            _Alike(own, float(self.radii[own].max()), _tree(self.middles.take(own, axis=0)))
+            _Alike(own, float(self.radii[own].max()), search_tree(self.middles.take(own, axis=0)))
             for own in each
         )
 
@@ -98,7 +103,7 @@ class Balls:
 
 def nearest_distances(places: Points, points: Points) -> Floats:
     """Distance (n,) from every place to the nearest of some points; at least one."""
-    return np.asarray(_tree(points).query(places)[0])
+    return np.asarray(search_tree(points).query(places)[0])
 
 
 def _parts(counts: Indices) -> Indices:
@@ -117,12 +122,12 @@ def _parts(counts: Indices) -> Indices:
     return part
 
 
-def _tree(points: Points) -> cKDTree:
+def search_tree(points: Points) -> cKDTree:
+    """Points (n, 3) that are asked a few times only: made ready as quickly as can be."""
     # Late: scipy costs what a first frame should not pay.
     from scipy.spatial import cKDTree
 
-    # Asked a few times only: made as quickly as can be.
-    return cKDTree(points, balanced_tree=False, compact_nodes=False)
+    return cKDTree(points, leafsize=_LEAF, balanced_tree=False, compact_nodes=False)
 
 
 def _flat(lists: Sequence[list[int]]) -> tuple[Indices, Indices]:

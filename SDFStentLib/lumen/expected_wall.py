@@ -9,7 +9,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry import Line, Surface
+from ..geometry import Line, Surface, search_tree
 from ..validation import Floats, Points, read_only
 from .wall_map import (
     RAYS,
@@ -122,11 +122,8 @@ def expected_tube(surface: Surface, axis: Line) -> Tube:
 def far_reach(surface: Surface, stations: Points) -> float:
     """How far from some points (n, 3) the wall of their vessel is looked for, mm."""
     if (tree := _trees.get(surface)) is None:
-        # Late: scipy costs what a first frame should not pay.
-        from scipy.spatial import cKDTree
-
         some = surface.points[:: max(1, len(surface.points) // _SOME)]
-        tree = _trees[surface] = cKDTree(some, balanced_tree=False, compact_nodes=False)
+        tree = _trees[surface] = search_tree(some)
     return FARTHEST * float(tree.query(stations)[0].max())
 
 

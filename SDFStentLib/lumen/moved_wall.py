@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry import Surface, dot, norm, product
+from ..geometry import Surface, dot, norm, product, search_tree
 from ..validation import Flags, Floats, Points, Triangles
 
 _APART = 1 / np.sqrt(3.0)
@@ -35,10 +35,7 @@ class MovedWall(NamedTuple):
         """Which balls (n,) it may reach; one whose radius is not known in any case."""
         is_near = np.isnan(radii)
         if len(self.places):
-            # Late: scipy costs what a first frame should not pay.
-            from scipy.spatial import cKDTree
-
-            tree = cKDTree(self.places, balanced_tree=False, compact_nodes=False)
+            tree = search_tree(self.places)
             reach = radii + self.apart
             columns = zip(centers.T, self.places.T, strict=True)
             beside = [(x + reach >= y.min()) & (x - reach <= y.max()) for x, y in columns]

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry import across, compacted, connected, dot, may_meet_box, product
+from ..geometry import across, bits, compacted, connected, dot, may_meet_box, product
 from ..validation import Flags, Floats, Indices, Points, Triangles
 
 _PAIRS = 1 << 21
@@ -219,16 +219,16 @@ def _cuts(points: Points, triangles: Triangles, centers: Points, normals: Points
     heights = product(normals, points.T) - dot(normals, centers)[:, None]
     is_above = heights >= 0
     # A bit for each station: eight are compared at once.
-    above = np.packbits(is_above, axis=0)
+    above = bits(is_above)
     one, other, third = (above.take(corner, axis=1) for corner in triangles.T)
     is_cut = (one ^ other) | (other ^ third)
     cut = np.flatnonzero(is_cut.any(axis=0))
     station, row = np.nonzero(np.unpackbits(is_cut.take(cut, axis=1), axis=0, count=len(centers)))
     rows = triangles.take(cut.take(row), axis=0)
     # Every cut triangle has one side that goes down through its plane and one that goes up.
-    bits = is_above[station[:, None], rows]
-    following = bits[:, [1, 2, 0]]
-    down, up = np.argmax(bits > following, axis=1), np.argmax(bits < following, axis=1)
+    over = is_above[station[:, None], rows]
+    following = over[:, [1, 2, 0]]
+    down, up = np.argmax(over > following, axis=1), np.argmax(over < following, axis=1)
     sides = np.r_[_sides(rows, down)[:, ::-1], _sides(rows, up)]
     crossing = (np.r_[station, station] * len(points) + sides[:, 0]) * len(points) + sides[:, 1]
     crossed, node = np.unique(crossing, return_inverse=True)

@@ -10,7 +10,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from ..cautions import Caution
-from ..geometry import Line, Surface, frames
+from ..geometry import Line, Surface, frames, search_tree
 from ..lumen import (
     FARTHEST,
     RAYS,
@@ -158,18 +158,14 @@ class _Moved:
     """The wall that a stent has moved."""
 
     def __init__(self, before: Surface, after: Surface) -> None:
-        # Late: scipy costs what a first frame should not pay.
-        from scipy.spatial import cKDTree
-
         motion = np.linalg.norm(after.points - before.points, axis=1)
         moved = np.flatnonzero(motion > 0)
         self.motion = motion[moved]
-        # Asked a few times: made as quickly as can be, of a vessel once for all first stents.
-        quick = {"balanced_tree": False, "compact_nodes": False}
+        # Of a vessel once for all first stents.
         if (wall := _walls.get(before)) is None:
-            wall = _walls[before] = cKDTree(before.points, **quick)
+            wall = _walls[before] = search_tree(before.points)
         self.wall = wall
-        self.points = cKDTree(before.points[moved], **quick) if len(moved) else None
+        self.points = search_tree(before.points[moved]) if len(moved) else None
 
     def part_of(self, way: NeighborWay) -> _Part | None:
         """The part of a way whose wall has moved; None where there is none of some length."""
