@@ -18,6 +18,7 @@ ROUNDING = 1e-9
 
 INLET, FORK = np.array([0.0, 0, 0]), np.array([0.0, 0, -40])
 WIDE_OUTLET, LONG_OUTLET = np.array([20.0, 0, -60]), np.array([-30.0, 0, -70])
+SIDES = ((0.2, WIDE_OUTLET), (-0.2, LONG_OUTLET))
 
 
 def a_line(start: np.ndarray, end: np.ndarray, step: float = 1.0) -> np.ndarray:
@@ -179,6 +180,34 @@ def test_a_line_that_touches_the_inside_of_a_segment_is_joined_there_without_a_g
     assert len(tree.points) == 5
     assert tree.points[tree.junctions].tolist() == [[5, 0, 0]]
     assert len(tree.children(int(tree.junctions[0]))) == 3
+
+
+@pytest.mark.parametrize("backward", [False, True])
+@pytest.mark.parametrize("radius", [None, 0.2])
+@pytest.mark.parametrize("seed", range(6))
+def test_lines_that_begin_at_places_of_one_inlet_cross_and_begin_there(seed, radius, backward):
+    """No end of the graph was left there: 15 of 165 trees began at an outlet."""
+    random = np.random.default_rng(seed)
+    tips = np.column_stack([30 * random.normal(size=(12, 2)), np.full(12, -70.0)])
+    pieces = [np.vstack([a_line(INLET, FORK), a_line(FORK, tip)[1:]]) for tip in tips]
+    for piece in pieces:
+        piece[:40] += 0.04 * random.normal(size=(40, 3))
+    points, lines = stacked([piece[::-1] for piece in pieces] if backward else pieces)
+    near = None if radius is None else np.clip(-points[:, 2], radius, 5.0)
+    tree = Centerline.from_lines(points, lines, near)
+    assert np.linalg.norm(tree.points[tree.roots] - INLET, axis=1).max() < 0.3
+
+
+def test_a_wall_tells_which_lines_run_in_one_vessel():
+    trunk = a_line(INLET, FORK)
+    beside = [np.vstack([trunk + np.array([x, 0, 0]), tip]) for x, tip in SIDES]
+    points, lines = stacked(beside)
+    turns = np.linspace(0, 2 * np.pi, 12, endpoint=False)
+    wall = [[5 * np.cos(a), 5 * np.sin(a), z] for z in range(-90, 10) for a in turns]
+    apart, together = (Centerline.from_lines(points, lines, wall=one) for one in (None, wall))
+    assert np.linalg.norm(together.points[together.junctions] - FORK, axis=1).max() < 1.0
+    assert np.linalg.norm(apart.points[apart.junctions] - FORK, axis=1).max() > 20.0
+    assert np.isnan(together.inscribed_radius).all()
 
 
 def test_pieces_too_far_apart_are_refused_with_gap_and_place():

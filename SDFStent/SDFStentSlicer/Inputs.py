@@ -75,16 +75,21 @@ class Inputs:
 
     def knownCenterline(self, parameterNode):
         """The same where it is converted already, else None."""
-        node, (stamp, centerline) = parameterNode.centerline, self._centerline
-        return centerline if node is not None and stamp == Conversion.changeStamp(node) else None
+        stamp, centerline = self._centerline
+        isKnown = parameterNode.centerline is not None and stamp == Conversion.inputStamp(
+            parameterNode
+        )
+        return centerline if isKnown else None
 
     def centerlineInPortions(self, parameterNode):
         """The same in portions: a generator that yields None and returns the centerline."""
         node = parameterNode.centerline
-        stamp = Conversion.changeStamp(node)
+        stamp = Conversion.inputStamp(parameterNode)
         if node is None or stamp != self._centerline[0]:
-            lines = Conversion.centerlineLines(node)
-            centerline = yield from inPortions(lambda: Centerline.from_lines(*lines))
+            lines, wall = Conversion.centerlineLines(node), None
+            if parameterNode.vessel is not None:
+                wall = (yield from self.vesselInPortions(parameterNode)).surface.points
+            centerline = yield from inPortions(lambda: Centerline.from_lines(*lines, wall=wall))
             self._centerline = (stamp, centerline)
         return self._centerline[1]
 

@@ -85,14 +85,15 @@ class Centerline:
         inscribed_radius: ArrayLike | None = None,
         *,
         inlet: ArrayLike | None = None,
+        wall: ArrayLike | None = None,
     ) -> Centerline:
         """The tree of a centerline file's lines, whatever made it.
 
         Points that coincide are one. Lines that run within a tenth of the inscribed radius of
         each other are one up to where they part. Pieces are joined across a gap smaller than the
-        local radius. Where the radius is unknown, 0.1 % and 1 % of the extent stand for these. A
-        loop is opened where it is farthest from the root; what then ends blind inside the sphere
-        of its junction is dropped.
+        local radius. Where no radius is known, the distance to the wall stands for it, and without
+        a wall 0.1 % and 1 % of the extent for these. A loop is opened where it is farthest from
+        the root; what then ends blind inside the sphere of its junction is dropped.
 
         The root is the end nearest to `inlet` if given. Else for polylines the end of the tree
         at which most lines start or end; then the end that is wider than every other one by a
@@ -109,6 +110,8 @@ class Centerline:
             Radius of the maximum inscribed sphere, mm.
         inlet : array_like, shape (3,), optional
             A point near the end that is the root, mm.
+        wall : array_like, shape (m, 3), optional
+            Points of the surface in which the lines lie, mm.
 
         Raises
         ------
@@ -116,7 +119,7 @@ class Centerline:
             No line, a line through one place only, nothing but a closed loop, indices that do not
             exist, coordinates that are not finite, or pieces too far apart.
         """
-        return cls(*tree_from_lines(points, lines, inscribed_radius, inlet=inlet))
+        return cls(*tree_from_lines(points, lines, inscribed_radius, inlet=inlet, wall=wall))
 
     @property
     def roots(self) -> Indices:

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..geometry import norm
 from ..validation import Floats, Indices, InputError, Points, as_point, as_points
 from .line_graph import LineGraph, near_pairs, reach_of, welded
 from .overlaps import OVERLAP_EXTENT, OVERLAP_FRACTION, merged_overlaps
@@ -39,6 +40,7 @@ def tree_from_lines(
     inscribed_radius: ArrayLike | None = None,
     *,
     inlet: ArrayLike | None = None,
+    wall: ArrayLike | None = None,
 ) -> PointTree:
     """The tree that the lines describe; see `Centerline.from_lines`, which documents it.
 
@@ -50,6 +52,9 @@ def tree_from_lines(
     checked = as_points(points, "centerline points")
     index_lines = _as_lines(lines, len(checked))
     radius = as_radii(inscribed_radius, len(checked))
+    is_known = bool(np.isfinite(radius).any())
+    if wall is not None and not is_known:
+        radius = _distances(checked, as_points(wall, "wall"))
     graph, line_ends = welded(checked, radius, index_lines)
     end_points = graph.points[line_ends]
     two_point_cells = len(index_lines) > 1 and all(len(line) == 2 for line in index_lines)
@@ -57,7 +62,17 @@ def tree_from_lines(
     graph = merged_overlaps(graph, line_ends)
     graph = _joined(graph)
     root = _root(graph, end_points, inlet, two_point_cells)
-    return _rooted(graph, root, end_points)
+    if inlet is None and not two_point_cells:
+        root = _common_begin(graph, [checked[line] for line in index_lines], end_points, root)
+    tree = _rooted(graph, root, end_points)
+    return tree if is_known else tree._replace(inscribed_radius=np.full(len(tree.points), np.nan))
+
+
+def _distances(points: Points, wall: Points) -> Floats:
+    """From every point (n,) to the nearest point of a wall, mm."""
+    from scipy.spatial import cKDTree
+
+    return np.asarray(cKDTree(wall, compact_nodes=False, balanced_tree=False).query(points)[0])
 
 
 def _as_lines(lines: Sequence[ArrayLike], point_count: int) -> list[Indices]:
@@ -156,6 +171,26 @@ def _root(
     # that are stored backward. Then rather the start of lines, then the widest, then the first.
     order = np.lexsort((leaves, -radius, -starts, ~is_widest, -np.maximum(starts, ends)))
     return int(leaves[order[0]])
+
+
+def _common_begin(graph: LineGraph, lines: Sequence[Points], line_ends: Floats, root: int) -> int:
+    """The node where more lines begin, or end, than at the root, and that no other line passes.
+
+    Lines that begin at places of one inlet cross before they are one, so that no end of the graph
+    may be left there.
+    """
+    reach = GAP_EXTENT * graph.extent()
+    sides = line_ends.transpose(1, 0, 2)
+    most = max(int((norm(ends - graph.points[root]) <= reach).sum()) for ends in sides)
+    for ends, others in zip(sides, sides[::-1], strict=True):
+        together = np.linalg.norm(ends[:, None] - ends, axis=2) <= reach
+        begins = together[int(together.sum(axis=1).argmax())]
+        middle = ends[begins].mean(axis=0)
+        passes = np.array([norm(line - middle).min() <= reach for line in lines]) & ~begins
+        passes |= norm(others - middle) <= reach
+        if begins.sum() > most and not passes.any():
+            most, root = int(begins.sum()), int(norm(graph.points - middle).argmin())
+    return root
 
 
 def _lines_at(graph: LineGraph, leaves: Indices, points: Points) -> Indices:

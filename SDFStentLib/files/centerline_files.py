@@ -84,14 +84,16 @@ class LineFile:
             return self.frame
         return "RAS" if self.frame == "LPS" else "LPS"
 
-    def centerline(self, root: Points | None = None) -> Centerline:
+    def centerline(self, root: Points | None = None, wall: Points | None = None) -> Centerline:
         """The tree of these lines; `InputError` naming the file where there is none.
 
-        Its root is the end nearest to `root`, (3,) mm; without it by the rules of
-        `Centerline.from_lines`.
+        Its root is the end nearest to `root`, (3,) mm; without it, and with points of a `wall`
+        (m, 3), by the rules of `Centerline.from_lines`.
         """
         try:
-            return Centerline.from_lines(self.points, self.lines, self.inscribed_radius, inlet=root)
+            return Centerline.from_lines(
+                self.points, self.lines, self.inscribed_radius, inlet=root, wall=wall
+            )
         except InputError as error:
             raise error.labeled(f"{self.path}: ") from error
 

@@ -97,7 +97,7 @@ def read_input_files(
     marks = marks.in_frame(surface_file.frame)
     if centerline is not None:
         line_file = in_frame_of(read_lines(centerline, units), surface_file.frame)
-        tree = line_file.centerline(marks.root)
+        tree = line_file.centerline(marks.root, surface_file.surface.points)
         warnings += line_file.warnings
         warnings += in_same_space(surface_file, tree.points, os.fspath(centerline))
     elif marks.names:
