@@ -138,8 +138,11 @@ def are_in_lumen(stations: Points, spheres: InscribedSpheres, surface: Surface) 
     holes = holes_of(surface)
     for middle, reach in zip(holes.middles, holes.radii, strict=True):
         radii = np.minimum(radii, np.linalg.norm(centers - middle, axis=1) - reach)
-    holds = np.linalg.norm(stations - centers, axis=1) < radii
+    margin = radii - np.linalg.norm(stations - centers, axis=1)
+    holds = margin > 0
     holds_next = np.linalg.norm(stations[1:] - centers[:-1], axis=1) < radii[:-1]
     group = np.cumsum(np.r_[True, ~(holds[:-1] & holds_next)]) - 1
-    first = np.searchsorted(group, np.arange(group[-1] + 1))
-    return np.asarray(closed_surface(surface).contains(stations[first])[group])
+    # A line may begin a little outside of a cap.
+    deepest = np.lexsort((-np.nan_to_num(margin), group))
+    asked = deepest[np.searchsorted(group, np.arange(group[-1] + 1))]
+    return np.asarray(closed_surface(surface).contains(stations[asked])[group])
