@@ -10,7 +10,7 @@ from SDFStentLib.centerline import Stretch
 from SDFStentLib.geometry import Line
 from SDFStentLib.vessel import find_lesions
 from SDFStentLib.vessel.lesion_sections import LesionLine, _smallest
-from SDFStentLib.vessel.narrowings import narrowings
+from SDFStentLib.vessel.narrowings import Plateau, Reference, narrowings
 from SDFStentLib.vessel.runs import SideBranch, VesselRun, _ostium
 
 SPACING = 0.5
@@ -148,3 +148,18 @@ def test_a_shallow_place_beside_a_throat_does_not_lend_it_its_farther_reference(
     throat = next(one for one in narrowings(vessel_along(beside)) if one.start < 37.5 < one.end)
     assert throat.reference.at(np.array([37.5]))[0] == pytest.approx(3.75, abs=0.1)
     assert throat.end - throat.start < 8
+
+
+def test_no_branch_is_measured_against_more_than_the_vessel_that_it_leaves():
+    """Of 4.5 mm, one of 3.6 that widens to 5.5 beyond: 64 % was told of 44 %."""
+    widening = through((0, 2.0), (4, 3.6), (12, 3.65), (20, 5.5), (40, 5.5))
+    (one,) = narrowings(vessel_along(widening, parent=0)._replace(origin=4.5))
+    assert one.reference.at(np.array([one.narrowest]))[0] == pytest.approx(3.6, abs=0.1)
+
+
+def test_the_healthy_vessel_steps_where_a_branch_leaves_and_not_before():
+    """At the station of the junction; a narrowing right beyond it was told against both sides."""
+    parts = SideBranch(10.0, 4.4, 1)
+    reference = Reference(Plateau(5.0, 4.6), Plateau(15.0, 3.6), (parts,))
+    before, at = reference.at(np.array([10.0 - 1e-6, 10.0]))
+    assert (before, at) == pytest.approx((4.6, 3.6))

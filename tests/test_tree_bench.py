@@ -20,6 +20,7 @@ from SDFStentLib.centerline import Centerline
 from SDFStentLib.geometry import Surface
 from SDFStentLib.plan import read_input_files
 from SDFStentLib.vessel.branch_lumen import branch_lumens
+from SDFStentLib.vessel.own_diameters import measured_runs
 from SDFStentLib.vessel.plateaus import healthy_caliber
 from SDFStentLib.vessel.runs import vessel_runs
 
@@ -210,7 +211,7 @@ def test_vessels_of_a_patient_are_called_as_wide_as_an_independent_search_finds_
     """5.1 mm were told of a branch whose lesion was measured against 6.6 mm."""
     names = [str(data_dir / f"su0243_{name}_mm.vtp") for name in ("surface", "centerline")]
     vessel = read_input_files(*names).vessel
-    runs = vessel_runs(branch_lumens(vessel.surface, vessel.centerline))
+    runs, _ = measured_runs(vessel.surface, vessel.centerline)
     wall = Wall(vessel.surface.points, vessel.surface.triangles, np.ones(1, dtype=int))
     for number in sorted({lesion.vessel for lesion in vessel.lesions[:2]}):
         run = runs[number]

@@ -20,7 +20,7 @@ from .branch_names import named_branches, size_words
 from .lesion_measuring import lesions_after, measured
 from .lesion_sections import HealthySections
 from .lesion_value import HealthyPlace, Lesion, reference_words
-from .narrowings import Narrowing, Plateau, narrowings
+from .narrowings import SMALLEST_DEGREE, Narrowing, Plateau, narrowings
 from .own_diameters import measured_runs
 from .plateaus import healthy_caliber
 from .runs import VesselRun, is_main
@@ -87,7 +87,9 @@ def find_lesions(
         is_small = lesion.reference_diameter < SMALL_VESSEL
         return is_small, not main[lesion.vessel], -lesion.percent_diameter
 
-    return tuple(sorted(_once(measured(lesions, surface)), key=rank))
+    least = 100 * SMALLEST_DEGREE
+    told = [one for one in measured(lesions, surface) if not one.percent_diameter < least]
+    return tuple(sorted(_once(told), key=rank))
 
 
 def _once(lesions: Sequence[Lesion]) -> list[Lesion]:
@@ -249,11 +251,15 @@ def _begun(
     lies.
     """
     run, narrow = found.run, found.narrow
-    inner = (run.along > narrow.start) & (run.along < narrow.end)
-    along = np.r_[narrow.start, run.along[inner], narrow.end]
-    line = np.vstack([_at(run, narrow.start), run.points[inner], _at(run, narrow.end)])
     known = np.isfinite(run.diameter)
-    ends = np.interp([narrow.start, narrow.end], run.along[known], run.diameter[known])
+    first, start = int(np.argmax(known)), narrow.start
+    if narrow.narrowest <= run.along[first] and first:
+        # At an ostium it may be narrower before the first station that is known.
+        start = float(run.along[first - 1])
+    inner = (run.along > start) & (run.along < narrow.end)
+    along = np.r_[start, run.along[inner], narrow.end]
+    line = np.vstack([_at(run, start), run.points[inner], _at(run, narrow.end)])
+    ends = np.interp([start, narrow.end], run.along[known], run.diameter[known], left=np.nan)
     at = int(np.abs(run.along - narrow.narrowest).argmin())
     unknown = float("nan")
     shift = float(starts[run.branch[at]] + run.branch_along[at] - run.along[at])
@@ -266,7 +272,7 @@ def _begun(
         branch_name=names[run.branch[at]],
         branch_arc_length=float(run.branch_along[at]),
         arc_length=float(run.along[at]) + shift,
-        start=float(narrow.start) + shift,
+        start=float(start) + shift,
         end=float(narrow.end) + shift,
         point=as_place(run.points[at]),
         minimum_diameter=unknown,

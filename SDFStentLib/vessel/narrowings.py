@@ -118,7 +118,7 @@ class Reference(NamedTuple):
         parts = any(one.caliber >= SAME_CALIBER * after for one in between)
         taken *= min(1.0, (1.0 if parts else IN_STEPS) * fall / max(taken.sum(), 1e-300))
         places = np.array([one.arc_length for one in between])
-        stepped = (along[:, None] > places) @ taken if between else 0.0
+        stepped = (along[:, None] >= places) @ taken if between else 0.0
         left = before**MURRAY_EXPONENT - stepped - share * (fall - taken.sum())
         return np.asarray(left ** (1 / MURRAY_EXPONENT))
 
@@ -184,11 +184,14 @@ def _sides(
     run: VesselRun, along: Floats, diameter: Floats, plateaus: Plateaus
 ) -> tuple[_Sides, _Sides]:
     """The plateaus on both sides of every station; what stands for one at a junction."""
-    before = _nearest(along, diameter, plateaus, 1)
-    after = _nearest(along, diameter, plateaus, -1)
+    # Where nothing proximal is as wide, no healthy branch is wider than the vessel it leaves.
+    most = np.maximum(run.origin, np.maximum.accumulate(diameter))
+    before = _nearest(along, diameter, plateaus, 1, most)
+    after = _nearest(along, diameter, plateaus, -1, most)
     own = before, after
     if run.parent >= 0:
-        before = _where_lost(own[0], own[1], _widest_seen(diameter, own[1].diameter), diameter)
+        wanted = np.minimum(_widest_seen(diameter, own[1].diameter), most)
+        before = _where_lost(own[0], own[1], wanted, diameter)
     calibers = np.array([one.caliber for one in run.division])
     # A branch of which nothing is known leaves open what the others ask for.
     if len(calibers) and calibers.all():
@@ -201,8 +204,10 @@ def _sides(
     return before, after
 
 
-def _nearest(along: Floats, diameter: Floats, plateaus: Plateaus, way: int) -> _Sides:
+def _nearest(along: Floats, diameter: Floats, plateaus: Plateaus, way: int, most: Floats) -> _Sides:
     """On one side of every station the nearest plateau that is nearly as wide as any in reach.
+
+    What is wider than the `most` (n,) asks for no more than that.
 
     One in which a station lies is on both of its sides.
     """
@@ -213,7 +218,7 @@ def _nearest(along: Floats, diameter: Floats, plateaus: Plateaus, way: int) -> _
     width, at = plateaus.narrowest[None, :], along[:, None]
     distance = np.maximum(way * (at - near), 0.0)
     can_be = (way * (at - far) >= 0) & (distance <= REFERENCE_REACH * width)
-    widest = np.where(can_be, width, -np.inf).max(axis=1)
+    widest = np.minimum(np.where(can_be, width, -np.inf).max(axis=1), most)
     enough = np.minimum(diameter + REGAINED * (widest - diameter), widest)
     is_wide = can_be & (width >= enough[:, None])
     nearest = np.where(is_wide, distance, np.inf).min(axis=1)

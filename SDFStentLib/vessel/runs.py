@@ -27,8 +27,11 @@ MAIN = 0.1
 from it is a main one. The narrowest left pulmonary arteries of the anatomies have 0.19, however
 wide the trunk is; one of 18 segments has 0.06."""
 
+CONTINUES = 0.75
+"""Share of what the rule above expects of a vessel beyond a side branch that it has at least."""
+
 LOCAL = 4.0
-"""Diameters above a junction over which the caliber of the vessel that comes is looked for."""
+"""Diameters from a junction over which the caliber of the vessel that comes is looked for."""
 
 
 class SideBranch(NamedTuple):
@@ -66,6 +69,8 @@ class VesselRun(NamedTuple):
     """Of the widest healthy part of what it leads to, mm; 0 where nothing is known."""
     outlets: int
     """To how many ends of the centerline it leads."""
+    origin: float = np.inf
+    """How wide its parent is about where it leaves, mm; without end for one that has none."""
 
     @property
     def points(self) -> Points:
@@ -84,7 +89,16 @@ def vessel_runs(lumens: Sequence[BranchLumen]) -> list[VesselRun]:
         run, leaving = _run(tree, first, parent, found[parent].generation + 1 if parent >= 0 else 0)
         found.append(run)
         waiting += [(number, len(found) - 1) for number in leaving]
-    return found
+    return [run._replace(origin=_origin(run, found)) for run in found]
+
+
+def _origin(run: VesselRun, runs: Sequence[VesselRun]) -> float:
+    """The usual diameter of a vessel's parent not far from where it leaves."""
+    if run.parent < 0:
+        return np.inf
+    parent = runs[run.parent]
+    is_near = np.abs(parent.along - run.along[0]) <= LOCAL * parent.diameter
+    return float(np.quantile(parent.diameter[is_near], USUAL)) if is_near.any() else np.inf
 
 
 def is_main(run: VesselRun, runs: Sequence[VesselRun]) -> bool:
@@ -109,7 +123,7 @@ def _continuation(tree: LumenTree, chain: Sequence[int]) -> int | None:
     left = here**MURRAY_EXPONENT - sum(other**MURRAY_EXPONENT for other in others)
     expected = max(left, 0.0) ** (1 / MURRAY_EXPONENT)
     are_alike = bool(others) and others[0] >= SAME_CALIBER * first
-    ends = first < SAME_CALIBER * (here if are_alike else expected)
+    ends = first < (SAME_CALIBER * here if are_alike else CONTINUES * expected)
     return None if ends else tree.straightest(chain[-1], tree.alike(chain[-1]))
 
 
