@@ -69,7 +69,8 @@ class Application:
     @calldata_type(VTK_OBJECT)
     def _add_to_subject_hierarchy(self, _scene: Any, _event: str, node: Any) -> None:
         # The application's plugins do this for every node that a user may see.
-        if isinstance(node, IN_SUBJECT_HIERARCHY) and not self.scene.IsImporting():
+        isMeant = isinstance(node, IN_SUBJECT_HIERARCHY) and not node.GetHideFromEditors()
+        if isMeant and not self.scene.IsImporting():
             hierarchy = slicer.vtkMRMLSubjectHierarchyNode.GetSubjectHierarchyNode(self.scene)
             hierarchy.CreateItem(hierarchy.GetSceneItemID(), node)
 

@@ -111,12 +111,9 @@ def open_vessel(scene: Any, surface: Path, centerline: Path | None, units: str =
     cautions = read_input_files(surface, centerline, units).warnings
     warnings = "\n".join(caution.sentence() for caution in cautions)
     vessel = _model(scene, surface, units)
-    vessel.GetDisplayNode().SetOpacity(0.5)
-    vessel.GetDisplayNode().SetColor(0.85, 0.45, 0.4)
     if centerline is None:
         return Opened(vessel, None, warnings=warnings)
     lines = _model(scene, centerline, units)
-    lines.GetDisplayNode().SetLineWidth(3)
     return Opened(vessel, lines, warnings=warnings)
 
 

@@ -142,7 +142,11 @@ def the_server(tmp_path_factory, the_folder):
 
 
 def is_centerline(red, green, blue):
-    return (red > blue + 90) & (green > blue + 50)
+    return (blue > red + 35) & (blue < red + 80) & (blue > green + 20)  # seen through the wall
+
+
+def is_selected_lesion(red, green, blue):
+    return (red > blue + 110) & (red > green + 60)
 
 
 class Visit:
@@ -273,6 +277,7 @@ def test_a_lesion_is_treated_by_two_stents_and_the_shell_repeats_the_plan(a_visi
     lesions = a_visit.named("lesionTable").locator("tbody tr")
     screen = a_visit.page.locator(".screen").bounding_box()
     lesions.first.locator("td").first.click()
+    a_visit.seen(is_selected_lesion)
     a_visit.add_stent()
     a_visit.add_stent()
     a_visit.number("lengthSlider").fill("12")

@@ -13,10 +13,9 @@ from vtkmodules.vtkFiltersCore import vtkAppendPolyData, vtkAssignAttribute, vtk
 from SDFStentLib.files import polydata_from_arrays, polydata_from_lines
 from SDFStentLib.stent import design_of, laid_along, stent_lattice
 
-from . import Outputs
+from . import Outputs, Showing
 
 STENT_COLOR = (0.72, 0.76, 0.80)
-CENTERLINE_COLOR = (0.15, 0.35, 0.75)
 OUTPUT_ROLES = ("outputVessel", "outputCenterline", "outputStents", "outputTable", "outputChart")
 FOLDER_ATTRIBUTE = "SDFStent.Results"
 TUBE_SIDES = 24
@@ -101,7 +100,7 @@ def resultsFolder(node):
 def showLines(node, points, lines):
     """Put poly-lines into a model node, in place."""
     _replaceContent(node, polydata_from_lines(points, lines))
-    node.GetDisplayNode().SetLineWidth(3)
+    node.GetDisplayNode().SetLineWidth(Showing.LINE_WIDTH)
 
 
 def showTubes(node, axes):

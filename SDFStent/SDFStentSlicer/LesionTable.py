@@ -8,6 +8,7 @@ from SDFStentLib.vessel import SMALLEST_DEGREE
 
 from . import Clock
 from .Columns import fitColumns
+from .LesionMarks import LesionMarks
 from .SteppedRun import SteppedRun
 
 SETTLE_MS = 250
@@ -24,7 +25,7 @@ class LesionTable:
     def __init__(self, ui, searchOf, onSelect, onFound):
         self.ui, self._searchOf, self._onSelect, self._onFound = ui, searchOf, onSelect, onFound
         self._parameterNode = self._search = self._inputs = None
-        self._updating = False
+        self._updating, self._marks = False, LesionMarks()
         self._run = SteppedRun(lambda _value: None, self._done)
         self._timer = Clock.timer(self._begin, SETTLE_MS)
         fitColumns(ui.lesionTable)
@@ -108,6 +109,7 @@ class LesionTable:
                     table.setItem(row, column, item)
         finally:
             self._updating = False
+        self._marks.show(lesions)
         table.visible = len(lesions) > 0
         self._offer()
         self.ui.lesionLabel.text = sentence
@@ -118,8 +120,10 @@ class LesionTable:
 
     def _selectionChanged(self):
         self._offer()
-        if not self._updating and self.selected is not None:
-            self._onSelect(self.selected)
+        if not self._updating:
+            self._marks.select(None if self.selected is None else self.ui.lesionTable.currentRow())
+            if self.selected is not None:
+                self._onSelect(self.selected)
 
     def _clicked(self, _row, _column):
         """Go there again when the selected one is clicked once more."""

@@ -30,7 +30,7 @@ from SDFStentLib.treatment import prescribed_diameters, residual_of, size_cautio
 from SDFStentLib.validation import InputError, one_line
 from SDFStentLib.vessel import lesions_within
 
-from . import Conversion, Display
+from . import Conversion, Display, Showing
 from .ParameterNode import SurfaceMap
 
 SERIES = {
@@ -46,7 +46,7 @@ def showEnd(parameterNode, run, lines):
     showStents(parameterNode, run.end()[1], isWhole=True)
     if run.centerline is not None:
         node = Display.outputModel(
-            parameterNode, "outputCenterline", _("Stented centerline"), Display.CENTERLINE_COLOR
+            parameterNode, "outputCenterline", _("Stented centerline"), Showing.LINE_COLOR
         )
         Display.showLines(node, run.centerline.points, lines)
     with slicer.util.NodeModify(parameterNode):

@@ -1,15 +1,33 @@
 """What is shown in place of something else: a node, or of a segmentation one segment in 3D."""
 
 ONE_COLOR = "SDFStent.OneColor"
+VESSEL_COLOR, VESSEL_OPACITY = (0.85, 0.81, 0.78), 0.55
+"""Lesions, lines and handles lie inside: before stents as after."""
+LINE_COLOR, LINE_WIDTH = (0.15, 0.35, 0.75), 3
+"""Of centerlines; pixels."""
 
 
-def inOneColor(*nodes):
-    """Show models without the colors of the arrays that they happen to have: once, for who wants them turns them on again."""
-    for node in nodes:
-        isModel = node is not None and node.IsA("vtkMRMLModelNode") and node.GetDisplayNode()
-        if isModel and not node.GetAttribute(ONE_COLOR):
-            node.SetAttribute(ONE_COLOR, "1")
-            node.GetDisplayNode().SetScalarVisibility(False)
+def inOneColor(vessel, centerline):
+    """Show models without the colors of the arrays that they happen to have, and a vessel that can be seen through.
+
+    Once: who wants it otherwise changes it again.
+    """
+    for node in (vessel, centerline):
+        display = node and node.GetDisplayNode()
+        if not display or node.GetAttribute(ONE_COLOR):
+            continue
+        node.SetAttribute(ONE_COLOR, "1")
+        isModel = node.IsA("vtkMRMLModelNode")
+        if isModel:
+            display.SetScalarVisibility(False)
+        if node is vessel and isModel:
+            display.SetColor(*VESSEL_COLOR)
+            display.SetOpacity(VESSEL_OPACITY)
+        elif node is vessel:
+            display.SetOpacity3D(VESSEL_OPACITY)
+        elif isModel:
+            display.SetColor(*LINE_COLOR)
+            display.SetLineWidth(LINE_WIDTH)
 
 
 def isShown(node, segmentID=""):

@@ -9,7 +9,6 @@ from . import Conversion, Display, Showing
 from .PointNormals import PointNormals, withNormals
 
 VESSEL_COLOR = (0.88, 0.47, 0.42)
-VESSEL_OPACITY = 0.55
 
 
 class SurfaceOutput:
@@ -78,7 +77,7 @@ def outputSurface(parameterNode, vessel, former):
     shown, template = parameterNode.outputVessel, vessel.polyData
     node = Display.outputModel(parameterNode, "outputVessel", _("Stented vessel"), VESSEL_COLOR)
     if node is not shown:
-        node.GetDisplayNode().SetOpacity(VESSEL_OPACITY)
+        node.GetDisplayNode().SetOpacity(Showing.VESSEL_OPACITY)
         node.GetDisplayNode().SetVisibility2D(True)
         Showing.setShown(parameterNode.vessel, False, Conversion.segmentOf(parameterNode))
     if former is not None:

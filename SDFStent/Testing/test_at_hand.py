@@ -77,7 +77,10 @@ def test_a_vessel_with_arrays_is_shown_in_one_color_once(host, theInputs):
     display = vessel.GetDisplayNode()
     assert not display.GetScalarVisibility()
     assert vessel.GetAttribute(ONE_COLOR)
+    assert display.GetOpacity() < 1
     display.SetScalarVisibility(True)  # the user wants to see them
+    display.SetOpacity(1.0)
     theInputs.ui.diameterSlider.value = 5.0
     theInputs.onParameterNodeModified()
     assert display.GetScalarVisibility()
+    assert display.GetOpacity() == 1

@@ -7,6 +7,7 @@ import pytest
 import slicer
 import vtk
 from panel_helpers import deploy, theThroat
+from PIL import Image
 
 
 def found(host, panel):
@@ -58,6 +59,60 @@ def test_a_click_goes_to_the_lesion_in_slices_and_3d(host, theInputs, aScene):
     camera.SetFocalPoint(9.0, 9.0, 9.0)
     clickRow(host, theInputs.ui.lesionTable, 0)  # once more: back again
     np.testing.assert_allclose(camera.GetFocalPoint(), lesion.point, atol=1e-6)
+
+
+def marks(scene):
+    """The numbers at the lesions, and the line along the selected one."""
+    found = [
+        [node for node in slicer.util.getNodesByClass(kind, scene) if node.GetHideFromEditors()]
+        for kind in ("vtkMRMLMarkupsFiducialNode", "vtkMRMLMarkupsCurveNode")
+    ]
+    return [nodes[0] if nodes else None for nodes in found]
+
+
+def orange(host, path):
+    """How many pixels of the 3D view, kept as a picture, are of a selected lesion."""
+    host.application.render(path)
+    red, _green, blue = np.moveaxis(np.asarray(Image.open(path).convert("RGB"), dtype=int), 2, 0)
+    return int(((red > blue + 110) & (red > 150)).sum())
+
+
+def test_lesions_are_marked_in_the_view_and_the_selected_one_is_seen_through_the_vessel(
+    host, theInputs, aScene, thePictures
+):
+    parameters, table = theInputs._parameterNode, theInputs.ui.lesionTable
+    selection = slicer.app.applicationLogic().GetSelectionNode()
+    placed = aScene.AddNewNodeByClass("vtkMRMLMarkupsLineNode").GetID()
+    lesions = found(host, theInputs)
+    numbers, extent = marks(aScene)
+    texts = [
+        numbers.GetNthControlPointLabel(n).strip()
+        for n in range(numbers.GetNumberOfControlPoints())
+    ]
+    assert texts == [str(1 + n) for n in range(len(lesions))]
+    np.testing.assert_allclose(numbers.GetNthControlPointPositionWorld(0), lesions[0].point)
+    assert extent is None
+    host.application.view.look(parameters.vessel.GetPolyData().GetBounds())
+    parameters.vessel.GetDisplayNode().SetOpacity(1.0)
+    before = orange(host, thePictures / "lesions_marked.png")
+    clickRow(host, table, 0)
+    extent = marks(aScene)[1]
+    ends = extent.GetCurvePointsWorld()
+    ends = [ends.GetPoint(0), ends.GetPoint(ends.GetNumberOfPoints() - 1)]
+    np.testing.assert_allclose(ends, lesions[0].line.points[[0, -1]], atol=1e-6)
+    assert numbers.GetNthControlPointSelected(0)
+    assert orange(host, thePictures / "lesion_selected.png") > before + 100
+    for node in (numbers, extent):
+        assert node.GetLocked()
+        assert not node.GetSaveWithScene()
+        assert not node.GetDisplayNode().GetSaveWithScene()
+    assert selection.GetActivePlaceNodeID() == placed  # a click adds no lesion
+    assert selection.GetActivePlaceNodeClassName() == "vtkMRMLMarkupsLineNode"
+    theInputs.exit()
+    assert marks(aScene) == [None, None]
+    theInputs.enter()
+    found(host, theInputs)
+    assert marks(aScene)[0] is not None
 
 
 def test_add_with_a_lesion_selected_places_a_stent_there_that_opens_it(host, theInputs):
