@@ -1,7 +1,6 @@
 """The few lines that the 3D views tell of the selected stent, in their upper left corner."""
 
 import slicer
-from slicer.i18n import tr as _
 from vtkmodules.vtkRenderingAnnotation import vtkCornerAnnotation
 
 from SDFStentLib.report import CERTIFIED, NOT_CERTIFIED
@@ -19,11 +18,11 @@ class AtHand:
     def __init__(self):
         self.text, self.kind = "", PENDING
 
-    def show(self, text, isOld=False):
-        """Show lines, one a row; of results that `isOld` instead of the last that they are of another plan."""
+    def show(self, text, instead=""):
+        """Show lines, one a row; `instead` of the last what else is to be known of them, where something is."""
         lines = text.split("\n")
-        if text and isOld:
-            lines[-1] = _("changed since; not deployed yet")
+        if text and instead:
+            lines[-1] = instead
         kind = {CERTIFIED: GOOD, NOT_CERTIFIED: BAD}.get(lines[-1], PENDING)
         self.text, self.kind = "\n".join(lines), kind
         self.write()

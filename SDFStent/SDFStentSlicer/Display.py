@@ -31,7 +31,7 @@ OLD_OPACITY = 0.25
 """Of a plot."""
 
 VIEW_LENGTHS, VIEW_DIAMETERS = 2.5, 8.0
-"""So many times the length of a lesion, or the diameter of its vessel, are seen when it is chosen."""
+"""So many times the length of a lesion or a stent, or the diameter of its vessel, are seen when it is gone to."""
 
 
 def outputModel(parameterNode, role, name, color):
@@ -317,6 +317,6 @@ def showPlace(point, size):
         camera.ResetClippingRange()
 
 
-def sizeRound(lesion):
-    """How much is to be seen of a lesion and of what lies beside it, mm."""
-    return max(VIEW_LENGTHS * lesion.length, VIEW_DIAMETERS * lesion.reference_diameter)
+def sizeRound(length, diameter):
+    """How much is to be seen of a lesion or a stent and of what lies beside it, mm."""
+    return max(VIEW_LENGTHS * length, VIEW_DIAMETERS * diameter)

@@ -57,6 +57,17 @@ def newHandle(centerline, values):
     return handle
 
 
+def bringTo(node, className, points):
+    """Move the placed points of a handle; false, and nothing is done, where it is of another kind or has more or fewer."""
+    placed = Conversion.placedIndices(node)
+    if not node.IsA(className) or len(placed) != len(points):
+        return False
+    with slicer.util.NodeModify(node):
+        for index, point in zip(placed, points, strict=True):
+            node.SetNthControlPointPositionWorld(index, *point)
+    return True
+
+
 def copyHandle(node, label):
     """A handle of ours with the placed points of another one; a curve runs as the other one does."""
     points = [] if node is None else Conversion.placedPoints(node)

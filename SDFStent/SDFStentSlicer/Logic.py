@@ -4,6 +4,7 @@ import logging
 import sys
 import weakref
 
+import numpy as np
 import slicer
 from slicer.i18n import tr as _
 from slicer.ScriptedLoadableModule import ScriptedLoadableModuleLogic
@@ -12,6 +13,7 @@ from SDFStentLib.treatment import SizingWishes
 from SDFStentLib.validation import DeploymentError, InputError
 
 from . import (
+    Conversion,
     Dependencies,
     Deploying,
     Display,
@@ -30,6 +32,7 @@ from .Inputs import Inputs
 from .ParameterNode import (
     MethodParameters,
     SDFStentParameterNode,
+    stentOf,
 )
 from .Planning import Planning
 from .Portions import working
@@ -263,7 +266,20 @@ class SDFStentLogic(
             parameterNode.expansion = 0.0
             Results.clearNumbers(parameterNode)
 
-    showPlace = staticmethod(Display.showPlace)
+    @staticmethod
+    def showLesion(lesion):
+        """Center all views on a lesion."""
+        Display.showPlace(lesion.point, Display.sizeRound(lesion.length, lesion.reference_diameter))
+
+    @staticmethod
+    def showStent(parameterNode):
+        """Center all views on the selected stent, once it is placed."""
+        stent = stentOf(parameterNode)
+        points = [] if stent.handle is None else Conversion.placedPoints(stent.handle)
+        if len(points):
+            length = max(Sizes.lengthOf(stent), float(np.linalg.norm(np.ptp(points, axis=0))))
+            Display.showPlace(np.mean(points, axis=0), Display.sizeRound(length, stent.diameter))
+
     showPlot = staticmethod(Layouts.showPlot)
     showTable = staticmethod(Layouts.showTable)
 

@@ -83,7 +83,9 @@ class PanelState:
         )
         self.ui.cancelButton.enabled = self._session.mayBeCancelled
         self.ui.progressBar.visible = isDeploying
-        self.ui.resetButton.enabled = self.ui.expansionSlider.enabled = hasSteps and not running
+        self.ui.beforeButton.enabled = self.ui.expansionSlider.enabled = hasSteps and not running
+        isBefore = hasSteps and not running and parameterNode.expansion <= 0
+        self.ui.beforeButton.text = _("After") if isBefore else _("Before")
         self.ui.stentEditor.enabled = self.ui.stentDetails.enabled = count > 0
         stent = stentOf(parameterNode)
         isCurve = stent.placement == Placement.ALONG_CURVE
@@ -100,7 +102,8 @@ class PanelState:
             parameterNode.vessel is not None or parameterNode.centerline is not None
         )
         self.ui.extractButton.enabled = parameterNode.vessel is not None
-        self.ui.copyStentButton.enabled = self.ui.removeStentButton.enabled = count > 0
+        for name in ("copyStentButton", "removeStentButton", "zoomButton"):
+            getattr(self.ui, name).enabled = count > 0
         self.ui.moveUpButton.enabled = parameterNode.selected > 0
         self.ui.moveDownButton.enabled = 0 <= parameterNode.selected < count - 1
         self.ui.savePlanButton.enabled = not missing
@@ -112,9 +115,9 @@ class PanelState:
         self.ui.wedgePressureSpinBox.enabled = hasFlow and hasPressure
         self.ui.installSolverButton.visible = Flow.lacksSolver(parameterNode)
         self.ui.warningLabel.visible = bool(parameterNode.warningSummary)
-        self._tell(parameterNode, standing)
+        self._tell(parameterNode, standing, isBefore)
 
-    def _tell(self, parameterNode, standing):
+    def _tell(self, parameterNode, standing, isBefore):
         """The line below Deploy; results that no longer belong to the plan are said to be old, unless they are renewed anyway."""
         isRenewed = self._session.isRenewing(standing)
         isOld = not isRenewed and self._logic.hasChanged(parameterNode, standing)
@@ -128,7 +131,9 @@ class PanelState:
         if parameterNode.outputChart is not None:
             isTold = bool(parameterNode.certificateSummary)
             Display.fadeChart(parameterNode.outputChart, isOld or not isTold)
-        self.atHand.show(parameterNode.atHand, isOld)
+        instead = _("seen before the stents") if isBefore else ""
+        instead = _("changed since; not deployed yet") if isOld else instead
+        self.atHand.show(parameterNode.atHand, instead)
         sentences = [standing.missing, parameterNode.status, changed if isOld else ""]
         self.ui.statusLabel.text = printable("\n".join(filter(None, sentences)))
         self.ui.statusLabel.visible = bool(self.ui.statusLabel.text)

@@ -118,8 +118,38 @@ def load(path, parameterNode):
     """
     plan = load_plan(path)
     frame = plan.frame or Conversion.fileFrame(parameterNode.vessel) or "RAS"
+    _take(replace(plan, frame=frame), path, parameterNode, {})
+    told = []
+    if plan.flow is not None and plan.flow.wave is not None:
+        told.append(_("Of the wave of the plan's flow the mean and the peak are taken."))
+    if plan.frame is None:
+        words = _("The plan does not name the frame of its points; {frame} is taken.")
+        told.append(words.format(frame=frame))
+    return " ".join(told)
+
+
+def textOf(parameterNode):
+    """The plan as the text of its document. Raises `InputError` while a stent is not placed."""
+    return plan_text(planOf(parameterNode))
+
+
+def restore(text, parameterNode):
+    """Bring back stents and method of such a text, with the handles that there are and new ones for stents that were removed."""
+    former = {stent.label: stent.handle for stent in stentsOf(parameterNode)}
+    chosen = parameterNode.selected
+    with slicer.util.NodeModify(parameterNode):
+        _take(plan_from_document(json.loads(text)), _("Plan"), parameterNode, former)
+        StentList(parameterNode).select(min(max(chosen, 0), len(parameterNode.stents) - 1))
+    left = [stent.handle for stent in stentsOf(parameterNode)]
+    for handle in former.values():
+        if handle not in left:
+            Handles.removeHandle(handle)
+
+
+def _take(plan, path, parameterNode, handles):
+    """Replace stents and method; `handles` by the names of their stents are moved to where they belong, others made."""
     rows = _rows(path, plan.stents)
-    planned = [_inFrame(row.stent, frame) for row in rows]
+    planned = [_inFrame(row.stent, plan.frame) for row in rows]
     stents = [
         {**valuesOf(stent), "redilation": row.redilation}
         for stent, row in zip(planned, rows, strict=True)
@@ -134,21 +164,16 @@ def load(path, parameterNode):
     ):  # nothing is refused from here on
         isAgain = row.original is not None
         values["handle"] = (
-            stents[row.original]["handle"] if isAgain else _handleOf(stent, values["label"])
+            stents[row.original]["handle"]
+            if isAgain
+            else _handleOf(stent, values["label"], handles.get(values["label"]))
         )
     with slicer.util.NodeModify(parameterNode):
         parameterNode.method = MethodParameters(**method)
         for name, value in flow.items():
             setattr(parameterNode, name, value)
-        parameterNode.planDocument = plan_text(replace(plan, frame=frame))
+        parameterNode.planDocument = plan_text(plan)
         StentList(parameterNode).replace(stents, 0 if stents else -1)
-    told = []
-    if plan.flow is not None and plan.flow.wave is not None:
-        told.append(_("Of the wave of the plan's flow the mean and the peak are taken."))
-    if plan.frame is None:
-        words = _("The plan does not name the frame of its points; {frame} is taken.")
-        told.append(words.format(frame=frame))
-    return " ".join(told)
 
 
 class _Row(NamedTuple):
@@ -272,9 +297,11 @@ def valuesOf(stent):
     return values if stent.length is None else {**values, "length": stent.length}
 
 
-def _handleOf(planned, label):
+def _handleOf(planned, label, former=None):
     kind, points = _kindAndPoints(planned.placement)
     className = Handles.CURVE if kind == Placement.ALONG_CURVE else Handles.POINTS
+    if former is not None and Handles.bringTo(former, className, points):
+        return former
     return Handles.createHandle(slicer.mrmlScene, label, points, className)
 
 

@@ -26,6 +26,7 @@ class StentButtons:
             self._onKey(f"Shift+{key}", lambda way=direction: self._moveStent(FINE_STEP * way))
         self.ui.moveUpButton.connect("clicked()", lambda: self.stents.move(-1))
         self.ui.moveDownButton.connect("clicked()", lambda: self.stents.move(1))
+        self.ui.zoomButton.connect("clicked()", lambda: self.logic.showStent(self._parameterNode))
         self.ui.loadPlanButton.connect("clicked()", self.onLoadPlan)
         self.ui.savePlanButton.connect("clicked()", self.onSavePlan)
         self.ui.placementComboBox.connect("activated(int)", self.onPlacementActivated)

@@ -9,11 +9,12 @@ from vtkmodules.util.misc import calldata_type
 from vtkmodules.util.vtkConstants import VTK_OBJECT
 from vtkmodules.vtkCommonCore import vtkCommand
 
-from . import Conversion, Display, ExtractCenterline, Outputs, Showing
+from . import Conversion, ExtractCenterline, Outputs, Showing
 from .DeploySession import DeploySession
 from .DeviceSection import DeviceSection
 from .ExportSection import ExportSection
 from .GuiBinding import GuiBinding
+from .History import HistoryButtons
 from .InputWatch import InputWatch
 from .LesionTable import LesionTable
 from .Logic import SDFStentLogic
@@ -64,7 +65,7 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
         self.plans = PlanTable(self.ui, self.logic, self._attempt, self._switchTo)
         self.sections = [
             kind(self.ui, self.logic, self._attempt)
-            for kind in (DeviceSection, ShapeSection, ExportSection, SegmentSection)
+            for kind in (HistoryButtons, DeviceSection, ShapeSection, ExportSection, SegmentSection)
         ]
         self.recoil = RecoilRule(self.logic, self._onPrepared)
         self.preparation = SteppedRun(lambda _value: None, self._onPrepared)
@@ -286,7 +287,7 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
         )
         self.ui.deployButton.connect("clicked()", self.onDeploy)
         self.ui.cancelButton.connect("clicked()", self.onCancel)
-        self.ui.resetButton.connect("clicked()", lambda: self.logic.reset(self._parameterNode))
+        self.ui.beforeButton.connect("clicked()", self.onBefore)
         self.ui.expansionSlider.connect("valueChanged(double)", self.onExpansionChanged)
         self.ui.showPlotButton.connect(
             "clicked()", lambda: self.logic.showPlot(self._parameterNode)
@@ -321,7 +322,7 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
         self.stents.enable(row, enabled)
 
     def _onSelectLesion(self, lesion):
-        self.logic.showPlace(lesion.point, Display.sizeRound(lesion))
+        self.logic.showLesion(lesion)
 
     def _prepare(self):
         """Let the first preview wait for nothing that can be made now; the vessel is known by now."""
@@ -343,6 +344,10 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
     def onExpansionChanged(self, percent):
         if self._parameterNode is not None and not self.session.isRunning:
             self.logic.showStep(self._parameterNode, percent)
+
+    def onBefore(self):
+        """The vessel without stents, or with them again."""
+        self.ui.expansionSlider.value = 0.0 if self.ui.expansionSlider.value > 0 else 100.0
 
     def onCancel(self):
         self.session.cancel()

@@ -56,7 +56,7 @@ def test_the_view_tells_of_the_stent_while_it_is_dragged_and_when_it_is_measured
     lines, annotation = corner()
     assert lines[-1] == "changed since; not deployed yet"
     assert annotation.GetTextProperty().GetColor() != good
-    host.click(ui.resetButton)
+    aStent.logic.reset(aStent._parameterNode)
     assert corner()[0] == [""]
     aStent.exit()
     assert corner()[0] == [""]

@@ -164,7 +164,7 @@ def test_the_expansion_slider_goes_back_and_forth(host, aStent):
     aStent.ui.expansionSlider.value = 80
     between = pointsOf(parameters.outputVessel)
     assert 0 < np.abs(between - original).max() < np.abs(final - original).max()
-    host.click(aStent.ui.resetButton)
+    host.click(aStent.ui.beforeButton)
     np.testing.assert_array_equal(
         slicer.util.arrayFromModelPoints(parameters.outputVessel), original
     )

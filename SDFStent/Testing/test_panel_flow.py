@@ -72,7 +72,7 @@ def test_another_flow_is_told_without_another_deployment(host, aStent):
     assert "ressure" not in ui.lumenLabel.text
     assert not session.isBusy
     assert aStent.logic.lastRun(aStent._parameterNode) is run
-    host.click(ui.resetButton)
+    aStent.logic.reset(aStent._parameterNode)
     ui.flowMeanSpinBox.value = 3.0
     settle(host, aStent)
     assert ui.lumenLabel.text == ""

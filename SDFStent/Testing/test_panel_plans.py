@@ -160,7 +160,7 @@ def test_the_table_says_what_the_results_say(host, aPlan):
     ]
     aPlan.ui.diameterSlider.value = 8.0
     assert aPlan.ui.planTable.item(0, 1).toolTip().endswith("Changed since this deployment.")
-    host.click(aPlan.ui.resetButton)
+    aPlan.logic.reset(aPlan._parameterNode)
     assert rowOf(aPlan, 0)[1:] == [""] * 4
 
 

@@ -99,7 +99,7 @@ def test_without_stents_the_vessel_is_as_it_was(host, aStent, aScene, tmp_path, 
     names = [node.GetName() for node in slicer.util.getNodesByClass("vtkMRMLModelNode")]
     assert not [name for name in names if "tent" in name]
     assert not slicer.util.getNodesByClass("vtkMRMLPlotChartNode")
-    for button in (ui.resetButton, ui.showPlotButton, ui.showTableButton, ui.expansionSlider):
+    for button in (ui.beforeButton, ui.showPlotButton, ui.showTableButton, ui.expansionSlider):
         assert not button.enabled
     host.click(ui.addStentButton)  # and all of it can be had again
     aStent._parameterNode.stent.handle.SetNthControlPointPositionWorld(0, *theThroat())

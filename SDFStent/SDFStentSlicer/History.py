@@ -1,0 +1,85 @@
+"""What a plan was before: its stents and its method go back, and forth again."""
+
+from SDFStentLib.validation import InputError
+
+from . import Clock, Plans
+
+SETTLE_MS = 400
+"""A plan has to rest so long to be kept: all that a hand does at one go is one step."""
+MOST = 100
+
+
+class History:
+    """The documents of one plan for one vessel; `note` keeps another one where the plan has changed."""
+
+    def __init__(self, parameterNode):
+        self.parameterNode = parameterNode
+        self._inputs, self._documents, self._at = None, [], -1
+
+    def _inputsNow(self):
+        return self.parameterNode.vessel, self.parameterNode.centerline
+
+    @property
+    def isOfAnother(self):
+        """Whether what is kept is of another vessel, or nothing is."""
+        return self._inputsNow() != self._inputs
+
+    def note(self):
+        """Keep the plan as it is now. One whose stents are not all placed is kept once they are; of another vessel nothing is."""
+        if self.isOfAnother:
+            self._inputs, self._documents, self._at = self._inputsNow(), [], -1
+        try:
+            document = Plans.textOf(self.parameterNode)
+        except InputError:
+            return
+        if self._at < 0 or document != self._documents[self._at]:
+            self._documents = [*self._documents[: self._at + 1], document][-MOST:]
+            self._at = len(self._documents) - 1
+
+    def mayGo(self, steps):
+        """Whether there is a plan so many steps before this one, or behind it."""
+        return 0 <= self._at + steps < len(self._documents)
+
+    def go(self, steps):
+        """Make the plan as it was so many steps before, or as it is behind."""
+        self.note()
+        if self.mayGo(steps):
+            self._at += steps
+            Plans.restore(self._documents[self._at], self.parameterNode)
+            self._documents[self._at] = Plans.textOf(self.parameterNode)
+
+
+class HistoryButtons:
+    """*Undo* and *Redo*."""
+
+    def __init__(self, ui, _logic, attempt):
+        self.ui, self._attempt = ui, attempt
+        self._histories, self._history = {}, None
+        self._timer = Clock.timer(self._note, SETTLE_MS)
+        ui.undoButton.connect("clicked()", lambda: self._go(-1))
+        ui.redoButton.connect("clicked()", lambda: self._go(1))
+
+    def show(self, parameterNode):
+        """The parameter node that is shown now, whose plan may have changed."""
+        key = parameterNode.parameterNode.GetID()
+        history = self._histories.get(key)
+        if history is None or history.parameterNode is not parameterNode:
+            history = self._histories[key] = History(parameterNode)
+        self._history = history
+        if history.isOfAnother:
+            history.note()  # what is done at once is taken back, too
+        self._timer.start()
+        self._offer()
+
+    def _note(self):
+        if self._history.parameterNode.parameterNode.GetScene() is not None:
+            self._history.note()
+            self._offer()
+
+    def _go(self, steps):
+        self._attempt(lambda: self._history.go(steps))
+        self._offer()
+
+    def _offer(self):
+        self.ui.undoButton.enabled = self._history.mayGo(-1)
+        self.ui.redoButton.enabled = self._history.mayGo(1)
