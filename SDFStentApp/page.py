@@ -211,6 +211,18 @@ class Page:
             self.attempt(lambda: widget.edit(value))
             self._flush()
 
+    def key(self, name: str, key: str) -> None:
+        """A key, as Qt calls it, that was pressed in a widget."""
+        if key == "Esc" and self.server.state.chooser:
+            self.choose("", "")
+            return
+        self.take_edits()
+        for widget in self.panel.widgets.values():
+            for shortcut in widget.shortcuts:
+                if shortcut.key == key:
+                    self.attempt(partial(shortcut.press, name))
+        self._flush()
+
     def ask(self, name: str) -> None:
         """A button of the panel that asks for a file: the page asks first."""
         if name in ASKS_FOR_FILE and self.panel.widgets[name].enabled:

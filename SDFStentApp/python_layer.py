@@ -77,16 +77,34 @@ class FileDialog:
     getSaveFileName = getExistingDirectory = getOpenFileName
 
 
+WITH_CHILDREN, EVERYWHERE = 3, 2
+"""Where a key is heard: in a widget, or wherever one is."""
+
+
 class Shortcut:
-    """A key; the page has its own."""
+    """A key of the panel: of the widget that it is made for, whose `shortcuts` the page looks through when a key is pressed."""
 
-    def __init__(self, *_: Any) -> None: ...
+    def __init__(self, key: str, widget: Any) -> None:
+        self.key, self._widget = key, widget
+        self._isEnabled, self._context = True, WITH_CHILDREN
+        self._functions: list[Callable[[], Any]] = []
+        widget.shortcuts.append(self)
 
-    def setContext(self, _context: Any) -> None: ...
+    def setContext(self, context: int) -> None:
+        self._context = context
 
-    def setEnabled(self, _isEnabled: bool) -> None: ...
+    def setEnabled(self, isEnabled: bool) -> None:
+        self._isEnabled = isEnabled
 
-    def connect(self, _signature: str, _function: Callable[[], Any]) -> None: ...
+    def connect(self, _signature: str, function: Callable[[], Any]) -> None:
+        self._functions.append(function)
+
+    def press(self, name: Any) -> None:
+        """The key was pressed in a widget of that name."""
+        isMeant = self._context == EVERYWHERE or name == self._widget.objectName
+        if self._isEnabled and isMeant:
+            for function in self._functions:
+                function()
 
 
 class Vtk(types.ModuleType):
@@ -132,9 +150,8 @@ def install(application: Any) -> None:
             ItemIsEditable=tables.CAN_BE_EDITED,
             ItemIsUserCheckable=tables.CAN_BE_CHECKED,
             ItemIsEnabled=32,
-            Key_Delete=0,
-            WidgetWithChildrenShortcut=0,
-            ApplicationShortcut=0,
+            WidgetWithChildrenShortcut=WITH_CHILDREN,
+            ApplicationShortcut=EVERYWHERE,
         ),
     )
 

@@ -33,8 +33,23 @@ IN_ORDER = """window.inOrder = async (name, args) => {
 What is the browser's own is named by its window: expressions of a Vue template see few of its names, and not `Promise`.
 """
 
+KEYS = """const keys = {Escape: 'Esc', ArrowLeft: 'Left', ArrowRight: 'Right', Delete: 'Del'};
+const buttons = {z: 'undoButton', y: 'redoButton'};
+window.addEventListener('keydown', event => {
+  const {target} = event, isTyped = target.matches('input:not([type=checkbox]), select');
+  const button = (event.ctrlKey || event.metaKey) && buttons[event.key];
+  const key = keys[event.key], widget = target.closest('[data-name]');
+  if (isTyped && key !== 'Esc' || !key && !button) return;
+  if (button || key.length > 3) event.preventDefault();
+  if (button) return window.inOrder('click', [button]);
+  const name = widget ? widget.dataset.name : key === 'Del' ? '' : 'stentTable';
+  window.inOrder('key', [name, (event.shiftKey ? 'Shift+' : '') + key]);
+});"""
+"""Keys of the panel's table of stents, which are meant for it as well where none has the focus, as the view; what is typed
+into a field is the field's."""
+
 TRIGGERS = (
-    *("click", "edit", "ask", "choose", "open", "upload", "demo"),
+    *("click", "edit", "key", "ask", "choose", "open", "upload", "demo"),
     *("save", "gather", "fetch"),
 )
 """Methods of the page that the browser calls."""
@@ -54,7 +69,7 @@ def build(page: Any) -> None:
     with DivLayout(server) as layout:
         layout.root.classes = "page"
         client.Style(STYLE.read_text(encoding="utf-8"))
-        client.ClientTriggers(mounted=FOLLOW_THEME + IN_ORDER)
+        client.ClientTriggers(mounted=FOLLOW_THEME + IN_ORDER + KEYS)
         client.ClientStateChange(value="made", change=template.KEEP)
         html.Div(
             f"<h1>{TITLE}</h1>{template.MESSAGE}{template.OPENING}{template.CHOOSER}{panel}"

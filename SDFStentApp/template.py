@@ -191,6 +191,13 @@ def _choice(widget: Widget, common: str, disabled: str) -> str:
     return f'<select v-model="{v}" {common} {disabled}>{options}</select>'
 
 
+ROW_KEYS = " ".join(
+    f'@keydown.{key}.prevent="$event.currentTarget.{to}ElementSibling?.focus()"'
+    for key, to in (("up", "previous"), ("down", "next"))
+)
+"""From row to row of a table."""
+
+
 def _table(name: str) -> str:
     click = f"window.inOrder('edit', ['{name}', [r, c]])"
     tick = f"window.inOrder('edit', ['{name}', [r, c, $event.target.checked]])"
@@ -200,7 +207,8 @@ def _table(name: str) -> str:
         f'<div class="table" v-show="{name}.visible" v-memo="[{name}]" data-name="{name}"><table :title="{name}.tip">'
         f'<thead><tr><th v-for="text in {name}.columns">{{{{ text }}}}</th></tr></thead><tbody>'
         f'<tr v-for="(row, r) in {name}.rows" :class="{{selected: r === {name}.selected}}" '
-        f':aria-selected="r === {name}.selected">'
+        f':aria-selected="r === {name}.selected" tabindex="0" '
+        f'@keydown.enter.self="{click.replace("[r, c]", "[r, 0]")}" {ROW_KEYS}>'
         f'<td v-for="(item, c) in row" :title="item.tip" @click="{click}" @dblclick="{rename}">'
         f'<input v-if="item.check === true || item.check === false" type="checkbox" '
         f':checked="item.check" @click.stop @change="{tick}">{{{{ item.text }}}}</td></tr>'

@@ -54,6 +54,7 @@ class Widget:
         self.on_change: Callable[[Widget], None] | None = None
         self._slots: dict[str, list[tuple[Callable[..., Any], int | None]]] = {}
         self._is_blocked = False
+        self.shortcuts: list[Any] = []
 
     def connect(self, signature: str, function: Callable[..., Any]) -> bool:
         """Call a function with as many values as the signature names, as PythonQt does."""

@@ -633,3 +633,43 @@ def test_files_in_cm_are_shown_in_mm_and_saved_as_they_are(a_visit, the_folder, 
     stent = plan.stents[0]
     a_visit.until("lumenLabel", f"{stent.diameter:.1f} prescribed")
     assert float(a_visit.number("diameterSlider").input_value()) == pytest.approx(stent.diameter)
+
+
+def test_keys_move_a_stent_end_placing_take_back_and_choose_rows(a_visit):
+    keyboard, rows = a_visit.page.keyboard, a_visit.named("stentTable").locator("tbody tr")
+    a_visit.add_stent()
+    rows.first.click()
+    places = [a_visit.center()]
+    for key in ("ArrowRight", "ArrowLeft", "Shift+ArrowRight"):
+        rows.first.focus()  # the browser's own window asked where to keep the plan
+        keyboard.press(key)
+        places.append(a_visit.center())
+    steps = np.linalg.norm(np.diff(places, axis=0), axis=1)
+    np.testing.assert_allclose(steps, [1, 1, 0.2], atol=0.02)
+    place = a_visit.named("placeWidget")
+    place.click()
+    playwright.expect(place).to_have_attribute("aria-pressed", "true")
+    keyboard.press("Escape")
+    playwright.expect(place).to_have_attribute("aria-pressed", "false")
+    a_visit.add_stent()
+    rows.first.focus()
+    keyboard.press("ArrowDown")
+    keyboard.press("Delete")
+    playwright.expect(rows).to_have_count(1)
+    playwright.expect(a_visit.named("undoButton")).to_be_enabled()
+    keyboard.press("Control+z")
+    playwright.expect(rows).to_have_count(2)
+    rows.first.focus()
+    keyboard.press("Enter")
+    playwright.expect(rows.first).to_have_attribute("aria-selected", "true")
+    keyboard.press("ArrowDown")
+    keyboard.press("Enter")
+    playwright.expect(rows.nth(1)).to_have_attribute("aria-selected", "true")
+    a_visit.slider("diameterSlider").focus()  # there an arrow changes the number
+    before = a_visit.number("diameterSlider").input_value()
+    keyboard.press("ArrowRight")
+    playwright.expect(a_visit.number("diameterSlider")).not_to_have_value(before)
+    a_visit.named("loadPlanButton").click()
+    playwright.expect(a_visit.named("chooser")).to_be_visible()
+    keyboard.press("Escape")
+    playwright.expect(a_visit.named("chooser")).not_to_be_attached()

@@ -71,7 +71,13 @@ class HistoryButtons:
         self._timer.start()
         self._offer()
 
+    def keep(self):
+        """Keep the plan as it is, if it was not yet: something else is done to it now."""
+        if self._timer.isActive():
+            self._note()
+
     def _note(self):
+        self._timer.stop()
         if self._history.parameterNode.parameterNode.GetScene() is not None:
             self._history.note()
             self._offer()

@@ -24,8 +24,8 @@ class StentButtons:
         for key, direction in (("Left", -1.0), ("Right", 1.0)):
             self._onKey(key, lambda way=direction: self._moveStent(way))
             self._onKey(f"Shift+{key}", lambda way=direction: self._moveStent(FINE_STEP * way))
-        self.ui.moveUpButton.connect("clicked()", lambda: self.stents.move(-1))
-        self.ui.moveDownButton.connect("clicked()", lambda: self.stents.move(1))
+        for button, way in ((self.ui.moveUpButton, -1), (self.ui.moveDownButton, 1)):
+            button.connect("clicked()", lambda way=way: self._step(lambda: self.stents.move(way)))
         self.ui.zoomButton.connect("clicked()", lambda: self.logic.showStent(self._parameterNode))
         self.ui.loadPlanButton.connect("clicked()", self.onLoadPlan)
         self.ui.savePlanButton.connect("clicked()", self.onSavePlan)
@@ -45,26 +45,31 @@ class StentButtons:
         if len(self.stents):
             self._attempt(lambda: self.logic.moveStent(self._parameterNode, distance))
 
+    def _step(self, action):
+        """Do what a button asks for as a step of its own, to be taken back."""
+        self.sections[0].keep()
+        self._attempt(action)
+
     def onAddStent(self):
         lesion = self.lesions.selected
         if lesion is None:
-            self._attempt(lambda: self.logic.addStent(self._parameterNode))
+            self._step(lambda: self.logic.addStent(self._parameterNode))
         else:
-            self._attempt(lambda: self.logic.addStentAt(self._parameterNode, lesion))
+            self._step(lambda: self.logic.addStentAt(self._parameterNode, lesion))
             self.lesions.clearSelection()
 
     def onSuggest(self):
         lesion = self.lesions.selected
         if lesion is not None:
-            self._attempt(lambda: self.logic.suggestStent(self._parameterNode, lesion))
+            self._step(lambda: self.logic.suggestStent(self._parameterNode, lesion))
 
     def onCopyStent(self):
-        self._attempt(lambda: self.logic.copyStent(self._parameterNode))
+        self._step(lambda: self.logic.copyStent(self._parameterNode))
 
     def onRemoveStent(self):
         if len(self.stents) == 1:
             self.onCancel()  # else what it comes to would be shown of a stent that is gone
-        self.logic.removeStent(self._parameterNode)
+        self._step(lambda: self.logic.removeStent(self._parameterNode))
 
     def onPlacementActivated(self, index):
         # The parameter hears of the new index after this slot, so the handle is fitted a moment later.

@@ -102,6 +102,17 @@ def test_a_drag_is_one_step_and_the_handle_stays_the_users(host, aStent):
     assert isSame(stateOf(aStent), first)
 
 
+def test_buttons_that_are_clicked_at_once_are_steps_of_their_own(host, theInputs):
+    ui, parameters = theInputs.ui, theInputs._parameterNode
+    counts = []
+    for button in (ui.addStentButton, ui.copyStentButton, ui.removeStentButton, ui.addStentButton):
+        host.click(button)
+        counts.append(len(parameters.stents))
+    for count in (*counts[-2::-1], 0):
+        host.click(ui.undoButton)
+        assert len(parameters.stents) == count
+
+
 def test_every_plan_has_changes_of_its_own_and_another_vessel_none(host, aStent):
     ui = aStent.ui
     rest(host, aStent)
