@@ -39,7 +39,7 @@ def flow(patient, tmp_path, monkeypatch):
 PRESSURES = ("--inlet-pressure", "30", "--wedge", "12", "--split-right", "0.7")
 
 
-def test_a_plan_lowers_the_pressure_and_what_the_narrowing_costs(flow, capsys):
+def test_a_plan_lowers_the_pressure_and_sends_more_to_the_treated_side(flow, capsys):
     outputs = ["--json", "f.json", "--report", "f.html", "--export-0d", "nets"]
     assert flow("--plan", flow.plan, "--mean-flow", "3L/min", *PRESSURES, *outputs) == 0
     said = capsys.readouterr().out
@@ -49,15 +49,16 @@ def test_a_plan_lowers_the_pressure_and_what_the_narrowing_costs(flow, capsys):
     assert before["inlet_mmhg"]["value"] == pytest.approx(30)
     assert after["inlet_mmhg"]["value"] < 30
     assert before["share"]["right"]["value"] == pytest.approx(0.7)
-    # The stent at the ostium widens the trunk as well, which spares the right one as much.
-    assert after["share"]["left"]["value"] == pytest.approx(0.3, abs=0.03)
+    assert after["share"]["left"]["value"] > before["share"]["left"]["value"]
     assert sum(one["value"] for one in after["share"].values()) == pytest.approx(1)
     names = [one["name"] for one in before["narrowings"]]
     assert names[0] == "stent 1"
     assert names[1].startswith("lesion 1, ")
+    # The trunk's neck, whose jet the lesion at the ostium takes, stays.
     pairs = list(zip(before["narrowings"], after["narrowings"], strict=True))
     for (old, new), kind in zip(pairs, ("recovered_mmhg", "maximal_mmhg"), strict=False):
         assert new[kind]["high"] < old[kind]["low"]
+        assert new["recovered_mmhg"]["value"] < old["recovered_mmhg"]["value"]
     value = before["narrowings"][0]["recovered_mmhg"]["value"]
     assert f"drop over stent 1: recovered {value:.1f} (" in said
     assert "inlet pressure: 30.0 -> " in said

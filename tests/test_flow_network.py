@@ -107,7 +107,8 @@ def branch(angle, diameter=4.0, share=0.3):
     stream = Stream(1e-6 * np.array([10.0, 10.0 * share]), turns_of(channels, widths))
     _, side_block = blocks_of(channels, widths, stream)
     speeds = 10e-6 / area(6.0), 10e-6 * share / area(diameter)
-    return RHO * side_block.mixing[-1] * (10e-6 * share) ** 2, speeds
+    lost = side_block.mixing[-1] + side_block.turning
+    return RHO * lost * (10e-6 * share) ** 2, speeds
 
 
 @pytest.mark.parametrize("degrees", [0, 30, 60, 90])
@@ -124,6 +125,33 @@ def test_blood_that_speeds_up_into_a_branch_loses_only_what_moves_across():
     lost, (first, second) = branch(np.radians(60), 2.0)
     assert second > first
     assert lost == pytest.approx(RHO * (first * np.sin(np.radians(45))) ** 2, rel=0.02)
+
+
+@pytest.mark.parametrize("seed", range(100))
+def test_a_branch_that_is_dilated_takes_no_smaller_share(seed):
+    """Of a fork whose outlets resist as before; narrowings of two fifths and more."""
+    rng = np.random.default_rng(seed)
+    x, none = np.linspace(0, 60, 241), np.zeros(241, dtype=np.int64)
+    angles = np.array([0.0, *rng.uniform(0, 1.5, 2) * [1, -1]])
+    sizes = rng.uniform(6, 12) * np.array([1.0, *rng.uniform(0.45, 0.95, 2)])
+    narrow = throat(x, rng.uniform(0.4, 0.7), rng.uniform(9, 40), healthy=sizes[1])
+    split = rng.uniform(0.15, 0.85)
+    flow = 1e6 * area(sizes[0]) * rng.uniform(0.1, 0.7) * np.array([1.0, split, 1 - split])
+    stream = Stream(1e-6 * flow, np.abs(angles))
+    outlets = Outlets(rng.uniform(2, 20) * MMHG / stream.flow[1:], 0.0)
+    shares = []
+    for wide in (narrow, 0 * x + sizes[1]):
+        diameters = [0 * x + sizes[0], wide, 0 * x + sizes[2]]
+        channels = []
+        for k, (angle, size) in enumerate(zip(angles, diameters, strict=True)):
+            start = 60.0 * (k > 0)
+            line = np.array([start, 0, 0]) + np.outer(x, [np.cos(angle), np.sin(angle), 0])
+            channels.append(Channel(line, start + x, size, size, none, x, min(k, 1) - 1))
+        widths = [Widths(size, size) for size in diameters]
+        network = Network(blocks_of(channels, widths, stream), tree_of(np.array([-1, 0, 0])))
+        state = steady(network, outlets, float(stream.flow[0]))
+        shares.append(state.flow[1] / state.flow[0])
+    assert shares[1] >= shares[0]
 
 
 def test_a_vessel_that_widens_slowly_loses_nothing_but_friction():

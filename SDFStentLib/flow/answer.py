@@ -30,6 +30,7 @@ USUAL = Method()
 
 UNCERTAIN = (
     ("loss of a jet", (USUAL._replace(loss=0.8), USUAL._replace(loss=1.52))),
+    ("turns into branches", (USUAL._replace(turned=0.0), USUAL._replace(turned=1.0))),
     (
         "viscosity",
         (
@@ -175,8 +176,7 @@ class FlowModel:
         if after is None:
             return [[case.network] for case in cases]
         widths = widths_of(after, (self.channels, self._widths))
-        stream = self._stream._replace(turns=turns_of(after, widths))
-        blocks = {wider: blocks_of(after, widths, stream, wider) for wider in self._blocks}
+        blocks = {one: blocks_of(after, widths, self._stream, one) for one in self._blocks}
         each = [case.network for case in cases]
         return [[one, one._replace(blocks=blocks[one.method.wider])] for one in each]
 

@@ -42,6 +42,8 @@ class Method(NamedTuple):
     """Flow to an outlet goes with its diameter to this power, where nothing tells more."""
     wider: float = 0.0
     """By so much all diameters are larger, mm."""
+    turned: float = 0.5
+    """Part of the speed's energy across a branch that is lost: all at sharp corners."""
 
 
 class Block(NamedTuple):
@@ -54,12 +56,15 @@ class Block(NamedTuple):
     friction: Floats
     """Resistance from its start to each station, over the viscosity, 1/m^3."""
     mixing: Floats
-    """Loss of jets and turns from its start to each station, over density and loss of a method,
-    1/m^4."""
+    """Loss of jets from its start to each station, over density and loss of a method, 1/m^4."""
+    turning: float
+    """What moves across where it begins, as `mixing`."""
     jet: Floats
     """Over the flow the even speed that would carry as much energy, 1/m^2."""
     area: Floats
     """m^2."""
+    beyond: float
+    """What the jet that leaves an outlet still loses behind it, as `mixing`."""
     slenderness: float
     """Inertance over the density, 1/m."""
     length: float
@@ -146,18 +151,23 @@ def blocks_of(
     slowing = np.diff(profile.core / area, append=0.0)
     clings = momentum**2 * slowing > PARTS * spread * way.step
     kept = np.exp(-np.pi * SETTLES * spread * way.step)
-    jet, mixed = _jets(way, (attached, clings, kept), stream)
+    jet, mixed, turning = _jets(way, (attached, clings, kept), stream)
     # The wall rubs against what moves along it: not against the dead water round a jet.
     friction = 4 * (a**2 + b**2) / (np.pi * (a * b) ** 3) * profile.friction * attached / jet
     resisted, slender = (_summed(way.step, values) for values in (friction, 1 / area))
+    outlets = outlets_of(channels)
     found = []
-    for start, end in pairwise(way.starts):
+    for number, (start, end) in enumerate(pairwise(way.starts)):
         found.append(
             Block(
                 friction=resisted[start:end] - resisted[start],
                 mixing=mixed[start:end],
+                turning=turning[number],
                 jet=jet[start:end],
                 area=area[start:end],
+                beyond=max(jet[end - 1] - math.sqrt(2) / area[end - 1], 0.0) ** 2 / 2
+                if number in outlets
+                else 0.0,
                 slenderness=float(slender[end - 1] - slender[start]),
                 length=float(way.step[start : end - 1].sum()),
             )
@@ -244,8 +254,10 @@ def _layers(way: _Way, area: Floats, spread: Floats) -> Floats:
     return np.array(found)
 
 
-def _jets(way: _Way, parts: tuple[Floats, Flags, Floats], stream: Stream) -> tuple[Floats, Floats]:
-    """Speed over the flow (m,), and what jets and turns have lost in their channel.
+def _jets(
+    way: _Way, parts: tuple[Floats, Flags, Floats], stream: Stream
+) -> tuple[Floats, Floats, list[float]]:
+    """Speed over the flow (m,), what jets have lost in their channel, and what moves across (n,).
 
     `parts` are the speed (m,) attached to the wall, whether it stays so, and by which factor a jet
     comes nearer to it.
@@ -254,6 +266,7 @@ def _jets(way: _Way, parts: tuple[Floats, Flags, Floats], stream: Stream) -> tup
     flow, turns = stream.flow.tolist(), (TURNS * stream.turns).tolist()
     jets: list[float] = []
     losses: list[float] = []
+    across: list[float] = []
     for number, (start, end) in enumerate(pairwise(way.starts)):
         above = way.above[number]
         last = way.starts[above + 1] - 1
@@ -261,7 +274,7 @@ def _jets(way: _Way, parts: tuple[Floats, Flags, Floats], stream: Stream) -> tup
         jet, lost = max(speed * math.cos(turns[number]), even[start]), 0.0
         jets.append(jet)
         losses.append(lost)
-        lost = (speed * math.sin(turns[number])) ** 2 / 2
+        across.append((speed * math.sin(turns[number])) ** 2 / 2)
         for k in range(start, end - 1):
             to = even[k + 1]
             excess = 0.0 if clings[k] and jet <= even[k] else max(jet - to, 0.0)
@@ -269,4 +282,4 @@ def _jets(way: _Way, parts: tuple[Floats, Flags, Floats], stream: Stream) -> tup
             lost += excess**2 * (1 - kept[k] ** 2) / 2
             jets.append(jet)
             losses.append(lost)
-    return np.array(jets), np.array(losses)
+    return np.array(jets), np.array(losses), across

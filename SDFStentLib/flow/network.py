@@ -68,8 +68,8 @@ class Network(NamedTuple):
     @property
     def stenosis(self) -> Floats:
         """(n,) of the blocks, Pa s^2/m^6."""
-        lost = self.method.loss * self.method.blood.density
-        return lost * np.array([block.mixing[-1] for block in self.blocks])
+        lost, turned = self.method.loss * self.method.blood.density, self.method.turned
+        return lost * np.array([b.mixing[-1] + turned * b.turning + b.beyond for b in self.blocks])
 
     @property
     def inertance(self) -> Floats:

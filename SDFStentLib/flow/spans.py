@@ -108,12 +108,14 @@ class Ways:
 
 def drop_over(pieces: Sequence[Piece], network: Network, flow: Floats) -> Drop:
     """The drop over a part of a vessel at some flows (n,) through the blocks, m^3/s."""
-    blood, loss = network.method.blood, network.method.loss
+    blood, loss, turned = network.method.blood, network.method.loss, network.method.turned
     total, static = 0.0, []
     for block_number, start, end in pieces:
         block, q = network.blocks[block_number], float(flow[block_number])
+        # What moves across is lost behind the first station.
+        lost_by = block.mixing + turned * block.turning * (block.friction > 0)
         friction, mixing, jet = (
-            _between(values, start, end) for values in (block.friction, block.mixing, block.jet)
+            _between(values, start, end) for values in (block.friction, lost_by, block.jet)
         )
         resisted = blood.viscosity * (friction - friction[0])
         mixed = loss * blood.density * (mixing - mixing[0]) * abs(q)
