@@ -12,7 +12,7 @@ from vtkmodules.vtkCommonCore import vtkIdList
 from vtkmodules.vtkCommonDataModel import vtkStaticCellLocator
 
 from ..cautions import Caution
-from ..geometry import Surface, as_surface, face_areas, signed_volume
+from ..geometry import Surface, as_surface, signed_volume
 from ..units import flipped
 from ..validation import InputError, Points, as_points
 from .polydata import polydata_from_polygons
@@ -98,7 +98,7 @@ def size_warnings(surface: Surface, name: str, units: str = "mm") -> tuple[Cauti
     extent = float(np.ptp(points.compress(is_used, axis=0), axis=0).max())
     lumen = None
     if surface.topology.is_closed:
-        area = float(face_areas(points, triangles).sum())
+        area = float(surface.face_areas.sum())
         lumen = 4 * abs(signed_volume(points, triangles)) / area if area > 0 else 0.0
     is_odd = not _SMALLEST_EXTENT <= extent <= _LARGEST_EXTENT
     if lumen is not None:

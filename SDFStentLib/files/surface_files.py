@@ -15,7 +15,7 @@ from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 
 from ..cautions import Caution
-from ..geometry import NO_HEIGHT, NamedFaces, Precision, Surface, dot, face_areas
+from ..geometry import NO_HEIGHT, NamedFaces, Precision, Surface, dot
 from ..units import Frame, millimeters_per
 from ..validation import InputError, Points, Triangles, as_points
 from .content import FileContent, frame_in_text, read_content
@@ -131,7 +131,7 @@ def read_surface(path: str | os.PathLike[str], units: str = "mm") -> SurfaceFile
         warnings += (Caution("integer-coordinates", label=f"{name}: "),)
     surface = surface_from_polydata(template, name, scale)
     _check_arrays(template, name)
-    warnings += _degenerate(surface.points, surface.triangles, name)
+    warnings += _degenerate(surface, name)
     warnings += size_warnings(surface, name, units)
     has_faces = template.GetCellData().HasArray(ID_ARRAY)
     face_names, unread = names_beside(content.path) if has_faces else ({}, ())
@@ -194,11 +194,10 @@ def _check_arrays(polydata: vtkPolyData, name: str) -> None:
                 )
 
 
-def _degenerate(points: Points, triangles: Triangles, name: str) -> tuple[Caution, ...]:
-    longest = np.zeros(len(triangles))
-    for one, other in ((0, 1), (1, 2), (2, 0)):
-        edge = points.take(triangles[:, one], axis=0) - points.take(triangles[:, other], axis=0)
-        np.maximum(longest, dot(edge, edge), out=longest)
-    count = int((2 * face_areas(points, triangles) <= NO_HEIGHT * longest).sum())
+def _degenerate(surface: Surface, name: str) -> tuple[Caution, ...]:
+    corners = [surface.points.take(corner, axis=0) for corner in surface.corners]
+    edges = [corners[k] - corners[k - 1] for k in range(3)]
+    longest = np.maximum.reduce([dot(edge, edge) for edge in edges])
+    count = int((2 * surface.face_areas <= NO_HEIGHT * longest).sum())
     found = Caution("degenerate-triangles", {"triangles": count}, label=f"{name}: ")
     return (found,) if count else ()

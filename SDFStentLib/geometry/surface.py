@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from ..validation import (
@@ -19,7 +20,7 @@ from ..validation import (
     in_short,
     read_only,
 )
-from .faces import face_normals, vertex_normals
+from .faces import face_areas, face_normals, vertex_normals
 from .section import Inside
 from .topology import (
     Topology,
@@ -40,6 +41,10 @@ class _Mesh:
     @cached_property
     def topology(self) -> Topology:
         return surface_topology(self.triangles)
+
+    @cached_property
+    def corners(self) -> Triangles:
+        return read_only(np.ascontiguousarray(self.triangles.T))
 
     @cached_property
     def neighbors(self) -> VertexNeighbors:
@@ -111,6 +116,11 @@ class Surface:
         return self._mesh.__dict__.get("topology")
 
     @property
+    def corners(self) -> Triangles:
+        """The first, second and third corners (3, m) of the triangles: rows of three are slow."""
+        return self._mesh.corners
+
+    @property
     def neighbors(self) -> VertexNeighbors:
         """The points that share an edge with each; looked at once as the topology is."""
         return self._mesh.neighbors
@@ -119,6 +129,11 @@ class Surface:
     def wound_triangles(self) -> Triangles:
         """The triangles (m, 3), neighbors wound alike: see `consistently_wound`."""
         return self._mesh.wound_triangles
+
+    @cached_property
+    def face_areas(self) -> Floats:
+        """Areas (m,) of the triangles, mm^2."""
+        return read_only(face_areas(self.points, self.triangles))
 
     @cached_property
     def face_normals(self) -> Floats:

@@ -22,7 +22,7 @@ from ..geometry import (
     paired_sides,
     product,
 )
-from ..validation import Flags, Place, Points, Triangles, as_place
+from ..validation import Flags, Floats, Place, Points, Triangles, as_place
 
 FLAT = np.cos(np.deg2rad(1.0))
 """Faces whose normals differ by less lie in one plane."""
@@ -73,9 +73,12 @@ class FlatCap(NamedTuple):
 
 def flat_caps(points: Points, faces: Triangles) -> list[FlatCap]:
     """Flat spots with a steep rim among some faces (m, 3), in the order of their first faces."""
+    return _flat_spots(points, faces, face_normals(points, faces))
+
+
+def _flat_spots(points: Points, faces: Triangles, normals: Floats) -> list[FlatCap]:
     if len(faces) < FEWEST_FACES:
         return []
-    normals = face_normals(points, faces)
     pairs = paired_sides(faces) // 3
     cosine = dot(normals.take(pairs[:, 0], axis=0), normals.take(pairs[:, 1], axis=0))
     flat = pairs.compress(cosine > FLAT, axis=0)
@@ -111,7 +114,8 @@ def _box(corners: Points) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 def caps_of(surface: Surface) -> list[FlatCap]:
     """`flat_caps` of a whole surface, looked for once for as long as it is in use."""
     if (found := _known.get(surface)) is None:
-        found = _known[surface] = flat_caps(surface.points, surface.triangles)
+        found = _flat_spots(surface.points, surface.triangles, surface.face_normals)
+        _known[surface] = found
     return found
 
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry import Surface, dot, norm, product, search_tree
+from ..geometry import Surface, dot, faces_at, norm, product, search_tree
 from ..validation import Flags, Floats, Points, Triangles
 
 _APART = 1 / np.sqrt(3.0)
@@ -60,8 +60,7 @@ def moved_wall(before: Surface, after: Surface) -> MovedWall:
     # By column: reductions over rows of three are slow.
     columns = zip(before.points.T, after.points.T, strict=True)
     is_moved = np.logical_or.reduce([one != other for one, other in columns])
-    corners = np.asfortranarray(before.triangles)
-    has_moved = is_moved[corners[:, 0]] | is_moved[corners[:, 1]] | is_moved[corners[:, 2]]
+    has_moved = faces_at(is_moved, before.corners.T)
     triangles = before.triangles.compress(has_moved, axis=0)
     is_corner = np.zeros(len(is_moved), dtype=bool)
     is_corner[triangles] = True

@@ -104,7 +104,7 @@ def _parts_beyond(surface: Surface, tube: Tube) -> _Parts:
     relative, is_past = np.full(len(surface.points), np.inf), np.zeros(len(surface.points), bool)
     relative[tube.near.point_ids], is_past[tube.near.point_ids] = place
     is_beyond = (relative > BEYOND) | is_past
-    corners = np.asfortranarray(surface.triangles).T
+    corners = surface.corners
     sides = np.hstack([corners[[0, 1]], corners[[1, 2]]])
     first, second = sides[:, is_beyond[sides[0]] & is_beyond[sides[1]]]
     count, label = connected(len(surface.points), first, second)

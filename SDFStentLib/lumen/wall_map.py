@@ -7,7 +7,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry import Line, Surface, frames, may_meet_box, nearest_distances, product, ranges
+from ..geometry import (
+    Line,
+    Surface,
+    faces_at,
+    frames,
+    may_meet_box,
+    nearest_distances,
+    product,
+    ranges,
+)
 from ..validation import Flags, Floats, Indices, Points, Triangles, read_only
 
 RAYS = 144
@@ -72,9 +81,8 @@ def near_wall(surface: Surface, axis: Points, reach: float) -> NearWall:
     in_box = np.flatnonzero(np.logical_and.reduce([(x >= a) & (x <= b) for x, a, b in columns]))
     is_near = np.zeros(len(surface.points), dtype=bool)
     is_near[in_box[_within(surface.points.take(in_box, axis=0), axis, reach)]] = True
-    triangles = np.asfortranarray(surface.triangles)
-    # By column, as above. A long triangle may have all corners far.
-    kept = is_near[triangles[:, 0]] | is_near[triangles[:, 1]] | is_near[triangles[:, 2]]
+    # A long triangle may have all corners far.
+    kept = faces_at(is_near, surface.corners.T)
     if len(surface.triangles) < _FEW:
         kept |= may_meet_box(surface.points, surface.triangles, low, high)
     ids = np.flatnonzero(kept)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..centerline import Centerline
-from ..geometry import NamedFaces, Surface, face_areas, face_normals
+from ..geometry import NamedFaces, Surface
 from ..validation import Floats, Indices, Points
 from .tree_around import outlets_of
 
@@ -127,9 +127,8 @@ def faces_at_ends(surface: Surface, centerline: Centerline, faces: NamedFaces) -
 
 def _caps(surface: Surface, faces: NamedFaces) -> dict[int, tuple[Points, float]]:
     """Middle and radius, mm, of the parts of a model that are flat, by id."""
-    areas = face_areas(surface.points, surface.triangles)
-    normals = face_normals(surface.points, surface.triangles)
-    middles = surface.points[surface.triangles].mean(axis=1)
+    areas, normals = surface.face_areas, surface.face_normals
+    middles = sum(surface.points.take(corner, axis=0) for corner in surface.corners) / 3
     kinds, part = np.unique(faces.ids, return_inverse=True)
     total = np.maximum(np.bincount(part, areas), 1e-300)
 
