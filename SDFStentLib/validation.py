@@ -201,10 +201,10 @@ def as_number(
     return number
 
 
-def as_path(value: Any, name: str = "path") -> Path:
+def as_path(value: Any) -> Path:
     """A path from text or a path; `InputError` for anything else."""
     if not isinstance(value, str | os.PathLike) or not isinstance(os.fspath(value), str):
-        raise InputError(f"{name}: expected the path of a file, got {in_short(value)}; name one.")
+        raise InputError(f"path: expected the path of a file, got {in_short(value)}; name one.")
     return Path(value)
 
 

@@ -106,15 +106,14 @@ def test_a_wall_pushed_through_the_other_is_named_with_its_place(sphere):
     }
 
 
-def test_the_same_with_the_points_named_or_the_input_checked(sphere):
+def test_the_same_with_the_points_named(sphere):
     points, triangles = sphere
     after = _pushed_through(points)
     plain = certify(Surface(points, triangles), after)
     moved = np.flatnonzero(np.any(after != points, axis=1))
     mask = np.any(after != points, axis=1)
-    check = check_surface(Surface(points, triangles), precision=Precision(np.float32))
-    for changes in ({"moved": moved}, {"moved": mask}, {"check": check}):
-        again = certify(Surface(points, triangles), after, **changes)
+    for named in (moved, mask):
+        again = certify(Surface(points, triangles), after, named)
         assert again.as_dict() == plain.as_dict()
 
 
@@ -128,9 +127,7 @@ def test_what_intersected_before_is_not_new(sphere):
     faulty = check_surface(Surface(before, triangles), precision=Precision(np.float32))
     assert not faulty.passed
     assert "intersecting" in faulty.sentence()
-    assert certify(Surface(before, triangles), before * 1.05, check=faulty).as_dict() == (
-        certificate.as_dict()
-    )
+    assert set(certificate.self_intersecting_before) <= set(faulty.self_intersecting_triangles)
 
 
 def test_a_point_drawn_across_its_neighborhood_inverts_faces(sphere):

@@ -128,17 +128,11 @@ def test_tangents_ignore_repeated_points_and_survive_a_turn_back():
 
 
 def test_frames_are_right_handed_and_do_not_twist_in_a_plane():
-    result = frames(Line(an_arc()), first_normal=[0, 0, 1])
+    result = frames(Line(an_arc()))
     identities = result @ np.swapaxes(result, 1, 2)
     np.testing.assert_allclose(identities, np.broadcast_to(np.eye(3), identities.shape), atol=1e-9)
     np.testing.assert_allclose(np.linalg.det(result), 1, atol=ROUNDING)
     np.testing.assert_allclose(result[:, 1], np.tile([0, 0, 1], (len(result), 1)), atol=ROUNDING)
-
-
-def test_frames_find_a_normal_when_none_or_a_parallel_one_is_given():
-    line = [[0, 0, 0], [2, 0, 0]]
-    for wanted in (None, [1, 0, 0]):
-        assert abs(frames(Line(line), wanted)[0, 1, 0]) < ROUNDING
 
 
 @pytest.mark.parametrize("window", [None, 0.5, 3.0])

@@ -173,7 +173,7 @@ def through_the_wall(**changes):
     """A stent whose axis leaves the lumen and comes back, as straightened ones did."""
     made = demo()
     stent = Stent(5.95, placement=AtCenter(np.array([-1.962, 0.0, 26.172])), length=25.1)
-    axis = stent_axis(stent, made.centerline, straightening_fraction=1.0)
+    axis = straight_way(stent_axis(stent, made.centerline).line).at(1.0)
     settings = DeploymentSettings().with_changes(**changes)
     return Deployment(made.surface, settings.chain(axis.points), 5.95 / 2, settings)
 

@@ -19,7 +19,6 @@ from SDFStentLib.stent import (
     Stent,
     stent_axis,
     straight_way,
-    straightened,
 )
 from SDFStentLib.validation import InputError
 
@@ -196,7 +195,7 @@ def test_straightening_conserves_the_length_of_every_piece(fraction, keeps):
     rng = np.random.default_rng(7)
     wild = np.cumsum(rng.normal([1.0, 0.2, 0.1], 0.6, (60, 3)), axis=0)
     for line in (an_arc(10.0, 90), wild):
-        found = straightened(Line(line), fraction, keeps).points
+        found = straight_way(Line(line), keeps).at(fraction).points
         np.testing.assert_allclose(pieces(found), pieces(line), atol=1e-12)
         assert Line(found).length == pytest.approx(Line(line).length, abs=1e-6)
         chord = np.linalg.norm(found[-1] - found[0])
@@ -211,7 +210,7 @@ def test_what_is_kept_stays_and_the_ends_move_apart_along_the_chord():
     chord = arc[-1] - arc[0]
     for fraction in (0.5, 1.0):
         middle, proximal, distal = (
-            straightened(Line(arc), fraction, keeps).points
+            straight_way(Line(arc), keeps).at(fraction).points
             for keeps in ("center", "proximal", "distal")
         )
         np.testing.assert_allclose(middle[[0, -1]].mean(0), arc[[0, -1]].mean(0), atol=1e-12)
@@ -220,12 +219,12 @@ def test_what_is_kept_stays_and_the_ends_move_apart_along_the_chord():
         outward = middle[-1] - arc[-1]
         np.testing.assert_allclose(np.cross(outward, chord), 0, atol=1e-9)
         assert outward @ chord > 0
-    np.testing.assert_array_equal(straightened(Line(arc), 0).points, arc)
+    np.testing.assert_array_equal(straight_way(Line(arc)).at(0).points, arc)
 
 
 def test_an_arc_loses_that_share_of_its_curvature():
     """Of radius r it becomes one of radius r / (1 - F) and as long, by the formula of an arc."""
-    half = straightened(Line(an_arc(10.0, 90)), 0.5).points
+    half = straight_way(Line(an_arc(10.0, 90))).at(0.5).points
     angle = np.radians(90) / 2
     assert np.linalg.norm(half[-1] - half[0]) == pytest.approx(2 * 20 * np.sin(angle / 2), abs=1e-3)
     middle = half[[0, -1]].mean(axis=0)
@@ -245,11 +244,11 @@ def test_no_point_goes_farther_on_its_way_than_is_said():
 def test_a_piece_that_points_back_turns_round_and_a_closed_line_is_refused():
     back = np.array([[0, 0, 0], [6, 0, 0], [4, 0, 0], [4, 0, 0], [9, 0, 0.0]])
     np.testing.assert_allclose(
-        pieces(straightened(Line(back), 0.5).points), pieces(back), atol=1e-12
+        pieces(straight_way(Line(back)).at(0.5).points), pieces(back), atol=1e-12
     )
-    assert straightened(Line(back), 1.0).length == pytest.approx(13.0)
+    assert straight_way(Line(back)).at(1.0).length == pytest.approx(13.0)
     with pytest.raises(InputError, match="expected two ends apart to straighten it"):
-        straightened(Line(back[[0, 1, 0]]), 0.5)
+        straight_way(Line(back[[0, 1, 0]])).at(0.5)
 
 
 # ---- values
@@ -288,11 +287,7 @@ CENTER = AtCenter([0, 0, -50])
         (lambda: AlongAxis([]), "stent axis: expected at least 1 points, got 0"),
         (lambda: stent_axis(Stent(6, placement=CENTER, length=9)), "expected a centerline"),
         (
-            lambda: straightened(Line(an_arc(5)), 1.5),
-            "straightening fraction: .* at most 1, got 1.5",
-        ),
-        (
-            lambda: straightened(Line(np.ones((3, 3))), 0.5),
+            lambda: straight_way(Line(np.ones((3, 3)))),
             "stent axis: expected two different points",
         ),
     ],

@@ -19,7 +19,6 @@ from .comparison import Comparison, Verdict
 from .promises import LumenCheck, MotionCheck, lumen_in_words
 from .slivers import Slivers
 from .spots import Spot, count_in_words, faults_in_words
-from .surface_check import SurfaceCheck
 
 AS_FLOAT32 = Precision(np.float32)
 """What most files hold."""
@@ -145,7 +144,6 @@ def certify(
     moved: ArrayLike | None = None,
     *,
     precision: Precision = AS_FLOAT32,
-    check: SurfaceCheck | None = None,
 ) -> Certificate:
     """Whether a surface is as sound after its points moved as it was before.
 
@@ -160,9 +158,6 @@ def certify(
         out. Those whose stored coordinates are unchanged are dropped.
     precision : Precision
         Type and unit of the stored coordinates; the judgement is on these.
-    check : SurfaceCheck, optional
-        `check_surface` of the input: when it found no intersection, that spares the search in the
-        input. Without it the input is searched only at the faces that intersect in the result.
 
     Raises
     ------
@@ -170,12 +165,7 @@ def certify(
         No surface, a result that is not one of it, or coordinates too large for the type.
     """
     after = state_of(as_surface(before, "before"), after)
-    comparison = Comparison(
-        before.points,
-        before.wound_triangles,
-        precision,
-        None if check is None else check.self_intersecting_triangles,
-    )
+    comparison = Comparison(before.points, before.wound_triangles, precision)
     may_move = _mask(moved, len(before.points))
     verdict = comparison.verdict(after.points, may_move=may_move)
     return certificate_of(verdict, comparison.new_slivers(verdict), before.topology)

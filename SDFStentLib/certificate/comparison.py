@@ -77,22 +77,11 @@ class Comparison:
         The input, mm, consistently wound.
     precision : Precision
         Type and unit of the stored coordinates.
-    known_before : array, optional
-        All faces that intersect in the input, where known: with none it is not searched, else
-        round all faces that moved. By default it is searched round those that intersect in the
-        result.
     """
 
-    def __init__(
-        self,
-        before: Points,
-        triangles: Triangles,
-        precision: Precision,
-        known_before: Indices | None = None,
-    ) -> None:
+    def __init__(self, before: Points, triangles: Triangles, precision: Precision) -> None:
         self.triangles = triangles
-        self._precision, self._known_before = precision, known_before
-        self._before = precision.stored(before)
+        self._precision, self._before = precision, precision.stored(before)
 
     def verdict(
         self,
@@ -117,7 +106,7 @@ class Comparison:
 
         found = intersecting_pairs(stored, triangles, again)
         pairs = _sorted(known.pairs[~_any_of(known.pairs, again)], found[_any_of(found, moved)])
-        searched, pairs_before = self._of_input(pairs, moved, known)
+        searched, pairs_before = self._of_input(pairs, known)
         degenerate = degenerate_triangles(stored, triangles, np.flatnonzero(again & moved))
         degenerate = np.union1d(known.degenerate[~again[known.degenerate]], degenerate)
         # Whether a face is turned over depends on the faces at its corners as well.
@@ -174,15 +163,10 @@ class Comparison:
             self._before, at_points, pair, pair, at_faces, face, face, face, face, face, ()
         )
 
-    def _of_input(
-        self, pairs: Indices, moved: NDArray[np.bool_], known: Verdict
-    ) -> tuple[NDArray[np.bool_], Indices]:
+    def _of_input(self, pairs: Indices, known: Verdict) -> tuple[NDArray[np.bool_], Indices]:
         """Faces round which the input is searched, and its pairs there."""
-        if self._known_before is not None:
-            searched = moved & bool(len(self._known_before))
-        else:
-            searched = np.zeros(len(moved), dtype=bool)
-            searched[pairs] = True
+        searched = np.zeros(len(self.triangles), dtype=bool)
+        searched[pairs] = True
         kept = known.pairs_before[_any_of(known.pairs_before, searched)]
         found = intersecting_pairs(self._before, self.triangles, searched & ~known.searched)
         return searched, _sorted(kept, found)

@@ -7,9 +7,8 @@ from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ..validation import Floats, Points, as_number, as_point
+from ..validation import Floats, Points, as_number
 from .line import Line
 from .rows import dot
 
@@ -25,30 +24,23 @@ REACH = 4.0
 """A place counts up to so many lengths of smoothing away; what is left out is below 1e-4."""
 
 
-def frames(line: Line, first_normal: ArrayLike | None = None) -> Floats:
+def frames(line: Line) -> Floats:
     """Right-handed frames of minimal twist.
-
-    Parameters
-    ----------
-    line : Line
-        mm.
-    first_normal : array_like, shape (3,), optional
-        Wanted normal at the first point; its part along the tangent is left out. Without it,
-        or when it is parallel to the tangent, the coordinate axis farthest from the tangent.
 
     Returns
     -------
     array, shape (n, 3, 3)
-        Rows are tangent, normal, binormal. From point to point the normal is turned by the
+        Rows are tangent, normal, binormal. The first normal is the coordinate axis farthest from
+        the tangent, without its part along that; from point to point the normal is turned by the
         smallest rotation that takes one tangent to the next.
     """
-    return frames_along(line.directions, first_normal)
+    return frames_along(line.directions)
 
 
-def frames_along(along: Floats, first_normal: ArrayLike | None = None) -> Floats:
+def frames_along(along: Floats) -> Floats:
     """`frames` for unit tangents (n, 3)."""
     normals = np.empty_like(along)
-    normals[0] = _normal_to(along[0], first_normal)
+    normals[0] = _normal_to(along[0])
     # Plain numbers: arrays of three cost ten times as much.
     normal = normals[0].tolist()
     for i, (before, after) in enumerate(pairwise(along.tolist()), start=1):
@@ -66,12 +58,9 @@ def _dot(one: list[float], other: list[float]) -> float:
     return one[0] * other[0] + one[1] * other[1] + one[2] * other[2]
 
 
-def _normal_to(tangent: Floats, wanted: ArrayLike | None = None) -> Floats:
-    normal = np.zeros(3) if wanted is None else as_point(wanted, "first_normal")
+def _normal_to(tangent: Floats) -> Floats:
+    normal = np.eye(3)[np.abs(tangent).argmin()]
     normal = normal - (normal @ tangent) * tangent
-    if np.linalg.norm(normal) < _NONE:
-        normal = np.eye(3)[np.abs(tangent).argmin()]
-        normal = normal - (normal @ tangent) * tangent
     return normal / np.linalg.norm(normal)
 
 

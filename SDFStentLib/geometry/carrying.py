@@ -45,7 +45,6 @@ def carried(
     *,
     middle: float | None = None,
     window: float = WINDOW,
-    first_normal: ArrayLike | None = None,
 ) -> Points:
     """A straight body laid along a line without twist.
 
@@ -64,8 +63,6 @@ def carried(
     window : float
         The line's direction is that between places so far before and behind, mm, so that a line
         that shakes does not shake the sections.
-    first_normal : array_like, shape (3,), optional
-        Where x points at the start of the line, as in `frames`.
 
     Returns
     -------
@@ -77,12 +74,12 @@ def carried(
         A line without length, or values that are not finite.
     """
     body = as_points(points, "points")
-    guide = _guide(line.without_repeats(), window, first_normal)
+    guide = _guide(line.without_repeats(), window)
     start = guide.line.length / 2 if middle is None else as_number(middle, "middle", unit="mm")
     return guide.laid(body, start + body[:, 2])
 
 
-def _guide(line: Line, window: float, first_normal: ArrayLike | None) -> _Guide:
+def _guide(line: Line, window: float) -> _Guide:
     line.check_length()
     total = line.length
     reach = as_number(window, "window", unit="mm", above=0)
@@ -95,7 +92,7 @@ def _guide(line: Line, window: float, first_normal: ArrayLike | None) -> _Guide:
     before, here, after = (line.at(middle + way * room) for way in (-1, 0, 1))
     bend = (after - here) - (here - before)
     along = (after - before) / 2 + ((at - middle) / room)[:, None] * bend
-    return _Guide(line, frames_along(_unit(along), first_normal))
+    return _Guide(line, frames_along(_unit(along)))
 
 
 def _unit(vectors: Floats) -> Floats:

@@ -30,10 +30,9 @@ class TrueAxis:
     tangent: Callable[[ArrayLike], Points]
     normal: Callable[[ArrayLike], Points]
 
-    def sampled(self, spacing: float, beyond: float = 0.0) -> Floats:
+    def sampled(self, spacing: float) -> Floats:
         """Equally spaced arc lengths with both ends, at most `spacing` apart, mm."""
-        reach = self.length + 2 * beyond
-        return np.linspace(-beyond, self.length + beyond, int(np.ceil(reach / spacing)) + 1)
+        return np.linspace(0.0, self.length, int(np.ceil(self.length / spacing)) + 1)
 
 
 def planar_axis(

@@ -102,9 +102,9 @@ class Phantom:
         }
         return NamedFaces(self.face_ids, names)
 
-    def axis_at(self, arc_length: ArrayLike, vessel: int = 0) -> Points:
-        """Exact axis points (n, 3), mm, at arc lengths (n,) from the start of a vessel."""
-        return self.vessels[vessel].axis.point(arc_length)
+    def axis_at(self, arc_length: ArrayLike) -> Points:
+        """Exact axis points (n, 3), mm, at arc lengths (n,) from the start of the first vessel."""
+        return self.vessels[0].axis.point(arc_length)
 
 
 def assembled(

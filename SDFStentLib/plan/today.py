@@ -8,6 +8,9 @@ from typing import NamedTuple
 from ..stent import OfStent
 from ..treatment import TreatedLesion, TreatmentResult, Vessel, treated_lesions
 
+_SPACING = 1.0
+"""Of the stations along the stents, mm."""
+
 
 class Today(NamedTuple):
     """What the stents before the first redilation have left."""
@@ -20,17 +23,8 @@ class Today(NamedTuple):
     """Before any stent and by then; None without a centerline."""
 
 
-def today_of(vessel: Vessel, result: TreatmentResult, spacing: float = 1.0) -> Today | None:
-    """The result before any stent is dilated again; None where none is.
-
-    Parameters
-    ----------
-    vessel : Vessel
-        Before treatment.
-    result : TreatmentResult
-    spacing : float
-        Of the stations along the stents, mm.
-    """
+def today_of(vessel: Vessel, result: TreatmentResult) -> Today | None:
+    """The result in a vessel before any stent is dilated again; None where none is."""
     stents = result.stents
     again = [place for place, one in enumerate(stents) if isinstance(one.stent.placement, OfStent)]
     if not again:
@@ -38,7 +32,7 @@ def today_of(vessel: Vessel, result: TreatmentResult, spacing: float = 1.0) -> T
     done = stents[: again[0]]
     surface = done[-1].result.surface
     by_then = Vessel(surface)
-    lumen = {one.number: by_then.diameters(one.axis.line, spacing).minimum for one in done}
+    lumen = {one.number: by_then.diameters(one.axis.line, _SPACING).minimum for one in done}
     lesions = None
     if vessel.lesions is not None:
         lesions = treated_lesions(vessel.lesions, done, surface, vessel.surface)

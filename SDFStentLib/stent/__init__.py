@@ -38,5 +38,4 @@ from .stent_axis import moved_axis as moved_axis
 from .stent_axis import stent_axis as stent_axis
 from .straightened import TurnedWay as TurnedWay
 from .straightened import straight_way as straight_way
-from .straightened import straightened as straightened
 from .straightened import turned_way as turned_way

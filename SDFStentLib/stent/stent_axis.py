@@ -22,7 +22,6 @@ from .placement import (
 )
 from .shape import DiametersAlong
 from .stent import Stent
-from .straightened import straightened
 
 FARTHEST_PLACEMENT = 2.0
 """A placement may be this many local inscribed radii away from the centerline."""
@@ -100,7 +99,6 @@ def stent_axis(
     stent: Stent,
     centerline: Centerline | None = None,
     *,
-    straightening_fraction: float = 0.0,
     lies_on: StentAxis | None = None,
 ) -> StentAxis:
     """The axis of an expanded stent.
@@ -111,8 +109,6 @@ def stent_axis(
         Size and placement.
     centerline : Centerline, optional
         Needed for every placement but `AlongAxis`, which does not look at it.
-    straightening_fraction : float
-        As for `straightened`, 0 to 1.
     lies_on : StentAxis, optional
         Of the earlier stent, for one that is placed by `OfStent`.
 
@@ -146,11 +142,7 @@ def stent_axis(
     warnings += stent.device_cautions()
     if centerline is not None:
         warnings += beside(stent.placement, centerline)
-    axis = replace(axis, warnings=(*warnings, *_bend(axis, stent.radius)))
-    if not straightening_fraction:
-        return axis
-    line = straightened(axis.line, straightening_fraction, stent.kept)
-    return moved_axis(axis, line, stent.radius)
+    return replace(axis, warnings=(*warnings, *_bend(axis, stent.radius)))
 
 
 def moved_axis(axis: StentAxis, line: Line, stent_radius: float) -> StentAxis:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..geometry import Line, dot, norm
-from ..validation import Floats, InputError, Points, as_number
+from ..validation import Floats, InputError, Points
 from .stent import KEPT
 
 
@@ -116,26 +116,6 @@ def turned_way(line: Line, goals: Floats, keeps: str = "center") -> TurnedWay:
     # A piece that points back turns in any plane.
     across = _unit(np.where(sines[:, None] > 0, across, _perpendicular(along)))
     return TurnedWay(line, along, across, np.arctan2(sines, cosines), keeps)
-
-
-def straightened(line: Line, fraction: float, keeps: str = "center") -> Line:
-    """The line made straighter; every piece keeps its length.
-
-    Parameters
-    ----------
-    line, keeps
-        As for `straight_way`, errors likewise.
-    fraction : float
-        0 as it is, 1 straight: the share by which each piece turns from its own direction to that
-        of the chord.
-
-    Raises
-    ------
-    InputError
-        The fraction is outside 0 to 1.
-    """
-    fraction = as_number(fraction, "straightening fraction", minimum=0, maximum=1)
-    return straight_way(line, keeps).at(fraction)
 
 
 def _kept_place(line: Points, keeps: str) -> Floats:

@@ -41,7 +41,7 @@ class AxisChange(NamedTuple):
     """What is done to the axis of a stent."""
 
     straightening_fraction: float = 0.0
-    """As for `straightened`."""
+    """0 as it is, 1 straight: the share by which each piece turns to the direction of the chord."""
     smoothing_length: float = 0.0
     """As for `smoothed_line`, mm; before it is straightened."""
 

@@ -16,6 +16,9 @@ from ..validation import Floats, as_number, read_only
 GAP = 0.3
 """Distance from stent to wall up to which they touch, mm: a strut is 0.1 to 0.3 mm thick."""
 
+NOTICED = 0.1
+"""Share of the circumference from which a piece of the stent belongs to a free stretch."""
+
 SPACING = 0.5
 """Of the stations, mm."""
 
@@ -42,7 +45,7 @@ class Apposition:
     free_share: Floats
     """(n,) share of the circumference without contact, 0 to 1."""
     stretches: tuple[FreeStretch, ...]
-    """Where the share is above `noticed`, proximal to distal."""
+    """Where the share is above `NOTICED`, proximal to distal."""
     length: float
     """Of the stent, mm."""
 
@@ -72,17 +75,12 @@ class Apposition:
 
 
 def apposition(
-    surface: Surface,
-    axis: Line | ArrayLike,
-    radius: float | Callable[[Floats], Floats],
-    *,
-    gap: float = GAP,
-    noticed: float = 0.1,
+    surface: Surface, axis: Line | ArrayLike, radius: float | Callable[[Floats], Floats]
 ) -> Apposition:
     """Contact of an expanded stent with the deployed surface.
 
     Rays go from the stent's axis, across it; the wall is in contact where it is nearer than
-    radius and gap.
+    radius and `GAP`.
 
     Parameters
     ----------
@@ -92,26 +90,20 @@ def apposition(
         The stent's, proximal to distal, mm.
     radius : float or callable
         Of the stent, mm; or what gives it at arc lengths (n,) of the axis from its proximal end.
-    gap : float
-        mm.
-    noticed : float
-        Share of the circumference from which a piece of the stent belongs to a free stretch.
 
     Raises
     ------
     InputError
-        An axis that is no polyline, or numbers out of range.
+        An axis that is no polyline, or a radius that is none.
     """
     line = as_line(axis, "stent axis").without_repeats()
-    as_number(gap, "gap", unit="mm", minimum=0)
-    as_number(noticed, "noticed", minimum=0, maximum=1)
     total = line.length
     if callable(radius):
         radius_at, widest = radius, float(radius(np.linspace(0, total, 200)).max())
     else:
         widest = as_number(radius, "stent radius", unit="mm", above=0)
         radius_at = partial(np.full_like, fill_value=widest)
-    near = near_wall(surface, line.points, max(total, 2 * (widest + gap)))
+    near = near_wall(surface, line.points, max(total, 2 * (widest + GAP)))
     if not len(near.triangles):
         # Short and thin in a wide lumen: all of the wall is farther away than that.
         near = near_wall(surface, line.points, np.inf)
@@ -119,11 +111,11 @@ def apposition(
     edges = wall.arc_length
     # A piece between two stations has the mean of both.
     own = radius_at(edges)[:, None]
-    share = (wall.distance > own + gap).sum(axis=1) / RAYS
+    share = (wall.distance > own + GAP).sum(axis=1) / RAYS
     share = (share[1:] + share[:-1]) / 2
     apart = wall.distance - own
     gaps = np.maximum(apart[1:], apart[:-1]).max(axis=1)
-    stretches = _stretches(share > noticed, edges, share, gaps)
+    stretches = _stretches(share > NOTICED, edges, share, gaps)
     return Apposition((edges[1:] + edges[:-1]) / 2, share, stretches, float(edges[-1]))
 
 
