@@ -211,13 +211,10 @@ def test_the_input_is_never_modified(case, name):
     points, triangles = np.array(case.points), np.array(case.triangles)
     axis, companions = np.array(case.axis), np.array(case.axis) + np.array([0, 0, 4.0])
     copies = [array.copy() for array in (points, triangles, axis, companions)]
-    deploy(
-        Surface(points, triangles),
-        SETTINGS[name].chain(axis),
-        case.radius,
-        SETTINGS[name],
-        companions=companions,
-    )
+    chain = SETTINGS[name].chain(axis)
+    vessel = Surface(points, triangles)
+    run = Deployment(vessel, chain, case.radius, SETTINGS[name], companions=companions)
+    assert len(run.result.points) == len(points)
     for array, copy in zip((points, triangles, axis, companions), copies, strict=True):
         np.testing.assert_array_equal(array, copy)
 

@@ -238,10 +238,10 @@ def test_a_scheduler_that_does_not_answer_is_told_in_one_sentence(tmp_path, monk
     monkeypatch.setattr(executors, "SCHEDULER_SECONDS", 0.5)
     address = f"tcp://127.0.0.1:{free_port()}"
     with pytest.raises(InputError, match=rf"scheduler: expected one at {address}, none answered"):
-        run_sweep(sweep_in(tmp_path), tmp_path / "out", scheduler=address)
+        run_sweep(sweep_in(tmp_path), tmp_path / "out", executor=address)
 
 
 def test_an_address_that_is_none_is_told_in_one_sentence(tmp_path):
     tube_folder(tmp_path)
     with pytest.raises(InputError, match="scheduler: expected one at somewhere"):
-        run_sweep(sweep_in(tmp_path), tmp_path / "out", scheduler="somewhere")
+        run_sweep(sweep_in(tmp_path), tmp_path / "out", executor="somewhere")

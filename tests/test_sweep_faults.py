@@ -264,7 +264,7 @@ def test_an_early_interruption_does_not_say_that_nothing_is_kept(there, function
     assert (code, error) == (130, f"sdfstent: interrupted; {words}, run it again to go on.\n")
 
 
-@pytest.mark.parametrize("way", [{"executor": ThreadPoolExecutor(1)}, {"scheduler": "tcp://a:1"}])
+@pytest.mark.parametrize("way", [{"executor": ThreadPoolExecutor(1)}, {"executor": "tcp://a:1"}])
 def test_a_time_limit_is_refused_where_nobody_could_be_ended(there, way):
     sweep = sweep_in(there, axes=AXES, time_limit=5)
     with pytest.raises(InputError, match="time_limit: expected worker processes on this machine"):

@@ -80,7 +80,7 @@ def _run(sweep: Sweep, options: argparse.Namespace, console: Console) -> int:
                 sweep,
                 options.output,
                 workers=options.workers,
-                scheduler=options.scheduler,
+                executor=options.scheduler,
                 progress=watcher.show,
             )
     except KeyboardInterrupt:

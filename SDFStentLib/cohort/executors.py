@@ -69,25 +69,25 @@ class Workplace:
 
 
 def workplace(
-    workers: int | None, scheduler: str | None, executor: Executor | None, limit: float | None
+    workers: int | None, executor: Executor | str | None, limit: float | None
 ) -> Workplace:
     """Where a sweep is carried out; processes on this machine by default.
 
     Raises
     ------
     InputError
-        Several places, or a time limit, s, where nobody could be ended.
+        Two places, or a time limit, s, where nobody could be ended.
     """
-    if sum(one is not None for one in (workers, scheduler, executor)) > 1:
-        raise InputError("executor: expected one of workers, scheduler and executor, got several.")
-    if scheduler is None and executor is None:
+    if executor is None:
         return processes(workers, limit)
+    if workers is not None:
+        raise InputError("executor: expected workers or an executor, got both; leave one out.")
     if limit is not None:
         raise InputError(
             "time_limit: expected worker processes on this machine with it, whose cases can be "
             "ended, got another executor; leave it out."
         )
-    return given(executor) if scheduler is None else dask(scheduler)
+    return dask(executor) if isinstance(executor, str) else given(executor)
 
 
 def processes(workers: int | None = None, time_limit: float | None = None) -> Workplace:
@@ -136,9 +136,9 @@ def dask(address: str) -> Workplace:
     )
 
 
-def given(executor: Executor | None) -> Workplace:
+def given(executor: Executor) -> Workplace:
     """An executor of the caller's, who also ends it."""
-    if executor is None or not hasattr(executor, "submit"):
+    if not hasattr(executor, "submit"):
         raise InputError(f"executor: expected one of concurrent.futures, got {executor!r}.")
     return Workplace(lambda: nullcontext(executor), DASK_WINDOW, is_renewable=False)
 

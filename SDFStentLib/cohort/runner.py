@@ -42,8 +42,7 @@ def run_sweep(
     folder: str | os.PathLike[str],
     *,
     workers: int | None = None,
-    scheduler: str | None = None,
-    executor: Executor | None = None,
+    executor: Executor | str | None = None,
     progress: Progress | None = None,
 ) -> Tally:
     """Carry out all cases of a sweep that the folder has not got yet, and write its manifest.
@@ -56,10 +55,8 @@ def run_sweep(
         done again. Every worker has to see it, and the files of the patients, by the same path.
     workers : int, optional
         Processes on this machine; by default one per core.
-    scheduler : str, optional
-        Address of a Dask scheduler in place of these.
-    executor : concurrent.futures.Executor, optional
-        Any other one in place of these. The caller ends it.
+    executor : concurrent.futures.Executor or str, optional
+        In place of these: any executor, which the caller ends, or the address of a Dask scheduler.
     progress : callable, optional
         Called with the counts, twice a second.
 
@@ -76,7 +73,7 @@ def run_sweep(
         The store cannot be written, or the workers are lost for good. What is whole is kept,
         and the next run goes on from there; so it does after `KeyboardInterrupt`.
     """
-    place = workplace(workers, scheduler, executor, sweep.time_limit)
+    place = workplace(workers, executor, sweep.time_limit)
     store, cases = Store(folder), list(Cases(sweep))
     with store.locked():
         _prepare(store, sweep, cases)

@@ -8,15 +8,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ..certificate import Comparison, Verdict, certificate_of
 from ..field import CapsuleChain
-from ..geometry import Precision, Surface
-from ..validation import as_points
+from ..geometry import Surface
 from .attempt import Attempt
 from .settings import DeploymentSettings
 from .values import DeploymentResult, DeploymentState, DeploymentTask
@@ -163,24 +161,6 @@ def deploy(
     chain: CapsuleChain,
     radius: float,
     settings: DeploymentSettings | None = None,
-    *,
-    companions: ArrayLike | None = None,
-    precision: Precision | None = None,
-    progress: Callable[[DeploymentState], None] | None = None,
 ) -> DeploymentResult:
-    """Run a deployment to its end; parameters and errors as for `Deployment`.
-
-    `progress` is called with every state.
-    """
-    deployment = Deployment(
-        surface,
-        chain,
-        radius,
-        settings or DeploymentSettings(),
-        companions=as_points(() if companions is None else companions, "companion points"),
-        precision=precision or Precision(),
-    )
-    for state in deployment:
-        if progress is not None:
-            progress(state)
-    return deployment.result
+    """Run a deployment to its end; parameters and errors as for `Deployment`."""
+    return Deployment(surface, chain, radius, settings or DeploymentSettings()).result
