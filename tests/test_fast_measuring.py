@@ -149,10 +149,9 @@ def test_ends_of_vessels_are_the_same_where_their_spheres_are_searched_to_the_en
     surface, tree = a_vessel_and_its_tree
     fast = vessel_runs(branch_lumens(surface, tree))
 
-    def whole(points, triangles, stations, directions, until):
+    def whole(wall, stations, directions, until):
         assert np.isfinite(until.enough).any()
-        to_the_end = until._replace(enough=np.inf)
-        return StationSearch(points, triangles, stations, directions, to_the_end)
+        return StationSearch(wall, stations, directions, until._replace(enough=np.inf))
 
     monkeypatch.setattr(branch_lumen, "StationSearch", whole)
     unmeasured = surface.with_points(surface.points)

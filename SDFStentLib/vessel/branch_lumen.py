@@ -11,7 +11,7 @@ import numpy as np
 
 from ..centerline import BranchLumen, Centerline
 from ..geometry import Surface
-from ..lumen import InscribedSpheres, StationSearch, Until, closed_surface, holes_of
+from ..lumen import InscribedSpheres, LocalSurface, StationSearch, Until, closed_surface, holes_of
 from ..validation import Flags, Floats, Indices, InputError, Points
 from .runs import VesselRun
 
@@ -61,8 +61,8 @@ class TreeLumen:
         self._to_end = np.concatenate(_distances_to_ends(self._lumens))
         # What is wider than this so near to an end is not used, however wide it is.
         until = Until(TOLERANCE, _SAFELY / END_REACH * self._to_end)
-        wall = surface.points, surface.triangles
-        self.spheres = StationSearch(*wall, stations, directions, until)
+        wall = LocalSurface(surface.points, surface.triangles, stations)
+        self.spheres = StationSearch(wall, stations, directions, until)
         centers, radii = self.spheres.rough
         self._is_in = are_in_lumen(stations, InscribedSpheres(centers, _ROUGHLY * radii), surface)
         if not (self._is_in & np.isfinite(radii)).any():

@@ -11,7 +11,14 @@ from dataclasses import replace
 import numpy as np
 
 from ..geometry import Surface, norm
-from ..lumen import InscribedSpheres, MovedWall, StationSearch, Until, with_own_spheres
+from ..lumen import (
+    InscribedSpheres,
+    LocalSurface,
+    MovedWall,
+    StationSearch,
+    Until,
+    with_own_spheres,
+)
 from ..validation import Flags, Floats, Points, as_place
 from .branch_lumen import are_in_lumen
 from .lesion_sections import between_neighbors, cut_at, on_line, tightest
@@ -25,7 +32,7 @@ _BESIDE = 1.02
 """Wall farther from a place than so many times what may matter does not."""
 
 
-def measured(lesions: Sequence[Lesion], surface: Surface) -> list[Lesion]:
+def measured(lesions: Sequence[Lesion], surface: Surface, wall: LocalSurface) -> list[Lesion]:
     """The lesions with all that depends on the surface, against their references.
 
     Parameters
@@ -33,9 +40,11 @@ def measured(lesions: Sequence[Lesion], surface: Surface) -> list[Lesion]:
     lesions : sequence of Lesion
         Their diameters are those on this surface.
     surface : Surface
+    wall : LocalSurface
+        Of it.
     """
     fine = [_round_narrowest(lesion) for lesion in lesions]
-    spheres = _spheres(surface, [(places, ways) for _, places, ways in fine])
+    spheres = _spheres(wall, [(places, ways) for _, places, ways in fine])
     return [
         _with_sphere(replace(lesion, surface=surface), along, found)
         for lesion, (along, _, _), found in zip(lesions, fine, spheres, strict=True)
@@ -67,16 +76,20 @@ def lesions_after(
         for number, lesion in enumerate(lesions)
         if (which := _changed(lesion, moved)) is not None
     }
+    if not changed:
+        return list(lesions)
     lines = [(lesions[number].line, which) for number, which in changed.items()]
+    places = np.concatenate([line.points for line, _ in lines])
+    wall = LocalSurface(surface.points, surface.triangles, places)
     pieces = [(line.points[which], line.directions[which]) for line, which in lines]
     begun = []
     # A wall that was moved past a place leaves it in tissue, or in another vessel.
-    spheres = _spheres(surface, pieces, may_be_outside=True)
+    spheres = _spheres(wall, pieces, surface)
     for (number, which), found in zip(changed.items(), spheres, strict=True):
         diameters = lesions[number].diameters.copy()
         diameters[which] = 2 * found.radii
         begun.append(replace(lesions[number], diameters=diameters))
-    after = dict(zip(changed, measured(begun, surface), strict=True))
+    after = dict(zip(changed, measured(begun, surface, wall), strict=True))
     for number, lesion in after.items():
         if (np.isnan(lesion.diameters) & np.isfinite(lesions[number].diameters)).any():
             # Where nothing can be measured it may be narrower than elsewhere.
@@ -102,19 +115,22 @@ def _changed(lesion: Lesion, moved: MovedWall | None) -> Flags | None:
 
 
 def _spheres(
-    surface: Surface, lines: Sequence[tuple[Points, Points]], *, may_be_outside: bool = False
+    wall: LocalSurface, lines: Sequence[tuple[Points, Points]], after: Surface | None = None
 ) -> list[InscribedSpheres]:
-    """Spheres at the points of some lines with their directions, all searched together."""
+    """Spheres at the points of some lines with their directions, all searched together.
+
+    NaN at points that are outside of the surface after a treatment, where that is given.
+    """
     if not lines:
         return []
     places, ways = (np.concatenate(column) for column in zip(*lines, strict=True))
     ways /= norm(ways)[:, None]
-    search = StationSearch(surface.points, surface.triangles, places, ways, Until())
+    search = StationSearch(wall, places, ways, Until())
     ends = np.cumsum([len(line) for line, _ in lines])[:-1]
     parts = np.split(np.arange(len(places)), ends)
-    found = with_own_spheres(search.surface, places, ways, search.exact(), parts)
-    if may_be_outside:
-        found.radii[~are_in_lumen(places, found, surface)] = np.nan
+    found = with_own_spheres(wall, places, ways, search.exact(), parts)
+    if after is not None:
+        found.radii[~are_in_lumen(places, found, after)] = np.nan
     return [found.at(part) for part in parts]
 
 

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from ..centerline import Centerline
 from ..geometry import Line, NamedFaces, Surface, as_line, as_surface, checked_faces
 from ..validation import Floats, Place, as_place
+from .branch_lumen import tree_lumen
 from .branch_names import named_branches, size_words
 from .lesion_measuring import lesions_after, measured
 from .lesion_sections import HealthySections
@@ -88,7 +89,8 @@ def find_lesions(
         return is_small, not main[lesion.vessel], -lesion.percent_diameter
 
     least = 100 * SMALLEST_DEGREE
-    told = [one for one in measured(lesions, surface) if not one.percent_diameter < least]
+    wall = tree_lumen(surface, centerline).spheres.surface
+    told = [one for one in measured(lesions, surface, wall) if not one.percent_diameter < least]
     return tuple(sorted(_once(told), key=rank))
 
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from ..centerline import Centerline
 from ..geometry import Line, Surface, as_surface
-from ..lumen import equivalent_diameters, inscribed_spheres
+from ..lumen import LocalSurface, equivalent_diameters, inscribed_spheres
 from ..validation import Floats, InputError, as_place, as_point
 from .lesion_measuring import measured
 from .lesion_value import HealthyPlace, Lesion, reference_words
@@ -88,7 +88,8 @@ def lesion_against(
         reference=reference_words(sides, by="the vessel marked", other=""),
         healthy=_tapering(lesion, marked),
     )
-    return measured([changed], surface)[0]
+    wall = LocalSurface(surface.points, surface.triangles, changed.line.points)
+    return measured([changed], surface, wall)[0]
 
 
 def _marked(

@@ -82,7 +82,8 @@ def inscribed_spheres(
             f"centers: expected at least 2 points or a tangent for each, got {len(centers)}."
         )
     directions = Line(centers).directions if tangents is None else _unit(tangents, centers)
-    return StationSearch(points, triangles, centers, directions, until).exact()
+    wall = LocalSurface(points, triangles, centers)
+    return StationSearch(wall, centers, directions, until).exact()
 
 
 class StationSearch:
@@ -90,21 +91,18 @@ class StationSearch:
 
     Parameters
     ----------
-    points, triangles, centers, until
+    surface : LocalSurface
+        What bounds the spheres.
+    centers, until
         As of `inscribed_spheres`.
     directions : (n, 3) array
         Unit directions of the axis.
     """
 
     def __init__(
-        self,
-        points: Points,
-        triangles: Triangles,
-        centers: Points,
-        directions: Points,
-        until: Until,
+        self, surface: LocalSurface, centers: Points, directions: Points, until: Until
     ) -> None:
-        self.surface = LocalSurface(points, triangles, centers)
+        self.surface = surface
         self._stations, self._directions, self._until = centers, directions, until
         self._is_exact = np.zeros(len(centers), dtype=bool)
         self._climbed = InscribedSpheres(np.empty_like(centers), np.empty(len(centers)))
