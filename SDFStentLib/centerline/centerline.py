@@ -89,16 +89,15 @@ class Centerline:
     ) -> Centerline:
         """The tree of a centerline file's lines, whatever made it.
 
-        Points that coincide are one. Lines that run within a tenth of the inscribed radius of
-        each other are one up to where they part. Pieces are joined across a gap smaller than the
-        local radius. Where no radius is known, the distance to the wall stands for it, and without
-        a wall 0.1 % and 1 % of the extent for these. A loop is opened where it is farthest from
-        the root; what then ends blind inside the sphere of its junction is dropped.
+        Points that coincide are one. Lines within a tenth of the inscribed radius of each other are
+        one up to where they part. Pieces are joined across a gap smaller than the local radius.
+        Where no radius is known, the distance to the wall stands for it, and without a wall 0.1 %
+        and 1 % of the extent for these. A loop is opened where it is farthest from the root; what
+        then ends blind inside the sphere of its junction is dropped.
 
-        The root is the end nearest to `inlet` if given. Else for polylines the end of the tree
-        at which most lines start or end; then the end that is wider than every other one by a
-        tenth. Only where neither tells, the order in the file does: for two-point cells the
-        point stored first if it is an end, for polylines an end where they start.
+        The root is the end nearest to `inlet`. Without that for polylines the end at which most
+        lines start or end; then the end wider than every other by a tenth; then by the order in the
+        file the point stored first if it is an end, for polylines an end where they start.
 
         Parameters
         ----------

@@ -21,8 +21,8 @@ from .plateaus import (
     Plateaus,
     known_stations,
     medians,
+    parts_of,
     plateaus_of,
-    runs_of,
 )
 from .runs import MURRAY_EXPONENT, SideBranch, VesselRun
 
@@ -164,7 +164,7 @@ def narrowings(run: VesselRun, eased: float = 0.0) -> list[Narrowing]:
     degree, counts = _degrees(along, diameter, before, after, eased)
     throats = [
         first + int(np.where(counts, diameter, np.inf)[first : last + 1].argmin())
-        for first, last in _parts(along, degree > EDGE_DEGREE, diameter / (1 - degree))
+        for first, last in parts_of(along, degree > EDGE_DEGREE, diameter / (1 - degree))
         if counts[first : last + 1].any()
     ]
     found: list[Narrowing] = []
@@ -318,7 +318,7 @@ def _extent(along: Floats, diameter: Floats, at: int, reference: Reference) -> N
     """From where the vessel leaves its reference to where it is back, whatever leaves between."""
     healthy = reference.at(along)
     degree = 1 - diameter / healthy
-    parts = _parts(along, degree > EDGE_DEGREE, healthy)
+    parts = parts_of(along, degree > EDGE_DEGREE, healthy)
     for first, last in parts:
         if first <= at <= last:
             at = first + int(np.argmin(diameter[first : last + 1]))
@@ -328,17 +328,6 @@ def _extent(along: Floats, diameter: Floats, at: int, reference: Reference) -> N
             end = _edge(along, degree, last, last + 1, is_throat=last == at)
             return Narrowing(start, end, float(along[at]), reference)
     return None
-
-
-def _parts(along: Floats, is_narrow: Flags, reference: Floats) -> list[tuple[int, int]]:
-    """Runs of narrow stations; those less than a radius of healthy vessel apart are one."""
-    parts: list[tuple[int, int]] = []
-    for first, last in runs_of(is_narrow).tolist():
-        if parts and along[first] - along[parts[-1][1]] < reference[first] / 2:
-            parts[-1] = (parts[-1][0], last)
-        else:
-            parts.append((first, last))
-    return parts
 
 
 def _edge(along: Floats, degree: Floats, inner: int, outer: int, *, is_throat: bool) -> float:

@@ -186,3 +186,14 @@ def runs_of(chosen: Flags) -> Indices:
     """First and last index of every run of chosen ones."""
     edges = np.flatnonzero(np.diff(np.r_[0, chosen.astype(np.int8), 0]))
     return np.stack([edges[::2], edges[1::2] - 1], axis=1)
+
+
+def parts_of(along: Floats, is_narrow: Flags, reference: Floats) -> list[tuple[int, int]]:
+    """Runs of narrow stations; those less than a radius of healthy vessel apart are one."""
+    parts: list[tuple[int, int]] = []
+    for first, last in runs_of(is_narrow).tolist():
+        if parts and along[first] - along[parts[-1][1]] < reference[first] / 2:
+            parts[-1] = (parts[-1][0], last)
+        else:
+            parts.append((first, last))
+    return parts
