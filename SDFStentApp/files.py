@@ -36,7 +36,6 @@ class Uploads:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        folder.mkdir()
 
     def kept(self, name: Any, content: Any) -> Path:
         """Keep a file under its own name. Raises `InputError` for what is none that a page can open."""
@@ -50,6 +49,7 @@ class Uploads:
                 f"{path.name}: expected a file of at most {LARGEST_UPLOAD // 2**20} MB with something in it, got another; "
                 "name its folder with --folder instead."
             )
+        self.folder.mkdir(parents=True, exist_ok=True, mode=0o700)
         path.write_bytes(content)
         return path
 

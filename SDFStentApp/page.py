@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import json
 import os
 import shutil
 import tempfile
@@ -15,11 +16,14 @@ from typing import Any, NamedTuple
 import slicer
 from trame_server.utils.namespace import Translator
 
+from SDFStentLib.files import write_bytes
+
 from . import python_layer
 from .application import Application
 from .charts import opacity_of, plot_of, table_of
 from .exports import NAMES, exported, zipped_folder
 from .files import PLANS, Folders, Opened, Uploads, open_plan, open_vessel, save_model
+from .kept import PLAN
 from .selectors import PlaceWidget
 from .sight import build
 from .template import ASKS_FOR_FILE, PATHS, WRITES_FILE, WRITES_FOLDER, value_of
@@ -65,7 +69,8 @@ class Page:
         self._dialog = python_layer.FileDialog
         self.view = View(self.application, self._on_click)
         self.workshop = tempfile.TemporaryDirectory(prefix="sdfstent-")
-        self.uploads = Uploads(Path(self.workshop.name) / "uploads")
+        self.home = Path(told.get("kept") or self.workshop.name)
+        self.uploads = Uploads(self.home / "uploads")
         self.folders = Folders([*told["folders"], self.uploads.folder])
         self.widget = _panel(told["module"])
         self.panel = self.widget.ui
@@ -74,7 +79,7 @@ class Page:
         self._edits: dict[Any, Any] = {}
         self._edited_at = -1
         self._shown_results: tuple[Any, ...] = ()
-        self._unseen = [str(self.uploads.folder)]
+        self._unseen = [str(self.uploads.folder), str(self.home)]
         self._kept: list[Kept] = []
         self._tasks: set[asyncio.Task[None]] = set()
 
@@ -279,7 +284,9 @@ class Page:
 
         def load() -> None:
             scene, told = self.application.scene, self.told
-            if told.get("plan"):
+            if (self.home / PLAN).is_file():  # it goes on
+                self._opened(open_plan(scene, self.home / PLAN, None))
+            elif told.get("plan"):
                 self._opened(open_plan(scene, Path(told["plan"]), None))
             elif told.get("surface"):
                 line = told.get("centerline")
@@ -287,8 +294,16 @@ class Page:
                 self._opened(open_vessel(scene, *files, told["units"]))
 
         self.attempt(load)
-        if self.told.get("demo"):
+        if self.told.get("demo") and self.parameters.vessel is None:
             self.demo()
+        if self.told.get("kept"):
+            self.widget.sections[0].onKept = self._keep
+
+    def _keep(self, document: str) -> None:
+        """Keep a plan on disk, for who comes back after whatever happened."""
+        if json.loads(document)["inputs"].get("surface"):
+            self.home.mkdir(parents=True, exist_ok=True, mode=0o700)
+            write_bytes(self.home / PLAN, document.encode())
 
     def demo(self) -> None:
         """The library's synthetic patient, in files of this page's own."""
@@ -298,7 +313,8 @@ class Page:
 
             nodes = addSampleVessel("branching_pulmonary_artery", "Synthetic artery")
             for node, name in zip(nodes, ("surface", "centerline"), strict=True):
-                save_model(node, Path(self.workshop.name) / f"{name}.vtp")
+                self.home.mkdir(parents=True, exist_ok=True, mode=0o700)
+                save_model(node, self.home / f"{name}.vtp")
             self._opened(Opened(*nodes))
 
         self.attempt(load)

@@ -50,13 +50,14 @@ class PageProcess:
         loop = asyncio.get_running_loop()
         self._port: asyncio.Future[int] = loop.create_future()
         self._is_wanted = asyncio.Event()
-        self._life = asyncio.ensure_future(self._live({**told, "secret": self.secret}))
+        self._told = {**told, "secret": self.secret}
+        self._life = asyncio.ensure_future(self._live())
 
-    def wanted(self) -> PageProcess:
-        """Open what there is to show; it is visited soon, or ends."""
+    def wanted(self, told: dict[str, Any]) -> None:
+        """Open what there is to show, and what else is told; it is visited soon, or ends."""
+        self._told |= told
         self._is_wanted.set()
         self._leave_after(FIRST_VISIT_WITHIN_S)
-        return self
 
     async def port(self) -> int:
         """Where it listens. Raises `RuntimeError` with a sentence if it could not start."""
@@ -101,7 +102,7 @@ class PageProcess:
 
         self._leaving = asyncio.get_running_loop().call_later(seconds, leave)
 
-    async def _live(self, told: dict[str, Any]) -> None:
+    async def _live(self) -> None:
         try:
             self._process = process = await asyncio.shield(self._starting)
             assert process.stdin is not None
@@ -111,7 +112,7 @@ class PageProcess:
             await asyncio.wait([ended, wanted], return_when=asyncio.FIRST_COMPLETED)
             wanted.cancel()
             if not ended.done():
-                process.stdin.write(json.dumps(told).encode() + b"\n")
+                process.stdin.write(json.dumps(self._told).encode() + b"\n")
             await self._become_ready(process)
             await process.wait()
         finally:

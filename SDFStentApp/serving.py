@@ -25,6 +25,7 @@ import aiohttp
 from aiohttp import web
 
 from .chunks import LARGEST_UPLOAD, Chunks
+from .kept import KeptPlans
 from .page_process import PageProcess
 from .process import HEADER
 
@@ -57,6 +58,8 @@ class Settings(NamedTuple):
     kept_s: float
     """So long a closed page waits to be opened again."""
     most_pages: int
+    plans: Path | None
+    """Where plans are kept for a day; None for nowhere."""
     told: dict[str, Any]
 
 
@@ -67,6 +70,7 @@ class Server:
         self.settings, self._say = settings, say
         self.token = secrets.token_urlsafe(24)
         self.pages: dict[str, PageProcess] = {}
+        self._kept = KeptPlans(settings.plans)
         self._first: PageProcess | None = None
         self._spare: PageProcess | None = None
         self._client: aiohttp.ClientSession | None = None
@@ -96,6 +100,8 @@ class Server:
             self._say(
                 "Other machines can reach it, and what passes can be read on the way: put a proxy with TLS in front of it."
             )
+        if self._kept.root is not None:
+            self._say(f"Plans are kept for a day in {self._kept.root}")
         self._say("Ctrl-C ends it.")
         self._first = self._start()  # it opens what there is to show while the browser starts
         if self.settings.opens_browser and _has_screen():
@@ -109,9 +115,11 @@ class Server:
             way.write(WAY.format(address=address))
         asyncio.get_running_loop().run_in_executor(None, webbrowser.open, self._way.as_uri())
 
-    def _start(self) -> PageProcess:
-        page = (self._spare or self._prepared()).wanted()
-        self._spare = None
+    def _start(self, name: str = "") -> PageProcess:
+        """A page, which goes on where that of the `name` was."""
+        page, self._spare = self._spare or self._prepared(), None
+        page.name = name or page.name
+        page.wanted({"kept": self._kept.folder(page.name)})
         self.pages[page.name] = page
         return page
 
@@ -123,7 +131,8 @@ class Server:
             self._spare = self._prepared()
 
     def _forget(self, page: PageProcess) -> None:
-        self.pages.pop(page.name, None)
+        if self.pages.get(page.name) is page:
+            del self.pages[page.name]
         if page is self._first:
             self._first = None
         if page is self._spare:
@@ -150,17 +159,20 @@ class Server:
                 await page.end()  # a browser may see it before we hear of it
         if tail not in ("", INDEX):
             return _sentence(404, "This page was closed.")
-        return await self._new_page("../" * rest.count("/") if slash else f"{token}/")
+        way = "../" * rest.count("/") if slash else f"{token}/"
+        return await self._new_page(way, name if self._kept.has(name) else "")
 
-    async def _new_page(self, way: str) -> web.StreamResponse:
+    async def _new_page(self, way: str, name: str) -> web.StreamResponse:
         """Send the browser to a page of its own; `way` leads below the token, behind whatever proxy."""
-        page, self._first = self._first, None
+        page = None
+        if not name:
+            page, self._first = self._first, None
         if page is None and len(self.pages) >= self.settings.most_pages:
             most = self.settings.most_pages
             return _sentence(
                 503, f"{most} pages are open, which is as many as there may be: close one."
             )
-        page = page or self._start()
+        page = page or self._start(name)
         try:
             await page.port()
         except RuntimeError as error:

@@ -293,8 +293,9 @@ DIAMETERS = """
 """
 
 GONE = """
-<div class="gone" role="alert">The connection is lost, sdfstent app has ended, or this page was opened in another window. Load the page again: it goes on where it was while
-it is kept (sdfstent app --keep). If that does not help, start sdfstent app again and use the address that it prints.</div>
+<div class="gone" role="alert">The connection is lost, or this page was opened in another window.
+<button type="button" onclick="location.reload()">Go on</button>
+If that does not help, sdfstent app has ended: start it again and use the address that it prints.</div>
 """
 
 

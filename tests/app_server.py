@@ -35,7 +35,12 @@ class AppServer:
         self.process = subprocess.Popen(
             [sys.executable, "-m", "SDFStentLib", "app", *map(str, arguments)],
             cwd=PROJECT,
-            env={**environment, "TMPDIR": str(folder), "OMP_NUM_THREADS": "1"},
+            env={
+                **environment,
+                "TMPDIR": str(folder),
+                "XDG_STATE_HOME": f"{folder}-state",
+                "OMP_NUM_THREADS": "1",
+            },
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,

@@ -7,6 +7,7 @@ import json
 import os
 import re
 import shutil
+import stat
 import zipfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -593,12 +594,21 @@ def test_a_page_that_has_failed_says_so_and_is_there_again_when_it_is_loaded(
     visit = Visit(a_browser, server.address)
     visit.named("lesionTable").locator("tbody tr").first.wait_for()
     assert visit.text("message") == ""
+    visit.named("lesionTable").locator("td").first.click()
+    visit.add_stent()
+    diameter = visit.number("diameterSlider").input_value()
+    (kept,) = (tmp_path / "workshop-state" / "sdfstent" / "plans").glob("*/plan.json")
+    assert stat.S_IMODE(kept.parent.stat().st_mode) == 0o700
+    while not json.loads(kept.read_text(encoding="utf-8"))["stents"]:
+        visit.page.wait_for_timeout(100)
     (page,) = server.pages()
+    address = visit.page.url
     page.kill()
-    visit.page.locator(".gone").wait_for()
-    assert "Load the page again" in visit.page.locator(".gone").inner_text()
-    visit.page.reload()
-    visit.named("deployButton").wait_for()
+    visit.page.locator(".gone").get_by_role("button").click()
+    visit.until("stentTable", "Stent 1")  # nothing is lost
+    playwright.expect(visit.number("diameterSlider")).to_have_value(diameter)
+    assert visit.page.url == address
+    assert visit.text("message") == ""
     server.process.kill()
     visit.page.locator(".gone").wait_for()
     visit.context.close()

@@ -88,7 +88,8 @@ def test_only_who_knows_the_token_is_answered_and_ctrl_c_leaves_nothing(a_server
     assert (status, '<div id="app">' in text) == (200, True)
     assert address.startswith(a_server.address)
     page = a_server.pages()[0]
-    written = {path.name for path in a_server.folder.rglob("*.vtp")}
+    kept = Path(f"{a_server.folder}-state")
+    written = {path.name for path in kept.rglob("*.vtp")}
     assert written == {"surface.vtp", "centerline.vtp"}  # of --demo
     ports = [c.laddr.port for c in page.net_connections() if c.status == psutil.CONN_LISTEN]
     for port in ports:  # the process of the page itself, without the server in front of it
@@ -226,6 +227,7 @@ def test_a_server_that_is_killed_leaves_no_page_and_the_next_one_opens_the_brows
         (["--port", "70000"], "expected 0 to 65535, got 70000"),
         (["--pages", "0"], "expected at least 1, got 0"),
         (["--keep", "-1"], "expected 0 to 86400 s, got -1"),
+        (["--plans", "/dev/null/x"], "--plans: expected a folder that can be made, got"),
         (["--host", "256.1.1.1", "--no-browser"], "expected an address that is free"),
     ],
 )
@@ -249,6 +251,26 @@ def test_without_the_extra_it_says_what_to_install(capsys, monkeypatch):
         "sdfstent app: expected the packages of the extra app, trame_rca is missing; "
         "install them: pip install 'sdfstent[app]'.\n"
     )
+
+
+def test_plans_are_kept_for_a_day_and_found_by_the_name_of_their_page(tmp_path):
+    from SDFStentApp.kept import KeptPlans
+
+    for name, hours in (("new", 23), ("old", 25), ("begun", 25)):
+        folder = tmp_path / name
+        folder.mkdir()
+        kept = folder / ("plan.json" if name != "begun" else "surface.vtp")
+        kept.touch()
+        for path in (kept, folder):
+            os.utime(path, (time.time() - 3600 * hours,) * 2)
+    plans = KeptPlans(tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["new"]
+    assert plans.has("new")
+    for name in ("", "old", "..", "../new", "new/", "n\u00e9w", "new\0"):
+        assert not plans.has(name)
+    nowhere = KeptPlans(None)
+    assert not nowhere.has("new")
+    assert nowhere.folder("new") is None
 
 
 def test_a_page_opens_files_of_the_named_folders_only(tmp_path):

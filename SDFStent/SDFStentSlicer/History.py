@@ -36,6 +36,11 @@ class History:
             self._documents = [*self._documents[: self._at + 1], document][-MOST:]
             self._at = len(self._documents) - 1
 
+    @property
+    def document(self):
+        """The text of the plan that was kept last, "" before the first."""
+        return self._documents[self._at] if self._documents else ""
+
     def mayGo(self, steps):
         """Whether there is a plan so many steps before this one, or behind it."""
         return 0 <= self._at + steps < len(self._documents)
@@ -50,9 +55,10 @@ class History:
 
 
 class HistoryButtons:
-    """*Undo* and *Redo*."""
+    """*Undo* and *Redo*. `onKept(document)` hears of every plan that is kept."""
 
     def __init__(self, ui, _logic, attempt):
+        self.onKept = lambda _document: None
         self.ui, self._attempt = ui, attempt
         self._histories, self._history = {}, None
         self._timer = Clock.timer(self._note, SETTLE_MS)
@@ -80,10 +86,15 @@ class HistoryButtons:
         self._timer.stop()
         if self._history.parameterNode.parameterNode.GetScene() is not None:
             self._history.note()
-            self._offer()
+            self._tell()
 
     def _go(self, steps):
         self._attempt(lambda: self._history.go(steps))
+        self._tell()
+
+    def _tell(self):
+        if self._history.document:
+            self.onKept(self._history.document)
         self._offer()
 
     def _offer(self):

@@ -6,6 +6,7 @@ import argparse
 import importlib
 import os
 from importlib.util import find_spec
+from pathlib import Path
 from typing import Any
 
 from ..plan import load_plan
@@ -32,6 +33,7 @@ def app_command(options: argparse.Namespace, _console: Console) -> int:
         opens_browser=not options.no_browser,
         kept_s=options.keep,
         most_pages=options.pages,
+        plans=_plans(options.plans),
         told=told,
     )
     try:
@@ -42,6 +44,22 @@ def app_command(options: argparse.Namespace, _console: Console) -> int:
             f"({error.strerror}); choose another --port or --host."
         ) from error
     return 0
+
+
+def _plans(named: str | None) -> Path | None:
+    """Where plans are kept: the folder that is named, none for `none`, else the usual one."""
+    if named == "none":
+        return None
+    kept: Any = importlib.import_module("SDFStentApp.kept")
+    folder: Path = Path(named).absolute() if named else kept.usual_folder()
+    try:
+        folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+    except OSError as error:
+        raise InputError(
+            f"--plans: expected a folder that can be made, got {folder} ({error.strerror}); "
+            "name another, or none."
+        ) from error
+    return folder
 
 
 def _told(options: argparse.Namespace) -> dict[str, Any]:

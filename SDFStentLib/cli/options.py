@@ -336,6 +336,7 @@ def _app(command: argparse.ArgumentParser) -> None:
 --no-browser  only say the address, which has a secret in it
 --pages N = 8  open at the same time (default 8)
 --keep S = 30  that a closed page waits to be opened again (default 30)
+--plans DIR  where plans are kept for a day, or none (default: below ~/.local/state)
 """,
     )
     add_table(command, TALK)

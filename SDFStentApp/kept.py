@@ -1,0 +1,44 @@
+"""Plans of pages, kept on disk while these live and for a day: a folder for each, with what its browser has sent."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import time
+from pathlib import Path
+
+PLAN = "plan.json"
+DAY_S = 86_400.0
+
+
+def usual_folder() -> Path:
+    """Where plans are kept unless another folder is named: that of the user's for what programs leave behind."""
+    state = os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state"
+    return Path(state) / "sdfstent" / "plans"
+
+
+class KeptPlans:
+    """The folders of the pages in `root`, each for its owner only; with None nothing is kept."""
+
+    def __init__(self, root: Path | None) -> None:
+        self.root = root
+        if root is not None:
+            self._forget_old(root)
+
+    def folder(self, page: str) -> str | None:
+        """What belongs to a page."""
+        return None if self.root is None else str(self.root / page)
+
+    def has(self, page: str) -> bool:
+        """Whether a page of this name, which may be anything, can go on where it was."""
+        is_name = re.fullmatch(r"[\w-]+", page) is not None
+        return self.root is not None and is_name and (self.root / page / PLAN).is_file()
+
+    @staticmethod
+    def _forget_old(root: Path) -> None:
+        for folder in root.iterdir():
+            plan = folder / PLAN
+            since = (plan if plan.exists() else folder).stat().st_mtime
+            if folder.is_dir() and time.time() - since > DAY_S:
+                shutil.rmtree(folder, ignore_errors=True)
