@@ -66,7 +66,11 @@ def test_what_is_left_is_the_narrowest_place_of_the_vessel_wherever_it_lies(shif
 
 @pytest.mark.parametrize(
     ("percent", "words"),
-    [(24.2, "24 % (4.55 of 6.00 mm)"), (-1.2, "none (1 % above reference, 4.55 of 6.00 mm)")],
+    [
+        (24.2, "24 % (4.55 of 6.00 mm)"),
+        (0.4, "none (4.55 of 6.00 mm)"),
+        (-1.2, "none (1 % above reference, 4.55 of 6.00 mm)"),
+    ],
 )
 def test_what_is_left_has_one_bracket(percent, words):
     left = Residual(percent, 4.55, 6.0, (0.0, 0.0, 0.0), 1, "within", 1, 0.0)

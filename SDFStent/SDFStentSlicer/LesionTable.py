@@ -3,7 +3,7 @@
 import qt
 from slicer.i18n import tr as _
 
-from SDFStentLib.report import degree_text, lesion_sentences
+from SDFStentLib.report import degree_word, lesion_sentences
 from SDFStentLib.vessel import SMALLEST_DEGREE
 
 from . import Clock
@@ -134,7 +134,7 @@ def _texts(number, lesion):
     return (
         # What the vessel leads to is in the tooltip: there is little room.
         _("{number} {branch}").format(number=number, branch=lesion.branch_name.partition(" (")[0]),
-        degree_text(lesion.percent_diameter),
+        degree_word(lesion.percent_diameter),
         f"{lesion.minimum_diameter:.1f} mm",
         f"{lesion.length:.0f} mm",
     )

@@ -1,7 +1,6 @@
 """What a deployment leaves in the scene: centerline, stents, table, plot, maps and the sentences of the panel."""
 
 import json
-import math
 
 import numpy as np
 import slicer
@@ -12,6 +11,7 @@ from SDFStentLib.lumen import displacements, face_stretches
 from SDFStentLib.report import (
     contact_fact,
     coverage_fact,
+    degree_word,
     flow_moments,
     flow_section,
     lumen_fact,
@@ -156,9 +156,7 @@ def summaryRow(run):
     covered = {branch.name for stent in stents for branch in stent.branches if not branch.is_free}
     return [
         _("{lumen} mm").format(lumen=_number(min(stent.after.minimum for stent in stents))),
-        _("not known")
-        if left is None or math.isnan(left.percent)
-        else f"{max(left.percent, 0.0):.0f} %",
+        degree_word(None if left is None else left.percent),
         _("{count} of {all} covered").format(count=len(covered), all=len(branches))
         if branches
         else _("none near"),

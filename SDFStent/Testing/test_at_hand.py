@@ -62,6 +62,16 @@ def test_the_view_tells_of_the_stent_while_it_is_dragged_and_when_it_is_measured
     assert corner()[0] == [""]
 
 
+def test_a_stent_beside_its_lesion_still_tells_of_it(host, aStent):
+    host.processUntil(lambda: not aStent.lesions.isBusy)
+    aStent._moveStent(20.0)
+    deploy(host, aStent)
+    (lesion,) = aStent.logic.lastRun(aStent._parameterNode).lesions
+    assert lesion.stents == ()
+    told = f"lesion 1 not covered: {lesion.after.percent_diameter:.0f} %"
+    assert told in corner()[0]
+
+
 def test_flow_has_a_line_of_its_own(host, aStent):
     aStent.ui.flowMeanSpinBox.value = 3.0
     deploy(host, aStent)

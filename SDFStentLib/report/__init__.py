@@ -60,4 +60,5 @@ from .summary import deployment_sentences as deployment_sentences
 from .summary import deployment_summary as deployment_summary
 from .words import RESEARCH_USE as RESEARCH_USE
 from .words import degree_text as degree_text
+from .words import degree_word as degree_word
 from .words import document_json as document_json

@@ -6,11 +6,13 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from ..lumen import DiameterProfile
 from ..treatment import PlacedStent, Residual, TreatedLesion, TreatedStent, residual_of
 from ..vessel import Apposition, Ostium
 from .flow import share_gained
-from .words import UNKNOWN, degree_text, number_text
+from .words import UNKNOWN, degree_text, degree_word, number_text
 
 MINIMUM, BEYOND = "Minimum lumen diameter", "Minimum lumen beyond the ends"
 """Of a stent."""
@@ -147,12 +149,19 @@ def _size(placed: PlacedStent) -> str:
 def _left(
     treated: TreatedStent, stents: Sequence[TreatedStent], lesions: Sequence[TreatedLesion]
 ) -> str:
-    """The worst lesion that the stent covers, and what is left in its vessel, wherever it is."""
+    """The worst lesion that the stent covers, and what is left in its vessel, wherever that is.
+
+    Of one that covers none the lesion beside it.
+    """
     covered = [one.before.percent_diameter for one in lesions if treated.number in one.stents]
     left = residual_of(lesions, stents)
-    if not covered or left is None:
+    if not lesions:
         return ""
-    return f"stenosis {degree_text(max(covered))} -> {degree_text(left.percent).partition(' (')[0]}"
+    if not covered or left is None:
+        points = np.array([one.after.point for one in lesions])
+        beside = lesions[int(treated.axis.line.nearest(points).distances.argmin())]
+        return f"lesion {beside.number} not covered: {degree_word(beside.after.percent_diameter)}"
+    return f"stenosis {degree_word(max(covered))} -> {degree_word(left.percent)}"
 
 
 def _branches(treated: TreatedStent) -> str:

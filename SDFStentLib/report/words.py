@@ -112,15 +112,19 @@ def millimeters(value: float | None, digits: int = 2, *, signed: bool = False) -
     return f"{sign}{number_text(value, digits)} mm"
 
 
+def degree_word(percent: float | None) -> str:
+    """Percent stenosis; there is none where it is nothing, to the percent, or less."""
+    if percent is None or not math.isfinite(percent):
+        return UNKNOWN
+    return f"{percent:.0f} %" if round(percent) > 0 else "none"
+
+
 def degree_text(percent: float | None, sizes: str = "") -> str:
-    """Percent stenosis in words, below 0 there is none; what it follows from stands in brackets."""
-    degree, above = UNKNOWN, ""
-    if percent is not None and math.isfinite(percent):
-        degree = f"{max(percent, 0.0):.0f} %"
-        if round(percent) < 0:
-            degree, above = "none", f"{-percent:.0f} % above reference"
+    """The same; how far the lumen is above its reference, and what it follows from, in brackets."""
+    is_above = percent is not None and math.isfinite(percent) and round(percent) < 0
+    above = f"{-percent:.0f} % above reference" if percent is not None and is_above else ""
     details = ", ".join(part for part in (above, sizes) if part)
-    return f"{degree} ({details})" if details else degree
+    return f"{degree_word(percent)} ({details})" if details else degree_word(percent)
 
 
 def degrees_text(diameter: float | None, area: float | None) -> str:
