@@ -1,4 +1,4 @@
-"""Every command line that the documents show, run once as the installed command."""
+"""Every command line that the documents show, run once: each command once as the installed one."""
 
 from __future__ import annotations
 
@@ -158,25 +158,25 @@ def folder(prepared, tmp_path):
     return shutil.copytree(prepared, tmp_path / "documents")
 
 
-def assert_runs(folder, arguments):
+def assert_runs(folder, arguments, run=installed):
     """Exit code 0, and an output where one is named."""
-    done = installed(*arguments, folder=folder)
+    done = run(*arguments, folder=folder)
     assert done.returncode == 0, (arguments, done.stderr)
     assert done.stdout
     if "-o" in arguments:
         assert (folder / arguments[arguments.index("-o") + 1]).exists(), arguments
 
 
-def assert_asks_for_vmtk(folder, arguments):
+def assert_asks_for_vmtk(folder, arguments, run):
     """Where VMTK cannot be had; where it is there, the command runs like all others."""
     if importlib.util.find_spec("vmtk"):
-        return assert_runs(folder, arguments)
-    done = installed(*arguments, folder=folder)
+        return assert_runs(folder, arguments, run)
+    done = run(*arguments, folder=folder)
     assert done.returncode == 2
     assert "pip install" in done.stderr
 
 
-def assert_starts_and_ends(folder, arguments):
+def assert_starts_and_ends(folder, arguments, _):
     """A page is offered, on a port that is free, until Ctrl-C."""
     pytest.importorskip("trame")
     if "--port" in arguments:
@@ -189,7 +189,7 @@ def assert_starts_and_ends(folder, arguments):
     assert process.returncode == 0, error
 
 
-def assert_runs_on_a_cluster(folder, arguments):
+def assert_runs_on_a_cluster(folder, arguments, _):
     """A scheduler and a worker within this process."""
     distributed = pytest.importorskip("distributed")
     shutil.rmtree(folder / "made by sweep", ignore_errors=True)  # else nothing is left to do
@@ -200,10 +200,10 @@ def assert_runs_on_a_cluster(folder, arguments):
         assert_runs(folder, arguments)
 
 
-def assert_runs_coarsely(folder, arguments):
+def assert_runs_coarsely(folder, arguments, run):
     """Meshes as small as can be, without a solver; its results are those of blood at rest."""
     if "--read" not in arguments:
-        return assert_runs(folder, [*arguments, "--coarser", "4", "--no-run"])
+        return assert_runs(folder, [*arguments, "--coarser", "4", "--no-run"], run)
     for path in (folder / "made by simulate").rglob("mesh-complete.mesh.vtu"):
         volume, _ = read_volume(path)
         count, results = len(volume.points), path.parents[1] / "results"
@@ -211,7 +211,7 @@ def assert_runs_coarsely(folder, arguments):
         results.mkdir()
         data = encode_vtu(volume.points / 10, volume.tetrahedra, rest, {})
         (results / "result_001.vtu").write_bytes(data)
-    assert_runs(folder, arguments)
+    assert_runs(folder, arguments, run)
 
 
 OTHERWISE = {
@@ -249,11 +249,19 @@ def commands_by_document() -> dict[str, list[list[str]]]:
     return {name: [one for where, one in first.values() if where == name] for name in names}
 
 
-@pytest.mark.parametrize(("document", "commands"), commands_by_document().items())
-def test_every_command_line_of_the_documents_runs(folder, document, commands):
+SHOWN = commands_by_document()
+FIRST = [
+    next(one for commands in SHOWN.values() for one in commands if one[0] == command)
+    for command in COMMANDS
+]
+"""The first line of every command: what follows needs no process of its own."""
+
+
+@pytest.mark.parametrize(("document", "commands"), SHOWN.items())
+def test_every_command_line_of_the_documents_runs(folder, shell, document, commands):
     for arguments in commands:
-        run = next((OTHERWISE[word] for word in arguments if word in OTHERWISE), assert_runs)
-        run(folder, arguments)
+        judge = next((OTHERWISE[word] for word in arguments if word in OTHERWISE), assert_runs)
+        judge(folder, arguments, installed if arguments in FIRST else shell)
 
 
 def test_the_documents_show_every_command_in_every_way_to_write_it():
@@ -280,8 +288,8 @@ def test_the_documents_show_every_command_in_every_way_to_write_it():
         "sweep cube.json --dry-run",
     ],
 )
-def test_curves_and_samples_that_need_more_of_scipy_run(folder, command):
-    assert_runs(folder, arguments_of(f"sdfstent {command}"))
+def test_curves_and_samples_that_need_more_of_scipy_run(folder, shell, command):
+    assert_runs(folder, arguments_of(f"sdfstent {command}"), shell)
 
 
 def test_vessels_are_called_as_the_user_does(folder, shell):
@@ -302,6 +310,6 @@ def test_curves_serve_every_command(folder, shell):
 def test_a_plan_with_a_curve_is_carried_out(folder, shell):
     words = "deploy surface.vtp --axis axis.mrk.json --diameter 7.5 -o out.vtp --save-plan p.json"
     assert shell(*words.split(), folder=folder).returncode == 0
-    assert_runs(folder, ["run", "p.json", "-o", "again"])
+    assert_runs(folder, ["run", "p.json", "-o", "again"], shell)
     again = folder / "again" / "surface_stented.vtp"
     assert again.read_bytes() == (folder / "out.vtp").read_bytes()
