@@ -11,6 +11,7 @@ import math
 import os
 import shutil
 import xml.etree.ElementTree as ElementTree
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,7 @@ import pytest
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLUnstructuredGridReader
 
-from SDFStentLib.certificate import check_surface
+from SDFStentLib.certificate import check_surface, smallest_angles
 from SDFStentLib.cli import flow as commands
 from SDFStentLib.cli import main
 from SDFStentLib.files import encode_vtp, polydata_from_arrays, polydata_from_lines, read_volume
@@ -29,6 +30,7 @@ from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube, stra
 from SDFStentLib.simulation import Conditions, Outlet, prepare
 from SDFStentLib.simulation.extension import extended
 from SDFStentLib.simulation.mmg import MeditMesh
+from SDFStentLib.simulation.prepared import well_filled
 from SDFStentLib.simulation.remesh import (
     TOLERANCE,
     Wishes,
@@ -40,7 +42,7 @@ from SDFStentLib.simulation.remesh import (
 from SDFStentLib.simulation.solver_file import solver_files, time_steps
 from SDFStentLib.simulation.tetrahedra import dihedral_angles, filled
 from SDFStentLib.treatment import SegmentWishes, Vessel, extract_segment
-from SDFStentLib.validation import InputError
+from SDFStentLib.validation import DeploymentError, InputError
 
 RADIUS, LENGTH, FLOW = 3.0, 40.0, 20.0
 MU = 0.04
@@ -105,7 +107,7 @@ def narrowed_segment():
 @pytest.fixture(scope="module")
 def meshed():
     tube, segment, axis = narrowed_segment()
-    return tube, segment, remeshed(segment, axis, Wishes())
+    return tube, segment, next(remeshed(segment, axis, Wishes()))
 
 
 def test_a_new_surface_lies_on_the_wall_with_enough_edges_round_the_throat(meshed):
@@ -147,6 +149,40 @@ def test_a_triangle_that_is_turned_over_is_mended_along_the_wall(meshed):
     )
 
 
+def test_slim_triangles_and_flat_tetrahedra_are_not_left(meshed, monkeypatch):
+    """On slim triangles tetrahedra are flat: they are spread out, what stays flat is refused."""
+    _, segment, made = meshed
+    points, triangles = made.surface.points.copy(), made.surface.triangles
+    inner = np.setdiff1d(triangles, triangles[~np.isin(made.face_ids, [*segment.walls])])
+    for corner in np.random.default_rng(3).choice(inner, 3, replace=False):
+        one = triangles[(triangles == corner).any(axis=1)][0]
+        points[corner] += 0.97 * (points[one[one != corner]].mean(axis=0) - points[corner])
+    assert smallest_angles(points, triangles).min() < 3
+    none = np.zeros((0, 4), np.int64)
+    found = mended(MeditMesh(points, triangles, made.face_ids, none))
+    assert smallest_angles(found.points, triangles).min() > 10
+    assert check_surface(found).passed
+    assert well_filled([made]).quality.smallest_angle > 1
+    monkeypatch.setattr("SDFStentLib.simulation.prepared.FLAT_DEG", 60.0)
+    with pytest.raises(DeploymentError, match="at least 60 degree"):
+        well_filled([made])
+
+
+def test_borders_that_run_through_the_wall_make_no_slim_triangles():
+    _, segment, axis = narrowed_segment()
+    (wall,) = (face for face in segment.faces if face.kind == "wall")
+    middles = segment.surface.points[segment.surface.triangles][:, :, 0].mean(axis=1)
+    side = middles > np.random.default_rng(4).normal(0, 0.7, len(middles))
+    ids = np.where(side & (segment.face_ids == wall.number), 99, segment.face_ids)
+    faces = (*segment.faces, wall._replace(number=99, name="side"))
+    made = next(remeshed(replace(segment, face_ids=ids, faces=faces), axis, Wishes(coarser=5)))
+    assert smallest_angles(made.surface.points, made.surface.triangles).min() > 15
+    middles = made.surface.points[made.surface.triangles][:, :, 0].mean(axis=1)
+    is_wall = np.isin(made.face_ids, [wall.number, 99])
+    assert (made.face_ids[is_wall & (middles > 2)] == 99).all()
+    assert (made.face_ids[is_wall & (middles < -2)] == wall.number).all()
+
+
 def test_faces_keep_their_numbers_and_ends_stay_flat(meshed):
     _, segment, made = meshed
     assert set(made.face_ids.tolist()) == {face.number for face in segment.faces}
@@ -160,7 +196,7 @@ def test_faces_keep_their_numbers_and_ends_stay_flat(meshed):
 
 def test_tetrahedra_fill_the_surface_and_have_no_flat_ones():
     _, segment, axis = narrowed_segment()
-    made = remeshed(segment, axis, Wishes(coarser=2))
+    made = next(remeshed(segment, axis, Wishes(coarser=2)))
     volume = filled(made)
     count = len(made.surface.points)
     np.testing.assert_array_equal(volume.points[:count], made.surface.points)

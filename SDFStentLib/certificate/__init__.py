@@ -6,6 +6,7 @@ from .certificate import certificate_of as certificate_of
 from .certificate import certify as certify
 from .comparison import Comparison as Comparison
 from .comparison import Verdict as Verdict
+from .face_quality import smallest_angles as smallest_angles
 from .intersections import self_intersecting_triangles as self_intersecting_triangles
 from .promises import NARROWER as NARROWER
 from .promises import NOTICEABLY_NARROWER as NOTICEABLY_NARROWER

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -13,7 +13,7 @@ from ..flow import FlowModel, Moment, Part, Solve
 from ..geometry import Line, state_of
 from ..segment import Segment, SegmentFace
 from ..treatment import ExtractedSegment, SegmentWishes, Vessel, extract_segment
-from ..validation import Floats, Points, as_place
+from ..validation import DeploymentError, Floats, Points, as_place
 from ..vessel import vessel_parts
 from .conditions import Conditions, conditions_of
 from .ends import SPACING, FlowEnds, ends_beyond
@@ -26,7 +26,19 @@ from .tetrahedra import Quality, check_meshers, filled, quality
 COARSER = 1.5
 """Times the edges of the second mesh, whose difference is the error bar."""
 
+FLAT_DEG = 1.0
+"""Angle between two sides from which a tetrahedron is too flat: what it weighs in the equations
+goes with the cotangent, and solvers fail on it."""
+
 STATES = ("before", "after")
+
+
+class Filled(NamedTuple):
+    """A surface with tetrahedra in it."""
+
+    made: Remeshed
+    volume: VolumeMesh
+    quality: Quality
 
 
 class Mesh(NamedTuple):
@@ -211,13 +223,26 @@ def _mesh(
     segment: Segment, conditions: Conditions, sizes: tuple[Axis, Throat], wishes: Wishes
 ) -> Mesh:
     axis, throat = sizes
-    made = remeshed(segment, axis, wishes)
-    volume = filled(made)
+    found = well_filled(remeshed(segment, axis, wishes))
     edge = float(edge_sizes(throat.place[None], axis, wishes)[0])
     return Mesh(
-        made,
-        volume,
-        quality(volume),
-        edges_around(made.surface, throat.place, throat.direction),
+        *found,
+        edges_around(found.made.surface, throat.place, throat.direction),
         time_steps(conditions, edge, throat.radius, segment.volume),
+    )
+
+
+def well_filled(surfaces: Iterable[Remeshed]) -> Filled:
+    """The first surface that is filled without flat tetrahedra, and these."""
+    flattest = 0.0
+    for made in surfaces:
+        volume = filled(made)
+        shape = quality(volume)
+        flattest = min(shape.smallest_angle, 180 - shape.largest_angle)
+        if flattest >= FLAT_DEG:
+            return Filled(made, volume, shape)
+    raise DeploymentError(
+        f"mesh: expected tetrahedra with angles of at least {FLAT_DEG:g} degree between their "
+        f"sides, got one of {flattest:.2g}; take more edges round the vessel, or choose other ends "
+        "of the segment."
     )

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 
-from ..certificate import check_surface
+from ..certificate import check_surface, smallest_angles
 from ..geometry import Surface, SurfaceIndex, edges, section_around
 from ..segment import Segment
 from ..validation import DeploymentError, Flags, Floats, Indices, Points
@@ -23,8 +24,11 @@ TRIES = ((35, 1.0), (25, 0.9), (35, 0.7), (25, 0.7), (20, 0.5))
 that round a cap is, and times the tolerance. MMG keeps it only nearly, and now and then lays a wall
 that is bent sharply over itself: with another angle it does not."""
 
-MENDS = 5
+MENDS = 10
 """Times at most that the corners of faulty triangles go to the mean of their neighbors."""
+
+SLIM_DEG = 10.0
+"""Smallest angle below which a triangle counts as faulty: tetrahedra on it are as flat."""
 
 GRADING = 1.25
 """How much longer an edge may be than the next one."""
@@ -105,10 +109,10 @@ def edge_sizes(points: Points, axis: Axis, wishes: Wishes) -> Floats:
     return np.asarray(wishes.coarser * size)
 
 
-def remeshed(segment: Segment, axis: Axis, wishes: Wishes) -> Remeshed:
-    """A segment with triangles sized by its radius, by MMG.
+def remeshed(segment: Segment, axis: Axis, wishes: Wishes) -> Iterator[Remeshed]:
+    """A segment with triangles sized by its radius, by MMG, in one way after the other.
 
-    MMG keeps the borders of faces, and lays new points on the curved wall for which the old
+    MMG keeps the borders of caps, and lays new points on the curved wall for which the old
     triangles stand.
 
     Raises
@@ -116,13 +120,16 @@ def remeshed(segment: Segment, axis: Axis, wishes: Wishes) -> Remeshed:
     InputError
         MMG is not installed.
     DeploymentError
-        It fails, crosses itself, or leaves the wall by more than the tolerance; coarser meshes may
-        leave it, and tell so.
+        It fails, or in all ways crosses itself or leaves the wall by more than the tolerance;
+        coarser meshes may leave it, and tell so.
     """
     old, none = segment.surface, np.zeros((0, 4), np.int64)
-    mesh = MeditMesh(old.points, old.triangles, segment.face_ids, none)
+    is_wall = np.isin(segment.face_ids, [*segment.walls])
+    # One wall: triangles along borders that run anywhere through it would be slim.
+    merged = np.where(is_wall, min(segment.walls), segment.face_ids)
+    mesh = MeditMesh(old.points, old.triangles, merged, none)
     sizes = edge_sizes(old.points, axis, wishes)
-    fault = ""
+    fault, is_found = "", False
     for angle, part in TRIES:
         options = [
             "-ar",
@@ -141,17 +148,23 @@ def remeshed(segment: Segment, axis: Axis, wishes: Wishes) -> Remeshed:
         elif away > wishes.tolerance and wishes.coarser == 1:
             fault = f"one {away:.3f} mm from it"
         else:
-            return Remeshed(surface, made.faces, float(away))
-    raise DeploymentError(
-        f"mesh: expected one within {wishes.tolerance:g} mm of the wall, got {fault}; look for "
-        "spikes and folds with sdfstent check, or choose other ends of the segment."
-    )
+            is_found = True
+            ids, own = made.faces.copy(), made.faces == min(segment.walls)
+            wall = SurfaceIndex(old.points, old.triangles[is_wall])
+            middles = surface.points[made.triangles[own]].mean(axis=1)
+            ids[own] = segment.face_ids[is_wall][wall.distances(middles).triangle]
+            yield Remeshed(surface, ids, float(away))
+    if not is_found:
+        raise DeploymentError(
+            f"mesh: expected one within {wishes.tolerance:g} mm of the wall, got {fault}; look for "
+            "spikes and folds with sdfstent check, or choose other ends of the segment."
+        )
 
 
 def mended(made: MeditMesh) -> Surface:
-    """A surface whose few turned or crossing triangles are spread out, where that mends them.
+    """A surface whose few turned, crossing or slim triangles are spread out, where that mends them.
 
-    Corners between faces stay where they are.
+    Corners between faces stay where they are, and a surface that is sound stays so.
     """
     points, triangles = made.points.copy(), made.triangles
     ends = edges(triangles).vertices
@@ -161,18 +174,23 @@ def mended(made: MeditMesh) -> Surface:
     for corner in triangles.T:
         np.minimum.at(least, corner, made.faces)
         np.maximum.at(most, corner, made.faces)
-    surface = Surface(points, triangles, name="mesh")
+    surface = sound = Surface(points, triangles, name="mesh")
+    is_sound = False
     for _ in range(MENDS):
         faulty = [one for spot in check_surface(surface).places for one in spot.triangles]
         if not faulty:
-            break
-        corners = np.unique(triangles[faulty])
+            sound, is_sound = surface, True
+        slim = np.flatnonzero(smallest_angles(points, triangles) < SLIM_DEG)
+        corners = np.unique(triangles[[*faulty, *slim.tolist()]])
         corners = corners[least[corners] == most[corners]]
+        if not len(corners):
+            break
         total = np.zeros_like(points)
         np.add.at(total, both[:, 0], points[both[:, 1]])
+        points = points.copy()
         points[corners] = total[corners] / count[corners, None]
         surface = Surface(points, triangles, name="mesh")
-    return surface
+    return sound if is_sound else surface
 
 
 def edges_around(surface: Surface, origin: Points, normal: Floats) -> int:
