@@ -6,7 +6,7 @@ import csv
 import json
 import subprocess
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from importlib.util import find_spec
 from pathlib import Path
 from shutil import rmtree
@@ -121,11 +121,13 @@ def solved_by_svzerod(network: Network, outlets: Outlets, known: Known) -> tuple
         words = log.read_text(encoding="utf-8", errors="replace").strip().splitlines()
         last = words[-1] if words else "nothing"
         raise _failed(f"exit code {done.returncode}, and it said: {last}", log)
+    into: dict[str, list[tuple[float, float]]] = {}
     with open(answer, encoding="utf-8", newline="") as file:
-        rows = list(csv.DictReader(file))
-    names = [_name(number) for number in range(len(network.blocks))]
-    flows = np.stack([_column(rows, name, "flow_in") for name in names], axis=1)
-    inlet = _column(rows, names[0], "pressure_in")
+        for row in csv.DictReader(file):
+            both = float(row["flow_in"]), float(row["pressure_in"])
+            into.setdefault(row["name"], []).append(both)
+    each = np.array([into[_name(number)] for number in range(len(network.blocks))])
+    flows, inlet = each[:, :, 0].T, each[0, :, 1]
     if not (np.isfinite(flows).all() and np.isfinite(inlet).all()):
         raise _failed("numbers that are none: it did not converge", log)
     rmtree(folder, ignore_errors=True)
@@ -157,10 +159,6 @@ def _vessels(network: Network) -> Iterator[dict[str, Any]]:
 
 def _name(number: int) -> str:
     return f"vessel{number}"
-
-
-def _column(rows: Sequence[dict[str, str]], name: str, column: str) -> Floats:
-    return np.array([float(row[column]) for row in rows if row["name"] == name])
 
 
 def _failed(words: str, log: Path) -> DeploymentError:
