@@ -344,6 +344,14 @@ def test_pressures_that_cannot_drive_the_flow_are_refused(a_fork):
         answer_of(a_fork, 200.0, inlet=10.2, wedge=10.0)
 
 
+def test_a_place_in_the_right_branch_lies_in_the_vessel(a_fork):
+    channels, right = a_fork
+    with pytest.raises(InputError, match="expected a place in the right main branch"):
+        FlowModel(channels, known_flow(40.0, right=tuple(10 * np.array(right))))
+    with pytest.raises(InputError, match="beyond their junction"):
+        FlowModel(channels, known_flow(40.0, right=tuple(channels[0].points[2])))
+
+
 def test_a_split_needs_sides():
     tube = straight_tube(edge_length=1.2)
     channels = channels_of(tube.surface, tube.centerline)

@@ -107,12 +107,16 @@ def _is_right(
     """Whether the first of two branches is the right one; None where nothing tells."""
     if right is not None:
         near = [Line(one.points).nearest(right[None]).distances[0] for one in channels]
-        number = int(np.argmin(near))
+        number, (x, y, z) = int(np.argmin(near)), right
+        if near[number] > np.nanmax(channels[number].section, initial=0.0):
+            raise InputError(
+                f"flow: expected a place in the right main branch, got ({x:.4g}, {y:.4g}, {z:.4g}) "
+                f"mm, {near[number]:.0f} mm from the vessel; name one in it."
+            )
         # Ends: at the root.
         while number >= 0 and number not in pair:
             number = channels[number].above
         if number < 0:
-            x, y, z = right
             raise InputError(
                 f"flow: expected a place in one of the two main branches, got ({x:.4g}, {y:.4g}, "
                 f"{z:.4g}) mm before they part; name a place beyond their junction."
