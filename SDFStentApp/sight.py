@@ -33,6 +33,12 @@ IN_ORDER = """window.inOrder = async (name, args) => {
 What is the browser's own is named by its window: expressions of a Vue template see few of its names, and not `Promise`.
 """
 
+NAMED = """const {document} = window, screen = document.querySelector('.screen');
+const name = () => screen.querySelectorAll('img:not([alt])').forEach(one => { one.alt = 'Vessel and stents'; });
+new window.MutationObserver(name).observe(screen, {childList: true, subtree: true}); name();
+document.querySelector('meta[name=viewport]').content = 'width=device-width, initial-scale=1';"""
+"""What trame leaves out for those who do not see a page, or need it larger."""
+
 KEYS = """const keys = {Escape: 'Esc', ArrowLeft: 'Left', ArrowRight: 'Right', Delete: 'Del'};
 const buttons = {z: 'undoButton', y: 'redoButton'};
 window.addEventListener('keydown', event => {
@@ -65,18 +71,20 @@ def build(page: Any) -> None:
     for name in TRIGGERS:
         server.trigger(name)(getattr(page, name))
     server.trigger("theme")(page.view.paint)
+    server.trigger("fit")(page.view.look_at_all)
     panel = template.markup(page.panel.top)
     with DivLayout(server) as layout:
         layout.root.classes = "page"
         client.Style(STYLE.read_text(encoding="utf-8"))
-        client.ClientTriggers(mounted=FOLLOW_THEME + IN_ORDER + KEYS)
+        client.ClientTriggers(mounted=FOLLOW_THEME + IN_ORDER + NAMED + KEYS)
         client.ClientStateChange(value="made", change=template.KEEP)
         html.Div(
             f"<h1>{TITLE}</h1>{template.MESSAGE}{template.OPENING}{template.CHOOSER}{panel}"
             f"{template.saving_row()}",
             classes="panel",
+            raw_attrs=['role="main"'],
         )
-        with html.Div(classes="stage"):
+        with html.Div(classes="stage", raw_attrs=['role="region" aria-label="View and diameters"']):
             with html.Div(classes=("{ screen: true, placing: isPlacing }",)):
                 rca.RemoteControlledArea(
                     name=NAME,
@@ -84,7 +92,7 @@ def build(page: Any) -> None:
                     send_mouse_move=True,
                     event_throttle_ms=(str(EVENT_EVERY_MS),),
                 )
-                html.Div(template.AT_HAND, classes="over")
+                html.Div(template.AT_HAND + template.FIT, classes="over")
             html.Div(template.DIAMETERS)
 
 

@@ -111,7 +111,9 @@ def _of(widget: Widget) -> str:
     if isinstance(widget, Number):
         return _number(widget, common, disabled)
     if isinstance(widget, LineEdit):
-        return f'<input type="text" v-model.lazy="{v}" {common} {disabled}>'
+        return (
+            f'<input type="text" v-model.lazy="{v}" {common} {disabled} :aria-label="{name}.tip">'
+        )
     if isinstance(widget, Table):
         return _table(name)
     if isinstance(widget, ProgressBar):
@@ -177,9 +179,10 @@ def _number(widget: Number, common: str, disabled: str) -> str:
 
 def _choice(widget: Widget, common: str, disabled: str) -> str:
     name, v = widget.objectName, value_of(widget)
+    named = f':aria-label="{name}.tip"'
     if isinstance(widget, ComboBox):
         options = f'<option v-for="(text, i) in {name}.items" :value="i">{{{{ text }}}}</option>'
-        return f'<select v-model.number="{v}" {common} {disabled}>{options}</select>'
+        return f'<select v-model.number="{v}" {common} {disabled} {named}>{options}</select>'
     options = f'<option v-for="one in {name}.items" :value="one.id">{{{{ one.name }}}}</option>'
     if isinstance(widget, SegmentSelector):
         select = f'<select v-model="{v}" :title="{name}.tip" {disabled}>{options}</select>'
@@ -188,7 +191,7 @@ def _choice(widget: Widget, common: str, disabled: str) -> str:
         f'<option v-if="{name}.none !== null" value="">{{{{ {name}.none }}}}</option>'
         f'{options}<option v-if="{name}.add" value="{NEW}">New points</option>'
     )
-    return f'<select v-model="{v}" {common} {disabled}>{options}</select>'
+    return f'<select v-model="{v}" {common} {disabled} {named}>{options}</select>'
 
 
 ROW_KEYS = " ".join(
@@ -211,7 +214,7 @@ def _table(name: str) -> str:
         f'@keydown.enter.self="{click.replace("[r, c]", "[r, 0]")}" {ROW_KEYS}>'
         f'<td v-for="(item, c) in row" :title="item.tip" @click="{click}" @dblclick="{rename}">'
         f'<input v-if="item.check === true || item.check === false" type="checkbox" '
-        f':checked="item.check" @click.stop @change="{tick}">{{{{ item.text }}}}</td></tr>'
+        f':checked="item.check" :aria-label="item.text" @click.stop @change="{tick}">{{{{ item.text }}}}</td></tr>'
         "</tbody></table></div>"
     )
 
@@ -230,7 +233,7 @@ def _upload(variable: str) -> str:
     read = f"f.arrayBuffer().then(c => {sent % 'c'})"
     send = f"f.size > {LARGEST_UPLOAD} ? {sent % 'null'} : {read}"
     told = "message = 'Sending ' + f.name + '...'"
-    return f"""<input type="file" data-name="{variable}-upload" title="A file of this computer" \
+    return f"""<input type="file" data-name="{variable}-upload" title="A file of this computer" aria-label="A file of this computer" \
 @change="Array.from($event.target.files).forEach(f => {{ {told}; {send} }})">"""
 
 
@@ -275,6 +278,10 @@ AT_HAND = """
 <div v-for="line in atHand.lines">{{ line }}</div></div>
 """
 
+FIT = """
+<button type="button" class="fit" title="See the whole vessel" @click="trigger('fit')" data-name="fitButton">Fit</button>
+"""
+
 DIAMETERS = """
 <div class="results" v-memo="[plot, table]">
 <p class="suffix" v-show="!plot.lines.length">Diameters along the stent, once it is deployed.</p>
@@ -286,7 +293,7 @@ DIAMETERS = """
 <text :transform="'translate(11 ' + plot.height / 2 + ') rotate(-90)'" text-anchor="middle">{{ plot.words[1] }}</text></g>
 <path v-for="l in plot.lines" :d="l.path" :stroke="l.color" :opacity="l.opacity" :stroke-dasharray="l.dash ? '7 5' : null"></path>
 </svg><figcaption><span v-for="l in plot.lines"><i :class="{dash: l.dash}" :style="{background: l.color}"></i>{{ l.name }}</span></figcaption></figure>
-<details v-show="plot.lines.length"><summary>{{ table.title || 'Table' }}</summary><div class="table"><table>
+<details v-show="plot.lines.length"><summary>{{ table.title || 'Table' }}</summary><div class="table" role="region" aria-label="Diameters" tabindex="0"><table>
 <thead><tr><th v-for="c in table.columns">{{ c }}</th></tr></thead>
 <tbody><tr v-for="row in table.rows"><td v-for="v in row">{{ v }}</td></tr></tbody></table></div></details>
 </div>

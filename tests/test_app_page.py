@@ -53,6 +53,11 @@ DAMAGED = {
 }
 """Contents that a browser sends, and what is said of them."""
 
+UNNAMED = """() => [...document.querySelectorAll('input, select, button, img')]
+.filter(one => !(one.labels?.length || one.ariaLabel || one.alt || one.textContent.trim()))
+.map(one => one.outerHTML)"""
+"""What a screen reader could only call by its kind."""
+
 REMEMBERED = """label => { window.texts = [];
 new MutationObserver(() => window.texts.push(label.innerText)).observe(
   label, {childList: true, characterData: true, subtree: true}); }"""
@@ -331,6 +336,12 @@ def test_all_that_the_loop_needs_is_seen_without_scrolling(a_browser, the_server
     names = ("lesionTable", "stentTable", "addStentButton", "diameterSlider", "lengthSlider")
     boxes = {name: visit.named(name).bounding_box() for name in (*names, "deployButton")}
     assert all(box["y"] >= 0 and box["y"] + box["height"] <= 800 for box in boxes.values()), boxes
+    visit.open_parts()
+    assert visit.page.evaluate(UNNAMED) == []
+    assert visit.page.get_by_role("main").count() == 1
+    visit.named("lesionTable").locator("td").first.click()
+    visit.seen(is_selected_lesion)
+    visit.named("fitButton").click()
     visit.context.close()
     assert visit.errors == []
 
