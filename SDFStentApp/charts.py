@@ -29,7 +29,8 @@ def plot_of(chart: Any) -> dict[str, Any]:
     """What the page draws of a chart node: lines in pixels, ticks, words; nothing without one."""
     size = {"width": WIDTH, "height": HEIGHT}
     if chart is None or chart.GetNumberOfPlotSeriesNodes() == 0:
-        return {**size, "lines": [], "across": [], "up": [], "title": "", "words": ["", ""]}
+        nothing = {"lines": [], "across": [], "up": [], "values": []}
+        return {**size, **nothing, "title": "", "words": ["", ""]}
     series = [chart.GetNthPlotSeriesNode(i) for i in range(chart.GetNumberOfPlotSeriesNodes())]
     columns = _columns(series[0].GetTableNode())
     along = columns[series[0].GetXColumnName()]
@@ -40,6 +41,7 @@ def plot_of(chart: Any) -> dict[str, Any]:
         "lines": [_line(one, along, columns, across, up) for one in series],
         "across": across.ticks(),
         "up": up.ticks(),
+        "values": _values(series, along, columns, across),
         "title": chart.GetTitle() or "",
         "words": [chart.GetXAxisTitle() or "", chart.GetYAxisTitle() or ""],
     }
@@ -64,6 +66,24 @@ def _line(node: Any, along: Any, columns: Any, across: _Scale, up: _Scale) -> di
     isDashed = node.GetLineStyle() == node.LineStyleDash
     drawn = {"color": color, "dash": isDashed, "opacity": node.GetOpacity()}
     return {"name": node.GetYColumnName(), "path": " ".join(path), **drawn}
+
+
+def _values(series: list[Any], along: Any, columns: Any, across: _Scale) -> list[dict[str, Any]]:
+    """What there is to read at every station, and where it is."""
+    names = [node.GetYColumnName() for node in series]
+    return [
+        {
+            "at": round(across(x), 1),
+            "text": ", ".join(
+                [f"{x + 0.0:.1f} mm", *(_named(one, columns[one][row]) for one in names)]
+            ),
+        }
+        for row, x in enumerate(along)
+    ]
+
+
+def _named(column: str, value: float) -> str:
+    return f"{column.partition(' (')[0].lower()} {_text(value) or 'not known'}"
 
 
 class _Scale:

@@ -39,6 +39,13 @@ new window.MutationObserver(name).observe(screen, {childList: true, subtree: tru
 document.querySelector('meta[name=viewport]').content = 'width=device-width, initial-scale=1';"""
 """What trame leaves out for those who do not see a page, or need it larger."""
 
+NEAREST = """window.nearest = (event, values) => {
+  const seen = event.currentTarget.getScreenCTM().inverse();
+  const {x} = new window.DOMPoint(event.clientX, event.clientY).matrixTransform(seen);
+  return values.reduce((best, one) => Math.abs(one.at - x) < Math.abs(best.at - x) ? one : best);
+};"""
+"""Of the values of a plot those that are seen nearest to the pointer."""
+
 KEYS = """const keys = {Escape: 'Esc', ArrowLeft: 'Left', ArrowRight: 'Right', Delete: 'Del'};
 const buttons = {z: 'undoButton', y: 'redoButton'};
 window.addEventListener('keydown', event => {
@@ -76,7 +83,7 @@ def build(page: Any) -> None:
     with DivLayout(server) as layout:
         layout.root.classes = "page"
         client.Style(STYLE.read_text(encoding="utf-8"))
-        client.ClientTriggers(mounted=FOLLOW_THEME + IN_ORDER + NAMED + KEYS)
+        client.ClientTriggers(mounted=FOLLOW_THEME + IN_ORDER + NAMED + NEAREST + KEYS)
         client.ClientStateChange(value="made", change=template.KEEP)
         html.Div(
             f"<h1>{TITLE}</h1>{template.MESSAGE}{template.OPENING}{template.CHOOSER}{panel}"
@@ -108,3 +115,5 @@ def _begin(page: Any) -> None:
     state.centerlineFiles = page.folders.listing(CENTERLINES)
     state.plot, state.table = plot_of(None), table_of(None)
     state.atHand = {"lines": [], "kind": ""}
+    state.pointed = None
+    state.client_only("pointed")

@@ -302,6 +302,9 @@ def test_a_lesion_is_treated_by_two_stents_and_the_shell_repeats_the_plan(a_visi
     lines = a_visit.page.locator(".results svg path")
     playwright.expect(lines).to_have_count(3)
     assert all(path.get_attribute("d").startswith("M") for path in lines.all())
+    box = a_visit.page.locator(".results svg").bounding_box()
+    a_visit.page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
+    pointed = a_visit.text("pointed")
     table = a_visit.page.locator(".results table")
     columns = table.locator("th").all_text_contents()
     seen = [row.locator("td").all_text_contents() for row in table.locator("tbody tr").all()]
@@ -326,6 +329,11 @@ def test_a_lesion_is_treated_by_two_stents_and_the_shell_repeats_the_plan(a_visi
     for name, values in measured.items():
         of_page = rows[:, columns.index(name)]
         np.testing.assert_allclose(of_page, values[stations], rtol=0, atol=0.0501)
+    told = re.fullmatch(r"(\S+) mm, before (\S+), after (\S+), prescribed .*", pointed)
+    at = np.abs(before.arc_length - float(told[1])).argmin()
+    values = [float(told[2]), float(told[3])]
+    measured = [one.inscribed_diameter[at] for one in (before, after)]
+    np.testing.assert_allclose(values, measured, rtol=0, atol=0.0501)
     report = a_visit.saved("save-report").decode()
     assert result.treatment.certificate.sentence()[:40] in report
 
