@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry import Line, Surface
+from ..geometry import Line, Surface, compacted, may_meet_box
 from ..lumen import equivalent_diameters
-from ..validation import Floats, Points
+from ..validation import Floats, Points, Triangles
 from .narrowings import Plateau
 from .plateaus import PLATEAU
 from .runs import VesselRun
@@ -26,6 +26,9 @@ wider is the section of the vessel from which this one comes, or goes on into a 
 _HEALTHY_SECTIONS = 5
 """Sections along healthy vessel, of which the least oblong tells the area: branches that leave, and
 lines that go aslant, only make them larger."""
+
+_BESIDE = 2.0
+"""Widths of a lesion from its line beyond which no section goes that is its vessel's own."""
 
 ABOUT = 1.01
 """Times the narrowest up to which another place is as narrow."""
@@ -69,11 +72,11 @@ def smallest_section(surface: Surface, line: LesionLine, minimum: float) -> Sect
     minimum : float
         The lesion's inscribed diameter, mm.
     """
-    along = cut_at(line.line)
-    areas = _own_areas(surface, line, along)
+    along, wall = cut_at(line.line), _wall_round(surface, line)
+    areas = _own_areas(wall, line, along)
     smallest = tightest(areas, _wanted(line, along)) if np.isfinite(areas).any() else 0
     fine = between_neighbors(along, smallest)
-    areas = np.r_[areas, _own_areas(surface, line, fine)]
+    areas = np.r_[areas, _own_areas(wall, line, fine)]
     return _smallest(line, np.r_[along, fine], areas, minimum)
 
 
@@ -106,10 +109,18 @@ def on_line(line: Line, along: Floats) -> tuple[Points, Points]:
     return places, ways
 
 
-def _own_areas(surface: Surface, line: LesionLine, along: Floats) -> Floats:
+def _wall_round(surface: Surface, line: LesionLine) -> tuple[Points, Triangles]:
+    """The part of a surface that holds all sections of a lesion that are its vessel's own."""
+    reach = _BESIDE * float(np.fmax(line.healthy, line.diameters).max())
+    low, high = line.line.points.min(axis=0) - reach, line.line.points.max(axis=0) + reach
+    near = may_meet_box(surface.points, surface.triangles, low, high)
+    return compacted(surface.points, surface.triangles.compress(near, axis=0))
+
+
+def _own_areas(wall: tuple[Points, Triangles], line: LesionLine, along: Floats) -> Floats:
     """Areas of the sections at some arc lengths from its start, NaN for those of other vessels."""
     stations = on_line(line.line, along)
-    sections = equivalent_diameters(surface.points, surface.triangles, *stations)
+    sections = equivalent_diameters(*wall, *stations)
     known = np.isfinite(line.diameters)
     if not known.any():
         return np.full(len(along), np.nan)
