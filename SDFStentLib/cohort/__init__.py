@@ -7,7 +7,6 @@ from .cases import Case as Case
 from .cases import Cases as Cases
 from .document import load_sweep as load_sweep
 from .document import sweep_from_document as sweep_from_document
-from .estimate import Estimate as Estimate
 from .estimate import estimated as estimated
 from .executors import worker_count as worker_count
 from .manifest import write_manifest as write_manifest

@@ -18,7 +18,6 @@ from .centerline_output import check_line_output as check_line_output
 from .centerline_output import write_centerline as write_centerline
 from .centerline_output import write_extracted_lines as write_extracted_lines
 from .content import read_text as read_text
-from .extraction import ExtractedLines as ExtractedLines
 from .extraction import check_vmtk as check_vmtk
 from .extraction import extract_lines as extract_lines
 from .formats.vtk_files import encode_vtp as encode_vtp

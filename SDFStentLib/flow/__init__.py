@@ -6,8 +6,6 @@ from .answer import FlowAnswer as FlowAnswer
 from .answer import FlowModel as FlowModel
 from .answer import Moment as Moment
 from .answer import Solve as Solve
-from .answer import SpanDrop as SpanDrop
-from .blocks import Block as Block
 from .blocks import Method as Method
 from .blood import ADULT as ADULT
 from .blood import PASCAL_PER_MMHG as PASCAL_PER_MMHG

@@ -19,7 +19,6 @@ from .faces import median_edge as median_edge
 from .faces import oriented_triangles as oriented_triangles
 from .faces import signed_volume as signed_volume
 from .faces import vertex_normals as vertex_normals
-from .flat_fill import FlatFill as FlatFill
 from .flat_fill import flat_fill as flat_fill
 from .line import Line as Line
 from .line import as_line as as_line

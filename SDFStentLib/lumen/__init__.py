@@ -7,7 +7,6 @@ from .caps import looks_across as looks_across
 from .caps import off_caps as off_caps
 from .closed_ends import OpenWall as OpenWall
 from .closed_ends import open_at_ends as open_at_ends
-from .closed_surface import Holes as Holes
 from .closed_surface import VesselInside as VesselInside
 from .closed_surface import closed_surface as closed_surface
 from .closed_surface import holes_of as holes_of
@@ -48,7 +47,6 @@ from .spheres import with_own_spheres as with_own_spheres
 from .stations import Stations as Stations
 from .stations import measured_at as measured_at
 from .stretch import FaceStretch as FaceStretch
-from .stretch import TriangleSizes as TriangleSizes
 from .stretch import displacements as displacements
 from .stretch import face_stretches as face_stretches
 from .stretch import triangle_sizes as triangle_sizes

@@ -11,5 +11,4 @@ from .phantoms import tube_with_neighbor as tube_with_neighbor
 from .tree import vascular_tree as vascular_tree
 from .value import Phantom as Phantom
 from .value import TrueOpening as TrueOpening
-from .value import TrueThroat as TrueThroat
 from .value import TrueVessel as TrueVessel

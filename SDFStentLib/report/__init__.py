@@ -22,7 +22,6 @@ from .facts import measuring_lines as measuring_lines
 from .facts import previewed_lines as previewed_lines
 from .facts import residual_fact as residual_fact
 from .flow import flow_document as flow_document
-from .flow import flow_line as flow_line
 from .flow import flow_moments as flow_moments
 from .flow import flow_section as flow_section
 from .flow import flow_sentences as flow_sentences
@@ -59,6 +58,5 @@ from .sizing import suggestion_sentences as suggestion_sentences
 from .summary import deployment_sentences as deployment_sentences
 from .summary import deployment_summary as deployment_summary
 from .words import RESEARCH_USE as RESEARCH_USE
-from .words import degree_text as degree_text
 from .words import degree_word as degree_word
 from .words import document_json as document_json

@@ -5,7 +5,6 @@ from .conditions import Outlet as Outlet
 from .folder import DOCUMENT as DOCUMENT
 from .folder import FILES as FILES
 from .folder import Origin as Origin
-from .folder import read_document as read_document
 from .folder import write_cases as write_cases
 from .prepared import Cut as Cut
 from .prepared import Mesh as Mesh
@@ -17,7 +16,6 @@ from .reading import Simulated as Simulated
 from .reading import read_results as read_results
 from .remesh import Wishes as Wishes
 from .results import CaseResult as CaseResult
-from .results import FaceFlow as FaceFlow
 from .results import Found as Found
 from .solver import GET_IT as GET_IT
 from .solver import has_solver as has_solver

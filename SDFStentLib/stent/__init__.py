@@ -7,10 +7,7 @@ from .balloon import Balloon as Balloon
 from .balloon import balloon_by_rule as balloon_by_rule
 from .beside import beside as beside
 from .beside import placement_points as placement_points
-from .device import MAXIMUM_DIAMETER as MAXIMUM_DIAMETER
-from .device import MAXIMUM_LENGTH as MAXIMUM_LENGTH
 from .device import Device as Device
-from .lattice import Lattice as Lattice
 from .lattice import LatticeDesign as LatticeDesign
 from .lattice import design_of as design_of
 from .lattice import laid_along as laid_along
@@ -26,7 +23,6 @@ from .placement import OfStent as OfStent
 from .placement import Placement as Placement
 from .redilation import dilated_again as dilated_again
 from .redilation import redilated as redilated
-from .shape import DiametersAlong as DiametersAlong
 from .shape import Shape as Shape
 from .shape import StentEnd as StentEnd
 from .shape import Waist as Waist

@@ -1,12 +1,9 @@
 """What is on a tree of vessels: where one goes on and another begins, and where it is narrow."""
 
 from .apposition import Apposition as Apposition
-from .apposition import FreeStretch as FreeStretch
 from .apposition import apposition as apposition
 from .branch_lumen import branch_lumens as branch_lumens
 from .branch_names import branch_names as branch_names
-from .branch_names import named_branches as named_branches
-from .branch_names import size_words as size_words
 from .given_names import VesselName as VesselName
 from .given_names import given_names as given_names
 from .lesion_measuring import lesions_after as lesions_after
@@ -31,7 +28,6 @@ from .ostia import Ostium as Ostium
 from .ostia import find_ostia as find_ostia
 from .tree_around import branch_of as branch_of
 from .vessel_ends import LineSeeds as LineSeeds
-from .vessel_ends import VesselEnd as VesselEnd
 from .vessel_ends import line_seeds as line_seeds
 from .vessel_ends import vessel_ends as vessel_ends
 from .vessel_parts import VesselParts as VesselParts

@@ -6,7 +6,6 @@ from .markups import new_markups as new_markups
 from .obj import decode_obj as decode_obj
 from .obj import encode_obj as encode_obj
 from .plain_mesh import Decoder as Decoder
-from .plain_mesh import PlainMesh as PlainMesh
 from .ply import decode_ply as decode_ply
 from .ply import encode_ply as encode_ply
 from .ply import fits_ply as fits_ply
@@ -16,5 +15,4 @@ from .vtk_files import encode_legacy as encode_legacy
 from .vtk_files import encode_vtp as encode_vtp
 from .vtk_files import encode_vtu as encode_vtu
 from .vtk_files import read_vtk_polydata as read_vtk_polydata
-from .vtu import VolumeArrays as VolumeArrays
 from .vtu import decode_vtu as decode_vtu
