@@ -201,26 +201,7 @@ class FlowModel:
         ways = [self._ways.pieces_along(part.line, part.before) for part in parts]
         cases = [usual, *(case for pair in self._others for case in pair)]
         networks = self._networks(cases, after)
-        flows = PER_ML * _flows(known)
-        states = iter(
-            steady_states(
-                [
-                    (network, case.outlets, float(flow))
-                    for case, own in zip(cases, networks, strict=True)
-                    for network in own
-                    for flow in flows
-                ]
-            )
-        )
-        told = np.array(
-            [
-                [
-                    case.moments(known, network, ways, list(islice(states, len(flows))))
-                    for network in own
-                ]
-                for case, own in zip(cases, networks, strict=True)
-            ]
-        )
+        told = self._told(cases, networks, ways)
         value = told[0]
         low, high = _reach(told)
         if solve is not None:
@@ -232,10 +213,7 @@ class FlowModel:
             )
         spread = np.stack([value, value - low, value + high], axis=-1)
         names = {"mean": known.mean} | ({} if known.most is None else {"peak": known.most})
-        moments = [
-            {name: self._moment(row) for name, row in zip(names, state, strict=True)}
-            for state in spread
-        ]
+        moments = [dict(zip(names, map(self._moment, state), strict=True)) for state in spread]
         return FlowAnswer(
             known,
             usual.sides,
@@ -247,6 +225,23 @@ class FlowModel:
             usual.outlets,
             known.wave is not None and solve is None,
         )
+
+    def _told(
+        self,
+        cases: Sequence[_Case],
+        networks: Sequence[Sequence[Network]],
+        ways: Sequence[Sequence[Piece]],
+    ) -> Floats:
+        """By case, state and moment what `_Case.moments` has; all states are solved at once."""
+        flows = PER_ML * _flows(self.known)
+        both = [(case, one) for case, own in zip(cases, networks, strict=True) for one in own]
+        questions = [(one, case.outlets, float(q)) for case, one in both for q in flows]
+        states = iter(steady_states(questions))
+        told = [
+            case.moments(self.known, one, ways, list(islice(states, len(flows))))
+            for case, one in both
+        ]
+        return np.reshape(told, (len(cases), -1, *told[0].shape))
 
     def _moment(self, row: Floats) -> Moment:
         """From the values of one moment with their bands (q, 3)."""

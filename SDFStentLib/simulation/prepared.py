@@ -143,13 +143,7 @@ def prepare(
     tree = before.centerline
     assert tree is not None
     state_of(before.surface, after.surface, "treated vessel")
-    parts = vessel_parts(before.surface, tree, before.faces, cut.units)
-    is_wall = ~np.isin(parts.ids, [*parts.caps])
-    axis = axis_of(parts.surface, is_wall, tree.resampled(SPACING).points)
-    if cut.ends is None:
-        ends = ends_beyond(before, after, axis, cut.units)
-    else:
-        ends = FlowEnds(*cut.ends, (0.0, 0.0))
+    ends = _ends(vessels, cut)
     tell(0.05, "the segment")
     branches = SegmentWishes(cut.close_branches, not cut.close_branches, units=cut.units)
     found = extract_segment(before, ends.start, ends.end, branches, after=after)
@@ -169,6 +163,18 @@ def prepare(
         states[name] = _meshed(segment, conditions[number], lines, wishes)
     level = model.known.wedge
     return Prepared(states, way, main.name, told, level, extensions, (*found.warnings, *warnings))
+
+
+def _ends(vessels: tuple[Vessel, Vessel], cut: Cut) -> FlowEnds:
+    """Those of a cut, or those beyond the wall that moved."""
+    if cut.ends is not None:
+        return FlowEnds(*cut.ends, (0.0, 0.0))
+    before, after = vessels
+    assert before.centerline is not None
+    parts = vessel_parts(before.surface, before.centerline, before.faces, cut.units)
+    is_wall = ~np.isin(parts.ids, [*parts.caps])
+    line = before.centerline.resampled(SPACING).points
+    return ends_beyond(before, after, axis_of(parts.surface, is_wall, line), cut.units)
 
 
 def _told(moment: Moment) -> dict[str, tuple[float, float, float]]:
