@@ -5,8 +5,6 @@ import logging
 import slicer
 from slicer.ScriptedLoadableModule import ScriptedLoadableModuleWidget
 from slicer.util import VTKObservationMixin
-from vtkmodules.util.misc import calldata_type
-from vtkmodules.util.vtkConstants import VTK_OBJECT
 from vtkmodules.vtkCommonCore import vtkCommand
 
 from . import Conversion, ExtractCenterline, Outputs, Showing
@@ -23,6 +21,7 @@ from .PanelState import PanelState
 from .ParameterNode import CHOICE_LABELS
 from .PlanTable import PlanTable
 from .RecoilRule import RecoilRule
+from .SceneEvents import SceneEvents
 from .SegmentSection import SegmentSection
 from .ShapeSection import ShapeSection
 from .StentButtons import StentButtons
@@ -31,7 +30,7 @@ from .StentTable import StentTable
 from .SteppedRun import SteppedRun
 
 
-class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationMixin):
+class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VTKObservationMixin):
     """See `SDFStentLogic` for everything that is computed; this class knows only how it is asked for and shown."""
 
     def __init__(self, parent=None, logic=None):
@@ -84,63 +83,6 @@ class SDFStentWidget(StentButtons, ScriptedLoadableModuleWidget, VTKObservationM
 
     def exit(self):
         self.setParameterNode(None)
-
-    def _observeScene(self, scene):
-        for event, method in (
-            (scene.StartCloseEvent, self.onSceneStartClose),
-            (scene.EndCloseEvent, self.onSceneReady),
-            (scene.StartImportEvent, self.onSceneStartImport),
-            (scene.EndImportEvent, self.onSceneEndImport),
-            (scene.NodeAboutToBeRemovedEvent, self.onNodeAboutToBeRemoved),
-            (scene.NodeRemovedEvent, self.onNodeRemoved),
-        ):
-            # After selectors and logic have heard of it; of a deleted node a selector hears later (-10).
-            self.addObserver(scene, event, method, priority=-1.0)
-        layout = scene.GetFirstNodeByClass("vtkMRMLLayoutNode")
-        if layout is not None:  # without a window there is none
-            self.addObserver(layout, vtkCommand.ModifiedEvent, self.onLayoutChanged, priority=-1.0)
-
-    def onLayoutChanged(self, caller=None, event=None):
-        self._state.atHand.write()
-
-    def onSceneStartClose(self, caller=None, event=None):
-        self.setParameterNode(None)
-        self.logic.forget()
-
-    def onSceneStartImport(self, caller=None, event=None):
-        # Selectors are emptied by an import, and references are not resolved while it lasts.
-        self.setParameterNode(None)
-        self._present = self.logic.getAllParameterNodes()
-        self.logic.markShown(None)  # so that what is marked afterwards was saved so
-
-    def onSceneEndImport(self, caller=None, event=None):
-        shown, self._lastSet = self._lastSet, None
-        self._lastSet = self.logic.planAfterImport(shown, self._present)
-        self.logic.nameApart(self._present)
-        self.onSceneReady()
-
-    def onSceneReady(self, caller=None, event=None):
-        if self.parent.isEntered:
-            self.initializeParameterNode()
-            self.logic.showPlan(self._parameterNode)
-
-    @calldata_type(VTK_OBJECT)
-    def onNodeAboutToBeRemoved(self, caller, event, node):
-        if self._parameterNode is None:
-            return
-        if node is self._parameterNode.parameterNode:
-            self._leavings = self.logic.leavings(self._parameterNode)
-            self.setParameterNode(None)
-        else:
-            self.logic.leave(self._parameterNode, node)
-
-    @calldata_type(VTK_OBJECT)
-    def onNodeRemoved(self, caller, event, node):
-        leavings, self._leavings = self._leavings, None
-        if node is self._lastSet and not (caller.IsClosing() or caller.IsImporting()):
-            if leavings is not None:
-                self.logic.removeLeavings(leavings)
-            self.onSceneReady()
 
     def onReload(self):
         self.logic.dropLoadedPackages()

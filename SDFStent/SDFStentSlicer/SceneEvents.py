@@ -1,0 +1,66 @@
+"""What the panel does when the scene is closed, imported into or loses nodes."""
+
+from vtkmodules.util.misc import calldata_type
+from vtkmodules.util.vtkConstants import VTK_OBJECT
+from vtkmodules.vtkCommonCore import vtkCommand
+
+
+class SceneEvents:
+    """A part of `SDFStentWidget`: lets go of a scene in time, and shows the plan that it comes back with."""
+
+    def _observeScene(self, scene):
+        for event, method in (
+            (scene.StartCloseEvent, self.onSceneStartClose),
+            (scene.EndCloseEvent, self.onSceneReady),
+            (scene.StartImportEvent, self.onSceneStartImport),
+            (scene.EndImportEvent, self.onSceneEndImport),
+            (scene.NodeAboutToBeRemovedEvent, self.onNodeAboutToBeRemoved),
+            (scene.NodeRemovedEvent, self.onNodeRemoved),
+        ):
+            # After selectors and logic have heard of it; of a deleted node a selector hears later (-10).
+            self.addObserver(scene, event, method, priority=-1.0)
+        layout = scene.GetFirstNodeByClass("vtkMRMLLayoutNode")
+        if layout is not None:  # without a window there is none
+            self.addObserver(layout, vtkCommand.ModifiedEvent, self.onLayoutChanged, priority=-1.0)
+
+    def onLayoutChanged(self, caller=None, event=None):
+        self._state.atHand.write()
+
+    def onSceneStartClose(self, caller=None, event=None):
+        self.setParameterNode(None)
+        self.logic.forget()
+
+    def onSceneStartImport(self, caller=None, event=None):
+        # Selectors are emptied by an import, and references are not resolved while it lasts.
+        self.setParameterNode(None)
+        self._present = self.logic.getAllParameterNodes()
+        self.logic.markShown(None)  # so that what is marked afterwards was saved so
+
+    def onSceneEndImport(self, caller=None, event=None):
+        shown, self._lastSet = self._lastSet, None
+        self._lastSet = self.logic.planAfterImport(shown, self._present)
+        self.logic.nameApart(self._present)
+        self.onSceneReady()
+
+    def onSceneReady(self, caller=None, event=None):
+        if self.parent.isEntered:
+            self.initializeParameterNode()
+            self.logic.showPlan(self._parameterNode)
+
+    @calldata_type(VTK_OBJECT)
+    def onNodeAboutToBeRemoved(self, caller, event, node):
+        if self._parameterNode is None:
+            return
+        if node is self._parameterNode.parameterNode:
+            self._leavings = self.logic.leavings(self._parameterNode)
+            self.setParameterNode(None)
+        else:
+            self.logic.leave(self._parameterNode, node)
+
+    @calldata_type(VTK_OBJECT)
+    def onNodeRemoved(self, caller, event, node):
+        leavings, self._leavings = self._leavings, None
+        if node is self._lastSet and not (caller.IsClosing() or caller.IsImporting()):
+            if leavings is not None:
+                self.logic.removeLeavings(leavings)
+            self.onSceneReady()
