@@ -344,6 +344,18 @@ def test_all_that_the_loop_needs_is_seen_without_scrolling(a_browser, the_server
     names = ("lesionTable", "stentTable", "addStentButton", "diameterSlider", "lengthSlider")
     boxes = {name: visit.named(name).bounding_box() for name in (*names, "deployButton")}
     assert all(box["y"] >= 0 and box["y"] + box["height"] <= 800 for box in boxes.values()), boxes
+    clicks = ("lesionTable", "tbody td"), ("addStentButton", None), ("autoUpdateCheckBox", "input")
+    for name, inside in clicks:  # and a drag: from the vessel to the result
+        one = visit.named(name)
+        (one.locator(inside).first if inside else one).click()
+    box = visit.slider("diameterSlider").bounding_box()
+    middle = box["y"] + box["height"] / 2
+    visit.page.mouse.move(box["x"] + 0.3 * box["width"], middle)
+    visit.page.mouse.down()
+    visit.page.mouse.move(box["x"] + 0.35 * box["width"], middle, steps=5)
+    visit.page.mouse.up()
+    visit.until("atHand", "certified")
+    assert visit.page.evaluate("document.querySelector('.panel').scrollTop + scrollY") == 0
     visit.open_parts()
     assert visit.page.evaluate(UNNAMED) == []
     assert visit.page.get_by_role("main").count() == 1
