@@ -31,9 +31,6 @@ WAY_BOX = 0.25
 """The same on a way: from one place to the next the middle moves farther than a search's end does.
 Where spheres end does not depend on it."""
 
-_ROUGH_TOLERANCE = 1e-3
-"""Of a search among a part of the triangles, mm."""
-
 _ROUNDS = 200
 """Most steps of a climb; one that is not done by then ends where it is, with the radius there."""
 
