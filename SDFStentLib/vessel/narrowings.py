@@ -191,7 +191,7 @@ def _sides(
     own = before, after
     if run.parent >= 0:
         wanted = np.minimum(_widest_seen(diameter, own[1].diameter), most)
-        before = _where_lost(own[0], own[1], wanted, diameter)
+        before = _where_lost(own[0], own[1], wanted, (along, diameter))
     calibers = np.array([one.caliber for one in run.division])
     # A branch of which nothing is known leaves open what the others ask for.
     if len(calibers) and calibers.all():
@@ -200,7 +200,7 @@ def _sides(
         beyond = medians(diameter, along[None, :] > along[:, None])
         beyond[-1] = diameter[-1]
         wanted = np.fmin(np.fmax(expected, beyond), own[0].diameter)
-        after = _where_lost(own[1], own[0], wanted, diameter)
+        after = _where_lost(own[1], own[0], wanted, (along, diameter))
     return before, after
 
 
@@ -262,11 +262,18 @@ def _widest_seen(diameter: Floats, distal: Floats) -> Floats:
     return np.asarray(np.where(widens & (seen < (1 - EDGE_DEGREE) * distal), FLARE, 1.0) * distal)
 
 
-def _where_lost(own: _Sides, other: _Sides, wanted: Floats, diameter: Floats) -> _Sides:
-    """The side of an end at a junction: as wide as wanted, where no place there is healthy."""
+def _where_lost(
+    own: _Sides, other: _Sides, wanted: Floats, stations: tuple[Floats, Floats]
+) -> _Sides:
+    """The side of an end at a junction: as wide as wanted, where no place there is healthy.
+
+    Stations (n,) are arc lengths and diameters. A short throat may look like a plateau itself.
+    """
+    along, diameter = stations
     healthy = np.fmin(wanted, other.diameter)
     half_way = diameter + REGAINED * (healthy - diameter)
-    is_healthy = (own.diameter >= HEALTHY_AGAIN * healthy) | (own.narrowest >= half_way)
+    is_beside = np.abs(along - own.along) > PLATEAU * own.diameter / 2
+    is_healthy = is_beside & (own.diameter >= HEALTHY_AGAIN * healthy) | (own.narrowest >= half_way)
     is_lost = ~is_healthy & np.isfinite(wanted)
     return own._replace(
         along=np.where(is_lost, np.nan, own.along),
