@@ -19,6 +19,9 @@ RATIOS = (0.1, 10.0)
 FACTORS = (0.01, 100.0)
 """By which two fingers part or meet; those that began at one place had no distance."""
 
+UNHEARD = {"LongTap"}
+"""Kinds of events that VTK does not know and complains of."""
+
 LONGEST_WORD = 64
 MOST_FINGERS = 20
 
@@ -47,7 +50,8 @@ def known_event(told: Any) -> dict[str, Any] | None:
     if not isinstance(told, dict) or "type" not in told:
         return None
     known = {name: told[name] for name in told if name in CHECKS}
-    return known if all(CHECKS[name](value) for name, value in known.items()) else None
+    is_known = all(CHECKS[name](value) for name, value in known.items())
+    return known if is_known and known["type"] not in UNHEARD else None
 
 
 def is_number(value: Any, least: float = -MOST, most: float = MOST) -> bool:

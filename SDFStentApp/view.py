@@ -153,4 +153,6 @@ class _Area(VtkRemoteControlledArea):
         elif self._is_taken:  # the scene has not heard of the press, so nothing of the rest
             self._is_taken = kind != "LeftButtonRelease"
         else:
+            if kind == "LeftButtonPress":  # a finger comes to a handle without a move before
+                super().process_interaction_event({**event, "type": "MouseMove"})
             super().process_interaction_event(event)

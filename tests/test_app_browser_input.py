@@ -58,6 +58,7 @@ def test_a_hands_events_reach_the_view_with_what_is_known_of_them():
         "type": "KeyPress", "key": "a", "keyCode": 97,
     }  # fmt: skip
     assert known_event({"type": "Pan", "translation": [3, -4.5]}) is not None
+    assert known_event({"type": "LongTap", "w": 820, "h": 365}) is None  # VTK complains of it
 
 
 @pytest.mark.parametrize("wrong", NONSENSE, ids=lambda value: str(value)[:20])
