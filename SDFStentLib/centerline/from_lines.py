@@ -54,7 +54,7 @@ def tree_from_lines(
     radius = as_radii(inscribed_radius, len(checked))
     is_known = bool(np.isfinite(radius).any())
     if wall is not None and not is_known:
-        radius = _distances(checked, as_points(wall, "wall"))
+        radius = as_radii(_distances(checked, as_points(wall, "wall")), len(checked))
     graph, line_ends = welded(checked, radius, index_lines)
     end_points = graph.points[line_ends]
     two_point_cells = len(index_lines) > 1 and all(len(line) == 2 for line in index_lines)
