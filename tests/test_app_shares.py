@@ -44,8 +44,10 @@ def test_the_page_takes_from_the_library_what_reads_plans_and_writes_results_onl
         for alias in node.names
     }
     assert {module.partition(".")[2] for module, _ in used} == {
-        "plan", "report", "stent", "units", "validation"
+        "files", "plan", "report", "stent", "units", "validation"
     }  # fmt: skip
+    # A plan that is kept is written whole or not at all, as every file.
+    assert {name for module, name in used if module == "SDFStentLib.files"} == {"write_bytes"}
     assert not {name for _, name in used} & {"Treatment", "Preview", "Deployment", "find_lesions"}
 
 
