@@ -242,17 +242,17 @@ def degree_beside(tree: Tree, wall: Wall, place: np.ndarray, reach: float = 20.0
     """How much narrower, %, a vessel is about a place than on both sides within `reach` mm.
 
     Of the wider of the sides only what the narrower one has counts, so that a vessel that tapers
-    has 0 %. A vessel begins where it leaves its parent; beside that only its distal side counts.
+    has 0 %. Proximal of where a vessel begins is its parent: a narrowing may go across a fork.
     """
     node = int(np.argmin(np.linalg.norm(tree.points - place, axis=1) - 0.5 * tree.radius))
     vessel = next(one for one in tree.vessels if node in one[1:] or node == 0)
-    own = tree.arc_length[vessel] - tree.arc_length[vessel[0]]
-    ostium = 1.2 * float(tree.radius[vessel[0]]) if vessel[0] else 0.0
-    at = max(float(own[np.flatnonzero(vessel == node)[0]]), ostium)
-    along = np.arange(max(at - reach, ostium), min(at + reach, float(own[-1])), 1.0)
+    line = np.concatenate([tree.path_to(int(vessel[0]))[:-1], vessel])
+    own = tree.arc_length[line] - tree.arc_length[line[0]]
+    at = float(own[np.flatnonzero(line == node)[0]])
+    along = np.arange(max(at - reach, 0.0), min(at + reach, float(own[-1])), 1.0)
     if len(along) < 3:
         return 0.0
-    stations, _, wide = _measured(tree, wall, vessel, along)
+    stations, _, wide = _measured(tree, wall, line, along)
     is_near = np.abs(stations.along - at) <= 3.0
     if not is_near.any():
         return 0.0
