@@ -182,20 +182,26 @@ def test_a_line_that_touches_the_inside_of_a_segment_is_joined_there_without_a_g
     assert len(tree.children(int(tree.junctions[0]))) == 3
 
 
-@pytest.mark.parametrize("backward", [False, True])
-@pytest.mark.parametrize("radius", [None, 0.2])
-@pytest.mark.parametrize("seed", range(6))
-def test_lines_that_begin_at_places_of_one_inlet_cross_and_begin_there(seed, radius, backward):
-    """No end of the graph was left there: 15 of 165 trees began at an outlet."""
+def wandering(count: int, seed: int) -> list[np.ndarray]:
+    """Lines from one inlet, all the way, each up to 0.4 mm to and fro beside the others."""
     random = np.random.default_rng(seed)
-    tips = np.column_stack([30 * random.normal(size=(12, 2)), np.full(12, -70.0)])
-    pieces = [np.vstack([a_line(INLET, FORK), a_line(FORK, tip)[1:]]) for tip in tips]
-    for piece in pieces:
-        piece[:40] += 0.04 * random.normal(size=(40, 3))
+    pieces = []
+    for tip in np.column_stack([30 * random.normal(size=(count, 2)), np.full(count, -70.0)]):
+        piece = np.vstack([a_line(INLET, FORK), a_line(FORK, tip)[1:]])
+        steps = np.cumsum(random.normal(size=piece.shape), axis=0)
+        wave = np.column_stack([np.convolve(x, np.ones(15) / 15, mode="same") for x in steps.T])
+        pieces.append(piece + 0.4 * wave / np.abs(wave).max())
+    return pieces
+
+
+@pytest.mark.parametrize("backward", [False, True])
+@pytest.mark.parametrize("seed", range(5, 13))
+def test_lines_that_begin_at_places_of_one_inlet_cross_and_begin_there(seed, backward):
+    """No end of the graph was left there: with half of these seeds the tree began at an outlet."""
+    pieces = wandering(30, seed)
     points, lines = stacked([piece[::-1] for piece in pieces] if backward else pieces)
-    near = None if radius is None else np.clip(-points[:, 2], radius, 5.0)
-    tree = Centerline.from_lines(points, lines, near)
-    assert np.linalg.norm(tree.points[tree.roots] - INLET, axis=1).max() < 0.3
+    tree = Centerline.from_lines(points, lines)
+    assert np.linalg.norm(tree.points[tree.roots] - INLET, axis=1).max() < 1.0
 
 
 def test_a_wall_tells_which_lines_run_in_one_vessel():
