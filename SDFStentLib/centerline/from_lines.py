@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..geometry import norm
+from ..geometry import nearest_distances, norm
 from ..validation import Floats, Indices, InputError, Points, as_point, as_points
 from .line_graph import LineGraph, near_pairs, reach_of, welded
 from .overlaps import OVERLAP_EXTENT, OVERLAP_FRACTION, merged_overlaps
@@ -54,7 +54,7 @@ def tree_from_lines(
     radius = as_radii(inscribed_radius, len(checked))
     is_known = bool(np.isfinite(radius).any())
     if wall is not None and not is_known:
-        radius = as_radii(_distances(checked, as_points(wall, "wall")), len(checked))
+        radius = as_radii(nearest_distances(checked, as_points(wall, "wall")), len(checked))
     graph, line_ends = welded(checked, radius, index_lines)
     end_points = graph.points[line_ends]
     two_point_cells = len(index_lines) > 1 and all(len(line) == 2 for line in index_lines)
@@ -66,13 +66,6 @@ def tree_from_lines(
         root = _common_begin(graph, [checked[line] for line in index_lines], end_points, root)
     tree = _rooted(graph, root, end_points)
     return tree if is_known else tree._replace(inscribed_radius=np.full(len(tree.points), np.nan))
-
-
-def _distances(points: Points, wall: Points) -> Floats:
-    """From every point (n,) to the nearest point of a wall, mm."""
-    from scipy.spatial import cKDTree
-
-    return np.asarray(cKDTree(wall, compact_nodes=False, balanced_tree=False).query(points)[0])
 
 
 def _as_lines(lines: Sequence[ArrayLike], point_count: int) -> list[Indices]:
@@ -184,12 +177,15 @@ def _common_begin(graph: LineGraph, lines: Sequence[Points], line_ends: Floats, 
     most = max(int((norm(ends - graph.points[root]) <= reach).sum()) for ends in sides)
     for ends, others in zip(sides, sides[::-1], strict=True):
         together = np.linalg.norm(ends[:, None] - ends, axis=2) <= reach
-        begins = together[int(together.sum(axis=1).argmax())]
+        counts = together.sum(axis=1)
+        begins, count = together[int(counts.argmax())], int(counts.max())
+        if count <= most:
+            continue
         middle = ends[begins].mean(axis=0)
         passes = np.array([norm(line - middle).min() <= reach for line in lines]) & ~begins
         passes |= norm(others - middle) <= reach
-        if begins.sum() > most and not passes.any():
-            most, root = int(begins.sum()), int(norm(graph.points - middle).argmin())
+        if not passes.any():
+            most, root = count, int(norm(graph.points - middle).argmin())
     return root
 
 
