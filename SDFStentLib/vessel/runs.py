@@ -97,8 +97,13 @@ def _origin(run: VesselRun, runs: Sequence[VesselRun]) -> float:
     if run.parent < 0:
         return np.inf
     parent = runs[run.parent]
-    is_near = np.abs(parent.along - run.along[0]) <= LOCAL * parent.diameter
-    return float(np.quantile(parent.diameter[is_near], USUAL)) if is_near.any() else np.inf
+    return _usual_near(parent.diameter, np.abs(parent.along - run.along[0]), np.inf)
+
+
+def _usual_near(diameter: Floats, distance: Floats, otherwise: float) -> float:
+    """The usual one of the diameters (n,) that are not far from a junction; NaN are unknown."""
+    near = diameter[distance <= LOCAL * diameter]
+    return float(np.quantile(near, USUAL)) if len(near) else otherwise
 
 
 def is_main(run: VesselRun, runs: Sequence[VesselRun]) -> bool:
@@ -134,9 +139,7 @@ def _local_caliber(tree: LumenTree, chain: Sequence[int]) -> float:
         [np.where(tree.own[n], tree.lumens[n].diameter, np.nan) for n in chain]
     )
     along = np.concatenate([lumen.along for lumen in lumens])
-    distance = along[-1] - along
-    near = diameter[(distance <= LOCAL * diameter) & np.isfinite(diameter)]
-    return float(np.quantile(near, USUAL)) if len(near) else float(tree.calibers[chain[-1]])
+    return _usual_near(diameter, along[-1] - along, float(tree.calibers[chain[-1]]))
 
 
 def _run(tree: LumenTree, first: int, parent: int, generation: int) -> tuple[VesselRun, list[int]]:
