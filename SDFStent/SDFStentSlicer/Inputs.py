@@ -76,17 +76,13 @@ class Inputs:
     def knownCenterline(self, parameterNode):
         """The same where it is converted already, else None."""
         stamp, centerline = self._centerline
-        isKnown = parameterNode.centerline is not None and stamp == Conversion.inputStamp(
-            parameterNode
-        )
-        return centerline if isKnown else None
+        return centerline if stamp == Conversion.inputStamp(parameterNode) else None
 
     def centerlineInPortions(self, parameterNode):
         """The same in portions: a generator that yields None and returns the centerline."""
-        node = parameterNode.centerline
         stamp = Conversion.inputStamp(parameterNode)
-        if node is None or stamp != self._centerline[0]:
-            lines, wall = Conversion.centerlineLines(node), None
+        if stamp != self._centerline[0]:
+            lines, wall = Conversion.centerlineLines(parameterNode.centerline), None
             if parameterNode.vessel is not None:
                 wall = (yield from self.vesselInPortions(parameterNode)).surface.points
             centerline = yield from inPortions(lambda: Centerline.from_lines(*lines, wall=wall))

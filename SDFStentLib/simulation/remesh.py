@@ -126,7 +126,8 @@ def remeshed(segment: Segment, axis: Axis, wishes: Wishes) -> Iterator[Remeshed]
     old, none = segment.surface, np.zeros((0, 4), np.int64)
     is_wall = np.isin(segment.face_ids, [*segment.walls])
     # One wall: triangles along borders that run anywhere through it would be slim.
-    merged = np.where(is_wall, min(segment.walls), segment.face_ids)
+    one_wall = min(segment.walls)
+    merged = np.where(is_wall, one_wall, segment.face_ids)
     mesh = MeditMesh(old.points, old.triangles, merged, none)
     sizes = edge_sizes(old.points, axis, wishes)
     fault, is_found = "", False
@@ -149,7 +150,7 @@ def remeshed(segment: Segment, axis: Axis, wishes: Wishes) -> Iterator[Remeshed]
             fault = f"one {away:.3f} mm from it"
         else:
             is_found = True
-            ids, own = made.faces.copy(), made.faces == min(segment.walls)
+            ids, own = made.faces.copy(), made.faces == one_wall
             wall = SurfaceIndex(old.points, old.triangles[is_wall])
             middles = surface.points[made.triangles[own]].mean(axis=1)
             ids[own] = segment.face_ids[is_wall][wall.distances(middles).triangle]
