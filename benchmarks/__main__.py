@@ -25,13 +25,10 @@ from .sweep import DATA_FOLDER, PROJECT
 
 TITLES = {
     "against_svmorph": "Whole deployments against svmorph 0.1.2",
-    "first_frame": "First frame",
-    "memory": "Memory",
     "lumen": "The deployed lumen",
     "paper": "The comparison of the paper",
     "flow": "Pressures and flows",
     "trees": "Narrowings in trees",
-    "random_stents": "Random stents in the anatomies",
 }
 RESULTS = PROJECT / "benchmarks" / "results.json"
 NEEDS_SVMORPH = ("against_svmorph",)

@@ -40,23 +40,6 @@ def test_every_widget_of_the_panel_is_in_the_page_in_its_order_or_left_out_on_pu
         assert set(names) <= set(shown)
 
 
-def test_ends_words_and_values_are_those_of_the_file(a_panel):
-    slider = a_panel.diameterSlider
-    assert isinstance(slider, Number)
-    assert (slider.minimum, slider.maximum, slider.decimals, slider.has_slider) == (
-        0.1,
-        40,
-        2,
-        True,
-    )
-    assert slider.suffix.strip() == "mm"
-    assert a_panel.addStentButton.text == "Add"
-    assert a_panel.deployButton.enabled is False
-    assert a_panel.advancedCollapsibleButton.collapsed is True
-    assert a_panel.lesionTable.columns == ("Lesion", "Stenosis", "Minimum", "Length")
-    assert a_panel.waistPositionSpinBox.value == -1
-
-
 def test_a_number_stays_within_its_ends_and_tells_what_it_is():
     number, heard = Number("n"), []
     number.minimum, number.maximum = 1.0, 5.0

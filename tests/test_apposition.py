@@ -9,14 +9,13 @@ import numpy as np
 import pytest
 from deployment_cases import anatomy
 from ostium_truth import RayCaster
-from plain_measuring import measured_around
 from vtkmodules.vtkFiltersCore import vtkImplicitPolyDataDistance
 
 from SDFStentLib import phantoms
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.files import read_centerline, read_surface
 from SDFStentLib.geometry import Line
-from SDFStentLib.lumen import axis_stations, diameter_profile, extended_axis
+from SDFStentLib.lumen import diameter_profile
 from SDFStentLib.stent import AlongAxis, AtCenter, Stent, stent_axis
 from SDFStentLib.treatment import Treatment
 from SDFStentLib.treatment.warnings import narrowed_neighbors
@@ -152,15 +151,6 @@ def test_of_two_branches_with_one_name_both_are_told_and_of_one_branch_the_worst
     assert [one.stent for one in told] == [None, 1, 3, None]
     assert str(told[0]).endswith("5 mm beyond its origin.")
     assert str(told[2]).endswith("5 mm beyond the end of the stent.")
-
-
-def test_diameters_go_on_beyond_both_ends_and_stop_with_the_vessel():
-    vessel = phantoms.straight_tube(length=40.0)
-    surface = vessel.surface
-    axis = extended_axis(surface, [[0, 0, 12.0], [0, 0, 24.0]], vessel.centerline)
-    profile = measured_around(surface, axis_stations(axis))
-    assert profile.arc_length[[0, -1]] == pytest.approx([-12, 28])
-    np.testing.assert_allclose(profile.inscribed_diameter, 6.0, rtol=0.02)
 
 
 def test_the_section_at_an_ostium_is_not_that_of_the_neighbor(data_dir):

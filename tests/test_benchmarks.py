@@ -68,16 +68,6 @@ def test_the_published_rule_leaves_the_lumen_that_the_paper_tells(data_dir):
     assert rows["default"] == pytest.approx([6.0, 6.0, 6.0, 0.0], abs=0.04)
 
 
-def test_a_fresh_process_tells_when_its_first_state_came_and_what_memory_it_took(data_dir):
-    common, subprocesses = benchmark("common"), benchmark("subprocesses")
-    with subprocesses.mesh_file(common.aorta_case()) as mesh:
-        frame = subprocesses.fresh("first-frame", mesh, "preview")
-        memory = subprocesses.fresh("memory", mesh, "preview")
-    assert min(frame["warm"], frame["first_state"]) > 0
-    assert frame["imports"] + frame["first_state"] < frame["process"]
-    assert 0 < memory["above_base"] == pytest.approx(memory["peak"] - memory["base"])
-
-
 # How it is told ----------------------------------------------------------------------------------
 
 

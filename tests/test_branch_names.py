@@ -81,28 +81,6 @@ def test_without_names_faces_are_numbered_and_without_faces_branches(artery):
     assert branch_names(artery.surface, tree, one_id) == plain
 
 
-def test_a_branch_that_divides_leads_to_all_of_its_ends():
-    tree = phantoms.vascular_tree(4, 1.0)
-    names = branch_names(tree.surface, tree.centerline, tree.faces)
-    line = tree.centerline
-    leaves = set(line.leaves.tolist())
-    for branch, name in zip(line.branches, names, strict=True):
-        if line.parent[branch[0]] >= 0 and int(branch[-1]) not in leaves:
-            assert name.startswith("branch to outlet of branch ")
-            assert " and outlet of branch " in name
-    assert len(set(names)) == len(names)
-
-
-def test_two_branches_that_lead_to_the_same_end_keep_their_numbers():
-    tree = phantoms.vascular_tree(4, 1.0)
-    ids = tree.face_ids.copy()
-    kept = int(ids.max())
-    ids[ids != kept] = 1
-    names = branch_names(tree.surface, tree.centerline, NamedFaces(ids))
-    assert len(set(names)) == len(names)
-    assert sum(name.startswith(f"branch to face {kept} (branch ") for name in names) == 2
-
-
 @pytest.mark.parametrize("name", ["pulmonary", "aorta_iliac"])
 def test_every_branch_of_an_anatomy_is_named_by_a_cap_of_its_own(data_dir, name):
     vessel = anatomy(data_dir, name)

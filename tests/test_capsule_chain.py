@@ -14,7 +14,6 @@ from oracle import PlainField
 from oracle import field as fold_from_the_distal_end
 
 from SDFStentLib.field import FOLDS, CapsuleChain, Field
-from SDFStentLib.field.capsule_chain import runs_forward
 
 EXACT = 1e-9  # mm: what the issue demands; rounding leaves 1e-13
 
@@ -188,8 +187,3 @@ def test_a_wrong_guess_of_the_nearest_node_costs_time_and_nothing_else(name, fol
     order = np.argsort(guess, kind="stable")
     true = chain.folding.axis_distance(points[order], guess[order])
     np.testing.assert_allclose(true, chain.axis_distance(points[order]), atol=1e-11)
-
-
-def test_a_line_that_is_the_same_both_ways_runs_forward():
-    there = AXES["helix"]
-    assert runs_forward(np.concatenate([there, there[-2::-1]]))

@@ -25,11 +25,6 @@ def made_kinds() -> set[str]:
     return texts & set(TEMPLATES)
 
 
-def test_a_text_of_the_user_is_no_template():
-    caution = Caution("picture-missing", {"reason": "{to} {0}"}, label="{x}.stl: ")
-    assert str(caution) == "{x}.stl: {to} {0}"
-
-
 def test_every_kind_is_made_somewhere_and_says_one_sentence():
     assert made_kinds() == set(TEMPLATES)
     for kind, template in TEMPLATES.items():

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from trees import unbranched, with_radius
 
 from SDFStentLib.centerline import Centerline
 from SDFStentLib.centerline.point_tree import ancestry_of
@@ -151,16 +150,6 @@ def test_two_point_cells_in_any_order_and_direction_become_the_same_fork():
         )
 
 
-def test_a_daughter_curve_that_starts_beside_a_coarse_trunk_is_joined_to_its_segment():
-    points, lines = stacked(
-        [np.array([INLET, [0.0, 0, -80]]), a_line(FORK + np.array([0.2, 0, 0]), WIDE_OUTLET)]
-    )
-    tree = Centerline.from_lines(points, lines)
-    assert (len(tree.leaves), len(tree.junctions)) == (2, 1)
-    np.testing.assert_allclose(tree.points[tree.junctions[0]], FORK, atol=ROUNDING)
-    np.testing.assert_array_equal(tree.points[tree.roots[0]], INLET)
-
-
 def test_sides_in_pieces_leave_the_trunk_where_they_are_nearest_to_it():
     """Between points of the trunk, and both at once."""
     trunk = np.column_stack([np.zeros((11, 2)), np.linspace(0.0, 40.0, 11)])
@@ -214,14 +203,6 @@ def test_a_wall_tells_which_lines_run_in_one_vessel():
     assert np.linalg.norm(together.points[together.junctions] - FORK, axis=1).max() < 1.0
     assert np.linalg.norm(apart.points[apart.junctions] - FORK, axis=1).max() > 20.0
     assert np.isnan(together.inscribed_radius).all()
-
-
-def test_pieces_too_far_apart_are_refused_with_gap_and_place():
-    wide, long = fork_lines()
-    points, lines = stacked([wide[:36], long[46:]])
-    message = r"got 2 pieces with a gap of 10\.2 mm at \(-2.143, .* the 5 mm that are bridged there"
-    with pytest.raises(InputError, match=message):
-        Centerline.from_lines(points, lines, fork_radius(points))
 
 
 def test_a_plain_curve_keeps_its_points_and_starts_where_it_was_drawn_first():
@@ -285,38 +266,6 @@ def test_a_real_tree_ends_only_where_one_of_its_lines_does(data_dir):
 # ---- what the tree answers
 
 
-def test_branches_leaves_and_ancestry_of_a_fork():
-    tree = a_fork()
-    assert len(tree.branches) == 3
-    junction = int(tree.junctions[0])
-    assert sorted(int(branch[0]) for branch in tree.branches) == sorted(
-        [int(tree.roots[0]), junction, junction]
-    )
-    assert len(tree.children(junction)) == 2
-    for leaf in tree.leaves:
-        chain = tree.ancestry(int(leaf))
-        assert chain[0] == tree.roots[0]
-        assert (tree.parent[chain[1:]] == chain[:-1]).all()
-        assert Line(tree.points[chain]).length == pytest.approx(tree.arc_length[leaf])
-
-
-def test_projection_falls_on_segments_and_mixes_the_radius():
-    tree = unbranched([[0, 0, 0], [10, 0, 0]], [2.0, 4.0])
-    place = tree.project([2.5, 3, 0])
-    assert place.point.tolist() == [2.5, 0, 0]
-    assert (place.distance, place.arc_length, place.inscribed_radius) == (3, 2.5, 2.5)
-    half_known = with_radius(tree, [np.nan, 4.0])
-    assert half_known.project([2.5, 3, 0]).inscribed_radius == 4
-
-
-def test_a_path_from_daughter_to_daughter_crosses_the_junction():
-    tree = a_fork()
-    path = tree.path(WIDE_OUTLET, LONG_OUTLET)
-    assert path.length == pytest.approx(FORK_LENGTH - 40, abs=0.5)
-    assert np.linalg.norm(path.points - tree.points[tree.junctions[0]], axis=1).min() == 0
-    assert path.inscribed_radius[[0, -1]].tolist() == [4, 3]
-
-
 inside = st.floats(0.0, 1.0)
 
 
@@ -339,41 +288,6 @@ def test_a_path_and_its_way_back_are_the_same(one, other):
         np.testing.assert_allclose(there.points, back.reversed().points, atol=1e-8)
 
 
-@settings(max_examples=60)
-@given(inside, inside)
-def test_arc_lengths_along_a_line_of_descent_add_up(one, other):
-    tree = a_fork()
-    place, root = tree.project(on_tree(tree, one)), tree.points[tree.roots[0]]
-    assert tree.path(root, place).length == pytest.approx(place.arc_length, abs=1e-7)
-    middle = tree.project(tree.path(root, place).points[0] * (1 - other) + other * place.point)
-    ways = tree.path(root, middle).length + tree.path(middle, place).length
-    assert ways >= tree.path(root, place).length - 1e-7
-
-
-def test_without_radius_the_straightest_daughter_is_followed_though_it_is_shorter():
-    tree = Centerline.from_lines(*stacked([a_line(INLET, 1.5 * FORK), a_line(FORK, LONG_OUTLET)]))
-    path = tree.path_around([0, 1, -30], 30)
-    np.testing.assert_allclose(path.points[-1], [0, 0, -45], atol=ROUNDING)
-
-
-def test_a_point_on_a_daughter_keeps_to_it_and_chooses_nothing():
-    at = 0.7 * FORK + 0.3 * LONG_OUTLET
-    path = a_fork().path_around(at, 40)
-    assert path.points[-1][0] < -3
-    assert path.choices == ()
-
-
-def test_paths_from_an_end_go_up_or_down_and_stop_where_the_centerline_does():
-    tree = a_fork()
-    up = tree.path_from_distal(LONG_OUTLET, 10)
-    np.testing.assert_allclose(up.points[-1], LONG_OUTLET)
-    assert up.length == pytest.approx(10)
-    down = tree.path_from_proximal([0, 0, -10], 10)
-    np.testing.assert_allclose(down.points[[0, -1]], [[0, 0, -10], [0, 0, -20]], atol=ROUNDING)
-    assert tree.path_from_distal([0, 0, -10], 99).length == pytest.approx(10)
-    assert tree.path_from_proximal(WIDE_OUTLET, 9).length == 0
-
-
 def test_resampling_keeps_roots_junctions_and_leaves_and_the_length_of_straight_branches():
     tree = a_fork()
     coarse = tree.resampled(3.0)
@@ -388,16 +302,6 @@ def test_resampling_keeps_roots_junctions_and_leaves_and_the_length_of_straight_
 
 
 # ---- degenerate input
-
-
-def test_a_loop_is_opened_where_it_is_farthest_from_the_root():
-    angles = np.linspace(0, 2 * np.pi, 41)[:-1]
-    ring = 10 * np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])
-    points = np.concatenate([[[30.0, 0, 0]], ring])
-    tree = Centerline.from_lines(points, [[0, 1], [*range(1, 41), 1]], np.ones(41))
-    assert tree.points[tree.roots].tolist() == [[30, 0, 0]]
-    assert len(tree.points) == 41
-    assert (tree.points[tree.leaves][:, 0] < -9).all()
 
 
 def test_a_small_loop_inside_the_lumen_leaves_no_spur():

@@ -9,9 +9,8 @@ from trees import unbranched
 
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.files import read_surface
-from SDFStentLib.geometry import Line, Surface
-from SDFStentLib.lumen import diameter_profile, flat_caps, measured_at
-from SDFStentLib.lumen.metrics import profile_of
+from SDFStentLib.geometry import Surface
+from SDFStentLib.lumen import diameter_profile
 from SDFStentLib.stent import AtCenter, Stent
 from SDFStentLib.treatment import Treatment
 
@@ -44,9 +43,6 @@ def a_circle(count=32):
     return RADIUS * np.column_stack([np.cos(angle), np.sin(angle)])
 
 
-A_SQUARE = [
-    [s, t] for s, t in ((-3, -3), (0, -3), (3, -3), (3, 0), (3, 3), (0, 3), (-3, 3), (-3, 0))
-]
 A_LINE = [[0.1, 0, 0], [0.1, 0, LENGTH]]
 
 
@@ -80,19 +76,6 @@ def test_a_cap_that_leans_cuts_no_section_short():
     assert np.isnan(equivalent[[0, 1, -2, -1]]).all()
     np.testing.assert_allclose(equivalent[2:-2], equivalent[15], rtol=1e-9)
     assert any(gap.kind == "no-equivalent-diameter" for gap in profile.gaps)
-
-
-def test_the_flat_sides_of_a_square_duct_are_wall():
-    profile = diameter_profile(Surface(*a_capped_duct(A_SQUARE)), A_LINE)
-    np.testing.assert_allclose(profile.inscribed_diameter, 6, rtol=1e-6)
-
-
-def test_a_round_wall_of_a_fine_mesh_is_no_flat_cap():
-    """Its faces differ by half a degree from one to the next, and go all round."""
-    points, triangles = a_capped_duct(a_circle(720))
-    caps = flat_caps(points, triangles)
-    np.testing.assert_allclose([cap.normal for cap in caps], [[0, 0, -1], [0, 0, 1]], atol=1e-12)
-    assert [len(cap.faces) for cap in caps] == [720, 720]
 
 
 @pytest.mark.parametrize("bulge", [1.0, -1.0, -3.0])
@@ -142,17 +125,6 @@ def test_a_ridge_beside_the_way_is_no_end():
     assert profile.inscribed_diameter[-1] < 7.5
 
 
-def test_open_and_capped_tubes_have_one_profile():
-    points, triangles = a_capped_duct(a_circle())
-    profiles = [
-        diameter_profile(Surface(points, faces), A_LINE)
-        for faces in (triangles, triangles[: -2 * 32])
-    ]
-    np.testing.assert_allclose(
-        profiles[0].inscribed_diameter, profiles[1].inscribed_diameter, rtol=1e-9
-    )
-
-
 @pytest.mark.parametrize(
     ("surface", "line"), [("pulmonary", "pulmonary"), ("aorta_iliac", "aorta_iliac")]
 )
@@ -180,12 +152,3 @@ def test_the_vessel_between_a_stent_and_a_cap_is_as_wide_as_its_wall():
         assert not neighbor.by_area
         assert neighbor.before == pytest.approx(lumen, rel=1e-6)
         assert neighbor.after >= neighbor.before - 1e-6
-
-
-def test_spheres_searched_once_without_the_caps_are_those_searched_again():
-    surface, stations = Surface(*a_capped_duct(a_circle())), Line(A_LINE).resampled(1.0).points
-    once = diameter_profile(surface, A_LINE)
-    whole = measured_at(surface, stations, Line(stations).directions)
-    again = profile_of(surface, Line(stations).arc_lengths, whole, np.zeros(0, int))
-    np.testing.assert_allclose(once.inscribed_diameter, again.inscribed_diameter, atol=1e-5)
-    np.testing.assert_array_equal(once.equivalent_diameter, again.equivalent_diameter)

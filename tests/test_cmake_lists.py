@@ -31,15 +31,6 @@ def test_every_shipped_file_is_listed_once_and_every_listed_file_exists(folder):
     assert sorted(listed(folder)) == on_disk(folder)
 
 
-@pytest.mark.parametrize("folder", sorted(SHIPPED))
-def test_every_list_is_handed_to_the_macro_that_installs(folder):
-    text = re.sub(r"#[^\n]*", "", (ROOT / folder / "CMakeLists.txt").read_text(encoding="utf-8"))
-    call = re.search(r"slicerMacroBuildScriptedModule\(([^)]*)\)", text).group(1)
-    for variable in re.findall(r"set\((\w+_(?:SCRIPTS|RESOURCES))\s", text):
-        assert f"${{{variable}}}" in call
-    assert f"add_subdirectory({folder})" in (ROOT / "CMakeLists.txt").read_text(encoding="utf-8")
-
-
 def test_the_project_is_called_as_the_index_entry_and_the_module():
     project = re.search(
         r"project\((\w+)\)", (ROOT / "CMakeLists.txt").read_text(encoding="utf-8")
@@ -80,9 +71,3 @@ def test_the_index_finds_icon_and_screenshot_where_it_looks():
     for url in [icon, *shots]:
         assert url.startswith("https://raw.githubusercontent.com/")
         assert (ROOT / url.split("/main/", 1)[1]).is_file(), url
-
-
-def test_the_icon_is_128_pixels_square():
-    header = (ROOT / "SDFStent.png").read_bytes()[:24]
-    assert header[:8] == b"\x89PNG\r\n\x1a\n"
-    assert int.from_bytes(header[16:20], "big") == int.from_bytes(header[20:24], "big") == 128

@@ -13,7 +13,7 @@ import pytest
 from cohort_cases import PLAN, bytes_of, sweep_in, tube_folder
 
 from SDFStentLib import InputError, Plan, Stent, plan_report, read_surface, run_plan
-from SDFStentLib.cohort import Cases, Cohort, estimated, run_sweep, write_manifest
+from SDFStentLib.cohort import Cases, Cohort, run_sweep, write_manifest
 from SDFStentLib.cohort.moved import decoded, encoded
 from SDFStentLib.cohort.store import Store
 from SDFStentLib.files import encode_vtp, polydata_from_arrays
@@ -234,19 +234,6 @@ def test_texts_stay_texts_whatever_they_look_like(folder, tmp_path):
     assert Cohort(tmp_path / "out").training_set("007").names == ("diameter",)
 
 
-def test_several_stents_are_several_rows_of_one_case(folder, tmp_path):
-    stents = [
-        {"name": "first", "diameter": 6, "length": 8, "placement": {"center": [0, 0, 1.6]}},
-        {"name": "second", "length": 8, "placement": {"center": [0, 0, 2.4]}},
-    ]
-    sweep = sweep_in(folder, plan={**PLAN, "stents": stents}, stent=2, axes={"diameter": [6, 7]})
-    run_sweep(sweep, tmp_path / "out", executor=Inline())
-    cohort = Cohort(tmp_path / "out")
-    assert cohort.columns["stent"].tolist() == [1, 2, 1, 2]
-    assert cohort.columns["diameter_mm"].tolist() == [6, 6, 6, 7]
-    assert len(cohort.cases()) == 2
-
-
 def test_a_plan_that_knows_a_flow_adds_columns_of_it(folder, tmp_path):
     flow = {"mean": 8.0, "inlet": 20.0, "wedge": 8.0}
     sweep = sweep_in(folder, plan=PLAN | {"flow": flow}, axes={"diameter": [6, 6.5]})
@@ -278,17 +265,6 @@ def test_another_sweep_is_refused_where_its_cases_would_be_lost_from_the_manifes
     with pytest.raises(InputError, match="got one with 6 other cases; name another folder"):
         run_sweep(sweep_in(folder, axes={"diameter": 6}), whole, executor=Inline())
     assert bytes_of(whole) == before
-
-
-def test_an_estimate_is_measured_and_leaves_nothing(folder):
-    before = sorted(folder.iterdir())
-    sweep = sweep_in(folder, store="moved")
-    found = estimated(sweep, list(Cases(sweep)))
-    assert (found.tried, found.failed) == (3, 0)
-    assert found.case_seconds > 0
-    assert 4_000 < found.case_bytes < 200_000
-    assert found.seconds(1000, 1, 2) == pytest.approx(500 * found.case_seconds + found.read_seconds)
-    assert sorted(folder.iterdir()) == before
 
 
 def test_a_folder_that_is_no_cohort_is_refused(tmp_path):

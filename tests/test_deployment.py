@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from deployment_cases import anatomy_case, hairpin, phantom, phantom_case
 
-from SDFStentLib.deformation import Deployment, DeploymentSettings, deploy
+from SDFStentLib.deformation import Deployment, DeploymentSettings
 from SDFStentLib.geometry import Precision
 from SDFStentLib.validation import InputError
 
@@ -40,23 +40,6 @@ def test_the_stent_grows_from_state_to_state_up_to_the_prescribed_radius(case, s
     assert fractions[0] > 0
     assert (fractions[:-1] < 1).all()
     assert fractions[-1] == 1
-
-
-@both
-def test_every_state_stays_addressable_as_it_was(case, settings):
-    deployment = deployment_of(case, settings)
-    seen = [
-        (state.radius, state.indices.copy(), state.coordinates.copy(), state.companions.copy())
-        for state in deployment
-    ]
-    assert len(deployment.states) == len(seen)
-    for state, (radius, indices, coordinates, companions) in zip(
-        deployment.states, seen, strict=True
-    ):
-        assert state.radius == radius
-        np.testing.assert_array_equal(state.indices, indices)
-        np.testing.assert_array_equal(state.coordinates, coordinates)
-        np.testing.assert_array_equal(state.companions, companions)
 
 
 @both
@@ -115,20 +98,6 @@ def test_the_certificate_is_about_the_points_that_are_returned(case):
     of_surface = replace(result.certificate, motion=(), lumen=())
     assert of_surface.as_dict() == again.as_dict()
     assert result.certificate.passed
-
-
-@pytest.mark.parametrize("settings", [DEFAULT, DeploymentSettings.preview()])
-@pytest.mark.parametrize("name", ["branching_pulmonary_artery", "tube_with_neighbor"])
-def test_a_topology_that_was_looked_at_already_changes_nothing(name, settings):
-    case = phantom_case(name)
-    fresh, known = case.surface, case.surface
-    assert fresh.known_topology is None
-    assert known.topology is known.known_topology
-    results = [
-        deploy(surface, settings.chain(case.axis), case.radius, settings)
-        for surface in (fresh, known)
-    ]
-    np.testing.assert_array_equal(results[0].points, results[1].points)
 
 
 # What is stented --------------------------------------------------------------------------------

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import json
-from dataclasses import fields, replace
+from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from test_plan import SCHEMA, a_document
 from trees import unbranched
 from tube_files import deploy
@@ -27,7 +25,7 @@ from SDFStentLib.plan import (
     run_plan,
     to_document,
 )
-from SDFStentLib.report import device_sentence, planned_device_sentences
+from SDFStentLib.report import device_sentence
 from SDFStentLib.stent import AlongAxis, AtCenter, Balloon, BetweenPoints, Device, Stent, stent_axis
 from SDFStentLib.validation import InputError
 
@@ -81,13 +79,6 @@ def test_every_number_of_a_named_row_has_a_source_and_generic_rows_are_no_produc
     assert generic.foreshortening_at(7.3) == 0.1
 
 
-def test_no_shipped_row_says_how_a_product_shortens_but_the_one_whose_source_does():
-    named = [device for device in device_table() if not device.generic]
-    known = [d for d in named if d.lengths or d.foreshortening_fraction is not None]
-    assert [(d.name, d.foreshortening_fraction) for d in known] == [("gore-vbx", 0.0)]
-    assert [d.name for d in named if d.maximum_diameter is not None] == []
-
-
 def test_the_users_rows_come_behind_and_in_place_of_those_of_the_same_name(tmp_path, a_table_file):
     own = device_table(a_table_file)
     assert [d.name for d in own] == [*(d.name for d in device_table()), "bench-34", "bench-16"]
@@ -109,26 +100,6 @@ def test_a_name_is_found_in_any_case_and_near_ones_are_offered():
 
 
 # ---- length over diameter
-
-
-@given(st.floats(12, 20), st.floats(12, 20))
-def test_a_length_lies_between_those_of_its_neighbors_and_falls_with_the_diameter(one, other):
-    device = a_device()
-    small, large = sorted((one, other))
-    assert 0 <= device.foreshortening_at(small) <= device.foreshortening_at(large) <= 0.2 + 1e-12
-
-
-def test_the_axis_of_a_stent_has_the_length_of_its_device_at_its_diameter():
-    points = Line([[0, 0, 0], [0, 0, 100]]).resampled(2.0).points
-    tube = unbranched(points, np.full(len(points), 8.0))
-    for diameter, expected in ((12.0, 32.0), (14.0, 31.0), (20.0, 27.2)):
-        stent = Stent(diameter, placement=CENTER, device=a_device())
-        axis = stent_axis(stent, tube)
-        assert axis.nominal_length == stent.length == 34
-        assert axis.deployed_length == pytest.approx(expected)
-        assert axis.points[[0, -1], 2].mean() == pytest.approx(50)
-    wider = replace(Stent(12.0, placement=CENTER, device=a_device()), diameter=20.0)
-    assert stent_axis(wider, tube).deployed_length == pytest.approx(27.2)
 
 
 # ---- what is refused
@@ -262,31 +233,6 @@ def test_sizes_beyond_what_is_known_of_a_device_are_said():
         "and its length extrapolated."
     ]
     assert said(8.0, 30, device_named("generic")) == []
-
-
-@pytest.mark.parametrize(
-    ("name", "size", "words"),
-    [
-        (
-            "numed-cp",
-            {"length": 34, "foreshortening_fraction": 0.15},
-            "34 mm long as packed, 28.9 mm at 12 mm of diameter (length as given, shortening as "
-            "given); from its source: used at 10 to 26 mm, in lengths of 11 to 80 mm (Ewert 2005",
-        ),
-        (
-            "gore-vbx",
-            {"length": 34},
-            "34.0 mm at 12 mm of diameter (length as given, shortening as its row has it); from "
-            "its source: keeps its length at its nominal diameters (Bismuth 2017",
-        ),
-        ("generic", {"length": 30}, "27.0 mm at 12 mm of diameter (length as given, shortening as "
-         "its row has it); none: it is no product, its numbers are assumptions."),
-    ],
-)  # fmt: skip
-def test_only_what_a_row_has_is_told_as_of_its_source(name, size, words):
-    stent = Stent(12.0, placement=CENTER, device=device_named(name), **size)
-    (told,) = planned_device_sentences(stent)
-    assert words in told
 
 
 # ---- documents

@@ -14,7 +14,6 @@ from SDFStentLib.files import (
     read_centerline,
     read_lines,
     read_surface,
-    write_extracted_lines,
 )
 from SDFStentLib.geometry import Line, Surface, norm
 from SDFStentLib.phantoms import (
@@ -85,16 +84,6 @@ def test_the_lines_of_an_anatomy_agree_with_the_centerline_that_came_with_it(dat
 
 
 @needs_vmtk
-def test_a_rounded_vessel_is_followed_between_named_ends(data_dir):
-    surface = read_surface(data_dir / "vmtk_aorta_surface_mm.vtp").surface
-    known = read_centerline(data_dir / "vmtk_aorta_centerline_mm.vtp")
-    leaves = [known.points[leaf] for leaf in known.leaves]
-    found = extracted(surface, known.points[known.roots[0]], leaves)
-    assert len(found.lines) == len(leaves) == 2
-    assert np.median(cKDTree(known.points).query(found.points)[0]) < 0.5
-
-
-@needs_vmtk
 @pytest.mark.parametrize("suffix", ["vtp", "vtk"])
 def test_the_command_writes_what_deploy_reads_in_the_unit_of_the_surface(tmp_path, suffix):
     assert command("demo", "-o", tmp_path / "demo").returncode == 0
@@ -109,16 +98,6 @@ def test_the_command_writes_what_deploy_reads_in_the_unit_of_the_surface(tmp_pat
     run = command("measure", surface, "--centerline", lines)
     assert run.returncode == 0, run.stderr
     assert "Lesion 1" in run.stdout
-
-
-@needs_vmtk
-def test_lines_in_a_file_of_centimeters_are_in_centimeters(tmp_path, data_dir):
-    read = read_surface(data_dir / "aorta_iliac_surface_cm.vtp", "cm")
-    lines = extracted(read.surface)
-    write_extracted_lines(tmp_path / "lines.vtp", lines, read)
-    again = read_lines(tmp_path / "lines.vtp", "cm")
-    assert np.allclose(again.points, lines.points, rtol=1e-12)
-    assert np.allclose(again.inscribed_radius, lines.inscribed_radius, rtol=1e-12)
 
 
 @needs_vmtk

@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from plain_measuring import nearest_points, plain_sphere
 
 from SDFStentLib.deformation import DeploymentSettings, deploy
-from SDFStentLib.geometry import Balls, Line, Surface, SurfaceIndex, nearest_distances
+from SDFStentLib.geometry import Line, Surface, SurfaceIndex, nearest_distances
 from SDFStentLib.geometry.distance import closest_points_on_triangles
 from SDFStentLib.lumen import (
     StationSearch,
-    Until,
     equivalent_diameters,
     inscribed_spheres,
     measured_at,
     near_wall,
     rays_from,
-    winding_numbers,
 )
 from SDFStentLib.lumen.cross_section import _lumen_area
 from SDFStentLib.lumen.spheres import inscribed
@@ -126,23 +122,6 @@ def test_stations_measured_together_are_those_measured_alone(a_vessel, when):
         np.testing.assert_allclose(one.equivalent, alone.equivalent, atol=1e-3)
 
 
-@pytest.mark.parametrize("when", [0, 1], ids=["before", "after"])
-def test_a_climb_ends_where_the_sphere_is_large_enough(a_vessel, when):
-    points, triangles, axis = a_vessel[0][when], *a_vessel[1:]
-    places = Line(axis).resampled(4.0).points
-    directions = Line(places).directions
-    whole = inscribed_spheres(points, triangles, places, directions)
-    enough = 0.9 * whole.radii
-    enough[::3] = np.inf
-    found = inscribed_spheres(points, triangles, places, directions, Until(enough=enough))
-    np.testing.assert_allclose(found.radii[::3], whole.radii[::3], atol=1e-3)
-    is_large = found.radii > enough
-    np.testing.assert_allclose(found.radii[~is_large], whole.radii[~is_large], atol=1e-3)
-    assert (found.radii <= whole.radii + 1e-3).all()
-    exact = SurfaceIndex(points, triangles).distances(found.centers).distance
-    np.testing.assert_allclose(found.radii, exact, rtol=1e-9)
-
-
 def test_ends_of_vessels_are_the_same_where_their_spheres_are_searched_to_the_end(
     a_vessel_and_its_tree, monkeypatch
 ):
@@ -157,25 +136,6 @@ def test_ends_of_vessels_are_the_same_where_their_spheres_are_searched_to_the_en
     unmeasured = surface.with_points(surface.points)
     for one, exact in zip(fast, vessel_runs(branch_lumens(unmeasured, tree)), strict=True):
         np.testing.assert_allclose(one.diameter, exact.diameter, atol=1e-3)
-
-
-def test_a_tree_is_measured_once_for_whoever_asks(a_vessel_and_its_tree, monkeypatch):
-    surface, tree = a_vessel_and_its_tree
-    searches = []
-
-    def counted(*arguments):
-        searches.append(arguments)
-        return StationSearch(*arguments)
-
-    monkeypatch.setattr(branch_lumen, "StationSearch", counted)
-    unmeasured = surface.with_points(surface.points)
-    lumens = branch_lumens(unmeasured, tree)
-    assert branch_lumens(unmeasured, tree) is lumens
-    assert len(searches) == 1
-    again = replace(tree)
-    for one, other in zip(branch_lumens(unmeasured, again), lumens, strict=True):
-        np.testing.assert_array_equal(one.diameter, other.diameter)
-    assert len(searches) == 2
 
 
 def test_vessels_with_a_narrowing_are_measured_exactly_and_others_nearly_so(a_vessel_and_its_tree):
@@ -194,18 +154,6 @@ def test_vessels_with_a_narrowing_are_measured_exactly_and_others_nearly_so(a_ve
         else:
             assert np.median(share) == pytest.approx(1, abs=0.03)
             assert (share <= 1.1).all()
-
-
-def test_a_surface_goes_half_round_a_point_on_it():
-    """Also where rounding puts the point on either side of a triangle of a cap."""
-    tube = stenosed_tube()
-    ends = tube.centerline.points[[0, -1]]
-    for shift in (0.0, 1e-15, -1e-15):
-        places = np.vstack([ends, tube.points[tube.triangles[:50]].mean(axis=1)]) + shift
-        found = winding_numbers(places, tube.points, tube.triangles)
-        np.testing.assert_allclose(found, 0.5, atol=1e-6)
-    inner = tube.centerline.points[5:-5]
-    np.testing.assert_allclose(winding_numbers(inner, tube.points, tube.triangles), 1, atol=1e-9)
 
 
 def test_sections_do_not_depend_on_the_winding():
@@ -250,42 +198,6 @@ def test_what_is_near_is_what_a_plain_search_over_all_pairs_finds():
     assert (found.bound <= every[found.query, found.triangle] * (1 + 1e-9)).all()
     assert (np.diff(found.query) >= 0).all()
     np.testing.assert_allclose(index.distances(queries).distance, every.min(axis=1), rtol=1e-9)
-
-
-def test_balls_that_only_just_touch_what_is_looked_for_are_found():
-    """Far from the origin, where rounding is coarse; balls of all sizes, many at one spot."""
-    random = np.random.default_rng(2)
-    middles = 1e5 + random.normal(size=(500, 3))
-    middles[400:] = middles[400]
-    radii = 4.0 ** random.integers(-9, 1, 500)
-    radii[::50] = 0.0
-    balls = Balls(middles, radii)
-    places = np.repeat(middles[::5], 2, axis=0) + np.array([0.0, 0, 3])
-    place, ball = balls.near(places, np.repeat(3.0 - radii[::5], 2))
-    own = set(zip(place.tolist(), ball.tolist(), strict=True))
-    assert all((n, 5 * (n // 2)) in own for n in range(len(places)))
-    assert (np.diff(place) >= 0).all()
-    gap = np.linalg.norm(places[place] - middles[ball], axis=1) - radii[ball]
-    assert (gap <= np.repeat(3.0 - radii[::5], 2)[place] + 3 * radii[ball] + 1e-6).all()
-    expected = [np.linalg.norm(middles - one, axis=1).min() for one in places]
-    np.testing.assert_allclose(balls.nearest(places), expected, rtol=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("radii", "searches"),
-    [
-        # A regular mesh: its largest triangles would widen the search for all others.
-        ([1.9] * 20 + [1.0] * 500 + [0.1] * 2, [1.9, 1.0]),
-        ([1.0] * 500 + [0.03] * 490, [1.0, 0.03]),
-        ([1.0] * 10 + [0.0] * 500, [1.0, 0.0]),
-        ([0.0] * 10, [0.0]),
-    ],
-)
-def test_balls_are_searched_together_unless_others_are_many_or_much_smaller(radii, searches):
-    radii = np.array(radii)
-    balls = Balls(np.random.default_rng(7).normal(size=(len(radii), 3)), radii)
-    assert [alike.largest for alike in balls._sizes] == searches
-    assert sorted(np.concatenate([alike.numbers for alike in balls._sizes])) == [*range(len(radii))]
 
 
 def test_the_nearest_of_many_points_is_that_of_a_plain_search():

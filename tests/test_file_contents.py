@@ -12,9 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as some
 
 from SDFStentLib.files import atomic_path, check_writable, write_bytes
-from SDFStentLib.files.content import frame_in_text, header_text, read_content
+from SDFStentLib.files.content import read_content
 from SDFStentLib.files.formats.text_numbers import numbers_in
-from SDFStentLib.units import as_frame, millimeters_per
 from SDFStentLib.validation import InputError
 
 
@@ -30,23 +29,6 @@ def test_what_is_no_file_is_said(tmp_path):
     ):
         with pytest.raises(InputError, match=words):
             read_content(tmp_path / name)
-
-
-def test_units_are_three():
-    assert [millimeters_per(units) for units in ("mm", "cm", "m")] == [1, 10, 1000]
-    for units in ("inch", None, ["mm"]):
-        with pytest.raises(InputError, match="units: expected one of mm, cm, m"):
-            millimeters_per(units)
-
-
-def test_frames_are_found_in_headers_and_as_old_numbers():
-    assert as_frame(" ras ") == as_frame("0") == "RAS"
-    assert as_frame("LPS") == as_frame("1") == "LPS"
-    assert as_frame("IJK") is None
-    assert frame_in_text("3D Slicer output. SPACE=LPS") == "LPS"
-    assert frame_in_text("vtk output") is None
-    for frame in ("RAS", "LPS", None):
-        assert frame_in_text(header_text(frame)) == frame
 
 
 # Numbers in text: every word a number, or an error.
@@ -86,12 +68,6 @@ def test_what_is_read_is_what_python_reads_word_by_word(words):
     assert found is None or np.array_equal(found, expected, equal_nan=True)
 
 
-@pytest.mark.parametrize("text", [b"1.5", b"1e300", b"nan", b"inf", b"0x10", b"1,2", b"1_0"])
-def test_other_words_are_no_integers(text):
-    with pytest.raises(ValueError, match=r"word|data|number"):
-        numbers_in(text, np.int64)
-
-
 def test_a_failing_block_leaves_the_old_file_and_nothing_else(tmp_path):
     target = tmp_path / "out.json"
     target.write_bytes(b"old")
@@ -116,12 +92,6 @@ def test_a_link_stays_a_link_and_permissions_stay(tmp_path):
     assert link.is_symlink()
     assert target.read_bytes() == b"new"
     assert stat.S_IMODE(target.stat().st_mode) == 0o640
-
-
-def test_a_new_file_has_the_usual_permissions(tmp_path):
-    write_bytes(tmp_path / "ours", b"")
-    (tmp_path / "theirs").write_bytes(b"")
-    assert (tmp_path / "ours").stat().st_mode == (tmp_path / "theirs").stat().st_mode
 
 
 def test_places_that_cannot_be_written_are_named(tmp_path):

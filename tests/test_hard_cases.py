@@ -96,19 +96,6 @@ def test_a_stent_over_the_rim_of_an_open_vessel_widens_the_rim():
 # What the axis does -------------------------------------------------------------------------------
 
 
-def test_a_stent_along_a_whole_hairpin_keeps_its_legs_apart():
-    made = phantom("hairpin_tube", edge_length=1.0)
-    length = made.vessels[0].axis.length
-    axis = made.axis_at(np.linspace(3, length - 3, 400))
-    # The legs lie 8 mm apart: 7.4 mm leave 0.6 mm of tissue.
-    result = treated(made.points, made.triangles, along(axis, 7.4))
-    assert result.certificate.passed
-    inner = np.array(result.stents[0].after.inscribed_diameter)[5:-5]
-    # Facets of 1 mm on a circle of 3.7 mm, stretched.
-    assert inner.min() > 7.4 * 0.98
-    assert np.median(inner) == pytest.approx(7.4, rel=0.005)
-
-
 def test_a_hairpin_stent_wider_than_its_legs_are_apart_is_not_certified_and_says_where():
     made = phantom("hairpin_tube", edge_length=1.5)
     length = made.vessels[0].axis.length
@@ -225,17 +212,6 @@ def test_an_inconsistent_winding_changes_nothing_at_all():
     np.testing.assert_array_equal(result.points, clean.points)
 
 
-def test_caps_with_points_of_their_own_stay_on_the_wall():
-    """Programs that compute normals split a surface along its sharp edges."""
-    tube = a_stenosis()
-    points, triangles, source = split(tube, tube.face_ids)
-    result = treated(points, triangles, its_stent(tube))
-    assert result.certificate.passed
-    assert seam_width(points, result.points) == 0.0
-    whole = treated(tube.points, tube.triangles, its_stent(tube))
-    np.testing.assert_array_equal(result.points, whole.points[source])
-
-
 @pytest.mark.parametrize("parts", ["halves", "every triangle"])
 def test_points_stored_twice_in_the_wall_stay_together(parts):
     tube = a_stenosis()
@@ -260,17 +236,6 @@ def test_points_stored_twice_stay_together_without_what_comes_after_the_steps(da
     result = deploy(Surface(corners, triangles), settings.chain(case.axis), case.radius, settings)
     assert len(result.state.indices)
     assert seam_width(corners, result.points) == 0.0
-
-
-def test_a_point_that_no_triangle_uses_is_no_wall():
-    """Clipping and thresholding leave such points behind."""
-    tube = a_stenosis()
-    clean = treated(tube.points, tube.triangles, its_stent(tube))
-    inside = tube.axis_at(np.array([12.0, 20.0, 29.0])) + np.array([0.3, 0.0, 0.0])
-    points = np.concatenate([inside[:1], tube.points, inside[1:]])
-    result = treated(points, tube.triangles + 1, its_stent(tube))
-    np.testing.assert_array_equal(result.points[1:-2], clean.points)
-    np.testing.assert_array_equal(result.points[[0, -2, -1]], inside)
 
 
 def split(tube, label):

@@ -36,22 +36,6 @@ def asked(monkeypatch):
     return counts
 
 
-def test_only_stations_that_are_new_are_measured(a_tube, asked):
-    points = np.column_stack([np.zeros(8), np.zeros(8), np.linspace(10, 25, 8)])
-    along = np.tile([0.0, 0.0, 1.0], (8, 1))
-    plain = measured_at(a_tube.surface, points, along)
-    measured_once(a_tube.surface, points[:5], along[:5])
-    found = measured_once(a_tube.surface, points, along)
-    again = measured_once(a_tube.surface, points[::-1], along[::-1])
-    assert asked == [5, 3]
-    np.testing.assert_allclose(found.spheres.radii, plain.spheres.radii, atol=1e-3)
-    np.testing.assert_allclose(found.equivalent, plain.equivalent, atol=1e-3)
-    np.testing.assert_array_equal(again.spheres.radii, found.spheres.radii[::-1])
-    along[0] = [0.0, 0.1, 0.995]
-    measured_once(a_tube.surface, points, along)
-    assert asked == [5, 3, 1]
-
-
 def test_what_was_measured_with_a_cap_is_not_taken_for_what_has_none(a_tube):
     points = np.array([[0.0, 0.0, z] for z in (0.5, 1.0, 1.5)])
     along = np.tile([0.0, 0.0, 1.0], (3, 1))
@@ -114,17 +98,6 @@ def test_the_surroundings_of_a_place_are_surveyed_once_for_all_diameters(a_tube)
     del surface
     gc.collect()
     assert gone() is None
-
-
-def test_what_is_known_goes_with_its_surface(a_tube):
-    surface = Surface(a_tube.points, a_tube.triangles)
-    gc.collect()  # what other tests have left
-    before = len(known_lumen._known)
-    measured_once(surface, np.array([[0, 0, 20.0]]), np.array([[0, 0, 1.0]]))
-    assert len(known_lumen._known) == before + 1
-    del surface
-    gc.collect()
-    assert len(known_lumen._known) == before
 
 
 def test_what_is_measured_beside_the_deployment_is_what_the_result_measures(a_tube):

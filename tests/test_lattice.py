@@ -57,21 +57,6 @@ def test_struts_lie_on_the_radius_and_between_the_ends(design):
     assert len(np.unique(lattice.lines)) == len(lattice.points)
 
 
-@designs
-def test_there_are_two_struts_for_every_crown_of_every_ring_and_the_links_asked_for(design):
-    lattice = straight_lattice(18.0, 3.5, design)
-    for ring in range(design.rings):
-        own = (lattice.ring == ring) & ~lattice.is_link
-        assert own.sum() == 2 * design.crowns
-        links = (lattice.ring == ring) & lattice.is_link
-        is_joined = design.cells == "open" and ring < design.rings - 1
-        assert links.sum() == (design.crowns // design.link_every if is_joined else 0)
-    # Links go straight along the stent.
-    np.testing.assert_allclose(
-        np.diff(lattice.curves[lattice.is_link][..., :2], axis=1), 0, atol=1e-12
-    )
-
-
 NO_LINES = ([[0, 0, 0]], [[0, 0, 0], [0, 0, 0]], [[0, 0, np.nan], [0, 0, 1]])
 
 
@@ -159,15 +144,6 @@ def test_the_length_goes_from_nominal_to_deployed_and_what_is_kept_stays(
     deployed = np.sort(axis.points[[0, -1], 2])
     kept = deployed[0] + fixed * np.ptp(deployed)
     assert heights.min() + fixed * size == pytest.approx(kept, abs=1e-6)
-
-
-def test_the_expansion_of_a_radius_is_that_at_which_it_is_drawn():
-    stent, axis = a_stent([[0, 0, 0], [0, 0, 20]], 6.0)
-    design = LatticeDesign(crimped_diameter=2.0)
-    for radius, drawn in ((1.7, 1.7), (3.0, 3.0), (0.4, 1.0)):
-        expansion = design.expansion_at(radius, 3.0)
-        points = stent_lattice(stent, axis, design, expansion).points
-        np.testing.assert_allclose(np.hypot(*points[:, :2].T), drawn, atol=1e-9)
 
 
 # Without twist

@@ -268,15 +268,6 @@ def is_true_table(room) -> bool:
     )
 
 
-def test_a_table_of_contents_begins_with_its_purpose_in_one_sentence():
-    first = {room: (table(room).__doc__ or "").split("\n\n")[0] for room in TABLES}
-    assert not {room: words for room, words in first.items() if not is_one_sentence(words)}
-
-
-def is_one_sentence(words: str) -> bool:
-    return re.fullmatch(r"[A-Z`][^\n]*\.", words) is not None
-
-
 def test_the_guide_names_every_room_and_only_files_that_exist():
     guide = (PROJECT / "docs" / "developer_guide.md").read_text(encoding="utf-8")
     text = guide.split("## The Slicer module")[0]
@@ -318,18 +309,6 @@ def test_only_what_draws_the_panel_knows_qt():
     assert sorted({*with_qt} - {*at_the_top}) == ["Clock"]
 
 
-def test_the_library_says_that_it_is_typed():
-    assert (LIBRARY / "py.typed").is_file()
-    assert "py.typed" in (LIBRARY / "CMakeLists.txt").read_text(encoding="utf-8").split()
-    project = (PROJECT / "pyproject.toml").read_text(encoding="utf-8")
-    assert re.search(r'^SDFStentLib = \[.*"py.typed".*\]$', project, re.M)
-
-
-def test_the_version_is_that_of_the_project():
-    text = (PROJECT / "pyproject.toml").read_text(encoding="utf-8")
-    assert re.search(r'^version = "(.+)"', text, re.M).group(1) == table("").__version__
-
-
 def test_no_shipped_file_grows_beyond_its_limit():
     lines = {name_of(path): len(path.read_text(encoding="utf-8").splitlines()) for path in FILES}
     assert not {name: count for name, count in lines.items() if count > 350}
@@ -338,24 +317,6 @@ def test_no_shipped_file_grows_beyond_its_limit():
 def test_no_room_grows_too_full():
     count = Counter(path.parent.relative_to(LIBRARY).as_posix() for path in FILES)
     assert not {room: files for room, files in count.items() if files > 20}
-
-
-def test_every_while_says_why_it_ends():
-    for path in FILES + sorted((PROJECT / "SDFStent" / "SDFStentSlicer").rglob("*.py")):
-        lines = path.read_text(encoding="utf-8").splitlines()
-        for node in nodes_of(path):
-            if isinstance(node, ast.While):
-                above = node.lineno - 2
-                while lines[above - 1].lstrip().startswith("#"):
-                    above -= 1
-                assert lines[above].lstrip().startswith("# Ends"), f"{path}:{node.lineno}"
-
-
-def test_no_sentence_of_the_library_names_an_option():
-    for path in FILES:
-        for node in nodes_of(path) if room_of(module_of(path)) != "cli" else ():
-            if isinstance(node, ast.Constant) and isinstance(node.value, str):
-                assert not re.search(r"(^|[\s(])--[a-z]", node.value), (path.name, node.value)
 
 
 ARGUMENTS = {"read_text": 1, "write_text": 2, "open": 4}

@@ -46,15 +46,6 @@ def test_a_station_on_a_vertex_of_a_closed_end_is_measured(
     assert all(line.startswith("warning: ") for line in said.splitlines()), said
 
 
-def test_a_local_surface_whose_only_center_is_a_vertex_grows():
-    tube = stenosed_tube(edge_length=1.5)
-    vertex = tube.points[tube.triangles[:1, 0]]
-    surface = LocalSurface(tube.points, tube.triangles, vertex)
-    found = surface.near(vertex, np.array([1e9])).triangle
-    assert len(np.unique(found)) == len(tube.triangles)
-    assert surface.distances(vertex + np.array([[0, 0, 1e6]]))[0] > 9e5
-
-
 @pytest.mark.parametrize("seed", range(5))
 def test_a_local_surface_misses_nothing_of_the_whole_one(seed):
     random = np.random.default_rng(seed)

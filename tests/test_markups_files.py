@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from SDFStentLib.files.content import FileContent
-from SDFStentLib.files.formats.markups import decode_markups, encode_markups, new_markups
+from SDFStentLib.files.formats.markups import decode_markups, encode_markups
 from SDFStentLib.validation import InputError
 
 CONTROL = np.array([[0, 0, 0], [10, 0, 0], [15, 10, 3], [30, 12, 5], [31, 14, 9.0]])
@@ -40,13 +40,6 @@ def test_a_line_has_two_points_and_two_control_points_are_a_line():
         assert np.array_equal(curve, CONTROL[:2])
 
 
-def test_units_are_a_word_or_a_code():
-    assert decode_markups(content(markup())).units == "mm"
-    assert decode_markups(content(markup(coordinateUnits="cm"))).units == "cm"
-    coded = ["mm", "UCUM", "millimeter"]
-    assert decode_markups(content(markup(coordinateUnits=coded))).units == "mm"
-
-
 def test_points_that_are_not_placed_are_skipped_and_stay_when_written():
     one = markup()
     one["controlPoints"].insert(1, {"id": "9", "position": [9, 9, 9], "positionStatus": "preview"})
@@ -58,12 +51,6 @@ def test_points_that_are_not_placed_are_skipped_and_stay_when_written():
     assert [point["id"] for point in written] == ["0", "9", "1", "2", "3", "4", "8"]
     assert written[1]["position"] == [9, 9, 9]
     assert written[2]["position"] == [11, 1, 1]
-
-
-def test_a_new_file_can_be_read():
-    found = decode_markups(content(text=new_markups(CONTROL, "RAS", "cm").decode()))
-    assert np.array_equal(found.curves[0][::10], CONTROL)
-    assert (found.frame, found.units) == ("RAS", "cm")
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,7 @@ from SDFStentLib.lumen import ExtendedAxis, extended_axis
 from SDFStentLib.phantoms.axis import planar_axis
 from SDFStentLib.phantoms.field import TubeField, TubeUnion
 from SDFStentLib.phantoms.junction import branching_tube
-from SDFStentLib.stent import AtProximalEnd, BetweenPoints, Stent, stent_axis
+from SDFStentLib.stent import BetweenPoints, Stent, stent_axis
 from SDFStentLib.vessel import find_ostia
 
 AORTA = ("vmtk_aorta_surface_mm.vtp", "mm")
@@ -94,33 +94,6 @@ def test_no_ostium_is_covered_by_more_than_all_of_it():
         assert 0.99 < ostium.covered_share <= 1
 
 
-def test_half_of_an_ostium_is_half_covered():
-    patch = a_tee()
-    (ostium,) = ostia_of(Surface(patch.points, patch.triangles), [[0, 0, 30.0], [0, 0, 45.0]])
-    assert ostium.covered_share == pytest.approx(0.5, abs=0.03)
-    # An ellipse on the unrolled wall: the branch's circle, wider round the vessel.
-    assert ostium.area == pytest.approx(np.pi * 2.5**2, rel=0.15)
-    assert not ostium.is_free
-    assert not ostium.is_fully_covered
-    assert ostium.sentence().startswith("Side branch of 4.7 mm at 0 mm: 5")
-    assert " % covered; its ostium lies from -2." in ostium.sentence()
-
-
-def test_a_branch_is_called_by_the_faces_that_it_leads_to():
-    patch, line = a_tee(), [[0, 0, 24.0], [0, 0, 36.0]]
-    surface = Surface(patch.points, patch.triangles)
-    cap = int(patch.face_ids.max())
-    plain = "side branch of 4.7 mm at 6 mm"
-    assert [o.name for o in ostia_of(surface, line)] == [plain]
-    for names, said in (({}, plain), ({cap: "left renal"}, "left renal")):
-        (ostium,) = ostia_of(surface, line, faces=NamedFaces(patch.face_ids, names))
-        assert ostium.name == said
-        assert ostium.sentence().startswith(f"{said[0].upper()}{said[1:]}: fully covered; ")
-    # Ids that do not tell cap from wall tell no branch.
-    (ostium,) = ostia_of(surface, line, faces=NamedFaces(np.ones_like(patch.face_ids)))
-    assert (ostium.name, ostium.face_ids) == (plain, ())
-
-
 def test_where_a_placement_snaps_does_not_decide_about_a_branch(data_dir):
     """Once the left iliac was free, 8.5 mm away, and 0.1 mm farther covered, 6.2 mm inside."""
     found = []
@@ -133,18 +106,6 @@ def test_where_a_placement_snaps_does_not_decide_about_a_branch(data_dir):
     assert all(len(ostia) == 1 and ostia[0].is_fully_covered for ostia in found)
     extents = np.array([[ostia[0].start, ostia[0].end] for ostia in found])
     assert np.ptp(extents, axis=0).max() < 0.5
-
-
-@pytest.mark.parametrize(("below", "share"), [(12, (0.1, 0.25)), (14, (0.01, 0.1))])
-def test_a_stent_below_a_junction_covers_a_part(data_dir, below, share):
-    surface, tree = vessel(data_dir, "iliac, reduced-order")
-    for leaf in tree.leaves:
-        path = tree.path(tree.points[tree.junctions[0]], tree.points[leaf])
-        place = AtProximalEnd(Line(path.points).cut(below, below + 1).points[0])
-        axis = stent_axis(Stent(12, length=25, placement=place), tree)
-        (ostium,) = ostia_of(surface, axis.points, tree)
-        assert share[0] < ostium.covered_share < share[1]
-        assert ostium.start < 0 < ostium.end
 
 
 @pytest.mark.parametrize(("below", "number"), [(12, 0), (14, 1), (16, 0)])
@@ -289,15 +250,6 @@ def a_bent_path(patch):
     parent = np.arange(len(points)) - 1
     parent[len(up) + len(on)] = len(up) - 1
     return Surface(patch.points, patch.triangles), Centerline(points, np.full(83, np.nan), parent)
-
-
-@pytest.mark.parametrize("start", [24.0, 27.0, 30.0])
-def test_the_vessel_that_a_stented_one_comes_from_is_no_branch(start):
-    """Round a bend rays look back along the vessel's own lumen: it was "fully covered"."""
-    surface, tree = a_bent_path(a_tee(side_radius=3.5))
-    way = tree.path(tree.project(np.array([0, 0, start])), np.array([15.0, 0, 30])).points
-    (onward,) = ostia_of(surface, way, tree)
-    np.testing.assert_allclose(onward.outlets, [(0, 0, 60)], atol=0.01)
 
 
 @pytest.mark.parametrize("start", [1.0, 4.0, 8.0])

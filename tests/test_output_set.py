@@ -234,16 +234,6 @@ FOREIGN = {
 }
 
 
-@pytest.mark.parametrize("made", FOREIGN.values(), ids=FOREIGN)
-def test_a_folder_from_elsewhere_moves_nothing(tmp_path, made):
-    moves = [name.format(root=tmp_path) for name in made["moves"]]
-    foreign(tmp_path / "results", ".sdfstent-abcdefgh", **{**made, "moves": moves})
-    found = victims(tmp_path)
-    before = found()
-    output_set.sweep(tmp_path / "results")
-    assert found() == before
-
-
 def test_the_command_obeys_no_folder_from_elsewhere(a_folder):
     """All of them at once, and one that names another folder as its first."""
     results = a_folder / "results"

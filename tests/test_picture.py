@@ -14,7 +14,6 @@ import pytest
 from SDFStentLib import phantoms
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.files import encode_vtp, polydata_from_arrays
-from SDFStentLib.geometry import Line
 from SDFStentLib.plan import Plan, PlanResult, read_input_files, treatment_of
 from SDFStentLib.report import before_after_picture
 from SDFStentLib.report.picture import painting, picture
@@ -26,7 +25,6 @@ from SDFStentLib.report.picture.shapes import (
     WALL_COLOR,
     strut_curves,
 )
-from SDFStentLib.report.picture.view import best_view
 from SDFStentLib.stent import AlongAxis, Stent
 from SDFStentLib.validation import DeploymentError
 
@@ -128,12 +126,6 @@ def test_words_scales_and_small_print_are_there(image: np.ndarray) -> None:
     assert (bar[-3, :2] > 200).all()  # yellow at the right
 
 
-def test_opposite_frames_give_opposite_views(stent_axis: np.ndarray) -> None:
-    points = artery().points
-    ras, lps = (best_view([Line(stent_axis)], 3.5, points, 1.0, frame) for frame in ("RAS", "LPS"))
-    assert ras.toward_camera @ lps.toward_camera < 0
-
-
 def test_struts_are_drawn_after_treatment_and_can_be_hidden(
     treated: PlanResult, image: np.ndarray, tmp_path: Path
 ) -> None:
@@ -168,18 +160,6 @@ def test_the_words_are_the_measured_diameters(treated: PlanResult) -> None:
     assert f"{stent.after.inscribed_diameter[narrow]:.1f} mm" in words
     assert "stent 7.0 x 18 mm" in words
     assert any("Research use only" in each for each in words)
-
-
-def test_the_unit_of_the_file_changes_nothing(treated: PlanResult, tmp_path: Path) -> None:
-    stent = treated.plan.stents[0]
-    in_cm = carried_out(tmp_path, (stent,), per_mm=0.1)
-    (_, walls), (_, same) = (before_after_scene(result, "") for result in (treated, in_cm))
-    one, other = walls[0].view, same[0].view
-    np.testing.assert_allclose(one.focus, other.focus, atol=1e-3)
-    assert one.half_height == pytest.approx(other.half_height, abs=1e-3)
-    for wall, twin in zip(walls, same, strict=True):
-        np.testing.assert_allclose(wall.points, twin.points, atol=1e-3)
-    assert shown_words(treated) == shown_words(in_cm)
 
 
 def test_two_stents_are_both_drawn_colored_and_marked(tmp_path: Path) -> None:
@@ -239,18 +219,6 @@ def test_marks_are_painted_where_the_svg_has_them(tmp_path: Path) -> None:
     text = svg(drawing)
     for words in ("x='10.00' y='5.00'", "cx='70.00' cy='15.00' r='6'", "stroke-dasharray='10 20'"):
         assert words in text
-
-
-def test_words_stand_on_their_line_and_begin_at_their_anchor(tmp_path: Path) -> None:
-    words = Words("HHHH", 50, 40, 20, "#000000", "start")
-    is_dark = (drawn(tmp_path, Drawing(200, 60, (words,))) < 128).all(axis=2)
-    rows, columns = np.flatnonzero(is_dark.any(axis=1)), np.flatnonzero(is_dark.any(axis=0))
-    # Two pixels per unit; letters have a little room at their left, and no descent.
-    assert 78 <= rows[-1] <= 82
-    assert 100 <= columns[0] <= 108
-    other = drawn(tmp_path, Drawing(200, 60, (words._replace(anchor="end"),)))
-    shift = columns[0] - np.flatnonzero((other < 128).all(axis=2).any(axis=0))[0]
-    assert shift == pytest.approx(np.ptp(columns), abs=8)
 
 
 def interpreter(folder: Path, script: str) -> str:

@@ -71,12 +71,6 @@ def assert_filled(polygon, inner, triangles):
 
 
 @pytest.mark.parametrize("name", POLYGONS)
-def test_a_polygon_is_filled_and_its_sides_stay(name):
-    fill = flat_fill(POLYGONS[name])
-    assert_filled(POLYGONS[name], fill.inner, fill.triangles)
-
-
-@pytest.mark.parametrize("name", POLYGONS)
 def test_ears_fill_any_polygon(name):
     polygon = POLYGONS[name]
     assert_filled(polygon, np.zeros((0, 2)), _ears(polygon))
@@ -126,14 +120,6 @@ def test_the_rim_is_one_curve_in_the_plane_and_the_surface_stays_closed(name):
     of_sources = np.bincount(found.sources, minlength=len(tube.triangles))
     assert of_sources.min() == 1
     assert of_sources.max() == 3
-
-
-@pytest.mark.parametrize("name", PLANES)
-def test_the_area_of_a_section_is_that_of_the_ellipse(name):
-    origin, normal = PLANES[name]
-    section, _, unit = cut(straight_tube(radius=3.0).surface, origin, normal)
-    ellipse = np.pi * 9 / abs(unit[2])
-    assert section.area == pytest.approx(ellipse, rel=0.01)
 
 
 @settings(deadline=None)

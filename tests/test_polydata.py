@@ -10,9 +10,7 @@ from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
 
 from SDFStentLib.files import (
     add_arrays,
-    inscribed_radius_from_polydata,
     polydata_from_arrays,
-    polydata_from_lines,
     surface_from_polydata,
     triangulated_polydata,
 )
@@ -44,16 +42,6 @@ def test_arrays_that_do_not_fit_are_refused():
         polydata_from_arrays(points, triangles, None, {"d": 3.0})
     with pytest.raises(InputError, match="expected numbers or text"):
         polydata_from_arrays(points, triangles, {"d": np.zeros(6, complex)})
-
-
-def test_the_radius_is_found_under_both_names_and_unknown_where_not_positive():
-    polydata = polydata_from_lines(np.eye(3), [[0, 1, 2]])
-    assert inscribed_radius_from_polydata(polydata) is None
-    add_arrays(polydata, {"Radius": np.array([1, -1, np.nan])}, None)
-    expected = [1, np.nan, np.nan]
-    assert np.array_equal(inscribed_radius_from_polydata(polydata), expected, equal_nan=True)
-    add_arrays(polydata, {"MaximumInscribedSphereRadius": np.array([4.0, 5, 6])}, None)
-    assert np.array_equal(inscribed_radius_from_polydata(polydata), [4, 5, 6])
 
 
 def test_other_cells_and_damaged_cells_are_refused():
@@ -162,21 +150,6 @@ def test_normals_are_those_of_the_moved_surface_on_the_side_they_were(side):
     # Single precision of unit vectors; cell normals are doubles, so rounding of 1.
     assert np.abs(of_points - side * vertex_normals(new, triangles)).max() < 1e-7
     assert np.abs(of_cells - side * face_normals(new, triangles)).max() < 1e-15
-
-
-def test_rows_far_from_what_moved_keep_their_bits():
-    points, triangles = octahedron()
-    new = squeezed(points)
-    stored = (points / 30 + 0.001).astype(np.float32)  # not what the formula would give
-    polydata = polydata_from_arrays(points, triangles, {"Normals": stored})
-    refresh_normals(polydata, points, new, triangles)
-    moved = (new != points).any(axis=1)
-    touched = np.unique(triangles[moved[triangles].any(axis=1)])
-    far = np.setdiff1d(np.arange(len(points)), touched)
-    rows = vtk_to_numpy(polydata.GetPointData().GetArray("Normals"))
-    assert len(far) > 10
-    assert np.array_equal(rows[far], stored[far])
-    assert (rows[touched] != stored[touched]).any()
 
 
 def test_active_normals_count_whatever_their_name_and_other_vectors_stay():

@@ -12,8 +12,6 @@ from SDFStentLib.geometry import (
     Line,
     as_line,
     closest_on_segments,
-    distances_to_segments,
-    frames,
     tightest_bend,
 )
 from SDFStentLib.geometry.segments import PAIRS_PER_BLOCK
@@ -33,13 +31,6 @@ def an_arc(radius: float = 10.0, count: int = 200) -> np.ndarray:
     return radius * np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])
 
 
-def test_lengths_of_a_corner_are_those_of_its_sides():
-    assert Line(CORNER).pieces.tolist() == [3, 4]
-    assert Line(CORNER).length == 7
-    assert Line(CORNER).arc_lengths.tolist() == [0, 3, 7]
-    assert Line(CORNER[:1]).length == 0
-
-
 def test_repeated_points_go_and_the_ends_stay_exact():
     points = np.array(
         [[0.0, 0, 0], [1e-10, 0, 0], [1, 0, 0], [1, 0, 0], [2 - 1e-10, 0, 0], [2, 0, 0]]
@@ -47,13 +38,6 @@ def test_repeated_points_go_and_the_ends_stay_exact():
     kept = Line(points).without_repeats()
     assert kept.points.tolist() == [[0, 0, 0], [1, 0, 0], [2, 0, 0]]
     assert len(Line(np.zeros((5, 3))).without_repeats()) == 1
-
-
-def test_many_steps_below_the_tolerance_still_add_up():
-    points = np.column_stack([np.linspace(0, 1e-8, 101), np.zeros(101), np.zeros(101)])
-    kept = Line(points).without_repeats().points
-    assert 10 <= len(kept) <= 11
-    assert kept[-1].tolist() == [1e-8, 0, 0]
 
 
 @given(any_polyline, st.floats(0.05, 50))
@@ -67,32 +51,6 @@ def test_resampling_keeps_the_ends_and_spaces_equally(points, spacing):
     assert (result[-1] == points[-1]).all()
     on_line = closest_on_segments(points[:-1], points[1:], result)
     assert on_line.distances.max() < ROUNDING
-
-
-@given(any_polyline, st.floats(0, 1), st.floats(0, 1))
-def test_cuts_add_up_to_the_whole(points, one, other):
-    line = Line(points)
-    total = line.length
-    at = total * min(max(one, 0.01), 0.99)
-    before, beyond = line.cut(0, at), line.cut(at, total)
-    assert before.length + beyond.length == pytest.approx(total, abs=1e-7)
-    np.testing.assert_allclose(before.points[-1], line.at(at), atol=ROUNDING)
-    np.testing.assert_allclose(beyond.points[0], line.at(at), atol=ROUNDING)
-    assert line.cut(-5, total + other).length == pytest.approx(total)
-
-
-def test_a_point_at_an_arc_length_beyond_the_ends_is_the_end():
-    np.testing.assert_array_equal(Line(CORNER).at([-1, 3, 5, 99])[[0, 1, 3]], CORNER)
-    assert Line(CORNER).at(5.0).tolist() == [3, 2, 0]
-    assert Line(CORNER[:1]).at([1.0, 2.0]).tolist() == [[0, 0, 0]] * 2
-
-
-def test_the_closest_point_beside_beyond_and_at_a_corner():
-    found = Line(CORNER).nearest(np.array([[1.0, -2, 0], [-3, 0, 4], [3, 9, 0], [4, -1, 0]]))
-    assert found.points[0].tolist() == [1, 0, 0]
-    assert found.distances[:2].tolist() == [2, 5]
-    assert found.arc_lengths[[0, 2, 3]].tolist() == [1, 7, 3]
-    assert Line(CORNER[:1]).nearest(np.array([[0.0, 0, 2]])).distances.tolist() == [2]
 
 
 def test_closest_points_in_blocks_match_dense_sampling():
@@ -117,22 +75,6 @@ def test_tangents_of_an_arc_are_perpendicular_to_its_radius():
     along = Line(arc).directions
     np.testing.assert_allclose(np.linalg.norm(along, axis=1), 1, atol=ROUNDING)
     np.testing.assert_allclose(np.einsum("ij,ij->i", along, arc)[1:-1], 0, atol=ROUNDING)
-
-
-def test_tangents_ignore_repeated_points_and_survive_a_turn_back():
-    doubled = np.repeat(CORNER, 3, axis=0)
-    expected = np.repeat(Line(CORNER).directions, 3, axis=0)
-    np.testing.assert_allclose(Line(doubled).directions, expected, atol=ROUNDING)
-    back = Line([[0, 0, 0], [1, 0, 0], [0, 0, 0]]).directions
-    assert back.tolist() == [[1, 0, 0], [1, 0, 0], [-1, 0, 0]]
-
-
-def test_frames_are_right_handed_and_do_not_twist_in_a_plane():
-    result = frames(Line(an_arc()))
-    identities = result @ np.swapaxes(result, 1, 2)
-    np.testing.assert_allclose(identities, np.broadcast_to(np.eye(3), identities.shape), atol=1e-9)
-    np.testing.assert_allclose(np.linalg.det(result), 1, atol=ROUNDING)
-    np.testing.assert_allclose(result[:, 1], np.tile([0, 0, 1], (len(result), 1)), atol=ROUNDING)
 
 
 @pytest.mark.parametrize("window", [None, 0.5, 3.0])
@@ -184,18 +126,3 @@ def test_a_line_and_what_follows_from_it_cannot_be_changed():
             assert not array.flags.writeable
     assert Line(CORNER).reversed().reversed().points.tolist() == CORNER.tolist()
     assert as_line(line) is line
-
-
-def test_of_many_segments_the_nearest_is_the_first_of_equals_as_of_few():
-    rng = np.random.default_rng(4)
-    for scale in (0.01, 1.0, 30.0):
-        line = np.cumsum(rng.normal(size=(60, 3)) * scale + [1, 0, 0], axis=0) + 400.0
-        line[20] = line[19]
-        # Corners and middles too, where two segments are as near, and places far away.
-        near = [line, (line[1:] + line[:-1]) / 2, line[rng.integers(60, size=300)]]
-        queries = np.concatenate([*near, line[:50] * 3]) + 0.0
-        queries[200:] += rng.normal(size=(len(queries) - 200, 3)) * 5
-        starts, ends = line[:-1], line[1:]
-        squared, _ = distances_to_segments(queries[:, None], starts, ends)
-        found = closest_on_segments(starts, ends, queries)
-        np.testing.assert_array_equal(found.segments, squared.argmin(axis=1))

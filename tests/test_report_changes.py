@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import html
-import re
 from dataclasses import fields
 from pathlib import Path
 
@@ -18,7 +16,6 @@ from SDFStentLib.plan import Plan, PlanResult, read_input_files, treatment_of
 from SDFStentLib.report import plan_report
 from SDFStentLib.report.changes import setting_rows
 from SDFStentLib.report.html import html_page
-from SDFStentLib.report.words import point_words
 from SDFStentLib.stent import AtCenter, Stent
 from SDFStentLib.validation import Points, Triangles
 
@@ -66,41 +63,6 @@ def test_the_report_tells_how_triangles_were_changed(in_cm: PlanResult) -> None:
     ratio = quality(after, faces, "Area") / quality(before, faces, "Area")
     expected = [ratio.min(), np.median(ratio), ratio.max()]
     assert [*told["area_ratio"].values()] == pytest.approx(expected, rel=1e-6)
-
-
-def test_the_page_tells_coordinates_in_mm_and_as_the_file_has_them(in_cm: PlanResult) -> None:
-    document = plan_report(in_cm).as_dict()
-    axis = document["stents"][0]["axis"]
-    for end in ("start", "end"):
-        np.testing.assert_allclose(np.multiply(axis[end], 10), axis[f"{end}_mm"])
-    page = html.unescape(html_page(document))
-    for label, name in (("Proximal", "start"), ("Distal", "end")):
-        (told,) = re.findall(rf"<td>{label} end [^<]*</td><td>([^<]*)</td>", page)
-        numbers = [
-            float(n) for n in re.findall(r"-?[0-9]+\.[0-9]+", told.replace("\N{MINUS SIGN}", "-"))
-        ]
-        np.testing.assert_allclose(numbers[:3], axis[f"{name}_mm"], atol=0.051)
-        np.testing.assert_allclose(numbers[3:], axis[name], atol=0.0051)
-        assert " mm; in the file " in told
-        assert told.endswith(" cm")
-    assert len(re.findall(r"along it; [^<]* mm; in the file [^<]* cm", page)) == len(
-        document["lesions"]
-    )
-
-
-@pytest.mark.parametrize(
-    ("units", "expected"),
-    [
-        ("mm", "10.0, \N{MINUS SIGN}2.5, 0.0 mm"),
-        ("cm", "10.0, \N{MINUS SIGN}2.5, 0.0 mm; in the file 1.00, \N{MINUS SIGN}0.25, 0.00 cm"),
-        (
-            "m",
-            "10.0, \N{MINUS SIGN}2.5, 0.0 mm; in the file 0.0100, \N{MINUS SIGN}0.0025, 0.0000 m",
-        ),
-    ],
-)
-def test_a_point_reads_to_a_tenth_of_a_millimeter_in_every_unit(units: str, expected: str) -> None:
-    assert point_words([10.0, -2.5, 0.0], units) == expected
 
 
 def test_every_parameter_of_the_method_is_told_lengths_in_mm(in_cm: PlanResult) -> None:

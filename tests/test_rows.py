@@ -9,7 +9,7 @@ import pytest
 from child_processes import python
 
 from SDFStentLib.__main__ import ONE_THREAD
-from SDFStentLib.geometry import bits, product
+from SDFStentLib.geometry import product
 
 
 @pytest.mark.parametrize(
@@ -22,12 +22,6 @@ def test_a_product_in_blocks_is_the_product(shape):
     np.testing.assert_allclose(product(left, right), left @ right, atol=1e-12)
     vector = random.normal(size=inner)
     np.testing.assert_allclose(product(left, vector), left @ vector, atol=1e-12)
-
-
-@pytest.mark.parametrize("rows", [1, 7, 8, 9, 35])
-def test_bits_of_rows_are_those_that_numpy_packs(rows):
-    is_set = np.random.default_rng(rows).random((rows, 301)) < 0.4
-    np.testing.assert_array_equal(bits(is_set), np.packbits(is_set, axis=0))
 
 
 @pytest.mark.parametrize("wanted", [None, "2"])

@@ -55,23 +55,6 @@ def errors(stent) -> np.ndarray:
 # ---- the profile
 
 
-def test_a_profile_is_that_of_its_parts():
-    at = np.linspace(0, 1, 9)
-    flat = Shape().along(8.0, 16.0)
-    assert flat.at(at).tolist() == [8.0] * 9
-    waist = Shape(waist=Waist(6.6)).along(8.0, 16.0, narrowest=0.5)
-    assert waist.at(at)[[0, 4, 8]] == pytest.approx([8.0, 6.6, 8.0])
-    assert waist.at(at) == pytest.approx(waist.at(at[::-1]))
-    shifted = Shape(waist=Waist(6.6, length=8.0)).along(8.0, 16.0, narrowest=0.25)
-    assert shifted.at(np.array([0.0, 0.25, 0.5, 0.75])) == pytest.approx([8.0, 6.6, 8.0, 8.0])
-    ends = Shape(start=StentEnd(9.0, 4.0), end=StentEnd(6.0, 8.0)).along(8.0, 16.0)
-    assert ends.at(np.array([0.0, 0.25, 0.5, 1.0])) == pytest.approx([9.0, 8.0, 8.0, 6.0])
-    assert ends.widest == 9.0
-    assert (np.diff(ends.at(np.linspace(0, 1, 500))) <= 1e-12).all()
-    table = Shape(table=((0, 7.0), (0.5, 8.0), (1, 6.0))).along(8.0, 16.0)
-    assert table.at(np.array([0.25, 0.75])) == pytest.approx([7.5, 7.0])
-
-
 # ---- measured
 
 
@@ -150,17 +133,6 @@ def test_a_wide_hourglass_in_a_bent_vessel_is_certified(data_dir):
     for settings in (None, DeploymentSettings(axis_smoothing=1.0)):
         treatment = Treatment(vessel.surface, [stent], vessel.centerline, settings)
         assert treatment.result.certificate.passed
-
-
-def test_flattened_caps_push_less_wall_beyond_the_ends():
-    beyond = {}
-    for cap in (1.0, 0.35):
-        treatment = treated(Shape(cap_height=cap), phantom("straight_tube", edge_length=0.5))
-        points = treatment.result.points
-        ring = np.abs(treatment.surface.points[:, 2] - 30.0) < 0.6
-        beyond[cap] = np.linalg.norm(points[ring, :2], axis=1).mean()
-    assert beyond[0.35] < beyond[1.0] - 0.05
-    assert beyond[0.35] >= 3.0 - 0.05
 
 
 def test_the_caps_of_radius_shares_are_ellipsoids():

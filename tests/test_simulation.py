@@ -183,17 +183,6 @@ def test_borders_that_run_through_the_wall_make_no_slim_triangles():
     assert (made.face_ids[is_wall & (middles < -2)] == wall.number).all()
 
 
-def test_faces_keep_their_numbers_and_ends_stay_flat(meshed):
-    _, segment, made = meshed
-    assert set(made.face_ids.tolist()) == {face.number for face in segment.faces}
-    for face in segment.faces:
-        if face.kind != "wall":
-            own = made.surface.points[
-                np.unique(made.surface.triangles[made.face_ids == face.number])
-            ]
-            assert np.abs((own - face.center) @ face.normal).max() < 1e-6
-
-
 def test_tetrahedra_fill_the_surface_and_have_no_flat_ones():
     _, segment, axis = narrowed_segment()
     made = next(remeshed(segment, axis, Wishes(coarser=2)))
@@ -598,10 +587,3 @@ def test_a_damaged_volume_is_a_sentence():
         decode_vtu(data.replace(b'NumberOfCells="1"', b'NumberOfCells="2"'), "mesh")
     with pytest.raises(InputError, match="expected UnstructuredGrid"):
         decode_vtu(encode_vtp(polydata_from_arrays(points, [[0, 1, 2]])), "mesh")
-
-
-def test_a_time_step_passes_no_more_edges_than_it_may():
-    steps = time_steps(Conditions(FLOW, None, ()), 0.3, 1.5, 1000.0)
-    fastest = 2 * 1000 * FLOW / (math.pi * 1.5**2)
-    assert fastest * steps.length == pytest.approx(4 * 0.3)
-    assert steps.number % steps.save_every == 0

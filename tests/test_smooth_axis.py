@@ -35,16 +35,6 @@ def shaky(points, by, seed=3):
 # The line
 
 
-def test_a_straight_line_and_both_ends_stay():
-    line = np.linspace([1, 2, 3], [20, -5, 9], 37)
-    np.testing.assert_allclose(smoothed_line(Line(line), 3.0).points, line, atol=1e-12)
-    for width in (0.2, 2.0, 40.0):
-        wild = shaky(arc(), 1.0)
-        np.testing.assert_array_equal(
-            smoothed_line(Line(wild), width).points[[0, -1]], wild[[0, -1]]
-        )
-
-
 def test_no_smoothing_leaves_every_bit():
     np.testing.assert_array_equal(smoothed_line(Line(arc()), 0).points, arc())
 
@@ -163,19 +153,6 @@ def test_a_curve_drawn_by_hand_is_the_axis_as_slicer_shows_it(a_folder):
 
 
 # Too tight
-
-
-@pytest.mark.parametrize("before", [6.0, 20.0])
-def test_the_warning_of_a_tight_bend_says_where(before):
-    turn = np.linspace(0, np.pi / 2, 40)
-    bend = np.stack([before + 2 * np.sin(turn), 2 - 2 * np.cos(turn), 0 * turn], axis=1)
-    line = np.concatenate([[[0, 0, 0]], bend, [[before + 2, 20, 0]]])
-    (caution,) = stent_axis(Stent(6.0, placement=AlongAxis(line))).warnings
-    middle = np.array([before + np.sqrt(2), 2 - np.sqrt(2), 0])
-    assert np.linalg.norm(np.array(caution.place) - middle) < 0.5
-    x, y, z = caution.place
-    assert f"at ({x:.1f}, {y:.1f}, {z:.1f}) mm" in str(caution)
-    assert "(in the file" in caution.sentence(units="cm")
 
 
 def test_smoothing_takes_a_tight_bend_and_its_warning_away():

@@ -18,9 +18,6 @@ from SDFStentLib.geometry import (
     vertex_normals,
 )
 
-TETRAHEDRON = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
-TETRAHEDRON_POINTS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
-
 
 def _box(size=(1.0, 2.0, 3.0)):
     points = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
@@ -38,21 +35,6 @@ def _torus(around=24, across=12, large=3.0, small=1.0):
     a, b = i * across + j, (i + 1) % around * across + j
     c, d = (i + 1) % around * across + (j + 1) % across, i * across + (j + 1) % across
     return points.reshape(-1, 3), np.r_[np.c_[a, b, c], np.c_[a, c, d]]
-
-
-def _moebius(count=8):
-    angle = np.pi * np.arange(count) / count
-    points = np.concatenate(
-        [
-            np.c_[(3 + s * np.cos(angle)) * np.cos(2 * angle),
-                  (3 + s * np.cos(angle)) * np.sin(2 * angle), s * np.sin(angle)]
-            for s in (-1, 1)
-        ]
-    )  # fmt: skip
-    i = np.arange(count)
-    j = (i + 1) % count
-    low, high = np.where(j == 0, count, j), np.where(j == 0, 0, j + count)
-    return points, np.r_[np.c_[i, low, high], np.c_[i, high, i + count]]
 
 
 # ------------------------------------------------------------------------------------- geometry
@@ -79,47 +61,7 @@ def test_vertex_normals_of_a_torus_point_away_from_its_core():
     assert np.allclose(np.linalg.norm(normals, axis=1), 1, rtol=0, atol=1e-14)
 
 
-def test_a_face_without_area_and_a_point_without_face_have_zero_normals():
-    points = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0], [5, 5, 5.0]])
-    assert not face_normals(points, np.array([[0, 1, 2]])).any()
-    assert not vertex_normals(points, np.array([[0, 1, 2]])).any()
-    assert face_areas(points, np.array([[0, 1, 2]])).tolist() == [0]
-
-
 # ------------------------------------------------------------------------------------- topology
-
-
-def test_an_opened_surface_has_the_boundary_of_its_missing_face():
-    triangles = _box()[1]
-    assert topology.surface_topology(triangles).is_closed
-    open_triangles = triangles[1:]
-    assert not topology.surface_topology(open_triangles).is_closed
-    assert topology.is_manifold(open_triangles)
-    boundary = {tuple(edge) for edge in topology.boundary_edges(open_triangles).tolist()}
-    a, b, c = triangles[0].tolist()
-    assert boundary == {(b, a), (c, b), (a, c)}
-    found = topology.surface_topology(open_triangles)
-    assert found.boundary_edge_count == 3
-    assert not found.is_watertight
-
-
-def test_three_faces_at_an_edge_are_not_manifold():
-    fins = [[0, 1, 2], [1, 0, 3], [0, 1, 4]]
-    assert not topology.surface_topology(np.array(fins)).is_edge_manifold
-    assert not topology.is_manifold(np.array(fins))
-
-
-def test_two_bodies_that_meet_in_a_point_are_not_vertex_manifold():
-    second = np.where(TETRAHEDRON == 0, 0, TETRAHEDRON + 3)
-    both = np.r_[TETRAHEDRON, second]
-    assert topology.surface_topology(both).is_closed
-    assert topology.surface_topology(both).is_edge_manifold
-    assert not topology.surface_topology(both).is_vertex_manifold
-    assert topology.surface_topology(both).component_count == 2
-
-
-def test_a_triangle_that_names_a_point_twice_is_not_manifold():
-    assert not topology.surface_topology(np.array([[0, 1, 1]])).is_edge_manifold
 
 
 # ----------------------------------------------------------------------------------- orientation
@@ -162,13 +104,6 @@ def test_an_open_surface_keeps_the_winding_of_the_majority():
     assert topology.surface_topology(oriented).is_consistently_wound
 
 
-def test_a_moebius_band_keeps_its_winding():
-    points, triangles = _moebius()
-    assert topology.is_manifold(triangles)
-    assert not topology.surface_topology(triangles).is_consistently_wound
-    assert np.array_equal(oriented_triangles(points, triangles), triangles)
-
-
 # -------------------------------------------------------------------------------------- sections
 
 
@@ -185,18 +120,6 @@ def test_a_box_cut_at_any_height_gives_its_base_or_nothing(height):
     # Points in the plane count as above it: the plane through the floor cuts nothing.
     areas = [_area(loop, np.array([0, 0, 1])) for loop in loops]
     assert areas == pytest.approx([] if height == 0 else [2.0], rel=1e-14)
-
-
-def test_a_plane_that_touches_a_corner_gives_no_loop():
-    assert plane_section(TETRAHEDRON_POINTS, TETRAHEDRON, [0, 0, 1], [0, 0, 1]) == []
-
-
-def test_a_cut_through_an_open_rim_is_an_open_polyline():
-    points, triangles = _box()
-    loops = plane_section(points, triangles[2:], [0, 0, 1.0], [0, 0, 1])
-    assert [loop.is_closed for loop in loops] == [False]
-    ends = loops[0].points[[0, -1]]
-    assert np.linalg.norm(ends[1] - ends[0]) == pytest.approx(2.0, rel=1e-14)  # the missing wall
 
 
 @settings(max_examples=40, deadline=None)

@@ -40,18 +40,6 @@ def test_points_are_millimetres_whatever_the_file_uses(tmp_path, units, scale):
     assert surface.warnings == ()
 
 
-def test_degenerate_triangles_and_unused_points_stay_and_are_said(tmp_path):
-    points, triangles = octahedron()
-    points = np.concatenate([points, [[1, 1, 1], points[:2].mean(axis=0)]])
-    triangles = np.concatenate([triangles, [[0, 0, 1], [0, 1, len(points) - 1]]])
-    surface = read_surface(saved(tmp_path, polydata_from_arrays(points, triangles)))
-    assert np.array_equal(surface.triangles, triangles)
-    assert len(surface.points) == len(points)
-    assert tuple(map(str, surface.warnings)) == (
-        f"{surface.path}: 2 triangles are degenerate (no height).",
-    )
-
-
 def test_integer_coordinates_become_doubles(tmp_path):
     path = tmp_path / "a.vtk"
     path.write_text(
@@ -126,15 +114,6 @@ def test_a_centerline_in_an_open_vessel_fits_and_an_end_that_sticks_out_is_only_
     assert said.kind == "partly-outside"
     assert said.numbers["outside_percent"] == pytest.approx(100 * 20 / 79, abs=1.5)  # of 80 points
     assert str(said) == "c.vtp: 26 % of its points lie outside of surface."
-
-
-@pytest.mark.parametrize("factor", [10, 0.1, 1000, 0.001])
-def test_other_units_are_recognized_and_the_option_named(factor):
-    words = rf"c.vtp: expected it inside s.vtp, got 0 % .* {1 / factor:g} times .* name that"
-    with pytest.raises(InputError, match=words):
-        check_same_space(
-            Surface(*moved_tube()), factor * axis(), surface_name="s.vtp", centerline_name="c.vtp"
-        )
 
 
 @pytest.mark.parametrize(

@@ -49,13 +49,6 @@ def middle_of(axis):
     return np.array([np.interp(lengths[-1] / 2, lengths, column) for column in axis.T])
 
 
-def test_a_stent_lies_at_its_distance_along_the_branch(folder):
-    swept = Swept(folder, axes={"branch": [1], "distance": [17, 25]})
-    for at, wanted in enumerate((17, 25)):
-        # The centerline of the tube is the z axis from 0.
-        np.testing.assert_allclose(middle_of(swept.axis(at)), [0, 0, wanted], atol=1e-6)
-
-
 def test_a_fraction_is_that_of_the_branch(folder):
     swept = Swept(folder, axes={"branch": [1], "fraction": [0.25, 0.6]})
     line = swept.inputs.vessel.centerline

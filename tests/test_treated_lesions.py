@@ -8,9 +8,8 @@ import pytest
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.lumen import inscribed_spheres
 from SDFStentLib.phantoms import stenosed_tube, vascular_tree
-from SDFStentLib.report import residual_fact
 from SDFStentLib.stent import AtCenter, Stent
-from SDFStentLib.treatment import Residual, Treatment, residual_of, treated_lesions
+from SDFStentLib.treatment import Treatment, residual_of, treated_lesions
 from SDFStentLib.vessel import find_lesions
 
 
@@ -62,20 +61,3 @@ def test_what_is_left_is_the_narrowest_place_of_the_vessel_wherever_it_lies(shif
     axis = result.stents[0].axis.points[:, 2]
     away = max(left.point[2] - axis.max(), axis.min() - left.point[2], 0)
     assert left.distance == pytest.approx(away, abs=0.2)
-
-
-@pytest.mark.parametrize(
-    ("percent", "words"),
-    [
-        (24.2, "24 % (4.55 of 6.00 mm)"),
-        (0.4, "none (4.55 of 6.00 mm)"),
-        (-1.2, "none (1 % above reference, 4.55 of 6.00 mm)"),
-    ],
-)
-def test_what_is_left_has_one_bracket(percent, words):
-    left = Residual(percent, 4.55, 6.0, (0.0, 0.0, 0.0), 1, "within", 1, 0.0)
-    assert residual_fact(left).words == f"{words}, within stent 1"
-
-
-def test_without_a_covered_lesion_nothing_is_said_to_be_left():
-    assert residual_of((), ()) is None

@@ -99,20 +99,6 @@ def test_ways_through_a_lumen_side_by_side_are_those_found_one_after_the_other()
     assert through_lumen(made.surface, [], 15.0) == []
 
 
-@pytest.mark.parametrize("first_box", [0.05, 0.1, 0.4])
-def test_ways_through_a_lumen_do_not_depend_on_how_spheres_are_searched(monkeypatch, first_box):
-    """Where spheres ended a little beside each other, some led into other branches in the end."""
-    made = vascular_tree(16, 0.8)
-    axes = [made.centerline.points[branch] for branch in made.centerline.branches]
-    axes = [line[: max(2, len(line) // 3)] for line in axes if Line(line).length > 5.0]
-    axes += [axis[::-1] for axis in axes]
-    usual = through_lumen(made.surface, axes, 20.0)
-    monkeypatch.setattr(inscribed, "WAY_BOX", first_box)
-    for way, other in zip(usual, through_lumen(made.surface, axes, 20.0), strict=True):
-        assert len(way) == len(other)
-        np.testing.assert_allclose(way, other, atol=1e-2)
-
-
 def test_no_step_of_a_way_leads_out_of_the_lumen(data_dir, monkeypatch):
     """From a branch into a far wider vessel: half of its radius on was outside."""
     inputs = read_input_files(

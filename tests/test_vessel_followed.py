@@ -94,31 +94,6 @@ def test_both_ends_follow_a_hand_that_goes_down_a_vessel(tree):
         assert np.linalg.norm(np.diff(ends, axis=0), axis=2).max() < 4 * step
 
 
-def test_an_end_beside_the_middle_leaves_the_other_end_where_it_is(tree):
-    rng = np.random.default_rng(11)
-    for kind in (AtProximalEnd, AtDistalEnd):
-        way = tree.path_from_proximal(tree.points[tree.roots[0]], 1000.0)
-        for at in rng.uniform(25.0, way.length - 10.0, 20):
-            place = Line(way.points).at(at)
-            exact, moved = (ends_of(tree, kind(p)) for p in (place, beside(place, rng)))
-            assert np.linalg.norm(moved - exact, axis=1).max() < JUMP
-
-
-def test_two_points_in_one_vessel_have_no_way_back_between_them(tree):
-    """However far above them the lines on which they lie have parted."""
-    rng = np.random.default_rng(3)
-    for leaf in rng.choice(tree.leaves, 60):
-        way = way_to(tree, leaf)
-        at = np.sort(rng.uniform(10.0, tree.arc_length[leaf] - 1.0, 2))
-        if at[1] - at[0] < 2:
-            continue
-        start, end = (beside(Line(way).at(one), rng) for one in at)
-        between = axis_of(tree, BetweenPoints(start, end))
-        length = np.linalg.norm(np.diff(between, axis=0), axis=1).sum()
-        assert length < at[1] - at[0] + 1.0
-        np.testing.assert_array_equal(between, axis_of(tree, BetweenPoints(end, start)))
-
-
 def test_the_second_point_decides_for_a_side_branch(tree):
     """Also where the way that goes on by itself leads elsewhere."""
     rng, elsewhere = np.random.default_rng(13), 0

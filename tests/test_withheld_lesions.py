@@ -73,11 +73,6 @@ def test_a_lesion_whose_line_is_outside_of_the_lumen_has_no_diameter(tube, is_to
     assert math.isnan(left.percent_area)
 
 
-def test_a_line_that_stays_in_the_lumen_still_tells(tube):
-    (left,) = lesions_after([tube.lesion], tube.pushed_aside(0.8))
-    assert left.minimum_diameter == pytest.approx(tube.lesion.minimum_diameter, rel=0.02)
-
-
 def test_a_line_of_which_a_part_is_outside_has_no_narrowest_place(tube):
     """Beside the throat it leaves the lumen: what it tells elsewhere is not the narrowest."""
     points = tube.surface.points.copy()

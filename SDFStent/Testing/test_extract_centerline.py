@@ -29,10 +29,6 @@ def theirModule(host, aScene):
     del slicer.modules.extractcenterline
 
 
-def test_there_is_nothing_to_extract_without_a_vessel(aPanel):
-    assert not aPanel.ui.extractButton.enabled
-
-
 def test_the_module_is_opened_with_the_vessel_chosen(host, aPanel, aVessel, theirModule):
     aPanel.ui.vesselSelector.setCurrentNode(aVessel[0])
     host.click(aPanel.ui.extractButton)

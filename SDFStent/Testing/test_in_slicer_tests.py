@@ -26,9 +26,3 @@ def test_files_that_ctest_runs(aScene, path):
     python = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(python)
     run(getattr(python, path.stem))
-
-
-def test_every_such_file_is_registered():
-    registered = (IN_SLICER / "CMakeLists.txt").read_text(encoding="utf-8")
-    for path in IN_SLICER.glob("*.py"):
-        assert f"SCRIPT {path.name})" in registered

@@ -8,17 +8,6 @@ import slicer
 from panel_helpers import deploy, pointsOf, settle, theThroat
 
 
-def test_looking_at_the_panel_makes_no_nodes(host, aScene, theModule):
-    panel = host.openPanel(theModule)
-    count = aScene.GetNumberOfNodes()
-    for _ in range(2):
-        panel.exit()
-        panel.enter()
-        host.process(0.05)
-    assert aScene.GetNumberOfNodes() == count
-    host.closePanel(panel)
-
-
 def test_a_disabled_deploy_button_says_what_is_missing(host, aPanel, aVessel):
     vessel, centerline = aVessel
     assert not aPanel.ui.deployButton.enabled
@@ -46,46 +35,6 @@ def test_every_control_has_a_tooltip(aPanel):
         isControl = isinstance(widget, controls) or name.endswith(custom)
         if isControl and not name.endswith("CollapsibleButton"):
             assert widget.toolTip, name
-
-
-def test_the_3d_view_shows_the_stented_vessel(host, aStent, thePictures):
-    deploy(host, aStent)
-    bounds = aStent._parameterNode.outputVessel.GetPolyData().GetBounds()
-    aStent.ui.expansionSlider.value = 0
-    before = imageOf(host.application.render(thePictures / "before.png", focus=bounds))
-    aStent.ui.expansionSlider.value = 100
-    after = imageOf(host.application.render(thePictures / "after.png", focus=bounds))
-    aStent.ui.mapComboBox.currentIndex = 1
-    host.process()
-    colored = imageOf(host.application.render(thePictures / "displacement.png", focus=bounds))
-    assert (before != before[:, :1]).mean() > 0.05  # something is drawn on the rows' background
-    assert (before != after).mean() > 0.01
-    assert (after != colored).mean() > 0.01
-
-
-def imageOf(path):
-    import vtk
-    from vtk.util.numpy_support import vtk_to_numpy
-
-    reader = vtk.vtkPNGReader()
-    reader.SetFileName(str(path))
-    reader.Update()
-    pixels = vtk_to_numpy(reader.GetOutput().GetPointData().GetScalars()).astype(int)
-    width, height, _depth = reader.GetOutput().GetDimensions()
-    return pixels.reshape(height, width, -1)
-
-
-def test_sliders_and_parameters_are_bound_both_ways(aStent):
-    parameters = aStent._parameterNode
-    aStent.ui.diameterSlider.value = 7.5
-    assert parameters.stent.diameter == parameters.stents[0].diameter == 7.5
-    parameters.method.influenceDistance = 9.0
-    assert aStent.ui.influenceDistanceSlider.value == 9.0
-    aStent.ui.falloffComboBox.currentIndex = 2
-    assert parameters.method.falloff == "cosine"
-    aStent.ui.defaultsButton.click()
-    assert parameters.method.falloff == "compact"
-    assert aStent.ui.influenceDistanceSlider.value == 6.5
 
 
 def test_the_table_adds_copies_moves_switches_and_removes(host, aStent):
@@ -135,27 +84,6 @@ def recorded_begins(aStent):
     return begun
 
 
-def test_a_burst_of_changes_is_debounced(host, aStent):
-    aStent.ui.autoUpdateCheckBox.checked = True
-    settle(host, aStent)
-    begun = recorded_begins(aStent)
-    for value in np.linspace(6.0, 9.0, 30):
-        aStent.ui.diameterSlider.value = value
-    settle(host, aStent)
-    assert begun == [True, False]  # one preview, then the full method
-    assert "(9.0 prescribed)" in aStent.ui.lumenLabel.text
-
-
-def test_cancel_stops_within_one_tick(host, aStent, aStepAtATime):
-    aStent.session.start()
-    host.processUntil(lambda: aStent.ui.progressBar.value > 0)
-    assert aStent.ui.cancelButton.enabled
-    assert aStent.ui.progressBar.value < 100
-    host.click(aStent.ui.cancelButton)
-    assert not aStent.session.isBusy
-    assert aStent.ui.lumenLabel.text == ""
-
-
 def test_the_expansion_slider_goes_back_and_forth(host, aStent):
     deploy(host, aStent)
     parameters = aStent._parameterNode
@@ -170,18 +98,6 @@ def test_the_expansion_slider_goes_back_and_forth(host, aStent):
     )
     aStent.ui.expansionSlider.value = 100
     np.testing.assert_array_equal(slicer.util.arrayFromModelPoints(parameters.outputVessel), final)
-
-
-def test_placement_between_two_points_needs_and_gets_two_points(host, aStent):
-    host.choose(aStent.ui.placementComboBox, 3)
-    handle = aStent._parameterNode.stent.handle
-    assert handle.GetNumberOfControlPoints() == 2
-    assert not aStent.ui.lengthSlider.enabled
-    assert not aStent.ui.wholeCurveCheckBox.enabled
-    deploy(host, aStent)
-    assert "8.5 prescribed" in aStent.ui.lumenLabel.text
-    host.choose(aStent.ui.placementComboBox, 0)
-    assert handle.GetNumberOfControlPoints() == 1
 
 
 def test_closing_the_scene_while_deploying_is_clean(host, aStent, aScene):
@@ -262,16 +178,6 @@ def test_the_event_loop_gets_its_turn_all_through_a_full_deployment(
     deploy(host, aStent)
     assert len(ticks) > 5
     assert len(set(ticks)) > 3  # and the user sees how far it is
-
-
-def test_warnings_stand_with_the_numbers(host, aStent):
-    aStent.ui.diameterSlider.value = 2.0  # narrower than the vessel: nothing moves
-    deploy(host, aStent)
-    assert aStent.ui.warningLabel.visible
-    assert aStent.ui.warningLabel.text.startswith("Warning: ")
-    aStent.ui.diameterSlider.value, aStent.ui.lengthSlider.value = 7.0, 20.0  # covers the lesion
-    deploy(host, aStent)
-    assert not aStent.ui.warningLabel.visible
 
 
 def test_a_fast_drag_is_followed_while_it_lasts(host, aStent):

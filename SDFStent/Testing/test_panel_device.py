@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from panel_helpers import deploy, planned, pointsOf, theThroat
+from panel_helpers import deploy, planned, theThroat
 
 BENCH = {
     "name": "bench-16",
@@ -55,56 +55,6 @@ def test_devices_are_those_of_the_library_and_of_the_user(theSection):
     assert listed == [device.name for device in device_table()] + ["bench-16"]
     assert listed[0] == "generic" == theSection.ui.deviceComboBox.currentText
     assert planned(theSection)[0].device is None
-
-
-def test_a_device_sets_length_and_shortening(host, theSection):
-    ui = theSection.ui
-    chooseDevice(host, theSection, "bench-16")
-    (stent,) = planned(theSection)
-    assert (stent.device.name, stent.length) == ("bench-16", 16)
-    assert not ui.lengthSlider.enabled
-    assert not ui.foreshorteningSlider.enabled
-    # 16 mm at 4 mm of diameter, 12 mm at 12: half a millimeter per millimeter.
-    assert ui.foreshorteningSlider.value == pytest.approx(100 * (8.5 - 4) / 2 / 16, abs=0.06)
-    assert "16 mm long as packed, 13.8 mm at 8.5 mm" in ui.deviceLabel.text
-    ui.diameterSlider.value = 6.0
-    assert ui.foreshorteningSlider.value == pytest.approx(100 * 1.0 / 16, abs=0.06)
-    assert stent.foreshortening == pytest.approx(2.25 / 16)
-    deploy(host, theSection)
-    assert "Device bench-16: 16 mm long as packed, 15.0 mm at 6 mm" in ui.lumenLabel.text
-    chooseDevice(host, theSection, "generic")
-    assert ui.foreshorteningSlider.value == 10.0
-    assert ui.lengthSlider.enabled
-    assert planned(theSection)[0].device is None
-
-
-@pytest.mark.parametrize(
-    ("device", "way"),
-    [
-        ("numed-cp", "the slider"),
-        ("palmaz-xl-10-series", "the box"),
-        ("optimus-xxl-48", "the slider"),
-        ("begraft-besmooth-peripheral", "the box"),
-    ],
-)
-def test_a_shortening_that_is_not_known_has_to_be_said(host, theSection, device, way):
-    ui = theSection.ui
-    chooseDevice(host, theSection, device)
-    assert ui.statusLabel.text.startswith(
-        f"Stent 1: device {device}: its shortening is not known; say how much of its length it loses"
-        f" (in Device, untick {ui.deviceShorteningCheckBox.text} or move Foreshortening)"
-    )
-    assert ui.foreshorteningSliderLabel.text == "Foreshortening:"
-    assert not ui.deployButton.enabled
-    assert ui.foreshorteningSlider.enabled
-    if way == "the box":
-        ui.deviceShorteningCheckBox.checked = False
-    else:
-        ui.foreshorteningSlider.value = 15.0
-        assert not ui.deviceShorteningCheckBox.checked
-    assert ui.deployButton.enabled
-    lost = 0.1 if way == "the box" else 0.15
-    assert planned(theSection)[0].foreshortening == pytest.approx(lost)
 
 
 def test_every_device_of_the_table_can_be_deployed(host, theSection):
@@ -198,38 +148,6 @@ def test_the_recoil_is_by_the_rule_where_the_stent_lies(host, theSection):
     assert planned(theSection)[0].balloon.recoil_fraction == 0.10
 
 
-def test_a_loaded_recoil_stays_until_something_is_changed(host, theSection, tmp_path):
-    from SDFStentLib.stent import Balloon
-
-    parameters, logic = theSection._parameterNode, theSection.logic
-    logic.inflate(parameters, Balloon(8.0, 0.2, "somebody's rule"))
-    logic.savePlan(tmp_path / "plan.json", parameters)
-    logic.loadPlan(tmp_path / "plan.json", parameters)
-    host.process(0.5)
-    assert planned(theSection)[0].balloon.recoil_fraction == 0.2
-    theSection.ui.lengthSlider.value = 12.0
-    measured(host, theSection)
-    assert planned(theSection)[0].balloon.recoil_fraction == 0.07
-
-
-@pytest.mark.parametrize("index", range(3))
-def test_an_end_is_kept_on_shortening(host, theSection, index):
-    from SDFStentLib.stent import KEPT
-
-    logic, parameters = theSection.logic, theSection._parameterNode
-    theSection.ui.foreshorteningSlider.value = 40.0
-    host.choose(theSection.ui.keptComboBox, index)
-    (stent,) = planned(theSection)
-    assert stent.keeps == KEPT[index]
-    deploy(host, theSection)
-    (treated,) = logic.lastRun(parameters).result.stents
-    packed = logic.centerlineOf(parameters).path_around(theThroat(), 14.0).points
-    away = [np.linalg.norm(treated.axis.points[end] - packed[end]) for end in (0, -1)]
-    lost = 0.4 * 14.0
-    expected = {"center": [lost / 2, lost / 2], "proximal": [0, lost], "distal": [lost, 0]}
-    np.testing.assert_allclose(away, expected[KEPT[index]], atol=0.2)
-
-
 def test_a_table_of_ones_own_is_taken_away_again_and_stents_keep_their_device(
     host, theSection, aTable
 ):
@@ -299,21 +217,6 @@ def test_a_table_that_cannot_be_read_is_refused_where_errors_are(host, theSectio
     host.click(theSection.ui.deviceTableButton)
     assert "none.json: device table: " in theSection.ui.statusLabel.text
     assert names(theSection.ui.deviceComboBox)[-1] == "bench-16"
-
-
-def test_dragging_a_balloon_is_previewed(host, theSection):
-    ui, parameters = theSection.ui, theSection._parameterNode
-    ui.balloonCheckBox.checked = True
-    measured(host, theSection)
-    ui.autoUpdateCheckBox.checked = True
-    host.processUntil(lambda: not theSection.session.isBusy)
-    before = pointsOf(parameters.outputVessel)
-    ui.balloonSlider.value = 7.0
-    host.processUntil(lambda: "(preview)" in ui.lumenLabel.text)
-    after = pointsOf(parameters.outputVessel)
-    assert np.abs(after - before).max() > 0.3
-    host.processUntil(lambda: not (theSection.session.isBusy or theSection.recoil.isBusy))
-    assert "Balloon 7 mm, lumen 6.51 mm" in ui.lumenLabel.text
 
 
 def test_the_console_sets_all_of_it_without_a_panel(aLogic, theParameters, aTable):

@@ -157,12 +157,3 @@ def test_arrow_keys_in_the_table_move_the_stent_along_the_vessel(host, aStent):
         moved = tree.project(placeOf(aStent))
         assert moved.arc_length - before == pytest.approx(way, abs=1e-4)
         assert moved.distance < 1e-4
-
-
-def test_arrow_keys_stop_at_the_ends_of_the_vessel(host, aStent):
-    tree, table = treeOf(aStent), aStent.ui.stentTable
-    for end, key in ((tree.roots[0], "Left"), (tree.leaves[0], "Right")):
-        aStent._parameterNode.stent.handle.SetNthControlPointPositionWorld(0, *tree.points[end])
-        for _ in range(2):
-            press(host, table, key)
-            np.testing.assert_allclose(placeOf(aStent), tree.points[end], atol=1e-4)

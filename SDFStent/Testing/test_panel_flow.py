@@ -24,15 +24,6 @@ def aFlow(ui):
     ui.inletPressureSpinBox.value, ui.wedgePressureSpinBox.value = 30, 12
 
 
-def test_there_is_no_word_of_flow_at_first(host, aStent):
-    ui = aStent.ui
-    assert ui.flowMeanSpinBox.text == "off"
-    for name in ("flowPeak", "splitRight", "inletPressure", "wedgePressure"):
-        assert not getattr(ui, f"{name}SpinBox").enabled
-    deploy(host, aStent)
-    assert "ressure" not in ui.lumenLabel.text
-
-
 def test_a_flow_tells_what_the_library_tells_of_the_same_vessels(host, aStent):
     from SDFStentLib.flow import FlowModel, FollowedChannels, Known, SideClues, channels_of
 
@@ -94,35 +85,6 @@ def test_a_contradictory_flow_is_refused_in_a_sentence(host, aStent):
     assert ui.statusLabel.text == ""
     settle(host, aStent)
     assert "ressure" in ui.lumenLabel.text
-
-
-def test_pressures_that_cannot_drive_the_flow_are_said_in_place_of_numbers(host, aStent):
-    ui = aStent.ui
-    ui.flowMeanSpinBox.value = 30.0
-    ui.inletPressureSpinBox.value, ui.wedgePressureSpinBox.value = 13, 12
-    deploy(host, aStent)
-    assert "expected more than the vessel itself costs" in ui.lumenLabel.text
-    assert "Minimum lumen diameter" in ui.lumenLabel.text
-
-
-def test_the_flow_survives_scenes_and_plans(host, aStent, aScene, tmp_path):
-    ui = aStent.ui
-    aFlow(ui)
-    deploy(host, aStent)
-    for node in (aStent._parameterNode.vessel, aStent._parameterNode.centerline):
-        saveAsFile(node, tmp_path / f"{node.GetName()}.vtp", "LPS")
-    plan = tmp_path / "plan.json"
-    aStent.logic.savePlan(plan, aStent._parameterNode)
-    flow = json.loads(plan.read_text(encoding="utf-8"))["flow"]
-    assert (flow["mean"], flow["peak"]) == pytest.approx((50, 120))
-    assert (flow["inlet"], flow["wedge"], flow["split_right"]) == (30, 12, 0.7)
-    values = ("flowMean", "flowPeak", "splitRight", "inletPressure", "wedgePressure")
-    old = [getattr(ui, f"{name}SpinBox").value for name in values]
-    host.saveAndLoad(tmp_path / "scene.mrb")
-    assert [getattr(ui, f"{name}SpinBox").value for name in values] == old
-    ui.flowMeanSpinBox.value = 0.0
-    aStent.logic.loadPlan(plan, aStent._parameterNode)
-    assert [getattr(ui, f"{name}SpinBox").value for name in values] == pytest.approx(old)
 
 
 def test_a_plan_of_the_panel_tells_the_shell_where_right_is(host, aStent, tmp_path):

@@ -190,24 +190,3 @@ def test_the_search_never_holds_the_application_for_long(host, aPanel, aVessel, 
 def waitForLabel(host, panel):
     host.processUntil(lambda: panel.ui.lesionLabel.visible)
     return panel.ui.lesionLabel.text
-
-
-def test_a_vessel_without_lesions_says_so(host, aPanel, aScene):
-    from SDFStentLib.files import polydata_from_arrays, polydata_from_lines
-    from SDFStentLib.phantoms import straight_tube
-
-    made = straight_tube(edge_length=1.0)
-    for name, data in (
-        ("Tube", polydata_from_arrays(made.points, made.triangles)),
-        (
-            "Line",
-            polydata_from_lines(made.centerline.points, [np.arange(len(made.centerline.points))]),
-        ),
-    ):
-        node = aScene.AddNewNodeByClass("vtkMRMLModelNode", name)
-        node.SetAndObservePolyData(data)
-        selector = "vesselSelector" if name == "Tube" else "centerlineSelector"
-        getattr(aPanel.ui, selector).setCurrentNode(node)
-    assert found(host, aPanel) == ()
-    assert aPanel.ui.lesionLabel.text == "No lesion of 15 % or more was found."
-    assert not aPanel.ui.lesionTable.visible

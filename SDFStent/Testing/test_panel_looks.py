@@ -78,24 +78,6 @@ def test_the_progress_bar_is_there_while_a_deployment_runs(host, aStent, aStepAt
     assert not ui.progressBar.visible
 
 
-def test_a_preview_shows_no_progress_bar(host, aStent):
-    from SDFStentSlicer import Clock
-
-    aStent.ui.autoUpdateCheckBox.checked = True
-    settle(host, aStent)
-    session, seen = aStent.session, []
-    # The full method says that it runs after a while, unless it is done before.
-    session._settleTimer = Clock.timer(session._settle, 0)
-    onStart = session._onStart
-    session._onStart = lambda: (
-        onStart(),
-        seen.append((session.isPreview, aStent.ui.progressBar.visible)),
-    )
-    aStent.ui.diameterSlider.value = 8.0
-    settle(host, aStent)
-    assert seen == [(True, False), (False, True)]  # the preview, then the full method
-
-
 def pressDelete(host, widget):
     from PySide6 import QtCore, QtTest
 
@@ -209,46 +191,6 @@ def test_the_color_legend_keeps_the_colors_of_the_application(host, aStent):
     ):
         assert ours.GetColor() == theirs.GetColor()
         assert ours.GetShadow() == theirs.GetShadow()
-
-
-NAME = "Left pulmonary artery, at its origin"
-
-
-def cutTexts(table):
-    """Texts of a table that do not fit into their columns."""
-    from PySide6 import QtWidgets
-
-    cut = []
-    for column in range(table.columnCount):
-        room = table.columnWidth(column)
-        for row in range(table.rowCount):
-            item = table.item(row, column)
-            needed = QtWidgets.QTableWidget.sizeHintForColumn(table, column)
-            if item is not None and item.text() and needed > room:
-                cut.append(item.text())
-    return cut
-
-
-def test_names_have_the_room_that_numbers_leave(host, aStent):
-    ui = aStent.ui
-    host.processUntil(lambda: not aStent.lesions.isBusy)
-    ui.nameEdit.text = NAME[:21]
-    ui.plansCollapsibleButton.collapsed = False
-    host.click(ui.duplicatePlanButton)
-    deploy(host, aStent)
-    aStent.parent.resize(460, 2000)
-    host.process()
-    for table in (ui.stentTable, ui.lesionTable, ui.planTable):
-        widths = [table.columnWidth(column) for column in range(table.columnCount)]
-        assert sum(widths) == table.viewport().width()
-        assert table.horizontalScrollBar().maximum() == 0
-        assert widths[0] == max(widths)
-        assert cutTexts(table) == [], widths
-    ui.nameEdit.text = NAME * 3
-    host.process()
-    assert ui.stentTable.horizontalScrollBar().maximum() == 0
-    assert ui.stentTable.item(0, 0).toolTip().startswith(NAME * 3)  # what is cut can be read
-    assert [text for text in cutTexts(ui.stentTable) if text != NAME * 3] == []
 
 
 def test_old_results_are_said_to_be_old_and_stay_legible(host, aStent):

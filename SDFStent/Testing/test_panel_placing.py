@@ -66,29 +66,6 @@ def test_a_stent_between_two_points_takes_two_clicks(host, aStent, click, hasPoi
     np.testing.assert_allclose(placeOf(aStent, 1), way[-3], atol=1.0)
 
 
-def test_a_list_of_the_users_own_keeps_its_other_points(host, aStent, click):
-    own = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLMarkupsFiducialNode", "Own")
-    others = [[0.0, 0.0, 5.0], [0.0, 0.0, 9.0]]
-    for point in ([0.0, 0.0, 30.0], *others):
-        own.AddControlPointWorld(*point)
-    aStent._parameterNode.stent.handle.GetDisplayNode().SetVisibility(False)
-    aStent.ui.handleSelector.setCurrentNode(own)
-    tree = treeOf(aStent)
-    wanted = wayTo(tree, tree.leaves[0])[5]
-    place(host, aStent.ui.placeWidget)
-    click(wanted)
-    assert not isPlacing()
-    points = [own.GetNthControlPointPositionWorld(index) for index in range(3)]
-    np.testing.assert_allclose(points[0], wanted, atol=1.0)
-    np.testing.assert_allclose(points[1:], others)
-    assert own.GetNumberOfControlPoints() == 3
-    deploy(host, aStent)
-    told = f"{aStent._parameterNode.stent.label}: of the 3 points of Own only the first counts."
-    assert told in aStent.ui.statusLabel.text.splitlines()
-    host.choose(aStent.ui.placementComboBox, 4)
-    assert "create a new one there and draw it with Place" in aStent.ui.statusLabel.text
-
-
 @pytest.mark.parametrize(
     ("before", "isQuick"), [("nothing", True), ("a handle", False), ("a stented vessel", True)]
 )

@@ -71,18 +71,6 @@ def test_a_duplicate_is_a_whole_plan_of_its_own(host, aPlan):
     assert first.stent.handle.GetNthControlPointPositionWorld(0) == pytest.approx(theThroat())
 
 
-def test_a_duplicate_names_every_parameter_that_is_no_result(theModule):
-    """A parameter that is added later is copied, or named here."""
-    from SDFStentSlicer.Alternatives import COPIED
-    from SDFStentSlicer.ParameterNode import SDFStentParameterNode
-
-    own = {"stents", "method", "stent", "selected", "autoUpdate", "expansion", "status"}
-    results = {name for name in SDFStentParameterNode.allParameters if name.startswith("output")}
-    results |= {"rightBranch", "lumenSummary", "certificateSummary", "warningSummary", "summaryRow"}
-    results |= {"atHand"}
-    assert {*COPIED} | own | results == set(SDFStentParameterNode.allParameters)
-
-
 def test_switching_puts_stents_and_results_back(host, aPlan):
     ui, first, table = aPlan.ui, aPlan._parameterNode, aPlan.ui.planTable
     vessel = first.vessel
@@ -141,29 +129,6 @@ def test_plot_and_table_in_the_views_are_those_of_the_plan(host, aPlan):
         assert selection.GetActiveTableID() == plan.outputTable.GetID()
 
 
-def test_the_table_says_what_the_results_say(host, aPlan):
-    """Against the library's result, counted here: the worst lesion left, branches covered, lumen, certificate."""
-    deploy(host, aPlan)
-    run = aPlan.logic.lastRun(aPlan._parameterNode)
-    (treated,) = run.result.stents
-    left = max(
-        100 * (1 - one.after.minimum_diameter / one.after.reference_diameter) for one in run.lesions
-    )
-    covered = sum(branch.covered_share > 0 for branch in treated.branches)
-    branches = f"{covered} of {len(treated.branches)} covered" if treated.branches else "none near"
-    assert rowOf(aPlan, 0) == [
-        "Plan 1",
-        f"{treated.after.inscribed_diameter.min():.1f} mm",
-        f"{left:.0f} %" if left >= 0.5 else "none",
-        branches,
-        "meshable",
-    ]
-    aPlan.ui.diameterSlider.value = 8.0
-    assert aPlan.ui.planTable.item(0, 1).toolTip().endswith("Changed since this deployment.")
-    aPlan.logic.reset(aPlan._parameterNode)
-    assert rowOf(aPlan, 0)[1:] == [""] * 4
-
-
 def test_a_plan_is_renamed_in_the_table(host, aPlan):
     host.click(aPlan.ui.duplicatePlanButton)
     rename(aPlan, 1, " One long stent ")
@@ -176,21 +141,6 @@ def test_a_plan_is_renamed_in_the_table(host, aPlan):
         rename(aPlan, 1, wrong)
         assert names(aPlan) == ["Plan 1", "One long stent"]
         assert aPlan.ui.statusLabel.text.startswith(said)
-
-
-def test_a_removed_plan_takes_with_it_what_was_made_for_it(host, aPlan, aScene):
-    ui, first = aPlan.ui, aPlan._parameterNode
-    deploy(host, aPlan)
-    count = aScene.GetNumberOfNodes()
-    host.click(ui.duplicatePlanButton)
-    deploy(host, aPlan)
-    assert aScene.GetNumberOfNodes() > count
-    host.click(ui.removePlanButton)
-    assert aPlan._parameterNode is first
-    assert names(aPlan) == ["Plan 1"]
-    assert aScene.GetNumberOfNodes() == count
-    assert isSeen(first.outputVessel)
-    assert not ui.removePlanButton.enabled
 
 
 def test_a_result_that_is_the_vessel_of_another_plan_stays(host, aPlan, aScene):
@@ -219,20 +169,6 @@ def test_a_plan_that_is_deleted_elsewhere_leaves_the_table(host, aPlan, aScene):
     assert names(aPlan) == ["Plan 1"]
     assert isSeen(first.outputVessel)
     assert aScene.GetNumberOfNodes() == count
-
-
-def test_the_last_plan_of_a_vessel_that_is_deleted_leaves_the_vessel_to_be_seen(
-    host, aPlan, aScene
-):
-    vessel = aPlan._parameterNode.vessel
-    deploy(host, aPlan)
-    output = aPlan._parameterNode.outputVessel
-    assert not isSeen(vessel)
-    aScene.RemoveNode(aPlan._parameterNode.parameterNode)
-    host.process()
-    assert output.GetScene() is None
-    assert isSeen(vessel)
-    assert len(aPlan._parameterNode.stents) == 0
 
 
 def test_plan_files_become_plans(host, aPlan, tmp_path):
@@ -438,36 +374,6 @@ def test_handles_of_further_plans_are_counted(host, aStent, aScene):
         "Stent 1 (4)",
         "Stent 2",
     ]
-
-
-def folderNames(scene):
-    """Names of the folders in the subject hierarchy, by that of the results in it."""
-    import vtk
-
-    hierarchy = slicer.vtkMRMLSubjectHierarchyNode.GetSubjectHierarchyNode(scene)
-    children = vtk.vtkIdList()
-    hierarchy.GetItemChildren(hierarchy.GetSceneItemID(), children)
-    items = [children.GetId(index) for index in range(children.GetNumberOfIds())]
-    return [
-        hierarchy.GetItemName(item) for item in items if hierarchy.GetItemLevel(item) == "Folder"
-    ]
-
-
-def test_the_folder_of_results_is_called_as_the_plan(host, aStent, aScene):
-    ui = aStent.ui
-    deploy(host, aStent)
-    assert folderNames(aScene) == ["Plan 1 results"]
-    ui.plansCollapsibleButton.collapsed = False
-    host.process()
-    ui.planTable.item(0, 0).setText("wide")  # in the table
-    assert folderNames(aScene) == ["wide results"]
-    aStent._parameterNode.parameterNode.SetName("wider")  # by the selector on top
-    assert folderNames(aScene) == ["wider results"]
-    hierarchy = slicer.vtkMRMLSubjectHierarchyNode.GetSubjectHierarchyNode(aScene)
-    item = hierarchy.GetItemByDataNode(aStent._parameterNode.outputVessel)
-    hierarchy.SetItemName(hierarchy.GetItemParent(item), "mine")
-    ui.planTable.item(0, 0).setText("widest")
-    assert folderNames(aScene) == ["mine"]
 
 
 def test_results_are_not_offered_as_inputs(host, aStent, aScene):

@@ -38,10 +38,6 @@ def exterior(folder):
     return read_surface(folder / "mesh-complete.exterior.vtp", "cm")
 
 
-def test_nothing_is_written_without_vessel_and_centerline(aPanel):
-    assert not aPanel.ui.writeSegmentButton.enabled
-
-
 def test_the_segment_is_that_of_sdfstent_extract(host, aSegment, tmp_path):
     """Of the same files and places, by the shell, before treatment; after it, of the panel's own wall."""
     from SDFStentLib import treatment
@@ -189,13 +185,3 @@ def test_what_cannot_be_cut_is_a_sentence_and_leaves_nothing(host, aSegment, tmp
     written(host, aSegment, folder)
     assert said in aSegment.ui.statusLabel.text
     assert list(tmp_path.iterdir()) == []
-
-
-def test_ends_are_saved_with_the_scene_and_copied_with_the_plan(host, aSegment, aScene, tmp_path):
-    aSegment.ui.closeBranchesCheckBox.checked = True
-    copy = aSegment.logic.duplicatePlan(aSegment._parameterNode)
-    assert (copy.segmentEnds.GetName(), copy.closeBranches) == ("Ends", True)
-    host.saveAndLoad(tmp_path / "scene.mrb")
-    assert aSegment._parameterNode.segmentEnds.GetName() == "Ends"
-    assert aSegment.ui.segmentEndsSelector.currentNode().GetName() == "Ends"
-    assert aSegment.ui.closeBranchesCheckBox.checked

@@ -4,13 +4,6 @@ import numpy as np
 import pytest
 
 
-def test_a_step_of_zero_reads_automatic(aStent):
-    assert aStent.ui.stepSpinBox.text == "automatic"
-    aStent.ui.stepSpinBox.value = 0.5
-    assert aStent._parameterNode.method.step == 0.5
-    assert aStent.ui.stepSpinBox.text == "0.500 mm"
-
-
 @pytest.mark.parametrize("name", ["falloff", "blend"])
 def test_shapes_are_named_in_words_from_gradual_to_steep(host, aPanel, name):
     from SDFStentSlicer.ParameterNode import CHOICE_LABELS

@@ -129,8 +129,3 @@ def test_nothing_can_be_cancelled_once_the_last_stent_is_gone(host, aStent):
     host.click(aStent.ui.removeStentButton)
     host.processUntil(lambda: not aStent.session.isBusy)
     assert not aStent.ui.cancelButton.enabled
-
-
-def test_a_handle_is_as_large_in_the_view_of_a_large_tree_as_in_that_of_a_small_vessel(aStent):
-    display = aStent._parameterNode.stent.handle.GetDisplayNode()
-    assert display.GetUseGlyphScale()

@@ -45,13 +45,6 @@ def test_a_handle_let_go_far_beside_the_centerline_is_told_from_how_far(host, aS
     assert aStent.ui.statusLabel.visible
 
 
-def test_a_handle_let_go_near_the_centerline_is_not_worth_a_word(host, aStent, besideThroat):
-    point, _distance = besideThroat(0.4)
-    letGo(host, aStent, point)
-    assert np.linalg.norm(positionOf(aStent) - point) > 0.5
-    assert aStent.ui.statusLabel.text == ""
-
-
 def test_the_sentence_outlives_the_deployments_that_follow_but_not_the_next_move(
     host, aStent, besideThroat
 ):

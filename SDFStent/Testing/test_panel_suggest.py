@@ -28,14 +28,6 @@ def suggestion(panel, number=1, **wishes):
     return vessel.suggestion(number, SizingWishes(**wishes))
 
 
-def test_suggest_needs_a_lesion_that_is_selected(host, theInputs):
-    assert not theInputs.ui.suggestButton.enabled
-    found(host, theInputs)
-    assert not theInputs.ui.suggestButton.enabled
-    clickRow(host, theInputs.ui.lesionTable, 0)
-    assert theInputs.ui.suggestButton.enabled
-
-
 def test_suggest_adds_the_stent_of_the_library(host, aLesion):
     from SDFStentLib.report import suggestion_sentences
 
@@ -85,21 +77,6 @@ def test_suggest_sizes_the_stent_that_is_there(host, aLesion):
     assert panel.ui.stentTable.currentRow() == 1
 
 
-def test_suggest_leaves_a_stent_between_two_points_one_point(host, aLesion):
-    panel, _lesion = aLesion
-    host.click(panel.ui.addStentButton)
-    host.choose(panel.ui.placementComboBox, 3)
-    host.process()
-    assert panel._parameterNode.stent.handle.GetNumberOfControlPoints() == 2
-    clickRow(host, panel.ui.lesionTable, 0)
-    host.click(panel.ui.suggestButton)
-    assert panel._parameterNode.stent.handle.GetNumberOfControlPoints() == 1
-    (stent,) = planned(panel)
-    expected = suggestion(panel)
-    assert stent.length == expected.stent.length
-    np.testing.assert_allclose(stent.placement.point, expected.stent.placement.point, atol=1e-9)
-
-
 def test_ratios_are_shown_while_sizes_change(host, aLesion):
     panel, lesion = aLesion
     ui = panel.ui
@@ -123,13 +100,6 @@ def test_ratios_are_shown_while_sizes_change(host, aLesion):
     root = place.points[place.roots[0]]
     panel._parameterNode.stent.handle.SetNthControlPointPositionWorld(0, *root)
     assert "Stent : healthy" not in ui.deviceLabel.text
-
-
-def test_a_lesion_that_is_gone_is_no_longer_offered(host, aLesion):
-    panel, _lesion = aLesion
-    panel.ui.centerlineSelector.setCurrentNode(None)
-    host.processUntil(lambda: not panel.lesions.isBusy)
-    assert not panel.ui.suggestButton.enabled
 
 
 def test_a_lesion_of_another_vessel_is_refused(aLogic, theParameters):
@@ -168,11 +138,3 @@ def test_a_suggestion_goes_by_the_ratio_and_the_margin_that_are_set(host, aLesio
     assert stent.length == suggestion(panel, ratio=0.9, margin=3.0).stent.length
     host.click(ui.defaultsButton)
     assert [box.value for box in boxes] == [usual.ratio, usual.margin]
-
-
-def test_the_panel_lets_be_asked_for_what_the_library_proposes(theModule, aPanel):
-    from SDFStentLib.treatment import LONGEST_MARGIN, RATIOS
-
-    ui = aPanel.ui
-    ratio, margin = ui.suggestRatioSpinBox, ui.suggestMarginSpinBox
-    assert ((ratio.minimum, ratio.maximum), margin.maximum) == (RATIOS, LONGEST_MARGIN)

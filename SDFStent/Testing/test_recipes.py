@@ -25,12 +25,6 @@ def test_every_recipe_of_the_user_guide_runs(aScene, number, capsys):
     assert "Surface certified for meshing" in capsys.readouterr().out
 
 
-def test_recipes_are_short():
-    assert len(RECIPES) >= 8
-    counts = [sum(1 for line in recipe.splitlines() if line) for recipe in RECIPES]
-    assert all(5 <= count <= 10 for count in counts)
-
-
 def test_pictures_of_the_guide_exist():
     pictures = re.findall(r"!\[[^]]*\]\(([^)]+)\)", GUIDE)
     assert len(pictures) >= 7

@@ -31,19 +31,6 @@ def test_results_are_marked_while_the_plan_is_another_one(host, aStent):
     assert "(7.0 prescribed)" in aStent.ui.lumenLabel.text
 
 
-def test_results_are_marked_when_a_handle_or_the_vessel_moves(host, aStent):
-    deploy(host, aStent)
-    handle = aStent._parameterNode.stent.handle
-    place = handle.GetNthControlPointPositionWorld(0)
-    handle.SetNthControlPointPositionWorld(0, place[0], place[1], place[2] + 1)
-    assert isMarked(aStent)
-    handle.SetNthControlPointPositionWorld(0, *place)
-    assert not isMarked(aStent)
-    aStent._parameterNode.vessel.GetPolyData().GetPoints().GetData().Modified()
-    aStent._parameterNode.vessel.GetPolyData().Modified()
-    assert isMarked(aStent)
-
-
 def test_a_cancelled_deployment_leaves_the_old_numbers_marked(host, aStent, aStepAtATime):
     deploy(host, aStent)
     aStent.ui.diameterSlider.value = 7.0
@@ -118,15 +105,6 @@ def test_plot_and_table_follow_a_stent_that_is_moved_in_the_list(host, twoStents
     assert shownDiameter(twoStents) == 7.0
     twoStents.ui.stentTable.selectRow(1)
     assert shownDiameter(twoStents) == 8.5
-
-
-def test_selecting_a_stent_makes_no_nodes_and_survives_a_deleted_table(twoStents, aScene):
-    count = aScene.GetNumberOfNodes()
-    twoStents.ui.stentTable.selectRow(0)
-    assert aScene.GetNumberOfNodes() == count
-    aScene.RemoveNode(twoStents._parameterNode.outputTable)
-    twoStents.ui.stentTable.selectRow(1)
-    assert aScene.GetNumberOfNodes() == count - 1
 
 
 def test_the_panel_says_that_it_is_for_research_only(aPanel):

@@ -228,16 +228,6 @@ def test_a_deleted_node_is_not_replaced_by_its_neighbor(role, host, aDeployment,
     assert getattr(aDeployment._parameterNode, role) is None
 
 
-def test_the_output_is_made_again_after_it_was_deleted(host, aDeployment, aScene):
-    other = addModel(aScene, "Somebody else's")
-    points = pointsOf(other)
-    aScene.RemoveNode(aDeployment._parameterNode.outputVessel)
-    deploy(host, aDeployment)
-    assert "(8.5 prescribed)" in aDeployment.ui.lumenLabel.text
-    assert aDeployment._parameterNode.outputVessel.GetName().startswith("Stented vessel")
-    np.testing.assert_array_equal(slicer.util.arrayFromModelPoints(other), points)
-
-
 def test_the_output_selector_offers_only_outputs_that_nobody_else_uses(host, aDeployment, aScene):
     addModel(aScene, "Somebody else's")
     first, ui = aDeployment._parameterNode, aDeployment.ui
@@ -267,17 +257,6 @@ def test_nothing_is_written_into_a_model_that_is_no_output_of_the_set(
         np.testing.assert_array_equal(slicer.util.arrayFromModelPoints(wrong), before)
     np.testing.assert_array_equal(slicer.util.arrayFromModelPoints(own), first)
     np.testing.assert_array_equal(slicer.util.arrayFromModelPoints(vessel), native)
-
-
-def test_a_plan_may_start_from_the_result_of_another(aLogic, theParameters, aScene):
-    aLogic.deploy(theParameters)
-    second = aLogic.addParameterSet("Second")
-    second.vessel, second.centerline = theParameters.outputVessel, theParameters.centerline
-    aLogic.addStent(second, diameter=9.5, length=6.0, handle=theParameters.stents[0].handle)
-    aLogic.deploy(second)
-    output = theParameters.outputVessel
-    aLogic.deploy(theParameters)
-    assert theParameters.outputVessel is output is second.vessel
 
 
 # Segments

@@ -39,19 +39,6 @@ def test_add_without_a_centerline_makes_a_stent_along_an_empty_curve(host, aPane
     assert aPanel.ui.placeWidget.currentNode() is stent.handle
 
 
-def test_a_stent_along_a_curve_needs_no_centerline(host, aCurveStent):
-    assert aCurveStent._parameterNode.centerline is None
-    deploy(host, aCurveStent)
-    assert "(8.5 prescribed)" in aCurveStent.ui.lumenLabel.text
-
-
-def test_along_a_curve_gets_a_curve_where_there_is_a_centerline_too(aLogic, theParameters):
-    from SDFStentSlicer.ParameterNode import Placement
-
-    handle = aLogic.addStent(theParameters, placement=Placement.ALONG_CURVE)
-    assert handle.IsA("vtkMRMLMarkupsCurveNode")
-
-
 def test_a_placement_by_points_still_needs_a_centerline(aLogic, theParameters):
     from SDFStentSlicer.ParameterNode import Placement
 
