@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from test_device_file import read as device_file
-from test_devices import a_device
+from test_devices import ROW, a_device, a_table
 from test_plan import SCHEMA, a_document
 from trees import unbranched
 from tube_files import deploy
@@ -179,6 +179,25 @@ def test_only_a_length_that_the_second_dilatation_loses_is_warned_of():
         assert told == [1, *expected]
 
 
+@pytest.mark.parametrize("third", [1, 2])
+def test_a_stent_that_was_dilated_again_is_dilated_as_it_lies_and_lies_there_once(third):
+    """Whichever of its numbers is named, from what it was, and never to less than it is by then."""
+    vessel = stenosed_tube(edge_length=1.0)
+    first = Stent(6.2, placement=AtCenter([0.0, 0, 20]), device=a_short_device())
+    other = Stent(6.5, placement=AtCenter([0.0, 0, 32]), length=6.0)
+    again = [Stent(8.0, placement=OfStent(1)), other, Stent(10.0, placement=OfStent(third))]
+    result = Treatment(vessel.surface, [first, *again], vessel.centerline).result
+    assert [stent.again for stent in result.stents] == [4, 4, None, None]
+    assert [stent.number for stent in result.final_stents] == [3, 4]
+    assert result.stents[-1].stent.placement == OfStent(2)
+    lengths = [stent.axis.deployed_length for stent in result.stents]
+    assert lengths == pytest.approx([14.8, 13.0, 5.4, 11.0])
+    assert [warning.kind for warning in result.warnings] == []
+    smaller = [first, again[0], Stent(7.0, placement=OfStent(third))]
+    with pytest.raises(InputError, match="expected more than the 8 mm of stent 2, got 7 mm"):
+        Treatment(vessel.surface, smaller, vessel.centerline)
+
+
 @pytest.mark.parametrize(
     ("second", "words"),
     [
@@ -259,6 +278,34 @@ def test_a_balloon_leaves_the_lumen_that_is_deployed_and_three_diameters_are_tol
     assert "reference 5.9" in said
     again = run_plan(load_plan("p.json"))
     assert again.plan.stents[0].balloon.diameter == 7
+
+
+def test_a_recoil_of_ones_own_goes_with_either_way_to_give_the_balloon(a_folder):
+    (one,) = reported("--recoil", "0.05")
+    (other,) = reported("--balloon", "6", "--recoil", "0.05", diameter=None)
+    for stent in (one, other):
+        assert stent["lumen_diameter_mm"] == pytest.approx(5.7)
+        assert (stent["balloon_diameter_mm"], stent["recoil_fraction"]) == (6, 0.05)
+        assert stent["recoil_reason"] == "as given"
+
+
+def test_redilate_deploys_the_same_stent_again_with_its_new_length(a_folder, capsys):
+    table = a_folder / "own.json"
+    row = {**ROW, "name": "own", "nominal_length": 16, "lengths": [[4, 16], [8, 12]]}
+    table.write_text(a_table(row), encoding="utf-8")
+    device = ["--device", "own", "--device-table", str(table)]
+    place = ["--distal", "0", "0", "2.8"]
+    first, second = reported(*device, "--redilate", "8", place=place)
+    assert [s["deployed_length_mm"] for s in (first, second)] == pytest.approx([14, 12])
+    assert first["axis"]["end_mm"] == pytest.approx(second["axis"]["end_mm"], abs=1e-6)
+    assert "redilates" not in first
+    assert second["redilates"] == 1
+    assert "stent 2: own, 8 x 12.0 mm (16 mm as packed, 25 % shorter" in capsys.readouterr().out
+    middle = reported(
+        *device, "--redilate", "8", "--keep", "proximal", place=["--axis", "axis.vtp"]
+    )
+    starts = [stent["axis"]["start_mm"][2] for stent in middle]
+    assert starts == pytest.approx([12.0, 12.0])
 
 
 def test_a_staged_plan_gives_the_result_of_today_and_the_later_one(a_folder, capsys):

@@ -42,16 +42,15 @@ def thin_stent(tube, end, radius=2.0):
     return deployment, deployment.result
 
 
-@pytest.mark.parametrize(("end", "radius"), [(39.0, 1.2), (39.5, 1.5)])
-def test_a_stent_that_bulges_the_middle_of_a_cap_alone_is_told_of(a_tube, end, radius):
-    # The rim of the cap stays, and no face at a point that has moved is at it.
-    _, result = thin_stent(a_tube, end, radius)
+@pytest.mark.parametrize("end", [38.5, 39.5, 40.0])
+def test_a_stent_that_touches_nothing_but_a_cap_leaves_the_wall_as_it_was(a_tube, end):
+    """The outlet of 6 mm became 7.4 mm wide, and the stent was not certified for that."""
+    _, result = thin_stent(a_tube, end)
+    in_wall = np.hypot(*a_tube.points[:, :2].T) > 2.9
     is_cap = a_tube.points[:, 2] > 39.9
-    height = np.abs(result.points - a_tube.points)[is_cap, 2].max()
-    assert height > 0.1
-    (cap,) = bulged_caps(a_tube.surface, result.surface, result.state.indices)
-    assert cap.height == pytest.approx(height)
-    assert cap.center[2] == pytest.approx(40.0)
+    assert (np.abs(result.points - a_tube.points) > 0.1)[is_cap].any()
+    assert result.points[in_wall].tobytes() == a_tube.points[in_wall].tobytes()
+    assert result.certificate.passed, result.certificate.sentence()
 
 
 def test_a_sphere_that_a_cap_held_back_before_it_was_pushed_out_is_no_wider_lumen(a_tube):

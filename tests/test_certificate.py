@@ -10,6 +10,7 @@ import pytest
 from SDFStentLib.certificate import certify, check_surface
 from SDFStentLib.certificate.face_quality import (
     degenerate_triangles,
+    smallest_angles,
 )
 from SDFStentLib.geometry import Precision, Surface
 
@@ -45,6 +46,15 @@ def _pushed_through(points, height=-15.0):
     cap = points[:, 2] > 9.5
     after[cap, 2] = height + 0.1 * points[cap, 2]
     return after
+
+
+def test_a_sphere_turned_inside_out_does_not_pass(sphere):
+    check = check_surface(Surface(sphere[0], sphere[1][:, ::-1]))
+    assert not check.passed
+    assert not check.is_outward
+    assert check.is_inside_out
+    assert len(check.flipped_triangles) == 0
+    assert "it is inside out" in check.sentence()
 
 
 @pytest.mark.parametrize("every", [2, 3, 10**6])
@@ -184,18 +194,16 @@ def test_the_certificate_holds_for_the_stored_file():
     ).passed
 
 
-def test_a_face_whose_corners_fell_on_one_place_but_for_rounding_has_no_area():
-    # As points of a cap do that a stent pushes out along one ray: (8.4 u + r u) and (5 u + s u).
-    one, other = (
-        np.array([-4.192692243, -7.261955981, 0.0]),
-        np.array([-6.376095713, -5.446106536, 0]),
-    )
-    points = np.array([one, np.nextafter(one, 0.0), other, one + 1e-3])
-    triangles = np.array([[0, 1, 2], [0, 3, 2]])
-    corners = points[triangles]
-    sides = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    assert np.linalg.norm(np.cross(*sides), axis=1).all()
-    assert degenerate_triangles(points, triangles).tolist() == [0]
+def test_slivers_and_faces_without_area():
+    def corner(angle_deg):
+        return [np.cos(np.deg2rad(angle_deg)), np.sin(np.deg2rad(angle_deg)), 0]
+
+    points = np.array([[0, 0, 0], [1, 0, 0], corner(0.99), corner(1.01), corner(30), [2, 0, 0]])
+    triangles = np.array([[0, 1, 2], [0, 1, 3], [0, 1, 4], [0, 1, 5]])
+    np.testing.assert_allclose(smallest_angles(points, triangles), [0.99, 1.01, 30, 0], atol=1e-9)
+    assert check_surface(Surface(points, triangles)).slivers.triangles.tolist() == [0]
+    assert degenerate_triangles(points, triangles).tolist() == [3]
+    assert degenerate_triangles(points, np.array([[0, 1, 1], [0, 1, 2]])).tolist() == [0]
 
 
 def test_several_places_are_counted(sphere):

@@ -150,6 +150,16 @@ def test_steps_can_be_thinned_out_and_replaced_but_nothing_else_is(a_folder, cap
     assert StepFiles.is_own("step_0003.vtp")
 
 
+def test_quiet_says_nothing_and_warnings_go_to_stderr(a_folder, capsys):
+    assert deploy("--quiet") == 0
+    assert capsys.readouterr() == ("", "")
+    assert deploy(diameter="3") == 0
+    said = capsys.readouterr()
+    assert "warning: Nothing moves: the stent of 3 mm is not wider" in said.err
+    assert deploy("--shortened", place=[*PLACE[:4], "--length", "200"]) == 0
+    assert "The stent is shortened: 180.0 mm were prescribed, 40.0" in capsys.readouterr().err
+
+
 @pytest.fixture
 def a_bent_fork(tmp_path, monkeypatch):
     """A forked vessel, its centerline and a bent axis, mm."""
@@ -183,6 +193,15 @@ def test_the_command_line_adds_its_options_to_the_sentences_of_the_library(a_ben
     assert "place it between two points to choose" in capsys.readouterr().err
     main([*base, "--axis", "corner.vtp", "--verbose"])
     assert "straighten the axis (--straighten F)." in capsys.readouterr().err
+
+
+def test_the_command_line_says_how_to_name_a_unit_and_to_accept_a_changed_file(a_plan, capsys):
+    main(["deploy", "tube.vtp", "--diameter", "0.6", "--axis", "axis.vtp", "-o", "o.vtp"])
+    assert "the unit of the file (--units mm, cm or m) if it" in capsys.readouterr().err
+    Path("line.vtp").write_bytes(Path("axis.vtp").read_bytes())
+    capsys.readouterr()
+    assert main(["run", "p.json", "-o", "again"]) == 2
+    assert "accept the changed one (--accept-changed-inputs)" in capsys.readouterr().err
 
 
 @pytest.mark.skipif(not hasattr(os, "geteuid"), reason="permissions are those of POSIX")

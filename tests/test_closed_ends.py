@@ -78,16 +78,6 @@ def test_a_cap_that_leans_cuts_no_section_short():
     assert any(gap.kind == "no-equivalent-diameter" for gap in profile.gaps)
 
 
-@pytest.mark.parametrize("bulge", [1.0, -1.0, -3.0])
-def test_an_end_that_is_not_flat_counts_as_open_as_well(bulge):
-    duct = a_capped_duct(a_circle(), bulge=bulge)
-    profile = diameter_profile(Surface(*duct), [[0.1, 0, 1.5], [0.1, 0, LENGTH - 1.5]])
-    np.testing.assert_allclose(
-        profile.inscribed_diameter, 2 * RADIUS * np.cos(np.pi / 32), rtol=1e-5
-    )
-    assert profile.gaps == ()
-
-
 def test_a_patients_rounded_outlets_are_as_wide_as_the_vessel_before_them(data_dir):
     """Against the circle that fits into the section, which knows nothing of spheres."""
     from SDFStentLib.files import read_centerline

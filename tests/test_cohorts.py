@@ -234,6 +234,19 @@ def test_texts_stay_texts_whatever_they_look_like(folder, tmp_path):
     assert Cohort(tmp_path / "out").training_set("007").names == ("diameter",)
 
 
+def test_several_stents_are_several_rows_of_one_case(folder, tmp_path):
+    stents = [
+        {"name": "first", "diameter": 6, "length": 8, "placement": {"center": [0, 0, 1.6]}},
+        {"name": "second", "length": 8, "placement": {"center": [0, 0, 2.4]}},
+    ]
+    sweep = sweep_in(folder, plan={**PLAN, "stents": stents}, stent=2, axes={"diameter": [6, 7]})
+    run_sweep(sweep, tmp_path / "out", executor=Inline())
+    cohort = Cohort(tmp_path / "out")
+    assert cohort.columns["stent"].tolist() == [1, 2, 1, 2]
+    assert cohort.columns["diameter_mm"].tolist() == [6, 6, 6, 7]
+    assert len(cohort.cases()) == 2
+
+
 def test_a_plan_that_knows_a_flow_adds_columns_of_it(folder, tmp_path):
     flow = {"mean": 8.0, "inlet": 20.0, "wedge": 8.0}
     sweep = sweep_in(folder, plan=PLAN | {"flow": flow}, axes={"diameter": [6, 6.5]})

@@ -6,7 +6,7 @@ import json
 
 import numpy as np
 import pytest
-from mesh_files import open_tube
+from mesh_files import octahedron, open_tube
 
 from SDFStentLib.files import encode_vtp, polydata_from_arrays, polydata_from_lines, read_surface
 from SDFStentLib.phantoms import stenosed_tube
@@ -132,6 +132,38 @@ def test_check_tells_whether_a_surface_has_two_sides(shell, tmp_path, mesh, code
     document = json.loads(shell("check", "mesh.vtp", "--json", folder=tmp_path).stdout)
     assert document["orientable"] == (words != "one-sided")
     assert document["passed"] == (code == 0)
+
+
+def _with_apex_at(height):
+    """A sphere with a triangle whose apex lies so far from the opposite side, over that."""
+    points, triangles = octahedron(radius=9.0)
+    a, b = points[triangles[0][:2]]
+    inward = points[triangles[0][2]] - (a + b) / 2
+    inward *= height * np.linalg.norm(b - a) / np.linalg.norm(inward)
+    middle = len(points)
+    first = triangles[0]
+    # The first triangle is cut into three round a point that lies next to one of its sides.
+    cut = [[first[k], first[(k + 1) % 3], middle] for k in range(3)]
+    return np.vstack([points, (a + b) / 2 + inward]), np.vstack([triangles[1:], cut])
+
+
+@pytest.mark.parametrize(
+    ("height", "code", "words"),
+    [
+        (2e-5, FAULTY, "1 triangle without height"),
+        (2e-3, WARNED, "warning: Triangles with an angle below 1 degree: 1, the worst 0."),
+        (5e-2, SOUND, "no self-intersection"),
+    ],
+)
+def test_check_tells_slivers_from_triangles_without_height(shell, tmp_path, height, code, words):
+    write(tmp_path / "mesh.vtp", *_with_apex_at(height))
+    run = shell("check", "mesh.vtp", folder=tmp_path)
+    assert run.returncode == code, run.stdout
+    assert words in one_line(run.stdout)
+    document = json.loads(shell("check", "mesh.vtp", "--json", folder=tmp_path).stdout)
+    assert document["passed"] == (code == 0)
+    if code == 0:
+        assert ("below 1 degree" in " ".join(document["warnings"])) == ("degree" in words)
 
 
 NARROW = ["--center", "2.533416986465454", "3.3830726146698", "-9.024898529052734",

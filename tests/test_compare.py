@@ -18,6 +18,8 @@ from SDFStentLib.phantoms import straight_tube
 from SDFStentLib.plan import compare, load_plan
 from SDFStentLib.report import comparison_document, comparison_page, comparison_pictures
 from SDFStentLib.report.picture import painting
+from SDFStentLib.report.picture.alternatives import alternatives_scene
+from SDFStentLib.report.picture.drawing import Words
 from SDFStentLib.validation import DeploymentError
 
 MIDDLE = {"center": [0, 0, 2]}  # cm; the throat of the tube
@@ -148,6 +150,21 @@ def test_the_page_shows_the_numbers_of_every_run(a_run_folder):
 
 
 # The picture
+
+
+def test_all_panels_have_one_camera_and_one_scale_of_colors(a_run_folder, monkeypatch):
+    monkeypatch.chdir(a_run_folder)
+    results = compare({name: load_plan(f"{name}.json") for name in PLANS}).results
+    drawing, panels = alternatives_scene(results)
+    assert [panel.column for panel in panels] == [0, 1, 2, 3]
+    assert all(panel.view is panels[0].view for panel in panels)
+    np.testing.assert_array_equal(panels[0].points, results["one"].inputs.surface.points)
+    for panel, result in zip(panels[1:], results.values(), strict=True):
+        np.testing.assert_array_equal(panel.points, result.treatment.points)
+    words = [mark.text for mark in drawing.marks if isinstance(mark, Words)]
+    assert [one for one in words if one in ("Before", *PLANS)] == ["Before", *PLANS]
+    least = results["wide"].treatment.stents[0].after.minimum
+    assert f"1 stent, minimum lumen {least:.1f} mm" in words
 
 
 def test_five_plans_go_on_two_sheets_with_a_picture_each(a_folder):

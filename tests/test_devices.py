@@ -25,7 +25,7 @@ from SDFStentLib.plan import (
     run_plan,
     to_document,
 )
-from SDFStentLib.report import device_sentence
+from SDFStentLib.report import device_sentence, planned_device_sentences
 from SDFStentLib.stent import AlongAxis, AtCenter, Balloon, BetweenPoints, Device, Stent, stent_axis
 from SDFStentLib.validation import InputError
 
@@ -77,6 +77,13 @@ def test_every_number_of_a_named_row_has_a_source_and_generic_rows_are_no_produc
     generic = device_named("generic")
     assert generic.generic
     assert generic.foreshortening_at(7.3) == 0.1
+
+
+def test_no_shipped_row_says_how_a_product_shortens_but_the_one_whose_source_does():
+    named = [device for device in device_table() if not device.generic]
+    known = [d for d in named if d.lengths or d.foreshortening_fraction is not None]
+    assert [(d.name, d.foreshortening_fraction) for d in known] == [("gore-vbx", 0.0)]
+    assert [d.name for d in named if d.maximum_diameter is not None] == []
 
 
 def test_the_users_rows_come_behind_and_in_place_of_those_of_the_same_name(tmp_path, a_table_file):
@@ -233,6 +240,31 @@ def test_sizes_beyond_what_is_known_of_a_device_are_said():
         "and its length extrapolated."
     ]
     assert said(8.0, 30, device_named("generic")) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "size", "words"),
+    [
+        (
+            "numed-cp",
+            {"length": 34, "foreshortening_fraction": 0.15},
+            "34 mm long as packed, 28.9 mm at 12 mm of diameter (length as given, shortening as "
+            "given); from its source: used at 10 to 26 mm, in lengths of 11 to 80 mm (Ewert 2005",
+        ),
+        (
+            "gore-vbx",
+            {"length": 34},
+            "34.0 mm at 12 mm of diameter (length as given, shortening as its row has it); from "
+            "its source: keeps its length at its nominal diameters (Bismuth 2017",
+        ),
+        ("generic", {"length": 30}, "27.0 mm at 12 mm of diameter (length as given, shortening as "
+         "its row has it); none: it is no product, its numbers are assumptions."),
+    ],
+)  # fmt: skip
+def test_only_what_a_row_has_is_told_as_of_its_source(name, size, words):
+    stent = Stent(12.0, placement=CENTER, device=device_named(name), **size)
+    (told,) = planned_device_sentences(stent)
+    assert words in told
 
 
 # ---- documents

@@ -13,7 +13,7 @@ from SDFStentLib.files import encode_vtp, polydata_from_arrays, polydata_from_li
 from SDFStentLib.lumen import winding_numbers
 from SDFStentLib.phantoms import stenosed_tube
 from SDFStentLib.plan import load_plan
-from SDFStentLib.stent import AtCenter, AtDistalEnd, BetweenPoints, Stent, stent_axis
+from SDFStentLib.stent import AtDistalEnd, BetweenPoints, Stent
 from SDFStentLib.treatment import axis_in_vessel
 from SDFStentLib.validation import InputError
 
@@ -55,15 +55,14 @@ def test_the_root_that_is_named_counts_for_lines_stored_either_way(tube, tmp_pat
     assert starts[0][2] == pytest.approx(11 if root[2] == 0 else 29, abs=0.01)
 
 
-def test_a_point_far_from_the_centerline_says_how_far_it_was_moved():
-    made = stenosed_tube(edge_length=1.0)
-    for point, words in (([2.5, 0, 5], "2.5 mm beside"), ([0.5, 0, 5], None)):
-        stent = Stent(5, placement=AtCenter(point), length=10)
-        told = " ".join(map(str, stent_axis(stent, made.centerline).warnings))
-        assert ("beside the centerline" in told) == (words is not None)
-        if words is not None:
-            assert f"The center lies {words}" in told
-            assert "(0, 0, 5) mm, was taken" in told
+def test_measure_names_the_root_and_how_to_name_another(tube, capsys):
+    arguments = ["measure", str(tube / "tube.vtp"), "--centerline", str(tube / "up.vtp")]
+    assert main(arguments) == 0
+    assert "Proximal is the end at (0, 0, 40) mm; --root X Y Z" in capsys.readouterr().out
+    assert main([*arguments, "--root", "0", "0", "1"]) == 0
+    assert "Proximal is the end at (0, 0, 0) mm" in capsys.readouterr().out
+    assert main(["measure", "x", "--axis", "y", "--root", "0", "0", "1"]) == 2
+    assert "expected --centerline FILE with --root" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("name", list(ANATOMIES))

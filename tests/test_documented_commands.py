@@ -290,3 +290,21 @@ def test_the_documents_show_every_command_in_every_way_to_write_it():
 )
 def test_curves_and_samples_that_need_more_of_scipy_run(folder, shell, command):
     assert_runs(folder, arguments_of(f"sdfstent {command}"), shell)
+
+
+def test_curves_serve_every_command(folder, shell):
+    for command in (
+        "measure surface.vtp --centerline line.mrk.json --axis axis.mrk.json",
+        "extract surface.vtp --centerline line.mrk.json --from X Y Z --to X Y Z -o cut",
+        "suggest surface.vtp --centerline line.mrk.json -o proposal.json",
+    ):
+        done = shell(*arguments_of(f"sdfstent {command}"), folder=folder)
+        assert done.returncode == 0, (command, done.stderr)
+
+
+def test_a_plan_with_a_curve_is_carried_out(folder, shell):
+    words = "deploy surface.vtp --axis axis.mrk.json --diameter 7.5 -o out.vtp --save-plan p.json"
+    assert shell(*words.split(), folder=folder).returncode == 0
+    assert_runs(folder, ["run", "p.json", "-o", "again"], shell)
+    again = folder / "again" / "surface_stented.vtp"
+    assert again.read_bytes() == (folder / "out.vtp").read_bytes()

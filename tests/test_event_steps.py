@@ -62,17 +62,6 @@ def test_long_steps_are_closer_to_the_converged_limit_than_the_published_ones(da
     assert steps["events"] < steps["published"] / 3
 
 
-def test_growth_without_contact_is_skipped_and_moves_nothing():
-    case = phantom_case("straight_tube")
-    chain = CapsuleChain.along(case.axis)
-    after, radii = grown(case.points, chain, 0.4, 2.5)
-    np.testing.assert_array_equal(after, case.points)
-    assert len(radii) <= 1
-    nearest = chain.field(case.points).distance.min()
-    _, radii = grown(case.points, chain, 0.4, 3.3)
-    assert radii[0] > nearest - 0.01
-
-
 def test_contact_is_held_at_the_contact_tolerance():
     case = phantom_case("stenosed_tube", radius=2.0, throat_radius=1.2, edge_length=0.8)
     chain = CapsuleChain.along(case.axis)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from child_processes import PROJECT
 from deployment_cases import ANATOMIES
+from tube_files import deploy
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkIntArray
 from vtkmodules.vtkCommonDataModel import VTK_TETRA
@@ -107,6 +108,25 @@ def test_a_segment_is_written_with_its_faces_in_cm(a_folder, capsys):
 def area(surface):
     first, second, third = surface.points[surface.triangles].transpose(1, 0, 2)
     return 0.5 * np.linalg.norm(np.cross(second - first, third - first), axis=1).sum()
+
+
+def test_before_and_after_a_stent_lie_in_one_folder(a_folder, capsys):
+    assert deploy(diameter="7") == 0
+    assert extract("--after", "out.vtp") == 0
+    document = json.loads(Path("seg/segment.json").read_text(encoding="utf-8"))
+    for name in ("before", "after"):
+        faces = assert_faces_are_the_exterior(Path("seg") / name, ["inlet", "outlet", "wall"])
+        # The caps of both lie in the same planes.
+        for plane, cap in zip(document["planes"], ("inlet", "outlet"), strict=True):
+            heights = (points_of(faces[cap]) - plane["origin"]) @ plane["normal"]
+            assert np.abs(heights).max() < 1e-6
+    assert document["after"]["volume"] > 1.2 * document["before"]["volume"]
+    said = capsys.readouterr().out
+    assert "Before: " in said
+    assert "After: " in said
+    # A second run replaces the first, and leaves nothing of it.
+    assert extract() == 0
+    assert sorted(path.name for path in Path("seg").iterdir()) == ["before", "segment.json"]
 
 
 def test_a_treated_vessel_in_another_frame_is_a_sentence(a_folder, capsys):

@@ -7,10 +7,11 @@ import pytest
 from plain_measuring import nearest_points, plain_sphere
 
 from SDFStentLib.deformation import DeploymentSettings, deploy
-from SDFStentLib.geometry import Line, Surface, SurfaceIndex, nearest_distances
+from SDFStentLib.geometry import Balls, Line, Surface, SurfaceIndex, nearest_distances
 from SDFStentLib.geometry.distance import closest_points_on_triangles
 from SDFStentLib.lumen import (
     StationSearch,
+    Until,
     equivalent_diameters,
     inscribed_spheres,
     measured_at,
@@ -122,6 +123,23 @@ def test_stations_measured_together_are_those_measured_alone(a_vessel, when):
         np.testing.assert_allclose(one.equivalent, alone.equivalent, atol=1e-3)
 
 
+@pytest.mark.parametrize("when", [0, 1], ids=["before", "after"])
+def test_a_climb_ends_where_the_sphere_is_large_enough(a_vessel, when):
+    points, triangles, axis = a_vessel[0][when], *a_vessel[1:]
+    places = Line(axis).resampled(4.0).points
+    directions = Line(places).directions
+    whole = inscribed_spheres(points, triangles, places, directions)
+    enough = 0.9 * whole.radii
+    enough[::3] = np.inf
+    found = inscribed_spheres(points, triangles, places, directions, Until(enough=enough))
+    np.testing.assert_allclose(found.radii[::3], whole.radii[::3], atol=1e-3)
+    is_large = found.radii > enough
+    np.testing.assert_allclose(found.radii[~is_large], whole.radii[~is_large], atol=1e-3)
+    assert (found.radii <= whole.radii + 1e-3).all()
+    exact = SurfaceIndex(points, triangles).distances(found.centers).distance
+    np.testing.assert_allclose(found.radii, exact, rtol=1e-9)
+
+
 def test_ends_of_vessels_are_the_same_where_their_spheres_are_searched_to_the_end(
     a_vessel_and_its_tree, monkeypatch
 ):
@@ -156,20 +174,6 @@ def test_vessels_with_a_narrowing_are_measured_exactly_and_others_nearly_so(a_ve
             assert (share <= 1.1).all()
 
 
-def test_sections_do_not_depend_on_the_winding():
-    tube = stenosed_tube()
-    turned = tube.triangles.copy()
-    turned[::3] = turned[::3, ::-1]
-    places = np.array([[0, 0, 12.0], [0, 0, 20.0]])
-    directions = np.array([[0, 0, 1.0], [0, 0.3, 1.0]])
-    found, expected = (
-        equivalent_diameters(tube.points, faces, places, directions)
-        for faces in (turned, tube.triangles)
-    )
-    assert np.isfinite(expected).all()
-    np.testing.assert_allclose(found, expected, rtol=1e-12)
-
-
 def test_nearest_points_of_triangles_are_those_of_a_plain_way():
     random = np.random.default_rng(0)
     corners = random.normal(size=(500, 3, 3)) * 10.0 ** random.uniform(-3, 2, (500, 1, 1))
@@ -198,6 +202,25 @@ def test_what_is_near_is_what_a_plain_search_over_all_pairs_finds():
     assert (found.bound <= every[found.query, found.triangle] * (1 + 1e-9)).all()
     assert (np.diff(found.query) >= 0).all()
     np.testing.assert_allclose(index.distances(queries).distance, every.min(axis=1), rtol=1e-9)
+
+
+def test_balls_that_only_just_touch_what_is_looked_for_are_found():
+    """Far from the origin, where rounding is coarse; balls of all sizes, many at one spot."""
+    random = np.random.default_rng(2)
+    middles = 1e5 + random.normal(size=(500, 3))
+    middles[400:] = middles[400]
+    radii = 4.0 ** random.integers(-9, 1, 500)
+    radii[::50] = 0.0
+    balls = Balls(middles, radii)
+    places = np.repeat(middles[::5], 2, axis=0) + np.array([0.0, 0, 3])
+    place, ball = balls.near(places, np.repeat(3.0 - radii[::5], 2))
+    own = set(zip(place.tolist(), ball.tolist(), strict=True))
+    assert all((n, 5 * (n // 2)) in own for n in range(len(places)))
+    assert (np.diff(place) >= 0).all()
+    gap = np.linalg.norm(places[place] - middles[ball], axis=1) - radii[ball]
+    assert (gap <= np.repeat(3.0 - radii[::5], 2)[place] + 3 * radii[ball] + 1e-6).all()
+    expected = [np.linalg.norm(middles - one, axis=1).min() for one in places]
+    np.testing.assert_allclose(balls.nearest(places), expected, rtol=1e-9)
 
 
 def test_the_nearest_of_many_points_is_that_of_a_plain_search():

@@ -8,10 +8,11 @@ from pathlib import Path
 import jsonschema
 import pytest
 from test_plan import SCHEMA, a_document
+from tube_files import deploy
 
 from SDFStentLib.cli import main
 from SDFStentLib.flow import Known
-from SDFStentLib.plan import load_plan, plan_from_document
+from SDFStentLib.plan import load_plan, plan_from_document, save_plan
 from SDFStentLib.validation import InputError
 
 
@@ -64,6 +65,29 @@ def test_a_plan_lowers_the_pressure_and_sends_more_to_the_treated_side(flow, cap
     page = Path("f.html").read_text(encoding="utf-8")
     assert "drop over stent 1" in page
     assert "Research use only" in page
+
+
+def test_the_networks_run_unchanged_in_svzerod(flow):
+    svzerod = pytest.importorskip("svzerod")
+    assert flow("--plan", flow.plan, "--mean-flow", "50mL/s", *PRESSURES, "--export-0d", "n") == 0
+    inlets = [
+        svzerod.simulate(str(Path("n", name))).pressure_in.iloc[0] / 1333.22
+        for name in ("before.json", "after.json")
+    ]
+    assert inlets[0] == pytest.approx(30, rel=1e-4)
+    assert inlets[1] < inlets[0]
+
+
+def test_without_a_plan_and_pressures_only_drops_before_are_told(flow, capsys):
+    assert flow("--mean-flow", "50mL/s", "--peak-flow", "120mL/s", "--json", "f.json") == 0
+    document = json.loads(Path("f.json").read_text(encoding="utf-8"))
+    assert document["after"] is None
+    assert document["before"]["mean"]["inlet_mmhg"] is None
+    drops = [document["before"][at]["narrowings"][0] for at in ("mean", "peak")]
+    assert drops[1]["recovered_mmhg"]["value"] > 3 * drops[0]["recovered_mmhg"]["value"]
+    said = capsys.readouterr().out
+    assert "->" not in said
+    assert "Without pressures the split is as given" in said
 
 
 @pytest.mark.parametrize(
@@ -146,6 +170,26 @@ def test_a_plan_that_knows_a_flow_tells_what_the_command_tells(flow, patient, tm
     assert main(["compare", plan, str(patient / "without.json"), "-o", "page.html"]) == 0
     page = Path("page.html").read_text(encoding="utf-8")
     assert page.count("At the peak flow of 120 mL/s (7.2 L/min), inlet pressure") == 1
+
+
+def test_deploy_keeps_a_flow_in_its_plan(a_folder, capsys):
+    rows = "s,L/min\n0,1\n0.2,7\n0.4,1\n0.8,1\n"
+    Path("wave.csv").write_text(rows, encoding="utf-8")
+    files = ["--save-plan", "p.json", "--report", "r.json", "--export-0d", "nets"]
+    assert deploy("--wave", "wave.csv", "--mean-flow", "8mL/s", *files) == 0
+    kept = load_plan("p.json").flow
+    assert kept.mean == 8
+    assert kept.wave.time == (0, 0.2, 0.4, 0.8)
+    assert kept.wave.flow == pytest.approx((3.2, 22.4, 3.2, 3.2))
+    assert read("r.json")["flow"]["known"]["peak_flow_ml_s"] == pytest.approx(22.4)
+    before, after = (
+        read(f"nets/{name}.json")["vessels"][0]["zero_d_element_values"]
+        for name in ("before", "after")
+    )
+    assert after["stenosis_coefficient"] < 0.1 * before["stenosis_coefficient"]
+    jsonschema.validate(read("p.json"), SCHEMA)
+    save_plan(load_plan("p.json"), "again.json")
+    assert load_plan("again.json").flow == kept
 
 
 @pytest.mark.parametrize(

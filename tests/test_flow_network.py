@@ -11,12 +11,12 @@ import pytest
 from SDFStentLib.flow import (
     FlowModel,
     FollowedChannels,
-    Known,
     Network,
     Outlets,
     Part,
     Wave,
     channels_of,
+    flow_value,
     known_flow,
     read_wave,
     solved_by_svzerod,
@@ -25,7 +25,7 @@ from SDFStentLib.flow import (
     tree_of,
 )
 from SDFStentLib.flow.blocks import Stream, blocks_of, turns_of
-from SDFStentLib.flow.channels import Channel, Widths
+from SDFStentLib.flow.channels import Channel, Widths, widths_of
 from SDFStentLib.geometry import Line
 from SDFStentLib.lumen import equivalent_diameters, inscribed_spheres
 from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube, straight_tube
@@ -293,6 +293,36 @@ def test_a_solver_that_dies_or_does_not_converge_is_a_sentence(a_fork, monkeypat
         shutil.rmtree(log.parent)
 
 
+@pytest.mark.parametrize(
+    "text", ["41.7", "fast", "4 L", "0mL/s", "-3mL/s", "1.2.3mL/s", "1e9L/min"]
+)
+def test_a_flow_without_a_unit_or_none_is_refused(text):
+    with pytest.raises(InputError, match="flow"):
+        flow_value(text)
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        ({"inlet": 10.0}, "that of the inlet alone"),
+        ({"wedge": 10.0}, "that of the wedge alone"),
+        ({"inlet": 9.0, "wedge": 10.0}, "contradict each other"),
+        ({"inlet": float("nan"), "wedge": 10.0}, "inlet pressure"),
+        ({"peak": 30.0}, "peak flow"),
+        ({"split_right": 1.0}, "below 1"),
+        ({"split_right": 80.0}, "split to the right"),
+    ],
+)
+def test_values_that_contradict_each_other_are_refused(more, words):
+    with pytest.raises(InputError, match=words):
+        known_flow(40.0, **more)
+
+
+def test_pressures_that_cannot_drive_the_flow_are_refused(a_fork):
+    with pytest.raises(InputError, match="expected more than the vessel itself costs"):
+        answer_of(a_fork, 200.0, inlet=10.2, wedge=10.0)
+
+
 def test_a_place_in_the_right_branch_lies_in_the_vessel(a_fork):
     channels, right = a_fork
     with pytest.raises(InputError, match="expected a place in the right main branch"):
@@ -301,20 +331,18 @@ def test_a_place_in_the_right_branch_lies_in_the_vessel(a_fork):
         FlowModel(channels, known_flow(40.0, right=tuple(channels[0].points[2])))
 
 
+def test_a_split_needs_sides():
+    tube = straight_tube(edge_length=1.2)
+    channels = channels_of(tube.surface, tube.centerline)
+    with pytest.raises(InputError, match="right branch is known"):
+        FlowModel(channels, known_flow(40.0, split_right=0.7))
+    assert FlowModel(channels, known_flow(40.0)).answer().before["mean"].sides is None
+
+
 def write(folder, text):
     path = folder / "wave.csv"
     path.write_text(text, encoding="utf-8")
     return path
-
-
-def test_a_wave_is_read_in_its_unit_and_scaled_to_the_mean(tmp_path):
-    path = write(tmp_path, "time_s,flow_L/min\n0.1,1\n0.3,5\n0.5,2\n0.9,1\n")
-    wave = read_wave(path)
-    assert wave.time == pytest.approx([0, 0.2, 0.4, 0.8])
-    assert wave.flow == pytest.approx(np.array([1, 5, 2, 1]) * 1000 / 60)
-    known = known_flow(40.0, wave=wave)
-    assert isinstance(known, Known)
-    assert known.wave.mean == pytest.approx(40.0)
 
 
 @pytest.mark.parametrize(
@@ -333,12 +361,22 @@ def test_a_wave_that_is_none_is_refused(tmp_path, text, words):
         read_wave(write(tmp_path, text))
 
 
-def test_a_pressure_beyond_the_outlets_only_lifts_all_others(a_fork):
-    network = answer_of(a_fork).networks[0]
-    resistance = np.full(len(network.tree.outlets), 1e8)
-    low, high = (steady(network, Outlets(resistance, p), 40e-6) for p in (0.0, 1000.0))
-    assert high.inlet - low.inlet == pytest.approx(1000.0)
-    assert high.flow == pytest.approx(low.flow)
+def test_an_outlet_outside_of_the_vessel_is_refused():
+    nowhere = np.full(5, np.nan)
+    line = np.column_stack([np.arange(5.0), np.zeros(5), np.zeros(5)])
+    branch = np.zeros(5, dtype=np.int64)
+    lost = Channel(line, np.arange(5.0), nowhere, nowhere, branch, np.arange(5.0), -1)
+    with pytest.raises(InputError, match="a lumen at the outlet near"):
+        widths_of([lost])
+
+
+def test_a_vessel_without_junctions_runs_in_svzerod():
+    svzerod = pytest.importorskip("svzerod")
+    tube = straight_tube(edge_length=1.2)
+    known = known_flow(40.0, inlet=20.0, wedge=8.0)
+    answer = FlowModel(channels_of(tube.surface, tube.centerline), known).answer()
+    table = svzerod.simulate(svzerod_document(answer.networks[0], answer.outlets, known))
+    assert table.pressure_in.iloc[-1] / 1333.22 == pytest.approx(20.0, rel=1e-6)
 
 
 def opened(tube, middle=20.0, half=9.0):

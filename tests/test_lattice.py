@@ -9,9 +9,6 @@ from SDFStentLib.geometry import Line, carried
 from SDFStentLib.phantoms import straight_tube
 from SDFStentLib.stent import (
     AlongAxis,
-    AtCenter,
-    AtDistalEnd,
-    AtProximalEnd,
     LatticeDesign,
     Shape,
     Stent,
@@ -114,36 +111,6 @@ def test_a_shape_is_followed_and_grows_in_proportion():
         along = (points[:, 2] - 10) / 20
         wanted = axis.profile.at(along) / 2 * widest / 8
         np.testing.assert_allclose(np.hypot(*points[:, :2].T), wanted, atol=1e-6)
-
-
-@pytest.mark.parametrize("expansion", [0.0, 0.3, 1.0])
-@pytest.mark.parametrize(
-    ("placement", "keeps", "fixed"),
-    [
-        (AtCenter, "center", 0.5),
-        (AtCenter, "proximal", 0.0),
-        (AtDistalEnd, "center", 1.0),
-        (AtProximalEnd, "center", 0.0),
-    ],
-)
-def test_the_length_goes_from_nominal_to_deployed_and_what_is_kept_stays(
-    expansion, placement, keeps, fixed
-):
-    tube = straight_tube(length=80.0)
-    stent = Stent(
-        6.0,
-        placement=placement(tube.axis_at([40.0])[0]),
-        length=20.0,
-        foreshortening_fraction=0.15,
-        keeps=keeps,
-    )
-    axis = stent_axis(stent, tube.centerline)
-    heights = stent_lattice(stent, axis, expansion=expansion).points[:, 2]
-    size = 20 - expansion * 3  # 15 % of 20 mm
-    assert np.ptp(heights) == pytest.approx(size, abs=1e-6)
-    deployed = np.sort(axis.points[[0, -1], 2])
-    kept = deployed[0] + fixed * np.ptp(deployed)
-    assert heights.min() + fixed * size == pytest.approx(kept, abs=1e-6)
 
 
 # Without twist

@@ -319,6 +319,24 @@ def test_no_room_grows_too_full():
     assert not {room: files for room, files in count.items() if files > 20}
 
 
+def test_every_while_says_why_it_ends():
+    for path in FILES + sorted((PROJECT / "SDFStent" / "SDFStentSlicer").rglob("*.py")):
+        lines = path.read_text(encoding="utf-8").splitlines()
+        for node in nodes_of(path):
+            if isinstance(node, ast.While):
+                above = node.lineno - 2
+                while lines[above - 1].lstrip().startswith("#"):
+                    above -= 1
+                assert lines[above].lstrip().startswith("# Ends"), f"{path}:{node.lineno}"
+
+
+def test_no_sentence_of_the_library_names_an_option():
+    for path in FILES:
+        for node in nodes_of(path) if room_of(module_of(path)) != "cli" else ():
+            if isinstance(node, ast.Constant) and isinstance(node.value, str):
+                assert not re.search(r"(^|[\s(])--[a-z]", node.value), (path.name, node.value)
+
+
 ARGUMENTS = {"read_text": 1, "write_text": 2, "open": 4}
 """With so many arguments the last one is the encoding."""
 

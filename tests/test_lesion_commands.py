@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import re
+from functools import cache
 from html import unescape
 from pathlib import Path
 
 import numpy as np
 import pytest
-from deployment_cases import ANATOMIES, anatomy
+from deployment_cases import ANATOMIES, anatomy, phantom
 
 from SDFStentLib.cli import main
 from SDFStentLib.files import (
@@ -19,10 +21,13 @@ from SDFStentLib.files import (
     polydata_from_lines,
     read_surface,
 )
+from SDFStentLib.geometry import Line, Surface
 from SDFStentLib.lumen import inscribed_spheres
-from SDFStentLib.phantoms import stenosed_tube, straight_tube
+from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube, straight_tube
 from SDFStentLib.report.html import html_page
-from SDFStentLib.vessel import find_lesions
+from SDFStentLib.stent import AtDistalEnd, Stent, stent_axis
+from SDFStentLib.treatment import placement_at, treated_lesions
+from SDFStentLib.vessel import find_lesions, lesions_within
 
 LENGTHS = (8.0, 12.0, 20.0, 30.0, 40.0)
 
@@ -89,6 +94,12 @@ def test_measure_says_of_a_lesion_all_that_was_built(tube, capsys):
     assert "inscribed (mm)" not in said
 
 
+def test_a_vessel_without_lesions_says_so(healthy, capsys):
+    said = said_of(["measure", *healthy], capsys)
+    assert said.splitlines()[1:] == ["No lesion of 15 % or more was found."]
+    assert document_of(["measure", *healthy], capsys)["lesions"] == []
+
+
 def test_without_a_centerline_no_lesions_are_claimed(tube, folder, capsys):
     axis = folder / "tube_line.vtp"
     document = document_of(["measure", tube[0], "--axis", axis, "--units", "cm"], capsys)
@@ -96,6 +107,20 @@ def test_without_a_centerline_no_lesions_are_claimed(tube, folder, capsys):
     for option in (["--csv", folder / "no.csv"], ["--reference", 0, 0, 1]):
         said = said_of(["measure", tube[0], "--axis", axis, *option], capsys, code=2)
         assert f"expected --centerline FILE with {option[0]}, got none" in said
+
+
+def test_the_table_of_lesions_has_the_numbers_of_the_document(pulmonary, tmp_path, capsys):
+    path = tmp_path / "lesions.csv"
+    lesions = document_of(["measure", *pulmonary, "--csv", path], capsys)["lesions"]
+    rows = list(csv.DictReader(path.open(encoding="utf-8")))
+    assert len(rows) == len(lesions) == 3
+    for row, lesion in zip(rows, lesions, strict=True):
+        assert int(row["lesion"]) == lesion["number"]
+        assert float(row["percent_diameter"]) == pytest.approx(lesion["percent_diameter"], rel=1e-5)
+        assert float(row["percent_area"]) == pytest.approx(lesion["percent_area"], rel=1e-5)
+        filed = [float(row[axis]) for axis in "xyz"]
+        np.testing.assert_allclose(np.multiply(filed, 10), lesion["place_mm"], rtol=1e-4)
+        assert row["units"] == "cm"
 
 
 def test_the_place_and_the_minimum_are_those_of_spheres_on_the_path(pulmonary, data_dir, capsys):
@@ -139,14 +164,39 @@ def deployed(arguments, tmp_path, capsys, code=0):
     return said, json.loads(report.read_text(encoding="utf-8")) if code == 0 else None
 
 
-def test_a_stent_at_a_lesion_has_the_middle_of_its_extent(tube, tmp_path, capsys):
-    place = ["--at-lesion", 1, "--length", 20, "--diameter", 6]
-    said, report = deployed([*tube, *place], tmp_path, capsys)
-    ends = [report["stents"][0]["axis"][key] for key in ("start_mm", "end_mm")]
-    np.testing.assert_allclose(np.mean(ends, axis=0), [0, 0, 30], atol=0.3)
-    assert np.ptp(ends, axis=0)[2] == pytest.approx(18, abs=0.1)
-    assert "Stenosis by diameter: lesion 1 40 % -> " in said
-    assert report["lesions"][0]["after"]["percent_diameter"] == pytest.approx(0, abs=1.5)
+@cache
+def branching_vessels(data_dir):
+    """An artery and a phantom with the lesions of each."""
+    vessels = anatomy(data_dir, "pulmonary"), branching_pulmonary_artery(edge_length=0.8)
+    return [(one, find_lesions(one.surface, one.centerline)) for one in vessels]
+
+
+@pytest.mark.parametrize("length", LENGTHS)
+def test_a_placement_covers_its_lesion_whatever_the_length_and_the_branch(data_dir, length):
+    """Lesions of the artery lie in both branches, in the one that is not the widest, too."""
+    for vessel, lesions in branching_vessels(data_dir):
+        assert lesions
+        for lesion in lesions:
+            placement = placement_at(lesion, vessel.centerline, length)
+            stent = Stent(8.0, placement=placement, length=length)
+            axis = stent_axis(stent, vessel.centerline)
+            assert lesion in lesions_within(lesions, axis.points)
+            is_shortened = axis.deployed_length < axis.prescribed_length - 1e-6
+            if isinstance(placement, AtDistalEnd) or is_shortened or length < 2 * lesion.length:
+                continue
+            middle = Line(axis.points).resampled_to(101).points[50]
+            assert np.linalg.norm(middle - lesion.line.resampled_to(101).points[50]) < 1.0
+
+
+def test_of_a_lesion_of_which_nothing_is_left_nothing_lies_beyond_the_stents():
+    """It read "none (7 % above reference). What is left is narrowest beyond the stent's ends."."""
+    made = phantom("stenosed_tube", edge_length=0.8)
+    lesions = find_lesions(made.surface, made.centerline)
+    for widened, is_left in ((1.0, True), (2.0, False)):
+        after = Surface(made.points * [widened, widened, 1.0], made.triangles)
+        (one,) = treated_lesions(lesions, (), after)
+        assert (one.after.percent_diameter > 1) == is_left
+        assert one.is_left_beyond == is_left
 
 
 def test_what_a_short_stent_leaves_is_said_to_lie_beyond_it(pulmonary, tmp_path, capsys):
@@ -201,6 +251,16 @@ def test_one_lesion_reads_the_same_for_stents_of_8_to_40_mm(pulmonary, tmp_path,
     assert np.ptp(told) < 1e-9
     # By hand: 4.95 mm against the healthy lumen on both sides, 9.8 and 10.6 mm.
     assert told[0] == pytest.approx(100 * (1 - 4.95 / 10.2), abs=2)
+
+
+def test_a_stent_that_covers_no_lesion_says_so_and_gives_no_percentage(tube, tmp_path, capsys):
+    place = ["--center", 0, 0, 0.8, "--length", 8, "--diameter", 6.5]
+    said, report = deployed([*tube, *place, "--report", tmp_path / "r.html"], tmp_path, capsys)
+    assert "This stent covers no lesion of 15 % or more." in said
+    assert report["stents"][0]["lesions"] == []
+    assert report["lesions"][0]["stents"] == []
+    assert "covers no lesion of 15 % or more" in (tmp_path / "r.html").read_text(encoding="utf-8")
+    assert "stenosis" not in json.dumps(report["stents"])
 
 
 def test_without_a_centerline_the_report_says_that_lesions_were_not_looked_for(

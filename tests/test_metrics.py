@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from deployment_cases import phantom
 
-from SDFStentLib.geometry import Surface, SurfaceIndex
+from SDFStentLib.geometry import Line, Surface, SurfaceIndex
 from SDFStentLib.geometry.distance import closest_points_on_triangles
 from SDFStentLib.lumen import (
     DiameterProfile,
@@ -145,6 +146,14 @@ def _weights(seed, corners, count):
     return np.random.default_rng(seed + 100).dirichlet(np.ones(corners), size=count)
 
 
+def test_the_radius_is_the_distance_from_the_centre_to_the_surface():
+    points, triangles = a_round_tube(count=30)
+    points = points + 0.1 * np.random.default_rng(0).normal(size=points.shape)
+    found = inscribed_spheres(points, triangles, np.linspace([1, 0, 8], [0, 1, 30], 23))
+    measured = SurfaceIndex(points, triangles).distances(found.centers).distance
+    np.testing.assert_allclose(found.radii, measured, rtol=0, atol=ROUNDING)
+
+
 @pytest.mark.parametrize(("roughly", "finer"), [(100, 30), (3, 2)])
 def test_a_fine_surface_is_searched_among_its_points_with_the_same_result(
     monkeypatch, roughly, finer
@@ -193,6 +202,13 @@ def test_rigid_motion_moves_the_spheres_along_and_scaling_scales_them():
 # Cross-sections and profiles
 
 
+def test_the_equivalent_diameter_is_that_of_the_polygon_round_the_axis_point():
+    points, triangles = a_round_tube(radius=4.0, count=24)
+    area = 24 / 2 * 16 * np.sin(2 * np.pi / 24)
+    found = equivalent_diameters(points, triangles, stations([1, 2, 20.5], [0, 0, 3]), upward(2))
+    np.testing.assert_allclose(found, 2 * np.sqrt(area / np.pi), rtol=0, atol=ROUNDING)
+
+
 def test_a_plane_through_vertices_still_finds_its_closed_loop():
     from scipy.spatial.transform import Rotation
 
@@ -228,6 +244,21 @@ def test_outside_every_loop_there_is_no_equivalent_diameter():
         equivalent_diameters(*tube, [[0, 0, 1]], upward(2))
     with pytest.raises(InputError, match="directions: expected no zero vector"):
         equivalent_diameters(*tube, [[0, 0, 1]], [[0, 0, 0]])
+
+
+def test_stations_far_apart_have_the_places_and_planes_of_the_axis_not_of_its_chords():
+    """Along a hairpin every 12 mm: positions fell behind by a tenth, and sections lay askew."""
+    made = phantom("hairpin_tube", edge_length=0.8)
+    (line,) = (
+        made.centerline.points[made.centerline.ancestry(leaf)] for leaf in made.centerline.leaves
+    )
+    far, near = (diameter_profile(made.surface, line, spacing) for spacing in (12.0, 1.0))
+    assert len(far.arc_length) == 1 + round(Line(line).length / 12)
+    assert far.arc_length[-1] == pytest.approx(Line(line).length, abs=0.05)
+    np.testing.assert_allclose(np.diff(far.arc_length), far.arc_length[1], rtol=0.01)
+    for name in ("inscribed_diameter", "equivalent_diameter"):
+        of_near = np.interp(far.arc_length, near.arc_length, getattr(near, name))
+        np.testing.assert_allclose(getattr(far, name)[1:-1], of_near[1:-1], atol=0.03)
 
 
 def test_the_part_of_a_profile_holds_the_stations_between_two_positions():

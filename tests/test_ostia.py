@@ -94,6 +94,18 @@ def test_no_ostium_is_covered_by_more_than_all_of_it():
         assert 0.99 < ostium.covered_share <= 1
 
 
+def test_half_of_an_ostium_is_half_covered():
+    patch = a_tee()
+    (ostium,) = ostia_of(Surface(patch.points, patch.triangles), [[0, 0, 30.0], [0, 0, 45.0]])
+    assert ostium.covered_share == pytest.approx(0.5, abs=0.03)
+    # An ellipse on the unrolled wall: the branch's circle, wider round the vessel.
+    assert ostium.area == pytest.approx(np.pi * 2.5**2, rel=0.15)
+    assert not ostium.is_free
+    assert not ostium.is_fully_covered
+    assert ostium.sentence().startswith("Side branch of 4.7 mm at 0 mm: 5")
+    assert " % covered; its ostium lies from -2." in ostium.sentence()
+
+
 def test_where_a_placement_snaps_does_not_decide_about_a_branch(data_dir):
     """Once the left iliac was free, 8.5 mm away, and 0.1 mm farther covered, 6.2 mm inside."""
     found = []
@@ -250,6 +262,15 @@ def a_bent_path(patch):
     parent = np.arange(len(points)) - 1
     parent[len(up) + len(on)] = len(up) - 1
     return Surface(patch.points, patch.triangles), Centerline(points, np.full(83, np.nan), parent)
+
+
+@pytest.mark.parametrize("start", [24.0, 27.0, 30.0])
+def test_the_vessel_that_a_stented_one_comes_from_is_no_branch(start):
+    """Round a bend rays look back along the vessel's own lumen: it was "fully covered"."""
+    surface, tree = a_bent_path(a_tee(side_radius=3.5))
+    way = tree.path(tree.project(np.array([0, 0, start])), np.array([15.0, 0, 30])).points
+    (onward,) = ostia_of(surface, way, tree)
+    np.testing.assert_allclose(onward.outlets, [(0, 0, 60)], atol=0.01)
 
 
 @pytest.mark.parametrize("start", [1.0, 4.0, 8.0])

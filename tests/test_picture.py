@@ -14,6 +14,7 @@ import pytest
 from SDFStentLib import phantoms
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.files import encode_vtp, polydata_from_arrays
+from SDFStentLib.geometry import Line
 from SDFStentLib.plan import Plan, PlanResult, read_input_files, treatment_of
 from SDFStentLib.report import before_after_picture
 from SDFStentLib.report.picture import painting, picture
@@ -25,6 +26,7 @@ from SDFStentLib.report.picture.shapes import (
     WALL_COLOR,
     strut_curves,
 )
+from SDFStentLib.report.picture.view import best_view
 from SDFStentLib.stent import AlongAxis, Stent
 from SDFStentLib.validation import DeploymentError
 
@@ -124,6 +126,12 @@ def test_words_scales_and_small_print_are_there(image: np.ndarray) -> None:
     bar = image[655, 410:790]
     assert bar[2, 2] > bar[2, 1]  # violet at the left
     assert (bar[-3, :2] > 200).all()  # yellow at the right
+
+
+def test_opposite_frames_give_opposite_views(stent_axis: np.ndarray) -> None:
+    points = artery().points
+    ras, lps = (best_view([Line(stent_axis)], 3.5, points, 1.0, frame) for frame in ("RAS", "LPS"))
+    assert ras.toward_camera @ lps.toward_camera < 0
 
 
 def test_struts_are_drawn_after_treatment_and_can_be_hidden(

@@ -15,6 +15,7 @@ from SDFStentLib.files import (
     encode_vtp,
     polydata_from_arrays,
     polydata_from_lines,
+    set_frame_of_polydata,
 )
 from SDFStentLib.geometry import Surface
 from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube
@@ -27,7 +28,10 @@ from SDFStentLib.plan import (
     plan_text,
     run_plan,
     save_plan,
+    scaled,
+    turned,
 )
+from SDFStentLib.plan.json_document import unscaled
 from SDFStentLib.report import plan_report
 from SDFStentLib.stent import (
     AlongAxis,
@@ -111,6 +115,13 @@ def test_a_plan_comes_back_from_its_file_exactly(tmp_path, units):
     for one, other in zip(again.stents, plan.stents, strict=True):
         for name, value in vars(other.placement).items():
             np.testing.assert_array_equal(getattr(one.placement, name), value)
+
+
+def test_changing_the_unit_rounds_nothing():
+    for value in RANDOM.normal(size=500):
+        for factor in (1.0, 10.0, 1000.0):
+            assert scaled(unscaled(value, factor), factor) == value
+    assert scaled(1.1, 10.0) == 11.0  # 1.1 * 10 in floats is 11.000000000000002
 
 
 @pytest.mark.parametrize(
@@ -372,6 +383,21 @@ def test_a_changed_input_is_refused_naming_both_hashes_unless_accepted(a_patient
         result.write_centerline(folder / "c.vtp")
     with pytest.raises(InputError, match=r"inputs.surface: expected a file, the plan names none"):
         run_plan(Plan(stents=plan.stents))
+
+
+def test_a_plan_in_the_other_frame_is_turned(a_patient):
+    folder, vessel = a_patient
+    stent = Stent(7.5, placement=BetweenPoints(*vessel.axis_at((20, 40))))
+    data = polydata_from_arrays(vessel.points, vessel.triangles)
+    set_frame_of_polydata(data, "RAS")
+    (folder / "ras.vtp").write_bytes(encode_vtp(data))
+    files = {
+        "surface": InputFile(folder / "ras.vtp"),
+        "centerline": InputFile(folder / "centerline.vtp"),
+    }
+    same = run_plan(Plan(stents=(stent,), frame="RAS", **files))
+    other = run_plan(Plan(stents=(turned(stent),), frame="LPS", **files))
+    np.testing.assert_allclose(other.treatment.points, same.treatment.points, rtol=0, atol=1e-9)
 
 
 ENDLESS = ["9" * 400, "1e400", "1e99999999999999999999", "1e999999999999999999", "-1e400"]

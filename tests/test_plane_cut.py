@@ -122,6 +122,14 @@ def test_the_rim_is_one_curve_in_the_plane_and_the_surface_stays_closed(name):
     assert of_sources.max() == 3
 
 
+@pytest.mark.parametrize("name", PLANES)
+def test_the_area_of_a_section_is_that_of_the_ellipse(name):
+    origin, normal = PLANES[name]
+    section, _, unit = cut(straight_tube(radius=3.0).surface, origin, normal)
+    ellipse = np.pi * 9 / abs(unit[2])
+    assert section.area == pytest.approx(ellipse, rel=0.01)
+
+
 @settings(deadline=None)
 @given(st.floats(3, 27), st.floats(-0.6, 0.6), st.floats(-0.6, 0.6))
 def test_no_plane_across_a_bend_leaves_slivers_or_folds(place, first, second):

@@ -31,15 +31,6 @@ def an_arc(radius: float = 10.0, count: int = 200) -> np.ndarray:
     return radius * np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])
 
 
-def test_repeated_points_go_and_the_ends_stay_exact():
-    points = np.array(
-        [[0.0, 0, 0], [1e-10, 0, 0], [1, 0, 0], [1, 0, 0], [2 - 1e-10, 0, 0], [2, 0, 0]]
-    )
-    kept = Line(points).without_repeats()
-    assert kept.points.tolist() == [[0, 0, 0], [1, 0, 0], [2, 0, 0]]
-    assert len(Line(np.zeros((5, 3))).without_repeats()) == 1
-
-
 @given(any_polyline, st.floats(0.05, 50))
 def test_resampling_keeps_the_ends_and_spaces_equally(points, spacing):
     total = Line(points).length
@@ -68,20 +59,6 @@ def test_closest_points_in_blocks_match_dense_sampling():
     # A sample lies within half a step of the true foot.
     assert (found.distances[some] <= brute + ROUNDING).all()
     assert (brute <= found.distances[some] + step / 2 + ROUNDING).all()
-
-
-def test_tangents_of_an_arc_are_perpendicular_to_its_radius():
-    arc = an_arc()
-    along = Line(arc).directions
-    np.testing.assert_allclose(np.linalg.norm(along, axis=1), 1, atol=ROUNDING)
-    np.testing.assert_allclose(np.einsum("ij,ij->i", along, arc)[1:-1], 0, atol=ROUNDING)
-
-
-@pytest.mark.parametrize("window", [None, 0.5, 3.0])
-def test_the_bend_radius_of_an_arc_is_its_radius(window):
-    # Points on chords of a fine arc lie inside it by the chord height, 8e-5 mm at 0.08 mm steps,
-    # which over a window of 0.5 mm turns into 4 * 8e-5 * (10 / 0.5)^2 = 0.13 mm.
-    assert tightest_bend(Line(an_arc()), window).radius == pytest.approx(10, abs=0.13)
 
 
 def test_the_bend_radius_of_lines_corners_and_hairpins():

@@ -123,11 +123,3 @@ def test_points_that_can_only_be_dragged_never_touch():
     plain = oracle.deployed(points, chain.nodes, 0.4, 3.0, wall=400)
     np.testing.assert_allclose(after, plain, rtol=0, atol=EXACT)
     assert (plain[400:] != points[400:]).any()
-
-
-def test_points_that_start_deep_inside_are_brought_onto_the_stent_in_one_step():
-    chain = CapsuleChain.along([[0.0, 0, 0], [0, 0, 10]], smoothing_width=0)
-    points = np.array([[0.5, 0, 5], [0, 2.9, 5], [30, 0, 5]])
-    after, _ = grown(points, chain, 3.0, 3.1, smoothing_width=0)
-    # |phi| and then the growth of 0.1.
-    np.testing.assert_allclose(after, [[3.1, 0, 5], [0, 3.1, 5], [30, 0, 5]], atol=1e-9)

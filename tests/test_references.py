@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from deployment_cases import phantom
 
 from SDFStentLib.centerline import Stretch
 from SDFStentLib.geometry import Line
+from SDFStentLib.vessel import find_lesions
+from SDFStentLib.vessel.lesion_sections import LesionLine, _smallest
 from SDFStentLib.vessel.narrowings import Plateau, Reference, narrowings
 from SDFStentLib.vessel.runs import SideBranch, VesselRun, _ostium
 
@@ -40,6 +43,19 @@ def test_a_vessel_that_widens_far_beyond_its_ostial_narrowing_is_measured_beside
     assert reference_of(widening, parent=0) == pytest.approx(3.6, abs=0.1)
 
 
+def test_both_sides_of_a_narrowing_count_where_one_goes_on_wider():
+    """Healthy vessel of 3.7 mm beside it passed for a throat of the wider one."""
+    widening = through((0, 3.7), (8, 3.7), (12, 2.0), (16, 4.0), (22, 4.2), (32, 5.5), (50, 5.5))
+    assert reference_of(widening, parent=0) == pytest.approx(3.9, abs=0.3)
+
+
+def test_a_lesion_reaches_to_the_station_beside_its_throat():
+    """2.03 mm lay before the edge that a line to a station of 4.1 mm told; 2.10 were told."""
+    steep = np.r_[4.1, 2.0, 2.6, 3.2, np.full(40, 3.7)]
+    (one,) = narrowings(vessel_along(steep, parent=0))
+    assert one.start == 0.0
+
+
 def test_a_vessel_that_divides_into_narrower_ones_is_as_wide_as_it_is():
     """Against what its branches ask for, 6.2 mm, 38 % were told where 49 % are true."""
     wide = through(
@@ -58,6 +74,19 @@ def test_a_valley_between_two_throats_is_no_healthy_vessel():
     (one,) = narrowings(vessel_along(valley))
     assert one.start < 18
     assert one.end > 33
+
+
+@pytest.mark.parametrize(("throat", "is_known"), [(1.1, True), (np.nan, False)])
+def test_no_area_is_told_without_a_section_at_the_throat(throat, is_known):
+    """The smallest of the sections beside it was told: 49 % by diameter, 39 % by area."""
+    made = phantom("stenosed_tube", edge_length=0.8)
+    (lesion,) = find_lesions(made.surface, made.centerline)
+    along = np.linspace(0.0, lesion.length, 5)
+    circle = np.pi / 4 * lesion.minimum_diameter**2
+    areas = circle * np.array([4.0, 3.0, throat, 3.0, 4.0])
+    line = LesionLine(lesion.line, lesion.healthy, lesion.diameters, np.pi / 4)
+    told = _smallest(line, along, areas, lesion.minimum_diameter)
+    assert np.isfinite(told).all() == is_known
 
 
 @pytest.mark.parametrize(("end", "count"), [(3.5, 1), (8.0, 0)])

@@ -25,7 +25,7 @@ from SDFStentLib.report import (
 from SDFStentLib.report.html import html_page
 from SDFStentLib.report.picture.drawing import Stroke
 from SDFStentLib.report.picture.plot import diameter_plot, figure
-from SDFStentLib.stent import AtCenter, InputFile, Stent
+from SDFStentLib.stent import AtCenter, InputFile, Placement, Stent
 from SDFStentLib.validation import DeploymentError, InputError
 
 
@@ -167,6 +167,62 @@ def test_a_failed_certificate_and_the_warnings_stand_before_every_table(document
     passed = html_page(document | {"warnings": told["warnings"]})
     assert in_order(passed, "<p class='warn'>", "<p class='good'>Surface", "<table")
     assert "was not checked" in html_page(document | {"certificate": None})
+
+
+def rows_of(page):
+    """Of the stent."""
+    planned = page.partition(", as planned")[2].partition("<h2>")[0]
+    return dict(re.findall(r"<tr><td>([^<]*)</td><td>([^<]*)</td></tr>", planned))
+
+
+def test_a_planned_stent_reads_in_words_units_and_percent(document):
+    document["stents"][0]["moved_points"] = 4917
+    document["stents"][0]["axis"] |= {
+        **{"start_mm": [29.62, -64.4, 63.49], "min_bend_radius_mm": 32.0, "chord_mm": 21.65}
+    }
+    rows = rows_of(html_page(document))
+    expected = {
+        "Prescribed lumen diameter": "6.5 mm",
+        "Nominal length": "20.0 mm",
+        "Deployed length along the axis": "18.0 mm",
+        "Foreshortening on expansion": "10 % of nominal length, the usual share, assumed without "
+        "a device",
+        "Placed": "by its middle",
+        "Proximal end (x, y, z)": "29.6, \N{MINUS SIGN}64.4, 63.5 mm; "
+        "in the file 2.96, \N{MINUS SIGN}6.44, 6.35 cm",
+        "Straight distance of its ends": "21.6 mm",
+        "Tightest bend of its axis": "radius 32.0 mm, of the circle through three points of the "
+        "axis that are 3.2 mm apart (the stent radius)",
+        "Surface points that it moved": "4\N{THIN SPACE}917",
+    }
+    assert {name: rows.get(name) for name in expected} == expected
+    for raw in ("AtCenter", "fraction", "min bend", "moved points", "_"):
+        assert raw not in "".join([*rows, *rows.values()])
+
+
+@pytest.mark.parametrize("placement", [kind.__name__ for kind in Placement.__args__])
+def test_every_placement_has_words(document, placement):
+    document["stents"][0]["placement"] = placement
+    page = html_page(document)
+    assert placement not in page
+    assert "<td>Placed</td>" in page
+
+
+def test_headings_name_the_stent_and_its_number_in_the_plan(document):
+    (first,) = document["stents"]
+    second = {**first, "number": 2}
+
+    def headings(*stents):
+        return re.findall(r"<h2>(Stent[^<]*)</h2>", html_page(document | {"stents": stents}))
+
+    assert headings(first, {**second, "name": ""}) == [
+        "Stent 1 of 2: main &lt;3, lumen before and after",
+        "Stent 2 of 2, lumen before and after",
+        "Stent 1 of 2: main &lt;3, as planned",
+        "Stent 2 of 2, as planned",
+    ]
+    assert headings(first)[1] == "Stent: main &lt;3, as planned"
+    assert headings(second)[1] == "Stent 2 of the plan: main &lt;3, as planned"
 
 
 def test_the_page_is_well_formed_loads_nothing_escapes_names_and_tells_files_in_words(document):

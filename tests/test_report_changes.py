@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import html
+import re
 from dataclasses import fields
 from pathlib import Path
 
@@ -63,6 +65,26 @@ def test_the_report_tells_how_triangles_were_changed(in_cm: PlanResult) -> None:
     ratio = quality(after, faces, "Area") / quality(before, faces, "Area")
     expected = [ratio.min(), np.median(ratio), ratio.max()]
     assert [*told["area_ratio"].values()] == pytest.approx(expected, rel=1e-6)
+
+
+def test_the_page_tells_coordinates_in_mm_and_as_the_file_has_them(in_cm: PlanResult) -> None:
+    document = plan_report(in_cm).as_dict()
+    axis = document["stents"][0]["axis"]
+    for end in ("start", "end"):
+        np.testing.assert_allclose(np.multiply(axis[end], 10), axis[f"{end}_mm"])
+    page = html.unescape(html_page(document))
+    for label, name in (("Proximal", "start"), ("Distal", "end")):
+        (told,) = re.findall(rf"<td>{label} end [^<]*</td><td>([^<]*)</td>", page)
+        numbers = [
+            float(n) for n in re.findall(r"-?[0-9]+\.[0-9]+", told.replace("\N{MINUS SIGN}", "-"))
+        ]
+        np.testing.assert_allclose(numbers[:3], axis[f"{name}_mm"], atol=0.051)
+        np.testing.assert_allclose(numbers[3:], axis[name], atol=0.0051)
+        assert " mm; in the file " in told
+        assert told.endswith(" cm")
+    assert len(re.findall(r"along it; [^<]* mm; in the file [^<]* cm", page)) == len(
+        document["lesions"]
+    )
 
 
 def test_every_parameter_of_the_method_is_told_lengths_in_mm(in_cm: PlanResult) -> None:

@@ -232,6 +232,18 @@ def test_faces_are_called_as_the_model_calls_them():
     np.testing.assert_array_equal(np.unique(found.before.face_ids), sorted(kept))
 
 
+def test_an_open_end_within_the_segment_is_closed_flat():
+    phantom = branching_pulmonary_artery()
+    wall = phantom.triangles[phantom.face_ids == 1]
+    used = np.unique(wall, return_inverse=True)
+    surface = Surface(phantom.points[used[0]], used[1].reshape(-1, 3))
+    assert surface.topology.boundary_edge_count > 0
+    found = segment_of(Vessel(surface, phantom.centerline), 0.1, 0.9)
+    whole = segment_of(vessel_of(phantom), 0.1, 0.9)
+    assert_closed_by_its_planes(found)
+    assert found.before.volume == pytest.approx(whole.before.volume, rel=1e-9)
+
+
 def test_a_branch_whose_centerline_stops_before_its_outlet_has_one():
     made = branching_pulmonary_artery()
     tree = made.centerline
@@ -272,6 +284,25 @@ def test_no_section_of_a_bifurcation_that_is_let_through_is_as_wide_as_two_vesse
     assert all(area < 80 or (area < 190 and at < 38) for at, area in allowed.items())
     assert min(at for at, area in allowed.items() if area < 80) < 51
     assert len(allowed) > 10
+
+
+BAD = {
+    "far from an end": (
+        ([0, 0, 8], [0, 0, 400]),
+        "expected a place in the vessel, got one 360.0 mm",
+    ),
+    "the same place": (([0, 0, 8], [0, 0, 8]), "expected two places apart"),
+    "off the vessel": (([40, 0, 8], [0, 0, 30]), "expected a place in the vessel, got one 40.0 mm"),
+    "too near": (([0, 0, 20], [0, 0, 20.2]), "the second meets the other one within the vessel"),
+    "not finite": (([np.nan, 0, 8], [0, 0, 30]), "finite"),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_places_that_cannot_be_are_a_sentence(name):
+    ends, words = BAD[name]
+    with pytest.raises(InputError, match=words):
+        extract_segment(vessel_of(straight_tube()), *ends)
 
 
 def test_a_vessel_without_a_centerline_and_places_in_two_vessels_are_a_sentence():

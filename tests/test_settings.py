@@ -11,6 +11,10 @@ import pytest
 from SDFStentLib.deformation import RULES, DeploymentSettings
 from SDFStentLib.validation import InputError
 
+LENGTHS = {name: one for name, one in DeploymentSettings.parameters().items() if one.unit == "mm"}
+WIDTHS = {name: one for name, one in LENGTHS.items() if one.lowest == 0}
+"""Those that may be zero."""
+
 
 def test_the_defaults_are_the_papers_where_it_names_them_and_its_preset_adds_nothing():
     settings = DeploymentSettings()
@@ -52,6 +56,22 @@ def test_the_preview_differs_from_the_default_only_in_effort():
 def test_what_cannot_be_is_refused_with_what_can(change, message):
     with pytest.raises(InputError, match=message):
         DeploymentSettings().with_changes(**change)
+
+
+@pytest.mark.parametrize("name", LENGTHS)
+def test_lengths_have_bounds_that_are_said(name):
+    """Those of a width are 0, or what is told apart from it, and a largest one."""
+    one = LENGTHS[name]
+    taken, bad = [one.lowest or one.least, one.most], [-0.1, 1.01 * one.most, 1e12, 1e308]
+    if name not in WIDTHS:
+        bad += [0, 0.99 * one.least, 1e-300]
+    for value in taken + [1e-3] * (name == "smoothing_width") + [0] * (name in WIDTHS):
+        assert getattr(DeploymentSettings(**{name: value}), name) == value
+    least = f"at least {one.lowest or one.least:g}" if name not in WIDTHS else "at least 0"
+    for value in [*bad, -1, float("nan"), float("inf"), "much", True]:
+        words = rf"^{name}: expected a number .*{least}.* at most {one.most:g} \(mm\), got "
+        with pytest.raises(InputError, match=words):
+            DeploymentSettings(**{name: value})
 
 
 def test_the_method_document_names_every_setting_with_its_default():

@@ -55,6 +55,23 @@ def errors(stent) -> np.ndarray:
 # ---- the profile
 
 
+def test_a_profile_is_that_of_its_parts():
+    at = np.linspace(0, 1, 9)
+    flat = Shape().along(8.0, 16.0)
+    assert flat.at(at).tolist() == [8.0] * 9
+    waist = Shape(waist=Waist(6.6)).along(8.0, 16.0, narrowest=0.5)
+    assert waist.at(at)[[0, 4, 8]] == pytest.approx([8.0, 6.6, 8.0])
+    assert waist.at(at) == pytest.approx(waist.at(at[::-1]))
+    shifted = Shape(waist=Waist(6.6, length=8.0)).along(8.0, 16.0, narrowest=0.25)
+    assert shifted.at(np.array([0.0, 0.25, 0.5, 0.75])) == pytest.approx([8.0, 6.6, 8.0, 8.0])
+    ends = Shape(start=StentEnd(9.0, 4.0), end=StentEnd(6.0, 8.0)).along(8.0, 16.0)
+    assert ends.at(np.array([0.0, 0.25, 0.5, 1.0])) == pytest.approx([9.0, 8.0, 8.0, 6.0])
+    assert ends.widest == 9.0
+    assert (np.diff(ends.at(np.linspace(0, 1, 500))) <= 1e-12).all()
+    table = Shape(table=((0, 7.0), (0.5, 8.0), (1, 6.0))).along(8.0, 16.0)
+    assert table.at(np.array([0.25, 0.75])) == pytest.approx([7.5, 7.0])
+
+
 # ---- measured
 
 
@@ -108,13 +125,6 @@ def test_in_a_patients_vessel_the_waist_is_certified_and_where_it_was_narrowest(
     assert at == pytest.approx(np.nanargmin(radius) / (len(radius) - 1), abs=0.1)
 
 
-def test_a_stent_without_a_shape_and_one_whose_shape_is_none_are_the_same_bit_for_bit():
-    vessel = phantom("bent_tube", edge_length=0.8)
-    one, other = (treated(shape, vessel, diameter=7.6).result for shape in (None, Shape()))
-    np.testing.assert_array_equal(one.points, other.points)
-    np.testing.assert_array_equal(one.companions, other.companions)
-
-
 def test_a_wide_hourglass_in_a_bent_vessel_is_certified(data_dir):
     """Its ends are as wide as its waist is near: spheres there do not have the ends' diameter.
 
@@ -133,17 +143,6 @@ def test_a_wide_hourglass_in_a_bent_vessel_is_certified(data_dir):
     for settings in (None, DeploymentSettings(axis_smoothing=1.0)):
         treatment = Treatment(vessel.surface, [stent], vessel.centerline, settings)
         assert treatment.result.certificate.passed
-
-
-def test_the_caps_of_radius_shares_are_ellipsoids():
-    nodes = np.array([[0.0, 0, 0], [0, 0, 10.0]])
-    shares = RadiusShares(np.array([0.0, 1.0]), np.array([1.0, 0.5]), 0.4)
-    points = np.array([[0, 0, -3.0], [3.0, 0, 0], [3.0, 0, 5], [0, 0, 13.0], [2.0, 0, -2.0]])
-    found = shares.at(points, Line(nodes))
-    assert found[:4] == pytest.approx([0.4, 1.0, 0.75, 0.5 * 0.4])
-    # On an ellipse with half axes 1 and 0.4 in the direction of 45 degrees.
-    assert found[4] == pytest.approx(1 / np.sqrt(0.5 + 0.5 / 0.16))
-    np.testing.assert_allclose(shares.reversed.at(points, Line(nodes[::-1])), found)
 
 
 def test_the_sphere_that_fits_is_limited_by_narrow_places_beside_it_and_by_bends():

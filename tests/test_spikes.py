@@ -24,12 +24,14 @@ from SDFStentLib.geometry import Line, Surface
 from SDFStentLib.stent import (
     AlongAxis,
     AtCenter,
+    AtDistalEnd,
+    AtProximalEnd,
     Stent,
     StentAxis,
     stent_axis,
     straight_way,
 )
-from SDFStentLib.treatment import Treatment
+from SDFStentLib.treatment import AxisChange, Treatment, axis_in_vessel
 from SDFStentLib.treatment.straightening import permitted
 
 _spec = importlib.util.spec_from_file_location("judges", PROJECT / "benchmarks" / "judges.py")
@@ -124,6 +126,29 @@ def test_straightening_stops_before_the_wall_and_says_how_far_it_went():
     kept = wall_distances(demo().points, demo().triangles, found.stations)
     had = wall_distances(demo().points, demo().triangles, CapsuleChain.along(native.points).nodes)
     assert kept.min() > 0.4 * min(had.min(), found.radius)
+
+
+def straight_in(made, first, last, placement=AlongAxis):
+    """The axis along a part of a bent tube made straight, and as it was."""
+    way = made.centerline.points[made.centerline.ancestry(made.centerline.leaves[0])]
+    native = way[round(first * (len(way) - 1)) : round(last * (len(way) - 1)) + 1]
+    if placement is AlongAxis:
+        stent = Stent(7.2, placement=AlongAxis(native))
+    else:
+        end = native[-1] if placement is AtDistalEnd else native[0]
+        sizes = {"length": Line(native).length, "foreshortening_fraction": 0}
+        stent = Stent(7.2, placement=placement(end), **sizes)
+    return axis_in_vessel(stent, made.centerline, made.surface, AxisChange(1.0)), native
+
+
+@pytest.mark.parametrize("placement", [AtProximalEnd, AtDistalEnd])
+def test_the_end_by_which_a_stent_is_placed_stays(placement):
+    found, native = straight_in(phantom("bent_tube"), 0.3, 0.6, placement)
+    stays = 0 if placement is AtProximalEnd else -1
+    np.testing.assert_allclose(found.points[stays], native[stays], atol=1e-6)
+    moved = np.linalg.norm(found.points[-1 - stays] - native[-1 - stays])
+    assert moved > 0.1
+    assert found.deployed_length == pytest.approx(Line(native).length, abs=1e-6)
 
 
 def test_an_axis_does_not_pass_through_a_thin_wall_into_the_next_lumen():

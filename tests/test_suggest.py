@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
+import shlex
 from dataclasses import replace
 from pathlib import Path
 
@@ -103,6 +104,41 @@ def test_in_a_tight_lesion_the_balloon_is_about_a_tenth_wider_than_the_vessel():
     assert one.stent.diameter == pytest.approx(beside_lesion(one.lesion).narrowest, abs=0.05)
 
 
+def test_the_smaller_side_is_not_overstretched_and_an_unknown_one_not_made_up():
+    both = a_lesion_of(proximal=9.0, distal=7.0)
+    assert beside_lesion(both).narrowest == 7.0
+    assert beside_lesion(a_lesion_of(proximal=9.0, distal=None)).narrowest == 9.0
+    assert beside_lesion(a_lesion_of(proximal=None, distal=7.0)).narrowest == 7.0
+    # One side lies beyond a junction: what is expected there is in the reference alone.
+    expected = replace(a_lesion_of(9.0, None), healthy=np.array([6.5, 6.5]))
+    assert beside_lesion(expected).narrowest == 6.5
+
+
+@pytest.mark.parametrize(
+    ("lumen", "balloon", "kinds"),
+    [
+        (7.0, 7.5, []),
+        (4.2, 4.5, []),  # 0.6, as half of the stents of the source
+        (2.6, 2.8, ["ratio-adjacent"]),
+        (8.3, 8.9, []),
+        (8.5, 9.1, ["overdilated"]),
+        (10.9, 11.7, ["overdilated"]),  # 1.56
+        (7.0, 12.0, []),
+        (7.0, 12.1, ["ratio-stenosis"]),
+        (9.0, 13.0, ["overdilated", "ratio-stenosis"]),
+        (7.0, math.nan, []),
+    ],
+)
+def test_a_ratio_beyond_its_sources_range_is_said(lumen, balloon, kinds):
+    lesion = a_lesion_of(proximal=9.0, distal=7.0, minimum=4.0)
+    ratios = size_ratios(lesion, lumen, balloon)
+    assert ratios.stent_to_adjacent == pytest.approx(lumen / 7.0)
+    assert [caution.kind for caution in ratios.cautions()] == kinds
+    for caution in ratios.cautions():
+        words = "at its distal end (7.0 mm)", "above 3 the recoil"
+        assert words[caution.kind == "ratio-stenosis"] in str(caution)
+
+
 def test_ranges_medians_and_denominators_are_those_of_the_source():
     """Heart 2003;89:905, abstract."""
     told = ratio_sentence(size_ratios(a_lesion_of(9.0, 7.0), 6.0))
@@ -184,6 +220,19 @@ def test_the_lumen_of_the_junction_at_which_a_lesion_begins_is_no_healthy_vessel
     np.testing.assert_allclose(healthy, (proximal, 8.0, 8.0), equal_nan=True)
 
 
+def test_a_device_gives_its_own_length_and_one_that_is_too_short_is_refused(a_vessel):
+    """A suggestion never leaves its own lesion uncovered."""
+    row = {"nominal_length": 14, "lengths": [[4, 14], [8, 13]], "name": "own"}
+    one = a_vessel.suggestion(1, SizingWishes(device=a_device(**row)))
+    assert one.stent.length == 14
+    assert one.deployed_length == pytest.approx(14 - 0.25 * (one.stent.diameter - 4), abs=1e-9)
+    assert one.deployed_length > one.lesion.length
+    assert "length that of the device" in one.rule
+    short = a_device(name="short", nominal_length=8, lengths=[[4, 8], [8, 6]])
+    with pytest.raises(InputError, match=r"cover lesion 1, got short, which has 7\.0 mm; choose"):
+        a_vessel.suggestion(1, SizingWishes(device=short))
+
+
 SOLD = {"nominal_length": None, "lengths": None, "foreshortening_fraction": 0.1, "name": "sold"}
 
 
@@ -229,6 +278,21 @@ def test_a_proposal_that_is_wider_than_the_vessel_measured_there_says_so(a_vesse
     assert float(re.findall(r"is (\S+) times", found)[0]) == pytest.approx(3, abs=0.1)
 
 
+def test_the_rule_names_what_is_rounded_and_what_is_wanted(a_vessel):
+    """The numbers that it speaks of are those of the proposal."""
+    wished = a_vessel.suggestion(1, SizingWishes(ratio=0.9, margin=2.5))
+    recoil = wished.stent.balloon.recoil_fraction
+    wanted = 0.9 * wished.ratios.adjacent_diameter / (1 - recoil)
+    assert wished.stent.balloon.diameter == round(wanted, 1) != wanted
+    nominal = (wished.lesion.length + 5) / (1 - wished.stent.foreshortening)
+    assert wished.stent.length == math.ceil(nominal) != nominal
+    assert wished.rule == (
+        "lumen 0.9 times as wide as the smaller healthy vessel beside the lesion, balloon wider by "
+        "its recoil, rounded to the nearest 0.1 mm, length that of the lesion and 2.5 mm beyond "
+        "both of its ends, longer by what shortening takes, rounded up to whole mm"
+    )
+
+
 @pytest.mark.parametrize("name", ["pulmonary", "aorta_iliac"])
 def test_in_anatomies_the_proposed_stent_covers_its_lesion(data_dir, name):
     assert name in ANATOMIES
@@ -246,6 +310,13 @@ def test_in_anatomies_the_proposed_stent_covers_its_lesion(data_dir, name):
 
 
 # ---- the shell
+
+
+def test_the_command_that_suggest_tells_can_be_typed_whatever_the_plan_is_called(a_folder, capsys):
+    assert main([*SUGGEST, "-o", "its own plan.json"]) == 0
+    said = capsys.readouterr().out
+    command = shlex.split(said.split("to carry it out: ")[1])
+    assert command == ["sdfstent", "run", "its own plan.json", "-o", "DIR"]
 
 
 def test_suggest_tells_the_rule_and_writes_a_plan_that_runs(a_folder, capsys):

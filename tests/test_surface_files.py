@@ -116,6 +116,15 @@ def test_a_centerline_in_an_open_vessel_fits_and_an_end_that_sticks_out_is_only_
     assert str(said) == "c.vtp: 26 % of its points lie outside of surface."
 
 
+@pytest.mark.parametrize("factor", [10, 0.1, 1000, 0.001])
+def test_other_units_are_recognized_and_the_option_named(factor):
+    words = rf"c.vtp: expected it inside s.vtp, got 0 % .* {1 / factor:g} times .* name that"
+    with pytest.raises(InputError, match=words):
+        check_same_space(
+            Surface(*moved_tube()), factor * axis(), surface_name="s.vtp", centerline_name="c.vtp"
+        )
+
+
 @pytest.mark.parametrize(
     ("line", "words"),
     [

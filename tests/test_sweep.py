@@ -17,6 +17,11 @@ def test_random_stents_have_the_prescribed_lumen_and_no_new_fold(sweep, data_dir
         assert row.highest < 1.002, row
 
 
+def test_a_large_stent_has_no_new_fold_either(sweep, data_dir):
+    for row in sweep.rows(3, seed=5, ratios=(1.6, 2.0), with_tetgen=False, folder=data_dir):
+        assert not row.failed, row
+
+
 def test_nothing_straightened_or_up_to_a_cap_is_certified_with_a_spike_or_a_narrow_lumen(
     sweep, data_dir
 ):

@@ -28,7 +28,7 @@ from cohort_cases import (
 
 from SDFStentLib import InputError
 from SDFStentLib.cli import main
-from SDFStentLib.cohort import Cohort, run_sweep
+from SDFStentLib.cohort import Cohort, executors, run_sweep
 
 pytest.importorskip("distributed")
 
@@ -231,6 +231,14 @@ def test_a_case_that_dask_gave_up_has_failed_and_the_others_finish(tmp_path):
         tally = run_sweep(sweep, tmp_path / "out", executor=executor)
     assert (tally.certified, tally.failed) == (2, 1)
     assert Cohort(tmp_path / "out").columns["reason"][1].startswith("its worker ended without")
+
+
+def test_a_scheduler_that_does_not_answer_is_told_in_one_sentence(tmp_path, monkeypatch):
+    tube_folder(tmp_path)
+    monkeypatch.setattr(executors, "SCHEDULER_SECONDS", 0.5)
+    address = f"tcp://127.0.0.1:{free_port()}"
+    with pytest.raises(InputError, match=rf"scheduler: expected one at {address}, none answered"):
+        run_sweep(sweep_in(tmp_path), tmp_path / "out", executor=address)
 
 
 def test_an_address_that_is_none_is_told_in_one_sentence(tmp_path):

@@ -58,16 +58,6 @@ def test_a_fraction_is_that_of_the_branch(folder):
         )
 
 
-def test_a_stent_at_a_lesion_has_its_middle_and_moves_by_the_offset(folder):
-    swept = Swept(folder, axes={"lesion": [1], "offset": [0, 3, -4]})
-    lesion = swept.inputs.vessel.lesions[0]
-    middle = lesion.line.points[[0, -1]].mean(axis=0)  # of a straight line
-    for at, offset in enumerate((0, 3, -4)):
-        np.testing.assert_allclose(
-            middle_of(swept.axis(at)), np.add(middle, (0, 0, offset)), atol=1e-3
-        )
-
-
 def test_a_diameter_over_the_reference_is_that_of_the_lesion(folder):
     swept = Swept(folder, axes={"lesion": [1], "diameter_over_reference": [0.9]})
     # The tube is 6 mm wide beside its throat; the wall is a polygon in it.

@@ -120,3 +120,17 @@ def test_a_pulled_vertex_is_put_back_and_none_enters_the_stent():
 def new_faults(before, after, triangles, precision=None):
     everything = np.arange(len(triangles))
     return Comparison(before, triangles, precision or Precision()).new_faults(after, everything)
+
+
+def test_a_face_that_its_neighbors_turn_over_is_a_fault_though_it_stays():
+    flat, triangles = a_sheet()
+    face = len(triangles) // 4 + 7
+    corners = triangles[face]
+    # All but the face is mirrored and lifted: what lay beside it now lies over it.
+    after = flat.copy()
+    others = np.setdiff1d(np.arange(len(flat)), corners)
+    after[others, 0] = 2 * flat[corners, 0].mean() - flat[others, 0]
+    after[others, 2] += 0.4
+    assert face not in self_intersecting_triangles(after, triangles, [face])
+    beside = np.setdiff1d(np.arange(len(triangles)), face)
+    assert face in Comparison(flat, triangles, Precision()).new_faults(after, beside)

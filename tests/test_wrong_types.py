@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import inspect
+import sys
+from unicodedata import category
 
 import numpy as np
 import pytest
@@ -13,7 +15,7 @@ from SDFStentLib import Stent, Surface
 from SDFStentLib.cautions import Caution
 from SDFStentLib.cli.console import Console, error_line
 from SDFStentLib.phantoms import straight_tube
-from SDFStentLib.validation import InputError, as_number, as_patient_points
+from SDFStentLib.validation import InputError, as_number, as_patient_points, one_line
 
 WRONG = [
     None, "8", b"x", 3, 3.5, float("nan"), [], {}, object(), np.zeros((2, 2)), [None], 1e400, -1,
@@ -48,6 +50,15 @@ def test_coordinates_beyond_every_patient_are_refused():
     with pytest.raises(InputError, match=r"expected coordinates up to 1e\+06 mm, got 1e\+11"):
         Surface(1e11 * np.sign(tube.points), tube.triangles)
     assert len(as_patient_points([[1e6, 0, -1e6]])) == 1
+
+
+@pytest.mark.parametrize("kind", ["Cc", "Zl", "Zp", "Cs"])
+def test_no_character_that_controls_or_is_half_of_one_is_left(kind):
+    """The classes of Unicode; of its formats (Cf) those that turn the direction of writing."""
+    every = "".join(c for c in map(chr, range(sys.maxunicode + 1)) if category(c) == kind)
+    left = one_line(every + "\N{RIGHT-TO-LEFT MARK}\N{ARABIC LETTER MARK}\N{LEFT-TO-RIGHT MARK}")
+    assert left.isprintable()
+    assert left.isascii()
 
 
 def test_what_the_shell_says_of_a_name_is_one_printable_line(capsys):

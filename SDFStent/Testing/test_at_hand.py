@@ -78,19 +78,3 @@ def test_flow_has_a_line_of_its_own(host, aStent):
     (line,) = [line for line in corner()[0] if line.startswith(("flow", "drop"))]
     moment = aStent.logic.lastRun(aStent._parameterNode).flow.after["mean"]
     assert line.endswith(f"-> {moment.drops[0].recovered.value:.1f} mmHg")
-
-
-def test_a_vessel_with_arrays_is_shown_in_one_color_once(host, theInputs):
-    from SDFStentSlicer.Showing import ONE_COLOR
-
-    vessel = theInputs._parameterNode.vessel
-    display = vessel.GetDisplayNode()
-    assert not display.GetScalarVisibility()
-    assert vessel.GetAttribute(ONE_COLOR)
-    assert display.GetOpacity() < 1
-    display.SetScalarVisibility(True)  # the user wants to see them
-    display.SetOpacity(1.0)
-    theInputs.ui.diameterSlider.value = 5.0
-    theInputs.onParameterNodeModified()
-    assert display.GetScalarVisibility()
-    assert display.GetOpacity() == 1

@@ -23,6 +23,22 @@ def test_every_step_updates_the_same_mesh_with_one_event(aLogic, theParameters):
     assert len(events) == 1  # while dragging only the end is shown
 
 
+def test_normals_follow_the_surface(aLogic, theParameters):
+    expanded(aLogic, theParameters)
+    mesh = theParameters.outputVessel.GetPolyData()
+    fresh = vtk.vtkTriangleMeshPointNormals()
+    plain = vtk.vtkPolyData()
+    plain.SetPoints(mesh.GetPoints())
+    plain.SetPolys(mesh.GetPolys())
+    fresh.SetInputData(plain)
+    fresh.Update()
+    expected = fresh.GetOutput().GetPointData().GetNormals()
+    shown = mesh.GetPointData().GetNormals()
+    assert np.allclose(
+        vtk.util.numpy_support.vtk_to_numpy(shown), vtk.util.numpy_support.vtk_to_numpy(expected)
+    )
+
+
 @pytest.mark.parametrize("kind", ["linear", "nonlinear"])
 def test_inputs_under_a_transform_give_the_result_of_hardened_ones(
     aLogic, theParameters, aScene, kind
@@ -128,6 +144,34 @@ def test_stopping_leaves_what_is_shown_and_steps_can_be_revisited(aLogic, thePar
         seen.append(np.abs(pointsOf(theParameters.outputVessel) - before).max())
     assert seen == sorted(seen)
     np.testing.assert_array_equal(pointsOf(theParameters.outputVessel), final.astype(np.float32))
+
+
+def test_table_and_chart_hold_the_diameters_in_mm(aLogic, theParameters):
+    run = aLogic.deploy(theParameters)
+    table = theParameters.outputTable
+    after = slicer.util.arrayFromTableColumn(table, "After (mm)")
+    (treated,) = run.stents
+    np.testing.assert_array_equal(after, treated.around_after.inscribed_diameter)
+    position, prescribed = (
+        slicer.util.arrayFromTableColumn(table, name)
+        for name in ("Position (mm)", "Prescribed (mm)")
+    )
+    inStent = np.isfinite(prescribed)
+    np.testing.assert_array_equal(after[inStent], treated.after.inscribed_diameter)
+    assert position[0] < -5
+    assert position[-1] > treated.axis.deployed_length + 5
+    assert position[inStent][0] == 0
+    chart = theParameters.outputChart
+    assert [
+        chart.GetNthPlotSeriesNode(i).GetYColumnName()
+        for i in range(chart.GetNumberOfPlotSeriesNodes())
+    ] == [
+        "Before (mm)",
+        "After (mm)",
+        "Prescribed (mm)",
+    ]
+    assert "8.5 prescribed" in theParameters.lumenSummary
+    assert "watertight" in theParameters.certificateSummary
 
 
 def test_maps_color_the_output_with_a_legend(aLogic, theParameters):

@@ -37,6 +37,46 @@ def test_every_control_has_a_tooltip(aPanel):
             assert widget.toolTip, name
 
 
+def test_the_3d_view_shows_the_stented_vessel(host, aStent, thePictures):
+    deploy(host, aStent)
+    bounds = aStent._parameterNode.outputVessel.GetPolyData().GetBounds()
+    aStent.ui.expansionSlider.value = 0
+    before = imageOf(host.application.render(thePictures / "before.png", focus=bounds))
+    aStent.ui.expansionSlider.value = 100
+    after = imageOf(host.application.render(thePictures / "after.png", focus=bounds))
+    aStent.ui.mapComboBox.currentIndex = 1
+    host.process()
+    colored = imageOf(host.application.render(thePictures / "displacement.png", focus=bounds))
+    assert (before != before[:, :1]).mean() > 0.05  # something is drawn on the rows' background
+    assert (before != after).mean() > 0.01
+    assert (after != colored).mean() > 0.01
+
+
+def imageOf(path):
+    import vtk
+    from vtk.util.numpy_support import vtk_to_numpy
+
+    reader = vtk.vtkPNGReader()
+    reader.SetFileName(str(path))
+    reader.Update()
+    pixels = vtk_to_numpy(reader.GetOutput().GetPointData().GetScalars()).astype(int)
+    width, height, _depth = reader.GetOutput().GetDimensions()
+    return pixels.reshape(height, width, -1)
+
+
+def test_sliders_and_parameters_are_bound_both_ways(aStent):
+    parameters = aStent._parameterNode
+    aStent.ui.diameterSlider.value = 7.5
+    assert parameters.stent.diameter == parameters.stents[0].diameter == 7.5
+    parameters.method.influenceDistance = 9.0
+    assert aStent.ui.influenceDistanceSlider.value == 9.0
+    aStent.ui.falloffComboBox.currentIndex = 2
+    assert parameters.method.falloff == "cosine"
+    aStent.ui.defaultsButton.click()
+    assert parameters.method.falloff == "compact"
+    assert aStent.ui.influenceDistanceSlider.value == 6.5
+
+
 def test_the_table_adds_copies_moves_switches_and_removes(host, aStent):
     from PySide6.QtCore import Qt
 
@@ -178,6 +218,16 @@ def test_the_event_loop_gets_its_turn_all_through_a_full_deployment(
     deploy(host, aStent)
     assert len(ticks) > 5
     assert len(set(ticks)) > 3  # and the user sees how far it is
+
+
+def test_warnings_stand_with_the_numbers(host, aStent):
+    aStent.ui.diameterSlider.value = 2.0  # narrower than the vessel: nothing moves
+    deploy(host, aStent)
+    assert aStent.ui.warningLabel.visible
+    assert aStent.ui.warningLabel.text.startswith("Warning: ")
+    aStent.ui.diameterSlider.value, aStent.ui.lengthSlider.value = 7.0, 20.0  # covers the lesion
+    deploy(host, aStent)
+    assert not aStent.ui.warningLabel.visible
 
 
 def test_a_fast_drag_is_followed_while_it_lasts(host, aStent):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from panel_helpers import planned, theThroat
+from panel_helpers import deploy, planned, theThroat
 
 
 @pytest.fixture
@@ -39,6 +39,32 @@ def test_a_stent_that_dilates_again_takes_the_handle_above_it_and_leaves_none(
     third = parameters.stents[2]
     assert third.handle not in (first.handle, second.handle)
     np.testing.assert_allclose(third.handle.GetNthControlPointPositionWorld(0), theThroat())
+
+
+def test_a_stent_is_dilated_again_after_another_one(host, twoStents):
+    """Against the library's treatment of the same stents."""
+    from SDFStentLib.stent import AtCenter, OfStent, Stent
+    from SDFStentLib.treatment import Treatment
+
+    parameters, logic = twoStents._parameterNode, twoStents.logic
+    tree = logic.centerlineOf(parameters)
+    beyond = tree.path_around(theThroat(), 10.0).points[-1]
+    parameters.stent.handle.SetNthControlPointPositionWorld(0, *beyond)
+    again(host, twoStents, 8.0)
+    twoStents.ui.handleSelector.setCurrentNode(parameters.stents[0].handle)
+    places = [stent.handle.GetNthControlPointPositionWorld(0) for stent in parameters.stents]
+    deploy(host, twoStents)
+    run = logic.lastRun(parameters)
+    stents = [
+        Stent(6.0, placement=AtCenter(np.array(places[0])), length=14.0),
+        Stent(6.0, placement=AtCenter(np.array(places[1])), length=14.0),
+        Stent(8.0, placement=OfStent(1)),
+    ]
+    expected = Treatment(logic._inputs.vessel(parameters).surface, stents, tree).result
+    np.testing.assert_allclose(run.points, expected.points, atol=1e-9)
+    assert run.result.certificate.passed
+    assert run.result.stents[2].after.minimum == pytest.approx(8.0, abs=0.15)
+    assert twoStents.ui.lumenLabel.text.count("Minimum lumen") == 3
 
 
 def test_without_a_stent_above_it_nothing_is_dilated_again_and_that_is_said(host, twoStents):

@@ -57,6 +57,35 @@ def test_devices_are_those_of_the_library_and_of_the_user(theSection):
     assert planned(theSection)[0].device is None
 
 
+@pytest.mark.parametrize(
+    ("device", "way"),
+    [
+        ("numed-cp", "the slider"),
+        ("palmaz-xl-10-series", "the box"),
+        ("optimus-xxl-48", "the slider"),
+        ("begraft-besmooth-peripheral", "the box"),
+    ],
+)
+def test_a_shortening_that_is_not_known_has_to_be_said(host, theSection, device, way):
+    ui = theSection.ui
+    chooseDevice(host, theSection, device)
+    assert ui.statusLabel.text.startswith(
+        f"Stent 1: device {device}: its shortening is not known; say how much of its length it loses"
+        f" (in Device, untick {ui.deviceShorteningCheckBox.text} or move Foreshortening)"
+    )
+    assert ui.foreshorteningSliderLabel.text == "Foreshortening:"
+    assert not ui.deployButton.enabled
+    assert ui.foreshorteningSlider.enabled
+    if way == "the box":
+        ui.deviceShorteningCheckBox.checked = False
+    else:
+        ui.foreshorteningSlider.value = 15.0
+        assert not ui.deviceShorteningCheckBox.checked
+    assert ui.deployButton.enabled
+    lost = 0.1 if way == "the box" else 0.15
+    assert planned(theSection)[0].foreshortening == pytest.approx(lost)
+
+
 def test_every_device_of_the_table_can_be_deployed(host, theSection):
     """As it is chosen, or once its shortening is said; and the length that was set comes back."""
     ui, own = theSection.ui, theSection.ui.lengthSlider.value
@@ -146,6 +175,24 @@ def test_the_recoil_is_by_the_rule_where_the_stent_lies(host, theSection):
     parameters.stent.handle.SetNthControlPointPositionWorld(0, *theThroat())
     host.click(ui.deployButton)  # does not wait for it
     assert planned(theSection)[0].balloon.recoil_fraction == 0.10
+
+
+@pytest.mark.parametrize("index", range(3))
+def test_an_end_is_kept_on_shortening(host, theSection, index):
+    from SDFStentLib.stent import KEPT
+
+    logic, parameters = theSection.logic, theSection._parameterNode
+    theSection.ui.foreshorteningSlider.value = 40.0
+    host.choose(theSection.ui.keptComboBox, index)
+    (stent,) = planned(theSection)
+    assert stent.keeps == KEPT[index]
+    deploy(host, theSection)
+    (treated,) = logic.lastRun(parameters).result.stents
+    packed = logic.centerlineOf(parameters).path_around(theThroat(), 14.0).points
+    away = [np.linalg.norm(treated.axis.points[end] - packed[end]) for end in (0, -1)]
+    lost = 0.4 * 14.0
+    expected = {"center": [lost / 2, lost / 2], "proximal": [0, lost], "distal": [lost, 0]}
+    np.testing.assert_allclose(away, expected[KEPT[index]], atol=0.2)
 
 
 def test_a_table_of_ones_own_is_taken_away_again_and_stents_keep_their_device(

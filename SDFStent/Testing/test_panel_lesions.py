@@ -5,7 +5,6 @@ import time
 import numpy as np
 import pytest
 import slicer
-import vtk
 from panel_helpers import deploy, theThroat
 from PIL import Image
 
@@ -140,30 +139,6 @@ def test_add_with_a_lesion_selected_places_a_stent_there_that_opens_it(host, the
     assert parameters.stent.length == 20.0
 
 
-def test_lesions_are_found_once_per_vessel_and_again_for_another(host, theInputs):
-    parameters = theInputs._parameterNode
-    first = found(host, theInputs)
-    host.click(theInputs.ui.addStentButton)
-    assert found(host, theInputs) is first
-    matrix = slicer.vtkMRMLLinearTransformNode()
-    slicer.mrmlScene.AddNode(matrix)
-    for node in (parameters.vessel, parameters.centerline):
-        node.SetAndObserveTransformNodeID(matrix.GetID())
-    moved = vtk.vtkMatrix4x4()
-    moved.SetElement(0, 3, 50.0)
-    matrix.SetMatrixTransformToParent(moved)
-    second = found(host, theInputs)
-    assert second is not first
-    np.testing.assert_allclose(np.subtract(second[0].point, first[0].point), [50, 0, 0], atol=0.05)
-    theInputs.ui.lesionTable.selectRow(0)
-    theInputs.ui.centerlineSelector.setCurrentNode(None)
-    # At once: nothing is placed at a lesion of another vessel.
-    assert not theInputs.ui.lesionTable.visible
-    assert theInputs.lesions.selected is None
-    host.processUntil(lambda: not theInputs.lesions.isBusy)
-    assert not theInputs.ui.lesionTable.visible
-
-
 def test_the_search_never_holds_the_application_for_long(host, aPanel, aVessel, knownLesions):
     from SDFStentSlicer import Clock, SteppedRun
 
@@ -190,3 +165,24 @@ def test_the_search_never_holds_the_application_for_long(host, aPanel, aVessel, 
 def waitForLabel(host, panel):
     host.processUntil(lambda: panel.ui.lesionLabel.visible)
     return panel.ui.lesionLabel.text
+
+
+def test_a_vessel_without_lesions_says_so(host, aPanel, aScene):
+    from SDFStentLib.files import polydata_from_arrays, polydata_from_lines
+    from SDFStentLib.phantoms import straight_tube
+
+    made = straight_tube(edge_length=1.0)
+    for name, data in (
+        ("Tube", polydata_from_arrays(made.points, made.triangles)),
+        (
+            "Line",
+            polydata_from_lines(made.centerline.points, [np.arange(len(made.centerline.points))]),
+        ),
+    ):
+        node = aScene.AddNewNodeByClass("vtkMRMLModelNode", name)
+        node.SetAndObservePolyData(data)
+        selector = "vesselSelector" if name == "Tube" else "centerlineSelector"
+        getattr(aPanel.ui, selector).setCurrentNode(node)
+    assert found(host, aPanel) == ()
+    assert aPanel.ui.lesionLabel.text == "No lesion of 15 % or more was found."
+    assert not aPanel.ui.lesionTable.visible

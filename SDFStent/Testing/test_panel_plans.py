@@ -71,6 +71,18 @@ def test_a_duplicate_is_a_whole_plan_of_its_own(host, aPlan):
     assert first.stent.handle.GetNthControlPointPositionWorld(0) == pytest.approx(theThroat())
 
 
+def test_a_duplicate_names_every_parameter_that_is_no_result(theModule):
+    """A parameter that is added later is copied, or named here."""
+    from SDFStentSlicer.Alternatives import COPIED
+    from SDFStentSlicer.ParameterNode import SDFStentParameterNode
+
+    own = {"stents", "method", "stent", "selected", "autoUpdate", "expansion", "status"}
+    results = {name for name in SDFStentParameterNode.allParameters if name.startswith("output")}
+    results |= {"rightBranch", "lumenSummary", "certificateSummary", "warningSummary", "summaryRow"}
+    results |= {"atHand"}
+    assert {*COPIED} | own | results == set(SDFStentParameterNode.allParameters)
+
+
 def test_switching_puts_stents_and_results_back(host, aPlan):
     ui, first, table = aPlan.ui, aPlan._parameterNode, aPlan.ui.planTable
     vessel = first.vessel
@@ -127,6 +139,29 @@ def test_plot_and_table_in_the_views_are_those_of_the_plan(host, aPlan):
         ui.planTable.selectRow(row)
         assert selection.GetActivePlotChartID() == plan.outputChart.GetID()
         assert selection.GetActiveTableID() == plan.outputTable.GetID()
+
+
+def test_the_table_says_what_the_results_say(host, aPlan):
+    """Against the library's result, counted here: the worst lesion left, branches covered, lumen, certificate."""
+    deploy(host, aPlan)
+    run = aPlan.logic.lastRun(aPlan._parameterNode)
+    (treated,) = run.result.stents
+    left = max(
+        100 * (1 - one.after.minimum_diameter / one.after.reference_diameter) for one in run.lesions
+    )
+    covered = sum(branch.covered_share > 0 for branch in treated.branches)
+    branches = f"{covered} of {len(treated.branches)} covered" if treated.branches else "none near"
+    assert rowOf(aPlan, 0) == [
+        "Plan 1",
+        f"{treated.after.inscribed_diameter.min():.1f} mm",
+        f"{left:.0f} %" if left >= 0.5 else "none",
+        branches,
+        "meshable",
+    ]
+    aPlan.ui.diameterSlider.value = 8.0
+    assert aPlan.ui.planTable.item(0, 1).toolTip().endswith("Changed since this deployment.")
+    aPlan.logic.reset(aPlan._parameterNode)
+    assert rowOf(aPlan, 0)[1:] == [""] * 4
 
 
 def test_a_plan_is_renamed_in_the_table(host, aPlan):

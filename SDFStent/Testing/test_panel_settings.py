@@ -57,28 +57,6 @@ def test_a_slider_reaches_farther_only_for_a_value_that_needs_it(aStent, name, w
     assert slider.maximum == usual
 
 
-def test_the_axis_is_smoothed_as_long_as_the_slider_says(host, aStent, tmp_path):
-    """In the preview, in the full method and in the plan; what a plan says comes back, beyond the slider's end, too."""
-    from SDFStentSlicer import Plans
-
-    parameters = aStent._parameterNode
-    assert aStent.ui.axisSmoothingSlider.value == 0.0
-    aStent.ui.axisSmoothingSlider.value = 2.5
-    assert parameters.method.axisSmoothing == 2.5
-    assert [Plans.settingsOf(parameters, live).axis_smoothing for live in (False, True)] == [
-        2.5
-    ] * 2
-    parameters.method.axisSmoothing = 22.0
-    path = tmp_path / "plan.json"
-    aStent.logic.savePlan(path, parameters)
-    host.click(aStent.ui.defaultsButton)
-    assert aStent.ui.axisSmoothingSlider.value == 0.0
-    assert Plans.settingsOf(parameters).axis_smoothing == 0.0
-    aStent.logic.loadPlan(path, parameters)
-    assert aStent.ui.axisSmoothingSlider.value == 22.0
-    assert Plans.settingsOf(parameters).axis_smoothing == 22.0
-
-
 def test_a_straightened_stent_is_measured_along_its_straightened_axis(aLogic, theParameters):
     """Shown and measured along one axis, that of the library; the preview takes it, too."""
     from SDFStentSlicer import Plans

@@ -58,6 +58,24 @@ def test_a_waist_wider_than_the_stent_is_refused_in_the_librarys_sentence(theSec
     assert ui.deployButton.enabled
 
 
+def test_ends_are_wider_or_narrower_than_the_stent(host, theSection):
+    from SDFStentLib.stent import StentEnd
+
+    ui = theSection.ui
+    assert not ui.distalEndLengthSpinBox.enabled
+    ui.proximalEndSpinBox.value = 10.0
+    ui.proximalEndLengthSpinBox.value = 4.0
+    ui.distalEndSpinBox.value = 7.5
+    shape = planned(theSection).shape
+    assert (shape.start, shape.end) == (StentEnd(10.0, 4.0), StentEnd(7.5, 3.0))
+    deploy(host, theSection)
+    treated = theSection.logic.lastRun(theSection._parameterNode).result.stents[0]
+    diameters = treated.axis.profile.diameters
+    assert (diameters[0], diameters[-1]) == (10.0, 7.5)
+    assert treated.after.inscribed_diameter[1] > 9.0
+    assert "(7.5 to 10.0 prescribed)" in ui.lumenLabel.text
+
+
 def test_a_profile_from_a_file_takes_the_place_of_waist_and_ends(host, theSection, tmp_path):
     ui, parameters = theSection.ui, theSection._parameterNode
     ui.waistSpinBox.value = 6.0
@@ -86,6 +104,21 @@ def test_a_profile_that_cannot_be_is_refused_where_errors_are(host, theSection, 
     host.click(theSection.ui.loadProfileButton)
     assert "p.csv, row 1: expected two numbers" in theSection.ui.statusLabel.text
     assert planned(theSection).shape is None
+
+
+def test_caps_are_round_or_flat(host, theSection):
+    ui, parameters = theSection.ui, theSection._parameterNode
+    host.choose(ui.capsComboBox, 1)
+    assert planned(theSection).shape.cap_height == 0.35
+    deploy(host, theSection)
+    flat = theSection.logic.lastRun(parameters).result
+    assert flat.certificate.passed
+    host.choose(ui.capsComboBox, 0)
+    assert planned(theSection).shape is None
+    deploy(host, theSection)
+    assert theSection.logic.lastRun(parameters).result.stents[0].moved_points > (
+        flat.stents[0].moved_points
+    )
 
 
 def test_caps_of_a_plan_are_shown_as_they_are(host, theSection):

@@ -11,17 +11,17 @@ from panel_helpers import expanded, saveAsFile, theThroat
 from SDFStentLib.stent import OfStent
 
 
-def test_settings_that_the_panel_does_not_show_survive(aLogic, theParameters, tmp_path):
+def test_a_saved_plan_gives_the_same_points_after_loading(aLogic, theParameters, tmp_path):
+    theParameters.method.influenceDistance = 5.5
+    aLogic.addStent(theParameters, diameter=9.0, length=8.0, handle=theParameters.stents[0].handle)
+    points = expanded(aLogic, theParameters)
     aLogic.savePlan(tmp_path / "plan.json", theParameters)
-    document = json.loads((tmp_path / "plan.json").read_text(encoding="utf-8"))
-    document["settings"]["calibration"] = "paper"
-    (tmp_path / "plan.json").write_text(json.dumps(document), encoding="utf-8")
-    plain = expanded(aLogic, theParameters)
-    aLogic.loadPlan(tmp_path / "plan.json", theParameters)
-    assert np.abs(expanded(aLogic, theParameters) - plain).max() > 1e-6
-    assert json.loads(theParameters.planDocument)["settings"]["calibration"] == "paper"
     aLogic.restoreMethod(theParameters)
-    np.testing.assert_allclose(expanded(aLogic, theParameters), plain, atol=1e-9)
+    aLogic.stentList(theParameters).replace([], -1)
+    aLogic.loadPlan(tmp_path / "plan.json", theParameters)
+    assert [stent.label for stent in theParameters.stents] == ["Stent 1", "Stent 2"]
+    assert theParameters.method.influenceDistance == 5.5
+    np.testing.assert_allclose(expanded(aLogic, theParameters), points, atol=1e-9)
 
 
 @pytest.mark.parametrize("kind", ["BETWEEN_POINTS", "DISTAL_END", "ALONG_CURVE"])
@@ -92,6 +92,18 @@ def test_points_without_a_frame_are_in_that_of_the_vessels_file(
     parameters = aPanel._parameterNode
     np.testing.assert_array_equal(parameters.stent.handle.GetNthControlPointPositionWorld(0), place)
     assert f"does not name the frame of its points; {frame} is taken" in parameters.status
+
+
+def test_points_without_a_frame_and_without_a_file_are_in_ras(aLogic, theParameters, tmp_path):
+    place = theParameters.stent.handle.GetNthControlPointPositionWorld(0)
+    writePlan(
+        tmp_path / "plan.json", aLogic, theParameters, lambda d: d["inputs"].update(frame=None)
+    )
+    aLogic.loadPlan(tmp_path / "plan.json", theParameters)
+    np.testing.assert_array_equal(
+        theParameters.stent.handle.GetNthControlPointPositionWorld(0), place
+    )
+    assert "RAS is taken" in theParameters.status
 
 
 @pytest.mark.parametrize("frame", ["RAS", "LPS"])
@@ -243,6 +255,18 @@ def test_what_the_panel_has_no_controls_for_survives_a_plan(aLogic, theParameter
     (stent,) = aLogic.deploy(theParameters).stents
     assert stent.axis.deployed_length == pytest.approx(16 - 3.2 / 2)
     assert stent.after.minimum == pytest.approx(6.0, abs=0.15)
+
+
+def test_a_diameter_set_in_the_panel_keeps_recoil_and_device(aLogic, theParameters, aDetailedPlan):
+    from SDFStentSlicer import Plans
+
+    aLogic.loadPlan(aDetailedPlan, theParameters)
+    stents = aLogic.stentList(theParameters)
+    stents.replace([{**stents.values()[0], "diameter": 9.0}], 0)
+    (stent,) = Plans.plannedOf(theParameters)
+    assert stent.balloon.diameter == pytest.approx(10.0)
+    assert stent.balloon.recoil_fraction == 0.1
+    assert stent.foreshortening == pytest.approx(2.5 / 16)
 
 
 AGAIN = {

@@ -31,15 +31,6 @@ def test_results_are_marked_while_the_plan_is_another_one(host, aStent):
     assert "(7.0 prescribed)" in aStent.ui.lumenLabel.text
 
 
-def test_a_cancelled_deployment_leaves_the_old_numbers_marked(host, aStent, aStepAtATime):
-    deploy(host, aStent)
-    aStent.ui.diameterSlider.value = 7.0
-    host.click(aStent.ui.deployButton)
-    host.click(aStent.ui.cancelButton)
-    assert "(8.5 prescribed)" in aStent.ui.lumenLabel.text
-    assert isMarked(aStent)
-
-
 def test_auto_update_marks_nothing_that_it_is_about_to_renew(host, aStent):
     aStent.ui.autoUpdateCheckBox.checked = True
     settle(host, aStent)

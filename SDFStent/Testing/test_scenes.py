@@ -323,15 +323,3 @@ def test_a_line_among_the_triangles_leaves_their_arrays_alone(aLogic, theParamet
     np.testing.assert_array_equal(
         vtk_to_numpy(shown.GetCellData().GetArray("ModelFaceID")), 1 + np.arange(count) % 5
     )
-
-
-def test_a_vessel_of_strips_gives_the_result_of_its_triangles(aLogic, theParameters):
-    points = expanded(aLogic, theParameters)
-    stripper = vtk.vtkStripper()
-    stripper.SetInputData(theParameters.vessel.GetPolyData())
-    stripper.Update()
-    assert stripper.GetOutput().GetNumberOfStrips() > 100
-    theParameters.vessel.SetAndObservePolyData(stripper.GetOutput())
-    strips = aLogic.deploy(theParameters)
-    assert strips.certificate.passed
-    np.testing.assert_allclose(strips.points, points, atol=1e-3)

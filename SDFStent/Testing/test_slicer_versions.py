@@ -28,6 +28,15 @@ def test_a_change_is_shown_once_however_often_the_panel_was_visited(host, aStent
     assert written == [40.0]
 
 
+def test_a_parameter_set_that_was_left_hears_of_nothing(host, aPanel):
+    parameters, written = aPanel._parameterNode, writesOf(aPanel.ui.expansionSlider)
+    aPanel.exit()
+    parameters.expansion = 40.0
+    assert written == []
+    aPanel.enter()
+    assert aPanel.ui.expansionSlider.value == 40.0
+
+
 def test_node_types_are_optional_in_the_way_that_every_python_tells_apart(theModule):
     from SDFStentSlicer.ParameterNode import SDFStentParameterNode, StentParameters
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import slicer
-from panel_helpers import deploy, theThroat
+from panel_helpers import theThroat
 
 
 def draw(panel, curve):
@@ -67,12 +67,3 @@ def test_a_copy_of_a_stent_along_a_curve_has_the_same_axis(host, aCurveStent, aS
     host.click(aCurveStent.ui.removeStentButton)
     assert copy.GetScene() is None
     assert own.GetScene() is aScene
-
-
-def test_a_stent_that_is_not_drawn_yet_can_be_switched_off(host, aCurveStent):
-    host.click(aCurveStent.ui.addStentButton)
-    assert not aCurveStent.ui.deployButton.enabled
-    aCurveStent.stents.enable(1, False)
-    deploy(host, aCurveStent)
-    assert aCurveStent._parameterNode.status == ""
-    assert "(8.5 prescribed)" in aCurveStent.ui.lumenLabel.text
