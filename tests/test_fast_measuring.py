@@ -174,6 +174,20 @@ def test_vessels_with_a_narrowing_are_measured_exactly_and_others_nearly_so(a_ve
             assert (share <= 1.1).all()
 
 
+def test_sections_do_not_depend_on_the_winding():
+    tube = stenosed_tube()
+    turned = tube.triangles.copy()
+    turned[::3] = turned[::3, ::-1]
+    places = np.array([[0, 0, 12.0], [0, 0, 20.0]])
+    directions = np.array([[0, 0, 1.0], [0, 0.3, 1.0]])
+    found, expected = (
+        equivalent_diameters(tube.points, faces, places, directions)
+        for faces in (turned, tube.triangles)
+    )
+    assert np.isfinite(expected).all()
+    np.testing.assert_allclose(found, expected, rtol=1e-12)
+
+
 def test_nearest_points_of_triangles_are_those_of_a_plain_way():
     random = np.random.default_rng(0)
     corners = random.normal(size=(500, 3, 3)) * 10.0 ** random.uniform(-3, 2, (500, 1, 1))

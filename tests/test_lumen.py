@@ -63,6 +63,12 @@ def test_the_correction_is_the_mean_inflation_on_the_real_axis(bend):
     assert radius_correction(chain, radius) == pytest.approx(expected, abs=0.002)
 
 
+def test_the_papers_correction_cannot_swallow_a_thin_stent():
+    made = phantom("stenosed_tube", edge_length=1.0)
+    settings = DEFAULT.with_changes(calibration="paper", smoothing_width=4.0)
+    assert deployment_in(made, 10, 20, 1.2, settings).target_level == 0.6
+
+
 # The finish ------------------------------------------------------------------------------------
 
 

@@ -106,6 +106,21 @@ def test_half_of_an_ostium_is_half_covered():
     assert " % covered; its ostium lies from -2." in ostium.sentence()
 
 
+def test_a_branch_is_called_by_the_faces_that_it_leads_to():
+    patch, line = a_tee(), [[0, 0, 24.0], [0, 0, 36.0]]
+    surface = Surface(patch.points, patch.triangles)
+    cap = int(patch.face_ids.max())
+    plain = "side branch of 4.7 mm at 6 mm"
+    assert [o.name for o in ostia_of(surface, line)] == [plain]
+    for names, said in (({}, plain), ({cap: "left renal"}, "left renal")):
+        (ostium,) = ostia_of(surface, line, faces=NamedFaces(patch.face_ids, names))
+        assert ostium.name == said
+        assert ostium.sentence().startswith(f"{said[0].upper()}{said[1:]}: fully covered; ")
+    # Ids that do not tell cap from wall tell no branch.
+    (ostium,) = ostia_of(surface, line, faces=NamedFaces(np.ones_like(patch.face_ids)))
+    assert (ostium.name, ostium.face_ids) == (plain, ())
+
+
 def test_where_a_placement_snaps_does_not_decide_about_a_branch(data_dir):
     """Once the left iliac was free, 8.5 mm away, and 0.1 mm farther covered, 6.2 mm inside."""
     found = []

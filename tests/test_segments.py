@@ -244,6 +244,13 @@ def test_an_open_end_within_the_segment_is_closed_flat():
     assert found.before.volume == pytest.approx(whole.before.volume, rel=1e-9)
 
 
+def test_a_branch_with_a_round_end_is_named(data_dir):
+    found = segment_of(vessel_at(data_dir, "vmtk_aorta"), 0.1, 0.9)
+    assert [caution.kind for caution in found.warnings] == ["dead-end"]
+    assert not segment_of(vessel_at(data_dir, "vmtk_aorta"), 0.1, 0.9, close_branches=True).warnings
+    assert not segment_of(vessel_at(data_dir, "pulmonary"), 0.1, 0.9).warnings
+
+
 def test_a_branch_whose_centerline_stops_before_its_outlet_has_one():
     made = branching_pulmonary_artery()
     tree = made.centerline

@@ -125,6 +125,13 @@ def test_in_a_patients_vessel_the_waist_is_certified_and_where_it_was_narrowest(
     assert at == pytest.approx(np.nanargmin(radius) / (len(radius) - 1), abs=0.1)
 
 
+def test_a_stent_without_a_shape_and_one_whose_shape_is_none_are_the_same_bit_for_bit():
+    vessel = phantom("bent_tube", edge_length=0.8)
+    one, other = (treated(shape, vessel, diameter=7.6).result for shape in (None, Shape()))
+    np.testing.assert_array_equal(one.points, other.points)
+    np.testing.assert_array_equal(one.companions, other.companions)
+
+
 def test_a_wide_hourglass_in_a_bent_vessel_is_certified(data_dir):
     """Its ends are as wide as its waist is near: spheres there do not have the ends' diameter.
 
@@ -143,6 +150,17 @@ def test_a_wide_hourglass_in_a_bent_vessel_is_certified(data_dir):
     for settings in (None, DeploymentSettings(axis_smoothing=1.0)):
         treatment = Treatment(vessel.surface, [stent], vessel.centerline, settings)
         assert treatment.result.certificate.passed
+
+
+def test_the_caps_of_radius_shares_are_ellipsoids():
+    nodes = np.array([[0.0, 0, 0], [0, 0, 10.0]])
+    shares = RadiusShares(np.array([0.0, 1.0]), np.array([1.0, 0.5]), 0.4)
+    points = np.array([[0, 0, -3.0], [3.0, 0, 0], [3.0, 0, 5], [0, 0, 13.0], [2.0, 0, -2.0]])
+    found = shares.at(points, Line(nodes))
+    assert found[:4] == pytest.approx([0.4, 1.0, 0.75, 0.5 * 0.4])
+    # On an ellipse with half axes 1 and 0.4 in the direction of 45 degrees.
+    assert found[4] == pytest.approx(1 / np.sqrt(0.5 + 0.5 / 0.16))
+    np.testing.assert_allclose(shares.reversed.at(points, Line(nodes[::-1])), found)
 
 
 def test_the_sphere_that_fits_is_limited_by_narrow_places_beside_it_and_by_bends():
