@@ -18,7 +18,7 @@ from SDFStentLib.lumen import ExtendedAxis, extended_axis
 from SDFStentLib.phantoms.axis import planar_axis
 from SDFStentLib.phantoms.field import TubeField, TubeUnion
 from SDFStentLib.phantoms.junction import branching_tube
-from SDFStentLib.stent import BetweenPoints, Stent, stent_axis
+from SDFStentLib.stent import AtProximalEnd, BetweenPoints, Stent, stent_axis
 from SDFStentLib.vessel import find_ostia
 
 AORTA = ("vmtk_aorta_surface_mm.vtp", "mm")
@@ -133,6 +133,18 @@ def test_where_a_placement_snaps_does_not_decide_about_a_branch(data_dir):
     assert all(len(ostia) == 1 and ostia[0].is_fully_covered for ostia in found)
     extents = np.array([[ostia[0].start, ostia[0].end] for ostia in found])
     assert np.ptp(extents, axis=0).max() < 0.5
+
+
+@pytest.mark.parametrize(("below", "share"), [(12, (0.1, 0.25)), (14, (0.01, 0.1))])
+def test_a_stent_below_a_junction_covers_a_part(data_dir, below, share):
+    surface, tree = vessel(data_dir, "iliac, reduced-order")
+    for leaf in tree.leaves:
+        path = tree.path(tree.points[tree.junctions[0]], tree.points[leaf])
+        place = AtProximalEnd(Line(path.points).cut(below, below + 1).points[0])
+        axis = stent_axis(Stent(12, length=25, placement=place), tree)
+        (ostium,) = ostia_of(surface, axis.points, tree)
+        assert share[0] < ostium.covered_share < share[1]
+        assert ostium.start < 0 < ostium.end
 
 
 @pytest.mark.parametrize(("below", "number"), [(12, 0), (14, 1), (16, 0)])
