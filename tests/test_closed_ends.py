@@ -43,6 +43,9 @@ def a_circle(count=32):
     return RADIUS * np.column_stack([np.cos(angle), np.sin(angle)])
 
 
+A_SQUARE = [
+    [s, t] for s, t in ((-3, -3), (0, -3), (3, -3), (3, 0), (3, 3), (0, 3), (-3, 3), (-3, 0))
+]
 A_LINE = [[0.1, 0, 0], [0.1, 0, LENGTH]]
 
 
@@ -76,6 +79,11 @@ def test_a_cap_that_leans_cuts_no_section_short():
     assert np.isnan(equivalent[[0, 1, -2, -1]]).all()
     np.testing.assert_allclose(equivalent[2:-2], equivalent[15], rtol=1e-9)
     assert any(gap.kind == "no-equivalent-diameter" for gap in profile.gaps)
+
+
+def test_the_flat_sides_of_a_square_duct_are_wall():
+    profile = diameter_profile(Surface(*a_capped_duct(A_SQUARE)), A_LINE)
+    np.testing.assert_allclose(profile.inscribed_diameter, 6, rtol=1e-6)
 
 
 def test_a_patients_rounded_outlets_are_as_wide_as_the_vessel_before_them(data_dir):
