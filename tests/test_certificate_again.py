@@ -9,7 +9,7 @@ import pytest
 from deployment_cases import phantom
 
 from SDFStentLib.certificate import Comparison, certify, check_surface
-from SDFStentLib.certificate.slivers import Slivers
+from SDFStentLib.certificate.face_quality import Slivers
 from SDFStentLib.deformation import DeploymentSettings
 from SDFStentLib.geometry import Precision, Surface
 

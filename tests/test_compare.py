@@ -18,8 +18,8 @@ from SDFStentLib.phantoms import straight_tube
 from SDFStentLib.plan import compare, load_plan
 from SDFStentLib.report import comparison_document, comparison_page, comparison_pictures
 from SDFStentLib.report.picture import painting
-from SDFStentLib.report.picture.alternatives import alternatives_scene
 from SDFStentLib.report.picture.drawing import Words
+from SDFStentLib.report.picture.picture import alternatives_scene
 from SDFStentLib.validation import DeploymentError
 
 MIDDLE = {"center": [0, 0, 2]}  # cm; the throat of the tube

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from mesh_files import octahedron
 
-from SDFStentLib.files.formats.obj import decode_obj
+from SDFStentLib.files.formats.plain_mesh import decode_obj, decode_stl, encode_stl
 from SDFStentLib.files.formats.ply import decode_ply, encode_ply
-from SDFStentLib.files.formats.stl import decode_stl, encode_stl
 from SDFStentLib.geometry import surface_topology
 from SDFStentLib.validation import InputError
 

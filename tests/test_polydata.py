@@ -14,8 +14,8 @@ from SDFStentLib.files import (
     surface_from_polydata,
     triangulated_polydata,
 )
-from SDFStentLib.files.normal_arrays import refresh_normals
 from SDFStentLib.files.polydata import polydata_from_polygons
+from SDFStentLib.files.surface_output import refresh_normals
 from SDFStentLib.geometry import face_areas, face_normals, vertex_normals
 from SDFStentLib.validation import InputError
 

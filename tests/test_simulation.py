@@ -28,7 +28,7 @@ from SDFStentLib.flow import Wave
 from SDFStentLib.geometry import Surface, SurfaceIndex, signed_volume
 from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube, straight_tube
 from SDFStentLib.simulation import Conditions, Outlet, prepare
-from SDFStentLib.simulation.extension import extended
+from SDFStentLib.simulation.ends import extended
 from SDFStentLib.simulation.mmg import MeditMesh
 from SDFStentLib.simulation.prepared import well_filled
 from SDFStentLib.simulation.remesh import (

@@ -11,7 +11,7 @@ from scipy import stats
 from SDFStentLib import InputError
 from SDFStentLib.cohort import Cases, load_sweep, sweep_from_document, sweep_schema
 from SDFStentLib.cohort.axes import NAMES
-from SDFStentLib.cohort.sampling import Samples
+from SDFStentLib.cohort.cases import Samples
 
 SCHEMA = sweep_schema()
 

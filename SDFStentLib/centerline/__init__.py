@@ -2,11 +2,11 @@
 
 from .branch_lumen import BranchLumen as BranchLumen
 from .centerline import Centerline as Centerline
-from .junctions import JunctionChoice as JunctionChoice
 from .lumen_tree import SAME_CALIBER as SAME_CALIBER
 from .lumen_tree import USUAL as USUAL
 from .lumen_tree import LumenTree as LumenTree
 from .path import CenterlinePath as CenterlinePath
+from .path import JunctionChoice as JunctionChoice
 from .path import Location as Location
 from .point_tree import points_between as points_between
 from .stretches import Stretch as Stretch

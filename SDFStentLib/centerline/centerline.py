@@ -22,8 +22,7 @@ from ..validation import (
 )
 from .branch_lumen import BranchLumen, branch_of_points, told_lumens
 from .from_lines import tree_from_lines
-from .junctions import JunctionChoice
-from .path import CenterlinePath, Location
+from .path import CenterlinePath, JunctionChoice, Location
 from .point_tree import (
     NeighborTable,
     PointTree,

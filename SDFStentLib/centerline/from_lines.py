@@ -14,10 +14,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..geometry import nearest_distances, norm
 from ..validation import Floats, Indices, InputError, Points, as_point, as_points
+from .chains import thinned
 from .line_graph import LineGraph, near_pairs, reach_of, welded
 from .overlaps import OVERLAP_EXTENT, OVERLAP_FRACTION, merged_overlaps
 from .point_tree import PointTree, as_radii
-from .thinning import thinned
 
 GAP_FRACTION = 1.0
 """Pieces are joined across a gap of up to this fraction of the local inscribed radius."""

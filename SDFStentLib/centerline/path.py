@@ -1,12 +1,24 @@
-"""A place on a centerline, and a way along it."""
+"""A place on a centerline, a way along it, and where that had to choose a branch."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Literal, NamedTuple
 
 from ..geometry import Line
 from ..validation import Floats, Points, read_only
-from .junctions import JunctionChoice
+
+Rule = Literal["widest", "straightest", "nearest"]
+
+
+class JunctionChoice(NamedTuple):
+    """A junction where a path downstream chose the widest, the straightest or the nearest branch.
+
+    The nearest is that of a place that lies within the junction's own sphere.
+    """
+
+    point: Floats
+    rule: Rule
 
 
 @dataclass(frozen=True, eq=False)

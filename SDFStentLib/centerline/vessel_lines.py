@@ -13,8 +13,8 @@ import numpy as np
 
 from ..validation import read_only
 from .branch_lumen import BranchLumen
-from .junctions import JunctionChoice, Rule
 from .lumen_tree import LumenTree
+from .path import JunctionChoice, Rule
 from .stretches import joined_lumens
 
 AS_WIDE = 1 + 1e-6

@@ -16,8 +16,8 @@ from ..cautions import Caution
 from ..geometry import Precision, Surface, Topology, as_surface, state_of
 from ..validation import Indices, InputError, read_only
 from .comparison import Comparison, Verdict
+from .face_quality import Slivers
 from .promises import LumenCheck, MotionCheck, lumen_in_words
-from .slivers import Slivers
 from .spots import Spot, count_in_words, faults_in_words
 
 AS_FLOAT32 = Precision(np.float32)

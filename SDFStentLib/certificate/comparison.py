@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 
 from ..geometry import Precision, faces_at
 from ..validation import Indices, Points, Triangles
-from .face_quality import degenerate_triangles, inverted_triangles
+from .face_quality import Slivers, degenerate_triangles, inverted_triangles, slivers_among
 from .intersections import intersecting_pairs, self_intersecting_triangles
-from .slivers import Slivers, slivers_among
 from .spots import Spot, spots_of
 
 Judge = Callable[[Points, Triangles, Indices], Indices]

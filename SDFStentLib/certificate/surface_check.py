@@ -10,9 +10,8 @@ import numpy as np
 from ..cautions import Caution
 from ..geometry import Precision, Surface, Topology, as_surface, signed_volume
 from ..validation import Indices, read_only
-from .face_quality import degenerate_triangles, inverted_triangles
+from .face_quality import Slivers, degenerate_triangles, inverted_triangles, slivers_among
 from .intersections import intersecting_pairs
-from .slivers import Slivers, slivers_among
 from .spots import Spot, faults_in_words, spots_of, winding_in_words
 
 

@@ -1,16 +1,20 @@
-"""How long a sweep will take and how much disk, from a few of its cases carried out here."""
+"""How long a sweep will take and how much disk, from a few cases, and how far it is."""
 
 from __future__ import annotations
 
+import os
 import tempfile
+from contextlib import suppress
+from dataclasses import asdict, astuple, dataclass, replace
 from pathlib import Path
 from time import perf_counter
 from typing import NamedTuple
 
+from ..validation import InputError
 from .cases import Cases
-from .store import Store
+from .store import PROGRESS, Store, as_json
 from .value import Sweep
-from .worker import Task, run_case, task_of
+from .worker import Outcome, Task, run_case, task_of
 
 TRIED = 3
 """Cases that are carried out: the first, one in the middle, the last."""
@@ -59,3 +63,109 @@ def _seconds(task: Task) -> float:
 def _on_disk(path: Path) -> int:
     status = path.stat()
     return int(getattr(status, "st_blocks", 0)) * 512 or status.st_size
+
+
+_VERDICTS = {True: "certified", False: "uncertified", None: "unjudged"}
+
+
+@dataclass(frozen=True)
+class Tally:
+    """Counts of a sweep, and the seconds that this run has taken so far.
+
+    Attributes
+    ----------
+    total : int
+        Cases of the sweep.
+    certified, uncertified, unjudged, excluded, failed : int
+        Of those that are finished; unjudged are those of a plan that asks for no certificate.
+    found : int
+        Of the finished ones, those that were whole when this run began.
+    seconds : float
+    lacks_workers : bool
+        Whether a cluster that has no worker (yet) is waited for.
+    """
+
+    total: int
+    certified: int = 0
+    uncertified: int = 0
+    unjudged: int = 0
+    excluded: int = 0
+    failed: int = 0
+    found: int = 0
+    seconds: float = 0.0
+    lacks_workers: bool = False
+
+    @property
+    def finished(self) -> int:
+        """Cases that something has come of."""
+        done = self.certified + self.uncertified + self.unjudged
+        return done + self.excluded + self.failed
+
+    @property
+    def fraction(self) -> float:
+        """Done of the whole."""
+        return self.finished / self.total if self.total else 1.0
+
+    @property
+    def rate(self) -> float:
+        """Cases a second of this run; 0 before the first."""
+        return (self.finished - self.found) / self.seconds if self.seconds > 0 else 0.0
+
+    @property
+    def seconds_left(self) -> float | None:
+        """At this rate; None before the first case."""
+        return (self.total - self.finished) / self.rate if self.rate > 0 else None
+
+    def counted(self, outcome: Outcome) -> Tally:
+        """With one more case."""
+        name = outcome.status
+        if name == "done":
+            name = _VERDICTS[outcome.certified]
+        return replace(self, **{name: getattr(self, name) + 1})
+
+    def note(self) -> str:
+        """What stands behind the bar."""
+        parts = [f"{self.certified} certified for meshing", f"{self.failed} failed"]
+        if self.uncertified:
+            parts.append(f"{self.uncertified} not certified for meshing")
+        if self.unjudged:
+            parts.append(f"{self.unjudged} not judged")
+        if self.excluded:
+            parts.append(f"{self.excluded} excluded")
+        if self.lacks_workers:
+            parts.append("the cluster has no workers: waiting for them")
+        elif self.rate > 0 and self.seconds_left is not None:
+            parts += [f"{self.rate:.3g}/s", f"{duration_in_words(self.seconds_left)} left"]
+        return ", ".join(parts)
+
+
+def save_tally(store: Store, tally: Tally) -> None:
+    """Keep the counts beside the cases, for `last_tally`."""
+    store.write(PROGRESS, as_json(asdict(tally)))
+
+
+def last_tally(folder: str | os.PathLike[str]) -> tuple[Tally, bool]:
+    """The last counts of the sweep in a folder, and whether it is running now.
+
+    Raises
+    ------
+    InputError
+        No folder of a cohort.
+    """
+    store = Store(folder)
+    total = len(store.cohort()["cases"])
+    tally = Tally(total)  # killed before its first case
+    with suppress(InputError, TypeError):
+        known = Tally(**store.read(PROGRESS))
+        if all(isinstance(value, int | float) for value in astuple(known)):
+            tally = known
+    return tally, store.is_running()
+
+
+def duration_in_words(seconds: float) -> str:
+    """A duration, roughly."""
+    if seconds < 90:
+        return f"{seconds:.0f} s"
+    if seconds < 5400:
+        return f"{seconds / 60:.0f} min"
+    return f"{seconds / 3600:.1f} h" if seconds < 172_800 else f"{seconds / 86_400:.1f} days"

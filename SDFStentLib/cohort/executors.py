@@ -17,8 +17,7 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
 
 from ..validation import InputError
-from .threads import one_thread, start_worker
-from .watch import Watch, WorkerContext
+from .watch import Watch, WorkerContext, one_thread, start_worker
 from .worker import Outcome, Task, run_case
 
 MOST_WORKERS = 61 if os.name == "nt" else 1000

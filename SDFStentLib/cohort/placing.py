@@ -18,7 +18,7 @@ from ..units import are_apart
 from ..validation import InputError, Points, as_number
 from ..vessel import Lesion
 from .axes import PLACES, SHAPE_PARTS
-from .sampling import Parameters
+from .cases import Parameters
 from .value import Constraints
 
 NEAR = 1.0

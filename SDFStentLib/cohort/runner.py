@@ -14,10 +14,10 @@ from time import monotonic
 
 from ..validation import DeploymentError, InputError
 from .cases import Case, Cases
+from .estimate import Tally, save_tally
 from .executors import LOOK, Workplace, finished, workplace
 from .manifest import cohort_document, write_manifest
 from .store import COHORT, WHOLE, Store, StoreError, as_json
-from .tally import Tally, save_tally
 from .value import Sweep
 from .worker import Outcome, Task, task_of, write_failure
 

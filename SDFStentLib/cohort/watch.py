@@ -1,12 +1,73 @@
-"""Worker processes that can be ended, whatever they do, and what they have been at for how long."""
+"""How a worker process begins, how long it is at a case, and its end whatever it does."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import os
+import signal
+import threading
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
 from multiprocessing.connection import Connection, wait
 from multiprocessing.context import SpawnContext, SpawnProcess
 from time import monotonic
-from typing import Any
+from typing import Any, NoReturn
+
+ONE_THREAD = (
+    "OMP_NUM_THREADS",
+    "OPENBLAS_NUM_THREADS",
+    "MKL_NUM_THREADS",
+    "VECLIB_MAXIMUM_THREADS",
+)
+"""Variables that libraries of linear algebra read once, when they are loaded."""
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Processes that start within the block have one thread of linear algebra."""
+    before = {name: os.environ.get(name) for name in ONE_THREAD}
+    os.environ.update(dict.fromkeys(ONE_THREAD, "1"))
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value
+
+
+_begun: list[Connection] = []
+
+
+def start_worker(sweep: Connection, begun: Connection | None = None) -> None:
+    """Leave Ctrl-C to the sweep, and end when the other end of its pipe is closed.
+
+    Where it is to know what is begun, `begun` is what tells it.
+    """
+    if begun is not None:
+        _begun.append(begun)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if hasattr(signal, "pthread_sigmask"):
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT, signal.SIGTERM})
+    threading.Thread(target=_end_with, args=(sweep,), daemon=True).start()
+
+
+def begin(case: str) -> None:
+    """Tell the sweep that this process begins a case, where it is to know.
+
+    Workers share the pipe without a lock, which one that is stopped would keep: so few bytes are
+    written at once.
+    """
+    for pipe in _begun:
+        with suppress(OSError):
+            pipe.send_bytes(f"{os.getpid()} {case}".encode())
+
+
+def _end_with(sweep: Connection) -> NoReturn:
+    with suppress(EOFError, OSError):
+        sweep.recv_bytes()
+    os._exit(1)
+
 
 START_SECONDS = 60.0
 """In which a worker starts and begins a case, even on a busy machine and with a shorter limit."""
@@ -58,7 +119,7 @@ class Watch:
         self.begin(None, ())
 
     def begin(self, begun: Connection | None, processes: Iterable[SpawnProcess]) -> None:
-        """Watch another pool: its workers tell `begun` of every case, see `threads.begin`."""
+        """Watch another pool: its workers tell `begun` of every case, see `begin`."""
         self._begun, self._processes = begun, processes
         self._at_work: dict[str, tuple[int, float]] = {}
         self._last = monotonic()

@@ -28,8 +28,8 @@ from .cases import Case
 from .moved import encoded
 from .placing import Excluded, plan_of_case
 from .store import REPORT, SURFACES, Store
-from .threads import begin
 from .value import Constraints, Sweep
+from .watch import begin
 
 KEPT = 2
 """Patients whose vessels a worker keeps: cases come patient by patient."""

@@ -21,14 +21,15 @@ from .content import read_text as read_text
 from .extraction import check_vmtk as check_vmtk
 from .extraction import extract_lines as extract_lines
 from .formats.vtk_files import encode_vtp as encode_vtp
-from .locks import lock as lock
 from .mesh_complete import MeshComplete as MeshComplete
 from .mesh_complete import VolumeMesh as VolumeMesh
+from .mesh_complete import read_volume as read_volume
 from .mesh_complete import tetrahedra_at as tetrahedra_at
 from .model_faces import faces_of_polydata as faces_of_polydata
 from .model_faces import set_face_names as set_face_names
 from .output_set import StagingFolder as StagingFolder
 from .output_set import commit as commit
+from .output_set import lock as lock
 from .output_set import sweep as sweep
 from .polydata import add_arrays as add_arrays
 from .polydata import inscribed_radius_from_polydata as inscribed_radius_from_polydata
@@ -44,4 +45,3 @@ from .surface_files import read_surface as read_surface
 from .surface_output import check_surface_output as check_surface_output
 from .surface_output import write_surface as write_surface
 from .triangulation import triangulated_polydata as triangulated_polydata
-from .volume_files import read_volume as read_volume

@@ -18,8 +18,9 @@ from numpy.typing import NDArray
 
 from ..geometry import NamedFaces, Surface
 from ..units import MILLIMETERS, Frame
-from ..validation import Indices, InputError, Points
-from .formats import encode_vtp, encode_vtu
+from ..validation import Floats, Indices, InputError, Points
+from .content import read_content
+from .formats import decode_vtu, encode_vtp, encode_vtu
 from .model_faces import ID_ARRAY, set_face_names
 from .polydata import polydata_from_arrays, set_frame_of_polydata
 
@@ -145,3 +146,18 @@ def _encoded_volume(volume: VolumeMesh) -> bytes:
 
 def _ids(numbers: Indices) -> NDArray[Any]:
     return numbers.astype(np.int32)
+
+
+def read_volume(path: str | os.PathLike[str]) -> tuple[VolumeMesh, dict[str, Floats]]:
+    """Tetrahedra of a VTU file in cm, and the arrays (n,) or (n, k) at their points, by name.
+
+    Raises
+    ------
+    InputError
+        No such file, another kind of file, a damaged one, or coordinates that are no numbers.
+    """
+    content = read_content(path, "a volume mesh")
+    points, tetrahedra, arrays = decode_vtu(content.data, str(content.path))
+    if not np.isfinite(points).all():
+        raise InputError(f"{content.path}: expected finite coordinates, got others; make it anew.")
+    return VolumeMesh(MILLIMETERS[UNITS] * points, tetrahedra), arrays

@@ -4,8 +4,6 @@ from .bends import frames as frames
 from .bends import smoothed_line as smoothed_line
 from .bends import tightest_bend as tightest_bend
 from .carrying import carried as carried
-from .connected_parts import component_labels as component_labels
-from .connected_parts import connected as connected
 from .distance import NearPairs as NearPairs
 from .distance import SurfaceIndex as SurfaceIndex
 from .distance import closest_points_on_triangles as closest_points_on_triangles
@@ -19,6 +17,8 @@ from .faces import median_edge as median_edge
 from .faces import oriented_triangles as oriented_triangles
 from .faces import signed_volume as signed_volume
 from .faces import vertex_normals as vertex_normals
+from .fans import component_labels as component_labels
+from .fans import connected as connected
 from .flat_fill import flat_fill as flat_fill
 from .line import Line as Line
 from .line import as_line as as_line

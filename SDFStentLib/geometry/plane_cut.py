@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..validation import Flags, Floats, Indices, Points, Triangles
-from .connected_parts import component_labels
 from .faces import face_normals, faces_at
+from .fans import component_labels
 from .rows import across, dot, product
 from .section import crossings
 

@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..validation import Flags, Indices, Triangles
-from .connected_parts import component_labels, connected
-from .fans import fans_by_graph, fans_by_walking
+from .fans import component_labels, connected, fans_by_graph, fans_by_walking
 
 Sides = NDArray[Any]
 """Numbers of triangle sides, in 32 bits where that is enough."""

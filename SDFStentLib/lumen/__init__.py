@@ -12,7 +12,6 @@ from .closed_surface import closed_surface as closed_surface
 from .closed_surface import holes_of as holes_of
 from .cross_section import equivalent_diameters as equivalent_diameters
 from .cross_section import winding_numbers as winding_numbers
-from .cut_sections import SUSPECT as SUSPECT
 from .expected_wall import FARTHEST as FARTHEST
 from .expected_wall import Tube as Tube
 from .expected_wall import across_alone as across_alone
@@ -20,13 +19,14 @@ from .expected_wall import expected_tube as expected_tube
 from .extended_axis import REACH as REACH
 from .extended_axis import ExtendedAxis as ExtendedAxis
 from .extended_axis import extended_axis as extended_axis
+from .known_lumen import MovedWall as MovedWall
 from .known_lumen import measured_after as measured_after
 from .known_lumen import measured_once as measured_once
+from .known_lumen import moved_wall as moved_wall
 from .lumen_way import through_lumen as through_lumen
+from .metrics import SUSPECT as SUSPECT
 from .metrics import DiameterProfile as DiameterProfile
 from .metrics import diameter_profile as diameter_profile
-from .moved_wall import MovedWall as MovedWall
-from .moved_wall import moved_wall as moved_wall
 from .openings import Mask as Mask
 from .openings import Opening as Opening
 from .openings import openings as openings

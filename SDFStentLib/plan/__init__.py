@@ -1,6 +1,5 @@
 """One document that holds all that determines a result: written, read and carried out."""
 
-from .axis import read_axis_file as read_axis_file
 from .comparison import Alternative as Alternative
 from .comparison import PlanComparison as PlanComparison
 from .comparison import compare as compare
@@ -11,11 +10,12 @@ from .details import detailed_stent as detailed_stent
 from .details import details_words as details_words
 from .details import read_details as read_details
 from .details import stent_details as stent_details
-from .device_file import device_vtp as device_vtp
-from .device_file import write_device as write_device
 from .devices import device_named as device_named
 from .devices import device_table as device_table
+from .devices import read_profile as read_profile
+from .document import INPUTS as INPUTS
 from .document import POINT_PLACEMENTS as POINT_PLACEMENTS
+from .document import plan_schema as plan_schema
 from .document import plan_text as plan_text
 from .document import save_plan as save_plan
 from .flow import flow_answer as flow_answer
@@ -23,6 +23,7 @@ from .flow import flow_model as flow_model
 from .inputs import InputFiles as InputFiles
 from .inputs import Marks as Marks
 from .inputs import input_file as input_file
+from .inputs import read_axis_file as read_axis_file
 from .inputs import read_input_files as read_input_files
 from .inputs import read_plan_inputs as read_plan_inputs
 from .json_document import check_schema as check_schema
@@ -40,14 +41,13 @@ from .plan import turned as turned
 from .reader import load_plan as load_plan
 from .reader import plan_from_document as plan_from_document
 from .run import PlanResult as PlanResult
+from .run import Today as Today
 from .run import as_read as as_read
 from .run import run_plan as run_plan
 from .run import treatment_of as treatment_of
-from .schema import INPUTS as INPUTS
-from .schema import plan_schema as plan_schema
-from .shapes import read_profile as read_profile
-from .steps import StepFiles as StepFiles
-from .today import Today as Today
+from .shown import StepFiles as StepFiles
+from .shown import device_vtp as device_vtp
+from .shown import write_device as write_device
 from .typed import from_document as from_document
 from .typed import list_of as list_of
 from .typed import object_schema as object_schema

@@ -13,17 +13,17 @@ from ..cautions import Caution
 from ..files import (
     LineFile,
     SurfaceFile,
+    axis_of,
     check_same_space,
     in_frame_of,
     read_lines,
     read_surface,
 )
-from ..stent import InputFile
+from ..stent import AlongAxis, InputFile
 from ..treatment import Vessel, VesselName
 from ..units import Frame, are_apart, flipped
 from ..validation import InputError, Points
 from ..version import VERSION
-from .axis import changed_input, is_changed
 from .plan import Plan
 
 
@@ -181,4 +181,36 @@ def in_same_space(surface: SurfaceFile, points: np.ndarray, name: str) -> tuple[
         points,
         surface_name=os.fspath(surface.path),
         centerline_name=name,
+    )
+
+
+def read_axis_file(
+    file: InputFile, units: str, frame: Frame | None, *, accept_changed: bool = False
+) -> AlongAxis:
+    """The curve of an axis file in the frame of a plan, with the hash of what was read.
+
+    Raises
+    ------
+    InputError
+        A file that cannot be read, that has not one line, or that is not the one of the plan.
+    """
+    line_file = in_frame_of(read_lines(file.path, units), frame)
+    if is_changed(file, line_file.sha256) and not accept_changed:
+        raise changed_input(file, line_file.sha256)
+    return AlongAxis(axis_of(line_file), InputFile(file.path, line_file.sha256))
+
+
+def is_changed(file: InputFile, sha256: str) -> bool:
+    """Whether a file is not the one that a plan was made with; any will do where none is named."""
+    return file.sha256 not in (None, sha256)
+
+
+def changed_input(file: InputFile, sha256: str) -> InputError:
+    """What to raise for a file that is not the one that a plan was made with."""
+    return InputError(
+        f"{file.path}: expected the file that the plan was made with (sha256 {file.sha256}), got "
+        f"another one (sha256 {sha256}); give the original, or accept the changed one ",
+        "accept_changed_inputs",
+        otherwise="(accept_changed_inputs)",
+        end=".",
     )

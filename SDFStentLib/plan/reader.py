@@ -63,7 +63,7 @@ def load_plan(path: str | os.PathLike[str], *, accept_changed_inputs: bool = Fal
         A file that cannot be read, no JSON, another schema or version, or a key or a value that
         does not belong there, with its place.
     """
-    from .axis import read_axis_file  # vtk, for plans that name a file only
+    from .inputs import read_axis_file  # vtk, for plans that name a file only
 
     path = as_path(path)
     folder = os.path.dirname(os.path.abspath(path))

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,13 +17,14 @@ from ..files import (
     write_surface,
 )
 from ..flow import FlowAnswer
-from ..stent import AlongAxis, Stent
+from ..stent import AlongAxis, OfStent, Stent
 from ..treatment import (
     Residual,
     TreatedLesion,
     Treatment,
     TreatmentResult,
     TreatmentState,
+    Vessel,
     label_of,
     residual_of,
     size_cautions,
@@ -33,7 +35,6 @@ from ..validation import InputError, check_is_a
 from .flow import flow_answer, flow_of_plan
 from .inputs import InputFiles, in_same_space, input_file, read_plan_inputs
 from .plan import Plan, turned
-from .today import Today, today_of
 
 
 @dataclass(frozen=True)
@@ -192,3 +193,34 @@ def as_read(plan: Plan, inputs: InputFiles) -> Plan:
         surface=input_file(inputs.surface),
         centerline=None if line_file is None else input_file(line_file),
     )
+
+
+_SPACING = 1.0
+"""Of the stations along the stents, mm."""
+
+
+class Today(NamedTuple):
+    """What the stents before the first redilation have left."""
+
+    redilation: int
+    """Number of the first stent that is an earlier one, dilated again."""
+    minimum_lumen: Mapping[int, float]
+    """By number of a stent, its smallest inscribed diameter by then, mm; NaN where not known."""
+    lesions: tuple[TreatedLesion, ...] | None
+    """Before any stent and by then; None without a centerline."""
+
+
+def today_of(vessel: Vessel, result: TreatmentResult) -> Today | None:
+    """The result in a vessel before any stent is dilated again; None where none is."""
+    stents = result.stents
+    again = [place for place, one in enumerate(stents) if isinstance(one.stent.placement, OfStent)]
+    if not again:
+        return None
+    done = stents[: again[0]]
+    surface = done[-1].result.surface
+    by_then = Vessel(surface)
+    lumen = {one.number: by_then.diameters(one.axis.line, _SPACING).minimum for one in done}
+    lesions = None
+    if vessel.lesions is not None:
+        lesions = treated_lesions(vessel.lesions, done, surface, vessel.surface)
+    return Today(stents[again[0]].number, lumen, lesions)

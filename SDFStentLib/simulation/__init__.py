@@ -11,12 +11,12 @@ from .prepared import Mesh as Mesh
 from .prepared import Prepared as Prepared
 from .prepared import State as State
 from .prepared import prepare as prepare
-from .reading import UNSTEADY as UNSTEADY
-from .reading import Simulated as Simulated
-from .reading import read_results as read_results
 from .remesh import Wishes as Wishes
 from .results import CaseResult as CaseResult
 from .results import Found as Found
 from .solver import GET_IT as GET_IT
+from .solver import UNSTEADY as UNSTEADY
+from .solver import Simulated as Simulated
 from .solver import has_solver as has_solver
+from .solver import read_results as read_results
 from .solver import solve_cases as solve_cases

@@ -16,8 +16,7 @@ from ..treatment import ExtractedSegment, SegmentWishes, Vessel, extract_segment
 from ..validation import DeploymentError, Floats, Points, as_place
 from ..vessel import vessel_parts
 from .conditions import Conditions, conditions_of
-from .ends import SPACING, FlowEnds, ends_beyond
-from .extension import extended
+from .ends import SPACING, FlowEnds, ends_beyond, extended
 from .mmg import check_mmg
 from .remesh import Axis, Remeshed, Wishes, axis_of, edge_sizes, edges_around, remeshed
 from .solver_file import Steps, time_steps

@@ -5,8 +5,6 @@ from .balloon import USUAL_RECOIL as USUAL_RECOIL
 from .balloon import WIDE_BALLOON as WIDE_BALLOON
 from .balloon import Balloon as Balloon
 from .balloon import balloon_by_rule as balloon_by_rule
-from .beside import beside as beside
-from .beside import placement_points as placement_points
 from .device import Device as Device
 from .lattice import LatticeDesign as LatticeDesign
 from .lattice import design_of as design_of
@@ -30,7 +28,9 @@ from .stent import DEFAULT_FORESHORTENING as DEFAULT_FORESHORTENING
 from .stent import KEPT as KEPT
 from .stent import Stent as Stent
 from .stent_axis import StentAxis as StentAxis
+from .stent_axis import beside as beside
 from .stent_axis import moved_axis as moved_axis
+from .stent_axis import placement_points as placement_points
 from .stent_axis import stent_axis as stent_axis
 from .straightened import TurnedWay as TurnedWay
 from .straightened import straight_way as straight_way

@@ -1,7 +1,6 @@
 """Several stents in order, each in the vessel that the earlier ones left, and measured."""
 
 from ..vessel import VesselName as VesselName
-from .coverage import size_cautions as size_cautions
 from .lesions import Residual as Residual
 from .lesions import TreatedLesion as TreatedLesion
 from .lesions import residual_of as residual_of
@@ -32,3 +31,4 @@ from .value import TreatmentResult as TreatmentResult
 from .value import TreatmentState as TreatmentState
 from .value import label_of as label_of
 from .vessel import Vessel as Vessel
+from .warnings import size_cautions as size_cautions

@@ -1,15 +1,20 @@
-"""The diameters of a stent along its axis, in the vessel that it is put into."""
+"""A stent as it is about to be deployed: its diameters along its axis in the vessel."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
+from ..centerline import Centerline
+from ..deformation import Deployment, DeploymentResult, DeploymentState
 from ..geometry import Surface, nearest_distances
 from ..lumen import off_caps
 from ..stent import Stent, StentAxis
 from ..validation import Floats
+from .value import labeled
 
 
 def with_profile(axis: StentAxis, stent: Stent, surface: Surface) -> StentAxis:
@@ -45,3 +50,28 @@ def prescribed_diameters(stent: Stent, axis: StentAxis, arc_length: Floats) -> F
     if axis.profile is None:
         return np.full(len(arc_length), float(stent.diameter))
     return axis.profile.at(arc_length / axis.deployed_length)
+
+
+def named_states(deployment: Deployment, label: str) -> Iterator[DeploymentState]:
+    """Of a deployment; its errors name the stent."""
+    with labeled(label):
+        yield from deployment
+
+
+class Stage(NamedTuple):
+    """One stent as its turn found the vessel; it is measured when all are in place."""
+
+    number: int
+    stent: Stent
+    axis: StentAxis
+    centerline: Centerline | None
+    deployment: Deployment
+
+    @property
+    def result(self) -> DeploymentResult:
+        """What came of it, before the stents after it."""
+        return self.deployment.result
+
+    def radius_at(self, arc_length: Floats) -> Floats:
+        """Of the stent at some arc lengths of its axis, mm."""
+        return prescribed_diameters(self.stent, self.axis, arc_length) / 2

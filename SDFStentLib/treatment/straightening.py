@@ -19,10 +19,39 @@ from ..centerline import Centerline
 from ..deformation import DeploymentSettings
 from ..geometry import Line, Surface, smoothed_line
 from ..lumen import LocalSurface, VesselInside
-from ..stent import Stent, StentAxis, moved_axis, stent_axis, straight_way, turned_way
-from ..validation import Floats, Points, as_place
-from .in_lumen import check_in_lumen
+from ..stent import (
+    Placement,
+    Stent,
+    StentAxis,
+    moved_axis,
+    placement_points,
+    stent_axis,
+    straight_way,
+    turned_way,
+)
+from ..validation import Floats, InputError, Points, as_place
 from .profile import with_profile
+
+
+def check_in_lumen(inside: VesselInside, placement: Placement, centerline: Centerline) -> None:
+    """Refuse points outside of a vessel; those within the inscribed sphere need no look.
+
+    Raises
+    ------
+    InputError
+        A point of the placement is outside, and not on the wall.
+    """
+    for name, point in placement_points(placement):
+        place = centerline.project(point)
+        if place.distance < place.inscribed_radius:  # False where it is unknown
+            continue
+        if beyond := inside.beyond(point):
+            raise InputError(
+                f"{name}: expected a point in the lumen, got {np.round(point, 2).tolist()} mm, "
+                f"which is {place.distance:.1f} mm from the centerline and {beyond:.1f} mm outside "
+                "of the wall; move it into the vessel."
+            )
+
 
 KEPT = 0.5
 """Share of its distance from the wall that the axis keeps, or of the stent's radius if less."""

@@ -26,7 +26,7 @@ from ..lumen import DiameterProfile, bulged_caps, diameter_profile
 from ..stent import Stent
 from ..validation import Points, as_number, as_points, read_only
 from ..vessel import VesselStates
-from .stage import Stage, named_states
+from .profile import Stage, named_states
 from .straightening import AxisChange, axis_in_vessel
 from .surroundings import (
     PROFILE_SPACING,

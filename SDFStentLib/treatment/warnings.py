@@ -1,4 +1,4 @@
-"""Stents in a vessel that are too wide for it, without effect, or in each other."""
+"""Stents in a vessel that are too wide for it, without effect, or in each other, or too short."""
 
 from __future__ import annotations
 
@@ -13,6 +13,9 @@ from ..lumen import DiameterProfile, off_caps
 from ..stent import StentAxis
 from ..validation import InputError, Points
 from ..vessel import NeighborLumen
+from .lesions import TreatedLesion
+from .placing import NOTICED, uncovered_length
+from .ratios import ratio_cautions
 from .value import TreatedStent
 
 WIDEST = 4.0
@@ -200,3 +203,54 @@ def is_same_branch(first: NeighborLumen, second: NeighborLumen) -> bool:
 def _and(numbers: Sequence[int]) -> str:
     *others, last = map(str, numbers)
     return f"{', '.join(others)} and {last}"
+
+
+def size_cautions(
+    stents: Sequence[TreatedStent],
+    lesions: Sequence[TreatedLesion] | None,
+    label: Callable[[int], str] = "".format,
+) -> Iterator[Caution]:
+    """Where stents are too short for their lesions, or as wide as no source had them.
+
+    Parameters
+    ----------
+    stents : sequence of TreatedStent
+    lesions : sequence of TreatedLesion or None
+        Of their vessel; None where they were not looked for.
+    label : callable
+        Names a stent by its number.
+    """
+    yield from _uncovered(stents, lesions or (), label)
+    yield from ratio_cautions(stents, lesions, label)
+
+
+def _uncovered(
+    stents: Sequence[TreatedStent], lesions: Sequence[TreatedLesion], label: Callable[[int], str]
+) -> Iterator[Caution]:
+    """Where the tightest lesion that a stent covers goes on beyond all stents in it."""
+    told: set[int] = set()
+    for one in stents:
+        own = [lesion for lesion in lesions if one.number in lesion.stents]
+        for lesion in own[:1]:
+            within = [stent for stent in stents if stent.number in lesion.stents]
+            left = uncovered_length(lesion.before, [stent.axis.line for stent in within])
+            if left > NOTICED and lesion.number not in told:
+                told.add(lesion.number)
+                yield Caution(
+                    "lesion-uncovered",
+                    {
+                        "lesion": lesion.number,
+                        "uncovered_mm": left,
+                        "lesion_mm": lesion.before.length,
+                        "deployed_mm": one.axis.deployed_length,
+                        "packed": _packed(one),
+                    },
+                    stent=one.number,
+                ).labeled(label(one.number))
+
+
+def _packed(one: TreatedStent) -> str:
+    """How long it was before it shortened, in words; empty where it did not."""
+    if one.axis.nominal_length <= one.axis.deployed_length:
+        return ""
+    return f", {one.axis.nominal_length:g} mm as packed"

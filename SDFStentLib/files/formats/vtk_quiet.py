@@ -1,4 +1,4 @@
-"""VTK's errors, collected instead of shown on the screen."""
+"""What VTK does for the readers: its errors collected, not shown on the screen, and LZ4 blocks."""
 
 from __future__ import annotations
 
@@ -8,7 +8,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+import numpy as np
 from vtkmodules.util.misc import calldata_type
+from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import (
     VTK_STRING,
     vtkCommand,
@@ -16,6 +18,7 @@ from vtkmodules.vtkCommonCore import (
     vtkOutputWindow,
     vtkStringOutputWindow,
 )
+from vtkmodules.vtkIOCore import vtkLZ4DataCompressor
 
 # VTK's window for messages is one for the whole process, so that only one thread may swap it.
 _MESSAGES_LOCK = threading.RLock()
@@ -46,3 +49,19 @@ def vtk_messages() -> Iterator[list[str]]:
         finally:
             vtkLogger.SetStderrVerbosity(verbosity)
             vtkOutputWindow.SetInstance(before)
+
+
+_LARGEST_EXPANSION = 255
+
+
+def from_lz4(packed: bytes, size: int) -> bytes:
+    """The `size` bytes of a block; `ValueError` when it holds others."""
+    if not packed or size > _LARGEST_EXPANSION * len(packed):
+        raise ValueError(f"{len(packed)} bytes cannot hold {size}")
+    with vtk_messages():
+        # Of the forms that VTK takes, an array is converted fastest.
+        block: Any = np.frombuffer(packed, np.uint8)
+        found = vtkLZ4DataCompressor().Uncompress(block, len(packed), size)
+    if found is None or found.GetNumberOfTuples() != size:
+        raise ValueError("it is no LZ4 block of this size")
+    return vtk_to_numpy(found).tobytes()

@@ -145,7 +145,7 @@ def _from_lzma(packed: bytes, size: int) -> bytes:
 
 def _from_lz4(packed: bytes, size: int) -> bytes:
     """Imported late: VTK has the only LZ4 at hand, and few files need it."""
-    from .lz4_blocks import from_lz4
+    from .vtk_quiet import from_lz4
 
     return from_lz4(packed, size)
 

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
+from ...geometry import Surface
 from ...plan import PlanResult
 from ...treatment import TreatedStent
-from ...validation import check_is_a
+from ...units import Frame
+from ...validation import InputError, Points, check_is_a
+from ..words import millimeters
 from .drawing import GRAY, INK, Drawing, Mark, Stroke, Words
 from .marks import color_limits, color_scale, curve, length_scale, section_marks
 from .painting import painted
-from .shapes import Panel, lumen_of, panel_of, strut_curves, wall_diameters
-from .view import BOTTOM, HEIGHT, PANEL_WIDTH, TOP, WIDTH, best_view
+from .shapes import Lumen, Panel, lumen_of, panel_of, strut_curves, wall_diameters
+from .view import BOTTOM, HEIGHT, PANEL_WIDTH, TOP, WIDTH, View, best_view
 
 
 def before_after_picture(
@@ -50,24 +54,46 @@ def before_after_picture(
 def before_after_scene(result: PlanResult, title: str) -> tuple[Drawing, list[Panel]]:
     """What `before_after_picture` paints: all that is flat, and the walls under it."""
     surface, stents = result.inputs.surface, result.treatment.final_stents
-    moments = surface.surface, result.treatment.surface
-    cloud, axes = np.concatenate([one.points for one in moments]), [s.axis.line for s in stents]
+    lumens = _lumens(stents)
+    scene = _scene(
+        [surface.surface, result.treatment.surface], [lumens, lumens], stents, surface.frame
+    )
+    marks = [*_sides(stents, title), *scene.marks]
+    marks += section_marks(scene.view, scene.cloud, lumens, ((0, 0), (1, 1)))
+    return Drawing(WIDTH, HEIGHT, tuple(marks), title), scene.panels
+
+
+class _Scene(NamedTuple):
+    """What pictures of a vessel before treatment and after have in common."""
+
+    view: View
+    cloud: Points
+    panels: list[Panel]
+    marks: list[Mark]
+
+
+def _scene(
+    walls: Sequence[Surface],
+    shown: Sequence[Sequence[Lumen]],
+    stents: Sequence[TreatedStent],
+    frame: Frame | None,
+) -> _Scene:
+    """A panel for every wall, the first of them before treatment, with all of the lumens."""
+    cloud = np.concatenate([wall.points for wall in walls])
     radii = [stent.stent.widest_diameter / 2 for stent in stents]
-    view = best_view(axes, max(radii), cloud, PANEL_WIDTH / (BOTTOM - TOP), surface.frame)
-    lumens = [lumen for lumen in map(lumen_of, stents) if len(lumen.arc_length)]
-    limits = color_limits(radii, lumens)
-    panels = []
-    for side, wall in enumerate(moments):
-        diameters = wall_diameters(wall.points, lumens, side)
-        panels.append(panel_of(side, view, wall, diameters, limits))
-    marks = [*_headings(stents, title), *length_scale(view)]
-    marks += color_scale(*limits, WIDTH / 2)
+    axes = [stent.axis.line for stent in stents]
+    view = best_view(axes, max(radii), cloud, PANEL_WIDTH / (BOTTOM - TOP), frame)
+    limits = color_limits(radii, shown[0])
+    panels = [
+        panel_of(column, view, wall, wall_diameters(wall.points, lumens, min(column, 1)), limits)
+        for column, (wall, lumens) in enumerate(zip(walls, shown, strict=True))
+    ]
+    marks = [*length_scale(view), *color_scale(*limits, len(walls) * PANEL_WIDTH / 2)]
     marks += [curve(view, stent.axis.points, 0, INK, 2.5) for stent in stents]
-    marks += section_marks(view, cloud, lumens, ((0, 0), (1, 1)))
-    return Drawing(WIDTH, HEIGHT, tuple(marks), title), panels
+    return _Scene(view, cloud, panels, marks)
 
 
-def _headings(stents: Sequence[TreatedStent], title: str) -> Iterator[Mark]:
+def _sides(stents: Sequence[TreatedStent], title: str) -> Iterator[Mark]:
     sizes = [f"{one.stent.diameter:.1f} x {one.axis.deployed_length:.0f} mm" for one in stents]
     many = f"stent{'s' * (len(stents) > 1)} {' and '.join(sizes)}"
     notes = "with the planned stent axis", many if len(stents) <= 3 else f"{len(stents)} stents"
@@ -81,3 +107,87 @@ def _headings(stents: Sequence[TreatedStent], title: str) -> Iterator[Mark]:
         yield Words(note, middle, 93, 15, GRAY)
     yield Stroke([(WIDTH / 2, 50), (WIDTH / 2, BOTTOM)], "#d9dee3", 1.5)
     yield Words("Research use only. Not for clinical decisions.", 984, 674, 12, GRAY)
+
+
+def alternatives_picture(results: Mapping[str, PlanResult], *, hides_device: bool = False) -> bytes:
+    """A PNG with the vessel before, and a panel for every plan, drawn as `before_after_picture`.
+
+    Parameters
+    ----------
+    results : mapping of str to PlanResult
+        By name: plans for one vessel that were carried out.
+    hides_device : bool
+        Whether to leave out the struts of the stents.
+
+    Raises
+    ------
+    InputError
+        Something else than such results, or none.
+    DeploymentError
+        Nothing here can render; the message names what to install.
+    """
+    drawing, panels = alternatives_scene(results)
+    if not hides_device:
+        for column, result in enumerate(results.values(), start=1):
+            stents = result.treatment.final_stents
+            panels[column] = panels[column]._replace(struts=strut_curves(stents))
+    return painted(drawing, panels)
+
+
+def alternatives_scene(results: Mapping[str, PlanResult]) -> tuple[Drawing, list[Panel]]:
+    """What `alternatives_picture` paints: all that is flat, and the walls under it."""
+    if not results:
+        raise InputError("picture: expected at least one plan that was carried out, got none.")
+    for name, result in results.items():
+        check_is_a(result, PlanResult, name)
+    native = next(iter(results.values())).inputs.surface
+    groups = [result.treatment.final_stents for result in results.values()]
+    stents = [stent for group in groups for stent in group]
+    walls = [native.surface, *(result.treatment.surface for result in results.values())]
+    shown = [_lumens(stents), *map(_lumens, groups)]
+    scene = _scene(walls, shown, stents, native.frame)
+    marks = [*_headings(results), *scene.marks]
+    for column, lumens in enumerate(shown):
+        told = lumens if column else _apart(lumens)
+        marks += section_marks(scene.view, scene.cloud, told, ((column, min(column, 1)),))
+    return Drawing(len(walls) * PANEL_WIDTH, HEIGHT, tuple(marks)), scene.panels
+
+
+def _lumens(stents: Sequence[TreatedStent]) -> list[Lumen]:
+    """Of the stents along which something could be measured."""
+    return [lumen for lumen in map(lumen_of, stents) if len(lumen.arc_length)]
+
+
+def _apart(lumens: Sequence[Lumen]) -> list[Lumen]:
+    """Without those whose narrowest place is marked already: plans share stretches of vessel."""
+    kept: list[Lumen] = []
+    for lumen in sorted(lumens, key=lambda one: float(one.diameters[0].min())):
+        place = lumen.axis.at([lumen.narrowest])
+        near = lumen.diameters.max()
+        if all(np.linalg.norm(place - one.axis.at([one.narrowest])) > near for one in kept):
+            kept.append(lumen)
+    return kept
+
+
+def _headings(results: Mapping[str, PlanResult]) -> Iterator[Mark]:
+    bottom = HEIGHT - 26
+    for column, (name, note) in enumerate(
+        [("Before", "with the planned stent axes"), *((n, _note(r)) for n, r in results.items())]
+    ):
+        middle = (column + 0.5) * PANEL_WIDTH
+        yield Words(name, middle, 58, 30, is_bold=True)
+        yield Words(note, middle, 93, 20, GRAY)
+        if column:
+            edge = column * PANEL_WIDTH
+            yield Stroke([(edge, 40), (edge, BOTTOM)], "#d9dee3", 1.5)
+    words = "Research use only. Not for clinical decisions."
+    yield Words(words, (len(results) + 1) * PANEL_WIDTH - 20, bottom, 15, GRAY, "end")
+
+
+def _note(result: PlanResult) -> str:
+    """The narrowest place within the stents of a plan, and how many they are."""
+    stents = result.treatment.final_stents
+    least = np.fmin.reduce([stent.after.minimum for stent in stents])
+    number = "1 stent" if len(stents) == 1 else f"{len(stents)} stents"
+    lumen = millimeters(float(least), 1) if np.isfinite(least) else millimeters(None)
+    return f"{number}, minimum lumen {lumen}"
