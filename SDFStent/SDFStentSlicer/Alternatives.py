@@ -14,12 +14,11 @@ from . import (
     Dependencies,
     Display,
     Handles,
-    Layouts,
     Outputs,
     Results,
     Showing,
 )
-from .NewFolders import inNewFolder
+from .Exporting import inNewFolder
 from .ParameterNode import MethodParameters, methodOf
 from .Portions import untilDone
 from .StentList import StentList
@@ -221,7 +220,7 @@ class Alternatives:
             Showing.changeBack(node, HIDDEN_ATTRIBUTE, True)
         _showVessel(parameterNode, any(other.outputVessel is not None for other in others))
         for other in others:
-            Layouts.followPlan(other, parameterNode)
+            Showing.followPlan(other, parameterNode)
 
     def compare(self, parameterNode, folder):
         """Carry out all plans for the vessel and write them side by side into a new folder in `folder`.

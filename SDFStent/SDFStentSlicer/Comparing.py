@@ -23,7 +23,7 @@ from SDFStentLib.stent import InputFile
 from SDFStentLib.validation import InputError
 
 from . import Conversion, Plans
-from .NewFolders import freePath
+from .Exporting import freePath
 from .Portions import inPortions, working
 
 PAGE, DOCUMENT = "comparison.html", "comparison.json"

@@ -4,7 +4,7 @@ import math
 import time
 
 from . import Clock, Portions
-from .SteppedRun import SteppedRun
+from .Portions import SteppedRun
 
 COALESCE_MS = 0
 """A change waits until the application has handled what else has arrived; a longer or restarted wait would starve a fast drag."""

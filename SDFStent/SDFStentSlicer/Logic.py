@@ -18,15 +18,15 @@ from . import (
     Deploying,
     Display,
     Flow,
-    Layouts,
     Outputs,
     Plans,
     Results,
+    Showing,
     Sizes,
 )
 from .Alternatives import Alternatives
 from .Dragging import Dragging
-from .Exporting import Exporting
+from .Exporting import Exporting, Segments
 from .Fitting import Fitting
 from .Inputs import Inputs
 from .ParameterNode import (
@@ -37,10 +37,9 @@ from .ParameterNode import (
 from .Planning import Planning
 from .Portions import working
 from .Previewing import Previewing
-from .Segments import Segments
-from .Shown import Shown
 from .Snapping import Snapping
 from .Suggesting import Suggesting
+from .SurfaceOutput import Shown
 
 FIRST_PLAN = "Plan 1"
 
@@ -280,8 +279,8 @@ class SDFStentLogic(
             length = max(Sizes.lengthOf(stent), float(np.linalg.norm(np.ptp(points, axis=0))))
             Display.showPlace(np.mean(points, axis=0), Display.sizeRound(length, stent.diameter))
 
-    showPlot = staticmethod(Layouts.showPlot)
-    showTable = staticmethod(Layouts.showTable)
+    showPlot = staticmethod(Showing.showPlot)
+    showTable = staticmethod(Showing.showTable)
 
     def updateDisplay(self, parameterNode):
         """Bring what is shown into line with the parameters; makes no nodes."""

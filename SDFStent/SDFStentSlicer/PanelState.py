@@ -1,15 +1,127 @@
-"""What the panel lets be done and says: enabled widgets, ends of sliders, the status line."""
+"""What the panel lets be done and says: enabled widgets, ends of sliders, headings, the status line, lines in the 3D views."""
 
 import math
 
+import slicer
 from slicer.i18n import tr as _
+from vtkmodules.vtkRenderingAnnotation import vtkCornerAnnotation
 
-from SDFStentLib.validation import printable
+from SDFStentLib.report import CERTIFIED, NOT_CERTIFIED
+from SDFStentLib.validation import one_line, printable
 
 from . import Display, Flow, Outputs, Sizes
-from .AtHand import AtHand
-from .ParameterNode import METHOD_PARAMETERS, Placement, methodOf, stentOf, stentsOf
-from .Steps import Steps
+from .ParameterNode import (
+    METHOD_PARAMETERS,
+    MethodParameters,
+    Placement,
+    methodOf,
+    stentOf,
+    stentsOf,
+)
+
+LONGEST = 44
+"""Characters of a heading: the panel is as wide as its widest one."""
+
+
+class Steps:
+    """Writes the headings, and closes the first step once it is known that vessel and centerline can be used."""
+
+    def __init__(self, ui):
+        self._ui, self._isDone = ui, False
+
+    def closeFirst(self):
+        """Vessel and centerline can be used: their step is done, until one of them is taken away."""
+        if not self._isDone:
+            self._isDone = self._ui.inputsCollapsibleButton.collapsed = True
+
+    def show(self, parameterNode):
+        """After parameters have changed."""
+        vessel, centerline = parameterNode.vessel, parameterNode.centerline
+        if self._isDone and (vessel is None or centerline is None):
+            self._isDone = self._ui.inputsCollapsibleButton.collapsed = False
+        names = [node.GetName() for node in (vessel, centerline) if node is not None]
+        hasStents = len(stentsOf(parameterNode)) > 0
+        stent = stentOf(parameterNode)
+        details = Sizes.detailsOf(stent)
+        for name, title, words in (
+            ("inputs", _("Vessel"), ", ".join(names)),
+            ("place", _("Place"), stent.placement.label() if hasStents else ""),
+            ("device", _("Device"), _deviceWords(details)),
+            ("shape", _("Shape"), "" if details.shape is None else _("as set")),
+            ("advanced", _("Advanced"), "" if _isUsual(parameterNode) else _("changed")),
+            ("flow", _("Flow"), _flowWords(parameterNode)),
+        ):
+            text = f"{title}: {one_line(words)}" if words else title
+            getattr(self._ui, f"{name}CollapsibleButton").text = _cut(text)
+
+
+def _deviceWords(details):
+    name = details.device.name if details.device is not None else ""
+    return ", ".join(filter(None, [name, _("on a balloon") if details.balloon is not None else ""]))
+
+
+def _isUsual(parameterNode):
+    method, usual = methodOf(parameterNode), MethodParameters()
+    return all(
+        getattr(method, name) == getattr(usual, name) for name in MethodParameters.allParameters
+    )
+
+
+def _flowWords(parameterNode):
+    mean = parameterNode.flowMean
+    return _("{mean:g} L/min").format(mean=mean) if mean > 0 else ""
+
+
+def _cut(text):
+    return text if len(text) <= LONGEST else text[: LONGEST - 1] + "\N{HORIZONTAL ELLIPSIS}"
+
+
+PENDING, GOOD, BAD = "pending", "good", "bad"
+COLORS = {PENDING: (0.85, 0.87, 0.90), GOOD: (0.62, 0.93, 0.66), BAD: (1.0, 0.72, 0.45)}
+"""On `BACKGROUND`, which lets them be read on any view. What a color says stands in the last line, too."""
+BACKGROUND, OPACITY = (0.08, 0.10, 0.13), 0.65
+LARGEST_FONT = 18
+
+
+class AtHand:
+    """Shows lines in all 3D views. `text` is what is shown, `kind` one of `COLORS`."""
+
+    def __init__(self):
+        self.text, self.kind = "", PENDING
+
+    def show(self, text, instead=""):
+        """Show lines, one a row; `instead` of the last what else is to be known of them, where something is."""
+        lines = text.split("\n")
+        if text and instead:
+            lines[-1] = instead
+        kind = {CERTIFIED: GOOD, NOT_CERTIFIED: BAD}.get(lines[-1], PENDING)
+        self.text, self.kind = "\n".join(lines), kind
+        self.write()
+
+    def write(self):
+        """Write the lines into the views that do not show them yet, as those of another layout."""
+        for view in _views():
+            corner = view.cornerAnnotation()
+            font, color = corner.GetTextProperty(), COLORS[self.kind]
+            shown = corner.GetText(vtkCornerAnnotation.UpperLeft) or ""
+            if shown == self.text and (not shown or font.GetColor() == color):
+                continue
+            corner.SetMaximumFontSize(LARGEST_FONT)
+            corner.SetText(vtkCornerAnnotation.UpperLeft, self.text)
+            font.SetColor(*color)
+            font.BoldOn()  # thin letters are hard to read from where an operator stands
+            font.ShadowOff()
+            font.SetBackgroundColor(*BACKGROUND)
+            font.SetBackgroundOpacity(OPACITY if self.text else 0.0)
+            view.scheduleRender()
+
+
+def _views():
+    """The 3D views of the application; none without a window."""
+    manager = slicer.app.layoutManager()
+    count = 0 if manager is None else manager.threeDViewCount
+    return [manager.threeDWidget(number).threeDView() for number in range(count)]
+
 
 METHOD_SLIDERS = {
     f"{field}Slider": field

@@ -7,8 +7,7 @@ from slicer.i18n import tr as _
 
 from SDFStentLib.validation import one_line
 
-from .Columns import fitColumns
-from .FolderButton import FolderButton
+from .PanelParts import FolderButton, fitColumns
 
 
 class PlanTable:

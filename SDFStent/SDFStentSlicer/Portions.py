@@ -1,8 +1,112 @@
-"""Long calculations without nodes, off the application's thread."""
+"""Long work in small portions on the application's own thread, and long calculations off it."""
 
 import threading
+import time
+
+import slicer
 
 from . import Clock
+
+LONGEST_FRAME_S = 0.5
+FORGOTTEN_S = 1.0
+"""What the application needed once counts half after so long: not every turn has a frame before it."""
+
+
+class _Application:
+    """What the application needs between the turns of all runs, mostly to draw a frame."""
+
+    def __init__(self):
+        self._worked = self._needed = self._seenAt = 0.0
+
+    def clock(self):
+        """Seconds, which stand still while a run has its turn."""
+        return time.perf_counter() - self._worked
+
+    def needed(self, seconds):
+        """It was away for so long; returns what it needs at most, as seen lately."""
+        now = time.perf_counter()
+        left = 0.5 ** ((now - self._seenAt) / FORGOTTEN_S)
+        self._needed, self._seenAt = max(min(seconds, LONGEST_FRAME_S), left * self._needed), now
+        return self._needed
+
+    def tookTurn(self, seconds):
+        """A run had its turn."""
+        self._worked += seconds
+
+
+_application = _Application()
+
+
+class SteppedRun:
+    """Advances an iterator by a timer, for a limited time per tick, so that the application stays responsive.
+
+    Where frames take long to draw, as in software, a tick may take longer; nothing is drawn in the middle of it.
+
+    `onProgress(value)` gets the latest value once per tick; `onDone(error)` is called once per run: with None at the end, with
+    the exception when one was raised. `cancel()` ends a run at once without calling `onDone`.
+
+    One object serves one run after another, as a `Clock` timer does.
+    """
+
+    def __init__(self, onProgress, onDone):
+        self._onProgress, self._onDone = onProgress, onDone
+        self._iterator, self._leftAt = None, 0.0
+        self._timer = Clock.timer(self._tick, 0, isRepeated=True)
+
+    def start(self, iterator):
+        """Begin a run; another one must not be under way."""
+        self._iterator, self._leftAt = iterator, _application.clock()
+        self._timer.start()
+
+    def advance(self):
+        """Take a turn now: until the timer's first one a frame may be drawn, of what is known already."""
+        self._tick()
+
+    @property
+    def isRunning(self):
+        """Whether a run is under way."""
+        return self._iterator is not None
+
+    def cancel(self):
+        """Stop; the iterator's `finally` blocks run now."""
+        self._timer.stop()
+        iterator, self._iterator = self._iterator, None
+        if iterator is not None:
+            iterator.close()
+
+    def _tick(self):
+        if self._iterator is None:
+            return
+        start, views = time.perf_counter(), slicer.app.applicationLogic()
+        views.PauseRender()  # once a frame is due they draw in the middle of what is shown
+        try:
+            away = _application.needed(_application.clock() - self._leftAt)
+            self._advance(start + Clock.turn(away))
+        finally:
+            _application.tookTurn(time.perf_counter() - start)
+            self._leftAt = _application.clock()
+            views.ResumeRender()  # and are drawn, where one is due: also after the last turn of a run
+            _application.needed(_application.clock() - self._leftAt)
+
+    def _advance(self, end):
+        value = None
+        try:
+            # Ends: with the time, or with the iterator, whose values are never None.
+            while value is None or time.perf_counter() < end:
+                value = next(self._iterator)
+        except StopIteration:
+            self._finish(None)
+        except Exception as error:
+            # Every exception has to stop the timer, or it would fire for ever; the panel shows it.
+            self._finish(error)
+        else:
+            self._onProgress(value)
+
+    def _finish(self, error):
+        self._timer.stop()
+        self._iterator = None
+        self._onDone(error)
+
 
 _left = []
 """Threads that nobody waits for any more."""

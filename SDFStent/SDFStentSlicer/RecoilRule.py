@@ -2,8 +2,7 @@
 
 from . import Clock, Conversion, Sizes
 from .ParameterNode import stentOf, stentsOf
-from .Portions import working
-from .SteppedRun import SteppedRun
+from .Portions import SteppedRun, working
 
 SETTLE_MS = 250
 """The stent has to rest so long, so that nothing is measured while it is being dragged."""

@@ -9,7 +9,7 @@ from SDFStentLib.plan import details_words
 from SDFStentLib.validation import one_line
 
 from . import Sizes
-from .Columns import fitColumns
+from .PanelParts import fitColumns
 
 
 class StentTable:

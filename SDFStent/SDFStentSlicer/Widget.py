@@ -10,24 +10,21 @@ from vtkmodules.vtkCommonCore import vtkCommand
 from . import Conversion, ExtractCenterline, Outputs, Showing
 from .DeploySession import DeploySession
 from .DeviceSection import DeviceSection
-from .ExportSection import ExportSection
-from .GuiBinding import GuiBinding
+from .ExportSection import ExportSection, SegmentSection
 from .History import HistoryButtons
-from .InputWatch import InputWatch
 from .LesionTable import LesionTable
 from .Logic import SDFStentLogic
-from .PanelHeight import PanelHeight
+from .PanelParts import GuiBinding, PanelHeight
 from .PanelState import PanelState
 from .ParameterNode import CHOICE_LABELS
 from .PlanTable import PlanTable
+from .Portions import SteppedRun
 from .RecoilRule import RecoilRule
-from .SceneEvents import SceneEvents
-from .SegmentSection import SegmentSection
+from .SceneEvents import InputWatch, SceneEvents
 from .ShapeSection import ShapeSection
 from .StentButtons import StentButtons
 from .StentList import StentList
 from .StentTable import StentTable
-from .SteppedRun import SteppedRun
 
 
 class SDFStentWidget(SceneEvents, StentButtons, ScriptedLoadableModuleWidget, VTKObservationMixin):

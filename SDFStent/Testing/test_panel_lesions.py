@@ -140,11 +140,11 @@ def test_add_with_a_lesion_selected_places_a_stent_there_that_opens_it(host, the
 
 
 def test_the_search_never_holds_the_application_for_long(host, aPanel, aVessel, knownLesions):
-    from SDFStentSlicer import Clock, SteppedRun
+    from SDFStentSlicer import Clock, Portions
 
     knownLesions.clear()
     ticks = []
-    tick = SteppedRun.SteppedRun._tick
+    tick = Portions.SteppedRun._tick
 
     def timed(run):
         start = time.thread_time()  # a busy machine makes no tick longer by this clock

@@ -1,0 +1,122 @@
+"""Parts of the panel that know nothing of stents: widgets bound to parameters, columns, folders, its height."""
+
+import qt
+import slicer
+from slicer.i18n import tr as _
+
+from . import Clock
+from .Portions import SteppedRun
+
+
+class GuiBinding:
+    """Binds the widgets of `ui` to a parameter node until `release`.
+
+    Slicer 5.10.0 leaves an observer on the node at every `disconnectGui`: changes become slower with every visit of the panel,
+    and the observer of a parameter node that nobody holds any more crashes. So what `connectGui` adds is remembered here.
+    """
+
+    def __init__(self, parameterNode, ui):
+        self._parameterNode, self._tags = parameterNode, []
+        addObserver = parameterNode.AddObserver
+
+        def remembered(*arguments):
+            self._tags.append(addObserver(*arguments))
+            return self._tags[-1]
+
+        parameterNode.AddObserver = remembered  # of this object only, and only while it connects
+        try:
+            self._guiTag = parameterNode.connectGui(ui)
+        finally:
+            del parameterNode.AddObserver
+
+    def release(self):
+        """Part them; an observer that Slicer has removed itself is removed once more, which does nothing."""
+        self._parameterNode.disconnectGui(self._guiTag)
+        for tag in self._tags:
+            self._parameterNode.RemoveObserver(tag)
+
+
+def fitColumns(table):
+    """Let the first column, with the names, have the room that the others leave, which are as wide as what they hold."""
+    header = table.horizontalHeader()
+    header.setStretchLastSection(False)
+    header.setSectionResizeMode(qt.QHeaderView.ResizeToContents)
+    header.setSectionResizeMode(0, qt.QHeaderView.Stretch)
+
+
+class FolderButton:
+    """Asks for a folder and runs the iterator `stepsInto(folder)`, which yields fractions done and returns a path.
+
+    By its first value the iterator needs the scene no more. `attempt(action)` does what is asked for and says why when it cannot be
+    done; `onDone(path)` is called when it was.
+    """
+
+    def __init__(self, button, title, stepsInto, attempt, onDone):
+        self._button, self._title, self._text = button, title, button.text
+        self._stepsInto, self._attempt, self._onDone = stepsInto, attempt, onDone
+        self._path = None
+        self._run = SteppedRun(self._onProgress, self._finished)
+        button.connect("clicked()", self._onClicked)
+
+    @property
+    def isRunning(self):
+        """Whether something is being written."""
+        return self._run.isRunning
+
+    def stop(self):
+        """Stop what is under way; its folder goes again."""
+        self._run.cancel()
+        self._button.text = self._text
+
+    def _onClicked(self):
+        if self.isRunning:
+            self.stop()
+            return
+        folder = qt.QFileDialog.getExistingDirectory(self._button, self._title)
+        if folder:
+            self._attempt(lambda: self._begin(folder))
+
+    def _begin(self, folder):
+        run = self._untilPath(self._stepsInto(folder))
+        self._onProgress(next(run))
+        self._run.start(run)
+
+    def _untilPath(self, steps):
+        self._path = None
+        self._path = yield from steps
+
+    def _onProgress(self, fraction):
+        self._button.text = _("Stop, {percent:.0f} %").format(percent=100 * fraction)
+
+    def _finished(self, error):
+        self._button.text = self._text
+        self._attempt(lambda: self._end(error))
+
+    def _end(self, error):
+        if error is not None:
+            raise error
+        self._onDone(self._path)
+
+
+class PanelHeight:
+    """Gives the panel the height that it needs, as its least one.
+
+    From the second visit of a module on, Slicer's module panel keeps the height that it was told first, and squeezes what does not fit
+    (`qSlicerModulePanel::removeModule` leaves an item of the layout behind, which alone hears that sizes change). Least sizes it asks for anew.
+    """
+
+    def __init__(self, panel):
+        self._panel = panel
+        self._timer = Clock.timer(self._fit, 0)
+        for section in slicer.util.findChildren(panel, className="ctkCollapsibleButton"):
+            section.connect("contentsCollapsed(bool)", lambda _isCollapsed: self.fit())
+
+    def fit(self):
+        """Something in the panel may be higher or lower now."""
+        self._timer.start()
+
+    def _fit(self):
+        # Layouts hear of changes one within the other, each by an event.
+        qt.QCoreApplication.sendPostedEvents(None, qt.QEvent.LayoutRequest)
+        needed = self._panel.layout().heightForWidth(self._panel.width)
+        self._panel.minimumHeight = max(0, needed)  # -1 where no text is shown
