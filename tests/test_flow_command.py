@@ -114,7 +114,7 @@ def test_bad_input_is_a_sentence_and_nothing_is_written(flow, capsys, more, word
 
 
 def test_a_solver_that_dies_leaves_nothing(flow, capsys, monkeypatch):
-    monkeypatch.setattr("SDFStentLib.plan.flow.has_svzerod", lambda: True)
+    monkeypatch.setattr("SDFStentLib.plan.run.has_svzerod", lambda: True)
     monkeypatch.setattr("SDFStentLib.flow.svzerod._RUN", "import os; os._exit(9)")
     rows = "s,mL/s\n0,10\n0.2,120\n0.4,10\n0.8,10\n"
     Path("wave.csv").write_text(rows, encoding="utf-8")
@@ -124,7 +124,7 @@ def test_a_solver_that_dies_leaves_nothing(flow, capsys, monkeypatch):
 
 
 def test_without_svzerod_a_wave_is_taken_as_steady_flows_and_said_so(flow, capsys, monkeypatch):
-    monkeypatch.setattr("SDFStentLib.plan.flow.has_svzerod", lambda: False)
+    monkeypatch.setattr("SDFStentLib.plan.run.has_svzerod", lambda: False)
     rows = "s,mL/s\n0,10\n0.2,120\n0.4,10\n0.8,10\n"
     Path("wave.csv").write_text(rows, encoding="utf-8")
     assert flow("--wave", "wave.csv", "--json", "f.json") == 0

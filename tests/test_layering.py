@@ -68,7 +68,7 @@ VTK_GATE = {  # the only files that may import vtk themselves
     "files/surface_files.py", "files/surface_output.py", "files/triangulation.py",
     "files/model_faces.py", "files/same_space.py",
     "files/formats/vtk_files.py", "files/vmtk_process.py",
-    "files/formats/stored_to_vtk.py", "files/formats/vtk_quiet.py",
+    "files/formats/vtk_quiet.py",
     "report/picture/painter.py",
 }  # fmt: skip
 

@@ -19,9 +19,8 @@ from SDFStentLib.plan import Plan, PlanResult, read_input_files, treatment_of
 from SDFStentLib.report import before_after_picture
 from SDFStentLib.report.picture import painting, picture
 from SDFStentLib.report.picture.drawing import Box, Disc, Drawing, Stroke, Words, svg
-from SDFStentLib.report.picture.marks import RED
 from SDFStentLib.report.picture.painting import painted
-from SDFStentLib.report.picture.picture import before_after_scene
+from SDFStentLib.report.picture.picture import RED, before_after_scene
 from SDFStentLib.report.picture.shapes import (
     WALL_COLOR,
     strut_curves,

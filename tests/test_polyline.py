@@ -14,7 +14,7 @@ from SDFStentLib.geometry import (
     closest_on_segments,
     tightest_bend,
 )
-from SDFStentLib.geometry.segments import PAIRS_PER_BLOCK
+from SDFStentLib.geometry.line import PAIRS_PER_BLOCK
 from SDFStentLib.validation import InputError
 
 CORNER = np.array([[0.0, 0, 0], [3, 0, 0], [3, 4, 0]])

@@ -23,9 +23,8 @@ from SDFStentLib.plan import load_plan, run_plan
 from SDFStentLib.report import ratio_sentence
 from SDFStentLib.stent import AtCenter, Stent, stent_axis
 from SDFStentLib.treatment import SizingWishes, Suggestion, Vessel, placement_at, suggested
-from SDFStentLib.treatment.placing import uncovered_length
+from SDFStentLib.treatment.placing import beside_lesion, healthy_vessel, uncovered_length
 from SDFStentLib.treatment.ratios import size_ratios
-from SDFStentLib.treatment.widths import beside_lesion, healthy_vessel
 from SDFStentLib.validation import InputError
 from SDFStentLib.vessel import HealthyPlace, Lesion
 

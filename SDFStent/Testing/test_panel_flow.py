@@ -152,14 +152,14 @@ def test_the_solver_of_waves_is_offered_where_it_is_missing_and_never_required(
 
     ui, parameters, installed = aStent.ui, aStent._parameterNode, []
     monkeypatch.setattr(slicer.util, "pip_install", installed.append, raising=False)
-    for where in ("SDFStentSlicer.Flow", "SDFStentLib.plan.flow"):
+    for where in ("SDFStentSlicer.Flow", "SDFStentLib.plan.run"):
         monkeypatch.setattr(f"{where}.has_svzerod", lambda: bool(installed))
     assert not ui.installSolverButton.visible
     aStent.logic.loadPlan(aPlanWithAWave, parameters)
     deploy(host, aStent)
     assert ui.installSolverButton.visible
     assert aStent.logic.lastRun(parameters).flow.is_quasi_steady
-    solved = "SDFStentLib.plan.flow.solved_by_svzerod"
+    solved = "SDFStentLib.plan.run.solved_by_svzerod"
     asked = []
 
     def solve(network, outlets, known):

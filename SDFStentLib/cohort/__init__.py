@@ -7,6 +7,7 @@ from .cases import Case as Case
 from .cases import Cases as Cases
 from .document import load_sweep as load_sweep
 from .document import sweep_from_document as sweep_from_document
+from .document import sweep_schema as sweep_schema
 from .estimate import Tally as Tally
 from .estimate import duration_in_words as duration_in_words
 from .estimate import estimated as estimated
@@ -15,6 +16,5 @@ from .executors import worker_count as worker_count
 from .manifest import write_manifest as write_manifest
 from .reader import Cohort as Cohort
 from .runner import run_sweep as run_sweep
-from .schema import sweep_schema as sweep_schema
 from .value import Patient as Patient
 from .value import Sweep as Sweep

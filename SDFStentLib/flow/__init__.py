@@ -6,11 +6,11 @@ from .answer import FlowAnswer as FlowAnswer
 from .answer import FlowModel as FlowModel
 from .answer import Moment as Moment
 from .answer import Solve as Solve
+from .blocks import ADULT as ADULT
+from .blocks import PASCAL_PER_MMHG as PASCAL_PER_MMHG
+from .blocks import PER_ML as PER_ML
+from .blocks import Blood as Blood
 from .blocks import Method as Method
-from .blood import ADULT as ADULT
-from .blood import PASCAL_PER_MMHG as PASCAL_PER_MMHG
-from .blood import PER_ML as PER_ML
-from .blood import Blood as Blood
 from .channels import Channel as Channel
 from .channels import channels_of as channels_of
 from .followed import FollowedChannels as FollowedChannels

@@ -10,8 +10,18 @@ from typing import NamedTuple
 import numpy as np
 
 from ..validation import Floats, InputError, Place, as_place
-from .blocks import Block, Method, Stream, blocks_of, outlet_diameters, shares_of, turns_of
-from .blood import PASCAL_PER_MMHG, PER_ML, Blood
+from .blocks import (
+    PASCAL_PER_MMHG,
+    PER_ML,
+    Block,
+    Blood,
+    Method,
+    Stream,
+    blocks_of,
+    outlet_diameters,
+    shares_of,
+    turns_of,
+)
 from .channels import Channel, widths_of
 from .known import Known
 from .network import Network, Outlets, State, steady_states, tree_of

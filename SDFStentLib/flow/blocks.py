@@ -13,8 +13,23 @@ from typing import NamedTuple
 import numpy as np
 
 from ..validation import Flags, Floats
-from .blood import ADULT, Blood
 from .channels import Channel, Widths
+
+PASCAL_PER_MMHG = 133.322
+PER_ML = 1e-6
+"""Cubic meters in a milliliter."""
+
+
+class Blood(NamedTuple):
+    """Of an adult at the shear of large vessels, the values of the SimVascular examples."""
+
+    density: float = 1060.0
+    """kg/m^3."""
+    viscosity: float = 0.004
+    """Pa s."""
+
+
+ADULT = Blood()
 
 PARTS = -0.09
 """Thwaites: a laminar layer of momentum thickness d parts from a wall along which the core of speed

@@ -10,8 +10,7 @@ import numpy as np
 from ..geometry import Line
 from ..units import Frame
 from ..validation import Flags, Floats, InputError, Points
-from .blocks import shares_of
-from .blood import PASCAL_PER_MMHG, PER_ML
+from .blocks import PASCAL_PER_MMHG, PER_ML, shares_of
 from .channels import Channel
 from .known import Known
 from .network import Network, Outlets, Tree, lost_to, steady, steady_states

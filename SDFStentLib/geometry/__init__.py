@@ -22,9 +22,9 @@ from .fans import connected as connected
 from .flat_fill import flat_fill as flat_fill
 from .line import Line as Line
 from .line import as_line as as_line
+from .line import closest_on_segments as closest_on_segments
+from .line import distances_to_segments as distances_to_segments
 from .line import segment_count as segment_count
-from .named_faces import NamedFaces as NamedFaces
-from .named_faces import checked_faces as checked_faces
 from .near_balls import Balls as Balls
 from .near_balls import nearest_distances as nearest_distances
 from .near_balls import search_tree as search_tree
@@ -41,11 +41,11 @@ from .rows import norm as norm
 from .rows import product as product
 from .rows import ranges as ranges
 from .section import plane_section as plane_section
-from .segments import closest_on_segments as closest_on_segments
-from .segments import distances_to_segments as distances_to_segments
 from .smoothing import smooth_minimum as smooth_minimum
+from .surface import NamedFaces as NamedFaces
 from .surface import Surface as Surface
 from .surface import as_surface as as_surface
+from .surface import checked_faces as checked_faces
 from .surface import state_of as state_of
 from .topology import Topology as Topology
 from .topology import VertexNeighbors as VertexNeighbors

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..validation import Flags, Floats, Triangles
-from .segments import distances_to_segments
+from .line import distances_to_segments
 
 CLEAR = 0.6
 """Points inside keep so many mean sides away from the border."""

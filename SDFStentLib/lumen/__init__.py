@@ -19,11 +19,11 @@ from .expected_wall import expected_tube as expected_tube
 from .extended_axis import REACH as REACH
 from .extended_axis import ExtendedAxis as ExtendedAxis
 from .extended_axis import extended_axis as extended_axis
+from .extended_axis import through_lumen as through_lumen
 from .known_lumen import MovedWall as MovedWall
 from .known_lumen import measured_after as measured_after
 from .known_lumen import measured_once as measured_once
 from .known_lumen import moved_wall as moved_wall
-from .lumen_way import through_lumen as through_lumen
 from .metrics import SUSPECT as SUSPECT
 from .metrics import DiameterProfile as DiameterProfile
 from .metrics import diameter_profile as diameter_profile

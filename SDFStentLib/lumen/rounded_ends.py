@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from ..geometry import Line, connected, face_normals, product
 from ..validation import Floats, Points, Triangles
 from .caps import flat_caps
+from .closed_ends import fills, part_near, touches
 from .spheres import InscribedSpheres, inscribed_spheres
 from .stations import Stations
-from .touching import fills, part_near, touches
 
 AHEAD = np.cos(np.deg2rad(60.0))
 """A sphere that touches the surface so nearly along the axis may touch the end."""

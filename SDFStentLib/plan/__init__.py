@@ -18,8 +18,6 @@ from .document import POINT_PLACEMENTS as POINT_PLACEMENTS
 from .document import plan_schema as plan_schema
 from .document import plan_text as plan_text
 from .document import save_plan as save_plan
-from .flow import flow_answer as flow_answer
-from .flow import flow_model as flow_model
 from .inputs import InputFiles as InputFiles
 from .inputs import Marks as Marks
 from .inputs import input_file as input_file
@@ -43,6 +41,8 @@ from .reader import plan_from_document as plan_from_document
 from .run import PlanResult as PlanResult
 from .run import Today as Today
 from .run import as_read as as_read
+from .run import flow_answer as flow_answer
+from .run import flow_model as flow_model
 from .run import run_plan as run_plan
 from .run import treatment_of as treatment_of
 from .shown import StepFiles as StepFiles

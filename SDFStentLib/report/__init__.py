@@ -34,12 +34,12 @@ from .lesions import lesion_sentences as lesion_sentences
 from .lesions import lesions_by_size as lesions_by_size
 from .lesions import lesions_csv as lesions_csv
 from .lesions import stent_lesion_sentences as stent_lesion_sentences
-from .of_plan import plan_report as plan_report
 from .picture import alternatives_picture as alternatives_picture
 from .picture import before_after_picture as before_after_picture
 from .picture.painting import check_rendering as check_rendering
 from .report import FIGURE_SUFFIXES as FIGURE_SUFFIXES
 from .report import Report as Report
+from .report import plan_report as plan_report
 from .report import write_report as write_report
 from .report import write_report_figure as write_report_figure
 from .segments import SEGMENT_FILES as SEGMENT_FILES

@@ -13,9 +13,8 @@ from ..version import VERSION
 from .alternatives import Row, comparison_rows
 from .flow import FLOW_NOTE
 from .markup import beginning, page, paragraph, picture
-from .of_plan import plan_report
 from .picture import alternatives_picture
-from .report import DEFINITIONS
+from .report import DEFINITIONS, plan_report
 from .words import RESEARCH_USE
 
 SCHEMA = "sdfstent-comparison"

@@ -11,8 +11,8 @@ from ..cautions import Caution
 from ..stent import WIDE_BALLOON, OfStent, Stent
 from ..vessel import Lesion
 from .lesions import TreatedLesion
+from .placing import HealthyVessel, beside_lesion, healthy_vessel
 from .value import TreatedStent
-from .widths import HealthyVessel, beside_lesion, healthy_vessel
 
 
 class Seen(NamedTuple):

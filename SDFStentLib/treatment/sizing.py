@@ -30,9 +30,8 @@ from ..stent import (
 )
 from ..validation import InputError, as_number, printable
 from ..vessel import SMALLEST_DEGREE, Lesion
-from .placing import NOTICED, placement_at, uncovered_length
+from .placing import NOTICED, HealthyVessel, beside_lesion, placement_at, uncovered_length
 from .ratios import SizeRatios, size_ratios
-from .widths import HealthyVessel, beside_lesion
 
 RATIOS = (0.2, 2.0)
 """The least and the most that may be asked for, lumen over the vessel beside the lesion."""

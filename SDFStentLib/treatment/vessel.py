@@ -24,11 +24,10 @@ from ..vessel import (
     lesions_against,
     line_seeds,
 )
-from .placing import placement_at
+from .placing import healthy_vessel, placement_at
 from .sizing import SizingWishes, Suggestion, suggested
 from .straightening import axis_in_vessel
 from .surroundings import PROFILE_SPACING, lumen_around
-from .widths import healthy_vessel
 
 
 @dataclass(frozen=True, eq=False)
