@@ -1,4 +1,4 @@
-"""Where a stent goes that treats a lesion, what it leaves uncovered, and the healthy vessel there."""
+"""Where a stent goes that treats a lesion, and the healthy vessel that it is compared with."""
 
 from __future__ import annotations
 

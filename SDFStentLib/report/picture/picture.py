@@ -1,4 +1,4 @@
-"""Pictures for the heart-team meeting: the vessel before and after plans, seen by one camera."""
+"""Pictures for the heart-team meeting: the vessel before and after plans, by one camera."""
 
 from __future__ import annotations
 
