@@ -1,7 +1,7 @@
 """What the module needs of `slicer.parameterNodeWrapper`: typed fields of a scripted module node, bound to widgets.
 
 Covers what panels commonly use: int, float, str, bool, enum, node references and unions of them, parameter packs (nested by
-dotted names), lists, `WithinRange`, `Minimum`, `Choice`, `Default`; two-way binding to widgets. Storage keys follow the real one where it is simple; files are not meant to be exchanged.
+dotted names), lists, `WithinRange`, `Choice`; two-way binding to widgets. Storage keys follow the real one where it is simple; files are not meant to be exchanged.
 """
 
 import enum
@@ -27,15 +27,6 @@ class WithinRange:
 
 
 @dataclass(frozen=True)
-class Minimum:
-    minimum: float
-
-    def check(self, value):
-        if value < self.minimum:
-            raise ValueError(f"Value must be at least {self.minimum}, got {value}")
-
-
-@dataclass(frozen=True)
 class Choice:
     choices: tuple
 
@@ -44,17 +35,11 @@ class Choice:
             raise ValueError(f"Value must be one of {self.choices}, got {value}")
 
 
-@dataclass(frozen=True)
-class Default:
-    value: object = None
-    generator: object = None
-
-
 class Field:
     """One typed field: how to check it, to write it to a node and to read it back."""
 
     def __init__(self, owner, name, hint):
-        self.name, self.hint = name, hint
+        self.name = name
         self.type, *annotations = (
             typing.get_args(hint) if typing.get_origin(hint) is typing.Annotated else (hint,)
         )
@@ -62,9 +47,7 @@ class Field:
         self.isPack, self.isNode = isPack(self.type), _isNodeType(self.type)
         self.isList = typing.get_origin(self.type) is list
         self.validators = [a for a in annotations if hasattr(a, "check")]
-        given = [a for a in annotations if isinstance(a, Default)]
-        missing = given[0].value if given else _emptyValue(self.type)
-        self.default = owner.__dict__.get(name, missing)
+        self.default = owner.__dict__.get(name, _emptyValue(self.type))
 
     def check(self, value):
         for validator in self.validators:
@@ -219,7 +202,7 @@ def parameterNodeWrapper(cls):
 class WrapperMembers:
     """Becomes part of every parameter node class."""
 
-    def __init__(self, parameterNode, prefix=None):
+    def __init__(self, parameterNode):
         self.parameterNode = parameterNode
         self._bindings, self._updating = {}, False
         with slicer.util.NodeModify(parameterNode):
@@ -239,13 +222,6 @@ class WrapperMembers:
         for part in packs:
             owner = getattr(owner, part)
         setattr(owner, last, value)
-
-    def dataType(self, name):
-        fields = self.allParameters
-        for part in name.split("."):
-            field = fields[part]
-            fields = getattr(field.type, "allParameters", {})
-        return field.hint
 
     def connectGui(self, gui):
         widgets = [w for w in vars(gui).values() if hasattr(w, "property")]
@@ -302,9 +278,6 @@ class WrapperMembers:
 
     def RemoveObserver(self, tag):
         self.parameterNode.RemoveObserver(tag)
-
-    def HasObserver(self, tag):
-        return self.parameterNode.HasObserver(tag)
 
     def Modified(self):
         self.parameterNode.Modified()

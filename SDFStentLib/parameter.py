@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from dataclasses import MISSING, dataclass, field, fields
 from typing import Any
 
 from .validation import InputError, as_number
@@ -107,9 +107,13 @@ class Parameter:
         return {**found, "minimum": self.lowest}
 
 
-def parameter(does: str, **more: Any) -> dict[str, Parameter]:
-    """Metadata of a dataclass's field that is a parameter; arguments as of `Parameter`."""
-    return {"parameter": Parameter(does, **more)}
+def parameter(does: str, default: Any = MISSING, **more: Any) -> Any:
+    """A dataclass's field that is a parameter, optional with None for a default.
+
+    Other arguments as of `Parameter`.
+    """
+    one = Parameter(does, is_optional=default is None, **more)
+    return field(default=default, metadata={"parameter": one})
 
 
 def parameters_of(kind: Any) -> dict[str, Parameter]:

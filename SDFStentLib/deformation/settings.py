@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 from numpy.typing import ArrayLike
@@ -23,12 +23,12 @@ THINNEST_AND_WIDEST_RADIUS = (0.05, 100.0)
 CALIBRATIONS = ("axis", "paper", "none")
 
 
-def _length(does: str, least: float, most: float, **more: Any) -> dict[str, Parameter]:
+def _length(does: str, least: float, most: float, **more: Any) -> Any:
     return parameter(does, unit="mm", least=least, most=most, **more)
 
 
-def _choice(does: str, names: Iterable[str], option: str = "") -> dict[str, Parameter]:
-    return parameter(does, names=tuple(names), option=option)
+def _choice(does: str, names: Iterable[str], **more: Any) -> Any:
+    return parameter(does, names=tuple(names), **more)
 
 
 _OWN_STEPS = " and ".join(f"{step:g} with {rule}" for rule, step in RULES.items())
@@ -49,126 +49,97 @@ class DeploymentSettings:
         Values without sense, or out of their range.
     """
 
-    influence_distance: float = field(
+    influence_distance: float = _length(
+        "distance from the stent at which the deformation ends (paper: 6.5)",
+        0.05,
+        100.0,
         default=6.5,
-        metadata=_length(
-            "distance from the stent at which the deformation ends (paper: 6.5)",
-            0.05,
-            100.0,
-            option="influence",
-        ),
+        option="influence",
     )
-    smoothing_width: float = field(
+    smoothing_width: float = _length(
+        "width k of the smooth minimum (paper: 0.4); 0 is the hard minimum",
+        1e-3,
+        20.0,
         default=0.4,
-        metadata=_length(
-            "width k of the smooth minimum (paper: 0.4); 0 is the hard minimum",
-            1e-3,
-            20.0,
-            may_be_zero=True,
-            option="smoothing",
-        ),
+        may_be_zero=True,
+        option="smoothing",
     )
-    capsule_length: float = field(
-        default=1.0,
-        metadata=_length("length of a capsule (paper: 1)", 0.05, 50.0, option="capsule"),
+    capsule_length: float = _length(
+        "length of a capsule (paper: 1)", 0.05, 50.0, default=1.0, option="capsule"
     )
-    contact_tolerance: float = field(
+    contact_tolerance: float = _length(
+        "distance from the stent below which the wall is in contact (paper: 0.01)",
+        1e-6,
+        1.0,
         default=0.01,
-        metadata=_length(
-            "distance from the stent below which the wall is in contact (paper: 0.01)", 1e-6, 1.0
-        ),
     )
-    rule: str = field(
+    rule: str = _choice(
+        "radius-step rule: contact events resolved within long steps, or Euler as published",
+        RULES,
+        option="rule",
         default="events",
-        metadata=_choice(
-            "radius-step rule: contact events resolved within long steps, or Euler as published",
-            RULES,
-            "rule",
-        ),
     )
-    step: float | None = field(
-        default=None,
-        metadata=_length(
-            f"radius step; the rule's own is {_OWN_STEPS}",
-            1e-4,
-            100.0,
-            is_optional=True,
-            option="step",
-        ),
+    step: float | None = _length(
+        f"radius step; the rule's own is {_OWN_STEPS}", 1e-4, 100.0, default=None, option="step"
     )
-    step_tolerance: float = field(
-        default=0.05,
-        metadata=_length("largest estimated distance of an adaptive step to its limit", 1e-6, 10.0),
+    step_tolerance: float = _length(
+        "largest estimated distance of an adaptive step to its limit", 1e-6, 10.0, default=0.05
     )
-    crimped_radius: float = field(
+    crimped_radius: float = _length(
+        "radius to start from, lowered where the wall is nearer to the axis",
+        0.01,
+        50.0,
         default=0.4,
-        metadata=_length(
-            "radius to start from, lowered where the wall is nearer to the axis", 0.01, 50.0
-        ),
     )
-    fold: str = field(
+    fold: str = _choice(
+        "ends from which the smooth minimum is folded: the mean of both, which makes the "
+        "result independent of the direction of the axis, or distal as published",
+        FOLDS,
         default="both",
-        metadata=_choice(
-            "ends from which the smooth minimum is folded: the mean of both, which makes the "
-            "result independent of the direction of the axis, or distal as published",
-            FOLDS,
-        ),
     )
-    falloff: str | Profile = field(
-        default="compact",
-        metadata=_choice("weight over the distance to the stent", FALLOFFS, "falloff"),
+    falloff: str | Profile = _choice(
+        "weight over the distance to the stent", FALLOFFS, option="falloff", default="compact"
     )
-    blend: str | Profile = field(
+    blend: str | Profile = _choice(
+        "weight over the distance to the nearest contact point",
+        BLENDS,
+        option="blend",
         default="linear",
-        metadata=_choice("weight over the distance to the nearest contact point", BLENDS, "blend"),
     )
-    calibration: str = field(
+    calibration: str = _choice(
+        "how the smooth minimum's inflation is taken off the radius: measured on the stent's "
+        "own axis, k/4 as in the paper, or not at all",
+        CALIBRATIONS,
         default="axis",
-        metadata=_choice(
-            "how the smooth minimum's inflation is taken off the radius: measured on the stent's "
-            "own axis, k/4 as in the paper, or not at all",
-            CALIBRATIONS,
-        ),
     )
-    finish: bool = field(
+    finish: bool = parameter(
+        "put the wall in contact on the true distance from the axis", default=True
+    )
+    facet_compensation: bool = parameter(
+        "make up for what flat facets take of the lumen's diameter; needs finish",
         default=True,
-        metadata=parameter("put the wall in contact on the true distance from the axis"),
+        option="no-compensation",
     )
-    facet_compensation: bool = field(
-        default=True,
-        metadata=parameter(
-            "make up for what flat facets take of the lumen's diameter; needs finish",
-            option="no-compensation",
-        ),
-    )
-    tissue_gap: float = field(
+    tissue_gap: float = _length(
+        "thickness kept between the stent and walls of other lumens; 0 as published",
+        0.0,
+        10.0,
         default=0.4,
-        metadata=_length(
-            "thickness kept between the stent and walls of other lumens; 0 as published",
-            0.0,
-            10.0,
-            option="tissue-gap",
-        ),
+        option="tissue-gap",
     )
-    axis_smoothing: float = field(
+    axis_smoothing: float = _length(
+        "length over which the axis of every stent is smoothed first, such as a hand-drawn or "
+        "shaky one; 0 leaves it as it is",
+        0.0,
+        50.0,
         default=0.0,
-        metadata=_length(
-            "length over which the axis of every stent is smoothed first, such as a hand-drawn or "
-            "shaky one; 0 leaves it as it is",
-            0.0,
-            50.0,
-            option="smooth-axis",
-        ),
+        option="smooth-axis",
     )
-    untangle: bool = field(
+    untangle: bool = parameter(
+        "take apart triangles that intersect anew, and retry with other gaps if that fails",
         default=True,
-        metadata=parameter(
-            "take apart triangles that intersect anew, and retry with other gaps if that fails"
-        ),
     )
-    certify: bool = field(
-        default=True, metadata=parameter("look for new self-intersections at the end")
-    )
+    certify: bool = parameter("look for new self-intersections at the end", default=True)
 
     def __post_init__(self) -> None:
         for name, one in self.parameters().items():

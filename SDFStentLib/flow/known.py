@@ -6,12 +6,12 @@ import csv
 import math
 import os
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from ..parameter import Parameter, check_parameters, parameter
+from ..parameter import check_parameters, parameter
 from ..units import MOST_FLOW
 from ..validation import Floats, InputError, Place, as_number, as_path
 
@@ -84,48 +84,37 @@ class Wave:
         return np.interp(at, self.time, self.flow)
 
 
-def _flow(does: str, which: str, **more: Any) -> dict[str, Parameter]:
+def _flow(does: str, which: str, **more: Any) -> Any:
     more |= {"unit": "mL/s", "above": 0, "most": MOST_FLOW, "called": f"{which} flow"}
     return parameter(does, **more)
 
 
-def _pressure(does: str, where: str, **more: Any) -> dict[str, Parameter]:
+def _pressure(does: str, where: str, **more: Any) -> Any:
     more |= {"unit": "mmHg", "most": MOST_PRESSURE, "called": f"{where} pressure"}
-    return parameter(does, is_optional=True, **more)
+    return parameter(does, default=None, **more)
 
 
 @dataclass(frozen=True)
 class Known:
     """Of a patient before treatment. Immutable; `InputError` for values that contradict."""
 
-    mean: float = field(metadata=_flow("flow into the vessel", "mean"))
-    peak: float | None = field(
-        default=None,
-        metadata=_flow("not below the mean; none beside a wave", "peak", is_optional=True),
+    mean: float = _flow("flow into the vessel", "mean")
+    peak: float | None = _flow("not below the mean; none beside a wave", "peak", default=None)
+    wave: Wave | None = parameter(
+        "in place of the peak; it is scaled to the mean flow", default=None
     )
-    wave: Wave | None = field(
-        default=None, metadata=parameter("in place of the peak; it is scaled to the mean flow")
+    inlet: float | None = _pressure(
+        "mean pressure at the inlet, with the wedge pressure", "inlet", above=0
     )
-    inlet: float | None = field(
-        default=None,
-        metadata=_pressure("mean pressure at the inlet, with the wedge pressure", "inlet", above=0),
+    wedge: float | None = _pressure(
+        "mean pressure beyond the outlets, below the inlet's", "wedge", least=0
     )
-    wedge: float | None = field(
-        default=None,
-        metadata=_pressure("mean pressure beyond the outlets, below the inlet's", "wedge", least=0),
+    split_right: float | None = parameter(
+        "share of the flow to the right", default=None, above=0, most=1, called="split to the right"
     )
-    split_right: float | None = field(
+    right: Place | None = parameter(
+        "a place in the right main branch, where the frame does not tell where right is",
         default=None,
-        metadata=parameter(
-            "share of the flow to the right",
-            **{"above": 0, "most": 1, "is_optional": True, "called": "split to the right"},
-        ),
-    )
-    right: Place | None = field(
-        default=None,
-        metadata=parameter(
-            "a place in the right main branch, where the frame does not tell where right is"
-        ),
     )
 
     def __post_init__(self) -> None:

@@ -9,7 +9,7 @@ been below 3 mm or the balloon more than 3 times as wide as it.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from ..parameter import check_parameters
 from ..validation import InputError, as_number
@@ -38,23 +38,19 @@ AS_GIVEN = "as given"
 class Balloon:
     """The balloon that expands a stent, and where its recoil is from."""
 
-    diameter: float = field(
-        metadata=diameter_field(
-            "of the balloon; the lumen is what recoil leaves of it",
-            option="balloon",
-            called="balloon diameter",
-        )
+    diameter: float = diameter_field(
+        "of the balloon; the lumen is what recoil leaves of it",
+        option="balloon",
+        called="balloon diameter",
     )
-    recoil_fraction: float = field(
-        metadata=part_field(
-            f"part of the balloon's diameter that is lost; by default {USUAL_RECOIL:g}, or "
-            f"{RAISED_RECOIL:g} in a lumen below {NARROW_LUMEN:g} mm or of less than a third of "
-            "the balloon",
-            0,
-            MOST_RECOIL,
-            option="recoil",
-            called="recoil",
-        )
+    recoil_fraction: float = part_field(
+        f"part of the balloon's diameter that is lost; by default {USUAL_RECOIL:g}, or "
+        f"{RAISED_RECOIL:g} in a lumen below {NARROW_LUMEN:g} mm or of less than a third of "
+        "the balloon",
+        0,
+        MOST_RECOIL,
+        option="recoil",
+        called="recoil",
     )
     reason: str = AS_GIVEN
 

@@ -6,7 +6,7 @@ What is not known stays unknown: no number stands in for it.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import KW_ONLY, dataclass, field
+from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
 import numpy as np
@@ -26,21 +26,20 @@ LEAST_FORESHORTENING, MOST_FORESHORTENING = -0.2, 0.5
 
 
 def diameter_field(does: str, **more: Any) -> Any:
-    """Metadata of a field that is a diameter, mm."""
+    """A field that is a diameter, mm."""
     return parameter(does, unit="mm", above=0, most=MAXIMUM_DIAMETER, **more)
 
 
 def length_field(does: str, **more: Any) -> Any:
-    """Metadata of a field that is a length, mm."""
+    """A field that is a length, mm."""
     return parameter(does, unit="mm", above=0, most=MAXIMUM_LENGTH, **more)
 
 
 def part_field(does: str, least: float, most: float, **more: Any) -> Any:
-    """Metadata of a field that is a part of something."""
+    """A field that is a part of something."""
     return parameter(does, least=least, most=most, **more)
 
 
-OPTIONAL = {"is_optional": True}
 SEEN = "with which its source saw it used, smallest and largest; no limits"
 CELLS = ("closed", "open", "hybrid", "unknown")
 """Kinds of cells between the struts."""
@@ -61,63 +60,47 @@ class Device:
         Numbers without a source, or that contradict each other.
     """
 
-    name: str = field(metadata=parameter("what it is chosen by"))
+    name: str = parameter("what it is chosen by")
     _: KW_ONLY
     family: str = ""
     manufacturer: str = ""
-    covered: bool | None = field(
-        default=None, metadata=parameter("null where not known, or where there are both")
+    covered: bool | None = parameter("null where not known, or where there are both", default=None)
+    cell: str = parameter("between the struts", default="unknown", names=CELLS)
+    nominal_length: float | None = length_field(
+        "as packed, of the one length that the row is about", default=None
     )
-    cell: str = field(default="unknown", metadata=parameter("between the struts", names=CELLS))
-    nominal_length: float | None = field(
-        default=None,
-        metadata=length_field("as packed, of the one length that the row is about", **OPTIONAL),
-    )
-    sold_lengths: tuple[float, ...] = field(
+    sold_lengths: tuple[float, ...] = length_field(
+        "in place of the nominal length, all lengths in which it is sold, as packed, rising",
         default=(),
-        metadata=length_field(
-            "in place of the nominal length, all lengths in which it is sold, as packed, rising"
-        ),
     )
-    lengths: tuple[Range, ...] = field(
+    lengths: tuple[Range, ...] = length_field(
+        "pairs of a diameter and the length at it, by rising diameter; needs the nominal length",
         default=(),
-        metadata=length_field(
-            "pairs of a diameter and the length at it, by rising diameter; needs the nominal length"
-        ),
     )
-    foreshortening_fraction: float | None = field(
+    foreshortening_fraction: float | None = part_field(
+        "in place of lengths, the part of the nominal length that is lost: at the nominal "
+        "diameters, and where the row is generic at any",
+        LEAST_FORESHORTENING,
+        MOST_FORESHORTENING,
         default=None,
-        metadata=part_field(
-            "in place of lengths, the part of the nominal length that is lost: at the nominal "
-            "diameters, and where the row is generic at any",
-            LEAST_FORESHORTENING,
-            MOST_FORESHORTENING,
-            **OPTIONAL,
-        ),
     )
-    nominal_diameters: Range | None = field(
-        default=None,
-        metadata=diameter_field("for which it is made, smallest and largest", **OPTIONAL),
+    nominal_diameters: Range | None = diameter_field(
+        "for which it is made, smallest and largest", default=None
     )
-    maximum_diameter: float | None = field(
-        default=None, metadata=diameter_field("to which it may be expanded at most", **OPTIONAL)
+    maximum_diameter: float | None = diameter_field(
+        "to which it may be expanded at most", default=None
     )
-    reported_diameters: Range | None = field(
-        default=None, metadata=diameter_field(SEEN, **OPTIONAL)
+    reported_diameters: Range | None = diameter_field(SEEN, default=None)
+    reported_lengths: Range | None = length_field(SEEN, default=None)
+    generic: bool = parameter(
+        "no product: its numbers are assumptions and need no source", default=False
     )
-    reported_lengths: Range | None = field(default=None, metadata=length_field(SEEN, **OPTIONAL))
-    generic: bool = field(
-        default=False,
-        metadata=parameter("no product: its numbers are assumptions and need no source"),
-    )
-    source: str = field(
-        default="",
-        metadata=parameter("where its numbers are from; needed with a number unless generic"),
+    source: str = parameter(
+        "where its numbers are from; needed with a number unless generic", default=""
     )
     source_date: str = ""
-    verified: bool = field(
-        default=False,
-        metadata=parameter("whether its numbers were compared with the maker's own document"),
+    verified: bool = parameter(
+        "whether its numbers were compared with the maker's own document", default=False
     )
     note: str = ""
 

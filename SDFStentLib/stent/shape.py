@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -22,28 +22,20 @@ FLATTEST_CAP = 0.1
 class Waist:
     """A narrow place, as a lesion leaves it that does not give way: a raised cosine."""
 
-    diameter: float = field(
-        metadata=diameter_field("where it stays narrow", option="waist", called="waist")
-    )
-    position: float | None = field(
+    diameter: float = diameter_field("where it stays narrow", option="waist", called="waist")
+    position: float | None = part_field(
+        "part of the length from the proximal end; by default where the vessel is narrowest",
+        0,
+        1,
         default=None,
-        metadata=part_field(
-            "part of the length from the proximal end; by default where the vessel is narrowest",
-            0,
-            1,
-            is_optional=True,
-            option="waist-position",
-            called="waist position",
-        ),
+        option="waist-position",
+        called="waist position",
     )
-    length: float | None = field(
+    length: float | None = length_field(
+        "of the whole waist; by default that of the stent",
         default=None,
-        metadata=length_field(
-            "of the whole waist; by default that of the stent",
-            is_optional=True,
-            option="waist-length",
-            called="waist length",
-        ),
+        option="waist-length",
+        called="waist length",
     )
 
     def __post_init__(self) -> None:
@@ -54,10 +46,8 @@ class Waist:
 class StentEnd:
     """An end that is wider (flare) or narrower (taper) than the stent."""
 
-    diameter: float = field(metadata=diameter_field("at the very end", called="end of the stent"))
-    length: float = field(
-        metadata=length_field("to where it has its own diameter", called="length of the end")
-    )
+    diameter: float = diameter_field("at the very end", called="end of the stent")
+    length: float = length_field("to where it has its own diameter", called="length of the end")
 
     def __post_init__(self) -> None:
         check_parameters(self)
@@ -105,15 +95,13 @@ class Shape:
     start: StentEnd | None = None
     end: StentEnd | None = None
     table: tuple[tuple[float, float], ...] = ()
-    cap_height: float = field(
+    cap_height: float = part_field(
+        "how far it pushes beyond its ends, over the radius there: 1 is half a sphere",
+        FLATTEST_CAP,
+        1,
         default=1.0,
-        metadata=part_field(
-            "how far it pushes beyond its ends, over the radius there: 1 is half a sphere",
-            FLATTEST_CAP,
-            1,
-            option="cap-height",
-            called="cap height",
-        ),
+        option="cap-height",
+        called="cap height",
     )
 
     def __post_init__(self) -> None:

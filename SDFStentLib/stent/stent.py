@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import KW_ONLY, dataclass, field
+from dataclasses import KW_ONLY, dataclass
 
 from ..cautions import Caution
 from ..parameter import check_parameters, parameter
@@ -81,53 +81,41 @@ class Stent(ByValue):
         known.
     """
 
-    diameter: float = field(
-        metadata=diameter_field(
-            "of the lumen that is deployed; with a recoil, that of the balloon",
-            option="diameter",
-            called="stent diameter",
-        )
+    diameter: float = diameter_field(
+        "of the lumen that is deployed; with a recoil, that of the balloon",
+        option="diameter",
+        called="stent diameter",
     )
     _: KW_ONLY
     placement: Placement
-    length: float | None = field(
+    length: float | None = length_field(
+        "nominal length; along a curve about its middle, none between two points",
         default=None,
-        metadata=length_field(
-            "nominal length; along a curve about its middle, none between two points",
-            is_optional=True,
-            option="length",
-            called="stent length",
-        ),
+        option="length",
+        called="stent length",
     )
-    foreshortening_fraction: float | None = field(
+    foreshortening_fraction: float | None = part_field(
+        "part of the nominal length that is lost on expansion; by default with a length that "
+        f"of the device, or {DEFAULT_FORESHORTENING:g} without a device; else 0",
+        LEAST_FORESHORTENING,
+        MOST_FORESHORTENING,
         default=None,
-        metadata=part_field(
-            "part of the nominal length that is lost on expansion; by default with a length that "
-            f"of the device, or {DEFAULT_FORESHORTENING:g} without a device; else 0",
-            LEAST_FORESHORTENING,
-            MOST_FORESHORTENING,
-            is_optional=True,
-            option="foreshortening",
-            called="foreshortening",
-        ),
+        option="foreshortening",
+        called="foreshortening",
     )
     device: Device | None = None
     balloon: Balloon | None = None
-    keeps: str = field(
+    keeps: str = parameter(
+        "what stays where it is when the stent shortens; one that is placed by an end keeps that",
         default="center",
-        metadata=parameter(
-            "what stays where it is when the stent shortens; one that is placed by an end keeps "
-            "that",
-            names=KEPT,
-            option="keep",
-        ),
+        names=KEPT,
+        option="keep",
     )
     shape: Shape | None = None
-    may_be_shortened: bool = field(
+    may_be_shortened: bool = parameter(
+        "deploy it also where less than half of it can lie on the vessel",
         default=False,
-        metadata=parameter(
-            "deploy it also where less than half of it can lie on the vessel", option="shortened"
-        ),
+        option="shortened",
     )
     name: str = ""
     enabled: bool = True
