@@ -43,6 +43,7 @@ from .spheres import Until as Until
 from .spheres import followed_wall as followed_wall
 from .spheres import inscribed_spheres as inscribed_spheres
 from .spheres import rough_radii as rough_radii
+from .spheres import widest_passing as widest_passing
 from .spheres import with_own_spheres as with_own_spheres
 from .stations import Stations as Stations
 from .stations import measured_at as measured_at

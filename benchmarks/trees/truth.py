@@ -28,7 +28,11 @@ _COVERS = (0.05, 0.1, 0.2, 0.4)
 """Distance of the points that cover the triangles, mm: fine ones for the last steps of a search."""
 
 _STEP = 0.5
-"""Distance of stations, mm; about the narrowest place it is a fifth."""
+"""Distance of stations, mm; a fifth about those that are nearly the narrowest,"""
+
+_NEARLY = 1.05
+"""up to so many times as wide: a wall of triangles has dips that are shorter than stations are
+apart."""
 
 _PLATEAU = 3.0
 """The healthy caliber is the median over so many mm beside the narrowing."""
@@ -185,8 +189,13 @@ def truths(
     lowest = [first + int(np.argmin(wide[first : last + 1])) for first, last in parts]
     if is_ostial and lowest[0] == parts[0][0]:
         raise ValueError("ostial: narrowest at the parent's end")
-    fine = [along[at] + np.linspace(-_STEP, _STEP, 11) for at in lowest]
-    more, more_centers, more_wide = _measured(*after, narrowing.vessel, np.concatenate(fine))
+    narrow = [
+        first + np.flatnonzero(wide[first : last + 1] <= _NEARLY * wide[at])
+        for (first, last), at in zip(parts, lowest, strict=True)
+    ]
+    steps = _STEP * np.array([-0.8, -0.6, -0.4, -0.2, 0.2, 0.4, 0.6, 0.8])
+    fine = np.unique((along[np.concatenate(narrow), None] + steps).round(6))
+    more, more_centers, more_wide = _measured(*after, narrowing.vessel, fine)
     order = np.argsort(np.r_[along, more.along], kind="stable")
     along = np.r_[along, more.along][order]
     centers = np.vstack([centers, more_centers])[order]

@@ -68,24 +68,26 @@ def with_own_spheres(
     if which:
         again, places = np.concatenate(which), np.concatenate(middles)
         ways = directions[again] / norm(directions[again])[:, None]
-        own = _round(wall, places, across(ways))
+        disks = _DISK * np.maximum(wall.distances(places), 1e-12)
+        own = largest_in_disks(wall, places, across(ways), disks)
         smaller = own.radii < radii[again]
         centers[again[smaller]], radii[again[smaller]] = own.at(np.flatnonzero(smaller))
     return InscribedSpheres(centers, radii)
 
 
-def _round(wall: LocalSurface, middles: Points, axes: Floats) -> InscribedSpheres:
-    """The largest spheres with centers in disks round some middles (n, 3), axes (n, 2, 3)."""
+def largest_in_disks(
+    wall: LocalSurface, middles: Points, axes: Floats, disks: Floats
+) -> InscribedSpheres:
+    """The largest spheres with centers in disks (n,) round some middles (n, 3), axes (n, 2, 3)."""
     steps = np.linspace(-1.0, 1.0, _TRIED)
     grid = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
     grid = grid[norm(grid) <= 1.0]
     radii = wall.distances(middles)
-    disk = _DISK * np.maximum(radii, 1e-12)
-    best, size, rows = np.zeros((len(middles), 2)), disk, np.arange(len(middles))
+    best, size, rows = np.zeros((len(middles), 2)), disks, np.arange(len(middles))
     # Ends: disks become half as wide.
     while (size > _FINEST).any():
         tried = best[:, None] + size[:, None, None] * grid
-        tried /= np.maximum(np.linalg.norm(tried, axis=2) / disk[:, None], 1.0)[..., None]
+        tried /= np.maximum(np.linalg.norm(tried, axis=2) / disks[:, None], 1.0)[..., None]
         places = middles[:, None] + np.einsum("nki,nij->nkj", tried, axes)
         room = wall.distances(places.reshape(-1, 3)).reshape(len(middles), -1)
         at = room.argmax(axis=1)

@@ -1,0 +1,87 @@
+"""The widest sphere that passes from one place of a lumen to another, whatever way it takes.
+
+At an ostium, or at a throat beside which a branch leaves, a plane across the vessel's line meets
+pockets of the lumen side by side, each with a largest sphere of its own. Which of them is on the
+way no single plane tells. What passes is the sphere at the narrowest place of the widest way: the
+largest least distance to the wall of all ways, first on a grid, then across the way there.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import ndimage
+
+from ...geometry import across
+from ...validation import Floats, Indices
+from .local_surface import LocalSurface
+from .own import largest_in_disks
+
+_CELLS = 4
+"""Of the grid along a radius of the throat."""
+
+_MOST = 24
+"""Cells along an edge of the grid at most; wider ones where its ends are farther apart."""
+
+_NEAR = 2.5
+"""Cells about the narrowest one of the widest way within which the sphere is looked for,"""
+
+_PLANES = 11
+"""in so many planes across the way."""
+
+
+def widest_passing(wall: LocalSurface, throat: Floats, radius: float, ends: Floats) -> Floats:
+    """Center and radius (4,) of the widest sphere that passes between two places of a lumen, mm.
+
+    NaN where the grid has no way between them, or none that is narrower than both.
+
+    Parameters
+    ----------
+    wall : LocalSurface
+    throat : (3,) array
+        About where the way is narrowest, mm.
+    radius : float
+        About as wide, mm.
+    ends : (2, 3) array
+        Where the way begins and ends, mm.
+    """
+    corners = np.vstack([throat, ends])
+    low, high = corners.min(axis=0) - radius, corners.max(axis=0) + radius
+    step = max(radius / _CELLS, float((high - low).max()) / _MOST)
+    counts = np.maximum(np.ceil((high - low) / step).astype(int), 1) + 1
+    grid = low + step * np.moveaxis(np.indices(counts), 0, -1)
+    room = wall.distances(grid.reshape(-1, 3)).reshape(counts)
+    begin, end = (_widest(room, np.linalg.norm(grid - one, axis=-1)) for one in ends)
+    levels = np.sort(room[room <= min(room[begin], room[end])])
+    first, last = 0, len(levels)
+    # Ends: half of the levels are left each time.
+    while last - first > 1:
+        middle = (first + last) // 2
+        parts = _connected(room >= levels[middle])
+        first, last = (middle, last) if parts[begin] == parts[end] else (first, middle)
+    narrowest = grid[room == levels[first]][0]
+    parts = _connected(room > levels[first])
+    is_near = np.linalg.norm(grid - narrowest, axis=-1) < _NEAR * step
+    sides = [grid[is_near & (parts == parts[one])] for one in (begin, end)]
+    # Cells see each other through a wall that none of them is as near to.
+    if levels[first] < step or parts[begin] == parts[end] or not all(map(len, sides)):
+        return np.full(4, np.nan)
+    way = sides[1].mean(axis=0) - sides[0].mean(axis=0)
+    way /= np.linalg.norm(way)
+    steps = _NEAR * step * np.linspace(-1.0, 1.0, _PLANES)
+    axes = across(np.tile(way, (_PLANES, 1)))
+    disks = np.full(_PLANES, _NEAR * step)
+    found = largest_in_disks(wall, narrowest + steps[:, None] * way, axes, disks)
+    at = int(found.radii.argmin())
+    return np.r_[found.centers[at], found.radii[at]]
+
+
+def _widest(room: Floats, away: Floats) -> tuple[int, ...]:
+    """The widest cell from which no wall parts a place: that is in its sphere."""
+    at = np.where(away <= max(room.flat[away.argmin()], 0.0), room, -np.inf).argmax()
+    return tuple(int(one) for one in np.unravel_index(at, room.shape))
+
+
+def _connected(inside: np.ndarray) -> Indices:
+    """Numbers of the connected parts of a grid's cells, 0 outside of them."""
+    parts: Indices = ndimage.label(inside, np.ones((3, 3, 3)))[0]
+    return parts
