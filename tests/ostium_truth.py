@@ -99,8 +99,9 @@ def leads_away(hits, centers, wall):
     """
     is_met = np.isfinite(hits).all(axis=2)
     distance, nearest = KDTree(centers).query(np.where(is_met[..., None], hits, 0.0))
-    away = distance / np.median(wall, axis=1)[nearest]
-    return np.where(is_met, np.nan_to_num(away, posinf=0), 0.0)
+    width = np.median(wall, axis=1)[nearest]  # none where the path lies on the wall
+    away = np.divide(distance, width, out=np.zeros_like(distance), where=width > 0)
+    return np.where(is_met, away, 0.0)
 
 
 def openings(points, triangles, axis, before, stent_length, leaves=1.15, depth=1.7):
@@ -128,7 +129,8 @@ def openings_at(points, triangles, axis, before, stent_length, thresholds, depth
         middle[~np.isfinite(wall).all(axis=1)] = 0
         sigma = radius / 2 / SPACING
         centers = centers + ndimage.gaussian_filter1d(middle, sigma, axis=0, mode="nearest")
-    ratio = np.nan_to_num(lengths / wall, nan=1.0)
+    # Where both are infinite, or none, the wall is where it is expected.
+    ratio = np.divide(lengths, wall, out=np.ones_like(lengths), where=lengths != wall)
     away = leads_away(centers[:, None] + lengths[..., None] * rays, centers, wall)
     at = positions - before
     return [_openings(ratio > leaves, away, at, wall, stent_length, depth) for leaves in thresholds]
