@@ -6,6 +6,7 @@ A picture of a step shows the part of the panel that is meant, beside what the 3
 pictures for the extension's index are to be taken in Slicer itself.
 """
 
+import logging
 import sys
 from pathlib import Path
 
@@ -253,6 +254,7 @@ def main(folder):
     ui.proximalEndSpinBox.value = 8.0
     ui.flowMeanSpinBox.value = 2.5
     host.processUntil(lambda: not panel.recoil.isBusy)
+    settle(host, panel)  # the results are told for the flow; until then nothing can be deployed
     host.click(ui.deployButton)
     settle(host, panel)
     studio.take("reference-device-shape.png", "device", "shape")
@@ -268,6 +270,7 @@ def main(folder):
 
 
 if __name__ == "__main__":
+    logging.basicConfig()  # the host logs what goes wrong, and hides it from the console
     words = [word for word in sys.argv[1:] if word != "--moving"]
     where = words[0] if words else HERE.parents[1] / "docs" / "images"
     if "--moving" in sys.argv:
