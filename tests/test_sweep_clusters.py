@@ -11,7 +11,9 @@ import signal
 import socket
 import subprocess
 import sys
-from concurrent.futures import Future, ThreadPoolExecutor
+from collections import deque
+from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
+from types import SimpleNamespace
 
 import pytest
 from child_processes import COMMAND, PATIENCE, PROJECT, begun
@@ -31,9 +33,36 @@ from SDFStentLib.cli import main
 from SDFStentLib.cohort import Cohort, executors, run_sweep
 
 pytest.importorskip("distributed")
+pytestmark = pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
 
 SWEEP = {"axes": {"diameter": {"from": 6, "to": 7, "steps": 4}}, "store": "moved"}
 PLACES = "SDFStentLib.cohort.executors"
+SECONDS = 240
+"""All tests of this file take ten together; a cluster that waits for itself would wait for ever."""
+
+
+@pytest.fixture(autouse=True)
+def _in_time():
+    """Fails with the line at which nothing comes, and ends the sweeps that still run."""
+
+    def over(*_):
+        pytest.fail(
+            f"a cluster did nothing for {SECONDS} s; the traceback says what was waited for"
+        )
+
+    before = signal.signal(signal.SIGALRM, over)
+    signal.alarm(SECONDS)
+    yield
+    signal.alarm(0)
+    signal.signal(signal.SIGALRM, before)
+    for process in SWEEPS:
+        process.kill()
+        process.wait()
+    SWEEPS.clear()
+
+
+SWEEPS: list[subprocess.Popen[str]] = []
+"""That were started by a test."""
 
 
 def free_port():
@@ -96,6 +125,7 @@ class Cluster:
             if process.poll() is None:
                 os.killpg(process.pid, signal.SIGKILL)
             process.wait()
+        print((self.folder / "cluster.log").read_text(encoding="utf-8"))  # where a test has failed
 
 
 @pytest.fixture
@@ -106,7 +136,8 @@ def cluster(tmp_path):
 
 def started(folder, address, environment):
     words = ["sweep", "sweep.json", "-o", "out", "--scheduler", address]
-    return begun(COMMAND, *words, folder=folder, env=environment)
+    SWEEPS.append(begun(COMMAND, *words, folder=folder, env=environment))
+    return SWEEPS[-1]
 
 
 def status_of(folder):
@@ -122,7 +153,7 @@ def test_a_cluster_gives_the_same_bytes_also_when_a_worker_and_the_scheduler_are
     folder = cluster.folder
     environment = hold_at(folder, 1)
     with (folder / "sitecustomize.py").open("a", encoding="utf-8") as file:
-        file.write(f"import {PLACES} as places\nplaces.SCHEDULER_SECONDS = {PATIENCE}\n")
+        file.write(f"import {PLACES} as places\nplaces.SCHEDULER_SECONDS = {SECONDS}\n")
     sweep = started(folder, cluster.address, environment)
     wait_for(lambda: "no workers: they are waited for" in status_of(folder))
     first = cluster.start_worker()
@@ -148,7 +179,7 @@ import pathlib
 import {PLACES} as places
 
 def client(address, plain=places._client):
-    places.SCHEDULER_SECONDS = 2 if pathlib.Path("lost").exists() else {PATIENCE}
+    places.SCHEDULER_SECONDS = 2 if pathlib.Path("lost").exists() else {SECONDS / 4}
     return plain(address)
 
 places._client = client
@@ -171,6 +202,17 @@ def test_a_scheduler_that_is_lost_is_told_in_one_sentence(cluster):
         "sdfstent sweep: the scheduler does not answer any more; what is whole is kept, run the "
         "sweep again to go on.\n"
     )
+
+
+def test_a_scheduler_that_is_lost_is_asked_nothing_more():
+    """It would be waited for, as long as it is when a sweep begins."""
+    future, asked = Future(), []
+    future.cancel()
+    future.set_running_or_notify_cancel()
+    executor = SimpleNamespace(submit=lambda *_: future)
+    with pytest.raises(CancelledError):
+        list(executors.finished(executor, deque(["a task"]), 1, {}, lambda: asked.append(1)))
+    assert not asked
 
 
 STAND_IN = """

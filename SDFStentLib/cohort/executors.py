@@ -185,12 +185,12 @@ def finished(
                 future = executor.submit(run_case, queue[0])
                 at_work[future] = queue.popleft()
         done, _ = wait(at_work, timeout=LOOK, return_when=FIRST_COMPLETED)
-        tick()
         for future in done:
             # Dask's word for a case that killed its workers; Dask may not be installed.
             is_deadly = type(future.exception()).__name__ == "KilledWorker"
             outcome = None if is_deadly else future.result()
             yield at_work.pop(future), outcome
+        tick()  # afterwards: it asks the scheduler, and would wait for one that is lost
 
 
 @contextmanager
