@@ -91,24 +91,6 @@ def neighbor(items: list[Any], item: Any) -> Any:
     return others[min(index, len(others) - 1)] if others else None
 
 
-class Filter:
-    """Which nodes a selector does not offer, as `qMRMLSortFilterProxyModel` is used."""
-
-    def __init__(self, widget: NodeComboBox) -> None:
-        self._widget = widget
-        self._hidden: tuple[str, ...] = ()
-
-    @property
-    def hiddenNodeIDs(self) -> tuple[str, ...]:
-        """IDs of nodes."""
-        return self._hidden
-
-    @hiddenNodeIDs.setter
-    def hiddenNodeIDs(self, ids: Iterable[str]) -> None:
-        self._hidden = tuple(ids)
-        self._widget.setCurrentNode(self._widget.currentNode())
-
-
 class NodeComboBox(Selector):
     """One of the scene's nodes, as `qMRMLNodeComboBox` is used."""
 
@@ -121,7 +103,7 @@ class NodeComboBox(Selector):
     def __init__(self, name: str = "", parameter: str = "") -> None:
         super().__init__(name, parameter)
         self._attributes: dict[str, tuple[str, str]] = {}
-        self._filter = Filter(self)
+        self._hidden: tuple[str, ...] = ()
 
     def checked_value(self, name: str, value: Any) -> Any:
         if name == "baseName" and not self.nodeTypes:
@@ -134,8 +116,18 @@ class NodeComboBox(Selector):
         if className in self.nodeTypes:
             self._attributes[className] = (name, value)
 
-    def sortFilterProxyModel(self) -> Filter:
-        return self._filter
+    def sortFilterProxyModel(self) -> NodeComboBox:
+        """What knows which nodes are not offered: here the widget itself."""
+        return self
+
+    @property
+    def hiddenNodeIDs(self) -> tuple[str, ...]:
+        return self._hidden
+
+    @hiddenNodeIDs.setter
+    def hiddenNodeIDs(self, ids: Iterable[str]) -> None:
+        self._hidden = tuple(ids)
+        self.setCurrentNode(self.currentNode())
 
     def currentNode(self) -> Any:
         return self._scene.GetNodeByID(self.nodeID) if self._scene and self.nodeID else None
@@ -175,7 +167,7 @@ class NodeComboBox(Selector):
     def _is_offered(self, node: Any) -> bool:
         of = next((name for name in self.nodeTypes if self._is_of(node, name)), None)
         isHidden = node.GetHideFromEditors() and not self.showHidden
-        isHidden |= node is self._leaving or node.GetID() in self._filter.hiddenNodeIDs
+        isHidden |= node is self._leaving or node.GetID() in self._hidden
         if of is None or isHidden:
             return False
         name, value = self._attributes.get(of, ("", None))

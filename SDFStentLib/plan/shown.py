@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import re
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
@@ -22,20 +21,10 @@ from ..files import (
 )
 from ..geometry import Surface
 from ..stent import laid_along, stent_lattice
-from ..treatment import TreatedStent, TreatmentResult, TreatmentState
+from ..treatment import TreatmentResult, TreatmentState
 from ..units import MILLIMETERS, Frame
-from ..validation import Flags, Floats, Indices, Points, check_is_a
+from ..validation import check_is_a
 from .run import PlanResult
-
-
-class _Struts(NamedTuple):
-    """Of all stents together; lines (m, p), the rest (m,)."""
-
-    points: Points
-    lines: Indices
-    stent: Indices
-    ring: Indices
-    is_link: Flags
 
 
 def write_device(
@@ -86,11 +75,21 @@ def device_vtp(
     """
     stents = result.final_stents
     if mesh is None:
-        struts = _struts(stents)
-        polydata = polydata_from_lines(struts.points / unit, [*struts.lines])
-        arrays = {"Stent": struts.stent, "Ring": struts.ring, "IsLink": struts.is_link}
+        found = [stent_lattice(one.stent, one.axis) for one in stents]
+        points = np.concatenate([one.points for one in found])
+        starts = np.cumsum([0, *(len(one.points) for one in found)])
+        lines = [
+            line + start for one, start in zip(found, starts, strict=False) for line in one.lines
+        ]
+        polydata = polydata_from_lines(points / unit, lines)
+        counts = [len(one.lines) for one in found]
+        arrays = {
+            "Stent": np.repeat([one.number for one in stents], counts),
+            "Ring": np.concatenate([one.ring for one in found]),
+            "IsLink": np.concatenate([one.is_link for one in found]),
+        }
     else:
-        points: Floats = np.concatenate([laid_along(mesh.points, s.stent, s.axis) for s in stents])
+        points = np.concatenate([laid_along(mesh.points, s.stent, s.axis) for s in stents])
         starts = len(mesh.points) * np.arange(len(stents))
         triangles = (mesh.triangles + starts[:, None, None]).reshape(-1, 3)
         polydata = polydata_from_arrays(points / unit, triangles)
@@ -98,18 +97,6 @@ def device_vtp(
     add_arrays(polydata, {}, arrays)
     set_frame_of_polydata(polydata, frame)
     return encode_vtp(polydata)
-
-
-def _struts(stents: tuple[TreatedStent, ...]) -> _Struts:
-    found = [stent_lattice(one.stent, one.axis) for one in stents]
-    starts = np.cumsum([0, *(len(one.points) for one in found)])
-    return _Struts(
-        np.concatenate([one.points for one in found]),
-        np.concatenate([one.lines + start for one, start in zip(found, starts, strict=False)]),
-        np.repeat([one.number for one in stents], [len(one.lines) for one in found]),
-        np.concatenate([one.ring for one in found]),
-        np.concatenate([one.is_link for one in found]),
-    )
 
 
 _OWN = re.compile(r"steps\.pvd|step_\d+\.vtp")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from ..treatment import Residual, TreatedLesion
@@ -22,28 +22,6 @@ LEFT_BEYOND = " What is left is narrowest beyond the stent's ends."
 NOT_LOOKED_FOR = "Lesions were not looked for: that takes a centerline of the vessel."
 
 Section = Mapping[str, Any]
-
-COLUMNS = (
-    "lesion",
-    "branch",
-    "branch_name",
-    "along_branch_mm",
-    "x",
-    "y",
-    "z",
-    "units",
-    "length_mm",
-    "minimum_diameter_mm",
-    "reference_diameter_mm",
-    "percent_diameter",
-    "minimum_area_mm2",
-    "reference_area_mm2",
-    "percent_area",
-    "proximal_diameter_mm",
-    "distal_diameter_mm",
-    "reference",
-)
-"""Of the table of lesions; x, y, z are in the unit and frame of the surface's file."""
 
 
 def lesion_section(number: int, lesion: Lesion, units: str = "mm") -> dict[str, Any]:
@@ -244,29 +222,35 @@ def lesions_csv(lesions: Sequence[Lesion], units: str = "mm") -> str:
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(COLUMNS)
     for number, lesion in enumerate(lesions, start=1):
-        writer.writerow([_cell(value) for value in _row(number, lesion, units)])
+        writer.writerow([_cell(value(number, lesion, units)) for value in COLUMNS.values()])
     return text.getvalue()
 
 
-def _row(number: int, lesion: Lesion, units: str) -> list[Any]:
-    sides = [side.diameter if side else math.nan for side in (lesion.proximal, lesion.distal)]
-    return [
-        number,
-        lesion.branch + 1,
-        lesion.branch_name,
-        lesion.branch_arc_length,
-        *_filed(lesion.point, units),
-        units,
-        lesion.length,
-        lesion.minimum_diameter,
-        lesion.reference_diameter,
-        lesion.percent_diameter,
-        lesion.minimum_area,
-        lesion.reference_area,
-        lesion.percent_area,
-        *sides,
-        lesion.reference,
-    ]
+def _side(place: HealthyPlace | None) -> float:
+    return place.diameter if place else math.nan
+
+
+COLUMNS: dict[str, Callable[[int, Lesion, str], Any]] = {
+    "lesion": lambda number, one, units: number,
+    "branch": lambda number, one, units: one.branch + 1,
+    "branch_name": lambda number, one, units: one.branch_name,
+    "along_branch_mm": lambda number, one, units: one.branch_arc_length,
+    "x": lambda number, one, units: _filed(one.point, units)[0],
+    "y": lambda number, one, units: _filed(one.point, units)[1],
+    "z": lambda number, one, units: _filed(one.point, units)[2],
+    "units": lambda number, one, units: units,
+    "length_mm": lambda number, one, units: one.length,
+    "minimum_diameter_mm": lambda number, one, units: one.minimum_diameter,
+    "reference_diameter_mm": lambda number, one, units: one.reference_diameter,
+    "percent_diameter": lambda number, one, units: one.percent_diameter,
+    "minimum_area_mm2": lambda number, one, units: one.minimum_area,
+    "reference_area_mm2": lambda number, one, units: one.reference_area,
+    "percent_area": lambda number, one, units: one.percent_area,
+    "proximal_diameter_mm": lambda number, one, units: _side(one.proximal),
+    "distal_diameter_mm": lambda number, one, units: _side(one.distal),
+    "reference": lambda number, one, units: one.reference,
+}
+"""Of the table of lesions; x, y, z are in the unit and frame of the surface's file."""
 
 
 def _cell(value: Any) -> Any:

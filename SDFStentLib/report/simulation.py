@@ -8,17 +8,20 @@ from typing import Any
 import numpy as np
 
 from ..simulation import UNSTEADY, CaseResult, Found, Prepared, Simulated
-from ..validation import Floats
 from .flow import band_words, brief, moments_table, notes_part
 from .html import file_part
 from .markup import beginning, page
-from .picture.drawing import GRAY, Drawing, Mark, Stroke, Words, svg
+from .picture.drawing import svg
+from .picture.plot import along_plot
 from .words import RESEARCH_USE
 
 Section = Mapping[str, Any]
 
-COLORS = {"before": "#b35806", "after": "#08519c"}
-"""As in the plots of diameters."""
+STATES = ("before", "after")
+ALONG = {
+    "static_along_mmhg": "static pressure (mmHg)",
+    "fastest_along_m_s": "fastest blood (m/s)",
+}
 
 NOTES = (
     "Navier-Stokes equations by svMultiPhysics: rigid walls, blood of 1060 kg/m3 and 4 mPa s. "
@@ -35,8 +38,6 @@ NO_LEVEL = (
 )
 
 NO_COARSE = "The coarser mesh was not solved: nothing tells how far the mesh decides."
-
-_WIDTH, _HEIGHT, _LEFT, _RIGHT, _TOP, _BOTTOM = 820, 300, 62, 14, 34, 48
 
 
 def mesh_sentences(prepared: Prepared) -> list[str]:
@@ -138,7 +139,7 @@ def _network(made: Section, name: str) -> dict[str, Any]:
 
 def simulation_moments(document: Section) -> list[tuple[str, list[tuple[str, str]]]]:
     """What is told at the mean flow, and at the peak of a wave: a heading, and labels and words."""
-    states = [document[name] for name in ("before", "after")]
+    states = [document[name] for name in STATES]
     return [
         (f"At the {moment} flow", list(_rows(document, [state[moment] for state in states])))
         for moment in states[0]
@@ -211,51 +212,11 @@ def _notes(found: Simulated) -> Iterator[str]:
 def simulation_page(document: Section) -> str:
     """The page made from a document of `simulation_document`: it loads nothing from elsewhere."""
     moments = [(f"{at}, before -> after", told) for at, told in simulation_moments(document)]
-    drawings = [
-        f"<section>{svg(along_plot(document, key, words))}</section>"
-        for key, words in (
-            ("static_along_mmhg", "static pressure (mmHg)"),
-            ("fastest_along_m_s", "fastest blood (m/s)"),
-        )
-    ]
+    drawings = []
+    for key, words in ALONG.items():
+        values = {name: document[name]["mean"][key] for name in STATES}
+        plot = along_plot(document["along_mm"], values, words)
+        drawings.append(f"<section>{svg(plot)}</section>")
     title = "Flow in three dimensions, before and after"
     parts = [*beginning(title, document), moments_table(moments), *drawings]
     return page(title, [*parts, *notes_part(document), *file_part(document["inputs"])])
-
-
-def along_plot(document: Section, key: str, words: str) -> Drawing:
-    """A value along the centerline at the mean flow, before and after."""
-    along = np.array(document["along_mm"])
-    curves = {name: _floats(document[name]["mean"][key]) for name in COLORS}
-    known = np.concatenate([curve[np.isfinite(curve)] for curve in curves.values()])
-    low, high = min(0.0, float(known.min(initial=0.0))), float(known.max(initial=0.0))
-    high = high if high > low else low + 1.0
-    right, floor = _WIDTH - _RIGHT, _HEIGHT - _BOTTOM
-
-    def x(value: float) -> float:
-        return float(_LEFT + (right - _LEFT) * value / max(along[-1], 1e-9))
-
-    def y(value: float) -> float:
-        return float(floor - (floor - _TOP) * (value - low) / (high - low))
-
-    marks: list[Mark] = [Stroke([(_LEFT, _TOP), (_LEFT, floor), (right, floor)])]
-    for tick in np.linspace(low, high, 5).tolist():
-        marks += [Stroke([(_LEFT, y(tick)), (right, y(tick))], "#dddddd")]
-        marks += [Words(f"{tick:.2g}", _LEFT - 8, y(tick) + 4, anchor="end")]
-    for tick in np.linspace(0.0, float(along[-1]), 6).tolist():
-        marks += [Words(f"{tick:.0f}", x(tick), floor + 19)]
-    middle = (_LEFT + right) / 2
-    marks += [Words("along the centerline, from the inlet (mm)", middle, _HEIGHT - 8, color=GRAY)]
-    marks += [Words(words, 18, (_TOP + floor) / 2, is_upright=True)]
-    for number, (name, curve) in enumerate(curves.items()):
-        is_known = np.isfinite(curve)
-        line = [(x(a), y(b)) for a, b in zip(along[is_known], curve[is_known], strict=True)]
-        marks += [Stroke(line, COLORS[name], 2.6)]
-        start = _LEFT + 10 + 120 * number
-        marks += [Stroke([(start, 16), (start + 30, 16)], COLORS[name], 2.6)]
-        marks += [Words(name, start + 38, 20, anchor="start")]
-    return Drawing(_WIDTH, _HEIGHT, tuple(marks), f"{words} along the centerline")
-
-
-def _floats(values: Sequence[float | None]) -> Floats:
-    return np.array([np.nan if value is None else value for value in values])

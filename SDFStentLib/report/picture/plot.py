@@ -1,4 +1,4 @@
-"""Lumen diameters along a stent: the one drawing in page, SVG and PNG."""
+"""Values along a vessel, before and after: diameters in page, SVG and PNG, and flow in 3D."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ from typing import Any
 
 from ..branches import again_words, stretches_of
 from ..stents import stent_titles
+from ..words import plain
 from .drawing import GRAY, INK, Box, Disc, Drawing, Mark, Stroke, Words, shifted
 
-_WIDTH, _HEIGHT = 820, 380
+_WIDTH, _HEIGHT, _FLAT = 820, 380, 300
 _LEFT, _RIGHT, _TOP, _BOTTOM = 62, 14, 62, 48
 _HEADING = 30
 """Height of the line above a plot that names its stent, where there is one."""
@@ -39,6 +40,9 @@ SPHERE_HELD = (
     "prescribed, while the section is not."
 )
 
+FROM_STENT = "position from the proximal end of the stent, proximal to distal (mm)"
+FROM_INLET = "along the centerline, from the inlet (mm)"
+
 _SIDEWAYS = (0, -70, 70)
 """By how much words may be moved off what lies under them, pixels."""
 
@@ -63,7 +67,7 @@ def diameter_plot(
     # From zero, so that heights compare as diameters do.
     up = _Scale(0.0, _round_up(max(known)), _HEIGHT - _BOTTOM, _TOP)
     first, last = (across(end) for end in diameters["stent_ends_mm"])
-    marks = [*_beyond(first, last), *_grid(across, up)]
+    marks = [*_beyond(first, last), *_grid(across, up, FROM_STENT, "lumen diameter (mm)")]
     marks += _strip(first, last, across, stretches) if again is None else _gone(first, last, again)
     curves = [
         Stroke([(across(position), up(value)) for position, value in piece], color, width, dashes)
@@ -77,6 +81,23 @@ def diameter_plot(
         return Drawing(_WIDTH, _HEIGHT, tuple(marks), title)
     marks.append(Words(SPHERE_HELD, _WIDTH / 2, _HEIGHT + 12, 12, GRAY))
     return Drawing(_WIDTH, _HEIGHT + 20, tuple(marks), title)
+
+
+def along_plot(
+    positions: Sequence[float], values: Mapping[str, Sequence[float | None]], words: str
+) -> Drawing:
+    """Values before and after along the centerline, mm; interrupted where they are not known."""
+    known = [one for name in values for one in plain(values[name]) if one is not None]
+    low, high = min([0.0, *known]), max([0.0, *known])
+    across = _Scale(0.0, max(float(positions[-1]), 1e-9), _LEFT, _WIDTH - _RIGHT)
+    up = _Scale(low, high if high > low else low + 1.0, _FLAT - _BOTTOM, 34)
+    marks = [*_grid(across, up, FROM_INLET, words)]
+    for start, name, color in ((72, "before", _BEFORE), (192, "after", _AFTER)):
+        for piece in _pieces(plain(positions), plain(values[name])):
+            marks.append(Stroke([(across(at), up(one)) for at, one in piece], color, 2.6))
+        marks.append(Stroke([(start, 16), (start + 30, 16)], color, 2.6))
+        marks.append(Words(name, start + 38, 20, anchor="start"))
+    return Drawing(_WIDTH, _FLAT, tuple(marks), f"{words} along the centerline")
 
 
 def _sphere_is_held(along: Mapping[str, Any]) -> bool:
@@ -143,8 +164,8 @@ def _round_up(value: float) -> float:
     return step * math.ceil(value * 1.08 / step)
 
 
-def _grid(across: _Scale, up: _Scale) -> Iterator[Mark]:
-    right, floor = _WIDTH - _RIGHT, _HEIGHT - _BOTTOM
+def _grid(across: _Scale, up: _Scale, along: str, upright: str) -> Iterator[Mark]:
+    right, floor = across.end, up.start
     for tick in up.ticks():
         y = up(tick)
         yield Stroke([(_LEFT, y), (right, y)], "#dddddd")
@@ -153,10 +174,9 @@ def _grid(across: _Scale, up: _Scale) -> Iterator[Mark]:
         x = across(tick)
         yield Stroke([(x, floor), (x, floor + 5)])
         yield Words(f"{tick:g}", x, floor + 19)
-    yield Stroke([(_LEFT, _TOP), (_LEFT, floor), (right, floor)])
-    along = "position from the proximal end of the stent, proximal to distal (mm)"
-    yield Words(along, (_LEFT + right) / 2, _HEIGHT - 8)
-    yield Words("lumen diameter (mm)", 18, (_TOP + floor) / 2, is_upright=True)
+    yield Stroke([(_LEFT, up.end), (_LEFT, floor), (right, floor)])
+    yield Words(along, (_LEFT + right) / 2, floor + _BOTTOM - 8)
+    yield Words(upright, 18, (up.end + floor) / 2, is_upright=True)
 
 
 def _beyond(first: float, last: float) -> Iterator[Mark]:
