@@ -45,6 +45,7 @@ from .spheres import inscribed_spheres as inscribed_spheres
 from .spheres import rough_radii as rough_radii
 from .spheres import widest_passing as widest_passing
 from .spheres import with_own_spheres as with_own_spheres
+from .spheres import with_passing as with_passing
 from .stations import Stations as Stations
 from .stations import measured_at as measured_at
 from .stretch import FaceStretch as FaceStretch

@@ -17,13 +17,14 @@ from ..lumen import (
     MovedWall,
     StationSearch,
     Until,
-    widest_passing,
     with_own_spheres,
+    with_passing,
 )
 from ..validation import Flags, Floats, Points, as_place
 from .branch_lumen import are_in_lumen
 from .lesion_sections import between_neighbors, cut_at, on_line, tightest
 from .lesion_value import Lesion
+from .plateaus import runs_of
 
 _MATTERS = 3.0
 """Wall farther from a lesion's line than so many diameters of its reference bounds neither its
@@ -32,9 +33,6 @@ spheres nor its sections."""
 _NEARLY = 1.05
 """Times its narrowest station up to which another one of a lesion is looked at closely: a wall of
 triangles has dips that are shorter than stations are apart."""
-
-_ASIDE = 0.5
-"""Radii from its station where the middle of a sphere lies that may be in another pocket."""
 
 _BESIDE = 1.02
 """Wall farther from a place than so many times what may matter does not."""
@@ -53,13 +51,9 @@ def measured(lesions: Sequence[Lesion], surface: Surface, wall: LocalSurface) ->
     """
     fine = [_round_narrowest(lesion) for lesion in lesions]
     spheres = _spheres(wall, [(places, ways) for _, places, ways in fine])
-    passed = [
-        _passed(wall, along, places, found)
-        for (along, places, _), found in zip(fine, spheres, strict=True)
-    ]
     return [
-        _with_sphere(replace(lesion, surface=surface), along, found)
-        for lesion, (along, _, _), found in zip(lesions, fine, passed, strict=True)
+        _with_sphere(replace(one, surface=surface), along, with_passing(wall, places, found, along))
+        for one, (along, places, _), found in zip(lesions, fine, spheres, strict=True)
     ]
 
 
@@ -173,28 +167,11 @@ def _with_sphere(lesion: Lesion, along: Floats, spheres: InscribedSpheres) -> Le
 
 def _round_narrowest(lesion: Lesion) -> tuple[Floats, Points, Points]:
     """Arc lengths, points and directions round the narrowest stations of a lesion's line."""
-    known = np.isfinite(lesion.diameters)
-    narrow = [len(lesion.line) // 2]
-    if known.any():
-        narrow = np.flatnonzero(lesion.diameters <= _NEARLY * np.nanmin(lesion.diameters)).tolist()
+    middle = len(lesion.line) // 2
+    runs = [(middle, middle)]
+    if np.isfinite(lesion.diameters).any():
+        narrow = lesion.diameters <= _NEARLY * np.nanmin(lesion.diameters)
+        runs = runs_of(narrow).tolist()
     along = lesion.line.arc_lengths
-    fine = np.unique(np.concatenate([between_neighbors(along, number) for number in narrow]))
+    fine = np.unique(np.concatenate([between_neighbors(along, *run) for run in runs]))
     return (fine, *on_line(lesion.line, fine))
-
-
-def _passed(
-    wall: LocalSurface, along: Floats, places: Points, spheres: InscribedSpheres
-) -> InscribedSpheres:
-    """Spheres at places along a line; where they change pockets, none is smaller than passes."""
-    centers, radii = spheres.centers.copy(), spheres.radii.copy()
-    if not np.isfinite(radii).any():
-        return spheres
-    narrowest = int(np.nanargmin(radii))
-    throat, radius = centers[narrowest], float(radii[narrowest])
-    about = np.flatnonzero((np.abs(along - along[narrowest]) <= 2 * radius) & np.isfinite(radii))
-    if not (norm(centers[about] - places[about]) > _ASIDE * radii[about]).any():
-        return spheres
-    *center, passes = widest_passing(wall, throat, radius, centers[about[[0, -1]]])
-    smaller = about[radii[about] < passes]
-    centers[smaller], radii[smaller] = center, passes
-    return InscribedSpheres(centers, radii)

@@ -75,7 +75,7 @@ def smallest_section(surface: Surface, line: LesionLine, minimum: float) -> Sect
     along, wall = cut_at(line.line), _wall_round(surface, line)
     areas = _own_areas(wall, line, along)
     smallest = tightest(areas, _wanted(line, along)) if np.isfinite(areas).any() else 0
-    fine = between_neighbors(along, smallest)
+    fine = between_neighbors(along, smallest, smallest)
     areas = np.r_[areas, _own_areas(wall, line, fine)]
     return _smallest(line, np.r_[along, fine], areas, minimum)
 
@@ -94,10 +94,10 @@ def tightest(sizes: Floats, references: Floats) -> int:
     return int(np.where(about, references / sizes, -np.inf).argmax())
 
 
-def between_neighbors(along: Floats, number: int) -> Floats:
-    """Arc lengths between the neighbors of one of some."""
-    ends = along[max(number - 1, 0)], along[min(number + 1, len(along) - 1)]
-    return np.linspace(*ends, FINE_STATIONS)
+def between_neighbors(along: Floats, first: int, last: int) -> Floats:
+    """Arc lengths between the neighbors of one of some, or of some that follow each other."""
+    ends = along[max(first - 1, 0)], along[min(last + 1, len(along) - 1)]
+    return np.linspace(*ends, FINE_STATIONS + FINE_STATIONS // 2 * (last - first))
 
 
 def on_line(line: Line, along: Floats) -> tuple[Points, Points]:

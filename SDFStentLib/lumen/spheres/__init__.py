@@ -10,4 +10,5 @@ from .inscribed import inscribed_spheres as inscribed_spheres
 from .local_surface import LocalSurface as LocalSurface
 from .own import with_own_spheres as with_own_spheres
 from .passing import widest_passing as widest_passing
+from .passing import with_passing as with_passing
 from .point_lumen import rough_radii as rough_radii

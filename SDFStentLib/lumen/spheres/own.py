@@ -16,8 +16,9 @@ from ...validation import Floats, Indices, Points
 from .climb import InscribedSpheres
 from .local_surface import LocalSurface
 
-_CENTERED = 0.5
-"""Radii of its sphere from whose middle a station tells where the middle of the vessel is."""
+CENTERED = 0.5
+"""Radii of its sphere from whose middle a station tells where the middle of the vessel is; farther
+aside it may be in another pocket."""
 
 _DISK = 0.9
 """Share of the distance from there to the wall within which the middle is looked for."""
@@ -52,7 +53,7 @@ def with_own_spheres(
     centers, radii = found.centers.copy(), found.radii.copy()
     offset = centers - stations
     with np.errstate(invalid="ignore"):
-        astray, centered = norm(offset) >= radii, norm(offset) < _CENTERED * radii
+        astray, centered = norm(offset) >= radii, norm(offset) < CENTERED * radii
     middles, which = [], []
     for line in lines:
         left, known = line[astray[line]], centered[line]

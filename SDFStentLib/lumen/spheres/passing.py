@@ -9,12 +9,12 @@ largest least distance to the wall of all ways, first on a grid, then across the
 from __future__ import annotations
 
 import numpy as np
-from scipy import ndimage
 
-from ...geometry import across
-from ...validation import Floats, Indices
+from ...geometry import across, norm
+from ...validation import Floats, Indices, Points
+from .climb import InscribedSpheres
 from .local_surface import LocalSurface
-from .own import largest_in_disks
+from .own import CENTERED, largest_in_disks
 
 _CELLS = 4
 """Of the grid along a radius of the throat."""
@@ -27,6 +27,37 @@ _NEAR = 2.5
 
 _PLANES = 11
 """in so many planes across the way."""
+
+
+def with_passing(
+    wall: LocalSurface, stations: Points, found: InscribedSpheres, along: Floats
+) -> InscribedSpheres:
+    """The spheres of some stations along a line, none smaller than passes where pockets change.
+
+    Parameters
+    ----------
+    wall : LocalSurface
+        What bounds the spheres.
+    stations : (n, 3) array
+        mm.
+    found : InscribedSpheres
+        There, as `with_own_spheres` has them.
+    along : (n,) array
+        Arc lengths of the stations, mm.
+    """
+    centers, radii = found
+    if not np.isfinite(radii).any():
+        return found
+    narrowest = int(np.nanargmin(radii))
+    throat, radius = centers[narrowest], float(radii[narrowest])
+    about = np.flatnonzero((np.abs(along - along[narrowest]) <= 2 * radius) & np.isfinite(radii))
+    if not (norm(centers[about] - stations[about]) > CENTERED * radii[about]).any():
+        return found
+    *center, passes = widest_passing(wall, throat, radius, centers[about[[0, -1]]])
+    smaller = about[radii[about] < passes]
+    wider = InscribedSpheres(centers.copy(), radii.copy())
+    wider.centers[smaller], wider.radii[smaller] = center, passes
+    return wider
 
 
 def widest_passing(wall: LocalSurface, throat: Floats, radius: float, ends: Floats) -> Floats:
@@ -61,7 +92,7 @@ def widest_passing(wall: LocalSurface, throat: Floats, radius: float, ends: Floa
     narrowest = grid[room == levels[first]][0]
     parts = _connected(room > levels[first])
     is_near = np.linalg.norm(grid - narrowest, axis=-1) < _NEAR * step
-    sides = [grid[is_near & (parts == parts[one])] for one in (begin, end)]
+    sides = [grid[is_near & (parts == parts[one]) & (parts > 0)] for one in (begin, end)]
     # Cells see each other through a wall that none of them is as near to.
     if levels[first] < step or parts[begin] == parts[end] or not all(map(len, sides)):
         return np.full(4, np.nan)
@@ -77,11 +108,16 @@ def widest_passing(wall: LocalSurface, throat: Floats, radius: float, ends: Floa
 
 def _widest(room: Floats, away: Floats) -> tuple[int, ...]:
     """The widest cell from which no wall parts a place: that is in its sphere."""
-    at = np.where(away <= max(room.flat[away.argmin()], 0.0), room, -np.inf).argmax()
+    nearest = away.argmin()
+    reach = max(room.flat[nearest], away.flat[nearest])
+    at = np.where(away <= reach, room, -np.inf).argmax()
     return tuple(int(one) for one in np.unravel_index(at, room.shape))
 
 
 def _connected(inside: np.ndarray) -> Indices:
     """Numbers of the connected parts of a grid's cells, 0 outside of them."""
+    # Imported here: few vessels have such a throat, and every start would wait for it.
+    from scipy import ndimage
+
     parts: Indices = ndimage.label(inside, np.ones((3, 3, 3)))[0]
     return parts
