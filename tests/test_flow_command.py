@@ -96,6 +96,8 @@ def test_without_a_plan_and_pressures_only_drops_before_are_told(flow, capsys):
         ((), "expected --mean-flow Q"),
         (("--mean-flow", "50"), "--mean-flow: expected a flow with its unit"),
         (("--mean-flow=-5mL/s",), "greater than 0"),
+        (("--mean-flow", "-.5L/min"), "greater than 0"),
+        (("--mean-flow", "-3"), "such as 41.7mL/s or 2.5L/min, got '-3'"),
         (("--mean-flow", "50mL/s", "--wedge", "5"), "that of the wedge alone"),
         (
             ("--mean-flow", "200mL/s", "--inlet-pressure", "13", "--wedge", "12.9"),

@@ -8,7 +8,6 @@ import re
 import sys
 import traceback
 from collections.abc import Callable, Sequence
-from decimal import Decimal
 from importlib import import_module
 from typing import TextIO
 
@@ -29,7 +28,7 @@ _BESIDE = {
 }
 """Commands that are in the file of another one."""
 
-_NEGATIVE = re.compile(r"-(\d+\.?\d*|\.\d+)[eE][-+]?\d{1,3}")
+_NEGATIVE = re.compile(r"-\.?\d[^.]*(\.\d[^.]*)?")
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -45,7 +44,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
-    arguments = [_without_exponent(word) for word in (sys.argv[1:] if argv is None else argv)]
+    arguments = [_as_value(word) for word in (sys.argv[1:] if argv is None else argv)]
     try:
         options = parser().parse_args(arguments)
     except SystemExit as end:  # after --help, --version and errors of usage
@@ -104,6 +103,6 @@ def _failed(error: BaseException, options: argparse.Namespace) -> int:
     return UNEXPECTED
 
 
-def _without_exponent(word: str) -> str:
-    """-1e-3 as -0.001: argparse takes the first for an option."""
-    return format(Decimal(word), "f") if _NEGATIVE.fullmatch(word) else word
+def _as_value(word: str) -> str:
+    """With a space before a negative number: argparse takes -1e-3 and -3L/min for options."""
+    return f" {word}" if _NEGATIVE.fullmatch(word) else word

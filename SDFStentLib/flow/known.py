@@ -166,6 +166,7 @@ def flow_value(text: str, name: str = "flow") -> float:
     InputError
         No number, no unit, another unit, or a flow that is not positive.
     """
+    text = text.strip()
     found = _FLOW.fullmatch(text)
     unit = found[2].lower() if found and found[2] else ""
     if found is None or unit not in UNITS:
