@@ -137,6 +137,11 @@ def test_of_an_unknown_option_the_nearest_and_the_help_of_the_command_are_told(
     assert said.endswith(f", the nearest option is {option}; see sdfstent {command} --help.\n")
 
 
+def test_of_an_option_that_is_like_no_other_none_is_told(capsys):
+    assert main(["run", "x", "-o", "y", "--report", "r.html"]) == 2
+    assert "unrecognized arguments: --report r.html; see" in capsys.readouterr().err
+
+
 def test_help_tells_what_everyone_needs_and_where_the_rest_is(capsys):
     assert main(["deploy", "--help"]) == 0
     short = capsys.readouterr().out

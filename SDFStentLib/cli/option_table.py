@@ -163,7 +163,7 @@ class Parser(argparse.ArgumentParser):
         if not names:
             return ""
         begun = sorted((one for one in known if one.startswith(names[0])), key=len)
-        near = begun or get_close_matches(names[0], known, 1)
+        near = begun or get_close_matches(names[0], known, 1, cutoff=0.75)
         return f", the nearest option is {near[0]}" if near else ""
 
     def error(self, message: str) -> NoReturn:
