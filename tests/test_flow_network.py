@@ -274,6 +274,23 @@ def test_over_a_wave_more_is_lost_than_at_its_mean_and_svzerod_agrees(a_fork):
     assert solved.flows["peak"] > 2.5 * solved.flows["mean"]
 
 
+def test_over_a_wave_what_is_before_is_solved_once_and_after_for_every_stent(a_fork):
+    channels, right = a_fork
+    model = FlowModel(channels, known_flow(40.0, half_sine(), right=right, **PRESSURES))
+    asked = []
+
+    def solve(network, outlets, known):
+        asked.append(network)
+        flows = 1e-6 * known.wave.sampled(20)
+        states = [steady(network, outlets, float(flow)) for flow in flows]
+        return np.array([one.inlet for one in states]), np.array([one.flow for one in states])
+
+    first, again = (model.answer(channels, (), solve) for _ in range(2))
+    assert asked == [first.networks[0], first.networks[1], again.networks[1]]
+    assert first.before == again.before
+    assert first.after == again.after
+
+
 def test_a_solver_that_dies_or_does_not_converge_is_a_sentence(a_fork, monkeypatch):
     answer = answer_of(a_fork, **PRESSURES)
     known = answer.known

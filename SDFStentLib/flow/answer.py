@@ -153,6 +153,7 @@ class FlowModel:
         self._stream = Stream(PER_ML * known.mean * shares, turns_of(channels, self._widths))
         self._blocks: dict[float, tuple[Block, ...]] = {}
         self._usual = self._case(USUAL)
+        self._wave_before: list[State] = []
 
     @cached_property
     def _others(self) -> list[tuple[_Case, _Case]]:
@@ -217,7 +218,7 @@ class FlowModel:
         if solve is not None:
             value = np.array(
                 [
-                    usual.moments(known, one, ways, _solved(solve, one, usual, known), is_even=True)
+                    usual.moments(known, one, ways, self._solved(solve, one), is_even=True)
                     for one in networks[0]
                 ]
             )
@@ -253,6 +254,17 @@ class FlowModel:
         ]
         return np.reshape(told, (len(cases), -1, *told[0].shape))
 
+    def _solved(self, solve: Solve, network: Network) -> list[State]:
+        """Over the wave; that before treatment is the same for every stent that is tried."""
+        is_before = network is self._usual.network
+        if is_before and self._wave_before:
+            return self._wave_before
+        inlets, through = solve(network, self._usual.outlets, self.known)
+        states = [State(*one) for one in zip(through, inlets.tolist(), strict=True)]
+        if is_before:
+            self._wave_before = states
+        return states
+
     def _moment(self, row: Floats) -> Moment:
         """From the values of one moment with their bands (q, 3)."""
         bands = [Band(*one) for one in row.tolist()]
@@ -269,11 +281,6 @@ def _flows(known: Known) -> Floats:
     if known.wave is not None:
         return np.append(known.wave.sampled(SAMPLES), known.wave.peak)
     return np.array([known.mean] if known.peak is None else [known.mean, known.peak])
-
-
-def _solved(solve: Solve, network: Network, case: _Case, known: Known) -> list[State]:
-    inlets, through = solve(network, case.outlets, known)
-    return [State(*one) for one in zip(through, inlets.tolist(), strict=True)]
 
 
 class _Case(NamedTuple):
