@@ -109,8 +109,10 @@ def flow_rows(section: Section, most: int | None = None) -> Rows:
 
 
 def flow_sentences(section: Section, most: int | None = None) -> list[str]:
-    """The rows as lines, and what has to be known of them."""
-    lines = [f"{label}: {words}." for label, words in flow_rows(section, most)]
+    """Headings, the rows below each as lines, and what has to be known of them."""
+    lines = []
+    for at, rows in flow_moments(section, most):
+        lines += [f"{at}:", *(f"  {label}: {words}" for label, words in rows)]
     count = len(section["before"]["mean"]["narrowings"])
     if most is not None and count > most:
         lines.append(f"{count - most} more narrowings; all of them are in the document.")
