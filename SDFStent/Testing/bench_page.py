@@ -30,6 +30,9 @@ ARGUMENTS = ("--no-sandbox", "--disable-gpu", "--disable-sync", "--no-first-run"
 EVENTS_PER_S = 40
 """Of the mouse: a hand's come 30 to 60 times a second, and each costs the driver time that a user would not need."""
 
+WIDER = 0.1
+"""Part of the suggested diameter by which it is dragged to and fro: stents that nobody would choose fold, and take long."""
+
 DEPLOY_AGAIN = """() => {
 setInterval(() => document.querySelector('[data-name="deployButton"]').click(), 100); }"""
 
@@ -101,8 +104,15 @@ class Dragged:
         slider = self.named("diameterSlider").locator('input[type="range"]')
         slider.scroll_into_view_if_needed()
         box = slider.bounding_box()
-        x, y = box["x"] + box["width"] * 0.3, box["y"] + box["height"] / 2
-        self.page.mouse.move(x, y)
+        low, high, begun = (
+            float(slider.evaluate(f"one => one.{key}")) for key in ("min", "max", "value")
+        )
+
+        def placeOf(diameter):
+            return box["x"] + box["width"] * (diameter - low) / (high - low)
+
+        y = box["y"] + box["height"] / 2
+        self.page.mouse.move(placeOf(begun), y)
         self.page.mouse.down()
         sides = {
             "pages": server.pages(),
@@ -114,8 +124,7 @@ class Dragged:
         before = {name: cpu(processes) for name, processes in sides.items()}
         start, events = time.perf_counter(), 0
         while (now := time.perf_counter() - start) < seconds:
-            share = 0.35 + 0.1 * math.sin(2 * now)
-            self.moveMouse(box["x"] + box["width"] * share, y)
+            self.moveMouse(placeOf(begun * (1 + WIDER * math.sin(2 * now))), y)
             events += 1
             time.sleep(max(0.0, start + now + 1 / EVENTS_PER_S - time.perf_counter()))
         numbers, found = self.page.evaluate("[window.numbers, window.frameTimes]")
