@@ -61,6 +61,15 @@ window.addEventListener('keydown', event => {
 """Keys of the panel's table of stents, which are meant for it as well where none has the focus, as the view; what is typed
 into a field is the field's."""
 
+GO_ON = """window.setInterval(async () => {
+  if (!document.querySelector('.gone') || !document.hasFocus() || window.performance.now() < 10000) return;
+  const answer = await window.fetch(window.location.href).catch(() => null);
+  if (answer && answer.ok) window.location.reload();
+}, 2000);"""
+"""A page whose connection is lost goes on as soon as somebody answers: in the window that is looked at, for it may be open in
+another one. One that fails at once is not loaded again and again.
+"""
+
 TRIGGERS = (
     *("click", "edit", "key", "ask", "choose", "open", "upload", "demo"),
     *("save", "gather", "fetch"),
@@ -83,7 +92,7 @@ def build(page: Any) -> None:
     with DivLayout(server) as layout:
         layout.root.classes = "page"
         client.Style(STYLE.read_text(encoding="utf-8"))
-        client.ClientTriggers(mounted=FOLLOW_THEME + IN_ORDER + NAMED + NEAREST + KEYS)
+        client.ClientTriggers(mounted=FOLLOW_THEME + IN_ORDER + NAMED + NEAREST + KEYS + GO_ON)
         client.ClientStateChange(value="made", change=template.KEEP)
         html.Div(
             f"<h1>{TITLE}</h1>{template.MESSAGE}{template.OPENING}{template.CHOOSER}{panel}"

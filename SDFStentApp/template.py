@@ -304,7 +304,8 @@ DIAMETERS = """
 
 GONE = """
 <div class="gone" role="alert">The connection is lost, or this page was opened in another window.
-<button type="button" onclick="location.reload()">Go on</button>
+It goes on by itself as soon as it can.
+<button type="button" onclick="location.reload()">Go on now</button>
 If that does not help, sdfstent app has ended: start it again and use the address that it prints.</div>
 """
 
