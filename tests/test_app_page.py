@@ -617,9 +617,7 @@ def test_a_page_that_is_loaded_again_has_its_stents(a_visit):
     a_visit.until("stentTable", "Stent 1")
 
 
-def test_a_page_that_has_failed_says_so_and_goes_on_by_itself(
-    a_browser, the_folder, tmp_path
-):
+def test_a_page_that_has_failed_says_so_and_goes_on_by_itself(a_browser, the_folder, tmp_path):
     files = (the_folder / "cm" / "wall.vtp", "--centerline", the_folder / "cm" / "lines.vtp")
     server = AppServer(tmp_path / "workshop", *files, "--units", "cm")
     visit = Visit(a_browser, server.address)
