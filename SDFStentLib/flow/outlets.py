@@ -62,7 +62,8 @@ def sides_of(
 ) -> Sides | None:
     """The main branches, left and right where that is known; None for a vessel without.
 
-    Where the user names both they have these names. They begin at the first junction from the
+    Else the larger one, by the weights of its outlets, comes first. Where the user names both they
+    have these names. They begin at the first junction from the
     inlet of which a second branch leads to `MAIN`.
 
     Parameters
@@ -86,7 +87,8 @@ def sides_of(
     first, second = below[:2]
     turned = _is_right(channels, tree, (first, second), clues.frame, clues.right)
     pair = (second, first) if turned else (first, second)
-    names = ("main branch 1", "main branch 2") if turned is None else ("left", "right")
+    wide = ("larger main branch", "smaller main branch")
+    names = wide if turned is None else ("left", "right")
     if clues.names:
         one, other = (clues.names[int(channels[number].branch[-1])] for number in pair)
         if one and other and one != other:
