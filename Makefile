@@ -14,8 +14,9 @@ app: $(VENV)/ready-app
 # A process per core; more than four would hold each other up. A file stays in one process, which
 # has one thread of BLAS: those of several processes wait for each other.
 # Bytecode is kept: every process that a test starts would compile the library anew.
+# What more cases of a sweep would say again, and what tests the bench, is left to `make bench`.
 test: $(VENV)/ready-test
-	@PYTHONDONTWRITEBYTECODE= OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 QT_QPA_PLATFORM=offscreen $(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile --no-loadscope-reorder
+	@PYTHONDONTWRITEBYTECODE= OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 QT_QPA_PLATFORM=offscreen $(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile --no-loadscope-reorder -m "not bench"
 
 # The same with every Python from 3.10 to 3.13 that is there.
 test-all:
@@ -38,6 +39,7 @@ lint: $(VENV)/ready-lint
 	  else echo "mypy is left out: the numpy that it is checked with needs Python 3.11"; fi
 
 bench: $(VENV)/ready-bench
+	@$(BIN)/python -m pytest -m bench
 	@$(BIN)/python -m benchmarks
 
 clean:

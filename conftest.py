@@ -97,7 +97,7 @@ def _pictures(painter: Painter) -> Iterator[None]:
 
 
 LONGEST = (
-    "test_app_page", "test_documented_commands", "test_extract_command", "test_tree_bench",
+    "test_app_page", "test_documented_commands", "test_extract_command",
     "test_sweep_faults", "test_sweep_clusters", "test_vessel_followed", "test_scenes",
     "test_segments", "test_cli", "test_app_server", "test_cli_words", "test_long_inputs",
     "test_panel_plans", "test_fast_measuring", "test_panel_looks", "test_panel",

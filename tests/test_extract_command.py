@@ -284,7 +284,7 @@ def patient(data_dir, *more, out="seg"):
     return main(["extract", files[0], "--centerline", files[1], "-o", out, *more])
 
 
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("way", ["to a lobe", pytest.param("beyond it", marks=pytest.mark.bench)])
 def test_side_branches_of_a_tree_are_closed_and_named(data_dir, a_folder, capsys, way):
     assert patient(data_dir, *WAYS[way], "--close-branches") == 0
     said = capsys.readouterr()

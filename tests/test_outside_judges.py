@@ -94,7 +94,14 @@ def test_a_stented_phantom_is_sound_by_meshlab_and_tetgen(name):
     assert_meshed_and_filled(result.points, case.triangles)
 
 
-@pytest.mark.parametrize("name", list(ANATOMY_STENTS))
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param("aorta_iliac", marks=pytest.mark.bench),
+        pytest.param("pulmonary", marks=pytest.mark.bench),
+        "vmtk_aorta",
+    ],
+)
 def test_a_stented_anatomy_is_sound_by_meshlab_and_tetgen(data_dir, name):
     start, length, radius = ANATOMY_STENTS[name]
     case = anatomy_case(data_dir, name, start, length, radius=radius)

@@ -172,7 +172,7 @@ def test_lumen_and_caps_of_an_anatomy_are_those_that_vtk_clips(data_dir, part):
     assert caps == pytest.approx(areas, rel=1e-3)
 
 
-@pytest.mark.parametrize("name", ["pulmonary", "vmtk_aorta"])
+@pytest.mark.parametrize("name", [pytest.param("pulmonary", marks=pytest.mark.bench), "vmtk_aorta"])
 def test_tetgen_meshes_a_segment_without_repair(data_dir, name):
     judges = pytest.importorskip("test_outside_judges")
     for close in (False, True):

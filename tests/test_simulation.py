@@ -30,7 +30,7 @@ from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube, stra
 from SDFStentLib.simulation import Conditions, Outlet, prepare
 from SDFStentLib.simulation.ends import extended
 from SDFStentLib.simulation.mmg import MeditMesh
-from SDFStentLib.simulation.prepared import well_filled
+from SDFStentLib.simulation.prepared import Filled, well_filled
 from SDFStentLib.simulation.remesh import (
     TOLERANCE,
     Wishes,
@@ -110,6 +110,12 @@ def meshed():
     return tube, segment, next(remeshed(segment, axis, Wishes()))
 
 
+@pytest.fixture(scope="module")
+def coarsely_meshed():
+    _, segment, axis = narrowed_segment()
+    return segment, next(remeshed(segment, axis, Wishes(coarser=2)))
+
+
 def test_a_new_surface_lies_on_the_wall_with_enough_edges_round_the_throat(meshed):
     tube, segment, made = meshed
     assert made.deviation <= TOLERANCE
@@ -149,9 +155,9 @@ def test_a_triangle_that_is_turned_over_is_mended_along_the_wall(meshed):
     )
 
 
-def test_slim_triangles_and_flat_tetrahedra_are_not_left(meshed, monkeypatch):
+def test_slim_triangles_and_flat_tetrahedra_are_not_left(coarsely_meshed, monkeypatch):
     """On slim triangles tetrahedra are flat: they are spread out, what stays flat is refused."""
-    _, segment, made = meshed
+    segment, made = coarsely_meshed
     points, triangles = made.surface.points.copy(), made.surface.triangles
     inner = np.setdiff1d(triangles, triangles[~np.isin(made.face_ids, [*segment.walls])])
     for corner in np.random.default_rng(3).choice(inner, 3, replace=False):
@@ -183,9 +189,8 @@ def test_borders_that_run_through_the_wall_make_no_slim_triangles():
     assert (made.face_ids[is_wall & (middles < -2)] == wall.number).all()
 
 
-def test_tetrahedra_fill_the_surface_and_have_no_flat_ones():
-    _, segment, axis = narrowed_segment()
-    made = next(remeshed(segment, axis, Wishes(coarser=2)))
+def test_tetrahedra_fill_the_surface_and_have_no_flat_ones(coarsely_meshed):
+    _, made = coarsely_meshed
     volume = filled(made)
     count = len(made.surface.points)
     np.testing.assert_array_equal(volume.points[:count], made.surface.points)
@@ -387,12 +392,20 @@ def test_an_exact_solution_is_read_with_its_drop_flow_and_wall_shear(folder, cap
     assert "http" not in page.replace("http://www.w3.org/2000/svg", "")
 
 
-def test_a_wave_is_told_by_the_mean_of_its_last_cycle_and_by_its_peak(folder, capsys):
+def test_a_wave_is_told_by_the_mean_of_its_last_cycle_and_by_its_peak(
+    folder, prepared, monkeypatch, capsys
+):
+    filled_before = iter(
+        Filled(*mesh[:3]) for state in prepared[1].states.values() for mesh in state.meshes.values()
+    )
+    monkeypatch.setattr(
+        "SDFStentLib.simulation.prepared.well_filled", lambda _: next(filled_before)
+    )
     waves = 1 + 0.5 * np.sin(2 * math.pi * np.arange(21) / 20)
     rows = [f"{0.04 * k},{FLOW * one}" for k, one in enumerate(waves)]
     Path("wave.csv").write_text("\n".join(["s,mL/s", *rows]), encoding="utf-8")
     known = ["--wave", "wave.csv", *KNOWN[2:]]
-    assert simulate("--no-run", "--quiet", "--coarser", "5", out="wave", known=known) == 0
+    assert simulate("--no-run", "--quiet", out="wave", known=known) == 0
     solver = ElementTree.parse("wave/before/solver.xml").getroot()
     outlet = solver.find("Add_equation/Add_BC[@name='outlet']")
     assert outlet.findtext("Time_dependence") == "RCR"

@@ -88,16 +88,14 @@ def ended(process):
     return process.returncode, out, error
 
 
-def test_a_sweep_interrupted_three_times_ends_with_the_same_bytes_and_leaves_no_process(
-    there, wanted
-):
-    """By Ctrl-C to its whole group, by SIGTERM to itself, and by kill -9."""
+def test_a_sweep_that_is_interrupted_goes_on_where_it_was_to_the_same_bytes(there, wanted, shell):
+    """By Ctrl-C to its whole group, and by kill -9.
+
+    While it goes on, a second one into the same folder is refused, and a minute without a case is
+    told; it is a second here, or more on a slow machine.
+    """
     kept = 0
-    for ending, code, workers in (
-        (signal.SIGINT, 130, "2"),
-        (signal.SIGTERM, 130, "1"),
-        (signal.SIGKILL, -9, "1"),
-    ):
+    for ending, code, workers in ((signal.SIGINT, 130, "2"), (signal.SIGKILL, -9, "1")):
         before = kept
         process = started(there, "--workers", workers, environment=hold_at(there, before + 1))
         wait_for(lambda before=before: len(whole_cases(there)) > before)
@@ -112,11 +110,22 @@ def test_a_sweep_interrupted_three_times_ends_with_the_same_bytes_and_leaves_no_
             assert error == f"sdfstent: interrupted; {kept_words}\n"
         wait_for(lambda children=children: not any(map(is_alive, children)))
         assert before < kept < COUNT
+    environment = hold_at(there, kept)
+    changed(there, "import SDFStentLib.cli.sweep as command", "command.SILENCE = 1.0")
+    process = started(there, "--workers", "1", environment=environment)
+    said = process.stderr.readline()  # only now cases go on
+    second = shell("sweep", "sweep.json", "-o", "out", "--workers", "1", folder=there)
+    assert second.returncode == 2
+    assert "expected a folder where no sweep is running, another one is" in second.stderr
+    assert shell("sweep", "--status", "out", folder=there).stdout.startswith("Running: ")
     let_go(there)
-    code, out, error = ended(started(there, "--workers", "1"))
-    assert (code, error) == (0, "")
+    code, out, error = ended(process)
+    assert code == 0
     assert f"{ALL}: {COUNT} certified for meshing." in out
     assert bytes_of(there / "out") == wanted
+    assert re.match(r"warning: no case has come back for \d+ \w+; a worker may not answer\.", said)
+    assert "--time-limit S" in said
+    assert all(line.startswith("warning: no case") for line in error.splitlines())
 
 
 def test_a_worker_that_is_killed_costs_nothing(there, wanted):
@@ -217,23 +226,9 @@ def test_a_case_that_takes_longer_than_the_limit_has_failed_and_the_others_go_on
     columns = Cohort(there / "out").columns
     (reason,) = columns["reason"][columns["status"] == "failed"]
     assert reason.startswith("it took longer than the time limit of 9000 s")
-    code, out, _ = ended(started(there, *limit, "--workers", "2"))
-    assert code == 0
-    assert f"{ALL}: {COUNT} certified" in out
-
-
-def test_a_minute_without_a_case_is_told_by_the_command(there):
-    """The minute is a second here, or more on a slow machine."""
-    environment = hold_at(there, 1)
-    changed(there, "import SDFStentLib.cli.sweep as command", "command.SILENCE = 1.0")
-    process = started(there, "--workers", "1", environment=environment)
-    said = process.stderr.readline()  # only now cases go on
-    let_go(there)
-    code, _, error = ended(process)
-    assert code == 0
-    assert re.match(r"warning: no case has come back for \d+ \w+; a worker may not answer\.", said)
-    assert "--time-limit S" in said
-    assert all(line.startswith("warning: no case") for line in error.splitlines())
+    with ThreadPoolExecutor(1) as thread:
+        sweep = sweep_in(there, axes=AXES, store="moved")
+        assert run_sweep(sweep, there / "out", executor=thread).certified == COUNT
 
 
 @pytest.mark.parametrize(
@@ -410,21 +405,6 @@ def test_files_that_cannot_be_written_stop_the_sweep_where_no_disk_can_be_mounte
     assert "StoreError: " in last
     assert "out: cannot be written (File too large); free space" in last
     assert not whole_cases(there)
-
-
-def test_a_second_sweep_into_the_same_folder_is_refused_while_the_first_one_runs(
-    there, wanted, shell
-):
-    first = started(there, "--workers", "1", environment=hold_at(there, 1))
-    wait_for(lambda: whole_cases(there))
-    second = shell("sweep", "sweep.json", "-o", "out", "--workers", "1", folder=there)
-    assert second.returncode == 2
-    assert "expected a folder where no sweep is running, another one is" in second.stderr
-    assert shell("sweep", "--status", "out", folder=there).stdout.startswith("Running: ")
-    let_go(there)
-    code, _, error = ended(first)
-    assert (code, error) == (0, "")
-    assert bytes_of(there / "out") == wanted
 
 
 def test_a_callers_executor_that_breaks_ends_in_a_sentence_and_keeps_what_is_whole(there):

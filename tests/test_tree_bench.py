@@ -24,6 +24,8 @@ from SDFStentLib.vessel.own_diameters import measured_runs
 from SDFStentLib.vessel.plateaus import healthy_caliber
 from SDFStentLib.vessel.runs import vessel_runs
 
+pytestmark = pytest.mark.bench
+
 WAY = np.array([0.6, 0.0, 0.8])
 
 

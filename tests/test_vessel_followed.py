@@ -26,7 +26,12 @@ HAND = 0.3
 JUMP = 3.0
 """Ends that move so far under a small move of the hand are on another way, mm."""
 
-TREES = ("su0243", "su0243 without radii", "tree_narrowed")
+TREES = (
+    "su0243",
+    pytest.param("su0243 without radii", marks=pytest.mark.bench),
+    pytest.param("tree_narrowed", marks=pytest.mark.bench),
+    "tree_narrowed without radii",
+)
 
 
 @pytest.fixture(scope="module", params=TREES)
