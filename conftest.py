@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import inspect
+import pickle
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from functools import lru_cache, wraps
+from functools import wraps
 from hashlib import sha256
 from types import SimpleNamespace
 from typing import Any
@@ -32,15 +33,17 @@ while sys.stdin.buffer.peek(1):
 
 def made_once(make: Callable[..., phantoms.Phantom]) -> Callable[..., phantoms.Phantom]:
     """The same call gives the same phantom, which nobody can change: some take a second."""
-    known = lru_cache(maxsize=None, typed=True)(make)
+    known: dict[bytes, phantoms.Phantom] = {}
 
     @wraps(make)
     def once(*arguments, **named):
         try:
-            hash((arguments, tuple(named.values())))
-        except TypeError:
+            key = pickle.dumps((arguments, named))
+        except (pickle.PicklingError, AttributeError):  # a function within a test
             return make(*arguments, **named)
-        return known(*arguments, **named)
+        if key not in known:
+            known[key] = make(*arguments, **named)
+        return known[key]
 
     return once
 

@@ -178,7 +178,7 @@ def test_another_process_is_ready_for_the_next_page(the_server):
 
 def test_a_page_that_has_failed_is_another_one_at_once_when_it_is_loaded_again(a_server):
     _, _, address = get(a_server.address)
-    for _time in range(3):
+    for _time in range(2):
         (page,) = a_server.pages()
         page.kill()  # and before the server has heard of it:
         status, text, address = get(address)

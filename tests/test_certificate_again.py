@@ -26,7 +26,12 @@ def assert_same(one, other):
             assert one[name] == expected, name
 
 
-FOLDING = [("vmtk_aorta", 2), ("vmtk_aorta", 11), ("vmtk_aorta", 38), ("pulmonary", 22)]
+FOLDING = [
+    pytest.param("vmtk_aorta", 38, marks=pytest.mark.bench),
+    ("vmtk_aorta", 2),
+    ("vmtk_aorta", 11),
+    ("pulmonary", 22),
+]
 """Numbers of random stents, seed 1, that need untangling; no. 38 cannot be untangled."""
 
 

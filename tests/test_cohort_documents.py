@@ -40,7 +40,7 @@ def test_the_example_gives_its_table_and_its_plot(folder):
     pytest.importorskip("matplotlib")
     document = json.loads(block("json", "Two hundred cases"))
     assert document["sampling"]["count"] == 200
-    document["sampling"]["count"] = 5
+    document["sampling"]["count"] = 3
     (folder / "sweep.json").write_text(json.dumps(document), encoding="utf-8")
     (folder / "plot.py").write_text(block("python", "Two hundred cases"), encoding="utf-8")
     environment = {**os.environ, "MPLBACKEND": "Agg"}
@@ -48,7 +48,7 @@ def test_the_example_gives_its_table_and_its_plot(folder):
     assert done.returncode == 0, done.stderr
     columns = Cohort(folder / "cohort").columns
     certified = int((columns["certified"] == 1).sum())
-    assert certified >= 4
+    assert certified >= 2
     assert done.stdout.startswith(f"{certified} certified for meshing, 0 failed, ")
     assert (folder / "lumen.png").stat().st_size > 5000
     # The stent is prescribed along all of its length, and nothing else narrows it.

@@ -203,7 +203,7 @@ def assert_runs_on_a_cluster(folder, arguments, _):
 def assert_runs_coarsely(folder, arguments, run):
     """Meshes as small as can be, without a solver; its results are those of blood at rest."""
     if "--read" not in arguments:
-        return assert_runs(folder, [*arguments, "--coarser", "4", "--no-run"], run)
+        return assert_runs(folder, [*arguments, "--coarser", "5", "--no-run"], run)
     for path in (folder / "made by simulate").rglob("mesh-complete.mesh.vtu"):
         volume, _ = read_volume(path)
         count, results = len(volume.points), path.parents[1] / "results"

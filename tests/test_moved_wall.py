@@ -14,7 +14,10 @@ from SDFStentLib.treatment import Treatment, treated_lesions
 from SDFStentLib.vessel import find_lesions
 
 PHANTOMS = {"stenosis": stenosed_tube, "branches": branching_pulmonary_artery}
-ANATOMIES = ("pulmonary", "aorta_iliac", "vmtk_aorta")
+ANATOMIES = (
+    "pulmonary",
+    *(pytest.param(name, marks=pytest.mark.bench) for name in ("aorta_iliac", "vmtk_aorta")),
+)
 
 
 @pytest.fixture(scope="module", params=[*PHANTOMS, *ANATOMIES])

@@ -75,7 +75,13 @@ def test_the_preview_is_near_the_full_one_in_phantoms(phantom, radius):
     assert found.turned == 0
 
 
-@pytest.mark.parametrize("name", ["aorta_iliac", "pulmonary", "vmtk_aorta"])
+ANATOMIES = (
+    "vmtk_aorta",
+    *(pytest.param(name, marks=pytest.mark.bench) for name in ("aorta_iliac", "pulmonary")),
+)
+
+
+@pytest.mark.parametrize("name", ANATOMIES)
 @pytest.mark.parametrize("ratios", [(1.05, 1.6), (1.6, 2.2)])
 def test_the_preview_is_near_the_full_one_in_anatomies(sweep, data_dir, name, ratios):
     vessel = sweep.vessel(name, data_dir)
@@ -112,7 +118,7 @@ def test_weights_carry_linear_displacements_as_they_are():
 # The minimum lumen
 
 
-@pytest.mark.parametrize("name", ["aorta_iliac", "pulmonary", "vmtk_aorta"])
+@pytest.mark.parametrize("name", ANATOMIES)
 def test_the_minimum_lumen_of_a_preview_is_near_the_measured_one(sweep, data_dir, name):
     vessel = sweep.vessel(name, data_dir)
     proxy = Proxy(vessel.surface, vessel.centerline.points)

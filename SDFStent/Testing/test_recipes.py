@@ -32,6 +32,7 @@ def test_pictures_of_the_guide_exist():
         assert (ROOT / "docs" / picture).stat().st_size > 5_000
 
 
+@pytest.mark.bench
 def test_the_pictures_can_be_made_again(tmp_path):
     script = ROOT / "SDFStent" / "Testing" / "make_pictures.py"
     done = subprocess.run(

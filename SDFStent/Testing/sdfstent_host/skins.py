@@ -132,6 +132,7 @@ class Selector(Skin):
     """A combo box over what a selector offers; `LABEL` is what the widget itself writes before it."""
 
     LABEL = ""
+    _items = None
 
     def _make(self):
         self._box = QtWidgets.QComboBox(self)
@@ -148,11 +149,16 @@ class Selector(Skin):
             items.insert(0, (state.get("none") or "", ""))
         if state.get("add"):
             items.append((f"Create new {self.baseName or 'node'}", selectors.NEW))
-        with QSignalBlocker(self._box):
-            self._box.clear()
-            for name, value in items:
-                self._box.addItem(name, value)
-            self._box.setCurrentIndex(self._box.findData(getattr(self, self.edited)))
+        chosen = getattr(self, self.edited)
+        if items != self._items:
+            with QSignalBlocker(self._box):
+                self._box.clear()
+                for name, value in items:
+                    self._box.addItem(name, value)
+            self._items = items
+        if self._box.currentData() != chosen:
+            with QSignalBlocker(self._box):
+                self._box.setCurrentIndex(self._box.findData(chosen))
 
 
 class qMRMLNodeComboBox(Selector, selectors.NodeComboBox, QtWidgets.QWidget):
