@@ -308,3 +308,79 @@ def test_a_plan_with_a_curve_is_carried_out(folder, shell):
     assert_runs(folder, ["run", "p.json", "-o", "again"], shell)
     again = folder / "again" / "surface_stented.vtp"
     assert again.read_bytes() == (folder / "out.vtp").read_bytes()
+
+
+def test_what_the_readme_says_comes_is_what_comes(folder, shell):
+    """Each line of its output begins one that its commands say; its program prints its number."""
+    text = (PROJECT / "README.md").read_text(encoding="utf-8")
+    shown = re.search(r"```text\n(.*?)```", text, re.S)[1].splitlines()
+    commands = [arguments_of(one) for one in command_lines(text)]
+    wanted = [one for one in commands if one[0] in ("measure", "deploy")]
+    said = "".join(shell(*arguments, folder=folder).stdout for arguments in wanted).splitlines()
+    assert len(shown) == 3
+    for line in shown:
+        assert any(one.startswith(line) for one in said), line
+
+
+@pytest.mark.parametrize("document", ["README.md", "docs/engineer.md", "docs/plan.md"])
+def test_programs_of_the_documents_run_and_print_what_they_say(
+    folder, monkeypatch, capsys, document
+):
+    monkeypatch.chdir(folder)
+    text = (PROJECT / document).read_text(encoding="utf-8")
+    (program,) = re.findall(r"```python\n(.*?)```", text, re.S)
+    exec(compile(program, document, "exec"), {})
+    said = capsys.readouterr().out
+    assert "True" in said or "certified for meshing" in said
+    for number in re.findall(r"#.* ([\d.]+ mm)$", program, re.M):
+        assert number in said
+
+
+def test_the_readme_is_short_and_its_make_targets_are_there():
+    text = (PROJECT / "README.md").read_text(encoding="utf-8")
+    targets = set(re.findall(r"^make ([\w-]+)", text, re.M))
+    rules = (PROJECT / "Makefile").read_text(encoding="utf-8")
+    assert targets == {"demo", "test", "app"}
+    assert all(re.search(rf"^{target}:", rules, re.M) for target in targets)
+    assert len(text.split()) <= 900
+
+
+def test_links_of_the_documents_lead_somewhere():
+    """Files that are there, and headings that are in them."""
+    care = [PROJECT / name for name in ("CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md")]
+    missing = []
+    for path in [*DOCUMENTS, *care]:
+        text = re.sub(r"^```.*?^```", "", path.read_text(encoding="utf-8"), flags=re.M | re.S)
+        for link in re.findall(r"\]\(([^)\s]+)\)", text):
+            name, _, heading = link.partition("#")
+            if name.startswith(("http", "mailto")):
+                continue
+            target = (path.parent / name).resolve() if name else path
+            if not target.exists() or (heading and heading not in headings_of(target)):
+                missing.append(f"{path.name}: {link}")
+    assert not missing
+
+
+def headings_of(path) -> set[str]:
+    """As GitHub links them."""
+    titles = re.findall(r"^#+ (.+)$", path.read_text(encoding="utf-8"), re.M)
+    return {re.sub(r"[^\w\- ]", "", title.lower()).strip().replace(" ", "-") for title in titles}
+
+
+def test_commands_of_the_evidence_have_the_options_that_are_named():
+    """Modules and tests that exist, and options that they know."""
+    text = (PROJECT / "docs" / "evidence.md").read_text(encoding="utf-8")
+    rows = re.findall(r"`python -m ([\w.]+) ?([^`]*)`", text)
+    assert len(rows) >= 8
+    for module, words in rows:
+        if module == "pytest":
+            assert all((PROJECT / word).exists() for word in words.split()), words
+            continue
+        place = PROJECT / module.replace(".", "/")
+        files = [place.with_suffix(".py"), place / "__main__.py"]
+        (file,) = [one for one in files if one.is_file()]
+        known = file.read_text(encoding="utf-8") + (PROJECT / "benchmarks" / "common.py").read_text(
+            encoding="utf-8"
+        )
+        for option in re.findall(r"--[\w-]+", words):
+            assert f'"{option}"' in known, (module, option)

@@ -227,9 +227,6 @@ def main(folder):
 
     host.click(ui.deployButton)
     settle(host, panel)
-    ui.expansionSlider.value = 60
-    studio.take("tutorial-3-expansion.png", "results")
-    ui.expansionSlider.value = 100
     studio.take("tutorial-4-results.png", "stents", "results")
     studio.panelPicture("panel.png")
     plotPicture(panel._parameterNode.outputChart, studio.folder / "tutorial-5-plot.png")
