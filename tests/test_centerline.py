@@ -389,3 +389,38 @@ def test_the_way_from_the_root_does_not_depend_on_the_order_of_the_points(seed):
         while parent[way[-1]] >= 0:
             way.append(parent[way[-1]])
         np.testing.assert_array_equal(ancestry_of(shuffled, stored[index]), stored[way[::-1]])
+
+
+def a_binary_tree(random: np.random.Generator) -> list[np.ndarray]:
+    """A line from the inlet to each of 8 ends, points and radii (n, 4)."""
+
+    def ways(begin: np.ndarray, way: np.ndarray, radius: float, depth: int) -> list[np.ndarray]:
+        line = a_line(begin, begin + float(random.uniform(6, 9)) * radius * way)
+        wide = np.column_stack([line, np.full(len(line), radius)])
+        if not depth:
+            return [wide]
+        aside = np.cross(way, random.normal(size=3))
+        aside /= np.linalg.norm(aside)
+        return [
+            np.vstack([wide, one[1:]])
+            for side in (aside, -aside)
+            for one in ways(line[-1], (way + 0.7 * side) / np.sqrt(1.49), 0.8 * radius, depth - 1)
+        ]
+
+    return ways(np.zeros(3), np.array([0.0, 0.0, 1.0]), 6.0, 3)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_lines_that_wander_in_their_lumen_make_no_ends(seed):
+    random = np.random.default_rng([seed, 5])
+    ways, wandering = a_binary_tree(random), []
+    for line, radius in ((way[:, :3], way[:, 3]) for way in ways):
+        wave = np.cumsum(random.normal(size=line.shape), axis=0)
+        wave = np.column_stack([np.convolve(x, np.ones(15) / 15, mode="same") for x in wave.T])
+        wandering.append(line + 0.1 * radius[:, None] * wave / np.abs(wave).max())
+    points, indices = stacked(wandering)
+    for radius in (np.concatenate(ways)[:, 3], None):
+        tree = Centerline.from_lines(points, indices, radius)
+        ends = {tuple(points[line[-1]]) for line in indices}
+        assert {tuple(tree.points[leaf]) for leaf in tree.leaves} == ends
+        assert np.linalg.norm(tree.points[tree.roots[0]]) < 1.0

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..geometry import nearest_distances, norm
+from ..geometry import nearest_distances, norm, search_tree
 from ..validation import Floats, Indices, InputError, Points, as_point, as_points
 from .chains import thinned
 from .line_graph import LineGraph, near_pairs, reach_of, welded
@@ -205,7 +205,7 @@ def _rooted(graph: LineGraph, root: int, line_ends: Floats) -> PointTree:
 
     _, parent = dijkstra(graph.matrix(), directed=False, indices=root, return_predecessors=True)
     parent = np.where(parent < 0, -1, parent).astype(np.int64)
-    kept = _without_spurs(graph, parent, line_ends)
+    kept = _without_spurs(graph, parent, _meant_ends(graph, root, line_ends))
     children = np.flatnonzero(kept & (parent >= 0))
     count = len(parent)
     links = csr_matrix((np.ones(len(children)), (parent[children], children)), (count, count))
@@ -215,17 +215,29 @@ def _rooted(graph: LineGraph, root: int, line_ends: Floats) -> PointTree:
     return PointTree(graph.points[order], graph.radius[order], new_index[parent[order]])
 
 
-def _without_spurs(graph: LineGraph, parent: Indices, line_ends: Floats) -> NDArray[np.bool_]:
+def _meant_ends(graph: LineGraph, root: int, line_ends: Floats) -> Floats:
+    """Ends (k, 3) of lines (n, 2, 3), but not those at the root of lines that begin there."""
+    reach = max(reach_of(graph, GAP_FRACTION, GAP_EXTENT)[root], GAP_EXTENT * graph.extent())
+    at_root = np.linalg.norm(line_ends - graph.points[root], axis=2) <= reach
+    meant: Floats = line_ends[~(at_root & ~at_root[:, ::-1])]
+    return meant
+
+
+def _without_spurs(graph: LineGraph, parent: Indices, ends: Floats) -> NDArray[np.bool_]:
     """Which nodes stay: dead ends made by opening a loop, or by merging lines that part for a
-    moment, go when inside their junction's sphere."""
+    moment, go when inside their junction's sphere, or all along beside another line, in a lumen
+    that is told by it."""
     kept = np.ones(len(parent), dtype=bool)
     child_count = np.bincount(parent[parent >= 0], minlength=len(parent))
     reach = reach_of(graph, GAP_FRACTION, GAP_EXTENT)
     steps = np.linalg.norm(graph.points - graph.points[parent], axis=1).tolist()
     above_of = parent.tolist()
     dead_ends = np.flatnonzero(child_count == 0)
-    is_meant = _lines_at(graph, dead_ends, line_ends.reshape(-1, 3)) > 0
+    is_meant = _lines_at(graph, dead_ends, ends) > 0
     spurs = dead_ends[(graph.degrees()[dead_ends] > 1) | ~is_meant].tolist()
+    if not spurs:
+        return kept
+    everywhere = search_tree(graph.points)
     # Ends: a node comes in when it loses its last child, once.
     while spurs:
         spur, size = [spurs.pop()], 0.0
@@ -233,10 +245,16 @@ def _without_spurs(graph: LineGraph, parent: Indices, line_ends: Floats) -> NDAr
         while above_of[spur[-1]] >= 0 and child_count[spur[-1]] <= (len(spur) > 1):
             size += steps[spur[-1]]
             spur.append(above_of[spur[-1]])
-        junction = spur[-1]
-        if parent[spur[0]] < 0 or size > reach[junction]:
+        *own, junction = spur
+        if not own or above_of[own[0]] < 0:
             continue
-        kept[spur[:-1]] = False
+        if size > reach[junction]:
+            kept[own] = False
+            near = everywhere.query_ball_point(graph.points[own], reach[own])
+            if not all(kept[one].any() for one in near):
+                kept[own] = True
+                continue
+        kept[own] = False
         child_count[junction] -= 1
         if child_count[junction] == 0:
             spurs.append(junction)

@@ -107,6 +107,8 @@ class _Joined:
             np.concatenate([np.full(len(lumen.along), lumen.branch) for lumen in lumens]),
             np.concatenate([lumen.along for lumen in lumens]),
         )
+        # Of lines in one lumen the arc length along the first counts.
+        self._along = self._columns[1].copy()
         self._centers = np.concatenate([lumen.centers for lumen in lumens])
         self._ways = np.concatenate([lumen.line.directions for lumen in lumens])
         self._radii = self._columns[2] / 2
@@ -130,8 +132,9 @@ class _Joined:
         self._is_kept[own] = True
         self._above[own[1:]] = own[:-1]
         if first and own:
-            self._above[own[0]] = self._stands[line[first - 1]]
-            self._before[own[0]] = line[first - 1]
+            before = line[first - 1]
+            self._above[own[0]], self._before[own[0]] = self._stands[before], before
+            self._along[own] += self._along[self._stands[before]] - self._along[before]
 
     def _leave(self, line: Sequence[int]) -> int:
         """Number of stations with which a line runs in the lumen of lines before."""
@@ -143,7 +146,8 @@ class _Joined:
         for begin in range(1, len(line), _AT_ONCE):
             some = np.array(line[begin : begin + _AT_ONCE])
             same = self._in_lumens(some, kept)
-            both = along[some] - along[line[0]], along[same] - along[self._stands[line[0]]]
+            begun = self._along[self._stands[line[0]]]
+            both = along[some] - along[line[0]], self._along[same] - begun
             drift = np.maximum(self._spacings[same], self._spacings[some]) + _DRIFT * both[0]
             same = np.where(np.abs(both[0] - both[1]) <= drift, same, -1)
             for number, one in enumerate(some.tolist(), start=begin):
