@@ -8,6 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 from ostium_truth import openings_at
+from seeds import seeds
 from trees import unbranched
 
 from SDFStentLib import phantoms
@@ -222,9 +223,7 @@ def a_random_stent(folder, seed):
     return surface, (tree if rng.random() < 0.75 else None), axis
 
 
-@pytest.mark.parametrize(
-    "seed", [0, 1, 2, *(pytest.param(seed, marks=pytest.mark.bench) for seed in range(3, 10))]
-)
+@pytest.mark.parametrize("seed", seeds(5, 10))
 def test_random_stents_agree_with_plain_ray_casting(data_dir, seed):
     surface, tree, line = a_random_stent(data_dir, seed)
     axis = extended_axis(surface, line, tree)

@@ -104,13 +104,20 @@ def a_throat_beside_a_branch():
     return assembled("throat beside a branch", patch, vessels, ends, 29.5)
 
 
-def test_a_throat_beside_which_a_branch_leaves_is_told_as_it_is():
+@pytest.fixture(scope="module")
+def a_throat():
+    """A vessel that is narrow where a branch leaves, and a judge of its spheres."""
+    made = a_throat_beside_a_branch()
+    stations = np.arange(20.0, 36.1, 0.5)[:, None] * [0.0, 0.0, 1.0]
+    return made, Spheres(Wall(made.points, made.triangles, np.zeros(1)), stations, 10.0)
+
+
+def test_a_throat_beside_which_a_branch_leaves_is_told_as_it_is(a_throat):
     """Its spheres are those of the branch, 4.4 mm wide, over 1.5 mm: no healthy vessel."""
-    phantom = a_throat_beside_a_branch()
+    phantom, judge = a_throat
     points, triangles = phantom.points, phantom.triangles
-    along = np.arange(26.0, 33.0, 0.1)
+    along = np.arange(26.0, 33.0, 0.2)
     stations, ways = along[:, None] * [0.0, 0.0, 1.0], np.tile([0.0, 0.0, 1.0], (len(along), 1))
-    judge = Spheres(Wall(points, triangles, np.zeros(len(triangles))), stations, 10.0)
     own = 3.0 * narrowing(along, 29.5, 4.0, 0.6)
     disks = zip(stations, ways, 0.9 * own, strict=True)
     truth = np.array([2 * judge.across(*one)[1] for one in disks])
@@ -135,12 +142,11 @@ def test_a_throat_beside_which_a_branch_leaves_is_told_as_it_is():
     assert lesion.end > 32.5
 
 
-def test_a_stent_s_profile_beside_a_branch_is_that_of_its_own_vessel():
+def test_a_stent_s_profile_beside_a_branch_is_that_of_its_own_vessel(a_throat):
     """At the throat 4.4 mm were told of 2.7, as wide as the branch: a stent seemed to be wide."""
-    phantom = a_throat_beside_a_branch()
+    phantom, judge = a_throat
     along = np.arange(20.0, 36.1, 0.5)
     stations, ways = along[:, None] * [0.0, 0.0, 1.0], np.tile([0.0, 0.0, 1.0], (len(along), 1))
-    judge = Spheres(Wall(phantom.points, phantom.triangles, np.zeros(1)), stations, 10.0)
     radii = 3.0 * narrowing(along, 29.5, 4.0, 0.6)
     truth = [2 * judge.across(*one)[1] for one in zip(stations, ways, 0.9 * radii, strict=True)]
     found = diameter_profile(phantom.surface, stations, 0.5)
@@ -162,11 +168,11 @@ def test_a_patient_s_throat_beside_branches_is_as_wide_as_an_independent_search_
     wall = Wall(vessel.surface.points, vessel.surface.triangles, np.zeros(1))
     judge = Spheres(wall, line, 10.0)
     told = found.inscribed_diameter
-    disks = zip(found.centers, Line(line).directions, 0.3 * told, strict=True)
+    disks = [*zip(found.centers, Line(line).directions, 0.3 * told, strict=True)]
     # In a disk round what was found, nothing wider fits beside it, and it fits itself.
-    truth = 2 * np.array([judge.across(*one)[1] for one in disks])
-    inner = slice(3, -3)
-    assert told[inner] == pytest.approx(truth[inner], rel=0.03)
+    inner = slice(3, -3, 2)
+    truth = 2 * np.array([judge.across(*one)[1] for one in disks[inner]])
+    assert told[inner] == pytest.approx(truth, rel=0.03)
     assert found.minimum == pytest.approx(2.62, abs=0.03)
 
 
