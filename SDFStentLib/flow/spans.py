@@ -28,7 +28,9 @@ class Drop(NamedTuple):
     """Of pressure over a part of a vessel, Pa."""
 
     recovered: float
-    """Of the total pressure, with what the jet that leaves the part will still lose."""
+    """Of the total pressure, with what the jet that leaves the part will still lose. What a jet
+    that comes in would lose anyway is of the narrowing before; a part that spares some of that
+    costs nothing."""
     maximal: float
     """Of the static pressure from its start to its lowest place."""
 
@@ -124,7 +126,8 @@ def drop_over(pieces: Sequence[Piece], network: Network, flow: Floats) -> Drop:
         total += float(lost[-1])
     below = np.concatenate(static)
     left = [_left_in_jet(pieces[end], end, network, flow) for end in (0, -1)]
-    return Drop(total + left[1] - left[0], float((below - below[0]).max()))
+    recovered = max(total + left[1] - left[0], min(total, 0.0))
+    return Drop(recovered, float((below - below[0]).max()))
 
 
 def _between(values: Floats, start: float, end: float) -> Floats:
