@@ -1,5 +1,6 @@
 """What a stranger installs: a wheel that is whole, of one version, and runs without the sources."""
 
+import json
 import os
 import re
 import shutil
@@ -61,3 +62,22 @@ def test_the_wheel_works_where_the_sources_are_not(wheel, tmp_path):
     assert done.stdout.startswith(str(tmp_path / "site"))
     assert "certified" in done.stdout
     assert (tmp_path / "made" / "report.html").is_file()
+
+
+def test_the_entry_of_the_extension_index_fits_this_repository():
+    """Fields of version 1.0.2 of the index' schema; names and address as in CMakeLists.txt."""
+    entry = json.loads((PROJECT / "SDFStent.json").read_text(encoding="utf-8"))
+    needed = {"$schema", "category", "scm_url"}
+    more = {"scm_revision", "build_dependencies", "build_subdirectory", "tier"}
+    assert needed <= set(entry) <= needed | more
+    assert entry["$schema"].endswith("slicer-extension-catalog-entry-schema-v1.0.2.json#")
+    lists = (PROJECT / "CMakeLists.txt").read_text(encoding="utf-8")
+    assert "project(SDFStent)" in lists
+    assert f'set(EXTENSION_HOMEPAGE "{entry["scm_url"]}")' in lists
+    assert 'set(EXTENSION_DEPENDS "NA")' in lists
+    assert entry["build_dependencies"] == []
+    assert entry["scm_url"].rpartition("/")[2].startswith("Slicer")
+    assert (entry["category"], entry["tier"]) == ("Planning", 1)
+    urls = re.findall(r"githubusercontent\.com/SDFStent/SlicerSDFStent/main/(\S+?)\"", lists)
+    assert len(urls) == 2
+    assert all((PROJECT / url).is_file() for url in urls)
