@@ -219,9 +219,9 @@ def main(folder):
     host, panel, ui = studio.host, studio.panel, studio.panel.ui
     studio.take("tutorial-1-inputs.png", "inputs")
 
+    ui.stentsCollapsibleButton.collapsed = False
+    ui.lesionTable.selectRow(0)
     host.click(ui.addStentButton)
-    handle = panel._parameterNode.stent.handle
-    handle.SetNthControlPointPositionWorld(0, *theThroat())
     ui.diameterSlider.value, ui.lengthSlider.value = 7.0, 14.0
     studio.take("tutorial-2-stent.png", "stents")
 
@@ -237,7 +237,7 @@ def main(folder):
     ui.mapComboBox.currentIndex = 0
     host.click(ui.copyStentButton)
     near = panel.logic._inputs.centerline(panel._parameterNode)
-    second = near.path_around(theThroat(), 28.0).points[-1]
+    second = near.path_around(theThroat(), 30.0).points[-1]
     panel._parameterNode.stent.handle.SetNthControlPointPositionWorld(0, *second)
     ui.diameterSlider.value, ui.lengthSlider.value = 7.0, 12.0
     host.click(ui.deployButton)
