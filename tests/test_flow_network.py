@@ -3,12 +3,14 @@
 import json
 import re
 import shutil
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
 from seeds import seeds
 
+from SDFStentLib.centerline import Centerline
 from SDFStentLib.flow import (
     FlowModel,
     FollowedChannels,
@@ -30,7 +32,12 @@ from SDFStentLib.flow.channels import Channel, Widths, widths_of
 from SDFStentLib.flow.spans import Piece, drop_over
 from SDFStentLib.geometry import Line
 from SDFStentLib.lumen import equivalent_diameters, inscribed_spheres
-from SDFStentLib.phantoms import branching_pulmonary_artery, stenosed_tube, straight_tube
+from SDFStentLib.phantoms import (
+    branching_pulmonary_artery,
+    stenosed_tube,
+    straight_tube,
+    vascular_tree,
+)
 from SDFStentLib.validation import DeploymentError, InputError
 
 MMHG = 133.322
@@ -212,6 +219,45 @@ def a_fork():
     channels = channels_of(phantom.surface, phantom.centerline)
     right = next(one.center for one in phantom.openings if "right" in one.name)
     return channels, tuple(right.tolist())
+
+
+@pytest.fixture(scope="module")
+def a_tree():
+    """Of eight outlets that are all alike, with narrowings, and what its own centerline tells."""
+    made = vascular_tree(8, 0.8, {1: 0.5, 4: 0.6, 8: 0.4})
+    return made, lost_to_outlets(channels_of(made.surface, made.centerline))
+
+
+def lost_to_outlets(channels):
+    """Shares of the outlets, and what is lost on the way to each, mmHg, the least first."""
+    answer = FlowModel(channels, known_flow(40.0)).answer()
+    network, outlets = answer.networks[0], answer.outlets
+    state = steady(network, outlets, 40e-6)
+    flow = state.flow[network.tree.outlets]
+    lost = state.inlet - outlets.pressure - outlets.resistance * flow
+    return flow / 40e-6, np.sort(lost) / MMHG
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_lines_that_wander_in_their_lumen_tell_the_same_flow(a_tree, seed):
+    made, (shares, lost) = a_tree
+    assert shares == pytest.approx(8 * [1 / 8], rel=0.03)
+    random, tree = np.random.default_rng([seed, 3]), made.centerline
+    pieces, radii = [], []
+    for leaf in tree.leaves.tolist():
+        way = tree.ancestry(leaf)
+        wave = np.cumsum(random.normal(size=(len(way), 3)), axis=0)
+        wave = np.column_stack([np.convolve(x, np.ones(9) / 9, mode="same") for x in wave.T])
+        radii.append(tree.inscribed_radius[way])
+        pieces.append(tree.points[way] + 0.1 * radii[-1][:, None] * wave / np.abs(wave).max())
+    ends = np.cumsum([0, *map(len, pieces)])
+    lines = [np.arange(*both) for both in pairwise(ends.tolist())]
+    radius = np.concatenate(radii) if seed % 2 else None
+    tree = Centerline.from_lines(np.concatenate(pieces), lines, radius)
+    again, lost_again = lost_to_outlets(channels_of(made.surface, tree))
+    assert again == pytest.approx(8 * [1 / 8], rel=0.03)
+    # At forks jets go on in the directions of the lines, which differ.
+    assert lost_again == pytest.approx(lost, rel=0.25)
 
 
 def answer_of(a_fork, flow=40.0, **more):

@@ -143,10 +143,11 @@ def widths_of(
 def _known(channel: Channel, before: Sequence[Floats], is_outlet: bool) -> Floats:
     """Inscribed diameters (n,), where they are not known those of sections or of stations near.
 
-    At the inlet those of stations near: the cap cuts its sections.
+    At the inlet and at outlets those of stations near: caps cut their sections.
     """
     diameter = channel.inscribed
-    if channel.above >= 0 or not np.isfinite(diameter).any():
+    is_inner = channel.above >= 0 and not is_outlet
+    if is_inner or not np.isfinite(diameter).any():
         diameter = np.where(np.isfinite(diameter), diameter, channel.section)
     known = np.isfinite(diameter) & (diameter > 0)
     away = channel.along[-1] - channel.along[known].max(initial=-np.inf)

@@ -10,7 +10,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from ..centerline import BranchLumen, Centerline
-from ..geometry import Surface
+from ..geometry import Surface, norm
 from ..lumen import InscribedSpheres, LocalSurface, StationSearch, Until, closed_surface, holes_of
 from ..validation import Flags, Floats, Indices, InputError, Points
 from .runs import VesselRun
@@ -18,9 +18,9 @@ from .runs import VesselRun
 _SAFELY = 1 + 1e-9
 """Factor on a radius that is enough, against rounding."""
 
-END_REACH = 1.1
-"""Radii from the end of a vessel within which the sphere may touch its cap; a tenth for a cap that
-leans or is round."""
+END_REACH = 1.2
+"""Radii from the end of a vessel within which the sphere may touch its cap; a fifth for a cap that
+is round, or leans against the line by up to a third of a right angle."""
 
 TOLERANCE = 1e-4
 """Of the search for the spheres, mm; far below what a tenth of a diameter needs."""
@@ -118,12 +118,12 @@ def _distances_to_ends(lumens: Sequence[BranchLumen]) -> list[Floats]:
     The root is an end for all that comes from it, also where lines part right behind it.
     """
     meeting = Counter(node for lumen in lumens for node in lumen.nodes)
+    roots = {lumen.nodes[0]: lumen.points[0] for lumen in lumens if lumen.start == 0}
     found = []
     for lumen in lumens:
-        distance = lumen.start + lumen.along
-        if meeting[lumen.nodes[1]] == 1:
-            distance = np.minimum(distance, lumen.along[-1] - lumen.along)
-        found.append(distance)
+        ends = [*roots.values(), *([lumen.points[-1]] if meeting[lumen.nodes[1]] == 1 else [])]
+        # In a straight line: where a line wanders, the way along it is longer.
+        found.append(np.min([norm(lumen.points - end) for end in ends], axis=0))
     return found
 
 
