@@ -158,8 +158,9 @@ def is_selected_lesion(red, green, blue):
 class Visit:
     """A page in the browser, by the names of the panel's widgets."""
 
-    def __init__(self, browser, address):
-        self.context = browser.new_context(viewport={"width": 1280, "height": 800})
+    def __init__(self, browser, address, size=(960, 600)):
+        """The fewer pixels, the less there is to draw."""
+        self.context = browser.new_context(viewport={"width": size[0], "height": size[1]})
         self.context.set_default_timeout(PATIENCE_MS)
         self.page = self.context.new_page()
         self.asked, self.errors = [], []
@@ -339,7 +340,7 @@ def test_a_lesion_is_treated_by_two_stents_and_the_shell_repeats_the_plan(a_visi
 
 
 def test_all_that_the_loop_needs_is_seen_without_scrolling(a_browser, the_server):
-    visit = Visit(a_browser, the_server.address)
+    visit = Visit(a_browser, the_server.address, (1280, 800))
     visit.named("lesionTable").locator("tbody tr").first.wait_for()
     names = ("lesionTable", "stentTable", "addStentButton", "diameterSlider", "lengthSlider")
     boxes = {name: visit.named(name).bounding_box() for name in (*names, "deployButton")}
