@@ -123,7 +123,7 @@ def table(found: Found) -> str:
     text = markdown(header, cells)
     if found["ms"] is None:
         return text
-    return f"{text}\n\nAfter a full answer, 89 outlets: {found['ms']:.0f} ms of the processor."
+    return f"{text}\n\nAfter a full answer: {found['ms']:.0f} ms of the processor."
 
 
 if __name__ == "__main__":
