@@ -223,6 +223,6 @@ def _contradiction(known: Known, lost: float) -> InputError:
     return InputError(
         f"pressures: expected more than the vessel itself costs, got {known.inlet:g} at the inlet "
         f"and {known.wedge:g} mmHg beyond the lungs, where {known.mean:.3g} mL/s{split} cost about "
-        f"{lost / PASCAL_PER_MMHG:.2g} mmHg on the way to the outlets; correct flow, split or "
+        f"{lost / PASCAL_PER_MMHG:.1f} mmHg on the way to the outlets; correct flow, split or "
         "pressures."
     )
