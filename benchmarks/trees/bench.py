@@ -12,7 +12,7 @@ import numpy as np
 from ..common import Found, markdown
 from ..sweep import DATA_FOLDER
 from .case import NONE, load, made_case, read_wall, save
-from .judge import asked, judged
+from .judge import asked, judged, outlets_told
 from .narrowing import SHAPES
 from .pressed import pressed_case
 
@@ -32,6 +32,7 @@ def of_case(folder: Path, by_command: bool = False) -> Found:
     return {
         "case": folder.name, "facts": facts, "failure": answer.failure,
         "seconds": round(answer.seconds, 3), "told": len(answer.told), "invented": invented,
+        "outlets": outlets_told(folder),
         "verdicts": [asdict(one) for one in verdicts],
     }  # fmt: skip
 
@@ -61,6 +62,8 @@ def sentences(found: Found) -> list[str]:
     """What is wrong in a case."""
     lines = [f"ended in an error: {found['failure']}"] if found["failure"] else []
     lines += [f"invented: {one}" for one in found["invented"]]
+    if found["outlets"] != found["facts"]["outlets"]:
+        lines.append(f"flow: {found['outlets']} outlets, not {found['facts']['outlets']}")
     for number, one in enumerate(found["verdicts"]):
         if one["words"] != "as it is":
             errors = "".join(

@@ -29,6 +29,9 @@ PERCENT = 5.0
 INVENTED = (15.0, 10.0)
 """A lesion of so many percent is invented where no more than so many are true."""
 
+FILES = ("surface", "centerline")
+"""Of a saved case, .vtp."""
+
 _ZONE = 2.0
 """A lesion belongs to a narrowing whose extent it is not farther beyond, mm."""
 
@@ -68,7 +71,7 @@ class Answer:
 
 def asked(folder: Path, by_command: bool) -> Answer:
     """The lesions of a saved case, by the installed command or by the same public functions."""
-    surface, line = folder / "surface.vtp", folder / "centerline.vtp"
+    surface, line = (folder / f"{name}.vtp" for name in FILES)
     start = time.perf_counter()
     try:
         sections = _of_command(surface, line) if by_command else _in_process(surface, line)
@@ -96,6 +99,19 @@ def _in_process(surface: Path, line: Path) -> Sequence[Mapping[str, Any]]:
 
     lesions = read_input_files(str(surface), str(line)).vessel.lesions
     return [lesion_section(number, one) for number, one in enumerate(lesions or (), start=1)]
+
+
+def outlets_told(folder: Path) -> int | str:
+    """How many outlets the flow's network of a saved case has, or why there is none."""
+    from SDFStentLib.flow import FlowModel, known_flow
+    from SDFStentLib.plan import read_input_files
+
+    vessel = read_input_files(*(str(folder / f"{name}.vtp") for name in FILES)).vessel
+    try:
+        answer = FlowModel(vessel.channels, known_flow(10.0)).answer()
+    except Exception as error:  # as above
+        return f"{type(error).__name__}: {error}"[:200]
+    return len(answer.networks[0].tree.outlets)
 
 
 @dataclass(frozen=True)
