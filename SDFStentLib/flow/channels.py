@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..centerline import Centerline, Stretch, joined_lumens
-from ..geometry import Line, Surface
+from ..geometry import Line, Surface, norm
 from ..lumen import equivalent_diameters, inscribed_spheres
 from ..validation import Floats, Indices, InputError, Points
 from ..vessel import branch_lumens
@@ -27,6 +27,9 @@ throat of a short narrowing costs what it costs with twice as many to a percent.
 
 LOST = 2.0
 """Diameters before its end in which nothing is known of an outlet: next to a cap it is one."""
+
+CLEAR = 1.2
+"""Radii from an outlet from which on a sphere does not touch its cap, though that may lean."""
 
 _NEW = -1.0
 """Stands for a diameter that is still to be measured."""
@@ -150,6 +153,9 @@ def _known(channel: Channel, before: Sequence[Floats], is_outlet: bool) -> Float
     if is_inner or not np.isfinite(diameter).any():
         diameter = np.where(np.isfinite(diameter), diameter, channel.section)
     known = np.isfinite(diameter) & (diameter > 0)
+    if is_outlet:
+        clear = known & (norm(channel.points - channel.points[-1]) >= CLEAR / 2 * diameter)
+        known = clear if clear.any() else known
     away = channel.along[-1] - channel.along[known].max(initial=-np.inf)
     is_lost = is_outlet and not away <= LOST * diameter[known][-1:].sum()
     if known.any() and not is_lost:

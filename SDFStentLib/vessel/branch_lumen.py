@@ -18,9 +18,9 @@ from .runs import VesselRun
 _SAFELY = 1 + 1e-9
 """Factor on a radius that is enough, against rounding."""
 
-END_REACH = 1.2
-"""Radii from the end of a vessel within which the sphere may touch its cap; a fifth for a cap that
-is round, or leans against the line by up to a third of a right angle."""
+END_REACH = 1.1
+"""Radii from the end of a vessel within which the sphere may touch its cap; a tenth for a cap that
+leans or is round."""
 
 TOLERANCE = 1e-4
 """Of the search for the spheres, mm; far below what a tenth of a diameter needs."""
