@@ -68,7 +68,7 @@ def test_a_stent_beside_its_lesion_still_tells_of_it(host, aStent):
     deploy(host, aStent)
     (lesion,) = aStent.logic.lastRun(aStent._parameterNode).lesions
     assert lesion.stents == ()
-    told = f"lesion 1 not covered: {lesion.after.percent_diameter:.0f} %"
+    told = f"no lesion covered; lesion 1: {lesion.after.percent_diameter:.0f} % left"
     assert told in corner()[0]
 
 

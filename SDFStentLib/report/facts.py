@@ -160,7 +160,8 @@ def _left(
     if not covered or left is None:
         points = np.array([one.after.point for one in lesions])
         beside = lesions[int(treated.axis.line.nearest(points).distances.argmin())]
-        return f"lesion {beside.number} not covered: {degree_word(beside.after.percent_diameter)}"
+        degree = degree_word(beside.after.percent_diameter)
+        return f"no lesion covered; lesion {beside.number}: {degree} left"
     return f"stenosis {degree_word(max(covered))} -> {degree_word(left.percent)}"
 
 
