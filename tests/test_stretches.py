@@ -98,3 +98,16 @@ def test_two_lines_through_a_branch_are_one_though_they_came_by_a_longer_way():
     stretches = joined_lumens(lumens).stretches
     assert [one.above for one in stretches] == [-1, 0, 0]
     assert sorted(one.along[-1] for one in stretches[1:]) == pytest.approx([50.0, 80.0], abs=1.0)
+
+
+def test_a_tree_that_parts_at_once_behind_its_root_is_measured(divided):
+    tree = divided.centerline
+    (root,) = tree.roots
+    way = tree.points[root + 1] - tree.points[root]
+    beside = tree.points[root] + 5 * way / np.linalg.norm(way) + [0, 1, 0]
+    # Too short to be a branch, yet where it ends is no root.
+    points = np.vstack([tree.points[root] - 5e-10 * way / np.linalg.norm(way), tree.points, beside])
+    parent = np.r_[-1, np.where(tree.parent < 0, 0, tree.parent + 1), root + 1]
+    parting = Centerline(points, np.full(len(points), np.nan), parent)
+    starts = [lumen.start for lumen in branch_lumens(divided.surface, parting)]
+    assert 0 < min(starts) < 1e-9

@@ -118,10 +118,11 @@ def _distances_to_ends(lumens: Sequence[BranchLumen]) -> list[Floats]:
     The root is an end for all that comes from it, also where lines part right behind it.
     """
     meeting = Counter(node for lumen in lumens for node in lumen.nodes)
-    roots = {lumen.nodes[0]: lumen.points[0] for lumen in lumens if lumen.start == 0}
+    ending = {lumen.nodes[1] for lumen in lumens}
+    roots = [lumen.points[0] for lumen in lumens if lumen.nodes[0] not in ending]
     found = []
     for lumen in lumens:
-        ends = [*roots.values(), *([lumen.points[-1]] if meeting[lumen.nodes[1]] == 1 else [])]
+        ends = [*roots, *([lumen.points[-1]] if meeting[lumen.nodes[1]] == 1 else [])]
         # In a straight line: where a line wanders, the way along it is longer.
         found.append(np.min([norm(lumen.points - end) for end in ends], axis=0))
     return found
