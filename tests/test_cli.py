@@ -128,6 +128,7 @@ def test_the_same_plan_gives_the_same_file_from_the_shell_and_from_python(a_plan
         (["--proximal", "0", "0", "1.1", "--length", "20"], "line.vtp"),
         (["--from", "0", "0", "1.1", "--to", "0", "0", "2.9"], "line.vtp"),
         (["--from", "0", "0", "2.9", "--to", "-1e-3", "0", "1.1"], "line.vtp"),
+        (["--from", "0", "-0.", "2.9", "--to", "-1.e-3", "0", "1.1"], "line.vtp"),
         (["--axis", "axis.vtp"], None),
         (["--axis", "axis.vtp", "--length", "15"], "line.vtp"),
     ],
