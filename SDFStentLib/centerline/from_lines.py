@@ -246,15 +246,14 @@ def _without_spurs(graph: LineGraph, parent: Indices, ends: Floats) -> NDArray[n
             size += steps[spur[-1]]
             spur.append(above_of[spur[-1]])
         *own, junction = spur
-        if not own or above_of[own[0]] < 0:
+        if not own:
             continue
+        kept[own] = False
         if size > reach[junction]:
-            kept[own] = False
             near = everywhere.query_ball_point(graph.points[own], reach[own])
             if not all(kept[one].any() for one in near):
                 kept[own] = True
                 continue
-        kept[own] = False
         child_count[junction] -= 1
         if child_count[junction] == 0:
             spurs.append(junction)
