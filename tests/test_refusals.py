@@ -176,6 +176,7 @@ REFUSED = {
     deploy("--mean-flow 0mL/s"): "--mean-flow: expected a number greater than 0",
     deploy("--mean-flow 5"): "--mean-flow: expected a flow with its unit",
     deploy("--wedge 5"): "expected --mean-flow Q",
+    deploy("--right 0 0 2"): "expected --mean-flow Q",
     deploy("--export-0d nets"): "expected --mean-flow Q",
     deploy("--mean-flow 5mL/s", line="", place="--axis axis.vtp"): "flow: expected a centerline",
     deploy("--mean-flow 5mL/s --split-right 0.5"): "(--right X Y Z), or",

@@ -114,7 +114,7 @@ def known_of(options: argparse.Namespace) -> Known | None:
     )
     wave = None if options.wave is None else read_wave(options.wave, needs_unit=mean is None)
     if mean is None and wave is None:
-        if {peak, options.right, *values.values()} != {None}:
+        if any(value is not None for value in (peak, options.right, *values.values())):
             raise no_flow()
         return None
     right = None
